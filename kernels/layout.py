@@ -1,0 +1,38 @@
+"""What kernels and their callers agree on: the chunk, the padding and the slots of FIRE's control state.
+
+`STATE` is one float64 array. Scalars live there, and not in kernel arguments, because a recorded graph freezes its
+scalar arguments. All slots are dimensionless in the units of the discrete problem (period, contact modulus and mean
+pressure are 1).
+"""
+
+CHUNK = 1024
+"""Points per kernel thread: a power of two above Warp's unroll limit (16), else LLVM leaves the loop scalar."""
+
+# Parameters, written by the caller (names of Bitzek et al., Phys. Rev. Lett. 97, 170201 (2006), table I).
+DT_MAX = 0
+N_MIN = 1
+F_INC = 2
+F_DEC = 3
+ALPHA_START = 4
+F_ALPHA = 5
+STIFFEST = 6  # largest eigenvalue of the (mass-weighted) stiffness on the free nodes
+TOLERANCE = 7  # on the rms free force over the mean pressure
+NUM_POINTS = 8  # without padding
+
+# Dynamic state, written by `fire_control`.
+DT = 9
+ALPHA = 10
+N_POSITIVE = 11
+MIX = 12
+GAIN = 13
+ITERATION = 14
+RESIDUAL = 15
+HELD = 16
+FROZEN = 17  # 1 once converged or diverged: the steps that follow change nothing
+
+STATE_LENGTH = 18
+
+
+def padded_length(length: int) -> int:
+    """Smallest multiple of `CHUNK` that holds `length` values."""
+    return -(-length // CHUNK) * CHUNK

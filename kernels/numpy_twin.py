@@ -1,0 +1,100 @@
+"""NumPy twin of every kernel in `warp_kernels`: same names, same arguments, same order.
+
+The oracle of the kernel tests and the baseline of the benchmarks. Plain expressions, no attempt at speed.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import layout
+from .layout import CHUNK
+
+Array = NDArray[Any]
+Array64 = NDArray[np.float64]
+
+
+def _chunk_sums(values: Array) -> Array64:
+    return values.reshape(-1, CHUNK).sum(axis=1).astype(np.float64)
+
+
+def spectral_multiply(coefficient: Array, spectrum: Array) -> None:
+    """spectrum *= coefficient, both flat real views of shape (padded,)."""
+    spectrum *= coefficient
+
+
+def net_force(elastic: Array, h: Array, u: Array, force: Array, force_sums: Array64, held_sums: Array64) -> None:
+    """Free part of r = 1 - K u, its squares' sums and the held nodes' counts per chunk."""
+    r = 1 - elastic
+    held = (u >= h) & (r > 0)
+    force[:] = np.where(held, 0, r)
+    force_sums[:] = _chunk_sums(force * force)
+    held_sums[:] = _chunk_sums(held)
+
+
+def search_sums(
+    force: Array,
+    velocity: Array,
+    acceleration: Array,
+    power_sums: Array64,
+    velocity_sums: Array64,
+    acceleration_sums: Array64,
+) -> None:
+    """Restrict the acceleration to the free nodes (in place); sums of v.f, v.v and a.a per chunk."""
+    acceleration[force == 0] = 0
+    power_sums[:] = _chunk_sums(velocity * force)
+    velocity_sums[:] = _chunk_sums(velocity * velocity)
+    acceleration_sums[:] = _chunk_sums(acceleration * acceleration)
+
+
+def restrict_to_free(force: Array, field: Array, restricted: Array, squares: Array64) -> None:
+    """restricted = field on free nodes, 0 on held ones; sums of its squares per chunk."""
+    restricted[:] = np.where(force == 0, 0, field)
+    squares[:] = _chunk_sums(restricted * restricted)
+
+
+def fire_control(
+    force_sums: Array64,
+    held_sums: Array64,
+    power_sums: Array64,
+    velocity_sums: Array64,
+    acceleration_sums: Array64,
+    state: Array64,
+) -> None:
+    """FIRE's power rule on the chunks' sums: sets mix, gain and dt of the next step."""
+    s = state
+    held = held_sums.sum()
+    s[layout.HELD] = held
+    s[layout.RESIDUAL] = residual = np.sqrt(force_sums.sum() / max(s[layout.NUM_POINTS] - held, 1.0))
+    if not residual > s[layout.TOLERANCE] or residual > 1e30:
+        s[layout.FROZEN], s[layout.MIX], s[layout.GAIN] = 1.0, 0.0, 0.0
+        return
+    dt, alpha, mix, gain = s[layout.DT], s[layout.ALPHA], 0.0, 0.0
+    if power_sums.sum() > 0:
+        s[layout.N_POSITIVE] += 1
+        if s[layout.N_POSITIVE] > s[layout.N_MIN]:
+            dt = min(dt * s[layout.F_INC], s[layout.DT_MAX])
+            alpha *= s[layout.F_ALPHA]
+        mix = 1 - alpha
+        ratio = np.sqrt(velocity_sums.sum() / max(acceleration_sums.sum(), 1e-300))
+        gain = min(alpha * ratio, 1 / (dt * s[layout.STIFFEST]))
+    else:
+        s[layout.N_POSITIVE] = 0
+        alpha = s[layout.ALPHA_START]
+        if s[layout.ITERATION] > 0:
+            dt *= s[layout.F_DEC]
+    s[layout.DT] = max(dt, 0.02 * s[layout.DT_MAX])
+    s[layout.ALPHA], s[layout.MIX], s[layout.GAIN] = alpha, mix, gain + s[layout.DT]
+    s[layout.ITERATION] += 1
+
+
+def fire_step(acceleration: Array, h: Array, state: Array64, u: Array, v: Array) -> None:
+    """v = mix v + gain a, u += dt v, then the wall: u <= h, v = 0 where it was hit."""
+    real = u.dtype.type
+    v *= real(state[layout.MIX])
+    v += real(state[layout.GAIN]) * acceleration
+    u += real(state[layout.DT]) * v
+    hit = u > h
+    u[hit] = h[hit]
+    v[hit] = 0

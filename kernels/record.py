@@ -1,0 +1,116 @@
+"""Kernel sequences recorded once and replayed: on Warp as a CPU graph, on NumPy as the twins in turn.
+
+    replay = record("warp", [Call("spectral_multiply", inputs=(coefficient,), outputs=(spectrum,))])
+    replay()
+
+A call gives the arrays in the kernel's order: one-dimensional, contiguous NumPy arrays, float32 or float64, whose
+length is a multiple of `CHUNK` (sums: one value per chunk). Warp works on the same memory, nothing is copied.
+"""
+
+import functools
+import os
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any, NamedTuple
+
+import numpy as np
+import warp as wp
+from numpy.typing import NDArray
+
+from . import numpy_twin, warp_kernels
+from .layout import CHUNK
+
+Array = NDArray[Any]
+
+BACKENDS = ("warp", "numpy")
+KERNELS = ("spectral_multiply", "net_force", "search_sums", "restrict_to_free", "fire_control", "fire_step")
+
+_capture_lock = threading.Lock()
+
+
+class Call(NamedTuple):
+    """One launch: the kernel's name and its arrays, inputs before outputs. Outputs may also be read."""
+
+    kernel: str
+    inputs: tuple[Array, ...]
+    outputs: tuple[Array, ...]
+
+
+@contextmanager
+def _silent_stderr() -> Iterator[None]:
+    """Warp's native code reports a missing CUDA driver on file descriptor 2, whatever its log level."""
+    saved = os.dup(2)
+    with open(os.devnull, "w") as null:
+        os.dup2(null.fileno(), 2)
+        try:
+            yield
+        finally:
+            os.dup2(saved, 2)
+            os.close(saved)
+
+
+@functools.cache
+def load(precision: str) -> None:
+    """Compile (or fetch from Warp's kernel cache) every kernel for one precision, 'float32' or 'float64'."""
+    wp.config.log_level = wp.LOG_WARNING
+    with _silent_stderr():
+        wp.init()
+    real = {"float32": wp.float32, "float64": wp.float64}[precision]
+    for name in KERNELS:
+        kernel = getattr(warp_kernels, name)
+        if kernel.is_generic:
+            arguments = {a.label: a.type for a in kernel.adj.args}
+            types = {k: wp.array(dtype=real) if t.dtype is Any else t for k, t in arguments.items()}
+            wp.overload(kernel, types)
+    wp.load_module(warp_kernels, device="cpu")
+
+
+def record(backend: str, calls: Sequence[Call]) -> Callable[[], None]:
+    """A function without arguments that runs `calls` in order.
+
+    Raises `ValueError` for an unknown backend or an array that a kernel cannot take.
+    """
+    for call in calls:
+        for array in (*call.inputs, *call.outputs):
+            if array.ndim != 1 or not array.flags.c_contiguous:
+                raise ValueError(f"{call.kernel}: an array of shape {array.shape} is not one-dimensional and contiguous")
+        if call.kernel != "fire_control" and call.inputs[0].size % CHUNK:
+            raise ValueError(f"{call.kernel}: length is {call.inputs[0].size}; allowed: multiples of {CHUNK}")
+    if backend == "warp":
+        return _record_warp(calls)
+    if backend == "numpy":
+        return _record_numpy(calls)
+    raise ValueError(f"backend is {backend!r}; allowed: {', '.join(BACKENDS)}")
+
+
+def _record_numpy(calls: Sequence[Call]) -> Callable[[], None]:
+    parts = [functools.partial(getattr(numpy_twin, c.kernel), *c.inputs, *c.outputs) for c in calls]
+
+    def replay() -> None:
+        for part in parts:
+            part()
+
+    return replay
+
+
+def _record_warp(calls: Sequence[Call]) -> Callable[[], None]:
+    precisions = {array.dtype.name for call in calls for array in (*call.inputs, *call.outputs)}
+    load("float32" if "float32" in precisions else "float64")
+    with _capture_lock, wp.ScopedCapture(device="cpu") as capture:
+        for call in calls:
+            threads = 1 if call.kernel == "fire_control" else call.inputs[0].size // CHUNK
+            wp.launch(
+                getattr(warp_kernels, call.kernel),
+                dim=threads,
+                inputs=[_share(array) for array in call.inputs],
+                outputs=[_share(array) for array in call.outputs],
+                device="cpu",
+            )
+    graph = capture.graph
+    return lambda: wp.capture_launch(graph)
+
+
+def _share(array: Array) -> Any:
+    """The same memory as a Warp array."""
+    return wp.array(array, dtype=wp.float32 if array.dtype == np.float32 else wp.float64, copy=False, device="cpu")

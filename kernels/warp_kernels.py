@@ -1,0 +1,221 @@
+"""Warp kernels of the relaxation, float32 and float64 from one generic source.
+
+Every array is one-dimensional and padded to a multiple of `CHUNK`; one thread works on one chunk. An inner loop whose
+length is a compile-time power of two is what LLVM turns into vector code; a thread per element, a run-time bound or a
+tail test stays scalar. The reassociation flags let it vectorise the sums as well.
+
+A complex half spectrum is passed as its flat real view (re, im, re, im, ...), because Warp has no complex type.
+
+The unknown u is the displacement towards the indenter, limited by the wall u <= h. Pressures are in units of the mean
+external pressure, so the net force on a node is r = 1 - (K u). A node is *held* where u = h and r > 0 (the wall carries
+it) and *free* elsewhere.
+"""
+
+from typing import Any
+
+import warp as wp
+
+from .layout import (
+    ALPHA,
+    ALPHA_START,
+    CHUNK,
+    DT,
+    DT_MAX,
+    F_ALPHA,
+    F_DEC,
+    F_INC,
+    FROZEN,
+    GAIN,
+    HELD,
+    ITERATION,
+    MIX,
+    N_MIN,
+    N_POSITIVE,
+    NUM_POINTS,
+    RESIDUAL,
+    STIFFEST,
+    TOLERANCE,
+)
+
+# Module flags replace the global string, so they are appended to it.
+wp.set_module_options(
+    {
+        "enable_backward": False,
+        "cpu_compiler_flags": (wp.config.cpu_compiler_flags or "")
+        + " -mreassociate -fno-signed-zeros -ffp-contract=fast",
+    }
+)
+
+CHUNK_LENGTH = wp.constant(CHUNK)
+
+
+@wp.func
+def project_wall(u: Any, v: Any, h: Any):
+    """Hard wall: a node that passed u = h is put back on it and stopped."""
+    hit = u > h
+    return wp.where(hit, h, u), wp.where(hit, type(v)(0.0), v)
+
+
+@wp.func
+def free_force(r: Any, u: Any, h: Any):
+    """Net force where the node is free, 0 where the wall carries it."""
+    return wp.where(u >= h and r > type(r)(0.0), type(r)(0.0), r)
+
+
+@wp.kernel
+def spectral_multiply(coefficient: wp.array[Any], spectrum: wp.array[Any]):
+    """spectrum *= coefficient on the flat real view; the coefficient of a mode stands there twice (re, im)."""
+    start = wp.tid() * CHUNK_LENGTH
+    for j in range(CHUNK_LENGTH):
+        i = start + j
+        spectrum[i] = coefficient[i] * spectrum[i]
+
+
+@wp.kernel
+def net_force(
+    elastic: wp.array[Any],
+    h: wp.array[Any],
+    u: wp.array[Any],
+    force: wp.array[Any],
+    force_sums: wp.array[wp.float64],
+    held_sums: wp.array[wp.float64],
+):
+    """Free part of r = 1 - K u, with the chunk's sum of its squares and its number of held nodes."""
+    tid = wp.tid()
+    start = tid * CHUNK_LENGTH
+    squares = u.dtype(0.0)
+    held = u.dtype(0.0)
+    for j in range(CHUNK_LENGTH):
+        i = start + j
+        r = u.dtype(1.0) - elastic[i]
+        f = free_force(r, u[i], h[i])
+        force[i] = f
+        squares += f * f
+        held += wp.where(u[i] >= h[i] and r > u.dtype(0.0), u.dtype(1.0), u.dtype(0.0))
+    force_sums[tid] = wp.float64(squares)
+    held_sums[tid] = wp.float64(held)
+
+
+@wp.kernel
+def search_sums(
+    force: wp.array[Any],
+    velocity: wp.array[Any],
+    acceleration: wp.array[Any],
+    power_sums: wp.array[wp.float64],
+    velocity_sums: wp.array[wp.float64],
+    acceleration_sums: wp.array[wp.float64],
+):
+    """Restrict the acceleration to the free nodes (in place) and sum v.f, v.v and a.a over the chunk."""
+    tid = wp.tid()
+    start = tid * CHUNK_LENGTH
+    power = force.dtype(0.0)
+    vv = force.dtype(0.0)
+    aa = force.dtype(0.0)
+    for j in range(CHUNK_LENGTH):
+        i = start + j
+        f = force[i]
+        v = velocity[i]
+        a = wp.where(f == force.dtype(0.0), force.dtype(0.0), acceleration[i])
+        acceleration[i] = a
+        power += v * f
+        vv += v * v
+        aa += a * a
+    power_sums[tid] = wp.float64(power)
+    velocity_sums[tid] = wp.float64(vv)
+    acceleration_sums[tid] = wp.float64(aa)
+
+
+@wp.kernel
+def restrict_to_free(
+    force: wp.array[Any],
+    field: wp.array[Any],
+    restricted: wp.array[Any],
+    squares: wp.array[wp.float64],
+):
+    """restricted = field on free nodes and 0 on held ones (where the force is 0), with the sum of its squares."""
+    tid = wp.tid()
+    start = tid * CHUNK_LENGTH
+    sum_of_squares = field.dtype(0.0)
+    for j in range(CHUNK_LENGTH):
+        i = start + j
+        x = wp.where(force[i] == field.dtype(0.0), field.dtype(0.0), field[i])
+        restricted[i] = x
+        sum_of_squares += x * x
+    squares[tid] = wp.float64(sum_of_squares)
+
+
+@wp.func
+def total(parts: wp.array[wp.float64]):
+    s = wp.float64(0.0)
+    for i in range(parts.shape[0]):
+        s += parts[i]
+    return s
+
+
+@wp.kernel
+def fire_control(
+    force_sums: wp.array[wp.float64],
+    held_sums: wp.array[wp.float64],
+    power_sums: wp.array[wp.float64],
+    velocity_sums: wp.array[wp.float64],
+    acceleration_sums: wp.array[wp.float64],
+    state: wp.array[wp.float64],
+):
+    """One thread: add the chunks' sums, apply FIRE's power rule, leave mix, gain and dt for the step."""
+    zero = wp.float64(0.0)
+    one = wp.float64(1.0)
+    held = total(held_sums)
+    free = wp.max(state[NUM_POINTS] - held, one)
+    residual = wp.sqrt(total(force_sums) / free)
+    state[RESIDUAL] = residual
+    state[HELD] = held
+    # not (>) also catches NaN: a diverged or converged state is frozen, so that u stays what the residual was of
+    if not (residual > state[TOLERANCE]) or residual > wp.float64(1.0e30):
+        state[FROZEN] = one
+        state[MIX] = zero
+        state[GAIN] = zero
+    else:
+        dt = state[DT]
+        alpha = state[ALPHA]
+        mix = zero
+        gain = zero
+        if total(power_sums) > zero:
+            state[N_POSITIVE] = state[N_POSITIVE] + one
+            if state[N_POSITIVE] > state[N_MIN]:
+                dt = wp.min(dt * state[F_INC], state[DT_MAX])
+                alpha = alpha * state[F_ALPHA]
+            ratio = wp.sqrt(total(velocity_sums) / wp.max(total(acceleration_sums), wp.float64(1.0e-300)))
+            # the mixing term is itself a gradient step: beyond 2/(dt lambda_max) it would blow up the stiffest mode
+            mix = one - alpha
+            gain = wp.min(alpha * ratio, one / (dt * state[STIFFEST]))
+        else:
+            state[N_POSITIVE] = zero
+            alpha = state[ALPHA_START]
+            if state[ITERATION] > zero:
+                dt = dt * state[F_DEC]
+        state[DT] = wp.max(dt, wp.float64(0.02) * state[DT_MAX])
+        state[ALPHA] = alpha
+        state[MIX] = mix
+        state[GAIN] = gain + state[DT]
+        state[ITERATION] = state[ITERATION] + one
+
+
+@wp.kernel
+def fire_step(
+    acceleration: wp.array[Any],
+    h: wp.array[Any],
+    state: wp.array[wp.float64],
+    u: wp.array[Any],
+    v: wp.array[Any],
+):
+    """v = mix v + gain a, u += dt v, then the hard wall: FIRE's fused update and projection in one pass."""
+    start = wp.tid() * CHUNK_LENGTH
+    mix = u.dtype(state[MIX])
+    gain = u.dtype(state[GAIN])
+    dt = u.dtype(state[DT])
+    for j in range(CHUNK_LENGTH):
+        i = start + j
+        vi = mix * v[i] + gain * acceleration[i]
+        ui, vi = project_wall(u[i] + dt * vi, vi, h[i])
+        u[i] = ui
+        v[i] = vi

@@ -1,0 +1,84 @@
+"""The certificate: how wrong a displacement can be, recomputed in float64 from u alone.
+
+No method shares this code: it transforms with `numpy.fft` and decides by itself which nodes are in contact. All numbers
+are dimensionless.
+
+The bound. Let r = p - K u, F the free nodes, C the nodes in contact (u = h, r > 0). For every admissible v <= h, with
+e = v - u and e <= 0 on C, the energy Pi = V - p L mean(u) obeys
+
+    Pi(v) - Pi(u) = e.K e/2 - r.e >= e.K e/2 - s.e >= -s.K^+ s/2
+
+for any s with s = r on F and s <= r on C, because the part of r that is taken away on C only lowers the left side's
+lower bound by (r - s).(-e) >= 0. K^+ is the inverse without the mean mode, so s must have zero sum: s = r_F on F and
+s = -r_C (sum r_F)/(sum r_C) on C. Hence 0 <= Pi(u) - min Pi <= s.K^+ s/2, contact set included: nodes that ought to be
+in contact and are not, or the other way round, are covered. With the sum of r_F at 0 it is the r_F.G r_F/2 of a two-metric
+argument (K_FF^-1 <= G_FF).
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .problem import Problem
+
+Array64 = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """Errors of a displacement, all dimensionless.
+
+    free_residual: rms net force on free nodes over the mean pressure.
+    adhesion: most negative wall force on a touching node over the mean pressure, as a positive number.
+    penetration: deepest u - h over the rms of h about its mean.
+    complementarity: sum of |pressure| times gap over free nodes, over the load and the rms of h.
+    force_balance: |mean contact pressure/p - 1|.
+    energy_error_bound: upper bound of the energy above the exact minimum (on this grid), over the elastic energy.
+    """
+
+    free_residual: float
+    adhesion: float
+    penetration: float
+    complementarity: float
+    force_balance: float
+    energy_error_bound: float
+
+
+def certify(problem: Problem, displacement: Array64) -> tuple[Certificate, Array64, NDArray[np.bool_]]:
+    """Certificate of a displacement, shape (N,) [p L/E*], with the contact pressure, shape (N,) [p], and the contact.
+
+    The contact pressure is max(r, 0) on touching nodes and 0 elsewhere.
+    """
+    h, n = problem.height, problem.num_points
+    with np.errstate(over="ignore", invalid="ignore"):
+        elastic = np.fft.irfft(problem.stiffness * np.fft.rfft(displacement), n)
+        r = 1 - elastic
+        touching = displacement >= h
+        contact = touching & (r > 0)
+        pressure = np.where(contact, r, 0.0)
+        free_force = np.where(contact, 0.0, r)
+        scale = float(h.std()) or 1.0
+        gap = h - displacement
+        energy = float(displacement @ elastic) / 2
+        certificate = Certificate(
+            free_residual=float(np.sqrt(np.sum(free_force**2) / max(1, n - contact.sum()))),
+            adhesion=max(0.0, -float(r[touching].min(initial=0.0))),
+            penetration=max(0.0, -float(gap.min())) / scale,
+            complementarity=float(np.abs(free_force) @ np.abs(gap)) / (n * scale),
+            force_balance=abs(float(pressure.mean()) - 1),
+            energy_error_bound=_energy_bound(problem, free_force, pressure) / energy if energy > 0 else math.inf,
+        )
+    return certificate, pressure, contact
+
+
+def _energy_bound(problem: Problem, free_force: Array64, pressure: Array64) -> float:
+    """s.K^+ s/2 with the free force balanced on the contact; `inf` without a contact."""
+    if not pressure.any():
+        return math.inf
+    s = free_force - pressure * (free_force.sum() / pressure.sum())
+    power = np.abs(np.fft.rfft(s)[1:]) ** 2
+    weight = np.full(power.size, 2.0)
+    weight[-1] = 1.0  # the Nyquist mode stands once
+    return float(np.sum(weight * power / problem.stiffness[1:])) / (2 * problem.num_points)

@@ -1,0 +1,130 @@
+"""Closed forms and limits, in units L = E* = 1 unless said otherwise; none of them uses a grid.
+
+Sources: half-space power profiles, I. N. Sneddon, Int. J. Eng. Sci. 3, 47 (1965) in its line-contact form; periodic
+half-space, K. L. Johnson, Contact Mechanics (1985), chap. 13, after H. M. Westergaard (1939); thin layers, Johnson,
+sec. 5.8, and V. L. Popov et al. for the foundation model. The edge shift is the first-order term of the Wiener-Hopf
+factor of the layer's compliance (V. M. Alexandrov's asymptotics for large d/a).
+"""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .stiffness import layer_factor
+
+Array64 = NDArray[np.float64]
+
+_GAUSS = 200
+
+
+def kappa_half_space(exponent: float) -> float:
+    """Area-pressure coefficient kappa_inf(n) of a lone power profile on the half-space (dimensionless).
+
+    sqrt(16/(pi (2n-1))) Gamma(n/2+1)/Gamma(n/2+1/2); 8/(sqrt 3 pi) for n = 2.
+    """
+    n = exponent
+    return math.sqrt(16 / (math.pi * (2 * n - 1))) * _gamma_ratio(n / 2 + 1, n / 2 + 0.5)
+
+
+def kappa_from_area(exponent: float, area: float, radius: float, reduced_load: float) -> float:
+    """kappa = a_r/p* of one centred contact of relative width `area`, without a grid (dimensionless).
+
+    radius: R/L; reduced_load: p/E*. Uses the exact rms slope over |x| < a, g_c = (a/R)^(n-1)/sqrt(2n-1).
+    """
+    slope = (area / 2 / radius) ** (exponent - 1) / math.sqrt(2 * exponent - 1)
+    return area * slope / reduced_load
+
+
+def periodic_line_load(half_width: float, slope: Callable[[Array64], Array64]) -> float:
+    """Line load F/(E* L) that presses an even profile to the half-width a/L < 1/2 on the periodic half-space.
+
+    F = E* int_0^a h'(x) sin(pi x/L)/sqrt(sin^2(pi a/L) - sin^2(pi x/L)) dx (design of Westergaard's problem), made
+    smooth by sin(pi x/L) = sin(pi a/L) sin(theta). `slope` maps x/L, shape (M,), to h', shape (M,).
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(_GAUSS)
+    theta = (nodes + 1) * np.pi / 4
+    x = np.arcsin(math.sin(math.pi * half_width) * np.sin(theta)) / np.pi
+    return float(np.sum(weights * np.pi / 4 * slope(x) * np.tan(np.pi * x)) / np.pi)
+
+
+def periodic_half_space_area(exponent: float, radius: float, reduced_load: float) -> float:
+    """Relative contact area a_r of a power profile on the periodic half-space; 1 beyond full contact.
+
+    radius: R/L; reduced_load: p/E*.
+    """
+
+    def load(a: float) -> float:
+        return periodic_line_load(a, lambda x: (x / radius) ** (exponent - 1))
+
+    low, high = 0.0, 0.5
+    if load(0.5 * (1 - 1e-12)) < reduced_load:
+        return 1.0
+    for _ in range(100):
+        middle = (low + high) / 2
+        low, high = (middle, high) if load(middle) < reduced_load else (low, middle)
+    return low + high
+
+
+def westergaard_area(amplitude: float, reduced_load: float) -> float:
+    """Relative contact area of h = D (1 - cos(2 pi x/L)) on the half-space: p L/(pi E* D) = sin^2(pi a/L).
+
+    amplitude: D/L; reduced_load: p/E*. 1 beyond full contact.
+    """
+    sine = math.sqrt(min(reduced_load / (math.pi * amplitude), 1.0))
+    return 2 * math.asin(sine) / math.pi
+
+
+def thin_layer_alpha(exponent: float) -> float:
+    """alpha(n) of kappa_d/kappa_inf = alpha (1-2nu)/(1-nu)^2 d/(a_r L), exact for d -> 0 (dimensionless).
+
+    (n+1) (sqrt(pi)/2) Gamma((n+1)/2)/Gamma(n/2+1): 3 pi/4 for n = 2, 2.1850 for n = 1.5, 2.9453 for n = 4.
+    """
+    n = exponent
+    return (n + 1) * math.sqrt(math.pi) / 2 / _gamma_ratio(n / 2 + 1, (n + 1) / 2)
+
+
+def thin_layer_kappa_ratio(
+    exponent: float, poisson_ratio: float, reduced_thickness: float, edge_shift: float = 0.0
+) -> float:
+    """kappa_d/kappa_inf of a thin layer at d~ = d/(a_r L) (dimensionless).
+
+    First order for `edge_shift` = 0. With `edge_shift` = c(nu) the half-width a in the thin-layer load becomes a + c d,
+    the next order: the load grows by (1 + 2 c d~)^(n+1), or (1 + 2 c d~)^(n+3) for nu = 1/2, at the same area.
+
+    nu < 1/2: alpha(n) (1-2nu)/(1-nu)^2 d~. nu = 1/2: 32 (n+1)(n+3)/(sqrt(2n-1) kappa_inf) d~^3.
+    """
+    n = exponent
+    stretched = 1 + 2 * edge_shift * reduced_thickness
+    if poisson_ratio == 0.5:
+        limit = 32 * (n + 1) * (n + 3) / math.sqrt(2 * n - 1) / kappa_half_space(n) * reduced_thickness**3
+        return limit / stretched ** (n + 3)
+    limit = thin_layer_alpha(n) * (1 - 2 * poisson_ratio) / (1 - poisson_ratio) ** 2 * reduced_thickness
+    return limit / stretched ** (n + 1)
+
+
+def edge_shift(poisson_ratio: float) -> float:
+    """c(nu) of the thin layer's effective half-width a + c d (dimensionless).
+
+    c = -(1/pi) int_0^inf ln[C(s)/C_0(s)]/s^2 ds with the layer's compliance C(q d) = 1/K and its limit C_0 for s -> 0,
+    constant for nu < 1/2 and proportional to s^2 for nu = 1/2.
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(40)
+    # Below s = 1e-3 the integrand is constant to 1e-6 and rounding would swamp it. Above, s = 1/t - 1 with ds/s^2 =
+    # dt/(1-t)^2, in panels that shrink towards t = 0 (s -> inf), where the integrand is ln(t)-like.
+    first = 1e-3
+    end = 1 / (1 + first)
+    edges = np.concatenate([[0.0], end * 2.0 ** np.arange(-40, -1), np.linspace(0.5, 1, 20) * end])
+    left, width = edges[:-1, None], np.diff(edges)[:, None]
+    t = (left + width * (nodes + 1) / 2).ravel()
+    w = (width * weights / 2).ravel() / (1 - t) ** 2
+    s = np.append(1 / t - 1, first)
+    nu = poisson_ratio
+    limit = 4 * s**2 / 3 if nu == 0.5 else np.full_like(s, (1 - 2 * nu) / (1 - nu) ** 2)
+    logarithm = np.log(2 / (s * layer_factor(s, nu)) / limit)
+    return float(-(np.sum(w * logarithm[:-1]) + logarithm[-1] / first) / np.pi)
+
+
+def _gamma_ratio(a: float, b: float) -> float:
+    return math.exp(math.lgamma(a) - math.lgamma(b))

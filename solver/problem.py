@@ -1,0 +1,39 @@
+"""The discrete, dimensionless problem behind a scene.
+
+Lengths along x are in units of the period L, pressures in units of the mean external pressure p, displacements and
+heights in units of p L/E*. Then only the shape of h and the stiffness remain: u <= h, K u + sigma = 1, sigma >= 0,
+sigma (h - u) = 0. Scaling h, p, E* or L consistently leaves the numbers of this problem as they are.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .scene import Scene
+from .stiffness import stiffness
+
+Array64 = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Problem:
+    """stiffness: K(q_k), shape (N//2 + 1,) [E*/L]; height: h(x_i), shape (N,) [p L/E*]; length_unit: p L/E* [length]."""
+
+    stiffness: Array64
+    height: Array64
+    length_unit: float
+
+    @classmethod
+    def from_scene(cls, scene: Scene) -> "Problem":
+        """Discretise a scene."""
+        reduced_load = scene.pressure / scene.layer.contact_modulus
+        return cls(
+            stiffness=stiffness(scene.num_points, scene.layer.thickness / scene.period, scene.layer.poisson_ratio),
+            height=scene.indenter.profile(scene.num_points, scene.period) / reduced_load,
+            length_unit=reduced_load * scene.period,
+        )
+
+    @property
+    def num_points(self) -> int:
+        return self.height.size

@@ -1,0 +1,162 @@
+"""The scene: what is pressed against what. Frozen, validated, and free of any method's choices.
+
+Units are the user's own, but consistent: one unit of length (thickness, radius, period) and one of pressure (contact
+modulus, pressure). The defaults are the published study's: all three scales are 1.
+"""
+
+import math
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import checks
+
+Array64 = NDArray[np.float64]
+
+PRECISIONS = ("float64", "float32")
+MAX_POINTS = 2**30  # Warp indices are int32
+
+
+@dataclass(frozen=True)
+class Layer:
+    """An elastic layer bonded to a rigid base.
+
+    thickness: d > 0 [length]; `inf` is the half-space.
+    poisson_ratio: -1 < nu <= 1/2 [-].
+    contact_modulus: E* = E/(1-nu^2) > 0 [pressure].
+
+    Raises `ValueError`.
+    """
+
+    thickness: float = math.inf
+    poisson_ratio: float = 0.25
+    contact_modulus: float = 1.0
+
+    def __post_init__(self) -> None:
+        _set(self, "thickness", checks.real("thickness", self.thickness, "a length > 0, or inf", 0, infinite=True))
+        _set(self, "poisson_ratio", checks.real("poisson_ratio", self.poisson_ratio, "-1 < nu <= 0.5", -1, 0.5))
+        _set(self, "contact_modulus", checks.real("contact_modulus", self.contact_modulus, "a finite pressure > 0", 0))
+
+
+@dataclass(frozen=True)
+class PowerIndenter:
+    """Power profile h = (R/n) |x/R|^n, centred in the period: n = 1.5 sharp, 2 Hertz, 4 blunt.
+
+    exponent: n > 1 [-].
+    radius: R > 0 [length]; for n = 2 the radius of curvature.
+
+    Raises `ValueError`.
+    """
+
+    exponent: float = 2.0
+    radius: float = 1.0
+    name: ClassVar[str] = "power"
+
+    def __post_init__(self) -> None:
+        _set(self, "exponent", checks.real("exponent", self.exponent, "1 < n <= 100", 1, 100))
+        _set(self, "radius", checks.real("radius", self.radius, "a finite length > 0", 0))
+
+    def profile(self, num_points: int, period: float) -> Array64:
+        """Heights h(x_i) over the period, shape (num_points,), in units of the period."""
+        return self._scale(period) * self._distance(num_points) ** self.exponent
+
+    def slope(self, num_points: int, period: float) -> Array64:
+        """Slopes h'(x_i), shape (num_points,), dimensionless; 0 at the lowest point."""
+        centre = np.arange(num_points) - num_points // 2
+        slope = self._scale(period) * self.exponent * self._distance(num_points) ** (self.exponent - 1)
+        return np.sign(centre) * slope
+
+    def _scale(self, period: float) -> float:
+        return (self.radius / period) ** (1 - self.exponent) / self.exponent
+
+    @staticmethod
+    def _distance(num_points: int) -> Array64:
+        return np.abs(np.arange(num_points) - num_points // 2) / num_points
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A layer, an indenter, the mean external pressure, and the grid they are solved on.
+
+    pressure: mean external pressure p > 0 [pressure]; beyond full contact is allowed.
+    period: L > 0 [length].
+    num_points: N, even, 16 to 2^30; x_i = i L/N. Any even number will do (kernels pad), products of small primes
+        transform fastest.
+    precision: of the iteration, 'float64' or 'float32'; the certificate is always float64.
+
+    Raises `ValueError`.
+    """
+
+    layer: Layer = field(default_factory=Layer)
+    indenter: PowerIndenter = field(default_factory=PowerIndenter)
+    pressure: float = 2e-3
+    period: float = 1.0
+    num_points: int = 2**18
+    precision: str = "float64"
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.layer, Layer):
+            raise ValueError(f"layer is {self.layer!r}; allowed: a Layer")
+        if not isinstance(self.indenter, PowerIndenter):
+            raise ValueError(f"indenter is {self.indenter!r}; allowed: a PowerIndenter")
+        _set(self, "pressure", checks.real("pressure", self.pressure, "a finite pressure > 0", 0))
+        _set(self, "period", checks.real("period", self.period, "a finite length > 0", 0))
+        allowed = f"an even integer from 16 to {MAX_POINTS}"
+        _set(self, "num_points", checks.integer("num_points", self.num_points, allowed, 16, MAX_POINTS, 2))
+        checks.choice("precision", self.precision, PRECISIONS)
+        self._check_scales()
+
+    def _check_scales(self) -> None:
+        """Reject ratios whose discrete problem would overflow (float32: 1e38)."""
+        limit = 1e30 if self.precision == "float32" else 1e100
+        ratios = {
+            "pressure/contact_modulus": self.pressure / self.layer.contact_modulus,
+            "radius/period": self.indenter.radius / self.period,
+            "profile height/(pressure period/contact_modulus)": self.height_ratio,
+        }
+        if math.isfinite(self.layer.thickness):
+            ratios["thickness/period"] = self.layer.thickness / self.period
+        for name, value in ratios.items():
+            if not 1 / limit < value < limit:
+                raise ValueError(f"{name} is {value:.3g}; allowed: {1 / limit:.0e} to {limit:.0e} in {self.precision}")
+
+    @property
+    def height_ratio(self) -> float:
+        """Largest height of the profile in units of p L/E*."""
+        try:
+            height = self.indenter._scale(self.period) * 0.5**self.indenter.exponent
+            return height * (self.layer.contact_modulus / self.pressure)
+        except OverflowError:
+            return math.inf
+
+    @property
+    def x(self) -> Array64:
+        """Grid x_i = i L/N, shape (N,) [length]."""
+        return self.period * (np.arange(self.num_points) / self.num_points)
+
+    @property
+    def profile(self) -> Array64:
+        """Heights h(x_i) above the lowest point, shape (N,) [length]."""
+        return self.period * self.indenter.profile(self.num_points, self.period)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Flat, JSON-ready description under the command line's names; an infinite thickness becomes 'inf'."""
+        thickness = self.layer.thickness
+        return {
+            "profile": self.indenter.name,
+            "exponent": self.indenter.exponent,
+            "radius": self.indenter.radius,
+            "pressure": self.pressure,
+            "thickness": thickness if math.isfinite(thickness) else "inf",
+            "poisson_ratio": self.layer.poisson_ratio,
+            "contact_modulus": self.layer.contact_modulus,
+            "period": self.period,
+            "num_points": self.num_points,
+            "precision": self.precision,
+        }
+
+
+def _set(instance: object, name: str, value: object) -> None:
+    object.__setattr__(instance, name, value)

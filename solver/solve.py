@@ -1,0 +1,166 @@
+"""From a scene to a certified solution."""
+
+import math
+import time
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import kernels
+from . import checks
+from .certificate import Certificate, certify
+from .fire import Fire, Progress, Status, relax
+from .observables import Observables, observe
+from .problem import Problem
+from .provenance import package_version, provenance
+from .scene import Scene
+from .transforms import Transforms, save_wisdom
+
+Array64 = NDArray[np.float64]
+
+METHODS = ("mass-weighted-fire", "fire")
+"""Fastest first; the first is the default."""
+
+DEFAULT_MAX_ITERATIONS = {"mass-weighted-fire": 20_000, "fire": 200_000}
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A displacement, what it means, how it was found and how wrong it can be.
+
+    displacement, contact_pressure: shape (N,) [length], [pressure]; contact: shape (N,), nodes the wall carries.
+    status: only `Status.CONVERGED` is certified at `tolerance`.
+    transform_pairs: forward-inverse pairs at the finest grid; seconds: wall time by stage ('setup', 'solve',
+    'certificate', 'total') [s].
+    """
+
+    scene: Scene
+    method: str
+    tolerance: float
+    status: Status
+    displacement: Array64
+    contact_pressure: Array64
+    contact: NDArray[np.bool_]
+    observables: Observables
+    certificate: Certificate
+    iterations: int
+    transform_pairs: int
+    seconds: dict[str, float]
+    threads: int
+    planning: str
+    backend: str
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything but the fields, JSON-ready: numbers, text and flat objects; infinities become 'inf'."""
+        record: dict[str, Any] = {"status": str(self.status)}
+        record |= {name: _plain(value) for name, value in asdict(self.observables).items()}
+        return record | {
+            "iterations": self.iterations,
+            "transform_pairs": self.transform_pairs,
+            "seconds": dict(self.seconds),
+            "certificate": {name: _plain(value) for name, value in asdict(self.certificate).items()},
+            "method": self.method,
+            "precision": self.scene.precision,
+            "tolerance": self.tolerance,
+            "threads": self.threads,
+            "planning": self.planning,
+            "backend": self.backend,
+            "scene": self.scene.to_dict(),
+            "version": package_version(),
+            "provenance": provenance(),
+        }
+
+
+def _plain(value: float) -> float | str:
+    return value if math.isfinite(value) else str(value)
+
+
+def rounding_floor(problem: Problem, precision: str) -> float:
+    """Estimate of the rms free residual over p below which rounding in u hides everything (dimensionless).
+
+    A relative rounding error eps in u comes back as eps rms(K) |u|; |u| is taken from its fluctuation under a line
+    load, rms(u) = sqrt(2 sum 1/K^2), which a spread-out contact stays below.
+    """
+    k = problem.stiffness[1:]
+    eps = float(np.finfo(precision).eps)
+    return 0.5 * eps * math.sqrt(float(np.mean(k**2))) * math.sqrt(2 * float(np.sum(k**-2.0)))
+
+
+def solve(
+    scene: Scene,
+    *,
+    method: str = METHODS[0],
+    tolerance: float | None = None,
+    max_iterations: int | None = None,
+    initial: Array64 | None = None,
+    threads: int = 1,
+    planning: str = "estimate",
+    backend: str = "warp",
+    progress: Progress | None = None,
+) -> Solution:
+    """Solve a scene.
+
+    method: one of `METHODS`.
+    tolerance: rms net force on free nodes over the mean pressure at which to stop, 1e-14 to 1 (dimensionless); default
+        1e-8, for float32 the larger of 1e-4 and what rounding allows.
+    max_iterations: at least 1; default by method.
+    initial: displacement to start from, shape (N,) [length], for instance a neighbour's solution; default 0.
+    threads: of FFTW. planning: FFTW's effort, 'estimate', 'measure' or 'patient'; what it finds is kept.
+    backend: 'warp', or 'numpy' for the twins.
+    progress: called about ten times a second with (iteration, residual).
+
+    A solve that fails to converge returns too: see `Solution.status`. Raises `ValueError` for bad arguments.
+    """
+    begin = time.perf_counter()
+    checks.choice("method", method, METHODS)
+    checks.choice("backend", backend, kernels.BACKENDS)
+    if max_iterations is None:
+        max_iterations = DEFAULT_MAX_ITERATIONS[method]
+    checks.integer("max_iterations", max_iterations, "an integer >= 1", 1, 2**53)
+    problem = Problem.from_scene(scene)
+    if tolerance is None:
+        tolerance = 1e-8 if scene.precision == "float64" else max(1e-4, 4 * rounding_floor(problem, "float32"))
+    checks.real("tolerance", tolerance, "1e-14 <= tolerance <= 1", 0.999e-14, 1)
+    if initial is not None:
+        initial = _check_initial(initial, scene.num_points) / problem.length_unit
+    transforms = Transforms(scene.num_points, scene.precision, threads, planning)
+    state = Fire(problem, transforms, method, tolerance, initial, backend)
+    if planning != "estimate":
+        save_wisdom()
+    ready = time.perf_counter()
+    status = relax(state, max_iterations, progress)
+    relaxed = time.perf_counter()
+    certificate, pressure, contact = certify(problem, state.displacement)
+    if status is Status.CONVERGED and not certificate.free_residual <= 2 * tolerance:
+        status = Status.STAGNATED  # the method's own precision cannot see the difference
+    displacement = state.displacement * problem.length_unit
+    pressure *= scene.pressure
+    observables = observe(scene, displacement, pressure, contact)
+    end = time.perf_counter()
+    seconds = {"setup": ready - begin, "solve": relaxed - ready, "certificate": end - relaxed, "total": end - begin}
+    return Solution(
+        scene=scene,
+        method=method,
+        tolerance=tolerance,
+        status=status,
+        displacement=displacement,
+        contact_pressure=pressure,
+        contact=contact,
+        observables=observables,
+        certificate=certificate,
+        iterations=state.iteration,
+        transform_pairs=state.transform_pairs,
+        seconds=seconds,
+        threads=threads,
+        planning=planning,
+        backend=backend,
+    )
+
+
+def _check_initial(initial: Array64, num_points: int) -> Array64:
+    array = np.asarray(initial, dtype=np.float64)
+    if array.shape != (num_points,) or not np.isfinite(array).all():
+        raise ValueError(f"initial has shape {array.shape}; allowed: shape ({num_points},), all values finite")
+    return array
