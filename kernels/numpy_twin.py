@@ -33,6 +33,22 @@ def net_force(elastic: Array, h: Array, u: Array, force: Array, force_sums: Arra
     held_sums[:] = _chunk_sums(held)
 
 
+def net_force_and_sums(
+    h: Array,
+    u: Array,
+    velocity: Array,
+    force: Array,
+    force_sums: Array64,
+    held_sums: Array64,
+    power_sums: Array64,
+    velocity_sums: Array64,
+) -> None:
+    """`net_force` in place (force holds K u at entry) and the sums v.f and v.v per chunk."""
+    net_force(force, h, u, force, force_sums, held_sums)
+    power_sums[:] = _chunk_sums(velocity * force)
+    velocity_sums[:] = _chunk_sums(velocity * velocity)
+
+
 def search_sums(
     force: Array,
     velocity: Array,

@@ -24,7 +24,15 @@ from .layout import CHUNK
 Array = NDArray[Any]
 
 BACKENDS = ("warp", "numpy")
-KERNELS = ("spectral_multiply", "net_force", "search_sums", "restrict_to_free", "fire_control", "fire_step")
+KERNELS = (
+    "spectral_multiply",
+    "net_force",
+    "net_force_and_sums",
+    "search_sums",
+    "restrict_to_free",
+    "fire_control",
+    "fire_step",
+)
 
 _capture_lock = threading.Lock()
 

@@ -97,6 +97,40 @@ def net_force(
 
 
 @wp.kernel
+def net_force_and_sums(
+    h: wp.array[Any],
+    u: wp.array[Any],
+    velocity: wp.array[Any],
+    force: wp.array[Any],
+    force_sums: wp.array[wp.float64],
+    held_sums: wp.array[wp.float64],
+    power_sums: wp.array[wp.float64],
+    velocity_sums: wp.array[wp.float64],
+):
+    """`net_force` in place (force holds K u at entry) and the sums v.f and v.v in the same pass: plain FIRE's."""
+    tid = wp.tid()
+    start = tid * CHUNK_LENGTH
+    squares = u.dtype(0.0)
+    held = u.dtype(0.0)
+    power = u.dtype(0.0)
+    vv = u.dtype(0.0)
+    for j in range(CHUNK_LENGTH):
+        i = start + j
+        r = u.dtype(1.0) - force[i]
+        f = free_force(r, u[i], h[i])
+        v = velocity[i]
+        force[i] = f
+        squares += f * f
+        held += wp.where(u[i] >= h[i] and r > u.dtype(0.0), u.dtype(1.0), u.dtype(0.0))
+        power += v * f
+        vv += v * v
+    force_sums[tid] = wp.float64(squares)
+    held_sums[tid] = wp.float64(held)
+    power_sums[tid] = wp.float64(power)
+    velocity_sums[tid] = wp.float64(vv)
+
+
+@wp.kernel
 def search_sums(
     force: wp.array[Any],
     velocity: wp.array[Any],

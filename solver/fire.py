@@ -138,25 +138,24 @@ class Fire:
         chunks = padded_length(self.num_points) // CHUNK
         sums = {name: np.zeros(chunks) for name in ("force", "held", "power", "velocity", "acceleration")}
         self._squares = np.zeros(chunks)
-        spectrum, acceleration = transforms.spectrum, self.work if self.mass_weighted else self.force
-        force = Call(
-            "net_force", (self.work, self.height, self.u), (self.force, sums["force"], sums["held"])
-        )
-        motion = [
-            Call(
-                "search_sums",
-                (self.force, self.v),
-                (acceleration, sums["power"], sums["velocity"], sums["acceleration"]),
-            ),
+        if not self.mass_weighted:
+            sums["acceleration"] = sums["force"]  # the acceleration is the force
+        control = [
             Call("fire_control", tuple(sums.values()), (self.state,)),
-            Call("fire_step", (acceleration, self.height, self.state), (self.u, self.v)),
+            Call("fire_step", (self.work, self.height, self.state), (self.u, self.v)),
         ]
+        in_place = Call("net_force_and_sums", (self.height, self.u, self.v), (self.work, *list(sums.values())[:4]))
+        force = Call("net_force", (self.work, self.height, self.u), (self.force, sums["force"], sums["held"]))
+        search = Call("search_sums", (self.force, self.v), (self.work, *list(sums.values())[2:]))
         restrict = Call("restrict_to_free", (self.force, self.work), (self.probe, self._squares))
-        self._multiply_stiffness = record(backend, [Call("spectral_multiply", (self.stiffness,), (spectrum,))])
-        self._multiply_inverse_mass = record(backend, [Call("spectral_multiply", (self.inverse_mass,), (spectrum,))])
-        self._move = record(backend, motion)
+
+        def multiply(coefficient: NDArray[np.floating]) -> Callable[[], None]:
+            return record(backend, [Call("spectral_multiply", (coefficient,), (transforms.spectrum,))])
+
+        self._multiply_stiffness = multiply(self.stiffness)
+        self._multiply_inverse_mass = multiply(self.inverse_mass)
         self._find_force = record(backend, [force])
-        self._force_and_move = record(backend, [force, *motion])
+        self._move = record(backend, [search if self.mass_weighted else in_place, *control])
         self._restrict = record(backend, [restrict])
 
     @property
@@ -185,14 +184,24 @@ class Fire:
     def step(self) -> None:
         """One FIRE iteration: one transform pair, two if mass-weighted."""
         self._apply(self.u, self._multiply_stiffness)
-        if not self.mass_weighted:
-            self._force_and_move()
-            return
-        self._find_force()
-        if self.iteration % _PROBE_EVERY == 0:
-            self._measure_stiffest()
-        self._apply(self.force, self._multiply_inverse_mass)
+        if self.mass_weighted:
+            self._find_force()
+            if self.iteration % _PROBE_EVERY == 0:
+                self._measure_stiffest()
+            self._apply(self.force, self._multiply_inverse_mass)
         self._move()
+        if self.state[layout.HELD] == 0:
+            self._touch()
+
+    def _touch(self) -> None:
+        """After a lift-off: a rigid shift back to first touch, at rest. It costs no elastic energy (K = 0 for the mean)."""
+        n = self.num_points
+        lift = (self.height[:n] - self.u[:n]).min()
+        if lift > 0:
+            self.u[:n] += lift
+            np.minimum(self.u, self.height, out=self.u)
+            v = self.v[:n]
+            v += max(0.0, -float(v.mean()))
 
     def _apply(self, source: NDArray[np.floating], multiply: Callable[[], None]) -> None:
         """work = operator applied to `source`, one transform pair."""
