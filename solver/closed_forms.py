@@ -8,6 +8,7 @@ factor of the layer's compliance (V. M. Alexandrov's asymptotics for large d/a).
 
 import math
 from collections.abc import Callable
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -104,6 +105,7 @@ def thin_layer_kappa_ratio(
     return limit / stretched ** (n + 1)
 
 
+@cache
 def edge_shift(poisson_ratio: float) -> float:
     """c(nu) of the thin layer's effective half-width a + c d (dimensionless).
 

@@ -19,12 +19,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .closed_forms import kappa_from_area, kappa_half_space
+from .closed_forms import edge_shift, kappa_from_area, kappa_half_space, thin_layer_kappa_ratio
 from .stiffness import foundation_modulus, stiffness
 
 Array64 = NDArray[np.float64]
 
 _DECAY = 60.0  # exp(-(pi/2) 60) < 1e-40: distance in units of d beyond which a layer does not interact
+_NODES_THIN = 40.0  # nodes over sqrt(a/d), each half: resolves the edge layers of width d to 1e-10
 _MODES = 22.0  # exp(-2 * 22) < 1e-19: largest q d of the layer's sum
 
 
@@ -48,88 +49,122 @@ class Asperity:
     pressure: Array64
 
 
-def solve_half_width(
-    half_width: float, exponent: float, radius: float, thickness: float, poisson_ratio: float, num_nodes: int = 160
-) -> Asperity:
-    """The asperity in contact over |x| < `half_width` < 1/2; lengths in units of L.
+@dataclass(frozen=True)
+class _System:
+    """The solved linear system for one half-width; `load` is cheap, `asperity` adds what only a final answer needs."""
 
-    num_nodes: Gauss-Chebyshev nodes, even; 160 reach 12 digits for even exponents down to d/a = 1e-2. Thin layers need
-    about sqrt(a/d) times more and get them.
-    """
-    a = half_width
-    num_nodes = max(num_nodes, 2 * round(24 * math.sqrt(a / thickness)))
-    j = np.arange(1, num_nodes // 2 + 1)
-    theta = j * np.pi / (num_nodes + 1)
-    t = np.cos(theta)
-    x = np.cos((2 * j - 1) * np.pi / (2 * num_nodes + 2))
-    weights = np.pi / (num_nodes + 1) * np.sin(theta) ** 2
-    period = min(1.0, 2 * a + _DECAY * thickness)
-    z = np.pi * a / period
-    kernel = 2 * a / period * (1 / np.tan(z * (x[:, None] - t)) + 1 / np.tan(z * (x[:, None] + t)))
-    q, compliance = _layer_modes(period, thickness, poisson_ratio)
-    if q.size:
-        kernel += np.sin(np.outer(a * x, q)) @ (4 * a / period * (q * compliance)[:, None] * np.cos(np.outer(q, a * t)))
-    phi = np.linalg.solve(kernel * weights, (a * x / radius) ** (exponent - 1))
-    load = 2 * a * float(weights @ phi)
-    k = np.arange(1, num_nodes + 1, 2)  # sigma = sum_k b_k sin(k theta), k odd
-    b = 4 / (num_nodes + 1) * np.sin(np.outer(k, theta)) @ (np.sin(theta) * phi)
-    peak = float(np.max(np.sin(np.outer(np.linspace(0, np.pi / 2, 4 * num_nodes + 1), k)) @ b))
-    # displacement at x = 0 by the Green's function; the half-space's logarithm integrated in closed form
-    smooth = -2 / np.pi * np.log(2 * np.sin(z * t) / t) + 2 / period * np.cos(np.outer(a * t, q)) @ compliance
-    approach = 2 * a * float((weights * phi) @ smooth) - 2 / np.pi * a * float(b @ _log_moments(k))
-    if np.isfinite(thickness):
-        approach += load / period / foundation_modulus(thickness, poisson_ratio)
-    kappa = kappa_from_area(exponent, 2 * a, radius, load) if load > 0 else math.nan
-    return Asperity(
-        half_width=a,
-        contact_area=2 * a,
-        load=load,
-        peak_pressure=peak,
-        approach=approach,
-        kappa=kappa,
-        kappa_ratio=kappa / kappa_half_space(exponent),
-        reduced_thickness=thickness / (2 * a),
-        t=t,
-        pressure=np.sqrt(1 - t * t) * phi,
-    )
+    half_width: float
+    exponent: float
+    radius: float
+    thickness: float
+    poisson_ratio: float
+    num_nodes: int
+    period: float
+    theta: Array64
+    weights: Array64
+    phi: Array64
+    modes: tuple[Array64, Array64]
+
+    @classmethod
+    def solve(
+        cls, half_width: float, exponent: float, radius: float, thickness: float, poisson_ratio: float, num_nodes: int
+    ) -> "_System":
+        a = half_width
+        num_nodes = max(num_nodes, 2 * round(_NODES_THIN * math.sqrt(a / thickness)))
+        j = np.arange(1, num_nodes // 2 + 1)
+        theta = j * np.pi / (num_nodes + 1)
+        t = np.cos(theta)
+        x = np.cos((2 * j - 1) * np.pi / (2 * num_nodes + 2))
+        weights = np.pi / (num_nodes + 1) * np.sin(theta) ** 2
+        period = min(1.0, 2 * a + _DECAY * thickness)
+        z = np.pi * a / period
+        kernel = 2 * a / period * (1 / np.tan(z * (x[:, None] - t)) + 1 / np.tan(z * (x[:, None] + t)))
+        q, compliance = modes = _layer_modes(period, thickness, poisson_ratio)
+        if q.size:
+            sines, cosines = np.sin(np.outer(a * x, q)), np.cos(np.outer(a * t, q))
+            kernel += 4 * a / period * (sines * (q * compliance)) @ cosines.T
+        phi = np.linalg.solve(kernel * weights, (a * x / radius) ** (exponent - 1))
+        return cls(a, exponent, radius, thickness, poisson_ratio, num_nodes, period, theta, weights, phi, modes)
+
+    @property
+    def load(self) -> float:
+        """Line load over E* L."""
+        return 2 * self.half_width * float(self.weights @ self.phi)
+
+    def asperity(self) -> Asperity:
+        """Peak pressure, approach and the rest."""
+        a, n, t, load = self.half_width, self.num_nodes, np.cos(self.theta), self.load
+        k = np.arange(1, n + 1, 2)  # sigma = sum_k b_k sin(k theta), k odd
+        b = 4 / (n + 1) * np.sin(np.outer(k, self.theta)) @ (np.sin(self.theta) * self.phi)
+        peak = float(np.max(np.sin(np.outer(np.linspace(0, np.pi / 2, 4 * n + 1), k)) @ b))
+        # displacement at x = 0 by the Green's function; the half-space's logarithm integrated in closed form
+        q, compliance = self.modes
+        smooth = -2 / np.pi * np.log(2 * np.sin(np.pi * a / self.period * t) / t)
+        smooth += 2 / self.period * np.cos(np.outer(a * t, q)) @ compliance
+        approach = 2 * a * float((self.weights * self.phi) @ smooth) - 2 / np.pi * a * float(b @ _log_moments(k))
+        if np.isfinite(self.thickness):
+            approach += load / self.period / foundation_modulus(self.thickness, self.poisson_ratio)
+        kappa = kappa_from_area(self.exponent, 2 * a, self.radius, load)
+        return Asperity(
+            half_width=a,
+            contact_area=2 * a,
+            load=load,
+            peak_pressure=peak,
+            approach=approach,
+            kappa=kappa,
+            kappa_ratio=kappa / kappa_half_space(self.exponent),
+            reduced_thickness=self.thickness / (2 * a),
+            t=t,
+            pressure=np.sin(self.theta) * self.phi,
+        )
 
 
 def solve_load(
     load: float, exponent: float, radius: float, thickness: float, poisson_ratio: float, num_nodes: int = 160
 ) -> Asperity:
-    """The asperity under the mean pressure `load` (units of E*); raises `ValueError` beyond 0.98 of full contact."""
+    """The asperity under the mean pressure `load` (units of E*), lengths in units of L.
 
-    def solution(a: float) -> Asperity:
-        return solve_half_width(a, exponent, radius, thickness, poisson_ratio, num_nodes)
+    num_nodes: Gauss-Chebyshev nodes, even; 160 reach 12 digits for even exponents. Thin layers need about sqrt(a/d) times
+    more and get them. Raises `ValueError` beyond 0.98 of full contact.
+    """
 
-    return _match(solution, load, exponent, radius)
+    def system(a: float) -> _System:
+        return _System.solve(a, exponent, radius, thickness, poisson_ratio, num_nodes)
+
+    return _match(system, load, exponent, _guess(load, exponent, radius)).asperity()
 
 
 def solve_reduced_thickness(
     load: float, exponent: float, radius: float, reduced_thickness: float, poisson_ratio: float, num_nodes: int = 160
 ) -> tuple[float, Asperity]:
-    """The thickness d (units of L) at which d/a_r has the given value under `load`, and its solution."""
+    """The thickness d (units of L) at which d/a_r has the given value under `load`, and its solution as `solve_load`."""
 
-    def solution(a: float) -> Asperity:
-        return solve_half_width(a, exponent, radius, 2 * a * reduced_thickness, poisson_ratio, num_nodes)
+    def system(a: float) -> _System:
+        return _System.solve(a, exponent, radius, 2 * a * reduced_thickness, poisson_ratio, num_nodes)
 
-    asperity = _match(solution, load, exponent, radius)
+    thin = thin_layer_kappa_ratio(exponent, poisson_ratio, reduced_thickness, max(0.0, edge_shift(poisson_ratio)))
+    guess = _guess(load, exponent, radius, 1 / (1 + 1 / thin))
+    asperity = _match(system, load, exponent, guess).asperity()
     return reduced_thickness * asperity.contact_area, asperity
 
 
-def _match(solution: Callable[[float], Asperity], load: float, exponent: float, radius: float) -> Asperity:
+def _guess(load: float, exponent: float, radius: float, kappa_ratio: float = 1.0) -> float:
+    """Half-width of a lone asperity of the given kappa_d/kappa_inf; 1 bounds every layer's from above."""
+    n = exponent
+    area = kappa_ratio * kappa_half_space(n) * load * math.sqrt(2 * n - 1) / 2 * radius ** (n - 1)
+    return float(area ** (1 / n))
+
+
+def _match(system: Callable[[float], _System], load: float, exponent: float, guess: float) -> _System:
     """Root of load(a) = `load` by secants in log-log, where the load is nearly a power law; bisection as a safeguard."""
     low, high = math.log(1e-9), math.log(0.49)
     target = math.log(load)
-    # the half-space's lone asperity: a thin layer's contact is smaller
-    n = exponent
-    guess = (kappa_half_space(n) * load * math.sqrt(2 * n - 1) / 2 * radius ** (n - 1)) ** (1 / n)
-    y, slope = min(math.log(guess), math.log(0.45)), n + 1.0
+    y, slope = min(math.log(guess), math.log(0.45)), exponent + 1.0
     previous: tuple[float, float] | None = None
     for _ in range(100):
-        best = solution(math.exp(y))
+        best = system(math.exp(y))
         error = math.log(best.load) - target if best.load > 0 else math.inf
-        if abs(error) < 2e-15:
+        if abs(error) < 1e-13:
             return best
         low, high = (low, y) if error > 0 else (y, high)
         if math.isinf(error):
@@ -145,6 +180,8 @@ def _match(solution: Callable[[float], Asperity], load: float, exponent: float, 
         y = new
     if y > math.log(0.489):
         raise ValueError(f"load is {load!r}; allowed: below {best.load:.6g}, where the contact fills 0.98 of the period")
+    if not abs(error) < 1e-9:
+        raise ValueError(f"num_nodes is {best.num_nodes}; allowed: more, the edge layers are not resolved")
     return best
 
 

@@ -1,0 +1,100 @@
+"""What the terminal shows: progress with residual and remaining time, and the exit statuses."""
+
+import contextlib
+import io
+import math
+import time
+from collections.abc import Callable, Iterator, Sequence
+from typing import TypeVar
+
+import tyro
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+from linecontact.solver import Status
+from linecontact.solver.fire import Progress as Report
+
+Parsed = TypeVar("Parsed")
+
+EXIT_BAD_INPUT = 2
+EXIT_NOT_CONVERGED = 3
+EXIT_INTERRUPTED = 130
+
+errors = Console(stderr=True, highlight=False, soft_wrap=True)
+"""Progress and messages; results go to standard output."""
+
+
+def exit_status(status: Status) -> int:
+    """Exit status of a process for a solve's status."""
+    if status is Status.CONVERGED:
+        return 0
+    return EXIT_INTERRUPTED if status is Status.INTERRUPTED else EXIT_NOT_CONVERGED
+
+
+def bar() -> Progress:
+    """A progress bar on standard error, shown only on a terminal."""
+    return Progress(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.percentage:3.0f} %  {task.fields[state]}"),
+        TimeElapsedColumn(),
+        console=errors,
+        transient=True,
+        disable=not errors.is_terminal,
+    )
+
+
+def remaining(done: float, elapsed: float) -> str:
+    """Time left from the share done, as text."""
+    if done <= 0.02:
+        return "time left unknown"
+    seconds = elapsed * (1 - done) / done
+    return f"about {seconds:.0f} s left" if seconds < 100 else f"about {seconds / 60:.0f} min left"
+
+
+@contextlib.contextmanager
+def solve_progress(tolerance: float) -> Iterator[Report]:
+    """Reports a solve: progress counts decades of the residual, which fall at an even pace on the average."""
+    begin = time.monotonic()
+    worst = tolerance
+    with bar() as progress:
+        task = progress.add_task("solve", total=1.0, state="")
+
+        def report(iteration: int, residual: float) -> None:
+            nonlocal worst
+            worst = max(worst, min(residual, 10.0))
+            total = math.log(worst / tolerance)
+            done = max(0.0, math.log(worst / max(residual, tolerance)) / total) if total > 0 else 1.0
+            left = remaining(done, time.monotonic() - begin)
+            progress.update(task, completed=done, state=f"iteration {iteration}, residual {residual:.1e}, {left}")
+
+        yield report
+
+
+def parse(kind: Callable[..., Parsed] | type[Parsed], arguments: Sequence[str] | None, prog: str, description: str) -> Parsed:
+    """Command-line arguments as `kind`; bad ones give one line on standard error and exit status 2."""
+    caught = io.StringIO()
+    try:
+        with contextlib.redirect_stderr(caught):
+            return tyro.cli(
+                kind, args=arguments, prog=prog, description=description, config=(tyro.conf.FlagCreatePairsOff,)
+            )
+    except SystemExit as stop:
+        if stop.code:
+            words = " ".join(line.strip("│╭╮╰╯─ ") for line in caught.getvalue().splitlines())
+            words = " ".join(words.split("For full helptext")[0].split())
+            errors.print(f"{prog}: {words}", markup=False)
+            raise SystemExit(EXIT_BAD_INPUT) from None
+        raise
+
+
+def guard(command: Callable[[], int]) -> int:
+    """Run a command; bad input ends in one line and status 2, Ctrl-C in status 130."""
+    try:
+        return command()
+    except ValueError as error:
+        errors.print(f"linecontact: {error}", markup=False)
+        return EXIT_BAD_INPUT
+    except KeyboardInterrupt:
+        errors.print("linecontact: interrupted; finished work is kept")
+        return EXIT_INTERRUPTED

@@ -1,0 +1,315 @@
+"""The Hertz study (the published study's Figure 2): kappa_d/kappa_inf over d/a_r for a parabola on layers of any
+thickness.
+
+    python -m linecontact.studies.hertz [--quick] [--folder FOLDER]
+
+n = 2, p = 2e-3 E*, R = L = E* = 1. Each Poisson's ratio is a chain of runs from thick to thin; every run starts from its
+thicker neighbour's displacement. The thicknesses are those at which the collocation oracle finds the wanted d/a_r, and
+the oracle's area and peak pressure are stored beside each run's.
+"""
+
+import importlib
+import multiprocessing
+import os
+import queue
+import signal
+import sys
+import threading
+import time
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from rich import box
+from rich.console import Console
+from rich.table import Table
+
+from linecontact.solver import Layer, Scene, checks, closed_forms, collocation, solve, transforms
+
+from . import console, store
+
+Array64 = NDArray[np.float64]
+
+EXPONENT, RADIUS = 2.0, 1.0
+KIND = "hertz"
+
+
+@dataclass(frozen=True)
+class Configuration:
+    """What identifies the study; a file of another configuration is not continued.
+
+    reduced_thicknesses: the wanted d/(a_r L), from thick to thin (dimensionless).
+    """
+
+    num_points: int = 2**18
+    pressure: float = 2e-3
+    poisson_ratios: tuple[float, ...] = (0.0, 0.25, 0.4, 0.45, 0.49, 0.5)
+    reduced_thicknesses: tuple[float, ...] = tuple(round(float(t), 6) for t in np.geomspace(4, 0.008, 13))
+    tolerance: float = 1e-8
+    method: str = "mass-weighted-fire"
+    line_points: int = 30
+
+
+QUICK = Configuration(
+    num_points=2**12, reduced_thicknesses=Configuration.reduced_thicknesses[:12:2], line_points=14
+)
+
+
+@dataclass(frozen=True)
+class Task:
+    """One run of a chain."""
+
+    configuration: Configuration
+    poisson_ratio: float
+    index: int
+
+    @property
+    def chain(self) -> str:
+        return f"nu={self.poisson_ratio:g}"
+
+    @property
+    def next(self) -> "Task | None":
+        """The thinner neighbour."""
+        last = self.index + 1 == len(self.configuration.reduced_thicknesses)
+        return None if last else Task(self.configuration, self.poisson_ratio, self.index + 1)
+
+
+_reports: Any = None  # queue to the parent, set in every worker
+
+
+def run_task(task: Task, initial: Array64 | None) -> tuple[Task, dict[str, Any], Array64]:
+    """Solve one task; returns its flat record and the displacement, shape (N,) [length]."""
+    c = task.configuration
+    wanted = c.reduced_thicknesses[task.index]
+    thickness, exact = collocation.solve_reduced_thickness(c.pressure, EXPONENT, RADIUS, wanted, task.poisson_ratio)
+    scene = Scene(Layer(thickness, task.poisson_ratio), pressure=c.pressure, num_points=c.num_points)
+
+    def report(iteration: int, residual: float) -> None:
+        if _reports is not None:
+            _reports.put((task.chain, wanted, iteration, residual))
+
+    solution = solve(scene, method=c.method, tolerance=c.tolerance, initial=initial, progress=report)
+    record = store.flatten(solution.to_dict())
+    record |= {
+        "index": task.index,
+        "oracle.contact_area": exact.contact_area,
+        "oracle.peak_pressure": exact.peak_pressure,
+        "oracle.approach": exact.approach,
+        "oracle.kappa_ratio": exact.kappa_ratio,
+    }
+    return task, record, solution.displacement
+
+
+def oracle_line(configuration: Configuration, poisson_ratio: float) -> tuple[str, dict[str, Array64]]:
+    """The oracle's kappa_d/kappa_inf over d/a_r, as a line."""
+    ends = configuration.reduced_thicknesses[0] * 1.3, configuration.reduced_thicknesses[-1] / 1.3
+    wanted = np.geomspace(*ends, configuration.line_points)
+    ratios = [
+        collocation.solve_reduced_thickness(configuration.pressure, EXPONENT, RADIUS, t, poisson_ratio)[1].kappa_ratio
+        for t in wanted
+    ]
+    return f"nu={poisson_ratio:g}", {"reduced_thickness": wanted, "kappa_ratio": np.array(ratios)}
+
+
+def _start_worker(reports: Any) -> None:
+    """Leave Ctrl-C to the parent, and end with it should it be killed."""
+    global _reports
+    _reports = reports
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = os.getppid()
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(1)
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
+
+
+def run(configuration: Configuration, path: Path, workers: int, planning: str) -> store.StudyFile:
+    """Run what `path` does not hold yet and keep it up to date run by run. Ctrl-C passes through, with all kept."""
+    study = _open(configuration, path)
+    if study.complete:
+        return study
+    if planning != "estimate":
+        transforms.plan_ahead(configuration.num_points, "float64", planning)
+    context = multiprocessing.get_context("spawn")
+    reports = context.Queue()
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):  # one thread a worker, read at its start
+        os.environ.setdefault(name, "1")
+    pool = ProcessPoolExecutor(workers, context, _start_worker, (reports,))
+    try:
+        _drive(study, configuration, path, pool, reports)
+    except BaseException:
+        for process in multiprocessing.active_children():
+            process.terminate()
+        raise
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+    study.checkpoints.clear()
+    study.complete = True
+    store.save_study(path, study)
+    return study
+
+
+def _open(configuration: Configuration, path: Path) -> store.StudyFile:
+    wanted = asdict(configuration)
+    if not path.exists():
+        return store.StudyFile(KIND, _json_ready(wanted))
+    study = store.load_study(path)
+    if study.kind != KIND or study.configuration != _json_ready(wanted):
+        raise store.StoreError(f"file {path} holds another study or configuration; allowed: --overwrite, or a new --folder")
+    return study
+
+
+def _json_ready(configuration: dict[str, Any]) -> dict[str, Any]:
+    return {name: list(value) if isinstance(value, tuple) else value for name, value in configuration.items()}
+
+
+def _drive(
+    study: store.StudyFile, configuration: Configuration, path: Path, pool: ProcessPoolExecutor, reports: Any
+) -> None:
+    """Keep one run of every chain in the pool; store each result as it comes."""
+    waiting: set[Future[Any]] = set()
+    for poisson_ratio in reversed(configuration.poisson_ratios):  # the incompressible chain is the longest
+        done = [r for r in study.runs if r["scene.poisson_ratio"] == poisson_ratio]
+        task: Task | None = Task(configuration, poisson_ratio, len(done) - 1).next
+        if task:
+            waiting.add(pool.submit(run_task, task, study.checkpoints.get(task.chain)))
+    lines = [nu for nu in configuration.poisson_ratios if f"nu={nu:g}" not in study.lines]
+    waiting |= {pool.submit(oracle_line, configuration, nu) for nu in lines}
+    total = len(configuration.poisson_ratios) * len(configuration.reduced_thicknesses)
+    begin, already = time.monotonic(), len(study.runs)
+    with console.bar() as progress:
+        shown = progress.add_task(f"Hertz study, {configuration.num_points} points", total=total, state="starting")
+        while waiting:
+            finished, waiting = wait(waiting, timeout=0.2, return_when=FIRST_COMPLETED)
+            for future in finished:
+                result = future.result()
+                if isinstance(result[0], Task):
+                    follower = _keep(study, path, *result)
+                    if follower:
+                        waiting.add(pool.submit(run_task, follower, result[2]))
+                else:
+                    study.lines[result[0]] = result[1]
+            share = (len(study.runs) - already) / max(1, total - already)
+            state = f"{len(study.runs)} of {total} runs, {console.remaining(share, time.monotonic() - begin)}"
+            state += _latest(reports)
+            progress.update(shown, completed=len(study.runs), state=state)
+
+
+def _keep(study: store.StudyFile, path: Path, task: Task, record: dict[str, Any], displacement: Array64) -> Task | None:
+    study.runs.append(record)
+    study.checkpoints[task.chain] = displacement
+    if task.next is None:
+        del study.checkpoints[task.chain]
+    store.save_study(path, study)
+    return task.next
+
+
+def _latest(reports: Any) -> str:
+    text = ""
+    try:
+        while True:
+            chain, wanted, iteration, residual = reports.get_nowait()
+            text = f"; {chain}, d/a_r = {wanted:.3g}: iteration {iteration}, residual {residual:.1e}"
+    except queue.Empty:
+        return text
+
+
+def summary(study: store.StudyFile) -> Table:
+    """The closing table: one row per Poisson's ratio, errors against the oracle."""
+    points = study.configuration["num_points"]
+    table = Table(
+        box=box.SIMPLE,
+        title=f"Hertz study, {points} points, p = {study.configuration['pressure']:g} E*, against the oracle",
+        caption="ok: runs certified; a_r err: largest |error| in grid spacings; peak err: largest |relative error| of the peak "
+        "pressure; y = (kappa_d/kappa_inf)/(d/a_r) at the least d/a_r, beside the thin-layer limit to first and second "
+        "order; pairs: transforms in all; s: seconds of solving in all. All but s dimensionless.",
+        caption_justify="left",
+    )
+    headings = ("nu", "ok", "a_r\nerr", "peak\nerr", "least\nd/a_r", "y", "y/1st\n- 1", "y/2nd\n- 1")
+    for heading in (*headings, "pairs", "s"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for nu in sorted(set(study.column("scene.poisson_ratio"))):
+        part = study.select(lambda run, nu=nu: run["scene.poisson_ratio"] == nu)
+        t, ratio = part.column("reduced_thickness"), part.column("kappa_ratio")
+        thin = int(np.argmin(t))
+        limit = closed_forms.thin_layer_kappa_ratio(EXPONENT, nu, t[thin])
+        second = closed_forms.thin_layer_kappa_ratio(EXPONENT, nu, t[thin], closed_forms.edge_shift(nu))
+        area = np.abs(part.column("contact_area") - part.column("oracle.contact_area")) * points
+        peak = np.abs(part.column("peak_pressure") / part.column("oracle.peak_pressure") - 1)
+        table.add_row(
+            f"{nu:g}",
+            f"{np.sum(part.column('status') == 'converged')}/{len(part.runs)}",
+            f"{area.max():.2f}",
+            f"{peak.max():.0e}",
+            f"{t[thin]:.4f}",
+            f"{ratio[thin] / t[thin]:.4f}",
+            f"{ratio[thin] / limit - 1:+.0e}",
+            f"{ratio[thin] / second - 1:+.0e}",
+            str(int(part.column("transform_pairs").sum())),
+            f"{part.column('seconds.total').sum():.1f}",
+        )
+    return table
+
+
+@dataclass(frozen=True)
+class Options:
+    """The Hertz study (the published study's Figure 2) at 2^18 points: data, figures and a closing table.
+
+    Run again after an interruption, it continues; run again when finished, it only draws.
+    """
+
+    quick: bool = False
+    """2^12 points instead of 2^18, in seconds."""
+    folder: Path | None = None
+    """Where hertz.h5 and the figures go; default results/hertz, or results/hertz-quick."""
+    workers: int = 2
+    """Processes, 1 to 256."""
+    planning: Literal["estimate", "measure", "patient"] = "estimate"
+    """FFTW's planning effort; what it finds is kept for later runs."""
+    overwrite: bool = False
+    """Start anew even if there is a file."""
+
+
+def command(options: Options) -> int:
+    """Run the study as asked; returns the exit status."""
+    checks.integer("workers", options.workers, "an integer from 1 to 256", 1, 256)
+    configuration = QUICK if options.quick else Configuration()
+    folder = options.folder or Path("results/hertz-quick" if options.quick else "results/hertz")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ValueError(f"folder {folder} cannot be made: {error.strerror}; allowed: a writable folder") from None
+    path = folder / "hertz.h5"
+    store.check_target(path, overwrite=True)
+    if options.overwrite:
+        path.unlink(missing_ok=True)
+    begin = time.perf_counter()
+    # matplotlib takes a second to import: meanwhile the workers compute, and they never need it
+    threading.Thread(target=importlib.import_module, args=("linecontact.studies.figures",), daemon=True).start()
+    finished_before = path.exists() and store.load_study(path).complete
+    study = run(configuration, path, options.workers, options.planning)
+    from . import figures
+
+    drawn = figures.draw(path)
+    output = Console()
+    output.print(summary(study))
+    output.print("Finished before; nothing computed." if finished_before else f"{time.perf_counter() - begin:.1f} s in all.")
+    output.print(f"Data: {path}\nFigures: {', '.join(str(figure) for figure in drawn)}", soft_wrap=True)
+    failed = int(np.sum(study.column("status") != "converged"))
+    return console.EXIT_NOT_CONVERGED if failed else 0
+
+
+def main() -> int:
+    """Entry point of `python -m linecontact.studies.hertz`."""
+    options = console.parse(Options, None, "python -m linecontact.studies.hertz", Options.__doc__ or "")
+    return console.guard(lambda: command(options))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

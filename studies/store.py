@@ -1,0 +1,211 @@
+"""HDF5 files of solutions and studies: written beside their final name and renamed, so never left half written.
+
+A solution file holds the datasets x, profile, displacement and contact_pressure, and everything that the command line's
+JSON holds as attributes (nested names joined by dots). A study file holds one dataset per scalar under /runs, with one
+value per run, the study's configuration and provenance as attributes, and, while it is unfinished, the displacements
+that the next runs start from under /checkpoints.
+"""
+
+import contextlib
+import json
+import os
+import tempfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from linecontact.solver import Solution
+
+UNITS = {
+    "x": "length",
+    "profile": "length",
+    "displacement": "length",
+    "contact_pressure": "pressure",
+    "thickness": "length",
+    "radius": "length",
+    "period": "length",
+    "approach": "length",
+    "peak_pressure": "pressure",
+    "pressure": "pressure",
+    "contact_modulus": "pressure",
+}
+"""Units by the last part of a name; 'seconds.*' is in seconds, everything else dimensionless."""
+
+
+class StoreError(ValueError):
+    """A file that cannot be read or written as asked; the message names it."""
+
+
+def unit(name: str) -> str:
+    """Unit of a stored quantity."""
+    return "s" if "seconds." in name else UNITS.get(name.rsplit(".", 1)[-1], "1")
+
+
+def check_target(path: Path, overwrite: bool) -> None:
+    """Raise `StoreError` before any work if `path` cannot become a new file."""
+    if path.is_dir() or (path.exists() and not overwrite):
+        raise StoreError(f"file {path} exists; allowed: a new name, or overwriting it by --overwrite")
+    if not path.parent.is_dir():
+        raise StoreError(f"folder {path.parent} of file {path.name} does not exist; allowed: an existing folder")
+    if not os.access(path.parent, os.W_OK):
+        raise StoreError(f"folder {path.parent} cannot be written to; allowed: a writable folder")
+
+
+@contextlib.contextmanager
+def new_file(path: Path) -> Iterator[h5py.File]:
+    """An HDF5 file that appears under `path` only when it is complete. Raises `StoreError` if it cannot be written."""
+    try:
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
+        os.close(handle)
+        temporary = Path(name)
+        try:
+            with h5py.File(temporary, "w") as file:
+                yield file
+            with temporary.open("rb") as written:
+                os.fsync(written.fileno())
+            os.chmod(temporary, 0o666 & ~_umask())
+            temporary.replace(path)
+        finally:
+            temporary.unlink(missing_ok=True)
+    except OSError as error:
+        raise StoreError(f"file {path} could not be written: {error}") from error
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
+
+
+@contextlib.contextmanager
+def open_file(path: Path) -> Iterator[h5py.File]:
+    """Read an HDF5 file; raises `StoreError` for a missing, damaged or foreign one."""
+    if not path.is_file():
+        raise StoreError(f"file {path} does not exist")
+    try:
+        with h5py.File(path, "r") as file:
+            yield file
+    except (OSError, KeyError) as error:
+        raise StoreError(f"file {path} is damaged or not one of linecontact's HDF5 files: {error}") from error
+
+
+def flatten(record: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    """Nested dictionaries as one, names joined by dots."""
+    flat: dict[str, Any] = {}
+    for name, value in record.items():
+        if isinstance(value, Mapping):
+            flat |= flatten(value, f"{prefix}{name}.")
+        else:
+            flat[prefix + name] = value
+    return flat
+
+
+def save_solution(path: Path, solution: Solution) -> None:
+    """Write one solution; an existing file is replaced."""
+    fields = {
+        "x": solution.scene.x,
+        "profile": solution.scene.profile,
+        "displacement": solution.displacement,
+        "contact_pressure": solution.contact_pressure,
+    }
+    with new_file(path) as file:
+        file.attrs["kind"] = "solution"
+        for name, value in flatten(solution.to_dict()).items():
+            file.attrs[name] = value
+        for name, values in fields.items():
+            dataset = file.create_dataset(name, data=values)
+            dataset.attrs["unit"] = unit(name)
+
+
+def load_solution(path: Path) -> tuple[dict[str, NDArray[np.float64]], dict[str, Any]]:
+    """Fields, shape (N,) each, and attributes of a solution file."""
+    with open_file(path) as file:
+        fields = {name: file[name][:] for name in ("x", "profile", "displacement", "contact_pressure")}
+        return fields, {name: _scalar(value) for name, value in file.attrs.items()}
+
+
+def _scalar(value: Any) -> Any:
+    return value.item() if isinstance(value, np.generic) else value
+
+
+@dataclass
+class StudyFile:
+    """Contents of a study file.
+
+    kind: the study's name; configuration: what the user chose, JSON-ready; runs: one flat record per finished run;
+    checkpoints: displacements by chain, shape (N,); lines: reference curves by name, columns by name; complete: done.
+    """
+
+    kind: str
+    configuration: dict[str, Any]
+    runs: list[dict[str, Any]] = field(default_factory=list)
+    checkpoints: dict[str, NDArray[np.float64]] = field(default_factory=dict)
+    lines: dict[str, dict[str, NDArray[np.float64]]] = field(default_factory=dict)
+    complete: bool = False
+
+    def column(self, name: str) -> NDArray[Any]:
+        """One quantity over the runs, shape (number of runs,)."""
+        return np.array([run[name] for run in self.runs])
+
+    def select(self, keep: Callable[[dict[str, Any]], bool]) -> "StudyFile":
+        """The same study with fewer runs."""
+        return StudyFile(self.kind, self.configuration, [run for run in self.runs if keep(run)], {}, self.lines)
+
+
+def save_study(path: Path, study: StudyFile) -> None:
+    """Write a study in its present state; an existing file is replaced in one step."""
+    with new_file(path) as file:
+        file.attrs["kind"] = study.kind
+        file.attrs["configuration"] = json.dumps(study.configuration)
+        file.attrs["complete"] = study.complete
+        file.create_group("runs")
+        for name in study.runs[0] if study.runs else ():
+            _write_column(file["runs"], name, [run[name] for run in study.runs])
+        for chain, displacement in study.checkpoints.items():
+            file[f"checkpoints/{chain}"] = displacement
+        for line, columns in study.lines.items():
+            for name, values in columns.items():
+                file[f"lines/{line}/{name}"] = values
+
+
+def _write_column(group: h5py.Group, name: str, values: Sequence[Any]) -> None:
+    """One value per run: text as text, numbers (infinities among them, 'inf' in JSON) as numbers."""
+    if any(isinstance(value, str) and value not in ("inf", "-inf", "nan") for value in values):
+        dataset = group.create_dataset(name, data=list(values), dtype=h5py.string_dtype())
+    elif all(isinstance(value, int) for value in values):
+        dataset = group.create_dataset(name, data=np.array(values))
+    else:
+        dataset = group.create_dataset(name, data=np.array([float(value) for value in values]))
+    dataset.attrs["unit"] = unit(name)
+
+
+def load_study(path: Path) -> StudyFile:
+    """Read a study file."""
+    with open_file(path) as file:
+        columns = {name: _read_column(dataset) for name, dataset in file["runs"].items()}
+        length = len(next(iter(columns.values()))) if columns else 0
+        lines = file.get("lines", {})
+        return StudyFile(
+            kind=str(file.attrs["kind"]),
+            configuration=json.loads(file.attrs["configuration"]),
+            runs=[{name: values[i] for name, values in columns.items()} for i in range(length)],
+            checkpoints={name: data[:] for name, data in file.get("checkpoints", {}).items()},
+            lines={line: {n: data[:] for n, data in group.items()} for line, group in lines.items()},
+            complete=bool(file.attrs["complete"]),
+        )
+
+
+def _read_column(dataset: h5py.Dataset) -> list[Any]:
+    values = dataset.asstr()[:] if h5py.check_string_dtype(dataset.dtype) else dataset[:]
+    return list(values.tolist())
+
+
+def file_kind(path: Path) -> str:
+    """'solution' or the study's name."""
+    with open_file(path) as file:
+        return str(file.attrs["kind"])
