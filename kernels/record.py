@@ -59,18 +59,17 @@ def _silent_stderr() -> Iterator[None]:
 
 
 @functools.cache
-def load(precision: str) -> None:
-    """Compile (or fetch from Warp's kernel cache) every kernel for one precision, 'float32' or 'float64'."""
+def load() -> None:
+    """Compile every kernel in both precisions as one module, or fetch it from Warp's kernel cache."""
     wp.config.log_level = wp.LOG_WARNING
     with _silent_stderr():
         wp.init()
-    real = {"float32": wp.float32, "float64": wp.float64}[precision]
-    for name in KERNELS:
-        kernel = getattr(warp_kernels, name)
+    for kernel in (getattr(warp_kernels, name) for name in KERNELS):
         if kernel.is_generic:
             arguments = {a.label: a.type for a in kernel.adj.args}
-            types = {k: wp.array(dtype=real) if t.dtype is Any else t for k, t in arguments.items()}
-            wp.overload(kernel, types)
+            for real in (wp.float32, wp.float64):
+                types = {k: wp.array(dtype=real) if t.dtype is Any else t for k, t in arguments.items()}
+                wp.overload(kernel, types)
     wp.load_module(warp_kernels, device="cpu")
 
 
@@ -103,8 +102,7 @@ def _record_numpy(calls: Sequence[Call]) -> Callable[[], None]:
 
 
 def _record_warp(calls: Sequence[Call]) -> Callable[[], None]:
-    precisions = {array.dtype.name for call in calls for array in (*call.inputs, *call.outputs)}
-    load("float32" if "float32" in precisions else "float64")
+    load()
     with _capture_lock, wp.ScopedCapture(device="cpu") as capture:
         for call in calls:
             threads = 1 if call.kernel == "fire_control" else call.inputs[0].size // CHUNK

@@ -179,7 +179,7 @@ def run_info(_: Info) -> int:
 
     from linecontact import kernels
 
-    kernels.load("float64")
+    kernels.load()
     table = Table(title="linecontact", show_header=False)
     rows = {
         **provenance.provenance(),

@@ -1,0 +1,186 @@
+"""Every kernel against its NumPy twin, in both precisions, on lengths around the chunk; and proof of vector code."""
+
+import os
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from linecontact.kernels import CHUNK, KERNELS, Call, layout, padded_length, record
+
+PRECISIONS = ["float32", "float64"]
+LENGTHS = [1, CHUNK - 1, CHUNK, CHUNK + 1, 3 * CHUNK, 5 * CHUNK + 17]
+
+ELEMENTWISE = {
+    "spectral_multiply": ("coefficient", "spectrum"),
+    "net_force": ("elastic", "h", "u", "force", "sum", "sum"),
+    "net_force_and_sums": ("h", "u", "v", "force", "sum", "sum", "sum", "sum"),
+    "search_sums": ("force", "v", "acceleration", "sum", "sum", "sum"),
+    "restrict_to_free": ("force", "field", "restricted", "sum"),
+    "fire_step": ("acceleration", "h", "state", "u", "v"),
+}
+NUM_OUTPUTS = {"spectral_multiply": 1, "net_force": 3, "net_force_and_sums": 5, "search_sums": 4, "restrict_to_free": 2}
+
+
+def make_arrays(kernel, length, precision, seed):
+    """Arguments as the solver has them: u <= h with many nodes on the wall, forces of both signs, zeros in between."""
+    rng = np.random.default_rng(seed)
+    padded = padded_length(length)
+    h = np.full(padded, np.inf, precision)
+    h[:length] = rng.random(length)
+    u = np.minimum(h, rng.standard_normal(padded)).astype(precision)
+    u[length:] = 0
+    arrays = []
+    for name in ELEMENTWISE[kernel]:
+        if name == "h":
+            arrays.append(h)
+        elif name == "u":
+            arrays.append(u)
+        elif name == "sum":
+            arrays.append(np.full(padded // CHUNK, np.nan))
+        elif name == "state":
+            state = np.zeros(layout.STATE_LENGTH)
+            state[[layout.MIX, layout.GAIN, layout.DT]] = 0.9, 0.7, 0.3
+            arrays.append(state)
+        else:
+            values = rng.standard_normal(padded).astype(precision) * (rng.random(padded) < 0.7)
+            values[length:] = 1 if name == "elastic" or (name == "force" and kernel == "net_force_and_sums") else 0
+            arrays.append(values.astype(precision))
+    return arrays
+
+
+def run(backend, kernel, arrays):
+    copies = [array.copy() for array in arrays]
+    outputs = NUM_OUTPUTS.get(kernel, 2)
+    call = Call(kernel, tuple(copies[:-outputs]), tuple(copies[-outputs:]))
+    record(backend, [call])()
+    return copies
+
+
+@pytest.mark.parametrize("precision", PRECISIONS)
+@pytest.mark.parametrize("length", LENGTHS)
+@pytest.mark.parametrize("kernel", ELEMENTWISE)
+def test_kernel_against_twin(kernel, length, precision):
+    arrays = make_arrays(kernel, length, precision, seed=length)
+    warp, twin = run("warp", kernel, arrays), run("numpy", kernel, arrays)
+    eps = np.finfo(precision).eps
+    for name, a, b, before in zip(ELEMENTWISE[kernel], warp, twin, arrays, strict=True):
+        if name == "sum":
+            # reassociated sums of CHUNK terms of size ~1: error <= CHUNK eps of the sum of magnitudes (<= 20 CHUNK)
+            np.testing.assert_allclose(a, b, rtol=0, atol=20 * CHUNK * eps)
+        else:
+            # at most two roundings apart (fused multiply-add); terms are below 10
+            np.testing.assert_allclose(a, b, rtol=4 * eps, atol=20 * eps)
+        assert a.dtype == before.dtype
+
+
+@pytest.mark.parametrize("precision", PRECISIONS)
+def test_step_leaves_nothing_beyond_the_wall(precision):
+    arrays = make_arrays("fire_step", 3 * CHUNK, precision, seed=1)
+    _, h, _, u, v = run("warp", "fire_step", arrays)
+    assert (u <= h).all()
+    hit = u == h
+    assert hit.any()
+    assert not hit.all()
+    assert (v[hit] == 0).all()
+
+
+@pytest.mark.parametrize("precision", PRECISIONS)
+def test_force_is_zero_exactly_where_the_wall_carries(precision):
+    arrays = make_arrays("net_force", 3 * CHUNK, precision, seed=2)
+    elastic, h, u, force, _, held = run("warp", "net_force", arrays)
+    carried = (u >= h) & (1 - elastic > 0)
+    assert carried.any()
+    assert (force[carried] == 0).all()
+    np.testing.assert_array_equal(force[~carried], (1 - elastic)[~carried])
+    assert held.sum() == carried.sum()
+
+
+def control_state(**values):
+    state = np.zeros(layout.STATE_LENGTH)
+    defaults = {
+        "DT_MAX": 1.0, "N_MIN": 2, "F_INC": 1.1, "F_DEC": 0.5, "ALPHA_START": 0.1, "F_ALPHA": 0.99, "STIFFEST": 2.0,
+        "TOLERANCE": 1e-8, "NUM_POINTS": 4000, "DT": 0.4, "ALPHA": 0.05, "N_POSITIVE": 5, "ITERATION": 7,
+    }  # fmt: skip
+    for name, value in {**defaults, **values}.items():
+        state[getattr(layout, name)] = value
+    return state
+
+
+@pytest.mark.parametrize(
+    ("power", "force", "changes"),
+    [
+        (3.0, 2.0, {}),
+        (3.0, 2.0, {"N_POSITIVE": 0}),
+        (-3.0, 2.0, {}),
+        (0.0, 2.0, {"ITERATION": 0}),
+        (3.0, 0.0, {}),
+        (3.0, np.nan, {}),
+        (3.0, 1e300, {}),
+        (3.0, 2.0, {"DT": 0.999}),
+        (3.0, 2.0, {"STIFFEST": 1e4, "ALPHA": 0.9}),
+    ],
+)
+def test_control_against_twin(power, force, changes):
+    rng = np.random.default_rng(3)
+    sums = [rng.random(37) for _ in range(5)]
+    for values, total in ((sums[0], force), (sums[1], 100.0), (sums[2], power)):
+        values *= total / values.sum()
+    states = []
+    for backend in ("warp", "numpy"):
+        state = control_state(**changes)
+        record(backend, [Call("fire_control", tuple(sums), (state,))])()
+        states.append(state)
+    np.testing.assert_allclose(states[0], states[1], rtol=1e-12)
+    if not 0 < force < 1e100:
+        assert states[0][layout.FROZEN] == 1
+        assert states[0][layout.GAIN] == 0
+    elif power > 0:
+        assert states[0][layout.MIX] > 0
+    else:
+        assert states[0][layout.MIX] == 0
+
+
+def test_mixing_is_capped_by_the_stiffest_mode():
+    sums = [np.full(1, v) for v in (1.0, 0.0, 1.0, 1e12, 1.0)]  # |v|/|a| = 1e6
+    state = control_state(STIFFEST=4.0, DT=0.5, N_POSITIVE=0)
+    record("warp", [Call("fire_control", tuple(sums), (state,))])()
+    assert state[layout.GAIN] - state[layout.DT] == pytest.approx(1 / (0.5 * 4.0))
+
+
+def test_bad_arrays_and_backends_are_refused():
+    good = np.zeros(CHUNK)
+    with pytest.raises(ValueError, match="length is 5"):
+        record("warp", [Call("spectral_multiply", (np.zeros(5),), (np.zeros(5),))])
+    with pytest.raises(ValueError, match="contiguous"):
+        record("warp", [Call("spectral_multiply", (np.zeros(2 * CHUNK)[::2],), (good,))])
+    with pytest.raises(ValueError, match="backend is 'cuda'"):
+        record("cuda", [Call("spectral_multiply", (good,), (good,))])
+
+
+def test_every_element_wise_loop_is_vectorised(tmp_path):
+    """LLVM's own remark for every kernel, each in both precisions (compiled afresh into an empty cache)."""
+    program = (
+        "import warp as wp\n"
+        "wp.config.cpu_compiler_flags = (wp.config.cpu_compiler_flags or '') + ' -Rpass=loop-vectorize'\n"
+        "import linecontact.kernels\n"
+        "linecontact.kernels.load()\n"
+    )
+    environment = {**os.environ, "WARP_CACHE_PATH": str(tmp_path)}
+    result = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True, timeout=300)
+    assert result.returncode == 0, result.stderr
+    source = next(tmp_path.rglob("*.cpp")).read_text().splitlines()
+    found = {}
+    for line, width in re.findall(r"\.cpp:(\d+):\d+: remark: vectorized loop \(vectorization width: (\d+)", result.stderr):
+        functions = [re.match(r"static void (\w+)_[0-9a-f]{8}_cpu_kernel_forward\(", text) for text in source[: int(line)]]
+        names = [match for match in functions if match]
+        if names:
+            found.setdefault(names[-1].group(0), set()).add(int(width))
+    exact = {
+        name: [w for f, w in found.items() if re.match(rf"static void {name}_[0-9a-f]{{8}}_cpu", f)] for name in ELEMENTWISE
+    }
+    assert all(len(widths) == 2 for widths in exact.values()), exact
+    assert all(max(w) >= 2 for widths in exact.values() for w in widths)
+    assert set(ELEMENTWISE) | {"fire_control"} == set(KERNELS)

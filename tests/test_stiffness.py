@@ -1,0 +1,60 @@
+"""The stiffness against 60-digit arithmetic and its limits."""
+
+import warnings
+
+import mpmath
+import numpy as np
+import pytest
+
+from linecontact.solver.stiffness import foundation_modulus, layer_factor, stiffness
+
+POISSON_RATIOS = [-0.99, -0.5, 0.0, 0.25, 0.4, 0.45, 0.49, 0.4999, 0.5 - 1e-6, 0.5 - 1e-12, 0.5]
+
+
+def exact_factor(y: float, nu: float) -> mpmath.mpf:
+    """The textbook form at 60 digits beyond what cosh needs."""
+    with mpmath.workdps(60):
+        y, nu = mpmath.mpf(y), mpmath.mpf(nu)
+        if y > 1e4:
+            return mpmath.mpf(1)  # exp(-2e4) is far below 60 digits
+        return ((3 - 4 * nu) * mpmath.cosh(2 * y) + 2 * y**2 - 4 * nu * (3 - 2 * nu) + 5) / (
+            (3 - 4 * nu) * mpmath.sinh(2 * y) - 2 * y
+        )
+
+
+@pytest.mark.parametrize("nu", POISSON_RATIOS)
+def test_layer_factor_against_mpmath(nu):
+    y = np.concatenate([np.logspace(-12, 8, 121), [0.2, 0.2499, 0.25, 0.9999, 1.0, 1.0001, 354, 356, 399, 401]])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        factor = layer_factor(y, nu)
+    worst = max(abs(float(f / exact_factor(v, nu) - 1)) for f, v in zip(factor, y, strict=True))
+    assert worst <= 1e-14
+
+
+def test_half_space_and_mean_mode():
+    k = stiffness(64, np.inf, 0.3)
+    np.testing.assert_allclose(k, np.pi * np.arange(33), rtol=1e-15)
+    assert stiffness(64, 0.1, 0.3)[0] == 0
+
+
+@pytest.mark.parametrize("nu", [-0.9, 0.0, 0.3, 0.49])
+def test_long_waves_feel_the_winkler_foundation(nu):
+    # K = k_W (1 + O((q d)^2/(1-2nu))): at q d = 2 pi 1e-6 the correction is below 1e-9
+    k = stiffness(16, 1e-6, nu)[1]
+    assert k == pytest.approx(foundation_modulus(1e-6, nu), rel=1e-8)
+
+
+def test_incompressible_long_waves():
+    d = 1e-5
+    q = 2 * np.pi
+    assert stiffness(16, d, 0.5)[1] == pytest.approx(3 / (4 * q**2 * d**3), rel=1e-8)  # correction O((q d)^2)
+    assert foundation_modulus(d, 0.5) == np.inf
+    assert foundation_modulus(np.inf, 0.25) == 0
+
+
+def test_stiffness_falls_to_the_half_space_with_thickness():
+    thick, thin = stiffness(256, 0.2, 0.3), stiffness(256, 0.05, 0.3)
+    half_space = stiffness(256, np.inf, 0.3)
+    assert (thin[1:] >= thick[1:]).all()
+    assert (thick[1:] >= half_space[1:] * (1 - 1e-15)).all()
