@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import layout
-from .layout import CHUNK
+from .layout import CHUNK, TOUCHING
 
 Array = NDArray[Any]
 Array64 = NDArray[np.float64]
@@ -24,27 +24,32 @@ def spectral_multiply(coefficient: Array, spectrum: Array) -> None:
     spectrum *= coefficient
 
 
-def net_force(elastic: Array, h: Array, u: Array, force: Array, force_sums: Array64, held_sums: Array64) -> None:
-    """Free part of r = 1 - K u, its squares' sums and the held nodes' counts per chunk."""
+def _free_force(elastic: Array, velocity: Array) -> tuple[Array, Array]:
+    """Free part of r = 1 - K u, and the held nodes."""
     r = 1 - elastic
-    held = (u >= h) & (r > 0)
-    force[:] = np.where(held, 0, r)
+    held = (velocity == TOUCHING) & (r > 0)
+    return np.where(held, r.dtype.type(0), r), held
+
+
+def net_force(elastic: Array, velocity: Array, force: Array, force_sums: Array64, held_sums: Array64) -> None:
+    """Free part of r = 1 - K u, its squares' sums and the held nodes' counts per chunk."""
+    force[:], held = _free_force(elastic, velocity)
     force_sums[:] = _chunk_sums(force * force)
     held_sums[:] = _chunk_sums(held)
 
 
-def net_force_and_sums(
-    h: Array,
-    u: Array,
+def plain_sums(
+    elastic: Array,
     velocity: Array,
-    force: Array,
     force_sums: Array64,
     held_sums: Array64,
     power_sums: Array64,
     velocity_sums: Array64,
 ) -> None:
-    """`net_force` in place (force holds K u at entry) and the sums v.f and v.v per chunk."""
-    net_force(force, h, u, force, force_sums, held_sums)
+    """Sums of f.f, held nodes, v.f and v.v per chunk."""
+    force, held = _free_force(elastic, velocity)
+    force_sums[:] = _chunk_sums(force * force)
+    held_sums[:] = _chunk_sums(held)
     power_sums[:] = _chunk_sums(velocity * force)
     velocity_sums[:] = _chunk_sums(velocity * velocity)
 
@@ -106,11 +111,16 @@ def fire_control(
 
 
 def fire_step(acceleration: Array, h: Array, state: Array64, u: Array, v: Array) -> None:
-    """v = mix v + gain a, u += dt v, then the wall: u <= h, v = 0 where it was hit."""
+    """v = mix v + gain a, u += dt v, then the wall: u <= h, v = TOUCHING where it was hit."""
     real = u.dtype.type
     v *= real(state[layout.MIX])
     v += real(state[layout.GAIN]) * acceleration
     u += real(state[layout.DT]) * v
-    hit = u > h
+    hit = u >= h
     u[hit] = h[hit]
-    v[hit] = 0
+    v[hit] = TOUCHING
+
+
+def plain_step(elastic: Array, h: Array, state: Array64, u: Array, v: Array) -> None:
+    """`fire_step` with the free force, made from K u, as the acceleration."""
+    fire_step(_free_force(elastic, v)[0], h, state, u, v)

@@ -27,11 +27,12 @@ BACKENDS = ("warp", "numpy")
 KERNELS = (
     "spectral_multiply",
     "net_force",
-    "net_force_and_sums",
     "search_sums",
     "restrict_to_free",
     "fire_control",
     "fire_step",
+    "plain_sums",
+    "plain_step",
 )
 
 _capture_lock = threading.Lock()

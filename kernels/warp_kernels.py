@@ -8,7 +8,8 @@ A complex half spectrum is passed as its flat real view (re, im, re, im, ...), b
 
 The unknown u is the displacement towards the indenter, limited by the wall u <= h. Pressures are in units of the mean
 external pressure, so the net force on a node is r = 1 - (K u). A node is *held* where u = h and r > 0 (the wall carries
-it) and *free* elsewhere.
+it) and *free* elsewhere. Memory traffic is what costs here: whether u = h is read off the velocity, which a step leaves at
+`TOUCHING` on the wall.
 """
 
 from typing import Any
@@ -35,6 +36,7 @@ from .layout import (
     RESIDUAL,
     STIFFEST,
     TOLERANCE,
+    TOUCHING,
 )
 
 # Module flags replace the global string, so they are appended to it.
@@ -47,19 +49,20 @@ wp.set_module_options(
 )
 
 CHUNK_LENGTH = wp.constant(CHUNK)
+ON_WALL = wp.constant(TOUCHING)
 
 
 @wp.func
 def project_wall(u: Any, v: Any, h: Any):
-    """Hard wall: a node that passed u = h is put back on it and stopped."""
-    hit = u > h
-    return wp.where(hit, h, u), wp.where(hit, type(v)(0.0), v)
+    """Hard wall: a node that reaches u = h is put on it and stopped, with a velocity that marks it."""
+    hit = u >= h
+    return wp.where(hit, h, u), wp.where(hit, type(v)(ON_WALL), v)
 
 
 @wp.func
-def free_force(r: Any, u: Any, h: Any):
-    """Net force where the node is free, 0 where the wall carries it."""
-    return wp.where(u >= h and r > type(r)(0.0), type(r)(0.0), r)
+def held(r: Any, v: Any):
+    """On the wall and pressed against it."""
+    return v == type(v)(ON_WALL) and r > type(r)(0.0)
 
 
 @wp.kernel
@@ -74,8 +77,7 @@ def spectral_multiply(coefficient: wp.array[Any], spectrum: wp.array[Any]):
 @wp.kernel
 def net_force(
     elastic: wp.array[Any],
-    h: wp.array[Any],
-    u: wp.array[Any],
+    velocity: wp.array[Any],
     force: wp.array[Any],
     force_sums: wp.array[wp.float64],
     held_sums: wp.array[wp.float64],
@@ -83,49 +85,48 @@ def net_force(
     """Free part of r = 1 - K u, with the chunk's sum of its squares and its number of held nodes."""
     tid = wp.tid()
     start = tid * CHUNK_LENGTH
-    squares = u.dtype(0.0)
-    held = u.dtype(0.0)
+    squares = elastic.dtype(0.0)
+    count = elastic.dtype(0.0)
     for j in range(CHUNK_LENGTH):
         i = start + j
-        r = u.dtype(1.0) - elastic[i]
-        f = free_force(r, u[i], h[i])
+        r = elastic.dtype(1.0) - elastic[i]
+        on_wall = held(r, velocity[i])
+        f = wp.where(on_wall, elastic.dtype(0.0), r)
         force[i] = f
         squares += f * f
-        held += wp.where(u[i] >= h[i] and r > u.dtype(0.0), u.dtype(1.0), u.dtype(0.0))
+        count += wp.where(on_wall, elastic.dtype(1.0), elastic.dtype(0.0))
     force_sums[tid] = wp.float64(squares)
-    held_sums[tid] = wp.float64(held)
+    held_sums[tid] = wp.float64(count)
 
 
 @wp.kernel
-def net_force_and_sums(
-    h: wp.array[Any],
-    u: wp.array[Any],
+def plain_sums(
+    elastic: wp.array[Any],
     velocity: wp.array[Any],
-    force: wp.array[Any],
     force_sums: wp.array[wp.float64],
     held_sums: wp.array[wp.float64],
     power_sums: wp.array[wp.float64],
     velocity_sums: wp.array[wp.float64],
 ):
-    """`net_force` in place (force holds K u at entry) and the sums v.f and v.v in the same pass: plain FIRE's."""
+    """Plain FIRE's sums f.f, v.f, v.v and the number of held nodes; the force is made again in `plain_step`."""
     tid = wp.tid()
     start = tid * CHUNK_LENGTH
-    squares = u.dtype(0.0)
-    held = u.dtype(0.0)
-    power = u.dtype(0.0)
-    vv = u.dtype(0.0)
+    squares = elastic.dtype(0.0)
+    count = elastic.dtype(0.0)
+    power = elastic.dtype(0.0)
+    vv = elastic.dtype(0.0)
     for j in range(CHUNK_LENGTH):
         i = start + j
-        r = u.dtype(1.0) - force[i]
-        f = free_force(r, u[i], h[i])
+        r = elastic.dtype(1.0) - elastic[i]
         v = velocity[i]
-        force[i] = f
+        on_wall = held(r, v)
+        f = wp.where(on_wall, elastic.dtype(0.0), r)
         squares += f * f
-        held += wp.where(u[i] >= h[i] and r > u.dtype(0.0), u.dtype(1.0), u.dtype(0.0))
+        count += wp.where(on_wall, elastic.dtype(1.0), elastic.dtype(0.0))
         power += v * f
         vv += v * v
     force_sums[tid] = wp.float64(squares)
-    held_sums[tid] = wp.float64(held)
+    held_sums[tid] = wp.float64(count)
     power_sums[tid] = wp.float64(power)
     velocity_sums[tid] = wp.float64(vv)
 
@@ -250,6 +251,30 @@ def fire_step(
     for j in range(CHUNK_LENGTH):
         i = start + j
         vi = mix * v[i] + gain * acceleration[i]
+        ui, vi = project_wall(u[i] + dt * vi, vi, h[i])
+        u[i] = ui
+        v[i] = vi
+
+
+@wp.kernel
+def plain_step(
+    elastic: wp.array[Any],
+    h: wp.array[Any],
+    state: wp.array[wp.float64],
+    u: wp.array[Any],
+    v: wp.array[Any],
+):
+    """`fire_step` with the free force, made from K u, as the acceleration."""
+    start = wp.tid() * CHUNK_LENGTH
+    mix = u.dtype(state[MIX])
+    gain = u.dtype(state[GAIN])
+    dt = u.dtype(state[DT])
+    for j in range(CHUNK_LENGTH):
+        i = start + j
+        r = u.dtype(1.0) - elastic[i]
+        vi = v[i]
+        f = wp.where(held(r, vi), u.dtype(0.0), r)
+        vi = mix * vi + gain * f
         ui, vi = project_wall(u[i] + dt * vi, vi, h[i])
         u[i] = ui
         v[i] = vi

@@ -103,7 +103,7 @@ class Fire:
         self.height[: self.num_points] = problem.height
         if initial is not None:
             self.u[: self.num_points] = initial
-        np.minimum(self.u, self.height, out=self.u)
+        self._stop_at_wall()
 
     def _coefficients(self, problem: Problem, transforms: Transforms) -> None:
         n = self.num_points
@@ -140,13 +140,15 @@ class Fire:
         self._squares = np.zeros(chunks)
         if not self.mass_weighted:
             sums["acceleration"] = sums["force"]  # the acceleration is the force
-        control = [
-            Call("fire_control", tuple(sums.values()), (self.state,)),
-            Call("fire_step", (self.work, self.height, self.state), (self.u, self.v)),
-        ]
-        in_place = Call("net_force_and_sums", (self.height, self.u, self.v), (self.work, *list(sums.values())[:4]))
-        force = Call("net_force", (self.work, self.height, self.u), (self.force, sums["force"], sums["held"]))
-        search = Call("search_sums", (self.force, self.v), (self.work, *list(sums.values())[2:]))
+        control = Call("fire_control", tuple(sums.values()), (self.state,))
+        wall, motion = (self.work, self.height, self.state), (self.u, self.v)
+        force = Call("net_force", (self.work, self.v), (self.force, sums["force"], sums["held"]))
+        if self.mass_weighted:
+            search = Call("search_sums", (self.force, self.v), (self.work, *list(sums.values())[2:]))
+            move = [search, control, Call("fire_step", wall, motion)]
+        else:
+            search = Call("plain_sums", (self.work, self.v), tuple(sums.values())[:4])
+            move = [search, control, Call("plain_step", wall, motion)]
         restrict = Call("restrict_to_free", (self.force, self.work), (self.probe, self._squares))
 
         def multiply(coefficient: NDArray[np.floating]) -> Callable[[], None]:
@@ -155,7 +157,7 @@ class Fire:
         self._multiply_stiffness = multiply(self.stiffness)
         self._multiply_inverse_mass = multiply(self.inverse_mass)
         self._find_force = record(backend, [force])
-        self._move = record(backend, [search if self.mass_weighted else in_place, *control])
+        self._move = record(backend, move)
         self._restrict = record(backend, [restrict])
 
     @property
@@ -193,15 +195,28 @@ class Fire:
         if self.state[layout.HELD] == 0:
             self._touch()
 
+    def timed_step(self) -> dict[str, float]:
+        """`step` of plain FIRE with the seconds spent in 'transforms' and in the 'rest', for benchmarks."""
+        marks = [time.perf_counter()]
+        for part in (self._to_spectrum[id(self.u)], self._multiply_stiffness, self._to_work, self._move):
+            part()
+            marks.append(time.perf_counter())
+        forward, multiply, inverse, move = np.diff(marks)
+        return {"transforms": float(forward + inverse), "rest": float(multiply + move)}
+
     def _touch(self) -> None:
         """After a lift-off: a rigid shift back to first touch, at rest. It costs no elastic energy (K = 0 for the mean)."""
         n = self.num_points
         lift = (self.height[:n] - self.u[:n]).min()
         if lift > 0:
             self.u[:n] += lift
-            np.minimum(self.u, self.height, out=self.u)
-            v = self.v[:n]
-            v += max(0.0, -float(v.mean()))
+            self.v[:n] += max(0.0, -float(self.v[:n].mean()))
+            self._stop_at_wall()
+
+    def _stop_at_wall(self) -> None:
+        """Put u below the wall and mark the nodes that touch it, as a step does."""
+        hit = self.u >= self.height
+        self.u[hit], self.v[hit] = self.height[hit], layout.TOUCHING
 
     def _apply(self, source: NDArray[np.floating], multiply: Callable[[], None]) -> None:
         """work = operator applied to `source`, one transform pair."""
