@@ -21,7 +21,7 @@ ALPHA_START = 4
 F_ALPHA = 5
 STIFFEST = 6  # largest eigenvalue of the (mass-weighted) stiffness on the free nodes
 TOLERANCE = 7  # on the rms free force over the mean pressure
-NUM_POINTS = 8  # without padding
+NUM_POINTS = 8  # with padding, whose nodes are held
 
 # Dynamic state, written by `fire_control`.
 DT = 9

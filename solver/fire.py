@@ -89,11 +89,10 @@ class Fire:
         self.tolerance = tolerance
         self.transform_pairs = 0
         buffer = transforms.buffer
-        # padding: force 1 - 1 = 0 and a wall that is never reached
-        self.u, self.v, self.force = buffer(), buffer(), buffer()
-        self.work = buffer(fill=1.0)  # K u, then the acceleration
-        self.height = buffer(fill=np.inf)
-        self.probe = buffer()
+        # all zeros behind N: the padding lies on a wall at 0 and is held there by the mean pressure
+        self.u, self.v, self.force, self.height, self.probe = (buffer() for _ in range(5))
+        self.work = buffer()  # K u, then the acceleration
+        self.padding = self.u.size - self.num_points
         self._to_spectrum = {id(a): transforms.forward(a) for a in (self.u, self.force, self.probe)}
         self._to_work = transforms.inverse(self.work)
         self._coefficients(problem, transforms)
@@ -120,7 +119,7 @@ class Fire:
         s[layout.N_MIN], s[layout.F_INC], s[layout.F_DEC] = parameters.n_min, parameters.f_inc, parameters.f_dec
         s[layout.ALPHA] = s[layout.ALPHA_START] = parameters.alpha_start
         s[layout.F_ALPHA] = parameters.f_alpha
-        s[layout.TOLERANCE], s[layout.NUM_POINTS] = self.tolerance, self.num_points
+        s[layout.TOLERANCE], s[layout.NUM_POINTS] = self.tolerance, self.u.size
         s[layout.RESIDUAL] = np.inf
         self._parameters = parameters
         if not self.mass_weighted:
@@ -192,7 +191,7 @@ class Fire:
                 self._measure_stiffest()
             self._apply(self.force, self._multiply_inverse_mass)
         self._move()
-        if self.state[layout.HELD] == 0:
+        if self.state[layout.HELD] <= self.padding:
             self._touch()
 
     def timed_step(self) -> dict[str, float]:

@@ -48,14 +48,13 @@ class Transforms:
         self._modes = self.spectrum[: num_points + 2].view(np.result_type(self.real, np.complex64))
         load_wisdom()
 
-    def buffer(self, length: int | None = None, fill: float = 0.0) -> Array:
-        """A padded, aligned, staggered array of `length` (default N) values: zeros, `fill` behind them."""
+    def buffer(self, length: int | None = None) -> Array:
+        """A padded, aligned, staggered array for `length` (default N) values: zeros."""
         length = self.num_points if length is None else length
         padded = padded_length(length)
         offset = self._count * _STAGGER // self.real.itemsize
         self._count += 1
         array: Array = pyfftw.zeros_aligned(padded + offset, dtype=self.real, n=64)[offset:]
-        array[length:] = fill
         return array
 
     def forward(self, source: Array) -> Callable[[], None]:

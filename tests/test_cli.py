@@ -1,0 +1,141 @@
+"""The command line as a subprocess."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from linecontact.studies import store
+
+CLI = [sys.executable, "-m", "linecontact.studies.cli"]
+
+
+def run(*arguments, cwd=None, program=CLI):
+    return subprocess.run([*program, *map(str, arguments)], capture_output=True, text=True, timeout=300, cwd=cwd)
+
+
+def test_solve_json():
+    result = run("solve", "--num-points", 4096, "--thickness", 0.1, "--poisson-ratio", 0.25, "--json")
+    assert result.returncode == 0, result.stderr
+    assert result.stdout.count("\n") == 1
+    record = json.loads(result.stdout)
+    assert record["status"] == "converged"
+    assert abs(record["contact_area"] - 0.094482408562) < 2 / 4096
+    keys = "rms_gradient_contact reduced_pressure kappa kappa_ratio reduced_thickness approach peak_pressure iterations"
+    assert set(keys.split()) < set(record)
+    assert {"transform_pairs", "method", "precision", "scene", "version"} < set(record)
+    assert {"setup", "solve", "total"} <= set(record["seconds"])
+    names = "free_residual adhesion penetration complementarity force_balance energy_error_bound"
+    assert set(record["certificate"]) == set(names.split())
+    assert record["certificate"]["free_residual"] <= 1e-8
+    assert record["scene"]["num_points"] == 4096
+
+
+def test_solve_table_save_and_plot(tmp_path):
+    file = tmp_path / "run.h5"
+    result = run("solve", "--num-points", 256, "--thickness", "inf", "--save", file)
+    assert result.returncode == 0, result.stderr
+    assert "contact area" in result.stdout
+    assert "length" in result.stdout
+    _, attributes = store.load_solution(file)
+    assert attributes["scene.thickness"] == "inf"
+    assert attributes["certificate.free_residual"] <= 1e-8
+    again = run("solve", "--num-points", 256, "--save", file)
+    assert again.returncode == 2
+    assert "exists" in again.stderr
+    assert run("solve", "--num-points", 256, "--save", file, "--overwrite").returncode == 0
+    drawn = run("plot", file)
+    assert drawn.returncode == 0, drawn.stderr
+    assert (tmp_path / "run.png").stat().st_size > 5000
+    assert (tmp_path / "run.pdf").stat().st_size > 5000
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["solve", "--exponent", "0.5"], "exponent is 0.5"),
+        (["solve", "--exponent", "two"], "--exponent"),
+        (["solve", "--thickness", "0"], "thickness is 0.0"),
+        (["solve", "--thickness", "nan"], "thickness is nan"),
+        (["solve", "--poisson-ratio", "0.6"], "poisson_ratio is 0.6"),
+        (["solve", "--pressure", "-1"], "pressure is -1.0"),
+        (["solve", "--num-points", "4097"], "num_points is 4097"),
+        (["solve", "--method", "cg"], "mass-weighted-fire"),
+        (["solve", "--tolerance", "0"], "tolerance is 0"),
+        (["solve", "--max-iterations", "0"], "max_iterations is 0"),
+        (["solve", "--threads", "0"], "threads is 0"),
+        (["solve", "--save", "/nowhere/at/all.h5"], "does not exist"),
+        (["solve", "--colour", "red"], "--colour"),
+        (["plot", "missing.h5"], "missing.h5 does not exist"),
+        (["plot", __file__], "damaged"),
+        (["study", "hertz", "--workers", "0"], "workers is 0"),
+        (["study", "moon"], "moon"),
+        ([], "solve"),
+    ],
+)
+def test_bad_input_is_one_line_and_status_2(arguments, message, tmp_path):
+    result = run(*arguments, cwd=tmp_path)
+    assert result.returncode == 2
+    assert message in result.stderr
+    assert result.stderr.count("\n") == 1
+    assert result.stderr.startswith("linecontact: ")
+    assert "Traceback" not in result.stderr
+    assert not result.stdout
+
+
+def test_iteration_limit_is_status_3_with_the_partial_result(tmp_path):
+    file = tmp_path / "run.h5"
+    result = run("solve", "--num-points", 1024, "--max-iterations", 5, "--json", "--save", file)
+    assert result.returncode == 3
+    assert json.loads(result.stdout)["status"] == "iteration limit"
+    assert "not converged" in result.stderr
+    assert store.load_solution(file)[1]["status"] == "iteration limit"
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
+def test_ctrl_c_is_status_130_with_the_partial_result(tmp_path):
+    file = tmp_path / "run.h5"
+    arguments = ["solve", "--num-points", str(2**18), "--method", "fire", "--tolerance", "1e-13", "--save", str(file)]
+    process = subprocess.Popen([*CLI, *arguments], stderr=subprocess.PIPE, stdout=subprocess.PIPE)
+    time.sleep(8)  # start-up and some iterations; the solve itself takes minutes
+    process.send_signal(signal.SIGINT)
+    _, stderr = process.communicate(timeout=60)
+    assert process.returncode == 130, stderr
+    assert store.load_solution(file)[1]["status"] == "interrupted"
+
+
+def test_info():
+    result = run("info")
+    assert result.returncode == 0, result.stderr
+    for word in ("version", "warp-lang", "FFTW wisdom", "kernel cache", "cpu"):
+        assert word in result.stdout
+
+
+def test_quick_study_as_a_module(tmp_path):
+    program = [sys.executable, "-m", "linecontact.studies.hertz"]
+    result = run("--quick", "--folder", tmp_path, program=program)
+    assert result.returncode == 0, result.stderr
+    assert "6/6" in result.stdout
+    study = store.load_study(tmp_path / "hertz.h5")
+    assert study.complete
+    assert len(study.runs) == 36
+    again = run("study", "hertz", "--quick", "--folder", tmp_path)
+    assert again.returncode == 0
+    assert "nothing computed" in again.stdout
+    other = run("study", "hertz", "--folder", tmp_path)
+    assert other.returncode == 2
+    assert "configuration" in other.stderr
+
+
+def test_iterations_study(tmp_path):
+    result = run("study", "iterations", "--quick", "--folder", tmp_path)
+    assert result.returncode == 0, result.stderr
+    assert (tmp_path / "iterations.png").exists()
+    study = store.load_study(tmp_path / "iterations.h5")
+    counts = {m: study.column("iterations")[study.column("method") == m] for m in ("fire", "mass-weighted-fire")}
+    assert counts["fire"][-1] > 1.5 * counts["fire"][0]  # sqrt(4) = 2 expected from 2^12 to 2^14
+    assert counts["mass-weighted-fire"][-1] < 1.34 * counts["mass-weighted-fire"][0]

@@ -1,0 +1,279 @@
+"""FIRE against the oracle, convergence order, certificates, bad input, extremes."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from linecontact.solver import (
+    METHODS,
+    Layer,
+    PowerIndenter,
+    Scene,
+    Status,
+    certify,
+    closed_forms,
+    collocation,
+    solve,
+)
+from linecontact.solver.problem import Problem
+from linecontact.solver.stiffness import stiffness
+
+
+def hertz(thickness=math.inf, poisson_ratio=0.25, num_points=2**10, **changes):
+    return Scene(Layer(thickness, poisson_ratio), num_points=num_points, **changes)
+
+
+def independent_residuals(solution):
+    """Free residual, wall force and gap from the stored fields alone, by a dense-free direct sum over modes."""
+    scene = solution.scene
+    n, layer = scene.num_points, scene.layer
+    k = stiffness(n, layer.thickness / scene.period, layer.poisson_ratio) * layer.contact_modulus / scene.period
+    modes = np.fft.fft(solution.displacement)
+    symbol = k[np.minimum(np.arange(n), n - np.arange(n))]
+    net = scene.pressure - np.fft.ifft(symbol * modes).real
+    return net, scene.profile - solution.displacement
+
+
+SCENES = [
+    (math.inf, 0.25, 2.0),
+    (0.1, 0.25, 2.0),
+    (0.01, 0.25, 2.0),
+    (0.02, 0.5, 2.0),
+    (0.005, -0.9, 2.0),
+    (0.01, 0.49, 4.0),
+    (0.05, 0.0, 4.0),
+]
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize(("d", "nu", "n"), SCENES)
+def test_against_the_oracle(method, d, nu, n):
+    points = 2**11 if method == "fire" else 2**12
+    scene = Scene(Layer(d, nu), PowerIndenter(n), pressure=1e-3, num_points=points)
+    exact = collocation.solve_load(1e-3, n, 1.0, d, nu)
+    found = solve(scene, method=method)
+    assert found.status is Status.CONVERGED
+    # counting misses each of the two edges by less than one node
+    assert abs(found.observables.contact_area - exact.contact_area) < 2 / points
+    # second order in dx/a (test_order_of_convergence); the constants measured there are below 0.1, for n = 4 below 1
+    bound = (0.2 if n == 2 else 2.0) * (1 / points / exact.half_width) ** 2 + 1e-7
+    assert found.observables.peak_pressure == pytest.approx(exact.peak_pressure, rel=bound)
+    assert found.observables.approach == pytest.approx(exact.approach, rel=bound)
+
+
+@pytest.mark.parametrize(("d", "nu"), [(math.inf, 0.25), (0.02, 0.25), (0.02, 0.5)])
+def test_order_of_convergence(d, nu):
+    """rms over loads (the edge's place between nodes averages out): second order in dx/a, measured."""
+    loads = np.geomspace(1.6e-3, 2.4e-3, 8)
+    exact = [collocation.solve_load(p, 2.0, 1.0, d, nu) for p in loads]
+    errors = []
+    for points in (2**8, 2**12):
+        found = [solve(hertz(d, nu, points, pressure=p), tolerance=1e-9) for p in loads]
+        relative = [f.observables.approach / e.approach - 1 for f, e in zip(found, exact, strict=True)]
+        errors.append(math.sqrt(np.mean(np.square(relative))))
+    order = math.log2(errors[0] / errors[1]) / 4
+    assert 1.75 < order < 2.35
+    assert errors[0] < 0.1 / (2**8 * exact[0].half_width) ** 2
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_backends_agree(method):
+    scene = hertz(0.03, 0.4, 2**9)
+    warp, twin = (solve(scene, method=method, backend=backend) for backend in ("warp", "numpy"))
+    np.testing.assert_array_equal(warp.contact, twin.contact)
+    # both meet 1e-8; the softest mode, K_1 = 3 E*/L at least, turns that into displacement
+    np.testing.assert_allclose(warp.displacement, twin.displacement, atol=1e-8 * scene.pressure)
+
+
+def test_odd_sizes_are_padded():
+    for points in (16, 1000, 1026, 3070):
+        solution = solve(hertz(0.1, 0.25, points))
+        assert solution.status is Status.CONVERGED
+        assert abs(solution.observables.contact_area - 0.094482408562) < 2 / points
+
+
+def test_float32_reaches_what_rounding_allows():
+    for points in (2**10, 2**14):
+        solution = solve(hertz(0.1, 0.25, points, precision="float32"))
+        assert solution.status is Status.CONVERGED
+        assert abs(solution.observables.contact_area - 0.094482408562) < 2 / points
+        exact = collocation.solve_load(2e-3, 2.0, 1.0, 0.1, 0.25)
+        assert solution.observables.peak_pressure == pytest.approx(exact.peak_pressure, rel=1e-3)
+    too_fine = solve(hertz(0.1, 0.25, 2**14, precision="float32"), tolerance=1e-8)
+    assert too_fine.status is Status.STAGNATED
+    assert too_fine.certificate.free_residual > 1e-8
+
+
+def test_full_contact():
+    solution = solve(hertz(0.1, 0.25, 2**8, pressure=10.0))
+    assert solution.status is Status.CONVERGED
+    assert solution.observables.contact_area == 1
+    np.testing.assert_allclose(solution.displacement, solution.scene.profile)
+    assert solution.contact_pressure.mean() == pytest.approx(10.0, rel=1e-12)
+
+
+@pytest.mark.parametrize("n", [1.5, 2.0, 4.0])
+def test_thin_incompressible_layers_from_a_cold_start(n):
+    solution = solve(Scene(Layer(1e-3, 0.5), PowerIndenter(n), num_points=2**12))
+    assert solution.status is Status.CONVERGED
+    exact = collocation.solve_load(2e-3, n, 1.0, 1e-3, 0.5)
+    assert abs(solution.observables.contact_area - exact.contact_area) < 2 / 2**12
+
+
+def test_warm_start_saves_work():
+    cold = solve(hertz(0.1, 0.25))
+    warm = solve(hertz(0.1, 0.25), initial=cold.displacement)
+    assert warm.iterations <= 2
+    assert solve(hertz(0.09, 0.25), initial=cold.displacement).status is Status.CONVERGED
+
+
+def test_iteration_limit_keeps_the_partial_result():
+    solution = solve(hertz(0.1, 0.25), max_iterations=7)
+    assert solution.status is Status.ITERATION_LIMIT
+    assert solution.iterations == 7
+    assert solution.certificate.free_residual > 1e-8
+    assert (solution.displacement <= solution.scene.profile).all()
+
+
+def test_mass_weighted_iterations_do_not_grow():
+    small, large = (solve(hertz(num_points=n)).iterations for n in (2**12, 2**16))
+    assert large < 1.34 * small
+
+
+def test_certificate_sees_a_spoilt_solution():
+    scene = hertz(0.1, 0.25, 2**9)
+    problem = Problem.from_scene(scene)
+    u = solve(scene, tolerance=1e-12).displacement / problem.length_unit
+    good, pressure, contact = certify(problem, u)
+    assert good.free_residual < 2e-12
+    rng = np.random.default_rng(0)
+    for _ in range(5):
+        spoilt = np.minimum(problem.height, u + 1e-3 * rng.standard_normal(u.size) * ~contact)
+        bad, _, _ = certify(problem, spoilt)
+        # the bound against the true energy error: Pi = V - mean displacement, minimum at u
+
+        def energy(v):
+            elastic = np.fft.irfft(problem.stiffness * np.fft.rfft(v), v.size)
+            return float(v @ elastic) / 2 - float(v.sum())
+
+        elastic_energy = energy(spoilt) + float(spoilt.sum())
+        true = energy(spoilt) - energy(u)
+        assert 0 < true <= bad.energy_error_bound * elastic_energy
+        assert bad.free_residual > 1e-4
+    deep, _, _ = certify(problem, u + 0.1)
+    assert deep.penetration > 0
+    assert certify(problem, u - 1.0)[0].energy_error_bound == math.inf
+    assert pressure.mean() == pytest.approx(1, abs=1e-11)
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    st.one_of(st.just(math.inf), st.floats(-3, 1).map(lambda x: 10.0**x)),
+    st.one_of(st.just(0.5), st.floats(-0.95, 0.5)),
+    st.floats(1.3, 6.0),
+    st.floats(-5, -0.5).map(lambda x: 10.0**x),
+    st.integers(8, 1100).map(lambda k: 2 * k),
+)
+def test_every_scene_is_certified_or_says_no(d, nu, n, p, points):
+    scene = Scene(Layer(d, nu), PowerIndenter(n), pressure=p, num_points=points)
+    solution = solve(scene, max_iterations=3000)
+    net, gap = independent_residuals(solution)
+    height = scene.profile.max()
+    assert (gap >= -1e-15 * height).all()
+    assert (solution.contact_pressure >= 0).all()
+    free = ~solution.contact
+    residual = math.sqrt(np.sum(net[free] ** 2) / max(1, free.sum())) / p
+    # two transforms' rounding of K u apart
+    assert residual == pytest.approx(solution.certificate.free_residual, rel=1e-3, abs=1e-9)
+    if solution.status is Status.CONVERGED:
+        assert residual <= 2.1e-8
+        assert solution.contact_pressure.mean() == pytest.approx(p, rel=1e-6)
+        assert solution.certificate.energy_error_bound < 1e-9
+    else:
+        assert solution.status in (Status.ITERATION_LIMIT, Status.STAGNATED, Status.DIVERGED)
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.sampled_from([math.inf, 0.3, 0.02]), st.floats(-0.5, 0.5), st.floats(-4, -1), st.floats(1.05, 3.0))
+def test_area_grows_with_pressure(d, nu, exponent, factor):
+    low, high = (solve(hertz(d, nu, 256, pressure=10.0**exponent * f)) for f in (1.0, factor))
+    assert (high.contact | ~low.contact).all()
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.integers(-20, 20), st.integers(-20, 20), st.sampled_from([math.inf, 0.05]), st.sampled_from(["float64", "float32"]))
+def test_scaling_is_exact(length, pressure, d, precision):
+    """Powers of two scale every float exactly, so the answer must scale to the last bit."""
+    x, y = 2.0**length, 2.0**pressure
+    one = solve(hertz(d, 0.25, 256, precision=precision))
+    other = solve(
+        Scene(Layer(d * x, 0.25, y), PowerIndenter(2.0, x), 2e-3 * y, period=x, num_points=256, precision=precision)
+    )
+    np.testing.assert_array_equal(other.displacement, x * one.displacement)
+    np.testing.assert_array_equal(other.contact_pressure, y * one.contact_pressure)
+    assert other.observables.kappa == one.observables.kappa
+    assert other.certificate == one.certificate
+
+
+@pytest.mark.parametrize(
+    ("make", "named"),
+    [
+        (lambda: Layer(0.0), "thickness is 0.0"),
+        (lambda: Layer(-1.0), "thickness"),
+        (lambda: Layer(math.nan), "thickness is nan"),
+        (lambda: Layer("thick"), "thickness is 'thick'"),
+        (lambda: Layer(1.0, 0.51), "poisson_ratio is 0.51"),
+        (lambda: Layer(1.0, -1.0), "poisson_ratio"),
+        (lambda: Layer(1.0, math.nan), "poisson_ratio"),
+        (lambda: Layer(1.0, 0.3, math.inf), "contact_modulus"),
+        (lambda: PowerIndenter(1.0), "exponent is 1.0"),
+        (lambda: PowerIndenter(math.inf), "exponent"),
+        (lambda: PowerIndenter(2.0, 0.0), "radius"),
+        (lambda: Scene(pressure=0.0), "pressure is 0.0"),
+        (lambda: Scene(pressure=-1.0), "pressure"),
+        (lambda: Scene(pressure=math.inf), "pressure"),
+        (lambda: Scene(period=math.nan), "period"),
+        (lambda: Scene(num_points=17), "num_points is 17"),
+        (lambda: Scene(num_points=14), "num_points"),
+        (lambda: Scene(num_points=64.5), "num_points"),
+        (lambda: Scene(num_points=math.inf), "num_points"),
+        (lambda: Scene(num_points=2**31), "num_points"),
+        (lambda: Scene(precision="half"), "precision is 'half'"),
+        (lambda: Scene(layer=3), "layer is 3"),
+        (lambda: Scene(indenter="ball"), "indenter"),
+        (lambda: Scene(pressure=1e-200), "pressure/contact_modulus"),
+        (lambda: Scene(indenter=PowerIndenter(100.0, 1e-9)), "profile height"),
+        (lambda: solve(hertz(), method="cg"), "method is 'cg'.*mass-weighted-fire, fire"),
+        (lambda: solve(hertz(), tolerance=0.0), "tolerance"),
+        (lambda: solve(hertz(), tolerance=math.nan), "tolerance"),
+        (lambda: solve(hertz(), max_iterations=0), "max_iterations is 0"),
+        (lambda: solve(hertz(), threads=0), "threads"),
+        (lambda: solve(hertz(), planning="hasty"), "planning"),
+        (lambda: solve(hertz(), backend="cuda"), "backend"),
+        (lambda: solve(hertz(), initial=np.zeros(3)), "initial has shape"),
+        (lambda: solve(hertz(), initial=np.full(2**10, np.nan)), "initial"),
+    ],
+)
+def test_bad_input_is_named(make, named):
+    with pytest.raises(ValueError, match=named):
+        make()
+
+
+def test_scene_is_frozen():
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        hertz().pressure = 1.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("d", "nu"), [(math.inf, 0.25), (0.1, 0.25), (0.01, 0.25), (1e-3, 0.49), (1e-3, 0.5)])
+def test_real_size(d, nu):
+    exact = collocation.solve_load(2e-3, 2.0, 1.0, d, nu)
+    found = solve(hertz(d, nu, 2**18)).observables
+    assert abs(found.contact_area - exact.contact_area) < 1.5 / 2**18
+    assert found.peak_pressure == pytest.approx(exact.peak_pressure, rel=1e-5)
+    if math.isinf(d):
+        assert exact.contact_area == pytest.approx(closed_forms.periodic_half_space_area(2.0, 1.0, 2e-3), abs=1e-12)
