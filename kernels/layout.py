@@ -9,8 +9,9 @@ CHUNK = 1024
 """Points per kernel thread: a power of two above Warp's unroll limit (16), else LLVM leaves the loop scalar."""
 
 TOUCHING = 2.0**-60
-"""Velocity that marks a node on the wall. As good as 0 (its square is the smallest that float32 holds well), positive, so
-that the next step finds the node on the wall again, and read instead of u and h by the passes that need the contact."""
+"""Velocity that marks a node on the wall. As good as 0 (its square is the smallest that float32 holds well), positive,
+so that the next step finds the node on the wall again, and read instead of u and h by the passes that need the
+contact."""
 
 # Parameters, written by the caller (names of Bitzek et al., Phys. Rev. Lett. 97, 170201 (2006), table I).
 DT_MAX = 0

@@ -16,7 +16,7 @@ Array64 = NDArray[np.float64]
 
 
 def _chunk_sums(values: Array) -> Array64:
-    return values.reshape(-1, CHUNK).sum(axis=1).astype(np.float64)
+    return np.asarray(values.reshape(-1, CHUNK).sum(axis=1), dtype=np.float64)
 
 
 def spectral_multiply(coefficient: Array, spectrum: Array) -> None:

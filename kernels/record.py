@@ -82,7 +82,9 @@ def record(backend: str, calls: Sequence[Call]) -> Callable[[], None]:
     for call in calls:
         for array in (*call.inputs, *call.outputs):
             if array.ndim != 1 or not array.flags.c_contiguous:
-                raise ValueError(f"{call.kernel}: an array of shape {array.shape} is not one-dimensional and contiguous")
+                raise ValueError(
+                    f"{call.kernel}: an array of shape {array.shape} is not one-dimensional and contiguous"
+                )
         if call.kernel != "fire_control" and call.inputs[0].size % CHUNK:
             raise ValueError(f"{call.kernel}: length is {call.inputs[0].size}; allowed: multiples of {CHUNK}")
     if backend == "warp":

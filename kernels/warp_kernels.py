@@ -8,8 +8,8 @@ A complex half spectrum is passed as its flat real view (re, im, re, im, ...), b
 
 The unknown u is the displacement towards the indenter, limited by the wall u <= h. Pressures are in units of the mean
 external pressure, so the net force on a node is r = 1 - (K u). A node is *held* where u = h and r > 0 (the wall carries
-it) and *free* elsewhere. Memory traffic is what costs here: whether u = h is read off the velocity, which a step leaves at
-`TOUCHING` on the wall.
+it) and *free* elsewhere. Memory traffic is what costs here: whether u = h is read off the velocity, which a step
+leaves at `TOUCHING` on the wall.
 """
 
 from typing import Any

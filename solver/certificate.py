@@ -11,8 +11,8 @@ e = v - u and e <= 0 on C, the energy Pi = V - p L mean(u) obeys
 for any s with s = r on F and s <= r on C, because the part of r that is taken away on C only lowers the left side's
 lower bound by (r - s).(-e) >= 0. K^+ is the inverse without the mean mode, so s must have zero sum: s = r_F on F and
 s = -r_C (sum r_F)/(sum r_C) on C. Hence 0 <= Pi(u) - min Pi <= s.K^+ s/2, contact set included: nodes that ought to be
-in contact and are not, or the other way round, are covered. With the sum of r_F at 0 it is the r_F.G r_F/2 of a two-metric
-argument (K_FF^-1 <= G_FF).
+in contact and are not, or the other way round, are covered. With the sum of r_F at 0 it is the r_F.G r_F/2 of a
+two-metric argument (K_FF^-1 <= G_FF).
 """
 
 import math

@@ -3,7 +3,9 @@
 import math
 
 
-def real(name: str, value: object, allowed: str, low: float = -math.inf, high: float = math.inf, *, infinite: bool = False) -> float:
+def real(
+    name: str, value: object, allowed: str, low: float = -math.inf, high: float = math.inf, *, infinite: bool = False
+) -> float:
     """`value` as float if low < value <= high (value < inf unless `infinite`), else `ValueError`."""
     try:
         number = float(value) if not isinstance(value, bool) else math.nan  # type: ignore[arg-type]

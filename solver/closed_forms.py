@@ -35,7 +35,7 @@ def kappa_from_area(exponent: float, area: float, radius: float, reduced_load: f
     radius: R/L; reduced_load: p/E*. Uses the exact rms slope over |x| < a, g_c = (a/R)^(n-1)/sqrt(2n-1).
     """
     slope = (area / 2 / radius) ** (exponent - 1) / math.sqrt(2 * exponent - 1)
-    return area * slope / reduced_load
+    return float(area * slope / reduced_load)
 
 
 def periodic_line_load(half_width: float, slope: Callable[[Array64], Array64]) -> float:
@@ -100,9 +100,9 @@ def thin_layer_kappa_ratio(
     stretched = 1 + 2 * edge_shift * reduced_thickness
     if poisson_ratio == 0.5:
         limit = 32 * (n + 1) * (n + 3) / math.sqrt(2 * n - 1) / kappa_half_space(n) * reduced_thickness**3
-        return limit / stretched ** (n + 3)
+        return float(limit / stretched ** (n + 3))
     limit = thin_layer_alpha(n) * (1 - 2 * poisson_ratio) / (1 - poisson_ratio) ** 2 * reduced_thickness
-    return limit / stretched ** (n + 1)
+    return float(limit / stretched ** (n + 1))
 
 
 @cache

@@ -5,11 +5,11 @@ In |x| < a the slope of the surface is prescribed, int D(x-s) sigma(s) ds = h'(x
     D(x) = (2/(E* P)) cot(pi x/P) + sum_k w_k sin(q_k x),   w_k = (2/P) q_k [1/K(q_k) - 2/(E* q_k)],  q_k = 2 pi k/P
 
 the half-space's periodic Cauchy kernel and the layer's part, a sum that converges like exp(-2 q d). With x = a t and
-sigma = sqrt(1-t^2) phi(t), Gauss-Chebyshev quadrature of the second kind (F. Erdogan and G. D. Gupta, Q. Appl. Math. 29,
-525 (1972)) turns it into a linear system of spectral accuracy. For even profiles only t > 0 is kept.
+sigma = sqrt(1-t^2) phi(t), Gauss-Chebyshev quadrature of the second kind (F. Erdogan and G. D. Gupta, Q. Appl. Math.
+29, 525 (1972)) turns it into a linear system of spectral accuracy. For even profiles only t > 0 is kept.
 
-A layer's interaction decays exponentially in x/d, so P may be shorter than the scene's period as long as the images stay
-out of reach; that bounds the number of modes for thin layers. Units here: L = E* = 1.
+A layer's interaction decays exponentially in x/d, so P may be shorter than the scene's period as long as the images
+stay out of reach; that bounds the number of modes for thin layers. Units here: L = E* = 1.
 """
 
 import math
@@ -34,7 +34,8 @@ class Asperity:
     """Exact solution for one centred power profile, in units L = E* = 1.
 
     half_width: a; contact_area: a_r = 2a; load: p; peak_pressure: the largest sigma; approach, kappa, kappa_ratio: as
-    in `observables`; reduced_thickness: d/a_r; t, pressure: nodes t_j in (0, 1), shape (M,), and sigma(a t_j), shape (M,).
+    in `observables`; reduced_thickness: d/a_r; t, pressure: nodes t_j in (0, 1), shape (M,), and sigma(a t_j), shape
+    (M,).
     """
 
     half_width: float
@@ -71,7 +72,7 @@ class _System:
     ) -> "_System":
         a = half_width
         num_nodes = max(num_nodes, 2 * round(_NODES_THIN * math.sqrt(a / thickness)))
-        j = np.arange(1, num_nodes // 2 + 1)
+        j = np.arange(1.0, num_nodes // 2 + 1)
         theta = j * np.pi / (num_nodes + 1)
         t = np.cos(theta)
         x = np.cos((2 * j - 1) * np.pi / (2 * num_nodes + 2))
@@ -83,7 +84,8 @@ class _System:
         if q.size:
             sines, cosines = np.sin(np.outer(a * x, q)), np.cos(np.outer(a * t, q))
             kernel += 4 * a / period * (sines * (q * compliance)) @ cosines.T
-        phi = np.linalg.solve(kernel * weights, (a * x / radius) ** (exponent - 1))
+        slope = (a * x / radius) ** (exponent - 1)
+        phi = np.asarray(np.linalg.solve(kernel * weights, slope), dtype=np.float64)
         return cls(a, exponent, radius, thickness, poisson_ratio, num_nodes, period, theta, weights, phi, modes)
 
     @property
@@ -124,8 +126,8 @@ def solve_load(
 ) -> Asperity:
     """The asperity under the mean pressure `load` (units of E*), lengths in units of L.
 
-    num_nodes: Gauss-Chebyshev nodes, even; 160 reach 12 digits for even exponents. Thin layers need about sqrt(a/d) times
-    more and get them. Raises `ValueError` beyond 0.98 of full contact.
+    num_nodes: Gauss-Chebyshev nodes, even; 160 reach 12 digits for even exponents. Thin layers need about sqrt(a/d)
+    times more and get them. Raises `ValueError` beyond 0.98 of full contact.
     """
 
     def system(a: float) -> _System:
@@ -137,7 +139,7 @@ def solve_load(
 def solve_reduced_thickness(
     load: float, exponent: float, radius: float, reduced_thickness: float, poisson_ratio: float, num_nodes: int = 160
 ) -> tuple[float, Asperity]:
-    """The thickness d (units of L) at which d/a_r has the given value under `load`, and its solution as `solve_load`."""
+    """The thickness d (units of L) at which d/a_r has the given value under `load`, and its solution."""
 
     def system(a: float) -> _System:
         return _System.solve(a, exponent, radius, 2 * a * reduced_thickness, poisson_ratio, num_nodes)
@@ -156,7 +158,7 @@ def _guess(load: float, exponent: float, radius: float, kappa_ratio: float = 1.0
 
 
 def _match(system: Callable[[float], _System], load: float, exponent: float, guess: float) -> _System:
-    """Root of load(a) = `load` by secants in log-log, where the load is nearly a power law; bisection as a safeguard."""
+    """Root of load(a) = `load` by secants in log-log, where it is nearly a power law; bisection as a safeguard."""
     low, high = math.log(1e-9), math.log(0.49)
     target = math.log(load)
     y, slope = min(math.log(guess), math.log(0.45)), exponent + 1.0
@@ -179,7 +181,9 @@ def _match(system: Callable[[float], _System], load: float, exponent: float, gue
             break
         y = new
     if y > math.log(0.489):
-        raise ValueError(f"load is {load!r}; allowed: below {best.load:.6g}, where the contact fills 0.98 of the period")
+        raise ValueError(
+            f"load is {load!r}; allowed: below {best.load:.6g}, where the contact fills 0.98 of the period"
+        )
     if not abs(error) < 1e-9:
         raise ValueError(f"num_nodes is {best.num_nodes}; allowed: more, the edge layers are not resolved")
     return best
@@ -188,7 +192,7 @@ def _match(system: Callable[[float], _System], load: float, exponent: float, gue
 def _layer_modes(period: float, thickness: float, poisson_ratio: float) -> tuple[Array64, Array64]:
     """Wave numbers q_k and the layer's extra compliance 1/K - 2/q_k, shape (M,) each; empty for the half-space."""
     count = math.ceil(_MODES / thickness * period / (2 * np.pi))
-    q = 2 * np.pi / period * np.arange(1, count + 1)
+    q = 2 * np.pi / period * np.arange(1.0, count + 1)
     k = stiffness(2 * count, thickness / period, poisson_ratio)[1:] / period
     return q, 1 / k - 2 / q
 

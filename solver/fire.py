@@ -49,7 +49,7 @@ class Status(StrEnum):
 
 @dataclass(frozen=True)
 class FireParameters:
-    """Constants under Bitzek's names, all dimensionless; `safety` is dt_max sqrt(lambda_max), dt_start is over dt_max."""
+    """Constants under Bitzek's names, dimensionless; `safety` is dt_max sqrt(lambda_max), dt_start is over dt_max."""
 
     safety: float = 1.5
     dt_start: float = 0.5
@@ -61,7 +61,8 @@ class FireParameters:
 
 
 # Once dt_max is safe by measurement, cutting dt in half at every turn only loses time: measured on 46 scenes (Hertz and
-# rough, nu = -0.9 to 0.5, d = 1e-4 to inf, cold), n_min = 1 and f_dec = 0.8 need 0.78 of the transforms of Bitzek's 5, 0.5.
+# rough, nu = -0.9 to 0.5, d = 1e-4 to inf, cold), n_min = 1 and f_dec = 0.8 need 0.78 of the transforms of Bitzek's 5,
+# 0.5.
 PARAMETERS = {"fire": FireParameters(), "mass-weighted-fire": FireParameters(n_min=1, f_dec=0.8)}
 
 _PROBE_EVERY = 100  # iterations between estimates of lambda_max
@@ -204,7 +205,7 @@ class Fire:
         return {"transforms": float(forward + inverse), "rest": float(multiply + move)}
 
     def _touch(self) -> None:
-        """After a lift-off: a rigid shift back to first touch, at rest. It costs no elastic energy (K = 0 for the mean)."""
+        """After a lift-off: a rigid shift back to first touch, which costs no elastic energy (K = 0 there)."""
         n = self.num_points
         lift = (self.height[:n] - self.u[:n]).min()
         if lift > 0:
@@ -225,7 +226,7 @@ class Fire:
         self.transform_pairs += 1
 
     def _measure_stiffest(self) -> None:
-        """lambda_max of P M^-1 P K P by power iterations on the present free nodes; `probe` is kept for the next time."""
+        """lambda_max of P M^-1 P K P on the present free nodes by power iterations on `probe`, kept for next time."""
         if not self.probe.any():
             self.probe[: self.num_points] = np.random.default_rng(0).standard_normal(self.num_points)
             self._apply(self.probe, self._multiply_inverse_mass)  # white noise is mostly stiff modes: smooth it

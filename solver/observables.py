@@ -36,9 +36,7 @@ class Observables:
     peak_pressure: float
 
 
-def observe(
-    scene: Scene, displacement: Array64, contact_pressure: Array64, contact: NDArray[np.bool_]
-) -> Observables:
+def observe(scene: Scene, displacement: Array64, contact_pressure: Array64, contact: NDArray[np.bool_]) -> Observables:
     """Observables of a displacement [length] and contact pressure [pressure], both shape (N,)."""
     slope = scene.indenter.slope(scene.num_points, scene.period)[contact]
     area = float(contact.mean())

@@ -18,7 +18,7 @@ Array64 = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Problem:
-    """stiffness: K(q_k), shape (N//2 + 1,) [E*/L]; height: h(x_i), shape (N,) [p L/E*]; length_unit: p L/E* [length]."""
+    """stiffness: K(q_k), shape (N//2 + 1,) [E*/L]; height: h, shape (N,) [p L/E*]; length_unit: p L/E* [length]."""
 
     stiffness: Array64
     height: Array64

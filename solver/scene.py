@@ -69,7 +69,7 @@ class PowerIndenter:
         return np.sign(centre) * slope
 
     def _scale(self, period: float) -> float:
-        return (self.radius / period) ** (1 - self.exponent) / self.exponent
+        return float((self.radius / period) ** (1 - self.exponent) / self.exponent)
 
     @staticmethod
     def _distance(num_points: int) -> Array64:
@@ -127,7 +127,7 @@ class Scene:
         """Largest height of the profile in units of p L/E*."""
         try:
             height = self.indenter._scale(self.period) * 0.5**self.indenter.exponent
-            return height * (self.layer.contact_modulus / self.pressure)
+            return float(height * (self.layer.contact_modulus / self.pressure))
         except OverflowError:
             return math.inf
 

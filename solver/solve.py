@@ -174,8 +174,8 @@ class Lead:
 def lead_in(scene: Scene, problem: Problem, transforms: Transforms, method: str, backend: str) -> Lead:
     """A thin, nearly incompressible layer is approached by more compressible ones, each solved to 1e-2.
 
-    Its softest and longest modes differ by (L/d)^3 in stiffness; from a cold start FIRE bounces off the wall and may never
-    settle. Measured for nu = 1/2, d = 1e-3 to 1e-5, n = 1.5 to 8: with the ladder every solve converged.
+    Its softest and longest modes differ by (L/d)^3 in stiffness; from a cold start FIRE bounces off the wall and may
+    never settle. Measured for nu = 1/2, d = 1e-3 to 1e-5, n = 1.5 to 8: with the ladder every solve converged.
     """
     k, layer = problem.stiffness[1:], scene.layer
     if method != "mass-weighted-fire" or k[0] < 1e3 * k.min():
@@ -183,7 +183,9 @@ def lead_in(scene: Scene, problem: Problem, transforms: Transforms, method: str,
     lead = Lead()
     for poisson_ratio in (0.4, 0.48, 0.498):
         if poisson_ratio < layer.poisson_ratio:
-            softer = replace(problem, stiffness=stiffness(scene.num_points, layer.thickness / scene.period, poisson_ratio))
+            softer = replace(
+                problem, stiffness=stiffness(scene.num_points, layer.thickness / scene.period, poisson_ratio)
+            )
             state = Fire(softer, transforms, method, 1e-2, lead.displacement, backend)
             relax(state, 500)
             lead = Lead(

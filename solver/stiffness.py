@@ -2,8 +2,8 @@
 
 Convention: u(x) = sum_k u_k exp(i q_k x) with q_k = 2 pi k/L; the elastic pressure of mode k is K(q_k) u_k. `numpy.fft`
 and FFTW's unnormalised transforms agree with it up to the factor 1/N on the way back. Only k = 0 ... N/2 are kept (half
-spectrum); at k = N/2 the value is K(pi N/L). The mean mode has K = 0: the mean pressure is p by force balance, so area and
-pressure do not depend on the layer's mean compression, which `observables` adds to the approach.
+spectrum); at k = N/2 the value is K(pi N/L). The mean mode has K = 0: the mean pressure is p by force balance, so area
+and pressure do not depend on the layer's mean compression, which `observables` adds to the approach.
 
     K(q) = (E* q/2) f(q d),  f(y) = [(3-4nu) cosh 2y + 2y^2 - 4nu(3-2nu) + 5] / [(3-4nu) sinh 2y - 2y]
 

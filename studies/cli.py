@@ -10,10 +10,9 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import tyro
+from linecontact.solver import METHODS, Layer, PowerIndenter, Scene, Solution, provenance, solve, transforms
 from rich.console import Console
 from rich.table import Table
-
-from linecontact.solver import METHODS, Layer, PowerIndenter, Scene, Solution, provenance, solve, transforms
 
 from . import console, hertz, iterations, store
 
@@ -43,7 +42,7 @@ class Solve:
     method: Literal["mass-weighted-fire", "fire"] = METHODS[0]  # type: ignore[assignment]
     """Relaxation method."""
     tolerance: float | None = None
-    """Stop at this rms free residual over p (dimensionless); default 1e-8 in float64, what rounding allows in float32."""
+    """Stop at this rms free residual over p (dimensionless); default 1e-8, in float32 what rounding allows."""
     max_iterations: int | None = None
     """Iteration limit; reaching it gives exit status 3."""
     precision: Literal["float64", "float32"] = "float64"
@@ -176,7 +175,6 @@ def run_info(_: Info) -> int:
     """`linecontact info`."""
     import pyfftw
     import warp as wp
-
     from linecontact import kernels
 
     kernels.load()

@@ -8,11 +8,10 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import TypeVar
 
 import tyro
-from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-
 from linecontact.solver import Status
 from linecontact.solver.fire import Progress as Report
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 Parsed = TypeVar("Parsed")
 
@@ -71,7 +70,9 @@ def solve_progress(tolerance: float) -> Iterator[Report]:
         yield report
 
 
-def parse(kind: Callable[..., Parsed] | type[Parsed], arguments: Sequence[str] | None, prog: str, description: str) -> Parsed:
+def parse(
+    kind: Callable[..., Parsed] | type[Parsed], arguments: Sequence[str] | None, prog: str, description: str
+) -> Parsed:
     """Command-line arguments as `kind`; bad ones give one line on standard error and exit status 2."""
     caught = io.StringIO()
     try:

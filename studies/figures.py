@@ -8,14 +8,20 @@ import matplotlib
 matplotlib.use("Agg")
 
 import numpy as np
+from linecontact.solver import closed_forms
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
-from linecontact.solver import closed_forms
-
 from . import store
 
-_COLOURS = ("#0072b2", "#009e73", "#e69f00", "#d55e00", "#cc79a7", "#444444")  # Okabe and Ito: safe for colour-blind readers
+_COLOURS = (
+    "#0072b2",
+    "#009e73",
+    "#e69f00",
+    "#d55e00",
+    "#cc79a7",
+    "#444444",
+)  # Okabe and Ito: safe for colour-blind readers
 _MARKERS = "os^Dv*"
 _STYLE = {
     "font.size": 9,
@@ -60,13 +66,14 @@ def _hertz(path: Path) -> dict[str, Figure]:
 
 def _hertz_ratio(study: store.StudyFile) -> Figure:
     """The published Figure 2: (kappa_d/kappa_inf)/(d/a_r) over d/a_r, asymptotes, oracle."""
+    figure: Figure
     figure, axes = plt.subplots(figsize=(5.2, 4.0))
     ratios = sorted(set(study.column("scene.poisson_ratio")))
     t_all = study.column("reduced_thickness")
     low, high = t_all.min() / 1.4, t_all.max() * 1.4
     y_all = study.column("kappa_ratio") / t_all
     for nu, colour, marker in zip(ratios, _COLOURS, _MARKERS, strict=False):
-        runs = study.select(lambda run, nu=nu: run["scene.poisson_ratio"] == nu)
+        runs = study.select("scene.poisson_ratio", nu)
         t = runs.column("reduced_thickness")
         line = study.lines.get(f"nu={nu:g}")
         if line:
@@ -87,7 +94,7 @@ def _hertz_ratio(study: store.StudyFile) -> Figure:
         ylim=(y_all.min() / 1.6, y_all.max() * 2.2),
         xlabel=r"reduced thickness $d/a_r$ ($L=1$, dimensionless)",
         ylabel=r"$(\kappa_d/\kappa_\infty)\,/\,(d/a_r)$ (dimensionless)",
-        title=f"Hertz, $n=2$, $p={study.configuration['pressure']:g}\\,E^*$, {study.configuration['num_points']} points",
+        title="Hertz, $n=2$, $p={pressure:g}\\,E^*$, {num_points} points".format(**study.configuration),
     )
     axes.legend(fontsize=7, ncols=2, loc="lower center")
     return figure
@@ -95,6 +102,7 @@ def _hertz_ratio(study: store.StudyFile) -> Figure:
 
 def _hertz_accuracy(study: store.StudyFile) -> Figure:
     """Errors of area (in grid spacings) and peak pressure against the oracle, over d/a_r."""
+    figure: Figure
     figure, panels = plt.subplots(2, 1, figsize=(5.2, 4.6), sharex=True)
     t = study.column("reduced_thickness")
     points = study.configuration["num_points"]
@@ -107,7 +115,11 @@ def _hertz_accuracy(study: store.StudyFile) -> Figure:
     panels[0].axhline(0, color="k", lw=0.6)
     panels[0].set(xscale="log", ylim=(-2, 2), ylabel="counted $a_r$ minus oracle\n[grid spacings]")
     panels[0].legend(fontsize=7, ncols=6, loc="upper center", columnspacing=1, handletextpad=0.2)
-    panels[1].set(yscale="log", xlabel=r"reduced thickness $d/a_r$ ($L=1$, dimensionless)", ylabel="|peak pressure error|\n(relative)")
+    panels[1].set(
+        yscale="log",
+        xlabel=r"reduced thickness $d/a_r$ ($L=1$, dimensionless)",
+        ylabel="|peak pressure error|\n(relative)",
+    )
     return figure
 
 
@@ -157,8 +169,8 @@ def _solution(path: Path) -> dict[str, Figure]:
 def _title(attributes: dict[str, Any]) -> str:
     thickness = float(attributes["scene.thickness"])
     return (
-        f"d = {thickness:.4g} [length], nu = {attributes['scene.poisson_ratio']:g}, a_r = {attributes['contact_area']:.6g},"
-        f" {attributes['status']}"
+        f"d = {thickness:.4g} [length], nu = {attributes['scene.poisson_ratio']:g}, "
+        f"a_r = {attributes['contact_area']:.6g}, {attributes['status']}"
     )
 
 

@@ -3,9 +3,9 @@ thickness.
 
     python -m linecontact.studies.hertz [--quick] [--folder FOLDER]
 
-n = 2, p = 2e-3 E*, R = L = E* = 1. Each Poisson's ratio is a chain of runs from thick to thin; every run starts from its
-thicker neighbour's displacement. The thicknesses are those at which the collocation oracle finds the wanted d/a_r, and
-the oracle's area and peak pressure are stored beside each run's.
+n = 2, p = 2e-3 E*, R = L = E* = 1. Each Poisson's ratio is a chain of runs from thick to thin; every run starts from
+its thicker neighbour's displacement. The thicknesses are those at which the collocation oracle finds the wanted d/a_r,
+and the oracle's area and peak pressure are stored beside each run's.
 """
 
 import importlib
@@ -22,12 +22,11 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
+from linecontact.solver import Layer, Scene, checks, closed_forms, collocation, solve, transforms
 from numpy.typing import NDArray
 from rich import box
 from rich.console import Console
 from rich.table import Table
-
-from linecontact.solver import Layer, Scene, checks, closed_forms, collocation, solve, transforms
 
 from . import console, store
 
@@ -53,9 +52,7 @@ class Configuration:
     line_points: int = 30
 
 
-QUICK = Configuration(
-    num_points=2**12, reduced_thicknesses=Configuration.reduced_thicknesses[:12:2], line_points=14
-)
+QUICK = Configuration(num_points=2**12, reduced_thicknesses=Configuration.reduced_thicknesses[:12:2], line_points=14)
 
 
 @dataclass(frozen=True)
@@ -138,7 +135,11 @@ def run(configuration: Configuration, path: Path, workers: int, planning: str) -
         transforms.plan_ahead(configuration.num_points, "float64", planning)
     context = multiprocessing.get_context("spawn")
     reports = context.Queue()
-    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):  # one thread a worker, read at its start
+    for name in (
+        "OMP_NUM_THREADS",
+        "OPENBLAS_NUM_THREADS",
+        "MKL_NUM_THREADS",
+    ):  # one thread a worker, read at its start
         os.environ.setdefault(name, "1")
     pool = ProcessPoolExecutor(workers, context, _start_worker, (reports,))
     try:
@@ -161,7 +162,9 @@ def _open(configuration: Configuration, path: Path) -> store.StudyFile:
         return store.StudyFile(KIND, _json_ready(wanted))
     study = store.load_study(path)
     if study.kind != KIND or study.configuration != _json_ready(wanted):
-        raise store.StoreError(f"file {path} holds another study or configuration; allowed: --overwrite, or a new --folder")
+        raise store.StoreError(
+            f"file {path} holds another study or configuration; allowed: --overwrite, or a new --folder"
+        )
     return study
 
 
@@ -226,16 +229,16 @@ def summary(study: store.StudyFile) -> Table:
     table = Table(
         box=box.SIMPLE,
         title=f"Hertz study, {points} points, p = {study.configuration['pressure']:g} E*, against the oracle",
-        caption="ok: runs certified; a_r err: largest |error| in grid spacings; peak err: largest |relative error| of the peak "
-        "pressure; y = (kappa_d/kappa_inf)/(d/a_r) at the least d/a_r, beside the thin-layer limit to first and second "
-        "order; pairs: transforms in all; s: seconds of solving in all. All but s dimensionless.",
+        caption="ok: runs certified; a_r err: largest |error| in grid spacings; peak err: largest |relative error| of "
+        "the peak pressure; y = (kappa_d/kappa_inf)/(d/a_r) at the least d/a_r, beside the thin-layer limit to first "
+        "and second order; pairs: transforms in all; s: seconds of solving in all. All but s dimensionless.",
         caption_justify="left",
     )
     headings = ("nu", "ok", "a_r\nerr", "peak\nerr", "least\nd/a_r", "y", "y/1st\n- 1", "y/2nd\n- 1")
     for heading in (*headings, "pairs", "s"):
         table.add_column(heading, justify="right", no_wrap=True)
     for nu in sorted(set(study.column("scene.poisson_ratio"))):
-        part = study.select(lambda run, nu=nu: run["scene.poisson_ratio"] == nu)
+        part = study.select("scene.poisson_ratio", nu)
         t, ratio = part.column("reduced_thickness"), part.column("kappa_ratio")
         thin = int(np.argmin(t))
         limit = closed_forms.thin_layer_kappa_ratio(EXPONENT, nu, t[thin])
@@ -299,7 +302,9 @@ def command(options: Options) -> int:
     drawn = figures.draw(path)
     output = Console()
     output.print(summary(study))
-    output.print("Finished before; nothing computed." if finished_before else f"{time.perf_counter() - begin:.1f} s in all.")
+    output.print(
+        "Finished before; nothing computed." if finished_before else f"{time.perf_counter() - begin:.1f} s in all."
+    )
     output.print(f"Data: {path}\nFigures: {', '.join(str(figure) for figure in drawn)}", soft_wrap=True)
     failed = int(np.sum(study.column("status") != "converged"))
     return console.EXIT_NOT_CONVERGED if failed else 0

@@ -3,8 +3,9 @@
     python -m linecontact.studies.kernel_ratio [--num-points N] [--repeats R]
 
 The C loop is compiled on the spot (cc -O3 -march=native) and works on the same buffers as the Warp kernel and its NumPy
-twin. Agreement is checked before any timing; loading and warm-up are outside; the candidates are timed in turn, so that a
-change of the machine's speed hits all of them. Minimum and median over the repeats; trust the ratios, not the times.
+twin. Agreement is checked before any timing; loading and warm-up are outside; the candidates are timed in turn, so
+that a change of the machine's speed hits all of them. Minimum and median over the repeats; trust the ratios, not the
+times.
 """
 
 import ctypes
@@ -18,15 +19,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
-from rich.console import Console
-from rich.table import Table
-
 from linecontact.kernels import CHUNK, Call, layout, padded_length, record
 from linecontact.solver import Scene, checks
 from linecontact.solver.fire import Fire
 from linecontact.solver.problem import Problem
 from linecontact.solver.transforms import Transforms
+from numpy.typing import NDArray
+from rich.console import Console
+from rich.table import Table
 
 from . import console
 

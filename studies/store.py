@@ -10,16 +10,15 @@ import contextlib
 import json
 import os
 import tempfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import h5py
 import numpy as np
-from numpy.typing import NDArray
-
 from linecontact.solver import Solution
+from numpy.typing import NDArray
 
 UNITS = {
     "x": "length",
@@ -152,9 +151,10 @@ class StudyFile:
         """One quantity over the runs, shape (number of runs,)."""
         return np.array([run[name] for run in self.runs])
 
-    def select(self, keep: Callable[[dict[str, Any]], bool]) -> "StudyFile":
-        """The same study with fewer runs."""
-        return StudyFile(self.kind, self.configuration, [run for run in self.runs if keep(run)], {}, self.lines)
+    def select(self, name: str, value: Any) -> "StudyFile":
+        """The same study with only the runs whose `name` is `value`."""
+        runs = [run for run in self.runs if run[name] == value]
+        return StudyFile(self.kind, self.configuration, runs, {}, self.lines)
 
 
 def save_study(path: Path, study: StudyFile) -> None:

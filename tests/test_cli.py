@@ -8,7 +8,6 @@ import sys
 import time
 
 import pytest
-
 from linecontact.studies import store
 
 CLI = [sys.executable, "-m", "linecontact.studies.cli"]

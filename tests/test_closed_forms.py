@@ -3,7 +3,6 @@
 import mpmath
 import numpy as np
 import pytest
-
 from linecontact.solver import closed_forms as cf
 from linecontact.solver import collocation
 
@@ -52,7 +51,8 @@ def test_far_apart_contacts_do_not_feel_the_period():
 
 
 @pytest.mark.parametrize(
-    ("nu", "published"), [(0.0, 0.18313), (0.25, 0.16015), (0.3, 0.12209), (0.4, -0.11104), (0.45, -0.54802), (0.5, 1.4585)]
+    ("nu", "published"),
+    [(0.0, 0.18313), (0.25, 0.16015), (0.3, 0.12209), (0.4, -0.11104), (0.45, -0.54802), (0.5, 1.4585)],
 )
 def test_edge_shift_against_published(nu, published):
     assert cf.edge_shift(nu) == pytest.approx(published, abs=1.3e-3)  # the published digits are a fit's

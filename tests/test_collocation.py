@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-
 from linecontact.solver import closed_forms, collocation
 
 

@@ -7,7 +7,6 @@ import sys
 
 import numpy as np
 import pytest
-
 from linecontact.kernels import CHUNK, KERNELS, Call, layout, padded_length, record
 
 PRECISIONS = ["float32", "float64"]
@@ -173,17 +172,24 @@ def test_every_element_wise_loop_is_vectorised(tmp_path):
         "linecontact.kernels.load()\n"
     )
     environment = {**os.environ, "WARP_CACHE_PATH": str(tmp_path)}
-    result = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True, timeout=300)
+    result = subprocess.run(
+        [sys.executable, "-c", program], env=environment, capture_output=True, text=True, timeout=300
+    )
     assert result.returncode == 0, result.stderr
     source = next(tmp_path.rglob("*.cpp")).read_text().splitlines()
     found = {}
-    for line, width in re.findall(r"\.cpp:(\d+):\d+: remark: vectorized loop \(vectorization width: (\d+)", result.stderr):
-        functions = [re.match(r"static void (\w+)_[0-9a-f]{8}_cpu_kernel_forward\(", text) for text in source[: int(line)]]
+    for line, width in re.findall(
+        r"\.cpp:(\d+):\d+: remark: vectorized loop \(vectorization width: (\d+)", result.stderr
+    ):
+        functions = [
+            re.match(r"static void (\w+)_[0-9a-f]{8}_cpu_kernel_forward\(", text) for text in source[: int(line)]
+        ]
         names = [match for match in functions if match]
         if names:
             found.setdefault(names[-1].group(0), set()).add(int(width))
     exact = {
-        name: [w for f, w in found.items() if re.match(rf"static void {name}_[0-9a-f]{{8}}_cpu", f)] for name in ELEMENTWISE
+        name: [w for f, w in found.items() if re.match(rf"static void {name}_[0-9a-f]{{8}}_cpu", f)]
+        for name in ELEMENTWISE
     }
     assert all(len(widths) == 2 for widths in exact.values()), exact
     assert all(max(w) >= 2 for widths in exact.values() for w in widths)

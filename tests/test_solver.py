@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
 from linecontact.solver import (
     METHODS,
     Layer,
@@ -205,7 +204,12 @@ def test_area_grows_with_pressure(d, nu, exponent, factor):
 
 
 @settings(max_examples=15, deadline=None)
-@given(st.integers(-20, 20), st.integers(-20, 20), st.sampled_from([math.inf, 0.05]), st.sampled_from(["float64", "float32"]))
+@given(
+    st.integers(-20, 20),
+    st.integers(-20, 20),
+    st.sampled_from([math.inf, 0.05]),
+    st.sampled_from(["float64", "float32"]),
+)
 def test_scaling_is_exact(length, pressure, d, precision):
     """Powers of two scale every float exactly, so the answer must scale to the last bit."""
     x, y = 2.0**length, 2.0**pressure

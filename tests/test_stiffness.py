@@ -5,7 +5,6 @@ import warnings
 import mpmath
 import numpy as np
 import pytest
-
 from linecontact.solver.stiffness import foundation_modulus, layer_factor, stiffness
 
 POISSON_RATIOS = [-0.99, -0.5, 0.0, 0.25, 0.4, 0.45, 0.49, 0.4999, 0.5 - 1e-6, 0.5 - 1e-12, 0.5]

@@ -6,11 +6,12 @@ import math
 import h5py
 import numpy as np
 import pytest
-
 from linecontact.solver import Layer, Scene, solve
 from linecontact.studies import figures, hertz, store
 
-SMALL = hertz.Configuration(num_points=256, poisson_ratios=(0.0, 0.5), reduced_thicknesses=(1.0, 0.3, 0.1), line_points=4)
+SMALL = hertz.Configuration(
+    num_points=256, poisson_ratios=(0.0, 0.5), reduced_thicknesses=(1.0, 0.3, 0.1), line_points=4
+)
 
 
 @pytest.fixture(scope="module")

@@ -5,7 +5,6 @@ import warnings
 
 import numpy as np
 import pytest
-
 from linecontact.solver import transforms
 from linecontact.solver.transforms import Transforms
 
@@ -49,7 +48,10 @@ def test_wisdom_is_kept_and_read(cache):
         transforms.load_wisdom()
 
 
-@pytest.mark.parametrize("content", [b"", b"{}", b"\xff\xfe", b'{"double": 3}', b'["x"]', b'{"double": "a", "single": "b", "long double": "c"}'])
+@pytest.mark.parametrize(
+    "content",
+    [b"", b"{}", b"\xff\xfe", b'{"double": 3}', b'["x"]', b'{"double": "a", "single": "b", "long double": "c"}'],
+)
 def test_broken_wisdom_is_ignored_with_a_warning(cache, content):
     path = transforms.wisdom_file()
     path.parent.mkdir(parents=True)
