@@ -181,7 +181,7 @@ def run_info(_: Info) -> int:
     table = Table(title="linecontact", show_header=False)
     rows = {
         **provenance.provenance(),
-        "FFTW": pyfftw.fftw_version if hasattr(pyfftw, "fftw_version") else "?",
+        "FFTW": pyfftw.fftw_version,
         "threads": f"FFTW 1 by default (--threads), Warp 1; {len(os.sched_getaffinity(0))} cores usable"
         if hasattr(os, "sched_getaffinity")
         else str(os.cpu_count()),

@@ -228,6 +228,7 @@ def summary(study: store.StudyFile) -> Table:
     points = study.configuration["num_points"]
     table = Table(
         box=box.SIMPLE,
+        pad_edge=False,
         title=f"Hertz study, {points} points, p = {study.configuration['pressure']:g} E*, against the oracle",
         caption="ok: runs certified; a_r err: largest |error| in grid spacings; peak err: largest |relative error| of "
         "the peak pressure; y = (kappa_d/kappa_inf)/(d/a_r) at the least d/a_r, beside the thin-layer limit to first "
@@ -251,11 +252,11 @@ def summary(study: store.StudyFile) -> Table:
             f"{area.max():.2f}",
             f"{peak.max():.0e}",
             f"{t[thin]:.4f}",
-            f"{ratio[thin] / t[thin]:.4f}",
+            f"{ratio[thin] / t[thin]:.4g}",
             f"{ratio[thin] / limit - 1:+.0e}",
             f"{ratio[thin] / second - 1:+.0e}",
             str(int(part.column("transform_pairs").sum())),
-            f"{part.column('seconds.total').sum():.1f}",
+            f"{part.column('seconds.total').sum():.3g}",
         )
     return table
 

@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from linecontact.solver import Scene, closed_forms, solve
+from rich import box
 from rich.console import Console
 from rich.table import Table
 
@@ -75,7 +76,7 @@ def command(options: Options) -> int:
 def summary(study: store.StudyFile) -> Table:
     """One row per run, with the error it reached."""
     exact = closed_forms.periodic_half_space_area(2.0, 1.0, 2e-3)
-    table = Table(title="Iterations to a residual of 1e-8, Hertz on the half-space, from u = 0")
+    table = Table(box=box.SIMPLE, title="Iterations to a residual of 1e-8, Hertz on the half-space, from u = 0")
     for heading in (
         "method",
         "N",

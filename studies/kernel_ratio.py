@@ -25,6 +25,7 @@ from linecontact.solver.fire import Fire
 from linecontact.solver.problem import Problem
 from linecontact.solver.transforms import Transforms
 from numpy.typing import NDArray
+from rich import box
 from rich.console import Console
 from rich.table import Table
 
@@ -143,16 +144,19 @@ def command(options: Options) -> int:
     """Measure and print; returns the exit status."""
     checks.integer("num_points", options.num_points, "an even integer from 1024 to 2^26", CHUNK, 2**26, 2)
     checks.integer("repeats", options.repeats, "an integer from 3 to 100000", 3, 100_000)
-    table = Table(title=f"{options.num_points} points, {padded_length(options.num_points) // CHUNK} chunks, one thread")
-    for heading in ("precision", "what", "min [us]", "median [us]", "ratio of minima", "ratio of medians"):
-        table.add_column(heading, justify="right")
+    table = Table(
+        box=box.SIMPLE,
+        title=f"{options.num_points} points, {padded_length(options.num_points) // CHUNK} chunks, one thread",
+    )
+    for heading in ("precision", "what", "min\n[us]", "median\n[us]", "over", "ratio of\nminima", "ratio of\nmedians"):
+        table.add_column(heading, justify="right", no_wrap=True)
     with tempfile.TemporaryDirectory() as folder:
         library = compile_c(Path(folder))
         for precision in ("float32", "float64"):
             candidates, restore = step_candidates(library, precision, options.num_points)
-            _add_rows(table, precision, time_in_turn(candidates, options.repeats, restore), "C", "FIRE step + wall, ")
+            _add_rows(table, precision, time_in_turn(candidates, options.repeats, restore), "C", "step + wall: ")
             parts = iteration_parts(precision, options.num_points, options.repeats)
-            _add_rows(table, precision, parts, "transforms", "plain FIRE iteration, ")
+            _add_rows(table, precision, parts, "transforms", "iteration: ")
     Console().print(table)
     return 0
 
@@ -161,7 +165,7 @@ def _add_rows(table: Table, precision: str, seconds: Timings, base: str, what: s
     least, middle = min(seconds[base]), float(np.median(seconds[base]))
     for name, values in seconds.items():
         low, median = min(values), float(np.median(values))
-        ratios = ("", "") if name == base else (f"{low / least:.2f} of {base}", f"{median / middle:.2f} of {base}")
+        ratios = ("", "", "") if name == base else (base, f"{low / least:.2f}", f"{median / middle:.2f}")
         table.add_row(precision, what + name, f"{low * 1e6:.0f}", f"{median * 1e6:.0f}", *ratios)
 
 
