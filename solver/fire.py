@@ -24,14 +24,16 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..kernels import CHUNK, Call, layout, padded_length, record
+from ..kernels import CHUNK, Call, layout, record
 from .problem import Problem
 from .transforms import Transforms
 
+Array = NDArray[Any]
 Array64 = NDArray[np.float64]
 Progress = Callable[[int, float], None]
 """Called with (iteration, rms free residual over the mean pressure)."""
@@ -60,114 +62,79 @@ class FireParameters:
     f_alpha: float = 0.99
 
 
-# Once dt_max is safe by measurement, cutting dt in half at every turn only loses time: measured on 46 scenes (Hertz and
-# rough, nu = -0.9 to 0.5, d = 1e-4 to inf, cold), n_min = 1 and f_dec = 0.8 need 0.78 of the transforms of Bitzek's 5,
-# 0.5.
-PARAMETERS = {"fire": FireParameters(), "mass-weighted-fire": FireParameters(n_min=1, f_dec=0.8)}
-
-_PROBE_EVERY = 100  # iterations between estimates of lambda_max
-_PROBE_STEPS = 6  # power iterations each
-
-
 class Fire:
-    """State of one relaxation: u, v, force, acceleration, each of shape (padded N,) in the problem's units.
+    """State of a relaxation by plain FIRE: u, v and work, each of shape (padded N,) in the problem's units.
 
-    method: 'fire' or 'mass-weighted-fire'; tolerance: on the rms free residual over the mean pressure; initial: u to
-    start from, shape (N,) [p L/E*], put below the wall, default 0; backend: 'warp' or 'numpy' (the twins).
+    tolerance: on the rms free residual over the mean pressure; backend: 'warp' or 'numpy' (the twins).
     """
 
-    def __init__(
-        self,
-        problem: Problem,
-        transforms: Transforms,
-        method: str,
-        tolerance: float,
-        initial: Array64 | None = None,
-        backend: str = "warp",
-    ) -> None:
-        self.num_points = problem.num_points
-        self.mass_weighted = method == "mass-weighted-fire"
-        self.tolerance = tolerance
+    parameters = FireParameters()
+
+    def __init__(self, problem: Problem, transforms: Transforms, tolerance: float, backend: str = "warp") -> None:
+        n = self.num_points = problem.num_points
+        self.problem, self.transforms, self.backend, self.tolerance = problem, transforms, backend, tolerance
         self.transform_pairs = 0
-        buffer = transforms.buffer
         # all zeros behind N: the padding lies on a wall at 0 and is held there by the mean pressure
-        self.u, self.v, self.force, self.height, self.probe = (buffer() for _ in range(5))
-        self.work = buffer()  # K u, then the acceleration
-        self.padding = self.u.size - self.num_points
-        self._to_spectrum = {id(a): transforms.forward(a) for a in (self.u, self.force, self.probe)}
-        self._to_work = transforms.inverse(self.work)
-        self._coefficients(problem, transforms)
-        self._start_state(problem, PARAMETERS[method])
-        self._record(transforms, backend)
-        self._problem_height = problem.height
-        self.height[: self.num_points] = problem.height
-        if initial is not None:
-            self.u[: self.num_points] = initial
+        self.u, self.v, self.height = (transforms.buffer() for _ in range(3))
+        self.work = transforms.buffer()  # K u
+        self.padding = self.u.size - n
+        self._inverse = transforms.inverse(self.work)
+        self._apply_stiffness = self._operator(self.u, problem.stiffness)
+        self._start_state()
+        self._prepare()
+        self.height[:n] = problem.height
+        self.start(np.zeros(n))
+
+    def start(self, displacement: Array64) -> None:
+        """Begin at rest from u, shape (N,) [p L/E*], put below the wall."""
+        self.u[: self.num_points] = displacement
+        self.v[:] = 0
         self._stop_at_wall()
 
-    def _coefficients(self, problem: Problem, transforms: Transforms) -> None:
-        n = self.num_points
-        mass = problem.stiffness.copy()
-        mass[0] = problem.stiffness[1:].min()
-        self.stiffness = transforms.buffer(n + 2)
-        self.stiffness[: n + 2] = np.repeat(problem.stiffness / n, 2)
-        self.inverse_mass = transforms.buffer(n + 2)
-        if self.mass_weighted:
-            self.inverse_mass[: n + 2] = np.repeat(1 / (mass * n), 2)
+    def _operator(self, source: Array, symbol: Array64) -> tuple[Callable[[], None], ...]:
+        """Forward transform of `source`, multiplication by `symbol`, shape (N//2 + 1,), inverse transform to `work`."""
+        coefficient = self.transforms.buffer(self.num_points + 2)
+        coefficient[: self.num_points + 2] = np.repeat(symbol / self.num_points, 2)
+        multiply = self._replay(Call("spectral_multiply", (coefficient,), (self.transforms.spectrum,)))
+        return self.transforms.forward(source), multiply, self._inverse
 
-    def _start_state(self, problem: Problem, parameters: FireParameters) -> None:
-        s = self.state = np.zeros(layout.STATE_LENGTH)
-        s[layout.N_MIN], s[layout.F_INC], s[layout.F_DEC] = parameters.n_min, parameters.f_inc, parameters.f_dec
-        s[layout.ALPHA] = s[layout.ALPHA_START] = parameters.alpha_start
-        s[layout.F_ALPHA] = parameters.f_alpha
+    def _replay(self, *calls: Call) -> Callable[[], None]:
+        return record(self.backend, calls)
+
+    def _start_state(self) -> None:
+        s, p = np.zeros(layout.STATE_LENGTH), self.parameters
+        s[layout.N_MIN], s[layout.F_INC], s[layout.F_DEC] = p.n_min, p.f_inc, p.f_dec
+        s[layout.ALPHA] = s[layout.ALPHA_START] = p.alpha_start
+        s[layout.F_ALPHA] = p.f_alpha
         s[layout.TOLERANCE], s[layout.NUM_POINTS] = self.tolerance, self.u.size
         s[layout.RESIDUAL] = np.inf
-        self._parameters = parameters
-        if not self.mass_weighted:
-            self._limit_step(float(problem.stiffness.max()))
+        self.state = s
 
-    def _limit_step(self, stiffest: float) -> None:
+    def _limit_step(self, stiffest: float, longest: float = math.inf) -> None:
         s = self.state
         s[layout.STIFFEST] = stiffest
-        natural = 1.0 if self.mass_weighted else math.inf  # no mode is softer than its mass
-        s[layout.DT_MAX] = min(self._parameters.safety / math.sqrt(stiffest), natural)
-        dt = s[layout.DT] or self._parameters.dt_start * s[layout.DT_MAX]
+        s[layout.DT_MAX] = min(self.parameters.safety / math.sqrt(stiffest), longest)
+        dt = s[layout.DT] or self.parameters.dt_start * s[layout.DT_MAX]
         s[layout.DT] = min(dt, s[layout.DT_MAX])
 
-    def _record(self, transforms: Transforms, backend: str) -> None:
-        chunks = padded_length(self.num_points) // CHUNK
-        sums = {name: np.zeros(chunks) for name in ("force", "held", "power", "velocity", "acceleration")}
-        self._squares = np.zeros(chunks)
-        if not self.mass_weighted:
-            sums["acceleration"] = sums["force"]  # the acceleration is the force
-        control = Call("fire_control", tuple(sums.values()), (self.state,))
-        wall, motion = (self.work, self.height, self.state), (self.u, self.v)
-        force = Call("net_force", (self.work, self.v), (self.force, sums["force"], sums["held"]))
-        if self.mass_weighted:
-            search = Call("search_sums", (self.force, self.v), (self.work, *list(sums.values())[2:]))
-            move = [search, control, Call("fire_step", wall, motion)]
-        else:
-            search = Call("plain_sums", (self.work, self.v), tuple(sums.values())[:4])
-            move = [search, control, Call("plain_step", wall, motion)]
-        restrict = Call("restrict_to_free", (self.force, self.work), (self.probe, self._squares))
+    def _sums(self, count: int) -> list[Array64]:
+        return [np.zeros(self.u.size // CHUNK) for _ in range(count)]
 
-        def multiply(coefficient: NDArray[np.floating]) -> Callable[[], None]:
-            return record(backend, [Call("spectral_multiply", (coefficient,), (transforms.spectrum,))])
-
-        self._multiply_stiffness = multiply(self.stiffness)
-        self._multiply_inverse_mass = multiply(self.inverse_mass)
-        self._find_force = record(backend, [force])
-        self._move = record(backend, move)
-        self._restrict = record(backend, [restrict])
+    def _prepare(self) -> None:
+        """What differs between the methods: further buffers, recorded kernels, the first dt."""
+        force, held, power, velocity = sums = self._sums(4)
+        self._move = self._replay(
+            Call("plain_sums", (self.work, self.v), tuple(sums)),
+            Call("fire_control", (force, held, power, velocity, force), (self.state,)),  # a = F
+            Call("plain_step", (self.work, self.height, self.state), (self.u, self.v)),
+        )
+        self._limit_step(float(self.problem.stiffness.max()))
 
     @property
     def displacement(self) -> Array64:
         """u, shape (N,) [p L/E*], in float64; nodes on the wall of this precision stand on the exact wall."""
-        n = self.num_points
-        u = np.minimum(self.u[:n].astype(np.float64), self._problem_height)
-        on_wall = self.u[:n] >= self.height[:n]
-        u[on_wall] = self._problem_height[on_wall]
-        return u
+        n, height = self.num_points, self.problem.height
+        return np.where(self.u[:n] >= self.height[:n], height, np.minimum(self.u[:n].astype(np.float64), height))
 
     @property
     def residual(self) -> float:
@@ -176,6 +143,7 @@ class Fire:
 
     @property
     def iteration(self) -> int:
+        """Steps taken so far."""
         return int(self.state[layout.ITERATION])
 
     @property
@@ -183,26 +151,25 @@ class Fire:
         """Converged or diverged: further steps change nothing."""
         return bool(self.state[layout.FROZEN])
 
+    @property
+    def patience(self) -> int:
+        """Iterations without a new minimum of the residual after which there is no hope; sqrt(N) is FIRE's own pace."""
+        return 1000 + 20 * math.isqrt(self.num_points)
+
+    def parts(self) -> tuple[tuple[str, Callable[[], None]], ...]:
+        """One iteration in order: ('transforms' or 'rest', function)."""
+        forward, multiply, inverse = self._apply_stiffness
+        return ("transforms", forward), ("rest", multiply), ("transforms", inverse), ("rest", self._move)
+
     def step(self) -> None:
-        """One FIRE iteration: one transform pair, two if mass-weighted."""
-        self._apply(self.u, self._multiply_stiffness)
-        if self.mass_weighted:
-            self._find_force()
-            if self.iteration % _PROBE_EVERY == 0:
-                self._measure_stiffest()
-            self._apply(self.force, self._multiply_inverse_mass)
+        """One FIRE iteration, one transform pair."""
+        self._apply(self._apply_stiffness)
         self._move()
+        self._after_step()
+
+    def _after_step(self) -> None:
         if self.state[layout.HELD] <= self.padding:
             self._touch()
-
-    def timed_step(self) -> dict[str, float]:
-        """`step` of plain FIRE with the seconds spent in 'transforms' and in the 'rest', for benchmarks."""
-        marks = [time.perf_counter()]
-        for part in (self._to_spectrum[id(self.u)], self._multiply_stiffness, self._to_work, self._move):
-            part()
-            marks.append(time.perf_counter())
-        forward, multiply, inverse, move = np.diff(marks)
-        return {"transforms": float(forward + inverse), "rest": float(multiply + move)}
 
     def _touch(self) -> None:
         """After a lift-off: a rigid shift back to first touch, which costs no elastic energy (K = 0 there)."""
@@ -218,27 +185,69 @@ class Fire:
         hit = self.u >= self.height
         self.u[hit], self.v[hit] = self.height[hit], layout.TOUCHING
 
-    def _apply(self, source: NDArray[np.floating], multiply: Callable[[], None]) -> None:
-        """work = operator applied to `source`, one transform pair."""
-        self._to_spectrum[id(source)]()
-        multiply()
-        self._to_work()
+    def _apply(self, operator: tuple[Callable[[], None], ...]) -> None:
+        for part in operator:
+            part()
         self.transform_pairs += 1
+
+
+class MassWeightedFire(Fire):
+    """FIRE with M = K; has the force and a probe for lambda_max besides, and the acceleration in `work`.
+
+    Once dt_max is safe by measurement, Bitzek's halving of dt at every turn only loses time: on 46 scenes (Hertz and
+    rough, nu = -0.9 to 0.5, d = 1e-4 to inf, cold) n_min = 1 and f_dec = 0.8 needed 0.78 of the transforms of 5 and
+    0.5.
+    """
+
+    parameters = FireParameters(n_min=1, f_dec=0.8)
+    probe_every, probe_steps = 100, 6  # iterations between estimates of lambda_max, power iterations in each
+
+    @property
+    def patience(self) -> int:
+        """As for `Fire`; the pace does not depend on N."""
+        return 1000
+
+    def _prepare(self) -> None:
+        self.force, self.probe = self.transforms.buffer(), self.transforms.buffer()
+        mass = self.problem.stiffness.copy()
+        mass[0] = mass[1:].min()
+        self._apply_inverse_mass = self._operator(self.force, 1 / mass)
+        self._probe_stiffness = (self.transforms.forward(self.probe), *self._apply_stiffness[1:])
+        self._probe_inverse_mass = (self.transforms.forward(self.probe), *self._apply_inverse_mass[1:])
+        force, held, power, velocity, acceleration = sums = self._sums(5)
+        self._squares = acceleration  # free for the probe, between two steps
+        self._find_force = self._replay(Call("net_force", (self.work, self.v), (self.force, force, held)))
+        self._move = self._replay(
+            Call("search_sums", (self.force, self.v), (self.work, power, velocity, acceleration)),
+            Call("fire_control", tuple(sums), (self.state,)),
+            Call("fire_step", (self.work, self.height, self.state), (self.u, self.v)),
+        )
+        self._restrict = self._replay(Call("restrict_to_free", (self.force, self.work), (self.probe, self._squares)))
+
+    def step(self) -> None:
+        """One FIRE iteration, two transform pairs."""
+        self._apply(self._apply_stiffness)
+        self._find_force()
+        if self.iteration % self.probe_every == 0:
+            self._measure_stiffest()
+        self._apply(self._apply_inverse_mass)
+        self._move()
+        self._after_step()
 
     def _measure_stiffest(self) -> None:
         """lambda_max of P M^-1 P K P on the present free nodes by power iterations on `probe`, kept for next time."""
         if not self.probe.any():
             self.probe[: self.num_points] = np.random.default_rng(0).standard_normal(self.num_points)
-            self._apply(self.probe, self._multiply_inverse_mass)  # white noise is mostly stiff modes: smooth it
+            self._apply(self._probe_inverse_mass)  # white noise is mostly stiff modes: smooth it
             self._project_probe()
         growth = 1.0
-        for _ in range(_PROBE_STEPS):
-            self._apply(self.probe, self._multiply_stiffness)
+        for _ in range(self.probe_steps):
+            self._apply(self._probe_stiffness)
             self._restrict()
-            self._apply(self.probe, self._multiply_inverse_mass)
+            self._apply(self._probe_inverse_mass)
             growth = self._project_probe()
         if math.isfinite(growth):
-            self._limit_step(max(growth, 1.0))
+            self._limit_step(max(growth, 1.0), 1.0)  # no mode is softer than its mass: a longer step gains nothing
 
     def _project_probe(self) -> float:
         """probe = work on the free nodes, scaled to norm 1; the norm before scaling."""
@@ -249,13 +258,16 @@ class Fire:
         return norm
 
 
+METHODS: dict[str, type[Fire]] = {"mass-weighted-fire": MassWeightedFire, "fire": Fire}
+"""Fastest first."""
+
+
 def relax(state: Fire, max_iterations: int, progress: Progress | None = None) -> Status:
     """Step until the residual meets the tolerance, and say how it ended.
 
     Other ends: `max_iterations`; no new minimum of the residual for long (the limit of the precision); overflow;
     Ctrl-C. The state stays usable after each of them.
     """
-    patience = 1000 if state.mass_weighted else 1000 + 20 * math.isqrt(state.num_points)
     best, best_at, shown = math.inf, 0, time.monotonic()
     try:
         while state.iteration < max_iterations:
@@ -264,7 +276,7 @@ def relax(state: Fire, max_iterations: int, progress: Progress | None = None) ->
                 return Status.CONVERGED if state.residual <= state.tolerance else Status.DIVERGED
             if state.residual < 0.99 * best:
                 best, best_at = state.residual, state.iteration
-            elif state.iteration - best_at > patience:
+            elif state.iteration - best_at > state.patience:
                 return Status.STAGNATED
             if progress and time.monotonic() - shown > 0.1:
                 shown = time.monotonic()

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import kernels
-from . import checks
+from . import checks, fire
 from .certificate import Certificate, certify
-from .fire import Fire, Progress, Status, relax
+from .fire import Fire, MassWeightedFire, Progress, Status, relax
 from .observables import Observables, observe
 from .problem import Problem
 from .provenance import package_version, provenance
@@ -21,8 +21,8 @@ from .transforms import Transforms, save_wisdom
 
 Array64 = NDArray[np.float64]
 
-METHODS = ("mass-weighted-fire", "fire")
-"""Fastest first; the first is the default."""
+METHODS = tuple(fire.METHODS)
+"""Names of the methods, fastest first; the first is the default."""
 
 DEFAULT_MAX_ITERATIONS = {"mass-weighted-fire": 20_000, "fire": 200_000}
 
@@ -124,16 +124,17 @@ def solve(
     if tolerance is None:
         tolerance = 1e-8 if scene.precision == "float64" else max(1e-4, 2 * rounding_floor(problem, "float32"))
     checks.real("tolerance", tolerance, "1e-14 <= tolerance <= 1", 0.999e-14, 1)
-    if initial is not None:
-        initial = _check_initial(initial, scene.num_points) / problem.length_unit
     transforms = Transforms(scene.num_points, scene.precision, threads, planning)
-    lead = Lead() if initial is not None else lead_in(scene, problem, transforms, method, backend)
-    initial = initial if lead.displacement is None else lead.displacement
-    state = Fire(problem, transforms, method, tolerance, initial, backend)
+    state = fire.METHODS[method](problem, transforms, tolerance, backend)
     if planning != "estimate":
         save_wisdom()
+    if initial is not None:
+        state.start(_check_initial(initial, scene.num_points) / problem.length_unit)
     ready = time.perf_counter()
-    status = relax(state, max_iterations, progress)
+    lead = [] if initial is not None else _lead_in(scene, state)
+    status = (
+        Status.INTERRUPTED if lead and lead[-1][0] is Status.INTERRUPTED else relax(state, max_iterations, progress)
+    )
     relaxed = time.perf_counter()
     certificate, pressure, contact = certify(problem, state.displacement)
     if status is Status.CONVERGED and not certificate.free_residual <= 2 * tolerance:
@@ -142,7 +143,6 @@ def solve(
     pressure *= scene.pressure
     observables = observe(scene, displacement, pressure, contact)
     end = time.perf_counter()
-    seconds = {"setup": ready - begin, "solve": relaxed - ready, "certificate": end - relaxed, "total": end - begin}
     return Solution(
         scene=scene,
         method=method,
@@ -153,45 +153,36 @@ def solve(
         contact=contact,
         observables=observables,
         certificate=certificate,
-        iterations=lead.iterations + state.iteration,
-        transform_pairs=lead.transform_pairs + state.transform_pairs,
-        seconds=seconds,
+        iterations=state.iteration + sum(iterations for _, iterations, _ in lead),
+        transform_pairs=state.transform_pairs + sum(pairs for _, _, pairs in lead),
+        seconds={"setup": ready - begin, "solve": relaxed - ready, "certificate": end - relaxed, "total": end - begin},
         threads=threads,
         planning=planning,
         backend=backend,
     )
 
 
-@dataclass(frozen=True)
-class Lead:
-    """A start for a cold solve, shape (N,) [p L/E*], and what it cost; empty where none is needed."""
+def _lead_in(scene: Scene, state: Fire) -> list[tuple[Status, int, int]]:
+    """Bring `state` near the solution of a thin, nearly incompressible layer by way of more compressible ones.
 
-    displacement: Array64 | None = None
-    iterations: int = 0
-    transform_pairs: int = 0
-
-
-def lead_in(scene: Scene, problem: Problem, transforms: Transforms, method: str, backend: str) -> Lead:
-    """A thin, nearly incompressible layer is approached by more compressible ones, each solved to 1e-2.
-
-    Its softest and longest modes differ by (L/d)^3 in stiffness; from a cold start FIRE bounces off the wall and may
-    never settle. Measured for nu = 1/2, d = 1e-3 to 1e-5, n = 1.5 to 8: with the ladder every solve converged.
+    Such a layer's softest and longest modes differ by (L/d)^3 in stiffness; from u = 0 mass-weighted FIRE bounces off
+    the wall and may never settle. Measured for nu = 1/2, d = 1e-3 to 1e-5, n = 1.5 to 8: with this ladder, each rung
+    solved to 1e-2, every solve converged. Returns each rung's status, iterations and transform pairs.
     """
-    k, layer = problem.stiffness[1:], scene.layer
-    if method != "mass-weighted-fire" or k[0] < 1e3 * k.min():
-        return Lead()
-    lead = Lead()
+    k, layer = state.problem.stiffness[1:], scene.layer
+    rungs: list[tuple[Status, int, int]] = []
+    if not isinstance(state, MassWeightedFire) or k[0] < 1e3 * k.min():
+        return rungs
     for poisson_ratio in (0.4, 0.48, 0.498):
         if poisson_ratio < layer.poisson_ratio:
-            softer = replace(
-                problem, stiffness=stiffness(scene.num_points, layer.thickness / scene.period, poisson_ratio)
-            )
-            state = Fire(softer, transforms, method, 1e-2, lead.displacement, backend)
-            relax(state, 500)
-            lead = Lead(
-                state.displacement, lead.iterations + state.iteration, lead.transform_pairs + state.transform_pairs
-            )
-    return lead
+            softer = stiffness(scene.num_points, layer.thickness / scene.period, poisson_ratio)
+            rung = MassWeightedFire(replace(state.problem, stiffness=softer), state.transforms, 1e-2, state.backend)
+            rung.start(state.displacement)
+            rungs.append((relax(rung, 500), rung.iteration, rung.transform_pairs))
+            state.start(rung.displacement)
+            if rungs[-1][0] is Status.INTERRUPTED:
+                break
+    return rungs
 
 
 def _check_initial(initial: Array64, num_points: int) -> Array64:

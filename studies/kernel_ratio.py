@@ -131,12 +131,16 @@ def time_in_turn(candidates: dict[str, Callable[[], None]], repeats: int, restor
 def iteration_parts(precision: str, num_points: int, repeats: int) -> Timings:
     """Seconds of the transforms and of everything else in plain FIRE's iteration."""
     problem = Problem.from_scene(Scene(num_points=num_points, precision=precision))
-    state = Fire(problem, Transforms(num_points, precision), "fire", 1e-14)
+    state = Fire(problem, Transforms(num_points, precision), 1e-14)
     seconds: Timings = {"transforms": [], "rest": []}
-    for _ in range(repeats):
-        spent = state.timed_step()
-        for name, value in spent.items():
-            seconds[name].append(value)
+    for _ in range(repeats + 3):
+        spent = dict.fromkeys(seconds, 0.0)
+        for kind, part in state.parts():
+            begin = time.perf_counter()
+            part()
+            spent[kind] += time.perf_counter() - begin
+        for kind, value in spent.items():
+            seconds[kind].append(value)
     return {name: values[3:] for name, values in seconds.items()}
 
 
