@@ -4,7 +4,7 @@ from .certificate import Certificate, certify
 from .fire import Status
 from .observables import Observables
 from .scene import Layer, PowerIndenter, Scene
-from .solve import METHODS, Solution, solve
+from .solve import METHODS, Solution, default_tolerance, solve
 
 __all__ = [
     "METHODS",
@@ -16,5 +16,6 @@ __all__ = [
     "Solution",
     "Status",
     "certify",
+    "default_tolerance",
     "solve",
 ]

@@ -6,12 +6,12 @@ are dimensionless.
 The bound. Let r = p - K u, F the free nodes, C the nodes in contact (u = h, r > 0). For every admissible v <= h, with
 e = v - u and e <= 0 on C, the energy Pi = V - p L mean(u) obeys
 
-    Pi(v) - Pi(u) = e.K e/2 - r.e >= e.K e/2 - s.e >= -s.K^+ s/2
+    Pi(v) - Pi(u) = e.K e/2 - r.e = e.K e/2 - s.e + (r - s).(-e) >= e.K e/2 - s.e >= -s.K^+ s/2
 
-for any s with s = r on F and s <= r on C, because the part of r that is taken away on C only lowers the left side's
-lower bound by (r - s).(-e) >= 0. K^+ is the inverse without the mean mode, so s must have zero sum: s = r_F on F and
-s = -r_C (sum r_F)/(sum r_C) on C. Hence 0 <= Pi(u) - min Pi <= s.K^+ s/2, contact set included: nodes that ought to be
-in contact and are not, or the other way round, are covered. With the sum of r_F at 0 it is the r_F.G r_F/2 of a
+for any s with s = r on F and s <= r on C, since there r - s >= 0 and -e >= 0. K^+ is the inverse without the mean mode,
+so s must have zero sum: s = r_F on F and s = -r_C (sum r_F)/(sum r_C) on C, which is below r_C because sum r_F + sum
+r_C = N p > 0. Hence, for an admissible u, 0 <= Pi(u) - min Pi <= s.K^+ s/2, contact set included: nodes that ought to
+be in contact and are not, or the other way round, are covered. With the sum of r_F at 0 it is the r_F.G r_F/2 of a
 two-metric argument (K_FF^-1 <= G_FF).
 """
 

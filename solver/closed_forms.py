@@ -41,7 +41,7 @@ def kappa_from_area(exponent: float, area: float, radius: float, reduced_load: f
 def periodic_line_load(half_width: float, slope: Callable[[Array64], Array64]) -> float:
     """Line load F/(E* L) that presses an even profile to the half-width a/L < 1/2 on the periodic half-space.
 
-    F = E* int_0^a h'(x) sin(pi x/L)/sqrt(sin^2(pi a/L) - sin^2(pi x/L)) dx (design of Westergaard's problem), made
+    F = E* int_0^a h'(x) sin(pi x/L)/sqrt(sin^2(pi a/L) - sin^2(pi x/L)) dx (Westergaard's problem), made
     smooth by sin(pi x/L) = sin(pi a/L) sin(theta). `slope` maps x/L, shape (M,), to h', shape (M,).
     """
     nodes, weights = np.polynomial.legendre.leggauss(_GAUSS)
@@ -51,9 +51,10 @@ def periodic_line_load(half_width: float, slope: Callable[[Array64], Array64]) -
 
 
 def periodic_half_space_area(exponent: float, radius: float, reduced_load: float) -> float:
-    """Relative contact area a_r of a power profile on the periodic half-space; 1 beyond full contact.
+    """Relative contact area a_r of a power profile on the periodic half-space.
 
-    radius: R/L; reduced_load: p/E*.
+    radius: R/L; reduced_load: p/E*. The profile has a kink at x = L/2, so the load has no finite limit for a -> L/2;
+    where a is within 1e-12 of it, 1 is returned.
     """
 
     def load(a: float) -> float:
@@ -112,20 +113,20 @@ def edge_shift(poisson_ratio: float) -> float:
     c = -(1/pi) int_0^inf ln[C(s)/C_0(s)]/s^2 ds with the layer's compliance C(q d) = 1/K and its limit C_0 for s -> 0,
     constant for nu < 1/2 and proportional to s^2 for nu = 1/2.
     """
-    nodes, weights = np.polynomial.legendre.leggauss(40)
-    # Below s = 1e-3 the integrand is constant to 1e-6 and rounding would swamp it. Above, s = 1/t - 1 with ds/s^2 =
-    # dt/(1-t)^2, in panels that shrink towards t = 0 (s -> inf), where the integrand is ln(t)-like.
-    first = 1e-3
-    end = 1 / (1 + first)
-    edges = np.concatenate([[0.0], end * 2.0 ** np.arange(-40, -1), np.linspace(0.5, 1, 20) * end])
-    left, width = edges[:-1, None], np.diff(edges)[:, None]
-    t = (left + width * (nodes + 1) / 2).ravel()
-    w = (width * weights / 2).ravel() / (1 - t) ** 2
-    s = np.append(1 / t - 1, first)
     nu = poisson_ratio
-    limit = 4 * s**2 / 3 if nu == 0.5 else np.full_like(s, (1 - 2 * nu) / (1 - nu) ** 2)
-    logarithm = np.log(2 / (s * layer_factor(s, nu)) / limit)
-    return float(-(np.sum(w * logarithm[:-1]) + logarithm[-1] / first) / np.pi)
+    # In y = ln s, panel by panel; ds/s^2 = exp(-y) dy. Below `first` the integrand is constant to 1e-6 and rounding
+    # would swamp it; beyond `last` the half-space's C = 2/s leaves an elementary integral.
+    first, last = 1e-3 * (math.sqrt(1 - 2 * nu) if nu < 0.5 else 1.0), 1e4
+    power = 2 if nu == 0.5 else 0
+    limit = 4 / 3 if nu == 0.5 else (1 - 2 * nu) / (1 - nu) ** 2  # C_0 = limit s^power
+    nodes, weights = np.polynomial.legendre.leggauss(20)
+    edges = np.linspace(math.log(first), math.log(last), 81)
+    width = np.diff(edges)[:, None]
+    s = np.append(np.exp((edges[:-1, None] + width * (nodes + 1) / 2).ravel()), first)
+    logarithm = np.log(2 / (s * layer_factor(s, nu)) / (limit * s**power))
+    middle = np.sum((width * weights / 2).ravel() * logarithm[:-1] / s[:-1])
+    tail = (math.log(2 / (limit * last ** (power + 1))) - (power + 1)) / last
+    return float(-(logarithm[-1] / first + middle + tail) / np.pi)
 
 
 def _gamma_ratio(a: float, b: float) -> float:

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from . import checks
 from .closed_forms import edge_shift, kappa_from_area, kappa_half_space, thin_layer_kappa_ratio
 from .stiffness import foundation_modulus, stiffness
 
@@ -127,8 +128,10 @@ def solve_load(
     """The asperity under the mean pressure `load` (units of E*), lengths in units of L.
 
     num_nodes: Gauss-Chebyshev nodes, even; 160 reach 12 digits for even exponents. Thin layers need about sqrt(a/d)
-    times more and get them. Raises `ValueError` beyond 0.98 of full contact.
+    times more and get them. Raises `ValueError`, also beyond 0.98 of full contact.
     """
+    _check(load, exponent, radius, poisson_ratio, num_nodes)
+    checks.real("thickness", thickness, "a length > 0, or inf", 0, infinite=True)
 
     def system(a: float) -> _System:
         return _System.solve(a, exponent, radius, thickness, poisson_ratio, num_nodes)
@@ -140,6 +143,8 @@ def solve_reduced_thickness(
     load: float, exponent: float, radius: float, reduced_thickness: float, poisson_ratio: float, num_nodes: int = 160
 ) -> tuple[float, Asperity]:
     """The thickness d (units of L) at which d/a_r has the given value under `load`, and its solution."""
+    _check(load, exponent, radius, poisson_ratio, num_nodes)
+    checks.real("reduced_thickness", reduced_thickness, "a finite number > 0", 0)
 
     def system(a: float) -> _System:
         return _System.solve(a, exponent, radius, 2 * a * reduced_thickness, poisson_ratio, num_nodes)
@@ -148,6 +153,14 @@ def solve_reduced_thickness(
     guess = _guess(load, exponent, radius, 1 / (1 + 1 / thin))
     asperity = _match(system, load, exponent, guess).asperity()
     return reduced_thickness * asperity.contact_area, asperity
+
+
+def _check(load: float, exponent: float, radius: float, poisson_ratio: float, num_nodes: int) -> None:
+    checks.real("load", load, "a finite number > 0", 0)
+    checks.real("exponent", exponent, "1 < n <= 100", 1, 100)
+    checks.real("radius", radius, "a finite number > 0", 0)
+    checks.real("poisson_ratio", poisson_ratio, "-1 < nu <= 0.5", -1, 0.5)
+    checks.integer("num_nodes", num_nodes, "an even integer from 4 to 10000", 4, 10_000, 2)
 
 
 def _guess(load: float, exponent: float, radius: float, kappa_ratio: float = 1.0) -> float:

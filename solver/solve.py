@@ -89,6 +89,22 @@ def rounding_floor(problem: Problem, precision: str) -> float:
     return 2.5 * eps * math.sqrt(float(np.mean(k**2))) * math.sqrt(2 * float(np.sum(k**-2.0)))
 
 
+def default_tolerance(scene: Scene, problem: Problem | None = None) -> float:
+    """1e-8 in float64; in float32 the larger of 1e-4 and twice what rounding leaves (dimensionless).
+
+    Raises `ValueError` where rounding in float32 leaves no meaning in the residual.
+    """
+    if scene.precision == "float64":
+        return 1e-8
+    tolerance = max(1e-4, 2 * rounding_floor(problem or Problem.from_scene(scene), scene.precision))
+    if tolerance > 0.2:
+        raise ValueError(
+            f"num_points is {scene.num_points}, where float32 leaves a residual of about {tolerance / 2:.1g}; allowed: "
+            "fewer points, precision float64, or a tolerance of your own"
+        )
+    return tolerance
+
+
 def solve(
     scene: Scene,
     *,
@@ -104,9 +120,9 @@ def solve(
     """Solve a scene.
 
     method: one of `METHODS`.
-    tolerance: rms net force on free nodes over the mean pressure at which to stop, 1e-14 to 1 (dimensionless); default
-        1e-8, for float32 the larger of 1e-4 and what rounding allows.
-    max_iterations: at least 1; default by method.
+    tolerance: rms net force on free nodes over the mean pressure at which to stop, 1e-14 to 0.5 (dimensionless);
+    default     `default_tolerance`.
+    max_iterations: at least 1, lead-in included; default by method.
     initial: displacement to start from, shape (N,) [length], for instance a neighbour's solution; default 0.
     threads: of FFTW. planning: FFTW's effort, 'estimate', 'measure' or 'patient'; what it finds is kept.
     backend: 'warp', or 'numpy' for the twins.
@@ -121,25 +137,28 @@ def solve(
         max_iterations = DEFAULT_MAX_ITERATIONS[method]
     checks.integer("max_iterations", max_iterations, "an integer >= 1", 1, 2**53)
     problem = Problem.from_scene(scene)
+    _check_range(scene, problem)
     if tolerance is None:
-        tolerance = 1e-8 if scene.precision == "float64" else max(1e-4, 2 * rounding_floor(problem, "float32"))
-    checks.real("tolerance", tolerance, "1e-14 <= tolerance <= 1", 0.999e-14, 1)
+        tolerance = default_tolerance(scene, problem)
+    checks.real("tolerance", tolerance, "1e-14 < tolerance <= 0.5", 1e-14, 0.5)
     transforms = Transforms(scene.num_points, scene.precision, threads, planning)
-    state = fire.METHODS[method](problem, transforms, tolerance, backend)
+    # the certificate's own rounding must not turn a solution away
+    state = fire.METHODS[method](problem, transforms, 0.95 * tolerance, backend)
     if planning != "estimate":
         save_wisdom()
     if initial is not None:
         state.start(_check_initial(initial, scene.num_points) / problem.length_unit)
     ready = time.perf_counter()
-    lead = [] if initial is not None else _lead_in(scene, state)
-    status = (
-        Status.INTERRUPTED if lead and lead[-1][0] is Status.INTERRUPTED else relax(state, max_iterations, progress)
-    )
+    lead = [] if initial is not None else _lead_in(scene, state, max_iterations, progress)
+    led = sum(iterations for _, iterations, _ in lead)
+    interrupted = bool(lead) and lead[-1][0] is Status.INTERRUPTED
+    status = Status.INTERRUPTED if interrupted else relax(state, max_iterations - led, progress)
     relaxed = time.perf_counter()
     certificate, pressure, contact = certify(problem, state.displacement)
-    if status is Status.CONVERGED and not certificate.free_residual <= 2 * tolerance:
+    certified = certificate.free_residual <= tolerance and math.isfinite(certificate.energy_error_bound)
+    if status is Status.CONVERGED and not certified:
         status = Status.STAGNATED  # the method's own precision cannot see the difference
-    displacement = state.displacement * problem.length_unit
+    displacement = np.where(contact, scene.profile, state.displacement * problem.length_unit)
     pressure *= scene.pressure
     observables = observe(scene, displacement, pressure, contact)
     end = time.perf_counter()
@@ -153,7 +172,7 @@ def solve(
         contact=contact,
         observables=observables,
         certificate=certificate,
-        iterations=state.iteration + sum(iterations for _, iterations, _ in lead),
+        iterations=state.iteration + led,
         transform_pairs=state.transform_pairs + sum(pairs for _, _, pairs in lead),
         seconds={"setup": ready - begin, "solve": relaxed - ready, "certificate": end - relaxed, "total": end - begin},
         threads=threads,
@@ -162,7 +181,9 @@ def solve(
     )
 
 
-def _lead_in(scene: Scene, state: Fire) -> list[tuple[Status, int, int]]:
+def _lead_in(
+    scene: Scene, state: Fire, max_iterations: int, progress: Progress | None
+) -> list[tuple[Status, int, int]]:
     """Bring `state` near the solution of a thin, nearly incompressible layer by way of more compressible ones.
 
     Such a layer's softest and longest modes differ by (L/d)^3 in stiffness; from u = 0 mass-weighted FIRE bounces off
@@ -178,11 +199,24 @@ def _lead_in(scene: Scene, state: Fire) -> list[tuple[Status, int, int]]:
             softer = stiffness(scene.num_points, layer.thickness / scene.period, poisson_ratio)
             rung = MassWeightedFire(replace(state.problem, stiffness=softer), state.transforms, 1e-2, state.backend)
             rung.start(state.displacement)
-            rungs.append((relax(rung, 500), rung.iteration, rung.transform_pairs))
-            state.start(rung.displacement)
-            if rungs[-1][0] is Status.INTERRUPTED:
+            left = max_iterations - sum(iterations for _, iterations, _ in rungs)
+            status = relax(rung, min(500, left), progress)
+            rungs.append((status, rung.iteration, rung.transform_pairs))
+            if status is not Status.DIVERGED:
+                state.start(rung.displacement)
+            if status is Status.INTERRUPTED:
                 break
     return rungs
+
+
+def _check_range(scene: Scene, problem: Problem) -> None:
+    """Reject layers so thin that their stiffness overflows the precision."""
+    stiffest, limit = float(problem.stiffness.max()), 1e-8 * float(np.finfo(scene.precision).max)
+    if not stiffest < limit:
+        raise ValueError(
+            f"thickness is {scene.layer.thickness!r} at period {scene.period!r}; allowed: thicker, the stiffness "
+            f"reaches {stiffest:.1e} E*/L and {scene.precision} ends at {limit:.1e}"
+        )
 
 
 def _check_initial(initial: Array64, num_points: int) -> Array64:

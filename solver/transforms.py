@@ -102,13 +102,13 @@ def load_wisdom() -> None:
 
 
 def _import_wisdom() -> None:
-    path = wisdom_file()
     try:
+        path = wisdom_file()
         text = path.read_text("ascii")
     except FileNotFoundError:
         return
-    except (OSError, UnicodeDecodeError) as error:
-        warnings.warn(f"FFTW wisdom in {path} is ignored: {error}", RuntimeWarning, stacklevel=3)
+    except (OSError, UnicodeDecodeError, RuntimeError) as error:  # RuntimeError: a user without a home
+        warnings.warn(f"FFTW wisdom is ignored: {error}", RuntimeWarning, stacklevel=3)
         return
     try:
         stored = json.loads(text)
@@ -122,9 +122,9 @@ def _import_wisdom() -> None:
 
 def save_wisdom() -> None:
     """Add this process's wisdom to the stored one; the file is replaced in one step, trouble only warns."""
-    path = wisdom_file()
     temporary = None
     try:
+        path = wisdom_file()
         path.parent.mkdir(parents=True, exist_ok=True)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", RuntimeWarning)
@@ -135,7 +135,7 @@ def save_wisdom() -> None:
             temporary = Path(file.name)
             file.write(text)
         temporary.replace(path)
-    except OSError as error:
+    except (OSError, RuntimeError) as error:
         if temporary:
             temporary.unlink(missing_ok=True)
-        warnings.warn(f"FFTW wisdom could not be kept in {path}: {error}", RuntimeWarning, stacklevel=2)
+        warnings.warn(f"FFTW wisdom could not be kept: {error}", RuntimeWarning, stacklevel=2)

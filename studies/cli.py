@@ -10,7 +10,17 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import tyro
-from linecontact.solver import METHODS, Layer, PowerIndenter, Scene, Solution, provenance, solve, transforms
+from linecontact.solver import (
+    METHODS,
+    Layer,
+    PowerIndenter,
+    Scene,
+    Solution,
+    default_tolerance,
+    provenance,
+    solve,
+    transforms,
+)
 from rich.console import Console
 from rich.table import Table
 
@@ -108,7 +118,7 @@ def run_solve(options: Solve) -> int:
         num_points=options.num_points,
         precision=options.precision,
     )
-    with console.solve_progress(options.tolerance or 1e-8) as report:
+    with console.solve_progress(options.tolerance or default_tolerance(scene)) as report:
         solution = solve(
             scene,
             method=options.method,
@@ -118,12 +128,12 @@ def run_solve(options: Solve) -> int:
             planning=options.planning,
             progress=report,
         )
-    if options.save:
-        store.save_solution(options.save, solution)
     if options.json:
-        print(json.dumps(solution.to_dict()))
+        print(json.dumps(solution.to_dict()), flush=True)
     else:
         Console().print(solution_table(solution))
+    if options.save:
+        store.save_solution(options.save, solution)
     status = console.exit_status(solution.status)
     if status:
         kept = f"; the partial result is in {options.save}" if options.save else ""

@@ -30,17 +30,34 @@ def exit_status(status: Status) -> int:
     return EXIT_INTERRUPTED if status is Status.INTERRUPTED else EXIT_NOT_CONVERGED
 
 
-def bar() -> Progress:
-    """A progress bar on standard error, shown only on a terminal."""
-    return Progress(
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn("{task.percentage:3.0f} %  {task.fields[state]}"),
-        TimeElapsedColumn(),
-        console=errors,
-        transient=True,
-        disable=not errors.is_terminal,
-    )
+class Bar:
+    """Progress on standard error: a bar on a terminal, a plain line every `every` seconds elsewhere."""
+
+    every = 5.0
+
+    def __init__(self, what: str) -> None:
+        self._what, self._begin, self._said = what, time.monotonic(), time.monotonic()
+        columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:3.0f} %"))
+        state = TextColumn("{task.fields[state]}")
+        self._progress = Progress(
+            *columns, state, TimeElapsedColumn(), console=errors, transient=True, disable=not errors.is_terminal
+        )
+        self._task = self._progress.add_task(what, total=1.0, state="")
+
+    def __enter__(self) -> "Bar":
+        self._progress.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._progress.stop()
+
+    def show(self, done: float, state: str) -> None:
+        """`done`: share of the work since the start, 0 to 1; `state`: what to say beside it and the time left."""
+        text = f"{state}, {remaining(done, time.monotonic() - self._begin)}"
+        self._progress.update(self._task, completed=done, state=text)
+        if not errors.is_terminal and time.monotonic() - self._said > self.every:
+            self._said = time.monotonic()
+            errors.print(f"{self._what}: {100 * done:.0f} %, {text}", markup=False)
 
 
 def remaining(done: float, elapsed: float) -> str:
@@ -54,18 +71,15 @@ def remaining(done: float, elapsed: float) -> str:
 @contextlib.contextmanager
 def solve_progress(tolerance: float) -> Iterator[Report]:
     """Reports a solve: progress counts decades of the residual, which fall at an even pace on the average."""
-    begin = time.monotonic()
     worst = tolerance
-    with bar() as progress:
-        task = progress.add_task("solve", total=1.0, state="")
+    with Bar("solve") as progress:
 
         def report(iteration: int, residual: float) -> None:
             nonlocal worst
             worst = max(worst, min(residual, 10.0))
             total = math.log(worst / tolerance)
             done = max(0.0, math.log(worst / max(residual, tolerance)) / total) if total > 0 else 1.0
-            left = remaining(done, time.monotonic() - begin)
-            progress.update(task, completed=done, state=f"iteration {iteration}, residual {residual:.1e}, {left}")
+            progress.show(done, f"iteration {iteration}, residual {residual:.1e}")
 
         yield report
 

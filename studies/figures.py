@@ -1,5 +1,6 @@
 """Figures, always drawn from a stored file and put beside it as PNG and PDF."""
 
+from itertools import cycle
 from pathlib import Path
 from typing import Any
 
@@ -72,7 +73,7 @@ def _hertz_ratio(study: store.StudyFile) -> Figure:
     t_all = study.column("reduced_thickness")
     low, high = t_all.min() / 1.4, t_all.max() * 1.4
     y_all = study.column("kappa_ratio") / t_all
-    for nu, colour, marker in zip(ratios, _COLOURS, _MARKERS, strict=False):
+    for nu, colour, marker in zip(ratios, cycle(_COLOURS), cycle(_MARKERS), strict=False):
         runs = study.select("scene.poisson_ratio", nu)
         t = runs.column("reduced_thickness")
         line = study.lines.get(f"nu={nu:g}")
@@ -109,7 +110,7 @@ def _hertz_accuracy(study: store.StudyFile) -> Figure:
     area = (study.column("contact_area") - study.column("oracle.contact_area")) * points
     peak = np.abs(study.column("peak_pressure") / study.column("oracle.peak_pressure") - 1)
     nus = study.column("scene.poisson_ratio")
-    for nu, colour, marker in zip(sorted(set(nus)), _COLOURS, _MARKERS, strict=False):
+    for nu, colour, marker in zip(sorted(set(nus)), cycle(_COLOURS), cycle(_MARKERS), strict=False):
         panels[0].plot(t[nus == nu], area[nus == nu], marker, ms=4.5, color=colour, label=rf"$\nu={nu:g}$")
         panels[1].plot(t[nus == nu], peak[nus == nu], marker, ms=4.5, color=colour)
     panels[0].axhline(0, color="k", lw=0.6)

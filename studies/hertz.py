@@ -8,6 +8,7 @@ its thicker neighbour's displacement. The thicknesses are those at which the col
 and the oracle's area and peak pressure are stored beside each run's.
 """
 
+import contextlib
 import importlib
 import multiprocessing
 import os
@@ -16,7 +17,9 @@ import signal
 import sys
 import threading
 import time
+from collections.abc import Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -112,56 +115,68 @@ def oracle_line(configuration: Configuration, poisson_ratio: float) -> tuple[str
 
 
 def _start_worker(reports: Any) -> None:
-    """Leave Ctrl-C to the parent, and end with it should it be killed."""
+    """End with the parent, should it be killed."""
     global _reports
     _reports = reports
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    parent = os.getppid()
 
     def watch() -> None:
-        while os.getppid() == parent:
-            time.sleep(1)
+        parent = multiprocessing.parent_process()
+        if parent:
+            parent.join()
         os._exit(1)
 
     threading.Thread(target=watch, daemon=True).start()
 
 
-def run(configuration: Configuration, path: Path, workers: int, planning: str) -> store.StudyFile:
-    """Run what `path` does not hold yet and keep it up to date run by run. Ctrl-C passes through, with all kept."""
-    study = _open(configuration, path)
-    if study.complete:
-        return study
+@contextlib.contextmanager
+def _worker_settings() -> Iterator[None]:
+    """What spawned workers inherit: one BLAS thread each, and Ctrl-C left to the parent."""
+    names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+    before = {name: os.environ.get(name) for name in names}
+    os.environ.update(dict.fromkeys(names, "1"))
+    handler = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, handler)
+        for name, value in before.items():
+            os.environ.pop(name)
+            if value is not None:
+                os.environ[name] = value
+
+
+def run(study: store.StudyFile, configuration: Configuration, path: Path, workers: int, planning: str) -> None:
+    """Run what `study` does not hold yet and keep `path` up to date run by run; Ctrl-C passes through."""
     if planning != "estimate":
         transforms.plan_ahead(configuration.num_points, "float64", planning)
     context = multiprocessing.get_context("spawn")
     reports = context.Queue()
-    for name in (
-        "OMP_NUM_THREADS",
-        "OPENBLAS_NUM_THREADS",
-        "MKL_NUM_THREADS",
-    ):  # one thread a worker, read at its start
-        os.environ.setdefault(name, "1")
+    others = set(multiprocessing.active_children())
     pool = ProcessPoolExecutor(workers, context, _start_worker, (reports,))
     try:
-        _drive(study, configuration, path, pool, reports)
-    except BaseException:
-        for process in multiprocessing.active_children():
+        with _worker_settings():
+            waiting = _submit_first(study, configuration, pool)
+        _drive(study, configuration, path, pool, waiting, reports)
+    except BaseException as error:
+        for process in set(multiprocessing.active_children()) - others:
             process.terminate()
+        if isinstance(error, BrokenProcessPool):
+            raise ValueError("a worker process died; run the study again to continue") from error
         raise
     finally:
         pool.shutdown(wait=True, cancel_futures=True)
     study.checkpoints.clear()
     study.complete = True
     store.save_study(path, study)
-    return study
 
 
-def _open(configuration: Configuration, path: Path) -> store.StudyFile:
-    wanted = asdict(configuration)
-    if not path.exists():
-        return store.StudyFile(KIND, _json_ready(wanted))
+def open_study(configuration: Configuration, path: Path, anew: bool = False) -> store.StudyFile:
+    """The study in `path`, or an empty one. Raises `store.StoreError` for a file of another study or configuration."""
+    wanted = _json_ready(asdict(configuration))
+    if anew or not path.exists():
+        return store.StudyFile(KIND, wanted)
     study = store.load_study(path)
-    if study.kind != KIND or study.configuration != _json_ready(wanted):
+    if study.kind != KIND or study.configuration != wanted:
         raise store.StoreError(
             f"file {path} holds another study or configuration; allowed: --overwrite, or a new --folder"
         )
@@ -172,22 +187,30 @@ def _json_ready(configuration: dict[str, Any]) -> dict[str, Any]:
     return {name: list(value) if isinstance(value, tuple) else value for name, value in configuration.items()}
 
 
-def _drive(
-    study: store.StudyFile, configuration: Configuration, path: Path, pool: ProcessPoolExecutor, reports: Any
-) -> None:
-    """Keep one run of every chain in the pool; store each result as it comes."""
+def _submit_first(study: store.StudyFile, configuration: Configuration, pool: ProcessPoolExecutor) -> set[Future[Any]]:
+    """The next run of every chain, and the oracle's lines."""
     waiting: set[Future[Any]] = set()
     for poisson_ratio in reversed(configuration.poisson_ratios):  # the incompressible chain is the longest
-        done = [r for r in study.runs if r["scene.poisson_ratio"] == poisson_ratio]
-        task: Task | None = Task(configuration, poisson_ratio, len(done) - 1).next
+        done = study.select("scene.poisson_ratio", poisson_ratio).runs
+        task = Task(configuration, poisson_ratio, len(done) - 1).next
         if task:
             waiting.add(pool.submit(run_task, task, study.checkpoints.get(task.chain)))
     lines = [nu for nu in configuration.poisson_ratios if f"nu={nu:g}" not in study.lines]
-    waiting |= {pool.submit(oracle_line, configuration, nu) for nu in lines}
+    return waiting | {pool.submit(oracle_line, configuration, nu) for nu in lines}
+
+
+def _drive(
+    study: store.StudyFile,
+    configuration: Configuration,
+    path: Path,
+    pool: ProcessPoolExecutor,
+    waiting: set[Future[Any]],
+    reports: Any,
+) -> None:
+    """Keep one run of every chain in the pool; store each result as it comes."""
     total = len(configuration.poisson_ratios) * len(configuration.reduced_thicknesses)
-    begin, already = time.monotonic(), len(study.runs)
-    with console.bar() as progress:
-        shown = progress.add_task(f"Hertz study, {configuration.num_points} points", total=total, state="starting")
+    already = len(study.runs)
+    with console.Bar(f"Hertz study, {configuration.num_points} points") as progress:
         while waiting:
             finished, waiting = wait(waiting, timeout=0.2, return_when=FIRST_COMPLETED)
             for future in finished:
@@ -199,9 +222,7 @@ def _drive(
                 else:
                     study.lines[result[0]] = result[1]
             share = (len(study.runs) - already) / max(1, total - already)
-            state = f"{len(study.runs)} of {total} runs, {console.remaining(share, time.monotonic() - begin)}"
-            state += _latest(reports)
-            progress.update(shown, completed=len(study.runs), state=state)
+            progress.show(share, f"{len(study.runs)} of {total} runs{_latest(reports)}")
 
 
 def _keep(study: store.StudyFile, path: Path, task: Task, record: dict[str, Any], displacement: Array64) -> Task | None:
@@ -218,7 +239,7 @@ def _latest(reports: Any) -> str:
     try:
         while True:
             chain, wanted, iteration, residual = reports.get_nowait()
-            text = f"; {chain}, d/a_r = {wanted:.3g}: iteration {iteration}, residual {residual:.1e}"
+            text = f", {chain}, d/a_r = {wanted:.3g}: iteration {iteration}, residual {residual:.1e}"
     except queue.Empty:
         return text
 
@@ -285,27 +306,22 @@ def command(options: Options) -> int:
     checks.integer("workers", options.workers, "an integer from 1 to 256", 1, 256)
     configuration = QUICK if options.quick else Configuration()
     folder = options.folder or Path("results/hertz-quick" if options.quick else "results/hertz")
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise ValueError(f"folder {folder} cannot be made: {error.strerror}; allowed: a writable folder") from None
+    store.make_folder(folder)
     path = folder / "hertz.h5"
     store.check_target(path, overwrite=True)
-    if options.overwrite:
-        path.unlink(missing_ok=True)
     begin = time.perf_counter()
-    # matplotlib takes a second to import: meanwhile the workers compute, and they never need it
-    threading.Thread(target=importlib.import_module, args=("linecontact.studies.figures",), daemon=True).start()
-    finished_before = path.exists() and store.load_study(path).complete
-    study = run(configuration, path, options.workers, options.planning)
+    study = open_study(configuration, path, anew=options.overwrite)
+    computed = not study.complete
+    if computed:
+        # matplotlib takes a second to import: meanwhile the workers compute, and they never need it
+        threading.Thread(target=importlib.import_module, args=("linecontact.studies.figures",), daemon=True).start()
+        run(study, configuration, path, options.workers, options.planning)
     from . import figures
 
     drawn = figures.draw(path)
     output = Console()
     output.print(summary(study))
-    output.print(
-        "Finished before; nothing computed." if finished_before else f"{time.perf_counter() - begin:.1f} s in all."
-    )
+    output.print(f"{time.perf_counter() - begin:.1f} s in all." if computed else "Finished before; nothing computed.")
     output.print(f"Data: {path}\nFigures: {', '.join(str(figure) for figure in drawn)}", soft_wrap=True)
     failed = int(np.sum(study.column("status") != "converged"))
     return console.EXIT_NOT_CONVERGED if failed else 0

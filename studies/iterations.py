@@ -3,11 +3,10 @@
 linecontact study iterations [--quick] [--folder FOLDER]
 """
 
-import time
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 
-from linecontact.solver import Scene, closed_forms, solve
+from linecontact.solver import Scene, Status, closed_forms, solve
 from rich import box
 from rich.console import Console
 from rich.table import Table
@@ -35,36 +34,40 @@ class Options:
     folder: Path = Path("results/iterations")
     """Where iterations.h5 and the figure go."""
     overwrite: bool = False
-    """Replace an existing file."""
+    """Start anew even if there is a file."""
 
 
 def command(options: Options) -> int:
-    """Run the study as asked; returns the exit status."""
+    """Run the study as asked, or what is left of it; returns the exit status."""
     configuration = Configuration((12, 13, 14), (12, 13, 14)) if options.quick else Configuration()
-    options.folder.mkdir(parents=True, exist_ok=True)
+    store.make_folder(options.folder)
     path = options.folder / "iterations.h5"
-    store.check_target(path, options.overwrite)
-    study = store.StudyFile(KIND, asdict(configuration))
-    sizes = [("mass-weighted-fire", k) for k in configuration.mass_weighted] + [
-        ("fire", k) for k in configuration.plain
-    ]
-    work = {key: 2.0 ** key[1] * (1 if key[0] != "fire" else 2.0 ** (key[1] / 2 - 4)) for key in sizes}
-    begin, done = time.monotonic(), 0.0
-    with console.bar() as progress:
-        task = progress.add_task("iterations", total=sum(work.values()), state="")
-        for method, k in sizes:
-            left = console.remaining(done / sum(work.values()), time.monotonic() - begin)
+    store.check_target(path, overwrite=True)
+    wanted = {"mass-weighted-fire": list(configuration.mass_weighted), "fire": list(configuration.plain)}
+    study = store.StudyFile(KIND, {"log2_num_points": wanted, "tolerance": configuration.tolerance})
+    if path.exists() and not options.overwrite:
+        stored = store.load_study(path)
+        if (stored.kind, stored.configuration) != (KIND, study.configuration):
+            raise store.StoreError(f"file {path} holds another study; allowed: --overwrite, or a new --folder")
+        study = stored
+    cost = {("mass-weighted-fire", k): 2.0**k for k in configuration.mass_weighted}
+    cost |= {("fire", k): 2.0 ** (1.5 * k - 4) for k in configuration.plain}
+    done = {(run["method"], int(run["scene.num_points"]).bit_length() - 1) for run in study.runs}
+    left = {key: value for key, value in cost.items() if key not in done}
+    share = 0.0
+    with console.Bar("iterations") as progress:
+        for (method, k), value in left.items():
 
-            def report(iteration: int, residual: float, k: int = k, method: str = method, left: str = left) -> None:
-                progress.update(task, state=f"{method}, 2^{k}: iteration {iteration}, residual {residual:.1e}; {left}")
+            def report(iteration: int, residual: float, at: float = share, name: str = f"{method}, 2^{k}") -> None:
+                progress.show(at, f"{name}: iteration {iteration}, residual {residual:.1e}")
 
             solution = solve(Scene(num_points=2**k), method=method, tolerance=configuration.tolerance, progress=report)
+            if solution.status is Status.INTERRUPTED:
+                raise KeyboardInterrupt
             study.runs.append(store.flatten(solution.to_dict()))
-            done += work[method, k]
-            progress.update(task, completed=done)
+            share += value / sum(left.values())
+            study.complete = len(study.runs) == len(cost)
             store.save_study(path, study)
-    study.complete = True
-    store.save_study(path, study)
     from . import figures
 
     output = Console()
@@ -86,7 +89,7 @@ def summary(study: store.StudyFile) -> Table:
         "a_r error\n[grid spacings]",
         "solve [s]",
     ):
-        table.add_column(heading, justify="right")
+        table.add_column(heading, justify="right", no_wrap=True)
     for run in study.runs:
         n = run["scene.num_points"]
         table.add_row(

@@ -68,7 +68,15 @@ def compile_c(folder: Path) -> ctypes.CDLL:
         raise ValueError("no C compiler (cc, gcc, clang) found; allowed: a machine with one")
     source, library = folder / "step.c", folder / "step.so"
     source.write_text(C_SOURCE)
-    subprocess.run([compiler, "-O3", "-march=native", "-shared", "-fPIC", "-o", str(library), str(source)], check=True)
+    result = subprocess.run(
+        [compiler, "-O3", "-march=native", "-shared", "-fPIC", "-o", str(library), str(source)],
+        capture_output=True,
+        text=True,
+    )
+    if result.returncode:
+        raise ValueError(
+            f"C compiler {compiler} failed: {result.stderr.strip()}; allowed: one that takes -march=native"
+        )
     return ctypes.CDLL(str(library))
 
 

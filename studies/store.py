@@ -1,9 +1,9 @@
 """HDF5 files of solutions and studies: written beside their final name and renamed, so never left half written.
 
 A solution file holds the datasets x, profile, displacement and contact_pressure, and everything that the command line's
-JSON holds as attributes (nested names joined by dots). A study file holds one dataset per scalar under /runs, with one
-value per run, the study's configuration and provenance as attributes, and, while it is unfinished, the displacements
-that the next runs start from under /checkpoints.
+JSON holds as attributes (nested names joined by dots). A study file holds one dataset per scalar under /runs,
+certificate and provenance included, with one value per run; the study's configuration as an attribute; and, while it
+is unfinished, the displacements that the next runs start from under /checkpoints.
 """
 
 import contextlib
@@ -22,7 +22,6 @@ from numpy.typing import NDArray
 
 UNITS = {
     "x": "length",
-    "profile": "length",
     "displacement": "length",
     "contact_pressure": "pressure",
     "thickness": "length",
@@ -36,13 +35,27 @@ UNITS = {
 """Units by the last part of a name; 'seconds.*' is in seconds, everything else dimensionless."""
 
 
+_UMASK = os.umask(0)
+os.umask(_UMASK)
+
+
 class StoreError(ValueError):
     """A file that cannot be read or written as asked; the message names it."""
 
 
 def unit(name: str) -> str:
     """Unit of a stored quantity."""
+    if name == "profile":  # the heights; scene.profile is the indenter's name
+        return "length"
     return "s" if "seconds." in name else UNITS.get(name.rsplit(".", 1)[-1], "1")
+
+
+def make_folder(folder: Path) -> None:
+    """Make `folder` and its parents; raises `StoreError` if that is impossible."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise StoreError(f"folder {folder} cannot be made ({error.strerror}); allowed: a writable place") from None
 
 
 def check_target(path: Path, overwrite: bool) -> None:
@@ -57,28 +70,28 @@ def check_target(path: Path, overwrite: bool) -> None:
 
 @contextlib.contextmanager
 def new_file(path: Path) -> Iterator[h5py.File]:
-    """An HDF5 file that appears under `path` only when it is complete. Raises `StoreError` if it cannot be written."""
+    """An HDF5 file that appears under `path` only when it is complete. Raises `StoreError` if it cannot be written.
+
+    HDF5 builds it in memory, because its library does not survive a full disk.
+    """
+    with h5py.File(path.name, "w", driver="core", backing_store=False) as file:
+        yield file
+        file.flush()
+        image = file.id.get_file_image()
     try:
         handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
-        os.close(handle)
         temporary = Path(name)
         try:
-            with h5py.File(temporary, "w") as file:
-                yield file
-            with temporary.open("rb") as written:
-                os.fsync(written.fileno())
-            os.chmod(temporary, 0o666 & ~_umask())
+            with os.fdopen(handle, "wb") as target:
+                target.write(image)
+                target.flush()
+                os.fsync(target.fileno())
+            temporary.chmod(0o666 & ~_UMASK)
             temporary.replace(path)
         finally:
             temporary.unlink(missing_ok=True)
     except OSError as error:
         raise StoreError(f"file {path} could not be written: {error}") from error
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
 
 
 @contextlib.contextmanager
@@ -174,14 +187,13 @@ def save_study(path: Path, study: StudyFile) -> None:
 
 
 def _write_column(group: h5py.Group, name: str, values: Sequence[Any]) -> None:
-    """One value per run: text as text, numbers (infinities among them, 'inf' in JSON) as numbers."""
+    """One value per run: text as text, numbers (infinities among them, 'inf' in JSON) as numbers with a unit."""
     if any(isinstance(value, str) and value not in ("inf", "-inf", "nan") for value in values):
-        dataset = group.create_dataset(name, data=list(values), dtype=h5py.string_dtype())
-    elif all(isinstance(value, int) for value in values):
-        dataset = group.create_dataset(name, data=np.array(values))
-    else:
-        dataset = group.create_dataset(name, data=np.array([float(value) for value in values]))
-    dataset.attrs["unit"] = unit(name)
+        group.create_dataset(name, data=list(values), dtype=h5py.string_dtype())
+        return
+    whole = all(isinstance(value, int) for value in values)
+    data = np.array(values) if whole else np.array([float(value) for value in values])
+    group.create_dataset(name, data=data).attrs["unit"] = unit(name)
 
 
 def load_study(path: Path) -> StudyFile:

@@ -100,11 +100,47 @@ def test_ctrl_c_is_status_130_with_the_partial_result(tmp_path):
     file = tmp_path / "run.h5"
     arguments = ["solve", "--num-points", str(2**18), "--method", "fire", "--tolerance", "1e-13", "--save", str(file)]
     process = subprocess.Popen([*CLI, *arguments], stderr=subprocess.PIPE, stdout=subprocess.PIPE)
-    time.sleep(8)  # start-up and some iterations; the solve itself takes minutes
+    first = process.stderr.readline()  # a line of progress: the solve, which takes minutes, is under way
+    assert b"residual" in first
     process.send_signal(signal.SIGINT)
     _, stderr = process.communicate(timeout=60)
     assert process.returncode == 130, stderr
     assert store.load_solution(file)[1]["status"] == "interrupted"
+
+
+@pytest.mark.skipif(os.name != "posix", reason="limits of POSIX")
+def test_a_full_disk_keeps_the_result_and_leaves_no_file(tmp_path):
+    program = ["/bin/sh", "-c", 'ulimit -f 8; exec "$@"', "sh", *CLI]
+    result = run("solve", "--num-points", 4096, "--json", "--save", tmp_path / "run.h5", program=program)
+    assert result.returncode == 2
+    assert json.loads(result.stdout)["status"] == "converged"
+    assert "could not be written" in result.stderr
+    assert "Traceback" not in result.stderr
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
+@pytest.mark.parametrize("sign", [signal.SIGKILL, signal.SIGINT])
+def test_a_killed_study_continues(tmp_path, sign):
+    command = [*CLI, "study", "hertz", "--quick", "--folder", str(tmp_path)]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE)
+    file = tmp_path / "hertz.h5"
+    while not file.exists():
+        assert process.poll() is None
+        time.sleep(0.02)
+    process.send_signal(sign)
+    _, stderr = process.communicate(timeout=60)  # the pipes close only when the workers have ended, too
+    assert b"Traceback" not in stderr
+    assert process.returncode == (-9 if sign == signal.SIGKILL else 130)
+    kept = store.load_study(file).runs
+    assert 1 <= len(kept) < 36
+    result = run("study", "hertz", "--quick", "--folder", tmp_path)
+    assert result.returncode == 0, result.stderr
+    finished = store.load_study(file)
+    assert finished.complete
+    assert finished.runs[: len(kept)] == kept
+    again = run("study", "hertz", "--quick", "--folder", tmp_path)
+    assert "nothing computed" in again.stdout
 
 
 def test_info():
@@ -122,9 +158,6 @@ def test_quick_study_as_a_module(tmp_path):
     study = store.load_study(tmp_path / "hertz.h5")
     assert study.complete
     assert len(study.runs) == 36
-    again = run("study", "hertz", "--quick", "--folder", tmp_path)
-    assert again.returncode == 0
-    assert "nothing computed" in again.stdout
     other = run("study", "hertz", "--folder", tmp_path)
     assert other.returncode == 2
     assert "configuration" in other.stderr
@@ -134,6 +167,12 @@ def test_iterations_study(tmp_path):
     result = run("study", "iterations", "--quick", "--folder", tmp_path)
     assert result.returncode == 0, result.stderr
     assert (tmp_path / "iterations.png").exists()
+    study = store.load_study(tmp_path / "iterations.h5")
+    assert study.complete
+    del study.runs[2:]
+    store.save_study(tmp_path / "iterations.h5", study)
+    assert run("study", "iterations", "--quick", "--folder", tmp_path).returncode == 0  # continues
+    assert store.load_study(tmp_path / "iterations.h5").runs[:2] == study.runs
     study = store.load_study(tmp_path / "iterations.h5")
     counts = {m: study.column("iterations")[study.column("method") == m] for m in ("fire", "mass-weighted-fire")}
     assert counts["fire"][-1] > 1.5 * counts["fire"][0]  # sqrt(4) = 2 expected from 2^12 to 2^14

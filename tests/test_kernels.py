@@ -25,10 +25,10 @@ NUM_OUTPUTS = {"spectral_multiply": 1, "net_force": 3, "plain_sums": 4, "search_
 
 
 def make_arrays(kernel, length, precision, seed):
-    """Arguments as the solver has them: u <= h with many nodes on the wall, forces of both signs, zeros in between."""
+    """Arguments as the solver has them: u <= h, many nodes and the padding on the wall, forces of both signs."""
     rng = np.random.default_rng(seed)
     padded = padded_length(length)
-    h = np.full(padded, np.inf, precision)
+    h = np.zeros(padded, precision)
     h[:length] = rng.random(length)
     u = np.minimum(h, rng.standard_normal(padded)).astype(precision)
     u[length:] = 0
@@ -46,9 +46,9 @@ def make_arrays(kernel, length, precision, seed):
             arrays.append(state)
         else:
             values = rng.standard_normal(padded).astype(precision) * (rng.random(padded) < 0.7)
+            values[length:] = 0
             if name == "v":
                 values[u >= h] = layout.TOUCHING
-            values[length:] = 1 if name == "elastic" else 0
             arrays.append(values.astype(precision))
     return arrays
 
@@ -99,6 +99,18 @@ def test_force_is_zero_exactly_where_the_wall_carries(precision):
     assert (force[carried] == 0).all()
     np.testing.assert_array_equal(force[~carried], (1 - elastic)[~carried])
     assert held.sum() == carried.sum()
+
+
+@pytest.mark.parametrize("length", LENGTHS)
+def test_padding_is_held_and_still(length):
+    _, v, force, squares, held = run("warp", "net_force", make_arrays("net_force", length, "float64", seed=3))
+    assert held.sum() >= padded_length(length) - length
+    assert (force[length:] == 0).all()
+    assert squares.sum() == pytest.approx((force[:length] ** 2).sum())
+    assert (v[length:] == layout.TOUCHING).all()
+    *_, u, v = run("warp", "fire_step", make_arrays("fire_step", length, "float64", seed=3))
+    assert (u[length:] == 0).all()
+    assert (v[length:] == layout.TOUCHING).all()
 
 
 def control_state(**values):

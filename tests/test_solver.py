@@ -1,7 +1,9 @@
 """FIRE against the oracle, convergence order, certificates, bad input, extremes."""
 
 import dataclasses
+import itertools
 import math
+import time
 
 import numpy as np
 import pytest
@@ -136,6 +138,24 @@ def test_iteration_limit_keeps_the_partial_result():
     assert solution.iterations == 7
     assert solution.certificate.free_residual > 1e-8
     assert (solution.displacement <= solution.scene.profile).all()
+    led_in = solve(Scene(Layer(1e-3, 0.5), num_points=2**10), max_iterations=5)
+    assert led_in.status is Status.ITERATION_LIMIT
+    assert led_in.iterations == 5
+
+
+def test_interrupted_in_the_lead_in(monkeypatch):
+    def interrupt(iteration, residual):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(time, "monotonic", itertools.count().__next__)  # a report in every iteration
+    solution = solve(Scene(Layer(1e-3, 0.5), num_points=2**10), progress=interrupt)
+    assert solution.status is Status.INTERRUPTED
+    assert solution.iterations == 1
+
+
+def test_contact_nodes_stand_on_the_profile():
+    solution = solve(hertz(0.1, 0.25, 1000, pressure=1.7e-3, period=0.3))
+    np.testing.assert_array_equal(solution.displacement[solution.contact], solution.scene.profile[solution.contact])
 
 
 def test_mass_weighted_iterations_do_not_grow():
@@ -150,8 +170,10 @@ def test_certificate_sees_a_spoilt_solution():
     good, pressure, contact = certify(problem, u)
     assert good.free_residual < 2e-12
     rng = np.random.default_rng(0)
-    for _ in range(5):
-        spoilt = np.minimum(problem.height, u + 1e-3 * rng.standard_normal(u.size) * ~contact)
+    for kind in (0, 0, 1, 1, 1):
+        moved = rng.random(u.size) < (0.3 if kind else 1.0)  # all free nodes, or some of any kind, off the wall too
+        noise = 1e-3 * rng.standard_normal(u.size)
+        spoilt = np.minimum(problem.height, u + noise * (moved if kind else ~contact))
         bad, _, _ = certify(problem, spoilt)
         # the bound against the true energy error: Pi = V - mean displacement, minimum at u
 
@@ -189,17 +211,19 @@ def test_every_scene_is_certified_or_says_no(d, nu, n, p, points):
     # two transforms' rounding of K u apart
     assert residual == pytest.approx(solution.certificate.free_residual, rel=1e-3, abs=1e-9)
     if solution.status is Status.CONVERGED:
-        assert residual <= 2.1e-8
+        assert residual <= 1.001e-8
         assert solution.contact_pressure.mean() == pytest.approx(p, rel=1e-6)
         assert solution.certificate.energy_error_bound < 1e-9
-    else:
-        assert solution.status in (Status.ITERATION_LIMIT, Status.STAGNATED, Status.DIVERGED)
+    else:  # only where the layer is nearly rigid may it say no
+        assert nu > 0.49
+        assert d < 0.01
 
 
 @settings(max_examples=15, deadline=None)
 @given(st.sampled_from([math.inf, 0.3, 0.02]), st.floats(-0.5, 0.5), st.floats(-4, -1), st.floats(1.05, 3.0))
 def test_area_grows_with_pressure(d, nu, exponent, factor):
     low, high = (solve(hertz(d, nu, 256, pressure=10.0**exponent * f)) for f in (1.0, factor))
+    assert low.status is high.status is Status.CONVERGED
     assert (high.contact | ~low.contact).all()
 
 
@@ -254,6 +278,12 @@ def test_scaling_is_exact(length, pressure, d, precision):
         (lambda: solve(hertz(), method="cg"), "method is 'cg'.*mass-weighted-fire, fire"),
         (lambda: solve(hertz(), tolerance=0.0), "tolerance"),
         (lambda: solve(hertz(), tolerance=math.nan), "tolerance"),
+        (lambda: solve(hertz(), tolerance=1.0), "tolerance is 1.0"),
+        (lambda: solve(hertz(num_points=2**21, precision="float32")), "num_points is 2097152"),
+        (lambda: solve(hertz(1e-12, 0.5, precision="float32")), "thickness is 1e-12"),
+        (lambda: collocation.solve_load(-1.0, 2.0, 1.0, 1.0, 0.3), "load is -1"),
+        (lambda: collocation.solve_load(1e-3, 2.0, 1.0, -1.0, 0.3), "thickness"),
+        (lambda: collocation.solve_load(1e-3, 2.0, 1.0, 1.0, 0.3, 7), "num_nodes is 7"),
         (lambda: solve(hertz(), max_iterations=0), "max_iterations is 0"),
         (lambda: solve(hertz(), threads=0), "threads"),
         (lambda: solve(hertz(), planning="hasty"), "planning"),

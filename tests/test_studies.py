@@ -2,11 +2,12 @@
 
 import dataclasses
 import math
+from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
-from linecontact.solver import Layer, Scene, solve
+from linecontact.solver import Layer, Scene, closed_forms, solve
 from linecontact.studies import figures, hertz, store
 
 SMALL = hertz.Configuration(
@@ -99,24 +100,26 @@ def test_hertz_study_in_processes_and_resumed(tmp_path, monkeypatch):
 
     monkeypatch.setattr(hertz, "_keep", interrupt_after_two)
     with pytest.raises(KeyboardInterrupt):
-        hertz.run(SMALL, path, 2, "estimate")
+        hertz.run(hertz.open_study(SMALL, path), SMALL, path, 2, "estimate")
     partial = store.load_study(path)
     assert len(partial.runs) == 2
     assert not partial.complete
     monkeypatch.setattr(hertz, "_keep", lambda *arguments: kept.append(arguments[2]) or keep(*arguments))
-    study = hertz.run(SMALL, path, 2, "estimate")
+    study = hertz.open_study(SMALL, path)
+    hertz.run(study, SMALL, path, 2, "estimate")
     assert study.complete
     assert len(kept) == 6  # nothing was computed twice
     assert not store.load_study(path).checkpoints
     assert set(study.lines) == {"nu=0", "nu=0.5"}
-    assert hertz.run(SMALL, path, 2, "estimate").runs == store.load_study(path).runs  # done: only read
+    assert hertz.open_study(SMALL, path).complete
+    assert hertz.open_study(SMALL, path, anew=True).runs == []
     assert (study.column("status") == "converged").all()
     error = study.column("contact_area") - study.column("oracle.contact_area")
     assert (abs(error) < 2 / 256).all()
     np.testing.assert_allclose(study.column("peak_pressure"), study.column("oracle.peak_pressure"), rtol=2e-2)
     assert hertz.summary(study).row_count == 2
     with pytest.raises(store.StoreError, match="another study or configuration"):
-        hertz.run(dataclasses.replace(SMALL, num_points=512), path, 2, "estimate")
+        hertz.open_study(dataclasses.replace(SMALL, num_points=512), path)
     drawn = figures.draw(path)
     assert {p.name for p in drawn} == {"hertz.png", "hertz.pdf", "hertz-accuracy.png", "hertz-accuracy.pdf"}
     assert all(p.stat().st_size > 5000 for p in drawn)
@@ -142,3 +145,25 @@ def test_full_study_covers_the_published_range():
     assert max(full.reduced_thicknesses) > 3
     assert len(full.reduced_thicknesses) >= 12
     assert set(full.poisson_ratios) == {0.0, 0.25, 0.4, 0.45, 0.49, 0.5}
+
+
+def test_stored_reference_meets_the_goals():
+    """The study's figures in the README are drawn from this file: 2^18 points, every (d, nu)."""
+    study = store.load_study(Path(figures.__file__).parent / "results" / "hertz.h5")
+    full = hertz.Configuration()
+    assert study.complete
+    assert study.configuration == hertz._json_ready(dataclasses.asdict(full))
+    assert len(study.runs) == len(full.poisson_ratios) * len(full.reduced_thicknesses) >= 72
+    assert (study.column("status") == "converged").all()
+    assert (study.column("certificate.free_residual") <= 1e-8).all()
+    area, exact = study.column("contact_area"), study.column("oracle.contact_area")
+    assert (np.abs(area - exact) < 1.5 / 2**18).all()
+    np.testing.assert_allclose(study.column("peak_pressure"), study.column("oracle.peak_pressure"), rtol=1e-5)
+    # the thin plateau: second order within what is left of it (1 % of the ratio) and one spacing at each edge
+    for nu in full.poisson_ratios:
+        thin = min(study.select("scene.poisson_ratio", nu).runs, key=lambda run: run["reduced_thickness"])
+        t = thin["reduced_thickness"]
+        second = closed_forms.thin_layer_kappa_ratio(2.0, nu, t, closed_forms.edge_shift(nu))
+        first = closed_forms.thin_layer_kappa_ratio(2.0, nu, t)
+        counting = 3 / 2**18 / thin["oracle.contact_area"]
+        assert abs(thin["kappa_ratio"] / second - 1) < 0.02 * abs(first / second - 1) + counting

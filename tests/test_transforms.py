@@ -4,6 +4,7 @@ import json
 import warnings
 
 import numpy as np
+import pyfftw
 import pytest
 from linecontact.solver import transforms
 from linecontact.solver.transforms import Transforms
@@ -45,7 +46,10 @@ def test_wisdom_is_kept_and_read(cache):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         transforms._wisdom_loaded = False
+        pyfftw.forget_wisdom()
+        empty = len(pyfftw.export_wisdom()[0])
         transforms.load_wisdom()
+    assert len(pyfftw.export_wisdom()[0]) > empty
 
 
 @pytest.mark.parametrize(
@@ -64,5 +68,17 @@ def test_broken_wisdom_is_ignored_with_a_warning(cache, content):
 
 def test_unwritable_cache_only_warns(cache):
     (cache / "linecontact").write_text("a file where the folder should be")
+    with pytest.warns(RuntimeWarning, match="could not be kept"):
+        transforms.save_wisdom()
+
+
+def test_a_user_without_a_home_only_gets_a_warning(cache, monkeypatch):
+    def homeless():
+        raise RuntimeError("Could not determine home directory.")
+
+    monkeypatch.delenv("XDG_CACHE_HOME")
+    monkeypatch.setattr(transforms.Path, "home", homeless)
+    with pytest.warns(RuntimeWarning, match="ignored"):
+        transforms.load_wisdom()
     with pytest.warns(RuntimeWarning, match="could not be kept"):
         transforms.save_wisdom()
