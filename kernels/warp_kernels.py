@@ -60,6 +60,13 @@ def project_wall(u: Any, v: Any, h: Any):
 
 
 @wp.func
+def advance(u: Any, v: Any, a: Any, h: Any, mix: Any, gain: Any, dt: Any):
+    """FIRE's update of one node: v = mix v + gain a, u += dt v, then the wall."""
+    new = mix * v + gain * a
+    return project_wall(u + dt * new, new, h)
+
+
+@wp.func
 def held(r: Any, v: Any):
     """On the wall and pressed against it."""
     return v == type(v)(ON_WALL) and r > type(r)(0.0)
@@ -250,8 +257,7 @@ def fire_step(
     dt = u.dtype(state[DT])
     for j in range(CHUNK_LENGTH):
         i = start + j
-        vi = mix * v[i] + gain * acceleration[i]
-        ui, vi = project_wall(u[i] + dt * vi, vi, h[i])
+        ui, vi = advance(u[i], v[i], acceleration[i], h[i], mix, gain, dt)
         u[i] = ui
         v[i] = vi
 
@@ -272,9 +278,7 @@ def plain_step(
     for j in range(CHUNK_LENGTH):
         i = start + j
         r = u.dtype(1.0) - elastic[i]
-        vi = v[i]
-        f = wp.where(held(r, vi), u.dtype(0.0), r)
-        vi = mix * vi + gain * f
-        ui, vi = project_wall(u[i] + dt * vi, vi, h[i])
+        f = wp.where(held(r, v[i]), u.dtype(0.0), r)
+        ui, vi = advance(u[i], v[i], f, h[i], mix, gain, dt)
         u[i] = ui
         v[i] = vi
