@@ -61,10 +61,16 @@ def _silent_stderr() -> Iterator[None]:
 
 @functools.cache
 def load() -> None:
-    """Compile every kernel in both precisions as one module, or fetch it from Warp's kernel cache."""
+    """Compile every kernel in both precisions as one module, or fetch it from Warp's kernel cache.
+
+    Raises `ValueError` if the cache cannot be used.
+    """
     wp.config.log_level = wp.LOG_WARNING
-    with _silent_stderr():
-        wp.init()
+    try:
+        with _silent_stderr():
+            wp.init()
+    except OSError as error:
+        raise ValueError(f"Warp's kernel cache: {error}; allowed: a writable folder, set WARP_CACHE_PATH") from error
     for kernel in (getattr(warp_kernels, name) for name in KERNELS):
         if kernel.is_generic:
             arguments = {a.label: a.type for a in kernel.adj.args}

@@ -9,7 +9,7 @@ def real(
     """`value` as float if low < value <= high (value < inf unless `infinite`), else `ValueError`."""
     try:
         number = float(value) if not isinstance(value, bool) else math.nan  # type: ignore[arg-type]
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         number = math.nan
     if not low < number <= high or (math.isinf(number) and not infinite):
         raise ValueError(f"{name} is {value!r}; allowed: {allowed}")

@@ -158,9 +158,9 @@ class Fire:
         return 1000 + 20 * math.isqrt(self.num_points)
 
     def parts(self) -> tuple[tuple[str, Callable[[], None]], ...]:
-        """One iteration in order: ('transforms' or 'rest', function)."""
+        """One iteration in order: ('FFTs' or 'rest', function)."""
         forward, multiply, inverse = self._apply_stiffness
-        return ("transforms", forward), ("rest", multiply), ("transforms", inverse), ("rest", self._move)
+        return ("FFTs", forward), ("rest", multiply), ("FFTs", inverse), ("rest", self._move)
 
     def step(self) -> None:
         """One FIRE iteration, one transform pair."""

@@ -19,8 +19,8 @@ class Observables:
 
     contact_area: a_r, nodes in contact over all nodes. A node more or less is 1/N.
     rms_gradient_contact: g_c, rms of h' over the contact.
-    reduced_pressure: p* = p/(E* g_c).
-    kappa: a_r/p*; kappa_ratio: kappa over kappa_inf(n) of the half-space.
+    reduced_pressure: p* = p/(E* g_c); inf where the contact is one node, whose slope is 0.
+    kappa: a_r/p*, nan for one node; kappa_ratio: kappa over kappa_inf(n) of the half-space.
     reduced_thickness: d/(a_r L).
     approach: rigid approach since first touch [length]: mean(u) + p/k_W; for a half-space mean(u), by convention.
     peak_pressure: largest contact pressure [pressure].
@@ -42,7 +42,7 @@ def observe(scene: Scene, displacement: Array64, contact_pressure: Array64, cont
     area = float(contact.mean())
     gradient = math.sqrt(float(slope @ slope) / slope.size) if slope.size else 0.0
     reduced = scene.pressure / scene.layer.contact_modulus / gradient if gradient else math.inf
-    kappa = area / reduced
+    kappa = area / reduced if gradient else math.nan
     layer = scene.layer
     modulus = foundation_modulus(layer.thickness, layer.poisson_ratio) * layer.contact_modulus  # 0 for a half-space
     return Observables(

@@ -120,7 +120,9 @@ class Scene:
             ratios["thickness/period"] = self.layer.thickness / self.period
         for name, value in ratios.items():
             if not 1 / limit < value < limit:
-                raise ValueError(f"{name} is {value:.3g}; allowed: {1 / limit:.0e} to {limit:.0e} in {self.precision}")
+                raise ValueError(
+                    f"{name} is {value:.3g}; allowed: between {1 / limit:.0e} and {limit:.0e} in {self.precision}"
+                )
 
     @property
     def height_ratio(self) -> float:

@@ -3,6 +3,7 @@
 import math
 import time
 from dataclasses import asdict, dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,8 @@ Array64 = NDArray[np.float64]
 
 METHODS = tuple(fire.METHODS)
 """Names of the methods, fastest first; the first is the default."""
+
+_BYTES_PER_POINT = 200  # at the certificate's peak; measured: 130 (plain, float32) to 190 (mass-weighted, float64)
 
 DEFAULT_MAX_ITERATIONS = {"mass-weighted-fire": 20_000, "fire": 200_000}
 
@@ -128,14 +131,17 @@ def solve(
     backend: 'warp', or 'numpy' for the twins.
     progress: called about ten times a second with (iteration, residual).
 
-    A solve that fails to converge returns too: see `Solution.status`. Raises `ValueError` for bad arguments.
+    A solve that fails to converge, or is interrupted, returns too: see `Solution.status`. Raises `ValueError`.
     """
     begin = time.perf_counter()
+    if not isinstance(scene, Scene):
+        raise ValueError(f"scene is {scene!r}; allowed: a Scene")
     checks.choice("method", method, METHODS)
     checks.choice("backend", backend, kernels.BACKENDS)
     if max_iterations is None:
         max_iterations = DEFAULT_MAX_ITERATIONS[method]
     checks.integer("max_iterations", max_iterations, "an integer >= 1", 1, 2**53)
+    _check_memory(scene)
     problem = Problem.from_scene(scene)
     _check_range(scene, problem)
     if tolerance is None:
@@ -220,7 +226,29 @@ def _check_range(scene: Scene, problem: Problem) -> None:
 
 
 def _check_initial(initial: Array64, num_points: int) -> Array64:
-    array = np.asarray(initial, dtype=np.float64)
-    if array.shape != (num_points,) or not np.isfinite(array).all():
-        raise ValueError(f"initial has shape {array.shape}; allowed: shape ({num_points},), all values finite")
-    return array
+    allowed = f"allowed: an array of {num_points} finite real numbers"
+    try:
+        array = np.asarray(initial)
+        real = array.astype(np.float64) if array.dtype.kind in "fiu" else None
+    except (TypeError, ValueError):
+        real = None
+    if real is None or real.shape != (num_points,):
+        raise ValueError(f"initial has shape {np.shape(initial)}; {allowed}")
+    if not np.isfinite(real).all():
+        raise ValueError(f"initial holds a value that is not finite; {allowed}")
+    return real
+
+
+def _check_memory(scene: Scene) -> None:
+    """Reject grids that the machine's free memory cannot hold: 20 to 25 arrays of N values at the peak."""
+    try:
+        lines = Path("/proc/meminfo").read_text().splitlines()
+        available = next(int(line.split()[1]) for line in lines if line.startswith("MemAvailable")) * 1024
+    except (OSError, StopIteration, ValueError):
+        return  # not Linux: no estimate
+    needed = _BYTES_PER_POINT * scene.num_points
+    if needed > available:
+        raise ValueError(
+            f"num_points is {scene.num_points}, needing about {needed / 2**30:.1f} GiB; allowed: what fits into the "
+            f"{available / 2**30:.1f} GiB that are free"
+        )

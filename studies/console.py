@@ -3,6 +3,8 @@
 import contextlib
 import io
 import math
+import os
+import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from typing import TypeVar
@@ -18,6 +20,7 @@ Parsed = TypeVar("Parsed")
 EXIT_BAD_INPUT = 2
 EXIT_NOT_CONVERGED = 3
 EXIT_INTERRUPTED = 130
+EXIT_BROKEN_PIPE = 141
 
 errors = Console(stderr=True, highlight=False, soft_wrap=True)
 """Progress and messages; results go to standard output."""
@@ -104,12 +107,17 @@ def parse(
 
 
 def guard(command: Callable[[], int]) -> int:
-    """Run a command; bad input ends in one line and status 2, Ctrl-C in status 130."""
+    """Run a command; bad input ends in one line and status 2, Ctrl-C in 130, a reader that went away in 141."""
     try:
-        return command()
+        status = command()
+        sys.stdout.flush()
+        return status
     except ValueError as error:
-        errors.print(f"linecontact: {error}", markup=False)
+        errors.print(f"linecontact: {' '.join(str(error).split())}", markup=False)
         return EXIT_BAD_INPUT
     except KeyboardInterrupt:
         errors.print("linecontact: interrupted; finished work is kept")
         return EXIT_INTERRUPTED
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # the flush at exit must not fail again
+        return EXIT_BROKEN_PIPE

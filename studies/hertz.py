@@ -312,6 +312,8 @@ def command(options: Options) -> int:
     begin = time.perf_counter()
     study = open_study(configuration, path, anew=options.overwrite)
     computed = not study.complete
+    if computed and study.runs:
+        console.errors.print(f"continuing: {len(study.runs)} runs are done", highlight=False)
     if computed:
         # matplotlib takes a second to import: meanwhile the workers compute, and they never need it
         threading.Thread(target=importlib.import_module, args=("linecontact.studies.figures",), daemon=True).start()

@@ -31,8 +31,8 @@ class Options:
 
     quick: bool = False
     """Up to 2^14 points only."""
-    folder: Path = Path("results/iterations")
-    """Where iterations.h5 and the figure go."""
+    folder: Path | None = None
+    """Where iterations.h5 and the figure go; default results/iterations, or results/iterations-quick."""
     overwrite: bool = False
     """Start anew even if there is a file."""
 
@@ -40,8 +40,9 @@ class Options:
 def command(options: Options) -> int:
     """Run the study as asked, or what is left of it; returns the exit status."""
     configuration = Configuration((12, 13, 14), (12, 13, 14)) if options.quick else Configuration()
-    store.make_folder(options.folder)
-    path = options.folder / "iterations.h5"
+    folder = options.folder or Path("results/iterations-quick" if options.quick else "results/iterations")
+    store.make_folder(folder)
+    path = folder / "iterations.h5"
     store.check_target(path, overwrite=True)
     wanted = {"mass-weighted-fire": list(configuration.mass_weighted), "fire": list(configuration.plain)}
     study = store.StudyFile(KIND, {"log2_num_points": wanted, "tolerance": configuration.tolerance})

@@ -60,12 +60,17 @@ def make_folder(folder: Path) -> None:
 
 def check_target(path: Path, overwrite: bool) -> None:
     """Raise `StoreError` before any work if `path` cannot become a new file."""
-    if path.is_dir() or (path.exists() and not overwrite):
+    if path.is_dir():
+        raise StoreError(f"file {path} is a folder; allowed: the name of a file")
+    if path.exists() and not overwrite:
         raise StoreError(f"file {path} exists; allowed: a new name, or overwriting it by --overwrite")
     if not path.parent.is_dir():
         raise StoreError(f"folder {path.parent} of file {path.name} does not exist; allowed: an existing folder")
-    if not os.access(path.parent, os.W_OK):
-        raise StoreError(f"folder {path.parent} cannot be written to; allowed: a writable folder")
+    try:
+        tempfile.TemporaryFile(dir=path.parent).close()
+    except OSError as error:
+        reason = f"cannot be written to ({error.strerror})"
+        raise StoreError(f"folder {path.parent} {reason}; allowed: a writable folder") from None
 
 
 @contextlib.contextmanager
@@ -98,7 +103,7 @@ def new_file(path: Path) -> Iterator[h5py.File]:
 def open_file(path: Path) -> Iterator[h5py.File]:
     """Read an HDF5 file; raises `StoreError` for a missing, damaged or foreign one."""
     if not path.is_file():
-        raise StoreError(f"file {path} does not exist")
+        raise StoreError(f"file {path} {'is a folder' if path.is_dir() else 'does not exist'}; allowed: an HDF5 file")
     try:
         with h5py.File(path, "r") as file:
             yield file
