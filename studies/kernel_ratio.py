@@ -162,25 +162,25 @@ def command(options: Options) -> int:
         caption="Ratios: of the step over the C loop; of the rest of a plain FIRE iteration over its FFTs.",
         pad_edge=False,
     )
-    for heading in ("type", "what", "min [us]", "median [us]", "ratio of minima", "ratio of medians"):
+    for heading in ("what", "min\n(us)", "median\n(us)", "ratio of\nminima", "ratio of\nmedians"):
         table.add_column(heading, justify="right", no_wrap=True)
     with tempfile.TemporaryDirectory() as folder:
         library = compile_c(Path(folder))
         for precision in ("float32", "float64"):
             candidates, restore = step_candidates(library, precision, options.num_points)
-            _add_rows(table, precision, time_in_turn(candidates, options.repeats, restore), "C", "step + wall, ")
+            _add_rows(table, time_in_turn(candidates, options.repeats, restore), "C", f"{precision} step + wall, ")
             parts = iteration_parts(precision, options.num_points, options.repeats)
-            _add_rows(table, precision, parts, "FFTs", "iteration, ")
+            _add_rows(table, parts, "FFTs", f"{precision} iteration, ")
     Console().print(table)
     return 0
 
 
-def _add_rows(table: Table, precision: str, seconds: Timings, base: str, what: str) -> None:
+def _add_rows(table: Table, seconds: Timings, base: str, what: str) -> None:
     least, middle = min(seconds[base]), float(np.median(seconds[base]))
     for name, values in seconds.items():
         low, median = min(values), float(np.median(values))
         ratios = ("", "") if name == base else (f"{low / least:.2f}", f"{median / middle:.2f}")
-        table.add_row(precision, what + name, f"{low * 1e6:.0f}", f"{median * 1e6:.0f}", *ratios)
+        table.add_row(what + name, f"{low * 1e6:.0f}", f"{median * 1e6:.0f}", *ratios)
 
 
 def main() -> int:
