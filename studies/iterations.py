@@ -83,7 +83,7 @@ def summary(study: store.StudyFile) -> Table:
     table = Table(
         box=box.SIMPLE, pad_edge=False, title="Iterations to a residual of 1e-8, Hertz on the half-space, from u = 0"
     )
-    for heading in ("method", "N", "iterations", "pairs", "residual", "a_r err\n(spacings)", "solve\n(s)"):
+    for heading in ("method", "N", "iterations", "pairs", "residual", "a_r err\n(dx)", "solve\n(s)"):
         table.add_column(heading, justify="right", no_wrap=True)
     for run in study.runs:
         n = run["scene.num_points"]
