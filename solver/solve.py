@@ -123,8 +123,8 @@ def solve(
     """Solve a scene.
 
     method: one of `METHODS`.
-    tolerance: rms net force on free nodes over the mean pressure at which to stop, 1e-14 to 0.5 (dimensionless);
-    default     `default_tolerance`.
+    tolerance: rms net force on free nodes over the mean pressure at which to stop, 1e-14 to 0.5 (dimensionless); by
+        default `default_tolerance`.
     max_iterations: at least 1, lead-in included; default by method.
     initial: displacement to start from, shape (N,) [length], for instance a neighbour's solution; default 0.
     threads: of FFTW. planning: FFTW's effort, 'estimate', 'measure' or 'patient'; what it finds is kept.

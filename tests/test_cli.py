@@ -143,6 +143,27 @@ def test_a_killed_study_continues(tmp_path, sign):
     assert "nothing computed" in again.stdout
 
 
+@pytest.mark.skipif(os.name != "posix", reason="pipes of POSIX")
+def test_a_reader_that_goes_away_is_no_traceback():
+    command = [*CLI, "solve", "--num-points", "64", "--json"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        process.stdout.close()
+        stderr = process.stderr.read()
+    assert process.returncode == 141
+    assert not stderr
+
+
+def test_an_unusable_cache_is_one_line(tmp_path):
+    (tmp_path / "file").touch()
+    environment = {**os.environ, "WARP_CACHE_PATH": str(tmp_path / "file" / "cache")}
+    result = subprocess.run(
+        [*CLI, "solve", "--num-points", "64"], capture_output=True, text=True, timeout=60, env=environment
+    )
+    assert result.returncode == 2
+    assert "WARP_CACHE_PATH" in result.stderr
+    assert result.stderr.count("\n") == 1
+
+
 def test_info():
     result = run("info")
     assert result.returncode == 0, result.stderr

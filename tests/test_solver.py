@@ -3,7 +3,9 @@
 import dataclasses
 import itertools
 import math
+import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -295,6 +297,14 @@ def test_scaling_is_exact(length, pressure, d, precision):
 def test_bad_input_is_named(make, named):
     with pytest.raises(ValueError, match=named):
         make()
+
+
+def test_too_large_for_the_machine(monkeypatch):
+    if not Path("/proc/meminfo").exists():
+        pytest.skip("free memory is known on Linux only")
+    monkeypatch.setattr(sys.modules["linecontact.solver.solve"], "_BYTES_PER_POINT", 2**40)
+    with pytest.raises(ValueError, match=r"num_points is 1024, needing about .* GiB"):
+        solve(hertz())
 
 
 def test_scene_is_frozen():

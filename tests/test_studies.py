@@ -54,7 +54,7 @@ def test_targets_are_checked_before_the_work(tmp_path):
     store.check_target(tmp_path / "there.h5", overwrite=True)
     with pytest.raises(store.StoreError, match="does not exist"):
         store.check_target(tmp_path / "no" / "run.h5", overwrite=False)
-    with pytest.raises(store.StoreError, match="exists"):
+    with pytest.raises(store.StoreError, match="is a folder"):
         store.check_target(tmp_path, overwrite=True)
 
 
