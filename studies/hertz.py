@@ -145,6 +145,17 @@ def _worker_settings() -> Iterator[None]:
                 os.environ[name] = value
 
 
+@contextlib.contextmanager
+def _flag_for_ctrl_c() -> Iterator[threading.Event]:
+    """An event that Ctrl-C sets: raised as an exception, it could be lost in a pool's callback."""
+    event = threading.Event()
+    handler = signal.signal(signal.SIGINT, lambda *_: event.set())
+    try:
+        yield event
+    finally:
+        signal.signal(signal.SIGINT, handler)
+
+
 def run(study: store.StudyFile, configuration: Configuration, path: Path, workers: int, planning: str) -> None:
     """Run what `study` does not hold yet and keep `path` up to date run by run; Ctrl-C passes through."""
     if planning != "estimate":
@@ -156,7 +167,8 @@ def run(study: store.StudyFile, configuration: Configuration, path: Path, worker
     try:
         with _worker_settings():
             waiting = _submit_first(study, configuration, pool)
-        _drive(study, configuration, path, pool, waiting, reports)
+        with _flag_for_ctrl_c() as interrupted:
+            _drive(study, configuration, path, pool, waiting, reports, interrupted)
     except BaseException as error:
         for process in set(multiprocessing.active_children()) - others:
             process.terminate()
@@ -206,6 +218,7 @@ def _drive(
     pool: ProcessPoolExecutor,
     waiting: set[Future[Any]],
     reports: Any,
+    interrupted: threading.Event,
 ) -> None:
     """Keep one run of every chain in the pool; store each result as it comes."""
     total = len(configuration.poisson_ratios) * len(configuration.reduced_thicknesses)
@@ -223,6 +236,8 @@ def _drive(
                     study.lines[result[0]] = result[1]
             share = (len(study.runs) - already) / max(1, total - already)
             progress.show(share, f"{len(study.runs)} of {total} runs{_latest(reports)}")
+            if interrupted.is_set():
+                raise KeyboardInterrupt
 
 
 def _keep(study: store.StudyFile, path: Path, task: Task, record: dict[str, Any], displacement: Array64) -> Task | None:
