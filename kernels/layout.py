@@ -1,6 +1,6 @@
 """What kernels and their callers agree on: the chunk, the padding and the slots of FIRE's control state.
 
-`STATE` is one float64 array. Scalars live there, and not in kernel arguments, because a recorded graph freezes its
+The control state is one float64 array. Scalars live there, and not in kernel arguments, because a recorded graph freezes its
 scalar arguments. All slots are dimensionless in the units of the discrete problem (period, contact modulus and mean
 pressure are 1).
 """
@@ -32,7 +32,7 @@ MIX = 12
 GAIN = 13
 ITERATION = 14
 RESIDUAL = 15
-HELD = 16
+HELD = 16  # nodes the wall carries, padding included
 FROZEN = 17  # 1 once converged or diverged: a converged u is not changed by the steps that follow
 
 STATE_LENGTH = 18

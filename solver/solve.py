@@ -134,26 +134,12 @@ def solve(
     A solve that fails to converge, or is interrupted, returns too: see `Solution.status`. Raises `ValueError`.
     """
     begin = time.perf_counter()
-    if not isinstance(scene, Scene):
-        raise ValueError(f"scene is {scene!r}; allowed: a Scene")
     checks.choice("method", method, METHODS)
-    checks.choice("backend", backend, kernels.BACKENDS)
     if max_iterations is None:
         max_iterations = DEFAULT_MAX_ITERATIONS[method]
     checks.integer("max_iterations", max_iterations, "an integer >= 1", 1, 2**53)
-    _check_memory(scene)
-    problem = Problem.from_scene(scene)
-    _check_range(scene, problem)
-    if tolerance is None:
-        tolerance = default_tolerance(scene, problem)
-    checks.real("tolerance", tolerance, "1e-14 < tolerance <= 0.5", 1e-14, 0.5)
-    transforms = Transforms(scene.num_points, scene.precision, threads, planning)
-    # the certificate's own rounding must not turn a solution away
-    state = fire.METHODS[method](problem, transforms, 0.95 * tolerance, backend)
-    if planning != "estimate":
-        save_wisdom()
-    if initial is not None:
-        state.start(_check_initial(initial, scene.num_points) / problem.length_unit)
+    state, tolerance = _set_up(scene, method, tolerance, initial, threads, planning, backend)
+    problem = state.problem
     ready = time.perf_counter()
     lead = [] if initial is not None else _lead_in(scene, state, max_iterations, progress)
     led = sum(iterations for _, iterations, _ in lead)
@@ -185,6 +171,35 @@ def solve(
         planning=planning,
         backend=backend,
     )
+
+
+def _set_up(
+    scene: Scene,
+    method: str,
+    tolerance: float | None,
+    initial: Array64 | None,
+    threads: int,
+    planning: str,
+    backend: str,
+) -> tuple[Fire, float]:
+    """The checked problem, its transforms and kernels, ready to step; and the tolerance."""
+    if not isinstance(scene, Scene):
+        raise ValueError(f"scene is {scene!r}; allowed: a Scene")
+    checks.choice("backend", backend, kernels.BACKENDS)
+    _check_memory(scene)
+    problem = Problem.from_scene(scene)
+    _check_range(scene, problem)
+    if tolerance is None:
+        tolerance = default_tolerance(scene, problem)
+    checks.real("tolerance", tolerance, "1e-14 < tolerance <= 0.5", 1e-14, 0.5)
+    transforms = Transforms(scene.num_points, scene.precision, threads, planning)
+    # the certificate's own rounding must not turn a solution away
+    state = fire.METHODS[method](problem, transforms, 0.95 * tolerance, backend)
+    if planning != "estimate":
+        save_wisdom()
+    if initial is not None:
+        state.start(_check_initial(initial, scene.num_points) / problem.length_unit)
+    return state, tolerance
 
 
 def _lead_in(
