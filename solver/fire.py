@@ -3,9 +3,8 @@
 Plain FIRE (E. Bitzek et al., Phys. Rev. Lett. 97, 170201 (2006)) integrates v += dt F, u += dt v with semi-implicit
 Euler, steers the velocity along the force, and stops when the power v.F turns negative (dt keeps above 0.02 dt_max
 here). The force F is the net force on the free nodes only: the wall's share would bias the power and the step control.
-After each step the hard wall projects: where u > h, u = h and v = 0 (the kernels leave a
-marker as good as 0, `layout.TOUCHING`). dt is limited by the stiffest mode, so the
-iterations grow like sqrt(N).
+After each step the hard wall projects: where u > h, u = h and v = 0 (the kernels leave a marker as good as 0,
+`layout.TOUCHING`). dt is limited by the stiffest mode, so the iterations grow like sqrt(N).
 
 Mass-weighted FIRE gives each mode its own inertia, a = M^-1 F with M = K, so that all modes move at one pace and the
 iterations do not grow with N. The wall lives in real space and M^-1 in Fourier space; the order in which they act
