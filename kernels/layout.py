@@ -1,6 +1,6 @@
 """What kernels and their callers agree on: the chunk, the padding and the slots of FIRE's control state.
 
-The control state is one float64 array. Scalars live there, and not in kernel arguments, because a recorded graph freezes
+The control state is one float64 array. Scalars live there, not in kernel arguments, because a recorded graph freezes
 its scalar arguments. All slots are dimensionless in the units of the discrete problem (period, contact modulus and mean
 pressure are 1).
 """
