@@ -2,16 +2,19 @@
 
 from .certificate import Certificate, certify
 from .fire import Status
+from .indenters import MeasuredIndenter, PowerIndenter, RoughIndenter
 from .observables import Observables
-from .scene import Layer, PowerIndenter, Scene
+from .scene import Layer, Scene
 from .solve import METHODS, Solution, default_tolerance, solve
 
 __all__ = [
     "METHODS",
     "Certificate",
     "Layer",
+    "MeasuredIndenter",
     "Observables",
     "PowerIndenter",
+    "RoughIndenter",
     "Scene",
     "Solution",
     "Status",

@@ -33,3 +33,8 @@ def choice(name: str, value: object, allowed: tuple[str, ...]) -> str:
     if value not in allowed:
         raise ValueError(f"{name} is {value!r}; allowed: {', '.join(allowed)}")
     return str(value)
+
+
+def assign(instance: object, name: str, value: object) -> None:
+    """Set a checked value on a frozen dataclass while it is being made."""
+    object.__setattr__(instance, name, value)

@@ -25,12 +25,13 @@ class Problem:
     length_unit: float
 
     @classmethod
-    def from_scene(cls, scene: Scene) -> "Problem":
-        """Discretise a scene."""
+    def from_scene(cls, scene: Scene, num_points: int | None = None) -> "Problem":
+        """Discretise a scene on its own grid, or on another one of `num_points`."""
+        n = num_points or scene.num_points
         reduced_load = scene.pressure / scene.layer.contact_modulus
         return cls(
-            stiffness=stiffness(scene.num_points, scene.layer.thickness / scene.period, scene.layer.poisson_ratio),
-            height=scene.indenter.profile(scene.num_points, scene.period) / reduced_load,
+            stiffness=stiffness(n, scene.layer.thickness / scene.period, scene.layer.poisson_ratio),
+            height=scene.indenter.profile(n, scene.period) / reduced_load,
             length_unit=reduced_load * scene.period,
         )
 

@@ -6,12 +6,13 @@ modulus, pressure). The defaults are the published study's: all three scales are
 
 import math
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import checks
+from .indenters import Indenter, PowerIndenter
 
 Array64 = NDArray[np.float64]
 
@@ -35,45 +36,15 @@ class Layer:
     contact_modulus: float = 1.0
 
     def __post_init__(self) -> None:
-        _set(self, "thickness", checks.real("thickness", self.thickness, "a length > 0, or inf", 0, infinite=True))
-        _set(self, "poisson_ratio", checks.real("poisson_ratio", self.poisson_ratio, "-1 < nu <= 0.5", -1, 0.5))
-        _set(self, "contact_modulus", checks.real("contact_modulus", self.contact_modulus, "a finite pressure > 0", 0))
-
-
-@dataclass(frozen=True)
-class PowerIndenter:
-    """Power profile h = (R/n) |x/R|^n, centred in the period: n = 1.5 sharp, 2 Hertz, 4 blunt.
-
-    exponent: n > 1 [-].
-    radius: R > 0 [length]; for n = 2 the radius of curvature.
-
-    Raises `ValueError`.
-    """
-
-    exponent: float = 2.0
-    radius: float = 1.0
-    name: ClassVar[str] = "power"
-
-    def __post_init__(self) -> None:
-        _set(self, "exponent", checks.real("exponent", self.exponent, "1 < n <= 100", 1, 100))
-        _set(self, "radius", checks.real("radius", self.radius, "a finite length > 0", 0))
-
-    def profile(self, num_points: int, period: float) -> Array64:
-        """Heights h(x_i) over the period, shape (num_points,), in units of the period."""
-        return self._scale(period) * self._distance(num_points) ** self.exponent
-
-    def slope(self, num_points: int, period: float) -> Array64:
-        """Slopes h'(x_i), shape (num_points,), dimensionless; 0 at the lowest point."""
-        centre = np.arange(num_points) - num_points // 2
-        slope = self._scale(period) * self.exponent * self._distance(num_points) ** (self.exponent - 1)
-        return np.sign(centre) * slope
-
-    def _scale(self, period: float) -> float:
-        return float((self.radius / period) ** (1 - self.exponent) / self.exponent)
-
-    @staticmethod
-    def _distance(num_points: int) -> Array64:
-        return np.abs(np.arange(num_points) - num_points // 2) / num_points
+        checks.assign(
+            self, "thickness", checks.real("thickness", self.thickness, "a length > 0, or inf", 0, infinite=True)
+        )
+        checks.assign(
+            self, "poisson_ratio", checks.real("poisson_ratio", self.poisson_ratio, "-1 < nu <= 0.5", -1, 0.5)
+        )
+        checks.assign(
+            self, "contact_modulus", checks.real("contact_modulus", self.contact_modulus, "a finite pressure > 0", 0)
+        )
 
 
 @dataclass(frozen=True)
@@ -90,7 +61,7 @@ class Scene:
     """
 
     layer: Layer = field(default_factory=Layer)
-    indenter: PowerIndenter = field(default_factory=PowerIndenter)
+    indenter: Indenter = field(default_factory=PowerIndenter)
     pressure: float = 2e-3
     period: float = 1.0
     num_points: int = 2**18
@@ -99,13 +70,16 @@ class Scene:
     def __post_init__(self) -> None:
         if not isinstance(self.layer, Layer):
             raise ValueError(f"layer is {self.layer!r}; allowed: a Layer")
-        if not isinstance(self.indenter, PowerIndenter):
-            raise ValueError(f"indenter is {self.indenter!r}; allowed: a PowerIndenter")
-        _set(self, "pressure", checks.real("pressure", self.pressure, "a finite pressure > 0", 0))
-        _set(self, "period", checks.real("period", self.period, "a finite length > 0", 0))
+        if not hasattr(self.indenter, "profile"):
+            raise ValueError(
+                f"indenter is {self.indenter!r}; allowed: a PowerIndenter, RoughIndenter or MeasuredIndenter"
+            )
+        checks.assign(self, "pressure", checks.real("pressure", self.pressure, "a finite pressure > 0", 0))
+        checks.assign(self, "period", checks.real("period", self.period, "a finite length > 0", 0))
         allowed = f"an even integer from 16 to {MAX_POINTS}"
-        _set(self, "num_points", checks.integer("num_points", self.num_points, allowed, 16, MAX_POINTS, 2))
+        checks.assign(self, "num_points", checks.integer("num_points", self.num_points, allowed, 16, MAX_POINTS, 2))
         checks.choice("precision", self.precision, PRECISIONS)
+        self.indenter.check(self.num_points)
         self._check_scales()
 
     def _check_scales(self) -> None:
@@ -113,9 +87,10 @@ class Scene:
         limit = 1e30 if self.precision == "float32" else 1e100
         ratios = {
             "pressure/contact_modulus": self.pressure / self.layer.contact_modulus,
-            "radius/period": self.indenter.radius / self.period,
             "profile height/(pressure period/contact_modulus)": self.height_ratio,
         }
+        if isinstance(self.indenter, PowerIndenter):
+            ratios["radius/period"] = self.indenter.radius / self.period
         if math.isfinite(self.layer.thickness):
             ratios["thickness/period"] = self.layer.thickness / self.period
         for name, value in ratios.items():
@@ -127,11 +102,7 @@ class Scene:
     @property
     def height_ratio(self) -> float:
         """Largest height of the profile in units of p L/E*."""
-        try:
-            height = self.indenter._scale(self.period) * 0.5**self.indenter.exponent
-            return float(height * (self.layer.contact_modulus / self.pressure))
-        except OverflowError:
-            return math.inf
+        return self.indenter.height(self.period) * (self.layer.contact_modulus / self.pressure)
 
     @property
     def x(self) -> Array64:
@@ -147,9 +118,7 @@ class Scene:
         """Flat, JSON-ready description under the command line's names; an infinite thickness becomes 'inf'."""
         thickness = self.layer.thickness
         return {
-            "profile": self.indenter.name,
-            "exponent": self.indenter.exponent,
-            "radius": self.indenter.radius,
+            **self.indenter.to_dict(),
             "pressure": self.pressure,
             "thickness": thickness if math.isfinite(thickness) else "inf",
             "poisson_ratio": self.layer.poisson_ratio,
@@ -158,7 +127,3 @@ class Scene:
             "num_points": self.num_points,
             "precision": self.precision,
         }
-
-
-def _set(instance: object, name: str, value: object) -> None:
-    object.__setattr__(instance, name, value)
