@@ -1,0 +1,157 @@
+"""Where a contact ends between the nodes.
+
+Near an edge of a contact every layer is a half-space and every profile smooth. In units of the grid spacing the discrete
+problem K u + sigma = p, u <= h there has the symbol |q|, |q| <= pi, and no scale, so its solution is one function of
+the distance. The Wiener-Hopf factors of the symbol give it in closed form: with |q| = c_+(z) c_+(1/z) |1 - z|,
+z = exp(iq), and the contact on the nodes j >= 0,
+
+    sum_j sigma_j z^j = c_+(z) sum_m a_m (1-z)^-(m+1/2),   ln c_+(z) = sum_k (l_k/2) z^k,
+    l_k = (2/pi) int_0^pi ln[(q/2)/sin(q/2)] cos(kq) dq.
+
+m = 0 and 1 are the universal edge: sigma_j = A [(1-beta) S_j + beta S_(j-1)], S_j the coefficients of c_+(z)
+(1-z)^-3/2. sigma_0 >= 0 and a gap >= 0 at j = -1 hold for exactly 0 <= beta <= 1, and far away sigma_j -> sqrt(j -
+theta) with theta = beta - s, s = 3/4 - sum_k k l_k/2 = 0.80999: the edge lies beta - s grid spacings inside the last
+contact node. m = 2 is the first effect of the profile's and the layer's own scales (order dx/l). Three nodes give a_0,
+a_1, a_2, and theta is where the far field a (j - theta)^1/2 + b (j - theta)^3/2 begins.
+
+`linecontact.studies.edge_curve` measures the same curve on high-resolution solutions.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .patches import Patches
+
+Array64 = NDArray[np.float64]
+
+_TABLE = 256  # beyond, S_j = sqrt(j + s) to 1e-6
+COUNTED_BELOW = 3  # nodes; smaller patches are counted
+
+
+@dataclass(frozen=True)
+class EdgeCurve:
+    """s and S_j of the module's head; rows: far-field coefficients of j^(3/2), j^(1/2), j^(-1/2) from three nodes."""
+
+    shift: float
+    table: Array64
+    rows: Array64
+
+
+@cache
+def edge_curve() -> EdgeCurve:
+    """The universal edge, to 1e-14."""
+    nodes, weights = np.polynomial.legendre.leggauss(400)
+    q = (nodes + 1) * np.pi / 2
+    weighted = weights * np.pi / 2 * np.log(q / 2 / np.sin(q / 2))
+    k = np.arange(_TABLE)
+    half = np.cos(np.outer(k, q)) @ weighted / np.pi  # l_k/2
+    half[0] /= 2
+    slope = -float(np.sum(weighted / np.sin(q / 2) ** 2)) / (4 * np.pi)  # sum_k k l_k/2
+    factor = np.zeros(_TABLE)  # coefficients of c_+, by n c_n = sum_k k (l_k/2) c_(n-k)
+    factor[0] = math.exp(half[0])
+    for n in range(1, _TABLE):
+        factor[n] = (k[1 : n + 1] * half[1 : n + 1]) @ factor[n - 1 :: -1][:n] / n
+    families = [np.convolve(factor, _binomial(m + 0.5))[:_TABLE] for m in range(3)]
+    # c_+ about z = 1: 1 - slope (1-z) + bend (1-z)^2, from ln c_+ = slope (z-1) + ... and |ln c_+|'' = 1/24 at q = 0
+    bend = (-1 / 24 - slope + slope**2) / 2
+    far = np.zeros((3, 3))  # far[r, m]: coefficient of j^(r-1/2) in the family m
+    for m in range(3):
+        for power, coefficient in ((m, 1.0), (m - 1, -slope), (m - 2, bend)):
+            for r, value in zip(range(power, -1, -1), _far_binomial(power + 0.5), strict=False):
+                far[r, m] += coefficient * value
+    first = np.array([[family[j] for family in families] for j in range(3)])
+    table = families[1] * math.sqrt(math.pi) / 2
+    return EdgeCurve(0.75 - slope, table, far @ np.linalg.inv(first))
+
+
+def _binomial(a: float) -> Array64:
+    """Coefficients of (1-z)^-a."""
+    n = np.arange(1.0, _TABLE)
+    return np.append(1.0, np.cumprod((a + n - 1) / n))
+
+
+def _far_binomial(a: float) -> tuple[float, float, float]:
+    """Coefficients of j^(a-1), j^(a-2), j^(a-3) in the large-j expansion of `_binomial`."""
+    return tuple(  # type: ignore[return-value]
+        c / math.gamma(a) for c in (1.0, a * (a - 1) / 2, a * (a - 1) * (a - 2) * (3 * a - 1) / 24)
+    )
+
+
+def edge_function(beta: Array64, j: Array64) -> Array64:
+    """The universal edge pressure at the nodes j >= 0 from the last contact node inwards; ~ sqrt(j - theta)."""
+    curve = edge_curve()
+
+    def table(i: Array64) -> Array64:
+        near = curve.table[np.clip(i, 0, _TABLE - 1).astype(np.int64)]
+        return np.where(i < 0, 0.0, np.where(i < _TABLE, near, np.sqrt(np.maximum(i + curve.shift, 0.0))))
+
+    return (1 - beta) * table(j) + beta * table(j - 1)
+
+
+def edge_offset(pressures: Array64) -> tuple[Array64, Array64]:
+    """theta from the last three nodal pressures, shape (M, 3), last node first; and from the last two. [grid spacings]
+
+    The edge lies theta inside the last contact node (outside for theta < 0); -s <= theta <= 1 - s.
+    """
+    curve = edge_curve()
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        low, middle, high = curve.rows @ pressures.T
+        theta = -2 * low / middle
+        for _ in range(5):  # -theta middle/2 - 3/8 theta^2 high = low
+            theta = -2 * low / (middle + 0.75 * theta * high)
+        ratio = pressures[:, 0] / pressures[:, 1]
+        two = curve.table[0] - ratio * curve.table[1]
+        two = two / (two + ratio * curve.table[0]) - curve.shift
+    two = np.clip(np.nan_to_num(two, nan=0.5 - curve.shift), -curve.shift, 1 - curve.shift)
+    theta = np.clip(np.where(np.isfinite(theta), theta, two), -curve.shift, 1 - curve.shift)
+    # two estimates far apart: the patch is too small for a third family
+    return np.where(np.abs(theta - two) < 0.15, theta, two), two
+
+
+@dataclass(frozen=True, eq=False)
+class Edges:
+    """Ends of patches in grid spacings, shape (M,) each; error: of a patch's width; counted: too small for more."""
+
+    left: Array64
+    right: Array64
+    error: Array64
+    counted: NDArray[np.bool_]
+
+    @property
+    def width(self) -> Array64:
+        """Widths, shape (M,) [grid spacings]."""
+        return self.right - self.left
+
+
+def find_edges(patches: Patches, pressure: Array64, thickness: float = math.inf) -> Edges:
+    """Sub-grid edges of patches from the pressure on the contact nodes, in compact order [any unit].
+
+    The pressure is first divided by the edge function of the patch's other end. Patches of fewer than three nodes end
+    half a spacing outside their last nodes, as counting has it, and a full contact has no edge at all. `thickness` [grid
+    spacings] is used for the error only: measured against the oracle, that is 0.1 to 0.25 over the nodes of the patch
+    and 0.03 over the thickness, and the third node's correction where that is large.
+    """
+    m, curve = patches.count, edge_curve()
+    if patches.full:
+        half, none = np.array([0.5]), np.zeros(1)
+        return Edges(patches.first - half, patches.last + half, none, np.zeros(1, dtype=bool))
+    inward = np.arange(3)
+    steps = np.minimum(inward, patches.size[:, None] - 1)
+    left = pressure[patches.offset[:, None] + steps]
+    right = pressure[(patches.offset + patches.size - 1)[:, None] - steps]
+    away = patches.size[:, None] - 1 - inward
+    theta = np.full((2, m), 0.5 - curve.shift)
+    two = theta.copy()
+    for _ in range(4):
+        across = np.array([edge_function((end + curve.shift)[:, None], away) for end in theta])
+        scale = np.maximum(across, 1e-3)
+        (theta[0], two[0]), (theta[1], two[1]) = edge_offset(left / scale[1]), edge_offset(right / scale[0])
+    counted = patches.size < COUNTED_BELOW
+    outside = np.where(counted, 0.5, -theta)
+    fitted = 0.3 * np.abs(theta - two) + 0.3 / patches.size + 10.0 / patches.size**2 + 0.1 / thickness
+    each = np.where(counted, 0.5, np.minimum(fitted, 0.5))
+    return Edges(patches.first - outside[0], patches.last + outside[1], np.hypot(*each), counted)
