@@ -38,6 +38,14 @@ FROZEN = 17  # 1 once converged or diverged: a converged u is not changed by the
 STATE_LENGTH = 18
 
 
+# The active set's scalars, in an array of their own.
+STEP = 0  # length of a step along a direction
+LEVEL = 1  # gap that stands for touching, in the frame of the recursion
+BOUND = 2  # gaps below penetrate
+
+GAP_STATE_LENGTH = 3
+
+
 def padded_length(length: int) -> int:
     """Smallest multiple of `CHUNK` that holds `length` values."""
     return -(-length // CHUNK) * CHUNK

@@ -124,3 +124,24 @@ def fire_step(acceleration: Array, h: Array, state: Array64, u: Array, v: Array)
 def plain_step(elastic: Array, h: Array, state: Array64, u: Array, v: Array) -> None:
     """`fire_step` with the free force, made from K u, as the acceleration."""
     fire_step(_free_force(elastic, v)[0], h, state, u, v)
+
+
+def open_gap(displaced: Array, h: Array, gap: Array) -> None:
+    """gap = h + G sigma."""
+    gap[:] = h + displaced
+
+
+def advance_gap(displaced: Array, state: Array64, gap: Array) -> None:
+    """gap += step (G d)."""
+    gap += gap.dtype.type(state[layout.STEP]) * displaced
+
+
+def count_below(gap: Array, state: Array64, counts: Array64) -> None:
+    """Nodes per chunk whose gap is below the bound."""
+    counts[:] = _chunk_sums(gap < gap.dtype.type(state[layout.BOUND]))
+
+
+def rest_on_wall(gap: Array, h: Array, state: Array64, u: Array) -> None:
+    """u = h - (gap - level), at most h."""
+    distance = gap - gap.dtype.type(state[layout.LEVEL])
+    u[:] = np.where(distance > 0, h - distance, h)

@@ -33,6 +33,10 @@ KERNELS = (
     "fire_step",
     "plain_sums",
     "plain_step",
+    "open_gap",
+    "advance_gap",
+    "count_below",
+    "rest_on_wall",
 )
 
 _capture_lock = threading.Lock()

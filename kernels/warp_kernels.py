@@ -19,6 +19,7 @@ import warp as wp
 from .layout import (
     ALPHA,
     ALPHA_START,
+    BOUND,
     CHUNK,
     DT,
     DT_MAX,
@@ -29,11 +30,13 @@ from .layout import (
     GAIN,
     HELD,
     ITERATION,
+    LEVEL,
     MIX,
     N_MIN,
     N_POSITIVE,
     NUM_POINTS,
     RESIDUAL,
+    STEP,
     STIFFEST,
     TOLERANCE,
     TOUCHING,
@@ -282,3 +285,45 @@ def plain_step(
         ui, vi = advance(u[i], v[i], f, h[i], mix, gain, dt)
         u[i] = ui
         v[i] = vi
+
+
+@wp.kernel
+def open_gap(displaced: wp.array[Any], h: wp.array[Any], gap: wp.array[Any]):
+    """gap = h + G sigma, up to a constant."""
+    start = wp.tid() * CHUNK_LENGTH
+    for j in range(CHUNK_LENGTH):
+        i = start + j
+        gap[i] = h[i] + displaced[i]
+
+
+@wp.kernel
+def advance_gap(displaced: wp.array[Any], state: wp.array[wp.float64], gap: wp.array[Any]):
+    """gap += step (G d): the gap's change with a step along the direction d."""
+    start = wp.tid() * CHUNK_LENGTH
+    step = gap.dtype(state[STEP])
+    for j in range(CHUNK_LENGTH):
+        i = start + j
+        gap[i] = gap[i] + step * displaced[i]
+
+
+@wp.kernel
+def count_below(gap: wp.array[Any], state: wp.array[wp.float64], counts: wp.array[wp.float64]):
+    """Nodes of the chunk whose gap is below the bound."""
+    tid = wp.tid()
+    start = tid * CHUNK_LENGTH
+    bound = gap.dtype(state[BOUND])
+    count = gap.dtype(0.0)
+    for j in range(CHUNK_LENGTH):
+        count += wp.where(gap[start + j] < bound, gap.dtype(1.0), gap.dtype(0.0))
+    counts[tid] = wp.float64(count)
+
+
+@wp.kernel
+def rest_on_wall(gap: wp.array[Any], h: wp.array[Any], state: wp.array[wp.float64], u: wp.array[Any]):
+    """u = h - (gap - level), projected onto the hard wall u <= h."""
+    start = wp.tid() * CHUNK_LENGTH
+    level = gap.dtype(state[LEVEL])
+    for j in range(CHUNK_LENGTH):
+        i = start + j
+        distance = gap[i] - level
+        u[i] = wp.where(distance > gap.dtype(0.0), h[i] - distance, h[i])

@@ -1,9 +1,9 @@
 """Scenes, methods, certificates, closed forms and the collocation oracle. Knows no study's files and no plots."""
 
 from .certificate import Certificate, certify
-from .fire import Status
 from .indenters import MeasuredIndenter, PowerIndenter, RoughIndenter
 from .observables import Observables
+from .relaxation import Status
 from .scene import Layer, Scene
 from .solve import METHODS, Solution, default_tolerance, solve
 

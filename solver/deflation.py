@@ -21,11 +21,11 @@ import numpy as np
 import pyfftw
 from numpy.typing import NDArray
 
-from .patches import Indices, Patches
+from .patches import Patches
 
 Array64 = NDArray[np.float64]
 
-LONGEST_DENSE = 512  # nodes; the factor of longer patches costs more than short transforms
+LONGEST_DENSE = 256  # nodes; the factor of longer patches costs more than short transforms
 
 
 def inverse_cholesky(column: Array64, order: int) -> Array64:
@@ -34,14 +34,16 @@ def inverse_cholesky(column: Array64, order: int) -> Array64:
     column: first column of the symmetric positive definite T, at least `order` values. Levinson-Durbin recursion.
     """
     factor = np.zeros((order, order))
-    predictor, error = np.ones(1), float(column[0])
+    column = column[:order]
+    backwards = column[::-1].copy()
+    predictor = np.zeros(order)
+    predictor[0], error = 1.0, float(column[0])
     factor[0, 0] = 1 / np.sqrt(error)
     for k in range(1, order):
-        reflection = -float(predictor @ column[k:0:-1]) / error
-        longer = np.append(predictor, 0.0)
-        predictor = longer + reflection * longer[::-1]
+        reflection = -float(predictor[:k] @ backwards[order - 1 - k : order - 1]) / error
+        predictor[: k + 1] += reflection * predictor[k::-1]
         error *= 1 - reflection * reflection
-        factor[k, : k + 1] = predictor[::-1] / np.sqrt(error)
+        np.multiply(predictor[k::-1], 1 / np.sqrt(error), out=factor[k, : k + 1])
     return factor
 
 
@@ -78,13 +80,11 @@ class GreensFunction:
 
     def patch_sums(self, patches: Patches) -> Array64:
         """Z'GZ for Z = 1 on each patch, shape (M, M): the sums of G(a - b) over a in one patch, b in another."""
-        first, last, n = patches.first, patches.last, self.num_points
-
-        def second_sum(lag: Indices) -> Array64:
-            return self._second_sum[lag % n]
-
-        i, e, j, f = first[:, None], last[:, None], first, last
-        return second_sum(e - j + 1) - second_sum(i - j) - second_sum(e - f) + second_sum(i - f - 1)
+        ends = np.concatenate([patches.first, patches.last + 1])
+        lags = np.abs(ends[:, None] - ends)
+        sums = self._second_sum[np.where(lags < self.num_points, lags, lags - self.num_points)]
+        m = patches.count
+        return np.asarray(sums[m:, :m] + sums[:m, m:] - sums[:m, :m] - sums[m:, m:])
 
     def factor(self, order: int) -> Array64:
         """`inverse_cholesky` of G, at least that large."""
@@ -138,7 +138,7 @@ class LongPatch:
         """G_bb^-1 1, by a few steps of conjugate gradients."""
         x, r = np.zeros(self.size), np.ones(self.size)
         d, before = np.zeros(self.size), 1.0
-        for _ in range(6):
+        for _ in range(4):
             z = self.solve(r)
             rz = float(r @ z)
             d = z + rz / before * d
@@ -147,7 +147,7 @@ class LongPatch:
             step = rz / float(d @ image)
             x += step * d
             r -= step * image
-            if np.abs(r).max() < 1e-3:
+            if np.abs(r).max() < 0.03:
                 break
         return x
 
@@ -155,7 +155,8 @@ class LongPatch:
 class PatchDeflation:
     """Preconditioner for one contact set; see the module's head."""
 
-    def __init__(self, green: GreensFunction, patches: Patches) -> None:
+    def __init__(self, green: GreensFunction, patches: Patches, previous: "PatchDeflation | None" = None) -> None:
+        """`previous`: of a similar set, whose coarse inverse is good enough if the patches are as many."""
         self.patches = patches
         self.transformed = 0  # points gone through short transforms
         self._long = {p: LongPatch(green, int(patches.size[p])) for p in np.flatnonzero(patches.size > LONGEST_DENSE)}
@@ -165,16 +166,25 @@ class PatchDeflation:
         self._punch = self._local(np.ones(patches.nodes.size))
         for p, long in self._long.items():
             self._punch[self._part(p)] = long.flat_punch()
-        share = -(-patches.count // _unknowns(patches.num_points))
-        self._shared = np.arange(0, patches.count, share)  # first patch of every unknown
-        self._unknown = patches.label // share
+        self._share = -(-patches.count // _unknowns(patches.num_points))
+        self._unknown = patches.label // self._share
         loads = patches.sums(self._punch)
-        self._loads = np.add.reduceat(loads, self._shared)
-        coarse = green.patch_sums(patches) * np.outer(loads / patches.size, loads / patches.size)
-        np.fill_diagonal(coarse, loads)
-        coarse = np.add.reduceat(np.add.reduceat(coarse, self._shared, axis=0), self._shared, axis=1)
-        self._coarse_inverse = _inverse(coarse)
+        self._loads = self._merge(loads)
+        if previous and not previous.patches.full and previous.patches.count == patches.count:
+            self._coarse_inverse = previous._coarse_inverse
+        elif patches.count == 1:
+            self._coarse_inverse = np.ones((1, 1))
+        else:
+            coarse = green.patch_sums(patches) * np.outer(loads / patches.size, loads / patches.size)
+            np.fill_diagonal(coarse, loads)
+            self._coarse_inverse = _inverse(self._merge(self._merge(coarse).T))
         self._constant = self._coarse_inverse @ self._loads
+
+    def _merge(self, values: Array64) -> Array64:
+        """Sums over the patches that share an unknown, along the first axis."""
+        if self._share == 1:
+            return values
+        return np.add.reduceat(values, np.arange(0, values.shape[0], self._share), axis=0)
 
     def _part(self, patch: int) -> slice:
         start = self.patches.offset[patch]
@@ -205,7 +215,7 @@ class PatchDeflation:
 
     def _sums(self, values: Array64) -> Array64:
         """Sums over the patches of each unknown."""
-        return np.add.reduceat(self.patches.sums(values), self._shared)
+        return self._merge(self.patches.sums(values))
 
     def apply(self, residual: Array64) -> Array64:
         """Preconditioned residual, both on the contact nodes in compact order; its sum is 0."""
@@ -221,7 +231,7 @@ class PatchDeflation:
 
 def _unknowns(num_points: int) -> int:
     """Coarse unknowns whose dense inverse costs about as much as a transform pair of that length."""
-    return max(16, int(4 * num_points ** (1 / 3)))
+    return max(16, int(8 * num_points ** (1 / 3)))
 
 
 def _inverse(coarse: Array64) -> Array64:

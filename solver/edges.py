@@ -28,7 +28,7 @@ from .patches import Patches
 
 Array64 = NDArray[np.float64]
 
-_TABLE = 256  # beyond, S_j = sqrt(j + s) to 1e-6
+_TABLE = 64  # beyond, S_j = sqrt(j + s) to 1e-5
 COUNTED_BELOW = 3  # nodes; smaller patches are counted
 
 
@@ -44,7 +44,7 @@ class EdgeCurve:
 @cache
 def edge_curve() -> EdgeCurve:
     """The universal edge, to 1e-14."""
-    nodes, weights = np.polynomial.legendre.leggauss(400)
+    nodes, weights = np.polynomial.legendre.leggauss(120)
     q = (nodes + 1) * np.pi / 2
     weighted = weights * np.pi / 2 * np.log(q / 2 / np.sin(q / 2))
     k = np.arange(_TABLE)

@@ -21,10 +21,8 @@ lambda_max from a few power iterations that are repeated as the contact changes.
 """
 
 import math
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from enum import StrEnum
 from typing import Any
 
 import numpy as np
@@ -36,18 +34,6 @@ from .transforms import Transforms
 
 Array = NDArray[Any]
 Array64 = NDArray[np.float64]
-Progress = Callable[[int, float], None]
-"""Called with (iteration, rms free residual over the mean pressure)."""
-
-
-class Status(StrEnum):
-    """How a solve ended. Only `CONVERGED` is certified at the tolerance asked."""
-
-    CONVERGED = "converged"
-    ITERATION_LIMIT = "iteration limit"
-    STAGNATED = "stagnated"
-    DIVERGED = "diverged"
-    INTERRUPTED = "interrupted"
 
 
 @dataclass(frozen=True)
@@ -74,7 +60,7 @@ class Fire:
     def __init__(self, problem: Problem, transforms: Transforms, tolerance: float, backend: str = "warp") -> None:
         n = self.num_points = problem.num_points
         self.problem, self.transforms, self.backend, self.tolerance = problem, transforms, backend, tolerance
-        self.transform_pairs = 0
+        self.transform_pairs = 0.0
         # all zeros behind N: the padding lies on a wall at 0 and is held there by the mean pressure
         self.u, self.v, self.height = (transforms.buffer() for _ in range(3))
         self.work = transforms.buffer()  # K u
@@ -91,6 +77,10 @@ class Fire:
         self.u[: self.num_points] = displacement
         self.v[:] = 0
         self._stop_at_wall()
+
+    def start_from_pressure(self, pressure: Array64) -> None:
+        """Begin at rest from the displacement under a contact pressure, shape (N,) [p]."""
+        self.start(self.problem.displacement_under(pressure))
 
     def _operator(self, source: Array, symbol: Array64) -> tuple[Callable[[], None], ...]:
         """Forward transform of `source`, multiplication by `symbol`, shape (N//2 + 1,), inverse transform to `work`."""
@@ -136,6 +126,12 @@ class Fire:
         """u, shape (N,) [p L/E*], in float64; nodes on the wall of this precision stand on the exact wall."""
         n, height = self.num_points, self.problem.height
         return np.where(self.u[:n] >= self.height[:n], height, np.minimum(self.u[:n].astype(np.float64), height))
+
+    @property
+    def contact_pressure(self) -> Array64:
+        """sigma >= 0 on the nodes on the wall, shape (N,) [p]."""
+        u = self.displacement
+        return np.where(u >= self.problem.height, np.maximum(self.problem.net_force(u), 0.0), 0.0)
 
     @property
     def residual(self) -> float:
@@ -257,31 +253,3 @@ class MassWeightedFire(Fire):
         if norm > 0:
             self.probe /= self.probe.dtype.type(norm)
         return norm
-
-
-METHODS: dict[str, type[Fire]] = {"mass-weighted-fire": MassWeightedFire, "fire": Fire}
-"""Fastest first."""
-
-
-def relax(state: Fire, max_iterations: int, progress: Progress | None = None) -> Status:
-    """Step until the residual meets the tolerance, and say how it ended.
-
-    Other ends: `max_iterations`; no new minimum of the residual for long (the limit of the precision); overflow;
-    Ctrl-C. The state stays usable after each of them.
-    """
-    best, best_at, shown = math.inf, 0, time.monotonic()
-    try:
-        while state.iteration < max_iterations:
-            state.step()
-            if state.frozen:
-                return Status.CONVERGED if state.residual <= state.tolerance else Status.DIVERGED
-            if state.residual < 0.99 * best:
-                best, best_at = state.residual, state.iteration
-            elif state.iteration - best_at > state.patience:
-                return Status.STAGNATED
-            if progress and time.monotonic() - shown > 0.1:
-                shown = time.monotonic()
-                progress(state.iteration, state.residual)
-    except KeyboardInterrupt:
-        return Status.INTERRUPTED
-    return Status.ITERATION_LIMIT

@@ -38,3 +38,16 @@ class Problem:
     @property
     def num_points(self) -> int:
         return self.height.size
+
+    def net_force(self, displacement: Array64) -> Array64:
+        """r = 1 - K u, shape (N,) [p], of a displacement [p L/E*]."""
+        return np.asarray(1 - np.fft.irfft(self.stiffness * np.fft.rfft(displacement), self.num_points))
+
+    def displacement_under(self, pressure: Array64) -> Array64:
+        """The displacement u <= h, shape (N,) [p L/E*], under a contact pressure [p]; on the wall wherever that acts."""
+        modes = np.fft.rfft(pressure)
+        modes[0] = 0
+        modes[1:] /= self.stiffness[1:]
+        gap = self.height + np.fft.irfft(modes, self.num_points)
+        gap -= (pressure @ gap) / pressure.sum()
+        return np.where(pressure > 0, self.height, self.height - np.maximum(gap, 0.0))

@@ -10,19 +10,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import kernels
-from . import checks, fire
+from . import checks
 from .certificate import Certificate, certify
-from .fire import Fire, MassWeightedFire, Progress, Status, relax
+from .fire import Fire, MassWeightedFire
 from .observables import Observables, observe
 from .problem import Problem
 from .provenance import package_version, provenance
+from .relaxation import Progress, Status, relax
 from .scene import Scene
 from .stiffness import stiffness
 from .transforms import Transforms, save_wisdom
 
 Array64 = NDArray[np.float64]
 
-METHODS = tuple(fire.METHODS)
+_METHODS: dict[str, type[Fire]] = {"mass-weighted-fire": MassWeightedFire, "fire": Fire}
+
+METHODS = tuple(_METHODS)
 """Names of the methods, fastest first; the first is the default."""
 
 _BYTES_PER_POINT = 200  # at the certificate's peak; measured: 130 (plain, float32) to 190 (mass-weighted, float64)
@@ -194,7 +197,7 @@ def _set_up(
     checks.real("tolerance", tolerance, "1e-14 < tolerance <= 0.5", 1e-14, 0.5)
     transforms = Transforms(scene.num_points, scene.precision, threads, planning)
     # the certificate's own rounding must not turn a solution away
-    state = fire.METHODS[method](problem, transforms, 0.95 * tolerance, backend)
+    state = _METHODS[method](problem, transforms, 0.95 * tolerance, backend)
     if planning != "estimate":
         save_wisdom()
     if initial is not None:

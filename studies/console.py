@@ -11,7 +11,7 @@ from typing import TypeVar
 
 import tyro
 from linecontact.solver import Status
-from linecontact.solver.fire import Progress as Report
+from linecontact.solver.relaxation import Progress as Report
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 

@@ -1,0 +1,207 @@
+"""Active set: preconditioned conjugate gradients on the contact, the set of contact nodes updated on the way.
+
+Unknown is the contact pressure sigma >= 0 on the contact nodes C, with the load fixed. There the gap h + G sigma must be
+one constant, the rigid approach; elsewhere it must not be less. Conjugate gradients on G_CC (M. R. Hestenes and E.
+Stiefel, 1952) with the preconditioner of `deflation` take one transform pair an iteration, because the gap is carried
+along on all nodes. Whenever the residual has fallen to `inner` of what it was when the set last changed, the set is
+updated (primal-dual active set, M. Hintermueller et al., SIAM J. Optim. 13, 865 (2002)): nodes that pull are dropped,
+nodes that penetrate are added. The search ends when neither happens at the tolerance asked, or gives up when a set comes
+back.
+
+The residual is the preconditioned one, an estimate of the pressure's error: rms over all nodes, over the mean pressure.
+"""
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..kernels import CHUNK, Call, layout, record
+from .deflation import GreensFunction, PatchDeflation
+from .patches import Patches
+from .problem import Problem
+from .stiffness import Array64
+from .transforms import Transforms
+
+Array = NDArray[Any]
+
+
+class ActiveSet:
+    """State of the active set: gap, direction and work of shape (padded N,); pressure on the contact nodes [p]."""
+
+    inner = 0.05
+    safety = 0.4  # of the tolerance: the free residual is up to twice the pressure's error
+    patience = 60
+
+    def __init__(self, problem: Problem, transforms: Transforms, tolerance: float, backend: str = "warp") -> None:
+        n = self._num_points = problem.num_points
+        self.problem, self.transforms, self.backend, self.tolerance = problem, transforms, backend, tolerance
+        self.target = self.safety * tolerance
+        self.transform_pairs = 0.0
+        self.iteration, self.residual, self.frozen = 0, math.inf, False
+        self._gap, self._height, self._direction, self._work = (transforms.buffer() for _ in range(4))
+        self._state = np.zeros(layout.GAP_STATE_LENGTH)
+        self._counts = np.zeros(self._gap.size // CHUNK)
+        self._green = GreensFunction(problem.stiffness)
+        coefficient = transforms.buffer(n + 2)
+        forward, inverse = transforms.forward(self._direction), transforms.inverse(self._work)
+        coefficient[: n + 2] = np.repeat(self._green.compliance / n, 2)
+        multiply = record(backend, [Call("spectral_multiply", (coefficient,), (transforms.spectrum,))])
+        self._compliance = forward, multiply, inverse
+        self._open = record(backend, [Call("open_gap", (self._work, self._height), (self._gap,))])
+        self._advance = record(backend, [Call("advance_gap", (self._work, self._state), (self._gap,))])
+        self._count = record(backend, [Call("count_below", (self._gap, self._state), (self._counts,))])
+        self._rest = record(backend, [Call("rest_on_wall", (self._gap, self._height, self._state), (self._work,))])
+        self._height[:n] = problem.height
+        self._height[n:] = 1e30  # the padding never touches
+        # gaps this small are rounding; a set decided on less would never settle
+        rounding = 8 * float(np.finfo(transforms.real).eps) * float(problem.height.max())
+        self._smallest_gap = max(1e-3 * tolerance * float(problem.height.std()), rounding)
+        self._full_pressure = np.zeros(n)
+        self._patches: Patches | None = None
+        self._preconditioner: PatchDeflation | None = None
+
+    def start(self, displacement: Array64) -> None:
+        """Begin from the wall's force under a displacement, shape (N,) [p L/E*]."""
+        force = self.problem.net_force(displacement)
+        self.start_from_pressure(np.where(displacement >= self.problem.height, np.maximum(force, 0.0), 0.0))
+
+    def start_cold(self) -> None:
+        """Begin with the pressure of a Winkler foundation as stiff as the layer's longest wave, but not much contact."""
+        h, n = self.problem.height, self._num_points
+        ordered = np.sort(h)
+        lead = np.cumsum(ordered)
+        # the level at which k mean(max(level - h, 0)) = 1
+        count = np.arange(1, n + 1)
+        load = self.problem.stiffness[1] * (count * ordered - lead) / n
+        inside = max(1, int(np.searchsorted(load, 1.0)))
+        inside = min(inside, n)
+        level = (n / self.problem.stiffness[1] + lead[inside - 1]) / inside
+        self.start_from_pressure(np.maximum(level - h, 0.0))
+
+    def start_from_pressure(self, pressure: Array64) -> None:
+        """Begin from a contact pressure, shape (N,) [p]; without any, from `start_cold`."""
+        if not pressure.any():
+            return self.start_cold()
+        self.frozen, self._seen = False, set[int]()
+        self._contact = pressure > 0
+        self._full_pressure[:] = np.where(self._contact, pressure, 0.0)
+        self._take_set()
+        return self._find_gap()
+
+    def _take_set(self) -> None:
+        """Patches of the contact map; the preconditioner follows when it is needed."""
+        if self._patches is not None:
+            self._direction[self._patches.nodes] = 0
+        self._patches = Patches.of(self._contact)
+        self._nodes = self._patches.nodes
+        self._pressure = self._full_pressure[self._nodes]
+        self._stale = True
+        self._first, self._before, self._settled = math.inf, 0.0, False
+
+    def _apply(self, values: Array64) -> None:
+        """work = G values, given on the contact nodes."""
+        self._direction[self._nodes] = values
+        for part in self._compliance:
+            part()
+        self.transform_pairs += 1
+
+    def _find_gap(self) -> None:
+        """Scale the pressure to the load and take the gap under it."""
+        self._pressure *= self._num_points / self._pressure.sum()
+        self._apply(self._pressure)
+        self._open()
+
+    def step(self) -> None:
+        """One iteration of conjugate gradients, or an update of the set."""
+        if self._patches is None:
+            self.start_cold()
+        assert self._patches is not None
+        if self._preconditioner is None or self._stale:
+            self._preconditioner = PatchDeflation(self._green, self._patches, self._preconditioner)
+            self._stale = False
+        r = -self._gap[self._nodes].astype(np.float64)
+        r -= r.mean()
+        before = self._preconditioner.transformed
+        z = self._preconditioner.apply(r)
+        self.transform_pairs += (self._preconditioner.transformed - before) / self._num_points
+        self.residual = math.sqrt(float(z @ z) / self._num_points)
+        if math.isinf(self._first):
+            self._first = self.residual
+            self._conjugate = z
+        if self.residual <= max(self.target, 0.0 if self._settled else self.inner * self._first):
+            if self._update_set():
+                self.iteration += 1
+                return
+            self._settled = True
+            if self.residual <= self.target:
+                self.frozen = True
+        if not math.isfinite(self.residual):
+            self.frozen = True
+        if not self.frozen:
+            self._advance_along(r, z)
+
+    def _advance_along(self, r: Array64, z: Array64) -> None:
+        rz = float(r @ z)
+        if self._before:
+            self._conjugate = z + rz / self._before * self._conjugate
+        self._before = rz
+        d = self._conjugate
+        self._apply(d)
+        curvature = float(d @ self._work[self._nodes])
+        if not curvature > 0:  # rounding: no way down any more
+            self.frozen = True
+            return
+        self._state[layout.STEP] = step = rz / curvature
+        self._pressure += step * d
+        self._advance()
+        self.iteration += 1
+
+    @property
+    def _level(self) -> float:
+        return float(self._gap[self._nodes].mean(dtype=np.float64))
+
+    def _update_set(self) -> bool:
+        """Drop nodes that pull, add nodes that penetrate; False if there are none, or the set has been before."""
+        dropped = self._nodes[self._pressure < 0]
+        self._state[layout.BOUND] = bound = self._level - self._smallest_gap
+        self._count()
+        added = [np.zeros(0, dtype=np.int64)]
+        for chunk in np.flatnonzero(self._counts):
+            inside = slice(chunk * CHUNK, min((chunk + 1) * CHUNK, self._num_points))
+            below = (self._gap[inside] < bound) & ~self._contact[inside]
+            added.append(np.flatnonzero(below) + chunk * CHUNK)
+        new = np.concatenate(added)
+        if not dropped.size and not new.size:
+            return False
+        self._contact[dropped] = False
+        self._contact[new] = True
+        key = hash(np.packbits(self._contact).tobytes())
+        if key in self._seen:
+            self.frozen = True
+            return True
+        self._seen.add(key)
+        self._full_pressure[self._nodes] = self._pressure
+        self._full_pressure[dropped] = 0
+        self._take_set()
+        if dropped.size:
+            self._find_gap()
+        return True
+
+    @property
+    def displacement(self) -> Array64:
+        """u, shape (N,) [p L/E*], in float64; contact nodes stand on the exact wall."""
+        self._state[layout.LEVEL] = self._level
+        self._rest()
+        n, height = self._num_points, self.problem.height
+        u = np.minimum(self._work[:n].astype(np.float64), height)
+        u[self._nodes] = height[self._nodes]
+        return u
+
+    @property
+    def contact_pressure(self) -> Array64:
+        """sigma, shape (N,) [p]."""
+        pressure = np.zeros(self._num_points)
+        pressure[self._nodes] = np.maximum(self._pressure, 0.0)
+        return pressure

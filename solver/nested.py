@@ -1,0 +1,66 @@
+"""Nested grids: a coarse solution, carried over to the next finer grid, is where any method starts best.
+
+What is carried over is the contact pressure, patch by patch. At its edges it goes like a square root, which no
+interpolation follows; divided by the universal edge functions of both ends (`edges.edge_function`, at the ends' sub-grid
+positions) it is smooth. So the smooth part is interpolated (cubic) and multiplied by the edge functions of the fine grid.
+The fine contact set comes out right but for a few nodes, and the error of the pressure is that of the coarse grid, not of
+the interpolation.
+"""
+
+import numpy as np
+
+from .edges import edge_curve, edge_function, find_edges
+from .patches import Array64, Indices, Patches
+
+FACTOR = 4
+COARSEST = 512  # at least
+
+
+def grids(num_points: int) -> list[int]:
+    """Grid sizes from coarse to fine, each about four times the one before; all even."""
+    sizes = [num_points]
+    while sizes[0] // FACTOR >= COARSEST:
+        sizes.insert(0, 2 * round(sizes[0] / FACTOR / 2))
+    return sizes
+
+
+def prolong(pressure: Array64, num_points: int) -> Array64:
+    """A contact pressure, shape (M,), on a grid of `num_points`, shape (num_points,); both 0 off the contact."""
+    contact = pressure > 0
+    patches, factor = Patches.of(contact), num_points / contact.size
+    if patches.full:
+        x = np.arange(num_points) / factor
+        return np.interp(x, np.arange(contact.size + 1), np.append(pressure, pressure[0]))
+    ends, shift = find_edges(patches, pressure[patches.nodes]), edge_curve().shift
+    # the nodes whose distance beyond the edge lies between -s and 1 - s
+    first = np.ceil(factor * ends.left - (1 - shift)).astype(np.int64)
+    last = np.maximum(first, np.floor(factor * ends.right + (1 - shift)).astype(np.int64))
+    fine = Patches(num_points, first, last)
+    nodes = np.arange(int(fine.size.sum())) - np.repeat(fine.offset - first, fine.size)
+    p = fine.label
+
+    def edges_at(at: Patches, inside: Indices, scale: float) -> Array64:
+        left = np.clip(scale * ends.left - at.first + shift, 0, 1)[at.label]
+        right = np.clip(at.last - scale * ends.right + shift, 0, 1)[at.label]
+        return edge_function(left, inside) * edge_function(right, at.size[at.label] - 1 - inside)
+
+    steps = np.arange(patches.nodes.size) - np.repeat(patches.offset, patches.size)
+    smooth = pressure[patches.nodes] / np.maximum(edges_at(patches, steps, 1.0), 1e-3)
+    # Lagrange's polynomial through up to four nodes of the patch
+    x = nodes / factor - patches.first[p]
+    count = np.minimum(patches.size, 4)[p]
+    base = np.clip(np.floor(x).astype(np.int64) - 1, 0, patches.size[p] - count)
+    x -= base
+    base += patches.offset[p]
+    values = np.zeros(x.size)
+    for k in range(4):
+        basis = (k < count).astype(np.float64)
+        for m in range(4):
+            if m != k:
+                basis *= np.where(m < count, (x - m) / (k - m), 1.0)
+        values += basis * smooth[np.minimum(base + k, smooth.size - 1)]
+    values *= edges_at(fine, nodes - first[p], factor) / factor
+    fine_pressure = np.zeros(num_points)
+    # never 0: the node belongs to the contact
+    fine_pressure[nodes % num_points] = np.maximum(values, 1e-12 * pressure.max())
+    return fine_pressure
