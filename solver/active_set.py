@@ -1,12 +1,12 @@
 """Active set: preconditioned conjugate gradients on the contact, the set of contact nodes updated on the way.
 
-Unknown is the contact pressure sigma >= 0 on the contact nodes C, with the load fixed. There the gap h + G sigma must be
-one constant, the rigid approach; elsewhere it must not be less. Conjugate gradients on G_CC (M. R. Hestenes and E.
+Unknown is the contact pressure sigma >= 0 on the contact nodes C, with the load fixed. There the gap h + G sigma must
+be one constant, the rigid approach; elsewhere it must not be less. Conjugate gradients on G_CC (M. R. Hestenes and E.
 Stiefel, 1952) with the preconditioner of `deflation` take one transform pair an iteration, because the gap is carried
 along on all nodes. Whenever the residual has fallen to `inner` of what it was when the set last changed, the set is
 updated (primal-dual active set, M. Hintermueller et al., SIAM J. Optim. 13, 865 (2002)): nodes that pull are dropped,
-nodes that penetrate are added. The search ends when neither happens at the tolerance asked, or gives up when a set comes
-back.
+nodes that penetrate are added. The search ends when neither happens at the tolerance asked, or gives up when a set
+comes back.
 
 The residual is the preconditioned one, an estimate of the pressure's error: rms over all nodes, over the mean pressure.
 """
@@ -38,7 +38,7 @@ class ActiveSet:
         n = self._num_points = problem.num_points
         self.problem, self.transforms, self.backend, self.tolerance = problem, transforms, backend, tolerance
         self.target = self.safety * tolerance
-        self.transform_pairs = 0.0
+        self._pairs = 0
         self.iteration, self.residual, self.frozen = 0, math.inf, False
         self._gap, self._height, self._direction, self._work = (transforms.buffer() for _ in range(4))
         self._state = np.zeros(layout.GAP_STATE_LENGTH)
@@ -68,7 +68,7 @@ class ActiveSet:
         self.start_from_pressure(np.where(displacement >= self.problem.height, np.maximum(force, 0.0), 0.0))
 
     def start_cold(self) -> None:
-        """Begin with the pressure of a Winkler foundation as stiff as the layer's longest wave, but not much contact."""
+        """Begin with the pressure of a Winkler foundation as stiff as the layer's longest wave."""
         h, n = self.problem.height, self._num_points
         ordered = np.sort(h)
         lead = np.cumsum(ordered)
@@ -90,6 +90,11 @@ class ActiveSet:
         self._take_set()
         return self._find_gap()
 
+    def try_harder(self) -> None:
+        """Go on to a smaller residual, after the certificate has found the free residual too large."""
+        self.target *= 0.2
+        self.frozen = False
+
     def _take_set(self) -> None:
         """Patches of the contact map; the preconditioner follows when it is needed."""
         if self._patches is not None:
@@ -105,7 +110,12 @@ class ActiveSet:
         self._direction[self._nodes] = values
         for part in self._compliance:
             part()
-        self.transform_pairs += 1
+        self._pairs += 1
+
+    @property
+    def transform_pairs(self) -> float:
+        """Transform pairs so far, short ones by their length."""
+        return self._pairs + self._green.transformed / self._num_points
 
     def _find_gap(self) -> None:
         """Scale the pressure to the load and take the gap under it."""
@@ -123,9 +133,7 @@ class ActiveSet:
             self._stale = False
         r = -self._gap[self._nodes].astype(np.float64)
         r -= r.mean()
-        before = self._preconditioner.transformed
         z = self._preconditioner.apply(r)
-        self.transform_pairs += (self._preconditioner.transformed - before) / self._num_points
         self.residual = math.sqrt(float(z @ z) / self._num_points)
         if math.isinf(self._first):
             self._first = self.residual

@@ -21,7 +21,7 @@ import numpy as np
 import pyfftw
 from numpy.typing import NDArray
 
-from .patches import Patches
+from .patches import Indices, Patches
 
 Array64 = NDArray[np.float64]
 
@@ -54,7 +54,7 @@ class GreensFunction:
         self._stiffness = stiffness
         self.num_points = 2 * (stiffness.size - 1)
         self._factor = np.zeros((0, 0))
-        self._symbols: dict[int, tuple[Array64, Array64]] = {}
+        self._convolutions: dict[int, Convolution] = {}
 
     @cached_property
     def compliance(self) -> Array64:
@@ -67,10 +67,6 @@ class GreensFunction:
         return np.fft.irfft(self.compliance, self.num_points)
 
     @cached_property
-    def _rigidity(self) -> Array64:
-        return np.fft.irfft(self._stiffness, self.num_points)
-
-    @cached_property
     def _second_sum(self) -> Array64:
         """T with T(k+1) - 2 T(k) + T(k-1) = G(k), shape (N,)."""
         sine = np.sin(np.pi * np.arange(self.num_points // 2 + 1) / self.num_points)
@@ -80,30 +76,62 @@ class GreensFunction:
 
     def patch_sums(self, patches: Patches) -> Array64:
         """Z'GZ for Z = 1 on each patch, shape (M, M): the sums of G(a - b) over a in one patch, b in another."""
-        ends = np.concatenate([patches.first, patches.last + 1])
-        lags = np.abs(ends[:, None] - ends)
-        sums = self._second_sum[np.where(lags < self.num_points, lags, lags - self.num_points)]
-        m = patches.count
-        return np.asarray(sums[m:, :m] + sums[:m, m:] - sums[:m, :m] - sums[m:, m:])
+        start, stop = patches.first, patches.last + 1
+
+        def second_sum(a: Indices, b: Indices) -> Array64:
+            return np.take(self._second_sum, a[:, None] - b, mode="wrap")
+
+        across = second_sum(stop, start)
+        return np.asarray(across + across.T - second_sum(start, start) - second_sum(stop, stop))
+
+    @property
+    def transformed(self) -> int:
+        """Points gone through short transforms so far."""
+        return sum(c.count * c.length for c in self._convolutions.values())
 
     def factor(self, order: int) -> Array64:
         """`inverse_cholesky` of G, at least that large."""
         if self._factor.shape[0] < order:
-            self._factor = inverse_cholesky(self.response, min(64 * -(-order // 64), self.num_points // 2))
+            self._factor = inverse_cholesky(self.response, min(64 * -(-order // 64), self.num_points - 1))
         return self._factor
 
-    def symbols(self, length: int) -> tuple[Array64, Array64]:
-        """Spectra of K and G restricted to lags up to length/2, for convolutions of that length (N: unrestricted)."""
-        if length not in self._symbols:
+    def convolution(self, length: int) -> "Convolution":
+        """K and G on a ring of that many nodes; unrestricted for N."""
+        if length not in self._convolutions:
             if length == self.num_points:
-                self._symbols[length] = self._stiffness, self.compliance
+                rigidity, compliance = self._stiffness, self.compliance
             else:
-                half = np.arange(length // 2 + 1)
-                self._symbols[length] = (
-                    np.fft.hfft(self._rigidity[half], length)[: half.size],
-                    np.fft.hfft(self.response[half], length)[: half.size],
+                modes = np.arange(length // 2 + 1)
+                # K at the ring's wave numbers: its tails decay, and a preconditioner may be off; G as it is
+                rigidity = np.interp(
+                    modes * (self.num_points / length), np.arange(self._stiffness.size), self._stiffness
                 )
-        return self._symbols[length]
+                compliance = np.fft.hfft(self.response[modes], length)[: modes.size]
+            self._convolutions[length] = Convolution(rigidity, compliance)
+        return self._convolutions[length]
+
+
+class Convolution:
+    """Short transforms of one length, for values on a patch of at most half of it."""
+
+    def __init__(self, rigidity: Array64, compliance: Array64) -> None:
+        self.rigidity, self.compliance = rigidity, compliance
+        self.length = 2 * (rigidity.size - 1)
+        self._real = pyfftw.zeros_aligned(self.length)
+        self._modes = pyfftw.zeros_aligned(rigidity.size, dtype=np.complex128)
+        self._forward = pyfftw.FFTW(self._real, self._modes, flags=["FFTW_ESTIMATE"])
+        self._inverse = pyfftw.FFTW(self._modes, self._real, direction="FFTW_BACKWARD", flags=["FFTW_ESTIMATE"])
+        self.count = 0
+
+    def __call__(self, symbol: Array64, values: Array64) -> Array64:
+        """The convolution at the nodes of `values`."""
+        self._real[: values.size] = values
+        self._real[values.size :] = 0
+        self._forward.execute()
+        self._modes *= symbol
+        self._inverse.execute()
+        self.count += 1
+        return np.asarray(self._real[: values.size] / self.length)
 
 
 class LongPatch:
@@ -111,31 +139,25 @@ class LongPatch:
 
     def __init__(self, green: GreensFunction, size: int) -> None:
         self.size = size
-        # twice the patch keeps the ends apart
-        even = 2 * pyfftw.next_fast_len(size)
-        self.length = min(even, green.num_points)
-        self._rigidity, self._compliance = green.symbols(self.length)
+        # twice the patch keeps its ends apart
+        self._convolve = convolve = green.convolution(min(2 * pyfftw.next_fast_len(size), green.num_points))
         self.whole = size == green.num_points
         if not self.whole:
-            x = np.stack([np.ones(size), np.linspace(-1, 1, size)])
-            self._basis = self._convolve(self._rigidity, x)
-            self._image = self._convolve(self._compliance, self._basis)
+            self._basis = np.stack([convolve(convolve.rigidity, x) for x in (np.ones(size), np.linspace(-1, 1, size))])
+            self._image = np.stack([convolve(convolve.compliance, z) for z in self._basis])
             self._inverse = np.linalg.inv(self._basis @ self._image.T)
-
-    def _convolve(self, symbol: Array64, values: Array64) -> Array64:
-        spectrum = np.fft.rfft(values, self.length)
-        return np.asarray(np.fft.irfft(symbol * spectrum, self.length)[..., : self.size])
 
     def solve(self, residual: Array64) -> Array64:
         """About G_bb^-1 residual, shape (m,); symmetric and positive definite."""
+        convolve = self._convolve
         if self.whole:
-            return self._convolve(self._rigidity, residual)
+            return convolve(convolve.rigidity, residual)
         coarse = self._inverse @ (self._basis @ residual)
-        z = self._convolve(self._rigidity, residual - coarse @ self._image)
+        z = convolve(convolve.rigidity, residual - coarse @ self._image)
         return np.asarray(z + (coarse - self._inverse @ (self._image @ z)) @ self._basis)
 
     def flat_punch(self) -> Array64:
-        """G_bb^-1 1, by a few steps of conjugate gradients."""
+        """About G_bb^-1 1, by a few steps of conjugate gradients."""
         x, r = np.zeros(self.size), np.ones(self.size)
         d, before = np.zeros(self.size), 1.0
         for _ in range(4):
@@ -143,7 +165,7 @@ class LongPatch:
             rz = float(r @ z)
             d = z + rz / before * d
             before = rz
-            image = self._convolve(self._compliance, d)
+            image = self._convolve(self._convolve.compliance, d)
             step = rz / float(d @ image)
             x += step * d
             r -= step * image
@@ -156,35 +178,40 @@ class PatchDeflation:
     """Preconditioner for one contact set; see the module's head."""
 
     def __init__(self, green: GreensFunction, patches: Patches, previous: "PatchDeflation | None" = None) -> None:
-        """`previous`: of a similar set, whose coarse inverse is good enough if the patches are as many."""
-        self.patches = patches
-        self.transformed = 0  # points gone through short transforms
-        self._long = {p: LongPatch(green, int(patches.size[p])) for p in np.flatnonzero(patches.size > LONGEST_DENSE)}
+        """`previous`: of a similar set, whose coarse inverse serves again if the patches are as many."""
+        self.patches, self._green = patches, green
+        dense = 0 if patches.full else LONGEST_DENSE
+        self._long = {p: LongPatch(green, int(patches.size[p])) for p in _indices(patches.size > dense)}
         self._blocks = list(self._dense_blocks(green))
+        self._build, self._borders, self._factor = 0, np.zeros(0), np.ones((1, 1))
         if patches.full:
             return
         self._punch = self._local(np.ones(patches.nodes.size))
         for p, long in self._long.items():
-            self._punch[self._part(p)] = long.flat_punch()
-        self._share = -(-patches.count // _unknowns(patches.num_points))
-        self._unknown = patches.label // self._share
+            if patches.count > 1:  # the only patch keeps its load anyway
+                self._punch[self._part(p)] = long.flat_punch()
         loads = patches.sums(self._punch)
-        self._loads = self._merge(loads)
-        if previous and not previous.patches.full and previous.patches.count == patches.count:
-            self._coarse_inverse = previous._coarse_inverse
-        elif patches.count == 1:
-            self._coarse_inverse = np.ones((1, 1))
-        else:
-            coarse = green.patch_sums(patches) * np.outer(loads / patches.size, loads / patches.size)
-            np.fill_diagonal(coarse, loads)
-            self._coarse_inverse = _inverse(self._merge(self._merge(coarse).T))
-        self._constant = self._coarse_inverse @ self._loads
+        if previous and patches.count == previous._build:
+            self._build, self._borders, self._factor = previous._build, previous._borders, previous._factor
+        elif patches.count > 1:
+            self._couple(loads)
+        unknown = np.searchsorted(self._borders, patches.first, side="right")
+        self._unknown = unknown[patches.label]
+        self._loads = np.bincount(unknown, weights=loads, minlength=len(self._factor))
+        self._constant = self._factor.T @ (self._factor @ self._loads)
 
-    def _merge(self, values: Array64) -> Array64:
-        """Sums over the patches that share an unknown, along the first axis."""
-        if self._share == 1:
-            return values
-        return np.add.reduceat(values, np.arange(0, values.shape[0], self._share), axis=0)
+    def _couple(self, loads: Array64) -> None:
+        """The coarse inverse, and the borders between its unknowns in the gaps between patches."""
+        patches = self.patches
+        share = -(-patches.count // _unknowns(patches.num_points))
+        starts = np.arange(0, patches.count, share)
+        shape = loads / patches.size
+        coarse = self._green.patch_sums(patches) * np.outer(shape, shape)
+        np.fill_diagonal(coarse, loads)
+        if share > 1:
+            coarse = np.add.reduceat(np.add.reduceat(coarse, starts, axis=0).T.copy(), starts, axis=0)
+        self._build, self._factor = patches.count, _inverse_factor(coarse)
+        self._borders = (patches.first[starts[1:]] + patches.last[starts[1:] - 1]) / 2
 
     def _part(self, patch: int) -> slice:
         start = self.patches.offset[patch]
@@ -193,7 +220,11 @@ class PatchDeflation:
     def _dense_blocks(self, green: GreensFunction):  # type: ignore[no-untyped-def]
         """(factor, compact indices, mask) of the patches of similar size, both of shape (patches, width)."""
         size, offset = self.patches.size, self.patches.offset
-        widths = np.where(size > LONGEST_DENSE, 0, np.maximum(8, 2 ** np.ceil(np.log2(size)).astype(np.int64)))
+        widths = np.where(
+            np.isin(np.arange(size.size), list(self._long)),
+            0,
+            np.maximum(8, 2 ** np.ceil(np.log2(size)).astype(np.int64)),
+        )
         for width in np.unique(widths[widths > 0]):
             chosen = np.flatnonzero(widths == width)
             width = int(size[chosen].max())
@@ -210,23 +241,27 @@ class PatchDeflation:
             z[index] = ((padded[index] @ factor.T) * mask) @ factor * mask
         for p, long in self._long.items():
             z[self._part(p)] = long.solve(residual[self._part(p)])
-            self.transformed += long.length
         return z[:-1]
 
     def _sums(self, values: Array64) -> Array64:
         """Sums over the patches of each unknown."""
-        return self._merge(self.patches.sums(values))
+        return np.bincount(self._unknown, weights=values, minlength=len(self._factor))
 
     def apply(self, residual: Array64) -> Array64:
         """Preconditioned residual, both on the contact nodes in compact order; its sum is 0."""
         if self.patches.full:
             return self._local(residual)
+        loads = np.maximum(self._loads, 1e-300)  # 0 where an unknown has lost its patches
         moments = self._sums(self._punch * residual)
-        z = self._local(residual - (moments / self._loads)[self._unknown])
-        coarse = self._coarse_inverse @ moments
+        z = self._local(residual - (moments / loads)[self._unknown])
+        coarse = self._factor.T @ (self._factor @ moments)
         coarse -= self._constant * (self._loads @ coarse) / (self._loads @ self._constant)
-        coarse -= self._sums(z) / self._loads
+        coarse -= self._sums(z) / loads
         return np.asarray(z + coarse[self._unknown] * self._punch)
+
+
+def _indices(chosen: NDArray[np.bool_]) -> list[int]:
+    return [int(p) for p in np.flatnonzero(chosen)]
 
 
 def _unknowns(num_points: int) -> int:
@@ -234,10 +269,21 @@ def _unknowns(num_points: int) -> int:
     return max(16, int(8 * num_points ** (1 / 3)))
 
 
-def _inverse(coarse: Array64) -> Array64:
-    """Inverse of the coarse matrix; of its diagonal should patches so close that they touch have spoilt it."""
+def _inverse_factor(coarse: Array64) -> Array64:
+    """R with R'R = coarse^-1; of its diagonal should patches so close that they touch have spoilt it."""
     try:
-        np.linalg.cholesky(coarse)
-        return np.asarray(np.linalg.inv(coarse))
+        return _inverse_triangle(np.linalg.cholesky(coarse))
     except np.linalg.LinAlgError:
-        return np.diag(1 / np.diag(coarse))
+        return np.diag(1 / np.sqrt(np.diag(coarse)))
+
+
+def _inverse_triangle(lower: Array64) -> Array64:
+    """Inverse of a lower triangle by halves: matrix products, where `numpy.linalg.inv` takes five times longer."""
+    half = lower.shape[0] // 2
+    if half < 24:
+        return np.asarray(np.linalg.inv(lower))
+    inverse = np.zeros_like(lower)
+    inverse[:half, :half] = _inverse_triangle(lower[:half, :half])
+    inverse[half:, half:] = _inverse_triangle(lower[half:, half:])
+    inverse[half:, :half] = -inverse[half:, half:] @ (lower[half:, :half] @ inverse[:half, :half])
+    return inverse

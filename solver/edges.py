@@ -1,9 +1,9 @@
 """Where a contact ends between the nodes.
 
-Near an edge of a contact every layer is a half-space and every profile smooth. In units of the grid spacing the discrete
-problem K u + sigma = p, u <= h there has the symbol |q|, |q| <= pi, and no scale, so its solution is one function of
-the distance. The Wiener-Hopf factors of the symbol give it in closed form: with |q| = c_+(z) c_+(1/z) |1 - z|,
-z = exp(iq), and the contact on the nodes j >= 0,
+Near an edge of a contact every layer is a half-space and every profile smooth. In units of the grid spacing the
+discrete problem K u + sigma = p, u <= h there has the symbol |q|, |q| <= pi, and no scale, so its solution is one
+function of the distance. The Wiener-Hopf factors of the symbol give it in closed form: with |q| = c_+(z) c_+(1/z)
+|1 - z|, z = exp(iq), and the contact on the nodes j >= 0,
 
     sum_j sigma_j z^j = c_+(z) sum_m a_m (1-z)^-(m+1/2),   ln c_+(z) = sum_k (l_k/2) z^k,
     l_k = (2/pi) int_0^pi ln[(q/2)/sin(q/2)] cos(kq) dq.
@@ -24,7 +24,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from .patches import Patches
+from .patches import Indices, Patches
 
 Array64 = NDArray[np.float64]
 
@@ -81,15 +81,18 @@ def _far_binomial(a: float) -> tuple[float, float, float]:
     )
 
 
-def edge_function(beta: Array64, j: Array64) -> Array64:
+def edge_function(beta: Array64, j: Indices) -> Array64:
     """The universal edge pressure at the nodes j >= 0 from the last contact node inwards; ~ sqrt(j - theta)."""
     curve = edge_curve()
 
-    def table(i: Array64) -> Array64:
-        near = curve.table[np.clip(i, 0, _TABLE - 1).astype(np.int64)]
-        return np.where(i < 0, 0.0, np.where(i < _TABLE, near, np.sqrt(np.maximum(i + curve.shift, 0.0))))
+    def table(i: Indices) -> Array64:
+        values: Array64 = np.sqrt(np.maximum(i + curve.shift, 0.0))
+        near = i < _TABLE
+        values[near] = padded[np.maximum(i[near], -1)]
+        return values
 
-    return (1 - beta) * table(j) + beta * table(j - 1)
+    padded = np.append(curve.table, 0.0)  # the last stands for j = -1
+    return np.asarray((1 - beta) * table(j) + beta * table(j - 1))
 
 
 def edge_offset(pressures: Array64) -> tuple[Array64, Array64]:
@@ -131,9 +134,10 @@ def find_edges(patches: Patches, pressure: Array64, thickness: float = math.inf)
     """Sub-grid edges of patches from the pressure on the contact nodes, in compact order [any unit].
 
     The pressure is first divided by the edge function of the patch's other end. Patches of fewer than three nodes end
-    half a spacing outside their last nodes, as counting has it, and a full contact has no edge at all. `thickness` [grid
-    spacings] is used for the error only: measured against the oracle, that is 0.1 to 0.25 over the nodes of the patch
-    and 0.03 over the thickness, and the third node's correction where that is large.
+    half a spacing outside their last nodes, as counting has it, and a full contact has no edge at all.
+
+    `thickness` [grid spacings] is used for the error only: measured against the oracle, that is 0.1 to 0.25 over the
+    nodes of the patch plus 0.03 over the thickness, more where the third node corrects much.
     """
     m, curve = patches.count, edge_curve()
     if patches.full:

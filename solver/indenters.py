@@ -124,7 +124,7 @@ class RoughIndenter:
         """Number k_s of the shortest wave in the period."""
         return math.floor((1 + 1e-9) / (self.roll_off_ratio * self.cut_off_ratio))
 
-    def _modes(self, num_points: int) -> Array64:
+    def _modes(self, num_points: int) -> NDArray[np.complex128]:
         """Half spectrum of h/L that a grid holds, shape (num_points//2 + 1,), complex."""
         k = np.arange(1, self.shortest + 1)
         amplitude = (1 + (k * self.roll_off_ratio) ** 2) ** (-(0.5 + self.hurst) / 2)

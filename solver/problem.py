@@ -44,7 +44,7 @@ class Problem:
         return np.asarray(1 - np.fft.irfft(self.stiffness * np.fft.rfft(displacement), self.num_points))
 
     def displacement_under(self, pressure: Array64) -> Array64:
-        """The displacement u <= h, shape (N,) [p L/E*], under a contact pressure [p]; on the wall wherever that acts."""
+        """The displacement u <= h, shape (N,) [p L/E*], under a contact pressure [p]; on the wall where that acts."""
         modes = np.fft.rfft(pressure)
         modes[0] = 0
         modes[1:] /= self.stiffness[1:]

@@ -32,7 +32,6 @@ class Method(Protocol):
     problem: Problem
     tolerance: float
     backend: str
-    transform_pairs: float
 
     def start(self, displacement: Array64) -> None:
         """Begin from a displacement, shape (N,) [p L/E*]."""
@@ -46,6 +45,10 @@ class Method(Protocol):
     @property
     def iteration(self) -> int:
         """Iterations so far."""
+
+    @property
+    def transform_pairs(self) -> float:
+        """Forward-inverse pairs of this grid's length so far."""
 
     @property
     def residual(self) -> float:

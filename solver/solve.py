@@ -2,7 +2,7 @@
 
 import math
 import time
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,26 +11,34 @@ from numpy.typing import NDArray
 
 from .. import kernels
 from . import checks
+from .active_set import ActiveSet
 from .certificate import Certificate, certify
 from .fire import Fire, MassWeightedFire
+from .nested import Level, discretisation_error, grids, measure_level, prolong
 from .observables import Observables, observe
 from .problem import Problem
 from .provenance import package_version, provenance
-from .relaxation import Progress, Status, relax
+from .relaxation import Method, Progress, Status, relax
 from .scene import Scene
 from .stiffness import stiffness
 from .transforms import Transforms, save_wisdom
 
 Array64 = NDArray[np.float64]
 
-_METHODS: dict[str, type[Fire]] = {"mass-weighted-fire": MassWeightedFire, "fire": Fire}
+_METHODS: dict[str, type[ActiveSet] | type[Fire]] = {
+    "active-set": ActiveSet,
+    "mass-weighted-fire": MassWeightedFire,
+    "fire": Fire,
+}
 
 METHODS = tuple(_METHODS)
 """Names of the methods, fastest first; the first is the default."""
 
-_BYTES_PER_POINT = 200  # at the certificate's peak; measured: 130 (plain, float32) to 190 (mass-weighted, float64)
+_BYTES_PER_POINT = 220  # at the peak; measured: 130 (plain FIRE, float32) to 210 (active set, float64)
 
-DEFAULT_MAX_ITERATIONS = {"mass-weighted-fire": 20_000, "fire": 200_000}
+_COARSE_TOLERANCE = 1e-3  # a coarser grid is wrong by more than that anyway
+
+DEFAULT_MAX_ITERATIONS = {"active-set": 2_000, "mass-weighted-fire": 20_000, "fire": 200_000}
 
 
 @dataclass(frozen=True)
@@ -39,8 +47,10 @@ class Solution:
 
     displacement, contact_pressure: shape (N,) [length], [pressure]; contact: shape (N,), nodes the wall carries.
     status: only `Status.CONVERGED` is certified at `tolerance`.
-    transform_pairs: forward-inverse pairs at the finest grid; seconds: wall time by stage ('setup', 'solve',
-    'certificate', 'total') [s].
+    handed_over: the active set could not certify its result, and mass-weighted FIRE went on from there.
+    levels: the coarser grids, from coarse to fine; empty without nested grids. iterations: on all grids.
+    transform_pairs: forward-inverse pairs in units of a pair on the finest grid, short and coarse ones by their length.
+    seconds: wall time by stage ('setup', 'solve', 'certificate', 'total') [s].
     """
 
     scene: Scene
@@ -53,11 +63,13 @@ class Solution:
     observables: Observables
     certificate: Certificate
     iterations: int
-    transform_pairs: int
+    transform_pairs: float
     seconds: dict[str, float]
     threads: int
     planning: str
     backend: str
+    handed_over: bool = False
+    levels: tuple[Level, ...] = field(default_factory=tuple)
 
     def to_dict(self) -> dict[str, Any]:
         """Everything but the fields, JSON-ready: numbers, text and flat objects; infinities become 'inf'."""
@@ -65,7 +77,9 @@ class Solution:
         record |= {name: _plain(value) for name, value in asdict(self.observables).items()}
         return record | {
             "iterations": self.iterations,
-            "transform_pairs": self.transform_pairs,
+            "transform_pairs": round(self.transform_pairs, 3),
+            "handed_over": self.handed_over,
+            "levels": {str(level.num_points): level.to_dict() for level in self.levels},
             "seconds": dict(self.seconds),
             "certificate": {name: _plain(value) for name, value in asdict(self.certificate).items()},
             "method": self.method,
@@ -115,6 +129,7 @@ def solve(
     scene: Scene,
     *,
     method: str = METHODS[0],
+    nested: bool | None = None,
     tolerance: float | None = None,
     max_iterations: int | None = None,
     initial: Array64 | None = None,
@@ -126,10 +141,11 @@ def solve(
     """Solve a scene.
 
     method: one of `METHODS`.
+    nested: start from the solution on coarser grids; by default for the active set only, and not with `initial`.
     tolerance: rms net force on free nodes over the mean pressure at which to stop, 1e-14 to 0.5 (dimensionless); by
         default `default_tolerance`.
-    max_iterations: at least 1, lead-in included; default by method.
-    initial: displacement to start from, shape (N,) [length], for instance a neighbour's solution; default 0.
+    max_iterations: at least 1, all grids and the lead-in included; default by method.
+    initial: displacement to start from, shape (N,) [length], for instance a neighbour's solution.
     threads: of FFTW. planning: FFTW's effort, 'estimate', 'measure' or 'patient'; what it finds is kept.
     backend: 'warp', or 'numpy' for the twins.
     progress: called about ten times a second with (iteration, residual).
@@ -141,96 +157,174 @@ def solve(
     if max_iterations is None:
         max_iterations = DEFAULT_MAX_ITERATIONS[method]
     checks.integer("max_iterations", max_iterations, "an integer >= 1", 1, 2**53)
-    state, tolerance = _set_up(scene, method, tolerance, initial, threads, planning, backend)
-    problem = state.problem
+    if nested is None:
+        nested = method == METHODS[0] and initial is None
+    run = _Run(scene, method, tolerance, initial, threads, planning, backend, max_iterations, progress)
     ready = time.perf_counter()
-    lead = [] if initial is not None else _lead_in(scene, state, max_iterations, progress)
-    led = sum(iterations for _, iterations, _ in lead)
-    interrupted = bool(lead) and lead[-1][0] is Status.INTERRUPTED
-    status = Status.INTERRUPTED if interrupted else relax(state, max_iterations - led, progress)
+    status = run.drive(nested)
     relaxed = time.perf_counter()
-    certificate, pressure, contact = certify(problem, state.displacement)
-    certified = certificate.free_residual <= tolerance and math.isfinite(certificate.energy_error_bound)
-    if status is Status.CONVERGED and not certified:
-        status = Status.STAGNATED  # the method's own precision cannot see the difference
-    displacement = np.where(contact, scene.profile, state.displacement * problem.length_unit)
-    pressure *= scene.pressure
-    observables = observe(scene, displacement, pressure, contact)
+    status, state, problem = run.certified(status)
+    displacement = np.where(run.contact, scene.profile, state.displacement * problem.length_unit)
+    pressure = run.pressure * scene.pressure
+    observables = observe(scene, displacement, pressure, run.contact)
+    observables = discretisation_error(observables, run.levels)
     end = time.perf_counter()
     return Solution(
         scene=scene,
         method=method,
-        tolerance=tolerance,
+        tolerance=run.tolerance,
         status=status,
         displacement=displacement,
         contact_pressure=pressure,
-        contact=contact,
+        contact=run.contact,
         observables=observables,
-        certificate=certificate,
-        iterations=state.iteration + led,
-        transform_pairs=state.transform_pairs + sum(pairs for _, _, pairs in lead),
+        certificate=run.certificate,
+        iterations=run.iterations,
+        transform_pairs=run.transform_pairs,
         seconds={"setup": ready - begin, "solve": relaxed - ready, "certificate": end - relaxed, "total": end - begin},
         threads=threads,
         planning=planning,
         backend=backend,
+        handed_over=run.handed_over,
+        levels=tuple(run.levels),
     )
 
 
-def _set_up(
-    scene: Scene,
-    method: str,
-    tolerance: float | None,
-    initial: Array64 | None,
-    threads: int,
-    planning: str,
-    backend: str,
-) -> tuple[Fire, float]:
-    """The checked problem, its transforms and kernels, ready to step; and the tolerance."""
-    if not isinstance(scene, Scene):
-        raise ValueError(f"scene is {scene!r}; allowed: a Scene")
-    checks.choice("backend", backend, kernels.BACKENDS)
-    _check_memory(scene)
-    problem = Problem.from_scene(scene)
-    _check_range(scene, problem)
-    if tolerance is None:
-        tolerance = default_tolerance(scene, problem)
-    checks.real("tolerance", tolerance, "1e-14 < tolerance <= 0.5", 1e-14, 0.5)
-    transforms = Transforms(scene.num_points, scene.precision, threads, planning)
-    # the certificate's own rounding must not turn a solution away
-    state = _METHODS[method](problem, transforms, 0.95 * tolerance, backend)
-    if planning != "estimate":
-        save_wisdom()
-    if initial is not None:
-        state.start(_check_initial(initial, scene.num_points) / problem.length_unit)
-    return state, tolerance
+class _Run:
+    """One solve: grids from coarse to fine, the method on each, the certificate, and the hand-over if that fails."""
 
+    def __init__(
+        self,
+        scene: Scene,
+        method: str,
+        tolerance: float | None,
+        initial: Array64 | None,
+        threads: int,
+        planning: str,
+        backend: str,
+        max_iterations: int,
+        progress: Progress | None,
+    ) -> None:
+        if not isinstance(scene, Scene):
+            raise ValueError(f"scene is {scene!r}; allowed: a Scene")
+        checks.choice("backend", backend, kernels.BACKENDS)
+        _check_memory(scene)
+        self.scene, self.method, self.backend = scene, _METHODS[method], backend
+        self.threads, self.planning, self.progress = threads, planning, progress
+        self.problem = Problem.from_scene(scene)
+        _check_range(scene, self.problem)
+        if tolerance is None:
+            tolerance = default_tolerance(scene, self.problem)
+        self.tolerance = checks.real("tolerance", tolerance, "1e-14 < tolerance <= 0.5", 1e-14, 0.5)
+        self.initial = None
+        if initial is not None:
+            self.initial = _check_initial(initial, scene.num_points) / self.problem.length_unit
+        # the certificate's own rounding must not turn a solution away
+        self.state = self._method_on(self.problem, 0.95 * self.tolerance)
+        if planning != "estimate":
+            save_wisdom()
+        self.left, self.iterations, self.transform_pairs = max_iterations, 0, 0.0
+        self.levels: list[Level] = []
+        self.handed_over = False
 
-def _lead_in(
-    scene: Scene, state: Fire, max_iterations: int, progress: Progress | None
-) -> list[tuple[Status, int, int]]:
-    """Bring `state` near the solution of a thin, nearly incompressible layer by way of more compressible ones.
+    def _method_on(
+        self, problem: Problem, tolerance: float, method: type[ActiveSet] | type[Fire] | None = None
+    ) -> Method:
+        transforms = Transforms(problem.num_points, self.scene.precision, self.threads, self.planning)
+        return (method or self.method)(problem, transforms, tolerance, self.backend)
 
-    Such a layer's softest and longest modes differ by (L/d)^3 in stiffness; from u = 0 mass-weighted FIRE bounces off
-    the wall and may never settle. Measured for nu = 1/2, d = 1e-3 to 1e-5, n = 1.5 to 8: with this ladder, each rung
-    solved to 1e-2, every solve converged. Returns each rung's status, iterations and transform pairs.
-    """
-    k, layer = state.problem.stiffness[1:], scene.layer
-    rungs: list[tuple[Status, int, int]] = []
-    if not isinstance(state, MassWeightedFire) or k[0] < 1e3 * k.min():
-        return rungs
-    for poisson_ratio in (0.4, 0.48, 0.498):
-        if poisson_ratio < layer.poisson_ratio:
-            softer = stiffness(scene.num_points, layer.thickness / scene.period, poisson_ratio)
-            rung = MassWeightedFire(replace(state.problem, stiffness=softer), state.transforms, 1e-2, state.backend)
-            rung.start(state.displacement)
-            left = max_iterations - sum(iterations for _, iterations, _ in rungs)
-            status = relax(rung, min(500, left), progress)
-            rungs.append((status, rung.iteration, rung.transform_pairs))
-            if status is not Status.DIVERGED:
-                state.start(rung.displacement)
-            if status is Status.INTERRUPTED:
+    def _relax(self, state: Method) -> Status:
+        """Relax, and add what it took to the account."""
+        iterations, pairs = state.iteration, state.transform_pairs
+        status = relax(state, iterations + self.left, self.progress) if self.left > 0 else Status.ITERATION_LIMIT
+        self._account(state, state.iteration - iterations, state.transform_pairs - pairs)
+        return status
+
+    def _account(self, state: Method, iterations: int, pairs: float) -> None:
+        self.left -= iterations
+        self.iterations += iterations
+        self.transform_pairs += pairs * state.problem.num_points / self.scene.num_points
+
+    def drive(self, nested: bool) -> Status:
+        """All grids; the last state is on the finest one."""
+        if self.initial is not None:
+            self.state.start(self.initial)
+            return self._relax(self.state)
+        sizes = grids(self.scene.num_points) if nested else [self.scene.num_points]
+        pressure = None
+        for size in sizes:
+            finest = size == sizes[-1]
+            state = self.state
+            if not finest:
+                tolerance = max(_COARSE_TOLERANCE, self.tolerance)
+                state = self._method_on(Problem.from_scene(self.scene, size), tolerance)
+            status = Status.CONVERGED
+            if pressure is not None:
+                state.start_from_pressure(prolong(pressure, size))
+            elif isinstance(state, MassWeightedFire):
+                status = self._lead_in(state)
+            if status is not Status.INTERRUPTED:
+                status = self._relax(state)
+            if not finest:
+                pressure = state.contact_pressure
+                if status is Status.INTERRUPTED or not pressure.any():
+                    self.state.start_from_pressure(prolong(pressure, sizes[-1]))
+                    return status
+                self.levels.append(measure_level(self.scene, pressure, state))
+        return status
+
+    def certified(self, status: Status) -> tuple[Status, Method, Problem]:
+        """The certificate's verdict. An active set that misses it tries harder, then hands over to FIRE."""
+        for _ in range(3):
+            good = self._certify()
+            if good or status is not Status.CONVERGED or not isinstance(self.state, ActiveSet):
                 break
-    return rungs
+            self.state.try_harder()
+            status = self._relax(self.state)
+        gave_up = not good and status not in (Status.INTERRUPTED, Status.ITERATION_LIMIT)
+        if gave_up and isinstance(self.state, ActiveSet) and self.left > 0:
+            self.handed_over = True
+            self.left = DEFAULT_MAX_ITERATIONS["mass-weighted-fire"]
+            start, before = self.state.displacement, self.certificate.free_residual
+            self.state = self._method_on(self.problem, 0.95 * self.tolerance, MassWeightedFire)
+            self.state.start(start)
+            status = self._relax(self.state)
+            good = self._certify()
+            if not good and self.certificate.free_residual > before:
+                self.state.start(start)
+                self._certify()
+        if status is Status.CONVERGED and not good:
+            status = Status.STAGNATED  # the method's own precision cannot see the difference
+        elif good and status is Status.STAGNATED:
+            status = Status.CONVERGED
+        return status, self.state, self.problem
+
+    def _certify(self) -> bool:
+        self.certificate, self.pressure, self.contact = certify(self.problem, self.state.displacement)
+        c = self.certificate
+        return c.free_residual <= self.tolerance and math.isfinite(c.energy_error_bound)
+
+    def _lead_in(self, state: MassWeightedFire) -> Status:
+        """Bring `state` near the solution of a thin, nearly incompressible layer by way of more compressible ones.
+
+        Such a layer's softest and longest modes differ by (L/d)^3 in stiffness; from u = 0 mass-weighted FIRE bounces
+        off the wall and may never settle. Measured for nu = 1/2, d = 1e-3 to 1e-5, n = 1.5 to 8: with this ladder, each
+        rung solved to 1e-2, every solve converged.
+        """
+        k, layer = state.problem.stiffness[1:], self.scene.layer
+        status = Status.CONVERGED
+        if k[0] < 1e3 * k.min():
+            return status
+        for poisson_ratio in (0.4, 0.48, 0.498):
+            if poisson_ratio < layer.poisson_ratio and status is not Status.INTERRUPTED:
+                softer = stiffness(state.num_points, layer.thickness / self.scene.period, poisson_ratio)
+                rung = MassWeightedFire(replace(state.problem, stiffness=softer), state.transforms, 1e-2, self.backend)
+                rung.start(state.displacement)
+                status = relax(rung, min(500, self.left), self.progress)
+                self._account(rung, rung.iteration, rung.transform_pairs)
+                if status is not Status.DIVERGED:
+                    state.start(rung.displacement)
+        return status
 
 
 def _check_range(scene: Scene, problem: Problem) -> None:
