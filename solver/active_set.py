@@ -33,6 +33,7 @@ class ActiveSet:
     inner = 0.05
     safety = 0.4  # of the tolerance: the free residual is up to twice the pressure's error
     patience = 60
+    slack = 0.0  # nodes a patch may still have wrong on the average; for coarse grids
 
     def __init__(self, problem: Problem, transforms: Transforms, tolerance: float, backend: str = "warp") -> None:
         n = self._num_points = problem.num_points
@@ -172,6 +173,7 @@ class ActiveSet:
 
     def _update_set(self) -> bool:
         """Drop nodes that pull, add nodes that penetrate; False if there are none, or the set has been before."""
+        assert self._patches is not None
         dropped = self._nodes[self._pressure < 0]
         self._state[layout.BOUND] = bound = self._level - self._smallest_gap
         self._count()
@@ -181,7 +183,7 @@ class ActiveSet:
             below = (self._gap[inside] < bound) & ~self._contact[inside]
             added.append(np.flatnonzero(below) + chunk * CHUNK)
         new = np.concatenate(added)
-        if not dropped.size and not new.size:
+        if dropped.size + new.size <= self.slack * self._patches.count:
             return False
         self._contact[dropped] = False
         self._contact[new] = True

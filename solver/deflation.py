@@ -209,7 +209,9 @@ class PatchDeflation:
         coarse = self._green.patch_sums(patches) * np.outer(shape, shape)
         np.fill_diagonal(coarse, loads)
         if share > 1:
-            coarse = np.add.reduceat(np.add.reduceat(coarse, starts, axis=0).T.copy(), starts, axis=0)
+            whole = starts.size * share
+            coarse = np.pad(coarse, (0, whole - patches.count))
+            coarse = coarse.reshape(starts.size, share, starts.size, share).sum(axis=(1, 3))
         self._build, self._factor = patches.count, _inverse_factor(coarse)
         self._borders = (patches.first[starts[1:]] + patches.last[starts[1:] - 1]) / 2
 

@@ -36,7 +36,7 @@ METHODS = tuple(_METHODS)
 
 _BYTES_PER_POINT = 220  # at the peak; measured: 130 (plain FIRE, float32) to 210 (active set, float64)
 
-_COARSE_TOLERANCE = 1e-3  # a coarser grid is wrong by more than that anyway
+_COARSE_TOLERANCE, _COARSE_SLACK = 1e-3, 0.1  # a coarser grid is wrong by more than that anyway
 
 DEFAULT_MAX_ITERATIONS = {"active-set": 2_000, "mass-weighted-fire": 20_000, "fire": 200_000}
 
@@ -258,6 +258,8 @@ class _Run:
             if not finest:
                 tolerance = max(_COARSE_TOLERANCE, self.tolerance)
                 state = self._method_on(Problem.from_scene(self.scene, size), tolerance)
+                if isinstance(state, ActiveSet):
+                    state.slack = _COARSE_SLACK
             status = Status.CONVERGED
             if pressure is not None:
                 state.start_from_pressure(prolong(pressure, size))
