@@ -247,7 +247,7 @@ class PatchDeflation:
 
     def _sums(self, values: Array64) -> Array64:
         """Sums over the patches of each unknown."""
-        return np.bincount(self._unknown, weights=values, minlength=len(self._factor))
+        return np.bincount(self._unknown, values, len(self._factor)).astype(np.float64)
 
     def apply(self, residual: Array64) -> Array64:
         """Preconditioned residual, both on the contact nodes in compact order; its sum is 0."""
@@ -274,7 +274,7 @@ def _unknowns(num_points: int) -> int:
 def _inverse_factor(coarse: Array64) -> Array64:
     """R with R'R = coarse^-1; of its diagonal should patches so close that they touch have spoilt it."""
     try:
-        return _inverse_triangle(np.linalg.cholesky(coarse))
+        return _inverse_triangle(np.asarray(np.linalg.cholesky(coarse), dtype=np.float64))
     except np.linalg.LinAlgError:
         return np.diag(1 / np.sqrt(np.diag(coarse)))
 

@@ -5,15 +5,17 @@ import math
 import os
 import platform
 import sys
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, TextIO
 
 import tyro
 from linecontact.solver import (
     METHODS,
     Layer,
+    MeasuredIndenter,
     PowerIndenter,
+    RoughIndenter,
     Scene,
     Solution,
     default_tolerance,
@@ -24,33 +26,63 @@ from linecontact.solver import (
 from rich.console import Console
 from rich.table import Table
 
-from . import console, hertz, iterations, store
+from . import console, hertz, iterations, scans, store
 
 
 @dataclass(frozen=True)
 class Solve:
     """Solve one scene. Lengths and pressures in consistent units of your own; the published study's are 1."""
 
-    profile: Literal["power"] = "power"
-    """Indenter: h = (R/n) |x/R|^n."""
+    profile: Literal["power", "rough", "file"] = "power"
+    """Indenter: h = (R/n) |x/R|^n; self-affine random roughness; or a file."""
     exponent: float = 2.0
     """n > 1: 1.5 sharp, 2 Hertz, 4 blunt (dimensionless)."""
     radius: float = 1.0
     """R > 0 [length]."""
+    hurst: float = 0.8
+    """Rough: 0 < H <= 1 (dimensionless)."""
+    seed: int = 0
+    """Rough: one seed is one surface, on every grid that resolves it."""
+    roll_off_ratio: float = 1 / 8
+    """Rough: lambda_r/L (dimensionless)."""
+    cut_off_ratio: float = 1 / 512
+    """Rough: lambda_s/lambda_r (dimensionless)."""
+    rms_gradient: float = 1.0
+    """Rough: rms gradient over the period (dimensionless)."""
+    profile_file: Path | None = None
+    """File: .npy, .csv, .txt (one column of heights, or x and heights), .h5, or an instrument's format."""
+    profile_dataset: str | None = None
+    """File: the dataset of an .h5 file that holds several."""
+    profile_convention: Literal["gap", "heights"] = "gap"
+    """File: h as the indenter's distance, or heights as a scan has them, peaks up."""
+    x_unit: scans.Unit | None = None
+    """File: unit of its positions; default the length unit."""
+    z_unit: scans.Unit | None = None
+    """File: unit of its heights; default the length unit."""
+    length_unit: scans.Unit = "m"
+    """File: what one [length] of the scene is, where x_unit or z_unit is given."""
+    resample: bool = False
+    """File: treat even a file with as many values as grid points like any other."""
+    detrend: scans.Detrend = "auto"
+    """File: tilt removal; auto: linear, or none for a file taken as it is."""
+    window: scans.Window = "auto"
+    """File: what makes it periodic; auto: tukey, or none for a file taken as it is."""
     pressure: float = 2e-3
     """Mean external pressure p > 0 [pressure]."""
     thickness: float = math.inf
     """Layer thickness d > 0 [length]; inf is the half-space."""
     poisson_ratio: float = 0.25
     """-1 < nu <= 0.5 (dimensionless)."""
-    period: float = 1.0
-    """Period L > 0 [length]."""
-    num_points: int = 2**18
-    """Grid points, even, at least 16."""
+    period: float | None = None
+    """Period L > 0 [length]; default 1, or the length of a file with positions."""
+    num_points: int | None = None
+    """Grid points, even, at least 16; default 2^18, for a file the next power of two."""
     contact_modulus: float = 1.0
     """E* = E/(1-nu^2) > 0 [pressure]."""
-    method: Literal["mass-weighted-fire", "fire"] = METHODS[0]  # type: ignore[assignment]
-    """Relaxation method."""
+    method: Literal["active-set", "mass-weighted-fire", "fire"] = METHODS[0]  # type: ignore[assignment]
+    """Method, fastest first."""
+    grids: Literal["auto", "nested", "single"] = "auto"
+    """Start from the solution on coarser grids; auto: for the active set."""
     tolerance: float | None = None
     """Stop at this rms free residual over p (dimensionless); default 1e-8, in float32 what rounding allows."""
     max_iterations: int | None = None
@@ -65,6 +97,8 @@ class Solve:
     """One JSON object on standard output instead of a table."""
     save: Path | None = None
     """Write fields and results to this HDF5 file."""
+    plot: bool = False
+    """Draw the figure beside the saved file."""
     overwrite: bool = False
     """Let --save replace an existing file."""
 
@@ -110,18 +144,14 @@ def run_solve(options: Solve) -> int:
     """`linecontact solve`."""
     if options.save:
         store.check_target(options.save, options.overwrite)
-    scene = Scene(
-        layer=Layer(options.thickness, options.poisson_ratio, options.contact_modulus),
-        indenter=PowerIndenter(options.exponent, options.radius),
-        pressure=options.pressure,
-        period=options.period,
-        num_points=options.num_points,
-        precision=options.precision,
-    )
+    elif options.plot:
+        raise ValueError("plot is True; allowed: together with --save, the figure is drawn from the file")
+    scene = make_scene(options)
     with console.solve_progress(options.tolerance or default_tolerance(scene)) as report:
         solution = solve(
             scene,
             method=options.method,
+            nested=None if options.grids == "auto" else options.grids == "nested",
             tolerance=options.tolerance,
             max_iterations=options.max_iterations,
             threads=options.threads,
@@ -134,6 +164,8 @@ def run_solve(options: Solve) -> int:
         Console().print(solution_table(solution))
     if options.save:
         store.save_solution(options.save, solution)
+        if options.plot:
+            run_plot(Plot(options.save), sys.stderr if options.json else sys.stdout)
     status = console.exit_status(solution.status)
     if status:
         kept = f"; the partial result is in {options.save}" if options.save else ""
@@ -145,19 +177,50 @@ def run_solve(options: Solve) -> int:
     return status
 
 
+def make_scene(options: Solve) -> Scene:
+    """The scene that the options describe."""
+    n, period = options.num_points or 2**18, 1.0 if options.period is None else options.period
+    indenter: PowerIndenter | RoughIndenter | MeasuredIndenter = PowerIndenter(options.exponent, options.radius)
+    if options.profile == "rough":
+        ratios = options.roll_off_ratio, options.cut_off_ratio
+        indenter = RoughIndenter(options.hurst, options.seed, *ratios, options.rms_gradient)
+    elif options.profile == "file":
+        if options.profile_file is None:
+            raise ValueError("profile_file is missing; allowed: the path of a file, with --profile file")
+        names = [field.name for field in fields(scans.Options)]
+        renamed = {"path": "profile_file", "convention": "profile_convention", "dataset": "profile_dataset"}
+        indenter, period, n = scans.read(
+            scans.Options(**{name: getattr(options, renamed.get(name, name)) for name in names})
+        )
+    return Scene(
+        layer=Layer(options.thickness, options.poisson_ratio, options.contact_modulus),
+        indenter=indenter,
+        pressure=options.pressure,
+        period=period,
+        num_points=n,
+        precision=options.precision,
+    )
+
+
 def solution_table(solution: Solution) -> Table:
     """What a solve found, with units."""
     record = solution.to_dict()
-    table = Table(title=f"{solution.method}, {record['precision']}: {solution.status}", show_header=True)
+    handed = ", handed over to mass-weighted-fire" if solution.handed_over else ""
+    table = Table(title=f"{solution.method}{handed}, {record['precision']}: {solution.status}", show_header=True)
     table.add_column("quantity")
     table.add_column("value", justify="right")
     table.add_column("unit")
     spacing = 1 / solution.scene.num_points
     rows = [
+        ("contact area a_r (sub-grid edges)", f"{record['contact_area_subgrid']:.10g}", "-"),
+        ("  its error, estimated", record["contact_area_error"], "-"),
         ("contact area a_r (nodes counted)", f"{record['contact_area']:.8g}", f"- (one node: {spacing:.1e})"),
+        ("contact patches", record["num_patches"], f"- ({record['num_counted_patches']} of 1 or 2 nodes)"),
         ("rms gradient in contact g_c", record["rms_gradient_contact"], "-"),
         ("reduced pressure p* = p/(E* g_c)", record["reduced_pressure"], "-"),
         ("kappa = a_r/p*", record["kappa"], "-"),
+        ("kappa (sub-grid edges)", record["kappa_subgrid"], "-"),
+        ("  its error, estimated", record["kappa_error"], "-"),
         ("kappa over the half-space's", record["kappa_ratio"], "-"),
         ("reduced thickness d/(a_r L)", record["reduced_thickness"], "-"),
         ("approach", record["approach"], "length"),
@@ -172,12 +235,12 @@ def solution_table(solution: Solution) -> Table:
     return table
 
 
-def run_plot(options: Plot) -> int:
+def run_plot(options: Plot, output: TextIO | None = None) -> int:
     """`linecontact plot`."""
     from . import figures
 
     for file in figures.draw(options.file):
-        print(file)
+        print(file, file=output)
     return 0
 
 
