@@ -40,8 +40,8 @@ STATE_LENGTH = 18
 
 # The active set's scalars, in an array of their own.
 STEP = 0  # length of a step along a direction
-LEVEL = 1  # gap that stands for touching, in the frame of the recursion
-BOUND = 2  # gaps below penetrate
+LEVEL = 1  # h + w where they touch, the rigid approach
+BOUND = 2  # of h + w, below which a node penetrates
 
 GAP_STATE_LENGTH = 3
 

@@ -126,22 +126,16 @@ def plain_step(elastic: Array, h: Array, state: Array64, u: Array, v: Array) -> 
     fire_step(_free_force(elastic, v)[0], h, state, u, v)
 
 
-def open_gap(displaced: Array, h: Array, gap: Array) -> None:
-    """gap = h + G sigma."""
-    gap[:] = h + displaced
+def advance_response(change: Array, state: Array64, response: Array) -> None:
+    """w += step (G d)."""
+    response += response.dtype.type(state[layout.STEP]) * change
 
 
-def advance_gap(displaced: Array, state: Array64, gap: Array) -> None:
-    """gap += step (G d)."""
-    gap += gap.dtype.type(state[layout.STEP]) * displaced
+def count_below(response: Array, h: Array, state: Array64, counts: Array64) -> None:
+    """Nodes per chunk where h + w is below the bound."""
+    counts[:] = _chunk_sums(h + response < h.dtype.type(state[layout.BOUND]))
 
 
-def count_below(gap: Array, state: Array64, counts: Array64) -> None:
-    """Nodes per chunk whose gap is below the bound."""
-    counts[:] = _chunk_sums(gap < gap.dtype.type(state[layout.BOUND]))
-
-
-def rest_on_wall(gap: Array, h: Array, state: Array64, u: Array) -> None:
-    """u = h - (gap - level), at most h."""
-    distance = gap - gap.dtype.type(state[layout.LEVEL])
-    u[:] = np.where(distance > 0, h - distance, h)
+def rest_on_wall(response: Array, h: Array, state: Array64, u: Array) -> None:
+    """u = level - w, at most h."""
+    u[:] = np.minimum(h.dtype.type(state[layout.LEVEL]) - response, h)

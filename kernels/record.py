@@ -33,8 +33,7 @@ KERNELS = (
     "fire_step",
     "plain_sums",
     "plain_step",
-    "open_gap",
-    "advance_gap",
+    "advance_response",
     "count_below",
     "rest_on_wall",
 )

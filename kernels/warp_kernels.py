@@ -288,42 +288,34 @@ def plain_step(
 
 
 @wp.kernel
-def open_gap(displaced: wp.array[Any], h: wp.array[Any], gap: wp.array[Any]):
-    """gap = h + G sigma, up to a constant."""
+def advance_response(change: wp.array[Any], state: wp.array[wp.float64], response: wp.array[Any]):
+    """w += step (G d): the response w = G sigma follows a step along the direction d; the gap is h + w - level."""
     start = wp.tid() * CHUNK_LENGTH
+    step = response.dtype(state[STEP])
     for j in range(CHUNK_LENGTH):
         i = start + j
-        gap[i] = h[i] + displaced[i]
+        response[i] = response[i] + step * change[i]
 
 
 @wp.kernel
-def advance_gap(displaced: wp.array[Any], state: wp.array[wp.float64], gap: wp.array[Any]):
-    """gap += step (G d): the gap's change with a step along the direction d."""
-    start = wp.tid() * CHUNK_LENGTH
-    step = gap.dtype(state[STEP])
-    for j in range(CHUNK_LENGTH):
-        i = start + j
-        gap[i] = gap[i] + step * displaced[i]
-
-
-@wp.kernel
-def count_below(gap: wp.array[Any], state: wp.array[wp.float64], counts: wp.array[wp.float64]):
-    """Nodes of the chunk whose gap is below the bound."""
+def count_below(response: wp.array[Any], h: wp.array[Any], state: wp.array[wp.float64], counts: wp.array[wp.float64]):
+    """Nodes of the chunk where h + w is below the bound."""
     tid = wp.tid()
     start = tid * CHUNK_LENGTH
-    bound = gap.dtype(state[BOUND])
-    count = gap.dtype(0.0)
+    bound = h.dtype(state[BOUND])
+    count = h.dtype(0.0)
     for j in range(CHUNK_LENGTH):
-        count += wp.where(gap[start + j] < bound, gap.dtype(1.0), gap.dtype(0.0))
+        i = start + j
+        count += wp.where(h[i] + response[i] < bound, h.dtype(1.0), h.dtype(0.0))
     counts[tid] = wp.float64(count)
 
 
 @wp.kernel
-def rest_on_wall(gap: wp.array[Any], h: wp.array[Any], state: wp.array[wp.float64], u: wp.array[Any]):
-    """u = h - (gap - level), projected onto the hard wall u <= h."""
+def rest_on_wall(response: wp.array[Any], h: wp.array[Any], state: wp.array[wp.float64], u: wp.array[Any]):
+    """u = level - w, projected onto the hard wall u <= h."""
     start = wp.tid() * CHUNK_LENGTH
-    level = gap.dtype(state[LEVEL])
+    level = h.dtype(state[LEVEL])
     for j in range(CHUNK_LENGTH):
         i = start + j
-        distance = gap[i] - level
-        u[i] = wp.where(distance > gap.dtype(0.0), h[i] - distance, h[i])
+        displaced = level - response[i]
+        u[i] = wp.where(displaced < h[i], displaced, h[i])

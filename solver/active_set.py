@@ -5,8 +5,8 @@ be one constant, the rigid approach; elsewhere it must not be less. Conjugate gr
 Stiefel, 1952) with the preconditioner of `deflation` take one transform pair an iteration, because the gap is carried
 along on all nodes. Whenever the residual has fallen to `inner` of what it was when the set last changed, the set is
 updated (primal-dual active set, M. Hintermueller et al., SIAM J. Optim. 13, 865 (2002)): nodes that pull are dropped,
-nodes that penetrate are added. The search ends when neither happens at the tolerance asked, or gives up when a set
-comes back.
+nodes that penetrate are added. The search ends when neither happens at the tolerance asked. When a set comes back, the
+next ones are decided on more accurate solutions; when that does not help either, the search gives up.
 
 The residual is the preconditioned one, an estimate of the pressure's error: rms over all nodes, over the mean pressure.
 """
@@ -28,7 +28,10 @@ Array = NDArray[Any]
 
 
 class ActiveSet:
-    """State of the active set: gap, direction and work of shape (padded N,); pressure on the contact nodes [p]."""
+    """State: response w = G sigma, direction and work, shape (padded N,) each; pressure on the contact nodes [p].
+
+    The gap is h + w - level. It is never stored: h may be large, and the rounding of h + w would end up in u.
+    """
 
     inner = 0.05
     safety = 0.4  # of the tolerance: the free residual is up to twice the pressure's error
@@ -41,19 +44,19 @@ class ActiveSet:
         self.target = self.safety * tolerance
         self._pairs = 0
         self.iteration, self.residual, self.frozen = 0, math.inf, False
-        self._gap, self._height, self._direction, self._work = (transforms.buffer() for _ in range(4))
+        self._response, self._height, self._direction, self._work = (transforms.buffer() for _ in range(4))
         self._state = np.zeros(layout.GAP_STATE_LENGTH)
-        self._counts = np.zeros(self._gap.size // CHUNK)
+        self._counts = np.zeros(self._work.size // CHUNK)
         self._green = GreensFunction(problem.stiffness)
         coefficient = transforms.buffer(n + 2)
         forward, inverse = transforms.forward(self._direction), transforms.inverse(self._work)
         coefficient[: n + 2] = np.repeat(self._green.compliance / n, 2)
         multiply = record(backend, [Call("spectral_multiply", (coefficient,), (transforms.spectrum,))])
         self._compliance = forward, multiply, inverse
-        self._open = record(backend, [Call("open_gap", (self._work, self._height), (self._gap,))])
-        self._advance = record(backend, [Call("advance_gap", (self._work, self._state), (self._gap,))])
-        self._count = record(backend, [Call("count_below", (self._gap, self._state), (self._counts,))])
-        self._rest = record(backend, [Call("rest_on_wall", (self._gap, self._height, self._state), (self._work,))])
+        response, wall = self._response, (self._response, self._height, self._state)
+        self._advance = record(backend, [Call("advance_response", (self._work, self._state), (response,))])
+        self._count = record(backend, [Call("count_below", wall, (self._counts,))])
+        self._rest = record(backend, [Call("rest_on_wall", wall, (self._work,))])
         self._height[:n] = problem.height
         self._height[n:] = 1e30  # the padding never touches
         # gaps this small are rounding; a set decided on less would never settle
@@ -85,11 +88,11 @@ class ActiveSet:
         """Begin from a contact pressure, shape (N,) [p]; without any, from `start_cold`."""
         if not pressure.any():
             return self.start_cold()
-        self.frozen, self._seen = False, set[int]()
+        self.frozen, self._inner, self._seen = False, self.inner, set[int]()
         self._contact = pressure > 0
         self._full_pressure[:] = np.where(self._contact, pressure, 0.0)
         self._take_set()
-        return self._find_gap()
+        return self._find_response()
 
     def try_harder(self) -> None:
         """Go on to a smaller residual, after the certificate has found the free residual too large."""
@@ -118,11 +121,11 @@ class ActiveSet:
         """Transform pairs so far, short ones by their length."""
         return self._pairs + self._green.transformed / self._num_points
 
-    def _find_gap(self) -> None:
-        """Scale the pressure to the load and take the gap under it."""
+    def _find_response(self) -> None:
+        """Scale the pressure to the load and take the response to it."""
         self._pressure *= self._num_points / self._pressure.sum()
         self._apply(self._pressure)
-        self._open()
+        self._response[:] = self._work
 
     def step(self) -> None:
         """One iteration of conjugate gradients, or an update of the set."""
@@ -132,14 +135,13 @@ class ActiveSet:
         if self._preconditioner is None or self._stale:
             self._preconditioner = PatchDeflation(self._green, self._patches, self._preconditioner)
             self._stale = False
-        r = -self._gap[self._nodes].astype(np.float64)
-        r -= r.mean()
+        r = self._level - self._touching()
         z = self._preconditioner.apply(r)
         self.residual = math.sqrt(float(z @ z) / self._num_points)
         if math.isinf(self._first):
             self._first = self.residual
             self._conjugate = z
-        if self.residual <= max(self.target, 0.0 if self._settled else self.inner * self._first):
+        if self.residual <= max(self.target, 0.0 if self._settled else self._inner * self._first):
             if self._update_set():
                 self.iteration += 1
                 return
@@ -169,10 +171,14 @@ class ActiveSet:
 
     @property
     def _level(self) -> float:
-        return float(self._gap[self._nodes].mean(dtype=np.float64))
+        return float(self._touching().mean())
+
+    def _touching(self) -> Array64:
+        """h + w on the contact nodes."""
+        return self.problem.height[self._nodes] + self._response[self._nodes]
 
     def _update_set(self) -> bool:
-        """Drop nodes that pull, add nodes that penetrate; False if there are none, or the set has been before."""
+        """Drop nodes that pull, add nodes that penetrate; False if there are none."""
         assert self._patches is not None
         dropped = self._nodes[self._pressure < 0]
         self._state[layout.BOUND] = bound = self._level - self._smallest_gap
@@ -180,7 +186,7 @@ class ActiveSet:
         added = [np.zeros(0, dtype=np.int64)]
         for chunk in np.flatnonzero(self._counts):
             inside = slice(chunk * CHUNK, min((chunk + 1) * CHUNK, self._num_points))
-            below = (self._gap[inside] < bound) & ~self._contact[inside]
+            below = (self._height[inside] + self._response[inside] < bound) & ~self._contact[inside]
             added.append(np.flatnonzero(below) + chunk * CHUNK)
         new = np.concatenate(added)
         if dropped.size + new.size <= self.slack * self._patches.count:
@@ -188,15 +194,16 @@ class ActiveSet:
         self._contact[dropped] = False
         self._contact[new] = True
         key = hash(np.packbits(self._contact).tobytes())
-        if key in self._seen:
-            self.frozen = True
-            return True
+        if key in self._seen:  # decided on too rough a solution, or really going round in circles
+            self._inner *= 0.1
+            self._seen.clear()
+            self.frozen = self._inner < 1e-7
         self._seen.add(key)
         self._full_pressure[self._nodes] = self._pressure
         self._full_pressure[dropped] = 0
         self._take_set()
         if dropped.size:
-            self._find_gap()
+            self._find_response()
         return True
 
     @property
