@@ -19,12 +19,16 @@ from numpy.typing import NDArray
 
 from ..kernels import CHUNK, Call, layout, record
 from .deflation import GreensFunction, PatchDeflation
+from .edges import edge_moves
 from .patches import Patches
 from .problem import Problem
 from .stiffness import Array64
 from .transforms import Transforms
 
 Array = NDArray[Any]
+
+
+_FEW = 8  # patches up to which the ends of a cold start are moved by prediction; more disturb each other
 
 
 class ActiveSet:
@@ -59,9 +63,9 @@ class ActiveSet:
         self._rest = record(backend, [Call("rest_on_wall", wall, (self._work,))])
         self._height[:n] = problem.height
         self._height[n:] = 1e30  # the padding never touches
-        # gaps this small are rounding; a set decided on less would never settle
-        rounding = 8 * float(np.finfo(transforms.real).eps) * float(problem.height.max())
-        self._smallest_gap = max(1e-3 * tolerance * float(problem.height.std()), rounding)
+        self._eps = float(np.finfo(transforms.real).eps)
+        # a single node that penetrates so much takes a tenth of the tolerance as its force
+        self._smallest_gap = 0.1 * tolerance / float(problem.stiffness.mean())
         self._full_pressure = np.zeros(n)
         self._patches: Patches | None = None
         self._preconditioner: PatchDeflation | None = None
@@ -83,12 +87,14 @@ class ActiveSet:
         inside = min(inside, n)
         level = (n / self.problem.stiffness[1] + lead[inside - 1]) / inside
         self.start_from_pressure(np.maximum(level - h, 0.0))
+        assert self._patches is not None
+        self._jumps = 6 if self._patches.count <= _FEW else 0
 
     def start_from_pressure(self, pressure: Array64) -> None:
         """Begin from a contact pressure, shape (N,) [p]; without any, from `start_cold`."""
         if not pressure.any():
             return self.start_cold()
-        self.frozen, self._inner, self._seen = False, self.inner, set[int]()
+        self.frozen, self._inner, self._seen, self._jumps = False, self.inner, set[int](), 0
         self._contact = pressure > 0
         self._full_pressure[:] = np.where(self._contact, pressure, 0.0)
         self._take_set()
@@ -123,6 +129,8 @@ class ActiveSet:
 
     def _find_response(self) -> None:
         """Scale the pressure to the load and take the response to it."""
+        if not self._pressure.any():  # a set of new nodes only
+            self._pressure += 1
         self._pressure *= self._num_points / self._pressure.sum()
         self._apply(self._pressure)
         self._response[:] = self._work
@@ -181,7 +189,9 @@ class ActiveSet:
         """Drop nodes that pull, add nodes that penetrate; False if there are none."""
         assert self._patches is not None
         dropped = self._nodes[self._pressure < 0]
-        self._state[layout.BOUND] = bound = self._level - self._smallest_gap
+        # less than the rounding of h + w: a set decided on that would never settle
+        rounding = 8 * self._eps * float(np.abs(self._response[self._nodes]).max())
+        self._state[layout.BOUND] = bound = self._level - max(self._smallest_gap, rounding)
         self._count()
         added = [np.zeros(0, dtype=np.int64)]
         for chunk in np.flatnonzero(self._counts):
@@ -193,18 +203,33 @@ class ActiveSet:
             return False
         self._contact[dropped] = False
         self._contact[new] = True
+        if self._jumps:
+            self._jump()
         key = hash(np.packbits(self._contact).tobytes())
         if key in self._seen:  # decided on too rough a solution, or really going round in circles
             self._inner *= 0.1
             self._seen.clear()
             self.frozen = self._inner < 1e-7
         self._seen.add(key)
-        self._full_pressure[self._nodes] = self._pressure
-        self._full_pressure[dropped] = 0
+        kept = self._contact[self._nodes] & (self._pressure >= 0)
+        self._full_pressure[self._nodes] = np.where(kept, self._pressure, 0.0)
         self._take_set()
-        if dropped.size:
+        if not kept.all():
             self._find_response()
         return True
+
+    def _jump(self) -> None:
+        """Move ends that are two nodes off or more to where the pressure there says that they belong."""
+        assert self._patches is not None
+        self._jumps -= 1
+        patches, moves = self._patches, edge_moves(self._patches, self._pressure)
+        for side, patch in zip(*np.nonzero(np.abs(moves) > 1), strict=True):
+            move = int(moves[side, patch])
+            outside = np.arange(min(move, 0), max(move, 0))  # in steps into the patch
+            end, inward = (patches.first[patch], 1) if side == 0 else (patches.last[patch], -1)
+            nearby = np.arange(-2 * abs(move), 0)
+            self._contact[(end + inward * nearby) % self._num_points] = False
+            self._contact[(end + inward * outside) % self._num_points] = move < 0
 
     @property
     def displacement(self) -> Array64:

@@ -27,6 +27,8 @@ Array64 = NDArray[np.float64]
 
 LONGEST_DENSE = 256  # nodes; the factor of longer patches costs more than short transforms
 
+_FEW = 8  # patches that do not make the dense factor worth its while
+
 
 def inverse_cholesky(column: Array64, order: int) -> Array64:
     """Lower triangular R with (R_m)' R_m = T_m^-1 for every leading block T_m, m <= order, of a Toeplitz matrix T.
@@ -180,7 +182,7 @@ class PatchDeflation:
     def __init__(self, green: GreensFunction, patches: Patches, previous: "PatchDeflation | None" = None) -> None:
         """`previous`: of a similar set, whose coarse inverse serves again if the patches are as many."""
         self.patches, self._green = patches, green
-        dense = 0 if patches.full else LONGEST_DENSE
+        dense = 0 if patches.full else LONGEST_DENSE if patches.count > _FEW else LONGEST_DENSE // 4
         self._long = {p: LongPatch(green, int(patches.size[p])) for p in _indices(patches.size > dense)}
         self._blocks = list(self._dense_blocks(green))
         self._build, self._borders, self._factor = 0, np.zeros(0), np.ones((1, 1))

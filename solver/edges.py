@@ -104,12 +104,12 @@ def edge_offset(pressures: Array64) -> tuple[Array64, Array64]:
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         low, middle, high = curve.rows @ pressures.T
         theta = -2 * low / middle
-        for _ in range(5):  # -theta middle/2 - 3/8 theta^2 high = low
+        for _ in range(3):  # -theta middle/2 - 3/8 theta^2 high = low
             theta = -2 * low / (middle + 0.75 * theta * high)
         ratio = pressures[:, 0] / pressures[:, 1]
         two = curve.table[0] - ratio * curve.table[1]
         two = two / (two + ratio * curve.table[0]) - curve.shift
-    two = np.clip(np.nan_to_num(two, nan=0.5 - curve.shift), -curve.shift, 1 - curve.shift)
+    two = np.clip(np.where(np.isfinite(two), two, 0.5 - curve.shift), -curve.shift, 1 - curve.shift)
     theta = np.clip(np.where(np.isfinite(theta), theta, two), -curve.shift, 1 - curve.shift)
     # two estimates far apart: the patch is too small for a third family
     return np.where(np.abs(theta - two) < 0.15, theta, two), two
@@ -147,15 +147,37 @@ def find_edges(patches: Patches, pressure: Array64, thickness: float = math.inf)
     steps = np.minimum(inward, patches.size[:, None] - 1)
     left = pressure[patches.offset[:, None] + steps]
     right = pressure[(patches.offset + patches.size - 1)[:, None] - steps]
+    ends = np.stack([left, right])
     away = patches.size[:, None] - 1 - inward
     theta = np.full((2, m), 0.5 - curve.shift)
-    two = theta.copy()
-    for _ in range(4):
-        across = np.array([edge_function((end + curve.shift)[:, None], away) for end in theta])
-        scale = np.maximum(across, 1e-3)
-        (theta[0], two[0]), (theta[1], two[1]) = edge_offset(left / scale[1]), edge_offset(right / scale[0])
+    for _ in range(3):
+        across = np.maximum(edge_function((theta + curve.shift)[::-1, :, None], away), 1e-3)
+        theta, two = (t.reshape(2, m) for t in edge_offset((ends / across).reshape(2 * m, 3)))
     counted = patches.size < COUNTED_BELOW
     outside = np.where(counted, 0.5, -theta)
-    fitted = 0.3 * np.abs(theta - two) + 0.3 / patches.size + 10.0 / patches.size**2 + 0.1 / thickness
+    fitted = (
+        0.3 * np.abs(theta - two) + 0.3 / patches.size + 10.0 / patches.size**2 + 0.1 / thickness + 0.5 / thickness**2
+    )
     each = np.where(counted, 0.5, np.minimum(fitted, 0.5))
     return Edges(patches.first - outside[0], patches.last + outside[1], np.hypot(*each), counted)
+
+
+def edge_moves(patches: Patches, pressure: Array64) -> Indices:
+    """Nodes by which a wrong contact is too large (> 0) or too small (< 0) at the ends of its patches, shape (2, M).
+
+    On a wrong set the edge is still A S_j + B (S_j - S_(j-1)), only that beta = -B/A is not between 0 and 1; its whole
+    part is the number of nodes. At most half a patch; 0 for patches of fewer than five nodes.
+    """
+    table = edge_curve().table
+    limit = np.where(patches.size < 5, 0, patches.size // 2)
+    last = patches.offset + patches.size - 1
+    inner = np.minimum(patches.size - 1, 1)
+    ends, next_to = (
+        pressure[np.stack([patches.offset, last])],
+        pressure[np.stack([patches.offset + inner, last - inner])],
+    )
+    drop = next_to * table[0] - ends * table[1]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        beta = drop / (drop + ends * table[0])
+    beta = np.where(np.isfinite(beta), beta, 0.0)
+    return np.clip(np.floor(beta), -limit, limit).astype(np.int64)

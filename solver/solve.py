@@ -36,6 +36,7 @@ METHODS = tuple(_METHODS)
 
 _BYTES_PER_POINT = 220  # at the peak; measured: 130 (plain FIRE, float32) to 210 (active set, float64)
 
+_SMALLEST_WARP = 2**13  # points; smaller coarse grids run on the twins
 _COARSE_TOLERANCE, _COARSE_SLACK = 1e-3, 0.1  # a coarser grid is wrong by more than that anyway
 
 DEFAULT_MAX_ITERATIONS = {"active-set": 2_000, "mass-weighted-fire": 20_000, "fire": 200_000}
@@ -231,7 +232,9 @@ class _Run:
         self, problem: Problem, tolerance: float, method: type[ActiveSet] | type[Fire] | None = None
     ) -> Method:
         transforms = Transforms(problem.num_points, self.scene.precision, self.threads, self.planning)
-        return (method or self.method)(problem, transforms, tolerance, self.backend)
+        # recording Warp's launches takes longer than a coarse grid's few passes
+        backend = self.backend if problem.num_points >= min(_SMALLEST_WARP, self.scene.num_points) else "numpy"
+        return (method or self.method)(problem, transforms, tolerance, backend)
 
     def _relax(self, state: Method) -> Status:
         """Relax, and add what it took to the account."""

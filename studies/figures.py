@@ -104,19 +104,22 @@ def _hertz_ratio(study: store.StudyFile) -> Figure:
 def _hertz_accuracy(study: store.StudyFile) -> Figure:
     """Errors of area (in grid spacings) and peak pressure against the oracle, over d/a_r."""
     figure: Figure
-    figure, panels = plt.subplots(2, 1, figsize=(5.2, 4.6), sharex=True)
+    figure, panels = plt.subplots(3, 1, figsize=(5.2, 6.2), sharex=True)
     t = study.column("reduced_thickness")
     points = study.configuration["num_points"]
-    area = (study.column("contact_area") - study.column("oracle.contact_area")) * points
+    exact = study.column("oracle.contact_area")
+    counted = (study.column("contact_area") - exact) * points
+    subgrid = np.abs(study.column("contact_area_subgrid") - exact) * points
     peak = np.abs(study.column("peak_pressure") / study.column("oracle.peak_pressure") - 1)
     nus = study.column("scene.poisson_ratio")
     for nu, colour, marker in zip(sorted(set(nus)), cycle(_COLOURS), cycle(_MARKERS), strict=False):
-        panels[0].plot(t[nus == nu], area[nus == nu], marker, ms=4.5, color=colour, label=rf"$\nu={nu:g}$")
-        panels[1].plot(t[nus == nu], peak[nus == nu], marker, ms=4.5, color=colour)
+        for panel, values in zip(panels, (counted, subgrid, peak), strict=True):
+            panel.plot(t[nus == nu], values[nus == nu], marker, ms=4.5, color=colour, label=rf"$\nu={nu:g}$")
     panels[0].axhline(0, color="k", lw=0.6)
     panels[0].set(xscale="log", ylim=(-2, 2), ylabel="counted $a_r$ minus oracle\n[grid spacings]")
     panels[0].legend(fontsize=7, ncols=6, loc="upper center", columnspacing=1, handletextpad=0.2)
-    panels[1].set(
+    panels[1].set(yscale="log", ylabel="|sub-grid $a_r$ minus oracle|\n[grid spacings]")
+    panels[2].set(
         yscale="log",
         xlabel=r"reduced thickness $d/a_r$ ($L=1$, dimensionless)",
         ylabel="|peak pressure error|\n(relative)",
@@ -125,22 +128,25 @@ def _hertz_accuracy(study: store.StudyFile) -> Figure:
 
 
 def _iterations(path: Path) -> dict[str, Figure]:
-    """Iterations to the tolerance over N, for plain and mass-weighted FIRE."""
+    """Transform pairs, and seconds per point, over N for every method."""
     study = store.load_study(path)
-    figure, axes = plt.subplots(figsize=(5.2, 3.6))
-    methods, n = study.column("method"), study.column("scene.num_points")
-    for method, colour, marker in (("fire", _COLOURS[3], "s"), ("mass-weighted-fire", _COLOURS[0], "o")):
-        chosen = methods == method
-        if not chosen.any():
-            continue
-        sizes, counts = n[chosen], study.column("iterations")[chosen]
-        axes.plot(sizes, counts, marker + "-", ms=4.5, lw=0.9, color=colour, label=method)
+    if not study.runs:
+        raise store.StoreError(f"file {path} holds no finished run yet")
+    figure, panels = plt.subplots(2, 1, figsize=(5.2, 5.4), sharex=True)
+    kinds = sorted(set(zip(study.column("name").tolist(), study.column("method").tolist(), strict=True)))
+    for (name, method), colour, marker in zip(kinds, cycle(_COLOURS), cycle(_MARKERS), strict=False):
+        runs = study.select("name", name).select("method", method)
+        n, pairs = runs.column("scene.num_points"), runs.column("transform_pairs")
+        label = f"{method}, {name}"
+        panels[0].plot(n, pairs, marker + "-", ms=4.5, lw=0.9, color=colour, label=label)
+        panels[1].plot(n, runs.column("seconds.solve") / n * 1e6, marker + "-", ms=4.5, lw=0.9, color=colour)
         if method == "fire":
-            axes.plot(sizes, counts[0] * np.sqrt(sizes / sizes[0]), "--", color=colour, lw=0.7, label=r"$\sqrt{N}$")
-    axes.set(xscale="log", yscale="log", xlabel="grid points $N$", ylabel="iterations (dimensionless)")
-    axes.set_xscale("log", base=2)
-    axes.set_title(f"Hertz on the half-space, residual {study.configuration['tolerance']:g}")
-    axes.legend(fontsize=8)
+            panels[0].plot(n, pairs[0] * np.sqrt(n / n[0]), "--", color=colour, lw=0.7, label=r"$\sqrt{N}$")
+    panels[0].set(yscale="log", ylabel="transform pairs (dimensionless)")
+    panels[0].set_title(f"Half-space, residual {study.configuration['tolerance']:g}")
+    panels[0].legend(fontsize=7)
+    panels[1].set(yscale="log", xlabel="grid points $N$", ylabel=r"solving time per point [$\mu$s]")
+    panels[1].set_xscale("log", base=2)
     return {"": figure}
 
 
@@ -171,7 +177,7 @@ def _title(attributes: dict[str, Any]) -> str:
     thickness = float(attributes["scene.thickness"])
     return (
         f"d = {thickness:.4g} [length], nu = {attributes['scene.poisson_ratio']:g}, "
-        f"a_r = {attributes['contact_area']:.6g}, {attributes['status']}"
+        f"a_r = {attributes['contact_area_subgrid']:.6g}, {attributes['status']}"
     )
 
 

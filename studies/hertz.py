@@ -3,8 +3,7 @@ thickness.
 
     python -m linecontact.studies.hertz [--quick] [--folder FOLDER]
 
-n = 2, p = 2e-3 E*, R = L = E* = 1. Each Poisson's ratio is a chain of runs from thick to thin; every run starts from
-its thicker neighbour's displacement. The thicknesses are those at which the collocation oracle finds the wanted d/a_r,
+n = 2, p = 2e-3 E*, R = L = E* = 1. The thicknesses are those at which the collocation oracle finds the wanted d/a_r,
 and the oracle's area and peak pressure are stored beside each run's.
 """
 
@@ -51,7 +50,7 @@ class Configuration:
     poisson_ratios: tuple[float, ...] = (0.0, 0.25, 0.4, 0.45, 0.49, 0.5)
     reduced_thicknesses: tuple[float, ...] = tuple(round(float(t), 6) for t in np.geomspace(4, 0.008, 13))
     tolerance: float = 1e-8
-    method: str = "mass-weighted-fire"
+    method: str = "active-set"
     line_points: int = 30
 
 
@@ -60,28 +59,18 @@ QUICK = Configuration(num_points=2**12, reduced_thicknesses=Configuration.reduce
 
 @dataclass(frozen=True)
 class Task:
-    """One run of a chain."""
+    """One run: a Poisson's ratio and a place in the list of reduced thicknesses."""
 
     configuration: Configuration
     poisson_ratio: float
     index: int
 
-    @property
-    def chain(self) -> str:
-        return f"nu={self.poisson_ratio:g}"
-
-    @property
-    def next(self) -> "Task | None":
-        """The thinner neighbour."""
-        last = self.index + 1 == len(self.configuration.reduced_thicknesses)
-        return None if last else Task(self.configuration, self.poisson_ratio, self.index + 1)
-
 
 _reports: Any = None  # queue to the parent, set in every worker
 
 
-def run_task(task: Task, initial: Array64 | None) -> tuple[Task, dict[str, Any], Array64]:
-    """Solve one task; returns its flat record and the displacement, shape (N,) [length]."""
+def run_task(task: Task) -> tuple[Task, dict[str, Any]]:
+    """Solve one task; returns its flat record."""
     c = task.configuration
     wanted = c.reduced_thicknesses[task.index]
     thickness, exact = collocation.solve_reduced_thickness(c.pressure, EXPONENT, RADIUS, wanted, task.poisson_ratio)
@@ -89,18 +78,17 @@ def run_task(task: Task, initial: Array64 | None) -> tuple[Task, dict[str, Any],
 
     def report(iteration: int, residual: float) -> None:
         if _reports is not None:
-            _reports.put((task.chain, wanted, iteration, residual))
+            _reports.put((task.poisson_ratio, wanted, iteration, residual))
 
-    solution = solve(scene, method=c.method, tolerance=c.tolerance, initial=initial, progress=report)
-    record = store.flatten(solution.to_dict())
-    record |= {
+    solution = solve(scene, method=c.method, tolerance=c.tolerance, progress=report)
+    record = store.run_record(solution) | {
         "index": task.index,
         "oracle.contact_area": exact.contact_area,
         "oracle.peak_pressure": exact.peak_pressure,
         "oracle.approach": exact.approach,
         "oracle.kappa_ratio": exact.kappa_ratio,
     }
-    return task, record, solution.displacement
+    return task, record
 
 
 def oracle_line(configuration: Configuration, poisson_ratio: float) -> tuple[str, dict[str, Array64]]:
@@ -166,9 +154,9 @@ def run(study: store.StudyFile, configuration: Configuration, path: Path, worker
     pool = ProcessPoolExecutor(workers, context, _start_worker, (reports,))
     try:
         with _worker_settings():
-            waiting = _submit_first(study, configuration, pool)
+            waiting = _submit(study, configuration, pool)
         with _flag_for_ctrl_c() as interrupted:
-            _drive(study, configuration, path, pool, waiting, reports, interrupted)
+            _drive(study, configuration, path, waiting, reports, interrupted)
     except BaseException as error:
         for process in set(multiprocessing.active_children()) - others:
             process.terminate()
@@ -177,50 +165,32 @@ def run(study: store.StudyFile, configuration: Configuration, path: Path, worker
         raise
     finally:
         pool.shutdown(wait=True, cancel_futures=True)
-    study.checkpoints.clear()
     study.complete = True
     store.save_study(path, study)
 
 
-def open_study(configuration: Configuration, path: Path, anew: bool = False) -> store.StudyFile:
-    """The study in `path`, or an empty one. Raises `store.StoreError` for a file of another study or configuration."""
-    wanted = _json_ready(asdict(configuration))
-    if anew or not path.exists():
-        return store.StudyFile(KIND, wanted)
-    study = store.load_study(path)
-    if study.kind != KIND or study.configuration != wanted:
-        raise store.StoreError(
-            f"file {path} holds another study or configuration; allowed: --overwrite, or a new --folder"
-        )
-    return study
-
-
-def _json_ready(configuration: dict[str, Any]) -> dict[str, Any]:
-    return {name: list(value) if isinstance(value, tuple) else value for name, value in configuration.items()}
-
-
-def _submit_first(study: store.StudyFile, configuration: Configuration, pool: ProcessPoolExecutor) -> set[Future[Any]]:
-    """The next run of every chain, and the oracle's lines."""
+def _submit(study: store.StudyFile, configuration: Configuration, pool: ProcessPoolExecutor) -> set[Future[Any]]:
+    """Every run and every line of the oracle that `study` does not hold yet."""
+    done = {(run["scene.poisson_ratio"], run["index"]) for run in study.runs}
     waiting: set[Future[Any]] = set()
-    for poisson_ratio in reversed(configuration.poisson_ratios):  # the incompressible chain is the longest
-        done = study.select("scene.poisson_ratio", poisson_ratio).runs
-        task = Task(configuration, poisson_ratio, len(done) - 1).next
-        if task:
-            waiting.add(pool.submit(run_task, task, study.checkpoints.get(task.chain)))
-    lines = [nu for nu in configuration.poisson_ratios if f"nu={nu:g}" not in study.lines]
-    return waiting | {pool.submit(oracle_line, configuration, nu) for nu in lines}
+    for nu in configuration.poisson_ratios:
+        for index in range(len(configuration.reduced_thicknesses)):
+            if (nu, index) not in done:
+                waiting.add(pool.submit(run_task, Task(configuration, nu, index)))
+        if f"nu={nu:g}" not in study.lines:
+            waiting.add(pool.submit(oracle_line, configuration, nu))
+    return waiting
 
 
 def _drive(
     study: store.StudyFile,
     configuration: Configuration,
     path: Path,
-    pool: ProcessPoolExecutor,
     waiting: set[Future[Any]],
     reports: Any,
     interrupted: threading.Event,
 ) -> None:
-    """Keep one run of every chain in the pool; store each result as it comes."""
+    """Store each result as it comes."""
     total = len(configuration.poisson_ratios) * len(configuration.reduced_thicknesses)
     already = len(study.runs)
     with console.Bar(f"Hertz study, {configuration.num_points} points") as progress:
@@ -229,9 +199,7 @@ def _drive(
             for future in finished:
                 result = future.result()
                 if isinstance(result[0], Task):
-                    follower = _keep(study, path, *result)
-                    if follower:
-                        waiting.add(pool.submit(run_task, follower, result[2]))
+                    _keep(study, path, *result)
                 else:
                     study.lines[result[0]] = result[1]
             share = (len(study.runs) - already) / max(1, total - already)
@@ -240,21 +208,18 @@ def _drive(
                 raise KeyboardInterrupt
 
 
-def _keep(study: store.StudyFile, path: Path, task: Task, record: dict[str, Any], displacement: Array64) -> Task | None:
+def _keep(study: store.StudyFile, path: Path, task: Task, record: dict[str, Any]) -> None:
     study.runs.append(record)
-    study.checkpoints[task.chain] = displacement
-    if task.next is None:
-        del study.checkpoints[task.chain]
+    study.runs.sort(key=lambda run: (run["scene.poisson_ratio"], run["index"]))
     store.save_study(path, study)
-    return task.next
 
 
 def _latest(reports: Any) -> str:
     text = ""
     try:
         while True:
-            chain, wanted, iteration, residual = reports.get_nowait()
-            text = f", {chain}, d/a_r = {wanted:.3g}: iteration {iteration}, residual {residual:.1e}"
+            nu, wanted, iteration, residual = reports.get_nowait()
+            text = f", nu={nu:g}, d/a_r = {wanted:.3g}: iteration {iteration}, residual {residual:.1e}"
     except queue.Empty:
         return text
 
@@ -266,12 +231,13 @@ def summary(study: store.StudyFile) -> Table:
         box=box.SIMPLE,
         pad_edge=False,
         title=f"Hertz study, {points} points, p = {study.configuration['pressure']:g} E*, against the oracle",
-        caption="ok: runs certified; a_r err: largest |error| in grid spacings; peak err: largest |relative error| of "
-        "the peak pressure; y = (kappa_d/kappa_inf)/(d/a_r) at the least d/a_r, beside the thin-layer limit to first "
-        "and second order; pairs: transforms in all; s: seconds of solving in all. All but s dimensionless.",
+        caption="ok: runs certified; count, sub-grid: largest |error| of a_r in grid spacings, nodes counted and "
+        "between sub-grid edges; peak err: largest |relative error| of the peak pressure; y = "
+        "(kappa_d/kappa_inf)/(d/a_r) at the least d/a_r, beside the thin-layer limit to first and second order; "
+        "pairs: transforms in all; s: seconds of solving in all. All but s dimensionless.",
         caption_justify="left",
     )
-    headings = ("nu", "ok", "a_r\nerr", "peak\nerr", "least\nd/a_r", "y", "y/1st\n- 1", "y/2nd\n- 1")
+    headings = ("nu", "ok", "count", "sub-\ngrid", "peak\nerr", "y", "y/1st\n- 1", "y/2nd\n- 1")
     for heading in (*headings, "pairs", "s"):
         table.add_column(heading, justify="right", no_wrap=True)
     for nu in sorted(set(study.column("scene.poisson_ratio"))):
@@ -281,13 +247,14 @@ def summary(study: store.StudyFile) -> Table:
         limit = closed_forms.thin_layer_kappa_ratio(EXPONENT, nu, t[thin])
         second = closed_forms.thin_layer_kappa_ratio(EXPONENT, nu, t[thin], closed_forms.edge_shift(nu))
         area = np.abs(part.column("contact_area") - part.column("oracle.contact_area")) * points
+        subgrid = np.abs(part.column("contact_area_subgrid") - part.column("oracle.contact_area")) * points
         peak = np.abs(part.column("peak_pressure") / part.column("oracle.peak_pressure") - 1)
         table.add_row(
             f"{nu:g}",
             f"{np.sum(part.column('status') == 'converged')}/{len(part.runs)}",
             f"{area.max():.2f}",
+            f"{subgrid.max():.1g}",
             f"{peak.max():.0e}",
-            f"{t[thin]:.4f}",
             f"{ratio[thin] / t[thin]:.4g}",
             f"{ratio[thin] / limit - 1:+.0e}",
             f"{ratio[thin] / second - 1:+.0e}",
@@ -325,7 +292,7 @@ def command(options: Options) -> int:
     path = folder / "hertz.h5"
     store.check_target(path, overwrite=True)
     begin = time.perf_counter()
-    study = open_study(configuration, path, anew=options.overwrite)
+    study = store.open_study(KIND, asdict(configuration), path, options.overwrite)
     computed = not study.complete
     if computed and study.runs:
         console.errors.print(f"continuing: {len(study.runs)} runs are done", highlight=False)

@@ -2,12 +2,12 @@
 
 A solution file holds the datasets x, profile, displacement and contact_pressure, and everything that the command line's
 JSON holds as attributes (nested names joined by dots). A study file holds one dataset per scalar under /runs,
-certificate and provenance included, with one value per run; the study's configuration as an attribute; and, while it
-is unfinished, the displacements that the next runs start from under /checkpoints.
+certificate and provenance included, with one value per run; and the study's configuration as an attribute.
 """
 
 import contextlib
 import json
+import math
 import os
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
@@ -122,6 +122,11 @@ def flatten(record: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
     return flat
 
 
+def run_record(solution: Solution) -> dict[str, Any]:
+    """Flat record of a study's run: the JSON without the coarser grids, which differ in number."""
+    return flatten({name: value for name, value in solution.to_dict().items() if name != "levels"})
+
+
 def save_solution(path: Path, solution: Solution) -> None:
     """Write one solution; an existing file is replaced."""
     fields = {
@@ -155,13 +160,12 @@ class StudyFile:
     """Contents of a study file.
 
     kind: the study's name; configuration: what the user chose, JSON-ready; runs: one flat record per finished run;
-    checkpoints: displacements by chain, shape (N,); lines: reference curves by name, columns by name; complete: done.
+    lines: reference curves by name, columns by name; complete: done.
     """
 
     kind: str
     configuration: dict[str, Any]
     runs: list[dict[str, Any]] = field(default_factory=list)
-    checkpoints: dict[str, NDArray[np.float64]] = field(default_factory=dict)
     lines: dict[str, dict[str, NDArray[np.float64]]] = field(default_factory=dict)
     complete: bool = False
 
@@ -172,7 +176,18 @@ class StudyFile:
     def select(self, name: str, value: Any) -> "StudyFile":
         """The same study with only the runs whose `name` is `value`."""
         runs = [run for run in self.runs if run[name] == value]
-        return StudyFile(self.kind, self.configuration, runs, {}, self.lines)
+        return StudyFile(self.kind, self.configuration, runs, self.lines)
+
+
+def open_study(kind: str, configuration: Mapping[str, Any], path: Path, anew: bool = False) -> StudyFile:
+    """The study in `path`, or an empty one. Raises `StoreError` for a file of another study or configuration."""
+    wanted = {name: list(value) if isinstance(value, tuple) else value for name, value in configuration.items()}
+    if anew or not path.exists():
+        return StudyFile(kind, wanted)
+    study = load_study(path)
+    if study.kind != kind or study.configuration != wanted:
+        raise StoreError(f"file {path} holds another study or configuration; allowed: --overwrite, or a new --folder")
+    return study
 
 
 def save_study(path: Path, study: StudyFile) -> None:
@@ -182,18 +197,22 @@ def save_study(path: Path, study: StudyFile) -> None:
         file.attrs["configuration"] = json.dumps(study.configuration)
         file.attrs["complete"] = study.complete
         file.create_group("runs")
-        for name in study.runs[0] if study.runs else ():
-            _write_column(file["runs"], name, [run[name] for run in study.runs])
-        for chain, displacement in study.checkpoints.items():
-            file[f"checkpoints/{chain}"] = displacement
+        names = dict.fromkeys(name for run in study.runs for name in run)
+        for name in names:  # what a run does not have is nan, or an empty text
+            some = next(run[name] for run in study.runs if name in run)
+            _write_column(file["runs"], name, [run.get(name, "" if _is_text(some) else math.nan) for run in study.runs])
         for line, columns in study.lines.items():
             for name, values in columns.items():
                 file[f"lines/{line}/{name}"] = values
 
 
+def _is_text(value: Any) -> bool:
+    return isinstance(value, str) and value not in ("inf", "-inf", "nan")
+
+
 def _write_column(group: h5py.Group, name: str, values: Sequence[Any]) -> None:
     """One value per run: text as text, numbers (infinities among them, 'inf' in JSON) as numbers with a unit."""
-    if any(isinstance(value, str) and value not in ("inf", "-inf", "nan") for value in values):
+    if any(_is_text(value) for value in values):
         group.create_dataset(name, data=list(values), dtype=h5py.string_dtype())
         return
     whole = all(isinstance(value, int) for value in values)
@@ -211,7 +230,6 @@ def load_study(path: Path) -> StudyFile:
             kind=str(file.attrs["kind"]),
             configuration=json.loads(file.attrs["configuration"]),
             runs=[{name: values[i] for name, values in columns.items()} for i in range(length)],
-            checkpoints={name: data[:] for name, data in file.get("checkpoints", {}).items()},
             lines={line: {n: data[:] for n, data in group.items()} for line, group in lines.items()},
             complete=bool(file.attrs["complete"]),
         )
