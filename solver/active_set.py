@@ -205,6 +205,8 @@ class ActiveSet:
         self._contact[new] = True
         if self._jumps:
             self._jump()
+        if not self._contact.any():
+            self._contact[self._nodes[np.argmax(self._pressure)]] = True
         key = hash(np.packbits(self._contact).tobytes())
         if key in self._seen:  # decided on too rough a solution, or really going round in circles
             self._inner *= 0.1

@@ -26,7 +26,7 @@ from linecontact.solver import (
 from rich.console import Console
 from rich.table import Table
 
-from . import console, hertz, iterations, scans, store
+from . import console, edge_curve, hertz, iterations, scans, store
 
 
 @dataclass(frozen=True)
@@ -109,7 +109,8 @@ class Study:
 
     study: Annotated[
         Annotated[hertz.Options, tyro.conf.subcommand("hertz")]
-        | Annotated[iterations.Options, tyro.conf.subcommand("iterations")],
+        | Annotated[iterations.Options, tyro.conf.subcommand("iterations")]
+        | Annotated[edge_curve.Options, tyro.conf.subcommand("edge-curve")],
         tyro.conf.arg(name=""),
     ]
 
@@ -281,6 +282,8 @@ def main(arguments: list[str] | None = None) -> int:
     study = command.study
     if isinstance(study, hertz.Options):
         return console.guard(lambda: hertz.command(study))
+    if isinstance(study, edge_curve.Options):
+        return console.guard(lambda: edge_curve.command(study))
     return console.guard(lambda: iterations.command(study))
 
 

@@ -9,7 +9,7 @@ import matplotlib
 matplotlib.use("Agg")
 
 import numpy as np
-from linecontact.solver import closed_forms
+from linecontact.solver import closed_forms, edges
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
@@ -105,6 +105,7 @@ def _hertz_accuracy(study: store.StudyFile) -> Figure:
     """Errors of area (in grid spacings) and peak pressure against the oracle, over d/a_r."""
     figure: Figure
     figure, panels = plt.subplots(3, 1, figsize=(5.2, 6.2), sharex=True)
+    figure.subplots_adjust(bottom=0.08, top=0.97)
     t = study.column("reduced_thickness")
     points = study.configuration["num_points"]
     exact = study.column("oracle.contact_area")
@@ -150,6 +151,31 @@ def _iterations(path: Path) -> dict[str, Figure]:
     return {"": figure}
 
 
+def _edge_curve(path: Path) -> dict[str, Figure]:
+    """The universal edge curve with the measured places, and their distance from it."""
+    study = store.load_study(path)
+    figure, panels = plt.subplots(2, 1, figsize=(5.2, 5.0), sharex=True)
+    ratio = np.linspace(1e-3, edges.edge_curve().table[0] / edges.edge_curve().table[1], 200)
+    pressures = np.stack([ratio, np.ones_like(ratio), np.ones_like(ratio)], axis=1)
+    panels[0].plot(ratio, edges.edge_offset(pressures)[1], "k-", lw=0.9, label="closed form (Wiener-Hopf)")
+    scenes = [tuple(run[f"scene.{n}"] for n in ("exponent", "thickness", "poisson_ratio")) for run in study.runs]
+    for scene, colour, marker in zip(dict.fromkeys(scenes), cycle(_COLOURS), cycle(_MARKERS), strict=False):
+        chosen = np.array([s == scene for s in scenes])
+        x, offset = study.column("ratio")[chosen], study.column("offset")[chosen]
+        label = f"$n={scene[0]:g}$, $d/L={float(scene[1]):g}$, $\\nu={scene[2]:g}$"
+        panels[0].plot(x, offset, marker, ms=4, color=colour, label=label)
+        for nodes, fill in (("two", "none"), ("three", colour)):
+            error = np.abs(study.column(f"offset.{nodes}_nodes")[chosen] - offset)
+            panels[1].plot(x, error, marker, ms=4, color=colour, mfc=fill)
+    panels[0].set(ylabel="edge inside the last node\n[grid spacings]")
+    panels[0].legend(fontsize=7)
+    panels[1].plot([], [], "ks", ms=4, mfc="none", label="from two nodes")
+    panels[1].plot([], [], "ks", ms=4, label="from three nodes")
+    panels[1].legend(fontsize=7)
+    panels[1].set(yscale="log", xlabel="ratio of the last two nodal pressures", ylabel="|error| [grid spacings]")
+    return {"": figure}
+
+
 def _solution(path: Path) -> dict[str, Figure]:
     """Profile, displaced surface and contact pressure over x; the contact region enlarged."""
     fields, attributes = store.load_solution(path)
@@ -181,4 +207,4 @@ def _title(attributes: dict[str, Any]) -> str:
     )
 
 
-_DRAWINGS = {"hertz": _hertz, "iterations": _iterations, "solution": _solution}
+_DRAWINGS = {"hertz": _hertz, "iterations": _iterations, "edge-curve": _edge_curve, "solution": _solution}
