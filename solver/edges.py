@@ -5,7 +5,7 @@ discrete problem K u + sigma = p, u <= h there has the symbol |q|, |q| <= pi, an
 function of the distance. The Wiener-Hopf factors of the symbol give it in closed form: with |q| = c_+(z) c_+(1/z)
 |1 - z|, z = exp(iq), and the contact on the nodes j >= 0,
 
-    sum_j sigma_j z^j = c_+(z) sum_m a_m (1-z)^-(m+1/2),   ln c_+(z) = sum_k (l_k/2) z^k,
+    sum_j sigma_j z^j = c_+(z) sum_m a_m (1-z)^-(m+1/2),   ln c_+(z) = l_0/4 + sum_k>0 (l_k/2) z^k,
     l_k = (2/pi) int_0^pi ln[(q/2)/sin(q/2)] cos(kq) dq.
 
 m = 0 and 1 are the universal edge: sigma_j = A [(1-beta) S_j + beta S_(j-1)], S_j the coefficients of c_+(z)

@@ -1,0 +1,290 @@
+"""The active set: its parts against dense algebra, all methods against one another, and the ends of the search."""
+
+import itertools
+import math
+import time
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from linecontact.solver import (
+    METHODS,
+    Layer,
+    MeasuredIndenter,
+    PowerIndenter,
+    RoughIndenter,
+    Scene,
+    Status,
+    certify,
+    deflation,
+    solve,
+)
+from linecontact.solver.active_set import ActiveSet
+from linecontact.solver.patches import Patches
+from linecontact.solver.problem import Problem
+from linecontact.solver.stiffness import stiffness
+from linecontact.solver.transforms import Transforms
+
+
+def contact_map(n, *runs):
+    contact = np.zeros(n, dtype=bool)
+    for start, length in runs:
+        contact[np.arange(start, start + length) % n] = True
+    return contact
+
+
+PATCHES = contact_map(512, (505, 12), (40, 3), (50, 1), (60, 100), (200, 35), (300, 7), (309, 5))
+
+
+def dense(n, d, nu):
+    """G without the mean mode, shape (n, n)."""
+    k = stiffness(n, d, nu)
+    column = np.fft.irfft(np.append(0, 1 / k[1:]), n)
+    return column[(np.arange(n)[:, None] - np.arange(n)) % n]
+
+
+LAYERS = [(math.inf, 0.25), (0.01, 0.25), (1e-4, 0.0), (0.02, 0.5)]
+
+
+@pytest.mark.parametrize(("d", "nu"), LAYERS)
+def test_coarse_matrix_against_the_triple_product(d, nu):
+    patches, n = Patches.of(PATCHES), PATCHES.size
+    z = np.zeros((n, patches.count))
+    z[patches.nodes, patches.label] = 1
+    expected = z.T @ dense(n, d, nu) @ z
+    found = deflation.GreensFunction(stiffness(n, d, nu)).patch_sums(patches)
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-13 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize(("d", "nu"), LAYERS)
+def test_one_factor_inverts_every_patch(d, nu):
+    green = dense(512, d, nu)
+    factor = deflation.inverse_cholesky(green[0], 100)
+    for m in (1, 2, 17, 100):
+        inverse = factor[:m, :m].T @ factor[:m, :m]
+        np.testing.assert_allclose(inverse @ green[:m, :m], np.eye(m), atol=1e-9)
+
+
+@pytest.mark.parametrize("longest", [256, 16])
+@pytest.mark.parametrize("unknowns", [100, 3])
+@pytest.mark.parametrize(("d", "nu"), LAYERS)
+def test_preconditioner(d, nu, unknowns, longest, monkeypatch):
+    """Symmetric, positive on loads of zero sum, near the inverse; long patches and shared unknowns included."""
+    monkeypatch.setattr(deflation, "LONGEST_DENSE", longest)
+    monkeypatch.setattr(deflation, "_FEW", 0)
+    monkeypatch.setattr(deflation, "_unknowns", lambda n: unknowns)
+    patches = Patches.of(PATCHES)
+    m = patches.nodes.size
+    preconditioner = deflation.PatchDeflation(deflation.GreensFunction(stiffness(512, d, nu)), patches)
+    matrix = np.stack([preconditioner.apply(e) for e in np.eye(m)], axis=1)
+    size = np.abs(matrix).max()
+    np.testing.assert_allclose(matrix, matrix.T, atol=1e-9 * size)
+    np.testing.assert_allclose(matrix.sum(axis=0), 0, atol=1e-9 * size)  # keeps the load, ignores a constant
+    green = dense(512, d, nu)[np.ix_(patches.nodes, patches.nodes)]
+    values = np.sort(np.linalg.eigvals(matrix @ green).real)[1:]
+    assert values[0] > 0
+    # what deflation is for: a small condition number whatever the layer and the patches
+    assert values[-1] / values[0] < (6 if unknowns == 100 else 60)
+
+
+def test_a_coarse_inverse_serves_the_next_set():
+    green = deflation.GreensFunction(stiffness(512, 0.1, 0.25))
+    first = deflation.PatchDeflation(green, Patches.of(PATCHES))
+    moved = PATCHES.copy()
+    moved[[63, 62, 61, 60, 504]] = [False, False, False, False, True]
+    second = deflation.PatchDeflation(green, Patches.of(moved), first)
+    assert second._factor is first._factor
+    z = second.apply(np.random.default_rng(0).standard_normal(int(moved.sum())))
+    assert abs(z.sum()) < 1e-9 * np.abs(z).max()
+    more = deflation.PatchDeflation(green, Patches.of(moved | contact_map(512, (400, 2))), first)
+    assert more._factor is not first._factor
+
+
+def scenes():
+    """Layers of all kinds; power profiles, random roughness and random walks."""
+    layers = st.builds(
+        Layer,
+        st.one_of(st.just(math.inf), st.floats(-3, 0).map(lambda x: 10.0**x)),
+        st.floats(-0.9, 0.47),
+    )
+    rough = st.builds(RoughIndenter, st.floats(0.1, 1), st.integers(0, 99), st.just(0.25), st.floats(0.02, 0.2))
+    power = st.builds(PowerIndenter, st.floats(1.3, 5))
+    walk = st.integers(0, 99).map(
+        lambda seed: MeasuredIndenter(1e-2 * np.random.default_rng(seed).standard_normal(1024).cumsum())
+    )
+    return st.builds(
+        Scene,
+        layers,
+        st.one_of(power, rough, walk),
+        st.floats(-4, -0.5).map(lambda x: 10.0**x),
+        num_points=st.just(1024),
+    )
+
+
+@settings(max_examples=30, deadline=None)
+@given(scenes())
+def test_all_methods_agree(scene):
+    solutions = [solve(scene, method=m, nested=n) for m, n in itertools.product(METHODS[:2], (True, False))]
+    if isinstance(scene.indenter, PowerIndenter):
+        solutions.append(solve(scene, method="fire"))
+    problem = Problem.from_scene(scene)
+    for solution in solutions:
+        assert solution.status is Status.CONVERGED
+        certificate, _, _ = certify(problem, solution.displacement / problem.length_unit)
+        assert certificate.free_residual <= 1.01e-8
+        assert certificate.energy_error_bound < 1e-9
+        assert certificate.force_balance < 1e-6
+        # nodes whose pressure is nothing may count or not
+        apart = solution.contact != solutions[0].contact
+        assert (solution.contact_pressure[apart] < 1e-4 * scene.pressure).all()
+        force = solution.contact_pressure - solutions[0].contact_pressure
+        assert np.abs(force).max() < 1e-4 * scene.pressure
+        assert solution.observables.num_patches >= 1
+
+
+@pytest.mark.parametrize(("d", "nu"), [(math.inf, 0.25), (0.01, 0.25), (1e-4, -0.9), (1e-2, 0.49), (1e-3, 0.5)])
+@pytest.mark.parametrize("indenter", [PowerIndenter(), PowerIndenter(4.0), RoughIndenter(0.8, 3, 0.25, 1 / 32)])
+def test_few_pairs_without_help(d, nu, indenter):
+    """Nested, to 1e-8, not handed over, in a number of pairs that FIRE needs hundreds for."""
+    solution = solve(Scene(Layer(d, nu), indenter, 1e-2, num_points=2**12))
+    assert solution.status is Status.CONVERGED
+    assert not solution.handed_over
+    assert solution.transform_pairs < 60
+    assert solution.method == "active-set"
+
+
+def test_pairs_do_not_grow():
+    rough = RoughIndenter(0.8, 0, 1 / 8, 1 / 64)
+    for indenter, load in ((PowerIndenter(), 2e-3), (rough, 1e-2)):
+        pairs = [solve(Scene(indenter=indenter, pressure=load, num_points=n)).transform_pairs for n in (2**12, 2**16)]
+        assert pairs[1] < 1.25 * pairs[0]
+
+
+def test_backends_and_precisions():
+    scene = Scene(Layer(0.05, 0.3), num_points=2**11)
+    warp, twin = (solve(scene, backend=backend) for backend in ("warp", "numpy"))
+    np.testing.assert_array_equal(warp.contact, twin.contact)
+    np.testing.assert_allclose(warp.contact_pressure, twin.contact_pressure, atol=1e-7 * scene.pressure)
+    single = solve(Scene(Layer(0.05, 0.3), num_points=2**11, precision="float32"))
+    assert single.status is Status.CONVERGED
+    assert single.observables.contact_area_subgrid == pytest.approx(warp.observables.contact_area_subgrid, rel=1e-4)
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_nested_grids_round_fire(threads):
+    scene = Scene(indenter=RoughIndenter(0.8, 1, 0.25, 1 / 32), pressure=1e-2, num_points=2**12)
+    single, nested = (
+        solve(scene, method="mass-weighted-fire", nested=choice, threads=threads) for choice in (False, True)
+    )
+    assert nested.status is single.status is Status.CONVERGED
+    assert nested.levels
+    assert not single.levels
+    assert nested.transform_pairs < single.transform_pairs
+    assert nested.observables.contact_area == single.observables.contact_area
+
+
+def test_warm_start_from_a_displacement():
+    scene = Scene(Layer(0.1), num_points=2**12)
+    cold = solve(scene)
+    warm = solve(scene, initial=cold.displacement)
+    assert warm.iterations <= cold.iterations
+    assert not warm.levels
+    np.testing.assert_array_equal(warm.contact, cold.contact)
+    lifted = solve(scene, initial=cold.displacement - 1.0)  # touches nowhere
+    assert lifted.status is Status.CONVERGED
+
+
+@pytest.mark.parametrize("nested", [True, False])
+@pytest.mark.parametrize(
+    ("heights", "load"),
+    [
+        (np.abs(np.arange(2048) - 1024) / 2048.0, 1e-9),  # one node carries everything
+        (np.where(np.arange(2048) == 77, 0.0, 1.0), 1e-3),  # a needle
+        (np.where(np.arange(2048) % 2 == 0, 0.0, 1.0), 1e-3),  # 1024 patches of one node
+        ((np.arange(2048) // 128 % 2).astype(float), 1e-3),  # flat punches: all nodes at one height
+        (1e-3 * np.cos(2 * np.pi * np.arange(2048) / 2048), 1.0),  # full contact
+        (np.where(np.arange(2048) == 5, 0.1, np.where(np.arange(2048) == 900, 0.0, 0.01)), 10.0),  # all but one node
+        (np.random.default_rng(1).standard_normal(2048), 1.0),  # white noise, hundreds of patches
+        (np.random.default_rng(2).integers(0, 2, 2048) * 1.0, 1e-4),  # random plateaus, where sets come back
+    ],
+)
+@pytest.mark.parametrize("d", [math.inf, 0.01, 1e-5])
+def test_every_search_ends(heights, load, d, nested):
+    solution = solve(Scene(Layer(d, 0.3), MeasuredIndenter(heights), load, num_points=2048), nested=nested)
+    assert solution.status is Status.CONVERGED
+    assert solution.contact_pressure.mean() == pytest.approx(load, rel=1e-6)
+    assert (solution.displacement <= solution.scene.profile).all()
+    assert 0 < solution.observables.contact_area_subgrid <= 1
+
+
+def test_thousands_of_patches_share_unknowns():
+    heights = 1e-4 * np.random.default_rng(0).standard_normal(2**14)
+    solution = solve(Scene(indenter=MeasuredIndenter(heights), pressure=0.5, num_points=2**14), nested=False)
+    assert solution.status is Status.CONVERGED
+    assert solution.observables.num_patches > 1000
+    assert not solution.handed_over
+
+
+def test_hand_over_is_said(monkeypatch):
+    """A search that gives up leaves its last displacement to mass-weighted FIRE."""
+
+    def give_up(self):
+        self.frozen = True
+        return True
+
+    monkeypatch.setattr(ActiveSet, "_update_set", give_up)
+    solution = solve(Scene(Layer(0.1), num_points=2**10), nested=False)
+    assert solution.handed_over
+    assert solution.status is Status.CONVERGED
+    assert solution.to_dict()["handed_over"] is True
+    assert solution.transform_pairs > 20
+
+
+def test_sets_that_come_back_are_noticed():
+    """Alternating sets: decided on ever more accurate solutions, given up in the end."""
+    problem = Problem.from_scene(Scene(num_points=256))
+    state = ActiveSet(problem, Transforms(256, "float64"), 1e-8)
+    state.start_cold()
+    state.step()
+    state._jumps, state._contact[:], first = 0, False, state._contact.copy()
+    other = first.copy()
+    other[np.flatnonzero(first)[0]] = False
+    for turn in range(40):
+        state._contact[:] = first if turn % 2 else other
+        state._take_set()
+        state._find_response()
+        state._pressure[-1] = -1.0  # always one node to drop
+        state._update_set()
+        if state.frozen:
+            break
+    assert state.frozen
+    assert state._inner < 1e-6
+
+
+def test_interrupted_on_a_coarse_grid(monkeypatch):
+    def interrupt(iteration, residual):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(time, "monotonic", itertools.count().__next__)  # a report in every iteration
+    solution = solve(Scene(num_points=2**12), progress=interrupt)
+    assert solution.status is Status.INTERRUPTED
+    assert solution.displacement.shape == (2**12,)
+    assert not solution.handed_over
+
+
+def test_iteration_limit_on_a_coarse_grid():
+    solution = solve(Scene(num_points=2**12), max_iterations=3)
+    assert solution.status is Status.ITERATION_LIMIT
+    assert solution.iterations == 3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("hurst", [0.8, 0.3])
+@pytest.mark.parametrize(("d", "limit"), [(math.inf, 50), (1e-2, 50), (1e-4, 30)])
+def test_real_size_rough(hurst, d, limit):
+    solution = solve(Scene(Layer(d, 0.25), RoughIndenter(hurst, 0), 1e-2, num_points=2**18))
+    assert solution.status is Status.CONVERGED
+    assert not solution.handed_over
+    assert solution.transform_pairs < limit
+    assert abs(solution.observables.contact_area_subgrid / solution.observables.contact_area - 1) < 0.05

@@ -1,0 +1,176 @@
+"""Sub-grid edges: the closed form against measured places, areas against the oracle, and the error they claim."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from linecontact.solver import Layer, MeasuredIndenter, PowerIndenter, Scene, closed_forms, collocation, edges, solve
+from linecontact.solver.nested import grids, prolong
+from linecontact.solver.patches import Patches
+from linecontact.studies import figures, store
+
+STORED = Path(figures.__file__).parent / "results" / "edge-curve.h5"
+
+
+def test_closed_form_constants():
+    """s by the plain sum of its series, and S_j by expanding the factor on a circle: independent of the quadrature."""
+    curve = edges.edge_curve()
+    n = 2**18
+    q = np.pi * (np.arange(n) + 0.5) / n
+    half = [np.mean(np.log(q / 2 / np.sin(q / 2)) * np.cos(k * q)) for k in range(400)]  # l_k/2
+    terms = np.array([half[0] / 2, *half[1:]])
+    partial = np.cumsum(np.arange(400) * terms)
+    assert 0.75 - (partial[-1] + partial[-2]) / 2 == pytest.approx(curve.shift, abs=1e-5)  # alternating, ~ 1/k
+    z = 0.5 * np.exp(2j * np.pi * np.arange(256) / 256)
+    factor = np.exp(sum(t * z**k for k, t in enumerate(terms)))
+    families = np.fft.fft(factor * (1 - z) ** -1.5).real / 256 * 2.0 ** np.arange(256)
+    np.testing.assert_allclose(curve.table[:20], families[:20] * math.sqrt(math.pi) / 2, rtol=1e-7)
+
+
+def test_table_joins_the_square_root():
+    curve = edges.edge_curve()
+    far = np.sqrt(np.arange(curve.table.size) + curve.shift)
+    np.testing.assert_allclose(curve.table[40:], far[40:], rtol=2e-5)
+
+
+def test_exact_edges_are_recovered():
+    """Fields made of the edge families themselves: every place between the nodes comes back."""
+    beta = np.linspace(0, 1, 11)
+    pressures = np.stack([edges.edge_function(beta, np.full(11, j)) for j in range(3)], axis=1)
+    three, two = edges.edge_offset(pressures)
+    np.testing.assert_allclose(two, beta - edges.edge_curve().shift, atol=1e-12)
+    np.testing.assert_allclose(three, beta - edges.edge_curve().shift, atol=1e-12)
+
+
+def test_stored_measurement_meets_the_closed_form():
+    """High-resolution solutions, 2^15 points: the curve is universal and the closed form is it."""
+    study = store.load_study(STORED)
+    assert study.complete
+    assert (study.column("status") == "converged").all()
+    assert np.ptp(study.column("offset")) > 0.9  # all places between two nodes
+    assert len(set(zip(study.column("scene.exponent"), study.column("scene.thickness"), strict=True))) >= 5
+    for nodes, bound in (("two", 8e-4), ("three", 7e-4)):
+        assert np.abs(study.column(f"offset.{nodes}_nodes") - study.column("offset")).max() < bound
+    smooth = study.column("scene.exponent") >= 2
+    error = np.abs(study.column("offset.three_nodes") - study.column("offset"))
+    assert error[smooth].max() < 5e-5
+
+
+@pytest.mark.parametrize("n", [1.5, 2.0, 4.0])
+@pytest.mark.parametrize("d", [math.inf, 0.1, 0.03, 20 / 2**12])
+def test_area_within_a_hundredth_of_a_spacing_per_edge(n, d):
+    for load in (2e-3, 1.83e-3):
+        exact = collocation.solve_load(load, n, 1.0, d, 0.25)
+        found = solve(Scene(Layer(d, 0.25), PowerIndenter(n), load, num_points=2**12)).observables
+        error = abs(found.contact_area_subgrid - exact.contact_area)
+        assert error < 0.02 / 2**12  # two edges
+        assert error < found.contact_area_error < 0.2 / 2**12
+        assert abs(found.kappa_subgrid - exact.kappa) < found.kappa_error
+        assert found.kappa_error < 1e-3 * exact.kappa
+
+
+@pytest.mark.parametrize("points", [64, 128, 300, 512, 1000, 2**11])
+@pytest.mark.parametrize(("d", "nu"), [(math.inf, 0.3), (0.05, 0.45), (0.004, 0.25), (0.02, 0.5)])
+def test_the_error_estimate_holds_the_truth(points, d, nu):
+    exact = collocation.solve_load(1.7e-3, 2.0, 1.0, d, nu)
+    found = solve(Scene(Layer(d, nu), pressure=1.7e-3, num_points=points)).observables
+    assert abs(found.contact_area_subgrid - exact.contact_area) < found.contact_area_error
+    assert abs(found.contact_area_subgrid - exact.contact_area) < 2 / points
+
+
+def test_nested_grids_tell_the_discretisation_error():
+    for load in np.geomspace(1e-3, 4e-3, 7):
+        exact = collocation.solve_load(load, 2.0, 1.0, 0.05, 0.3)
+        solution = solve(Scene(Layer(0.05, 0.3), pressure=load, num_points=2**13))
+        o = solution.observables
+        assert [level.num_points for level in solution.levels] == [512, 2048]
+        assert o.contact_area_discretisation_error <= o.contact_area_error
+        error = abs(o.contact_area_subgrid - exact.contact_area)
+        assert error < o.contact_area_error
+        assert abs(o.kappa_subgrid - exact.kappa) < o.kappa_error
+        coarse = abs(solution.levels[-1].contact_area_subgrid - exact.contact_area)
+        # what is left after the last refinement is at most what the estimate makes of the change
+        assert error < max(coarse / 3, 1e-7)
+    single = solve(Scene(num_points=2**10), nested=False)
+    assert not single.levels
+    assert math.isnan(single.observables.contact_area_discretisation_error)
+
+
+@pytest.mark.parametrize("exponent", [1.5, 2.0, 4.0])
+def test_periodic_closed_form(exponent):
+    exact = closed_forms.periodic_half_space_area(exponent, 1.0, 2e-3)
+    found = solve(Scene(indenter=PowerIndenter(exponent), num_points=2**12)).observables
+    assert abs(found.contact_area_subgrid - exact) < 0.01 / 2**12
+
+
+@pytest.mark.parametrize("share", [0.1, 0.5, 0.9])
+def test_westergaard(share):
+    """A sinusoidal indenter, given point by point."""
+    n, amplitude = 2**11, 1e-2
+    load = math.pi * amplitude * math.sin(math.pi * share / 2) ** 2
+    heights = amplitude * (1 - np.cos(2 * np.pi * np.arange(n) / n))
+    found = solve(Scene(indenter=MeasuredIndenter(heights), pressure=load, num_points=n)).observables
+    assert closed_forms.westergaard_area(amplitude, load) == pytest.approx(share, rel=1e-12)
+    assert abs(found.contact_area_subgrid - share) < 0.01 / n
+    assert abs(found.contact_area_subgrid - share) < found.contact_area_error
+
+
+def test_small_patches_are_counted_and_flagged():
+    heights = np.ones(256)
+    heights[[20, 90, 91, 200, 201, 202, 203]] = 0
+    o = solve(Scene(indenter=MeasuredIndenter(1e-3 * heights), pressure=1e-5, num_points=256)).observables
+    assert o.num_patches == 3
+    assert o.num_counted_patches == 2
+    patches = Patches.of(heights == 0)
+    ends = edges.find_edges(patches, np.ones(patches.nodes.size))
+    np.testing.assert_array_equal(ends.counted, [True, True, False])
+    np.testing.assert_allclose(ends.width[:2], [1, 2])
+
+
+def test_patches_wrap_round():
+    contact = np.zeros(10, dtype=bool)
+    contact[[0, 1, 4, 8, 9]] = True
+    patches = Patches.of(contact)
+    assert list(zip(patches.first, patches.last, strict=True)) == [(4, 4), (8, 11)]
+    np.testing.assert_array_equal(patches.nodes, [4, 8, 9, 0, 1])
+    np.testing.assert_array_equal(patches.sums(np.arange(5.0)), [0, 10])
+    assert Patches.of(np.ones(4, dtype=bool)).full
+    assert Patches.of(np.zeros(4, dtype=bool)).count == 0
+    for start, stop in ((0, 3), (7, 10), (2, 5)):
+        one = np.zeros(10, dtype=bool)
+        one[start:stop] = True
+        np.testing.assert_array_equal(Patches.of(one).nodes, np.arange(start, stop))
+
+
+def test_grids_and_prolongation():
+    assert grids(2**18) == [2**10, 2**12, 2**14, 2**16, 2**18]
+    assert grids(1000) == [1000]
+    assert all(size % 2 == 0 for n in (4098, 9998, 2**17 + 2) for size in grids(n))
+    fine = solve(Scene(num_points=2**12), tolerance=1e-10)
+    coarse = solve(Scene(num_points=2**10), tolerance=1e-10)
+    guess = prolong(coarse.contact_pressure, 2**12)
+    np.testing.assert_array_equal(guess > 0, fine.contact)
+    peak = fine.contact_pressure.max()
+    # the edge families leave the smooth part's dx^2; plain interpolation is off by 5 % of the peak at the edge
+    assert np.abs(guess - fine.contact_pressure).max() < 2e-3 * peak
+    # any ratio, patches across the period's end and a full contact
+    for n in (100, 514, 3000):
+        assert prolong(np.roll(coarse.contact_pressure, 512), n).mean() == pytest.approx(2e-3, rel=0.02)
+    np.testing.assert_allclose(prolong(np.full(16, 3.0), 40), 3.0)
+
+
+def test_moves_point_to_the_true_edge():
+    """Solve on contact sets that are wrong by a few nodes; the pressure at the edge tells by how many."""
+    scene = Scene(num_points=2**11)
+    truth = np.flatnonzero(solve(scene).contact)
+    k = np.pi * np.arange(2**10 + 1)
+    compliance = np.fft.irfft(np.append(0, 1 / k[1:]), 2**11)
+    for wrong in (-12, -5, -3, 3, 5, 12):  # nodes too many at each end
+        nodes = np.arange(truth[0] - wrong, truth[-1] + wrong + 1)
+        matrix = compliance[np.abs(nodes[:, None] - nodes)]
+        system = np.block([[matrix, np.ones((nodes.size, 1))], [np.ones((1, nodes.size)), np.zeros((1, 1))]])
+        pressure = np.linalg.solve(system, np.append(-scene.profile[nodes], 2e-3 * 2**11))[:-1]
+        moves = edges.edge_moves(Patches(2**11, nodes[:1], nodes[-1:]), pressure)
+        assert (np.sign(moves) == np.sign(wrong)).all()
+        assert (abs(moves - wrong) <= max(1, abs(wrong) // 3)).all()
