@@ -39,7 +39,8 @@ class ActiveSet:
 
     inner = 0.05
     safety = 0.4  # of the tolerance: the free residual is up to twice the pressure's error
-    patience = 60
+    patience = 10**9  # the residual starts anew with every set; `longest` ends the search instead
+    longest = 150  # iterations on one set: rounding keeps the residual up
     slack = 0.0  # nodes a patch may still have wrong on the average; for coarse grids
 
     def __init__(self, problem: Problem, transforms: Transforms, tolerance: float, backend: str = "warp") -> None:
@@ -113,7 +114,7 @@ class ActiveSet:
         self._nodes = self._patches.nodes
         self._pressure = self._full_pressure[self._nodes]
         self._stale = True
-        self._first, self._before, self._settled = math.inf, 0.0, False
+        self._first, self._before, self._settled, self._tries = math.inf, 0.0, False, 0
 
     def _apply(self, values: Array64) -> None:
         """work = G values, given on the contact nodes."""
@@ -156,7 +157,8 @@ class ActiveSet:
             self._settled = True
             if self.residual <= self.target:
                 self.frozen = True
-        if not math.isfinite(self.residual):
+        self._tries += 1
+        if not math.isfinite(self.residual) or self._tries > self.longest:
             self.frozen = True
         if not self.frozen:
             self._advance_along(r, z)

@@ -9,7 +9,8 @@ deflated with K_bb 1 and K_bb x, which leaves 1 to 1.4.
 
 Coarse part (deflation). One unknown per patch: the load of its flat punch, G_bb^-1 1. The entries of Z'GZ need no
 transform: the sum of the Green's function over two patches is a four-term difference of its second running sum
-(`GreensFunction.patch_sums`). With more patches than `_unknowns` allows, neighbours share an unknown.
+(`GreensFunction.patch_sums`), scaled to the punches' loads. With more patches than `_unknowns` allows, neighbours share
+an unknown.
 
 The parts are kept apart: the local part carries no load, the coarse one makes the loads' sum zero. So the correction
 leaves the total load as it is, and a constant in the residual (the rigid approach) has no effect.
@@ -76,15 +77,18 @@ class GreensFunction:
         symbol[1:] = -self.compliance[1:] / (4 * sine[1:] ** 2)
         return np.fft.irfft(symbol, self.num_points)
 
-    def patch_sums(self, patches: Patches) -> Array64:
-        """Z'GZ for Z = 1 on each patch, shape (M, M): the sums of G(a - b) over a in one patch, b in another."""
-        start, stop = patches.first, patches.last + 1
+    def patch_sums(self, first: Indices, last: Indices) -> Array64:
+        """Z'GZ for Z = 1 on each of M runs of nodes: the sums of G(a - b) over a in one run and b in another.
+
+        first, last: end nodes, shape (..., M). Returns shape (..., M, M).
+        """
+        start, stop = first, last + 1
 
         def second_sum(a: Indices, b: Indices) -> Array64:
-            return np.take(self._second_sum, a[:, None] - b, mode="wrap")
+            return np.take(self._second_sum, a[..., :, None] - b[..., None, :], mode="wrap")
 
         across = second_sum(stop, start)
-        return np.asarray(across + across.T - second_sum(start, start) - second_sum(stop, stop))
+        return np.asarray(across + np.swapaxes(across, -1, -2) - second_sum(start, start) - second_sum(stop, stop))
 
     @property
     def transformed(self) -> int:
@@ -207,15 +211,22 @@ class PatchDeflation:
         patches = self.patches
         share = -(-patches.count // _unknowns(patches.num_points))
         starts = np.arange(0, patches.count, share)
-        shape = loads / patches.size
-        coarse = self._green.patch_sums(patches) * np.outer(shape, shape)
-        np.fill_diagonal(coarse, loads)
-        if share > 1:
-            whole = starts.size * share
-            coarse = np.pad(coarse, (0, whole - patches.count))
-            coarse = coarse.reshape(starts.size, share, starts.size, share).sum(axis=(1, 3))
+        # each row the patches of one unknown; the last row is filled up with patches without load
+        member = starts[:, None] + np.arange(share)
+        there = member < patches.count
+        member = np.minimum(member, patches.count - 1)
+        load = np.where(there, loads[member], 0.0)
+        shape = load / patches.size[member]
+        within = self._green.patch_sums(patches.first[member], patches.last[member])
+        within *= shape[:, :, None] * shape[:, None, :]
+        within[:, np.arange(share), np.arange(share)] = load  # a flat punch under itself
+        # between unknowns: as if the load were spread from the first to the last of the patches
+        first, last, total = patches.first[starts], patches.last[member[:, -1]], load.sum(axis=1)
+        density = total / (last - first + 1)
+        coarse = self._green.patch_sums(first, last) * np.outer(density, density)
+        np.fill_diagonal(coarse, within.sum(axis=(1, 2)))
         self._build, self._factor = patches.count, _inverse_factor(coarse)
-        self._borders = (patches.first[starts[1:]] + patches.last[starts[1:] - 1]) / 2
+        self._borders = (first[1:] + last[:-1]) / 2
 
     def _part(self, patch: int) -> slice:
         start = self.patches.offset[patch]
