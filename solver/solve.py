@@ -37,7 +37,7 @@ METHODS = tuple(_METHODS)
 _BYTES_PER_POINT = 220  # at the peak; measured: 130 (plain FIRE, float32) to 210 (active set, float64)
 
 _SMALLEST_WARP = 2**13  # points; smaller coarse grids run on the twins
-_COARSE_TOLERANCE, _COARSE_SLACK = 1e-3, 0.1  # a coarser grid is wrong by more than that anyway
+_COARSE_TOLERANCE, _COARSE_SLACK = 1e-5, 0.1  # so that the next grid starts with the right set of nodes
 
 DEFAULT_MAX_ITERATIONS = {"active-set": 2_000, "mass-weighted-fire": 20_000, "fire": 200_000}
 
@@ -300,7 +300,7 @@ class _Run:
                 self._certify()
         if status is Status.CONVERGED and not good:
             status = Status.STAGNATED  # the method's own precision cannot see the difference
-        elif good and status is Status.STAGNATED:
+        elif good and status in (Status.STAGNATED, Status.ITERATION_LIMIT):
             status = Status.CONVERGED
         return status, self.state, self.problem
 

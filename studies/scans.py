@@ -208,12 +208,19 @@ def _length(x: Array64 | None, options: Options, count: int) -> float:
         return 1.0 if options.period is None else options.period
     if options.period is not None:
         raise ValueError(f"period is {options.period}; allowed: none, the file has positions")
-    return float(x[-1] - x[0]) * count / (count - 1)
+    return float(_fit(x)[1] - _fit(x)[0]) * count / (count - 1)
+
+
+def _fit(x: Array64) -> tuple[float, float]:
+    """First and last of the even positions nearest to `x` (least squares)."""
+    i = np.arange(x.size) - (x.size - 1) / 2
+    half = float(i @ x) / float(i @ i) * i[-1]
+    return float(x.mean()) - half, float(x.mean()) + half
 
 
 def _even(x: Array64, z: Array64, steps: list[str]) -> Array64:
     """Heights at even spacing; positions that are even but for their rounding are taken as even."""
-    even = np.linspace(x[0], x[-1], x.size)
+    even = np.linspace(*_fit(x), x.size)
     off = float(np.abs(x - even).max()) / (even[1] - even[0])
     if off < 0.5:
         steps.append(f"positions even to {off:.2g} of the spacing {even[1] - even[0]:.6g}, taken as even")

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 
+import numpy as np
 import pytest
 from linecontact.studies import store
 
@@ -26,7 +27,14 @@ def test_solve_json():
     assert abs(record["contact_area"] - 0.094482408562) < 2 / 4096
     keys = "rms_gradient_contact reduced_pressure kappa kappa_ratio reduced_thickness approach peak_pressure iterations"
     assert set(keys.split()) < set(record)
-    assert {"transform_pairs", "method", "precision", "scene", "version"} < set(record)
+    assert {"transform_pairs", "method", "precision", "scene", "version", "handed_over", "levels"} < set(record)
+    keys = (
+        "contact_area_subgrid contact_area_error contact_area_discretisation_error rms_gradient_subgrid kappa_subgrid"
+    )
+    assert {*keys.split(), "kappa_error", "num_patches", "num_counted_patches"} < set(record)
+    assert abs(record["contact_area_subgrid"] - 0.094482408562) < record["contact_area_error"] < 0.01 / 4096
+    assert record["method"] == "active-set"
+    assert list(record["levels"]) == ["1024"]
     assert {"setup", "solve", "total"} <= set(record["seconds"])
     names = "free_residual adhesion penetration complementarity force_balance energy_error_bound"
     assert set(record["certificate"]) == set(names.split())
@@ -53,6 +61,44 @@ def test_solve_table_save_and_plot(tmp_path):
     assert (tmp_path / "run.pdf").stat().st_size > 5000
 
 
+def test_rough_surfaces(tmp_path):
+    arguments = ["solve", "--profile", "rough", "--hurst", 0.5, "--seed", 3, "--cut-off-ratio", 1 / 64, "--json"]
+    results = [run(*arguments, "--pressure", 0.01, "--num-points", n) for n in (2**14, 2**15)]
+    coarse, fine = (json.loads(result.stdout) for result in results)
+    assert coarse["status"] == fine["status"] == "converged"
+    assert coarse["scene"]["seed"] == 3
+    assert coarse["kappa_ratio"] == "nan"
+    change = abs(coarse["contact_area_subgrid"] - fine["contact_area_subgrid"])
+    assert change < coarse["contact_area_error"]
+    assert change < 0.2 * abs(coarse["contact_area"] - fine["contact_area"])
+
+
+def test_a_scan_from_file_to_figure_in_one_command(tmp_path):
+    x = np.arange(300)
+    scan = np.stack([0.5 * x, np.sin(x / 20) + 0.1 * np.random.default_rng(0).standard_normal(300)], axis=1)
+    np.savetxt(tmp_path / "scan.csv", scan, delimiter=",", header="x um, z nm")
+    file = tmp_path / "run.h5"
+    options = "--profile file --profile-convention heights --x-unit um --z-unit nm --length-unit um --pressure 1e-4"
+    result = run("solve", *options.split(), "--profile-file", tmp_path / "scan.csv", "--save", file, "--plot")
+    assert result.returncode == 0, result.stderr
+    assert (tmp_path / "run.png").stat().st_size > 5000
+    fields, attributes = store.load_solution(file)
+    assert attributes["scene.period"] == pytest.approx(150)
+    assert attributes["scene.num_points"] == 512
+    assert "tukey" in attributes["scene.profile_steps"]
+    assert fields["profile"].max() < 5e-3  # nm to um
+
+
+@pytest.mark.parametrize("method", ["active-set", "mass-weighted-fire"])
+@pytest.mark.parametrize("grids", ["single", "nested"])
+def test_methods_and_grids(method, grids):
+    result = run("solve", "--num-points", 2048, "--method", method, "--grids", grids, "--json")
+    record = json.loads(result.stdout)
+    assert record["status"] == "converged"
+    assert bool(record["levels"]) == (grids == "nested")
+    assert abs(record["contact_area_subgrid"] - 0.100714056833) < 1e-6
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -63,7 +109,14 @@ def test_solve_table_save_and_plot(tmp_path):
         (["solve", "--poisson-ratio", "0.6"], "poisson_ratio is 0.6"),
         (["solve", "--pressure", "-1"], "pressure is -1.0"),
         (["solve", "--num-points", "4097"], "num_points is 4097"),
+        (["solve", "--method", "cg"], "active-set"),
         (["solve", "--method", "cg"], "mass-weighted-fire"),
+        (["solve", "--profile", "rough", "--num-points", "4096"], "dx/lambda_s is 1"),
+        (["solve", "--profile", "rough", "--hurst", "2"], "hurst is 2.0"),
+        (["solve", "--profile", "file"], "profile_file is missing"),
+        (["solve", "--profile", "file", "--profile-file", "no.txt"], "no.txt, which is not a file"),
+        (["solve", "--profile", "file", "--profile-file", __file__], "SurfaceTopography"),
+        (["solve", "--plot"], "together with --save"),
         (["solve", "--tolerance", "0"], "tolerance is 0"),
         (["solve", "--max-iterations", "0"], "max_iterations is 0"),
         (["solve", "--threads", "0"], "threads is 0"),
@@ -88,7 +141,7 @@ def test_bad_input_is_one_line_and_status_2(arguments, message, tmp_path):
 
 def test_iteration_limit_is_status_3_with_the_partial_result(tmp_path):
     file = tmp_path / "run.h5"
-    result = run("solve", "--num-points", 1024, "--max-iterations", 5, "--json", "--save", file)
+    result = run("solve", "--num-points", 1024, "--max-iterations", 2, "--json", "--save", file)
     assert result.returncode == 3
     assert json.loads(result.stdout)["status"] == "iteration limit"
     assert "not converged" in result.stderr
@@ -193,7 +246,7 @@ def test_iterations_study(tmp_path):
     del study.runs[2:]
     store.save_study(tmp_path / "iterations.h5", study)
     assert run("study", "iterations", "--quick", "--folder", tmp_path).returncode == 0  # continues
-    assert store.load_study(tmp_path / "iterations.h5").runs[:2] == study.runs
+    assert str(store.load_study(tmp_path / "iterations.h5").runs[:2]) == str(study.runs)  # nan is not nan
     study = store.load_study(tmp_path / "iterations.h5")
     counts = {m: study.column("iterations")[study.column("method") == m] for m in ("fire", "mass-weighted-fire")}
     assert counts["fire"][-1] > 1.5 * counts["fire"][0]  # sqrt(4) = 2 expected from 2^12 to 2^14

@@ -20,8 +20,12 @@ ELEMENTWISE = {
     "restrict_to_free": ("force", "field", "restricted", "sum"),
     "fire_step": ("acceleration", "h", "state", "u", "v"),
     "plain_step": ("elastic", "h", "state", "u", "v"),
+    "advance_response": ("change", "gap state", "response"),
+    "count_below": ("response", "h", "gap state", "sum"),
+    "rest_on_wall": ("response", "h", "gap state", "u"),
 }
 NUM_OUTPUTS = {"spectral_multiply": 1, "net_force": 3, "plain_sums": 4, "search_sums": 4, "restrict_to_free": 2}
+NUM_OUTPUTS |= {"advance_response": 1, "count_below": 1, "rest_on_wall": 1}
 
 
 def make_arrays(kernel, length, precision, seed):
@@ -43,6 +47,10 @@ def make_arrays(kernel, length, precision, seed):
         elif name == "state":
             state = np.zeros(layout.STATE_LENGTH)
             state[[layout.MIX, layout.GAIN, layout.DT]] = 0.9, 0.7, 0.3
+            arrays.append(state)
+        elif name == "gap state":
+            state = np.zeros(layout.GAP_STATE_LENGTH)
+            state[[layout.STEP, layout.LEVEL, layout.BOUND]] = 0.7, 0.4, 0.1
             arrays.append(state)
         else:
             values = rng.standard_normal(padded).astype(precision) * (rng.random(padded) < 0.7)
@@ -88,6 +96,26 @@ def test_step_leaves_nothing_beyond_the_wall(precision):
     assert not hit.all()
     assert (v[hit] == layout.TOUCHING).all()
     assert (v[~hit] != layout.TOUCHING).all()
+
+
+@pytest.mark.parametrize("precision", PRECISIONS)
+def test_rest_projects_on_the_wall(precision):
+    response, h, state, u = run("warp", "rest_on_wall", make_arrays("rest_on_wall", 3 * CHUNK, precision, seed=4))
+    free = u < h
+    assert free.any()
+    assert not free.all()
+    assert (u <= h).all()
+    eps = 4 * np.finfo(precision).eps
+    np.testing.assert_allclose(u[free], (state[layout.LEVEL] - response)[free], rtol=0, atol=eps)
+    assert (state[layout.LEVEL] - response[~free] >= h[~free] - eps).all()
+
+
+@pytest.mark.parametrize("precision", PRECISIONS)
+def test_counts_are_exact(precision):
+    response, h, state, counts = run("warp", "count_below", make_arrays("count_below", 3 * CHUNK, precision, seed=5))
+    below = h + response < h.dtype.type(state[layout.BOUND])
+    np.testing.assert_array_equal(counts, below.reshape(-1, CHUNK).sum(axis=1))
+    assert 0 < counts.sum() < h.size
 
 
 @pytest.mark.parametrize("precision", PRECISIONS)

@@ -1,0 +1,172 @@
+"""Profiles from files: every format and convention, what is done to them, and what is refused."""
+
+import math
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from linecontact.solver import Layer, Scene, Status, solve
+from linecontact.studies import scans
+
+REAL = Path(__file__).parents[2] / "shared" / "data"
+
+
+def read(path, **options):
+    return scans.read(scans.Options(path, **options))
+
+
+@pytest.fixture
+def heights():
+    x = np.arange(64) / 64
+    return 1e-3 * (np.sin(2 * np.pi * x) + 0.3 * np.cos(6 * np.pi * x))
+
+
+def write(folder, suffix, columns):
+    path = folder / f"profile{suffix}"
+    table = np.stack(columns, axis=1)
+    if suffix == ".npy":
+        np.save(path, table if len(columns) > 1 else columns[0])
+    elif suffix == ".h5":
+        with h5py.File(path, "w") as file:
+            file["line"] = table
+    else:
+        np.savetxt(path, table, delimiter="," if suffix == ".csv" else " ")
+    return path
+
+
+@pytest.mark.parametrize("suffix", [".npy", ".csv", ".txt", ".h5"])
+def test_formats(tmp_path, heights, suffix):
+    x = 0.5 * np.arange(64)
+    for columns, length in (([heights], 1.0), ([x, heights], 32.0)):
+        indenter, period, n = read(write(tmp_path, suffix, columns))
+        assert (period, n) == (length, 64)
+        np.testing.assert_allclose(indenter.heights, heights - heights.min(), atol=1e-18)
+        assert indenter.description["profile_values"] == 64
+        assert "shifted to h >= 0" in indenter.description["profile_steps"]
+
+
+def test_conventions_and_units(tmp_path, heights):
+    path = write(tmp_path, ".txt", [np.arange(64.0), heights])
+    scan, period, _ = read(path, convention="heights", x_unit="um", z_unit="nm", length_unit="mm")
+    assert period == pytest.approx(64e-3)
+    np.testing.assert_allclose(scan.heights, 1e-6 * (heights.max() - heights), atol=1e-18)
+    only_z = read(path, z_unit="um", length_unit="m")
+    assert only_z[1] == 64
+    np.testing.assert_allclose(only_z[0].heights, 1e-6 * (heights - heights.min()), atol=1e-18)
+
+
+def test_resampling_keeps_a_band_limited_profile(tmp_path, heights):
+    path = write(tmp_path, ".npy", [heights])
+    indenter, _, n = read(path, num_points=256, detrend="none", window="none", period=2.0)
+    assert n == 256
+    x = np.arange(256) / 256
+    exact = 1e-3 * (np.sin(2 * np.pi * x) + 0.3 * np.cos(6 * np.pi * x))
+    np.testing.assert_allclose(indenter.heights, exact - exact.min(), atol=1e-15)
+    assert "resampled from 64 to 256" in indenter.description["profile_steps"]
+    assert read(path, num_points=256, period=2.0)[1] == 2.0
+
+
+def test_tilt_and_window(tmp_path):
+    tilted = 0.01 * np.arange(100.0) + np.random.default_rng(0).standard_normal(100)
+    path = write(tmp_path, ".csv", [tilted])
+    indenter, _, n = read(path)
+    assert n == 128
+    steps = indenter.description["profile_steps"]
+    assert "tilt of" in steps
+    assert "tukey" in steps
+    assert "resampled from 100 to 128" in steps
+    # the ends meet
+    h = indenter.heights
+    assert abs(h[0] - h[-1]) < 0.1 * np.ptp(h)
+    hann, _, _ = read(path, window="hann")
+    assert "hann" in hann.description["profile_steps"]
+    mirrored, period, n = read(path, num_points=200, resample=True, window="mirror")
+    assert (period, n) == (2.0, 200)
+    np.testing.assert_allclose(mirrored.heights, mirrored.heights[::-1], atol=1e-12)
+    as_it_is, _, _ = read(path, num_points=100)
+    np.testing.assert_allclose(as_it_is.heights, tilted - tilted.min())
+    asked, _, _ = read(path, num_points=100, detrend="linear")
+    slope = np.polyfit(np.arange(100.0), asked.heights, 1)[0]
+    assert abs(slope) < 1e-12
+
+
+def test_uneven_positions_are_interpolated(tmp_path):
+    x = np.sort(np.random.default_rng(1).random(200))
+    indenter, _, _ = read(write(tmp_path, ".txt", [x, (x - 0.5) ** 2]), num_points=200)
+    assert "interpolated linearly" in indenter.description["profile_steps"]
+    rounded = np.round(0.156 * np.arange(200), 1)
+    indenter, period, _ = read(write(tmp_path, ".txt", [rounded, x]), num_points=200)
+    assert "taken as even" in indenter.description["profile_steps"]
+    assert period == pytest.approx(0.156 * 200, rel=2e-3)
+
+
+def test_headers_and_line_ends(tmp_path):
+    path = tmp_path / "scan.csv"
+    rows = "".join(f"{0.1 * i:.1f},{math.sin(i):.5f},,\r\n" for i in range(32))
+    path.write_bytes(b"Scan,Standard\r\nStylus,2.5 \xb5m\r\n7\r\nx,z\r\n" + rows.encode() + b"\r\n\r\n")
+    indenter, period, n = read(path)
+    assert n == 32
+    assert period == pytest.approx(3.2)
+    assert "4 lines of header" in indenter.description["profile_steps"]
+
+
+def text(content):
+    def make(folder):
+        path = folder / "profile.txt"
+        path.write_text(content)
+        return path
+
+    return make
+
+
+ROWS = "".join(f"{i} {i % 7}\n" for i in range(40))
+
+
+@pytest.mark.parametrize(
+    ("make", "options", "named"),
+    [
+        (lambda folder: folder / "missing.txt", {}, "missing.txt, which is not a file"),
+        (lambda folder: folder, {}, "is not a file"),
+        (text(""), {}, "no table of numbers"),
+        (text("a b\nc d\n"), {}, "no table of numbers"),
+        (text("1 2 3\n" * 40), {}, r"shape \(40, 3\)"),
+        (text(ROWS + "41 high\n"), {}, "line 41: '41 high' is not 2 numbers"),
+        (text(ROWS + "41\n"), {}, "line 41"),
+        (text("1\n2\n"), {}, "holds 2 values; allowed: at least 16"),
+        (text("1 5\n2 5\n" * 20), {}, "every height is 5.0"),
+        (text(ROWS + "39 1\n"), {}, "x goes from 39.0 to 39.0 at value 41"),
+        (text(ROWS + "38 1\n"), {}, "x goes from 39.0 to 38.0"),
+        (text(ROWS + "41 nan\n"), {}, "height number 41 is not finite"),
+        (text(ROWS + "inf 3\n"), {}, "x number 41 is not finite"),
+        (text(ROWS), {"num_points": 4096}, "num_points is 4096; allowed: up to 16 times the 40 values"),
+        (text(ROWS), {"period": 3.0}, "period is 3.0; allowed: none"),
+        (lambda folder: write(folder, ".npy", [np.array(["a"] * 20)]), {}, "holds <U1"),
+        (lambda folder: write(folder, ".npy", [np.array([{}] * 20)]), {}, "not a plain array"),
+        (lambda folder: write(folder, ".h5", [np.arange(20.0)]), {"dataset": "lime"}, "'lime'; allowed in .*: line"),
+    ],
+)
+def test_bad_files_are_named(tmp_path, make, options, named):
+    with pytest.raises(ValueError, match=named):
+        read(make(tmp_path), **options)
+
+
+@pytest.mark.parametrize("suffix", [".npy", ".h5", ".opdx"])
+def test_damaged_files_are_named(tmp_path, suffix):
+    path = tmp_path / f"damaged{suffix}"
+    path.write_bytes(b"\x93NUMPY or not")
+    with pytest.raises(ValueError, match="damaged"):
+        read(path)
+
+
+@pytest.mark.skipif(not REAL.exists(), reason="no instrument files here")
+@pytest.mark.parametrize(("name", "length", "values"), [("dektak-1.csv", 1500.0, 9600), ("opdx-3.txt", 5e-5, 3001)])
+def test_real_scans(name, length, values):
+    indenter, period, n = read(REAL / name, convention="heights")
+    assert indenter.description["profile_values"] == values
+    assert period == pytest.approx(length, rel=1e-3)
+    assert "taken as even" in indenter.description["profile_steps"]
+    solution = solve(Scene(Layer(), indenter, 1e-4, period, n))
+    assert solution.status is Status.CONVERGED
+    assert not solution.handed_over
+    assert 0 < solution.observables.contact_area_subgrid < 0.5
