@@ -68,6 +68,8 @@ class ActiveSet:
         # a single node that penetrates so much takes a tenth of the tolerance as its force
         self._smallest_gap = 0.1 * tolerance / float(problem.stiffness.mean())
         self._full_pressure = np.zeros(n)
+        self._padded_contact = np.zeros(self._work.size, dtype=bool)
+        self._contact = self._padded_contact[:n]
         self._patches: Patches | None = None
         self._preconditioner: PatchDeflation | None = None
 
@@ -96,7 +98,7 @@ class ActiveSet:
         if not pressure.any():
             return self.start_cold()
         self.frozen, self._inner, self._seen, self._jumps = False, self.inner, set[int](), 0
-        self._contact = pressure > 0
+        self._contact[:] = pressure > 0
         self._full_pressure[:] = np.where(self._contact, pressure, 0.0)
         self._take_set()
         return self._find_response()
@@ -195,29 +197,29 @@ class ActiveSet:
         rounding = 8 * self._eps * float(np.abs(self._response[self._nodes]).max())
         self._state[layout.BOUND] = bound = self._level - max(self._smallest_gap, rounding)
         self._count()
-        added = [np.zeros(0, dtype=np.int64)]
-        for chunk in np.flatnonzero(self._counts):
-            inside = slice(chunk * CHUNK, min((chunk + 1) * CHUNK, self._num_points))
-            below = (self._height[inside] + self._response[inside] < bound) & ~self._contact[inside]
-            added.append(np.flatnonzero(below) + chunk * CHUNK)
-        new = np.concatenate(added)
+        chunks = np.flatnonzero(self._counts)
+        height, response, contact = (
+            array.reshape(-1, CHUNK)[chunks] for array in (self._height, self._response, self._padded_contact)
+        )
+        row, column = np.nonzero((height + response < bound) & ~contact)
+        new = chunks[row] * CHUNK + column
         if dropped.size + new.size <= self.slack * self._patches.count:
             return False
         self._contact[dropped] = False
         self._contact[new] = True
         if self._jumps:
             self._jump()
-        if not self._contact.any():
-            self._contact[self._nodes[np.argmax(self._pressure)]] = True
-        key = hash(np.packbits(self._contact).tobytes())
+        kept = self._contact[self._nodes] & (self._pressure >= 0)
+        if not kept.any() and not self._contact.any():
+            kept[np.argmax(self._pressure)] = self._contact[self._nodes[np.argmax(self._pressure)]] = True
+        self._full_pressure[self._nodes] = np.where(kept, self._pressure, 0.0)
+        self._take_set()
+        key = hash((self._patches.first.tobytes(), self._patches.last.tobytes()))
         if key in self._seen:  # decided on too rough a solution, or really going round in circles
             self._inner *= 0.1
             self._seen.clear()
             self.frozen = self._inner < 1e-7
         self._seen.add(key)
-        kept = self._contact[self._nodes] & (self._pressure >= 0)
-        self._full_pressure[self._nodes] = np.where(kept, self._pressure, 0.0)
-        self._take_set()
         if not kept.all():
             self._find_response()
         return True
