@@ -159,14 +159,16 @@ def run_solve(options: Solve) -> int:
             planning=options.planning,
             progress=report,
         )
-    if options.json:
-        print(json.dumps(solution.to_dict()), flush=True)
-    else:
-        Console().print(solution_table(solution))
-    if options.save:
-        store.save_solution(options.save, solution)
-        if options.plot:
-            run_plot(Plot(options.save), sys.stderr if options.json else sys.stdout)
+    try:
+        if options.json:
+            print(json.dumps(solution.to_dict()), flush=True)
+        else:
+            Console().print(solution_table(solution))
+    finally:  # also when the reader of the output has gone away
+        if options.save:
+            store.save_solution(options.save, solution)
+    if options.save and options.plot:
+        run_plot(Plot(options.save), sys.stderr if options.json else sys.stdout)
     status = console.exit_status(solution.status)
     if status:
         kept = f"; the partial result is in {options.save}" if options.save else ""
