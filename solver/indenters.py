@@ -124,15 +124,19 @@ class RoughIndenter:
         """Number k_s of the shortest wave in the period."""
         return math.floor((1 + 1e-9) / (self.roll_off_ratio * self.cut_off_ratio))
 
-    def _modes(self, num_points: int) -> NDArray[np.complex128]:
-        """Half spectrum of h/L that a grid holds, shape (num_points//2 + 1,), complex."""
+    @cached_property
+    def _waves(self) -> NDArray[np.complex128]:
+        """Fourier coefficients of h/L for k = 1 to k_s, shape (k_s,)."""
         k = np.arange(1, self.shortest + 1)
         amplitude = (1 + (k * self.roll_off_ratio) ** 2) ** (-(0.5 + self.hurst) / 2)
         amplitude *= self.rms_gradient / math.sqrt(2 * float(np.sum((2 * np.pi * k * amplitude) ** 2)))
-        modes = amplitude * np.exp(2j * np.pi * np.random.default_rng(self.seed).random(self.shortest))
+        return amplitude * np.exp(2j * np.pi * np.random.default_rng(self.seed).random(self.shortest))
+
+    def _modes(self, num_points: int) -> NDArray[np.complex128]:
+        """Half spectrum of h/L that a grid holds, shape (num_points//2 + 1,)."""
         half = np.zeros(num_points // 2 + 1, dtype=np.complex128)
         held = min(self.shortest, num_points // 2 - 1)  # the Nyquist mode has no phase
-        half[1 : held + 1] = modes[:held]
+        half[1 : held + 1] = self._waves[:held]
         return half
 
     def profile(self, num_points: int, period: float) -> Array64:
