@@ -2,11 +2,11 @@
 
 Unknown is the contact pressure sigma >= 0 on the contact nodes C, with the load fixed. There the gap h + G sigma must
 be one constant, the rigid approach; elsewhere it must not be less. Conjugate gradients on G_CC (M. R. Hestenes and E.
-Stiefel, 1952) with the preconditioner of `deflation` take one transform pair an iteration, because the gap is carried
-along on all nodes. Whenever the residual has fallen to `inner` of what it was when the set last changed, the set is
-updated (primal-dual active set, M. Hintermueller et al., SIAM J. Optim. 13, 865 (2002)): nodes that pull are dropped,
-nodes that penetrate are added. The search ends when neither happens at the tolerance asked. When a set comes back, the
-next ones are decided on more accurate solutions; when that does not help either, the search gives up.
+Stiefel, 1952) with the preconditioner of `deflation` take one transform pair an iteration, because the response G sigma
+is carried along on all nodes. Whenever the residual has fallen to `inner` of what it was when the set last changed, the
+set is updated (primal-dual active set, M. Hintermueller et al., SIAM J. Optim. 13, 865 (2002)): nodes that pull are
+dropped, nodes that penetrate are added. The search ends when neither happens at the tolerance asked. When a set comes
+back, the next ones are decided on more accurate solutions; when that does not help either, the search gives up.
 
 The residual is the preconditioned one, an estimate of the pressure's error: rms over all nodes, over the mean pressure.
 """
@@ -28,7 +28,7 @@ from .transforms import Transforms
 Array = NDArray[Any]
 
 
-_FEW = 8  # patches up to which the ends of a cold start are moved by prediction; more disturb each other
+_FEW_TO_MOVE = 8  # patches up to which the ends of a cold start are moved by prediction; more disturb each other
 
 
 class ActiveSet:
@@ -71,6 +71,7 @@ class ActiveSet:
         self._padded_contact = np.zeros(self._work.size, dtype=bool)
         self._contact = self._padded_contact[:n]
         self._patches: Patches | None = None
+        self._nodes, self._pressure = np.zeros(0, dtype=np.int64), np.zeros(0)
         self._preconditioner: PatchDeflation | None = None
 
     def start(self, displacement: Array64) -> None:
@@ -91,17 +92,18 @@ class ActiveSet:
         level = (n / self.problem.stiffness[1] + lead[inside - 1]) / inside
         self.start_from_pressure(np.maximum(level - h, 0.0))
         assert self._patches is not None
-        self._jumps = 6 if self._patches.count <= _FEW else 0
+        self._jumps = 6 if self._patches.count <= _FEW_TO_MOVE else 0
 
     def start_from_pressure(self, pressure: Array64) -> None:
         """Begin from a contact pressure, shape (N,) [p]; without any, from `start_cold`."""
         if not pressure.any():
-            return self.start_cold()
+            self.start_cold()
+            return
         self.frozen, self._inner, self._seen, self._jumps = False, self.inner, set[int](), 0
         self._contact[:] = pressure > 0
         self._full_pressure[:] = np.where(self._contact, pressure, 0.0)
         self._take_set()
-        return self._find_response()
+        self._find_response()
 
     def try_harder(self) -> None:
         """Go on to a smaller residual, after the certificate has found the free residual too large."""
@@ -239,7 +241,9 @@ class ActiveSet:
 
     @property
     def displacement(self) -> Array64:
-        """u, shape (N,) [p L/E*], in float64; contact nodes stand on the exact wall."""
+        """u, shape (N,) [p L/E*], in float64; contact nodes stand on the exact wall. 0 before the first set."""
+        if not self._nodes.size:
+            return np.zeros(self._num_points)
         self._state[layout.LEVEL] = self._level
         self._rest()
         n, height = self._num_points, self.problem.height

@@ -28,7 +28,8 @@ Array64 = NDArray[np.float64]
 
 LONGEST_DENSE = 256  # nodes; the factor of longer patches costs more than short transforms
 
-_FEW = 8  # patches that do not make the dense factor worth its while
+_FEW_PATCHES = 8  # do not make the dense factor worth its while
+_EXACT_SHARE = 16  # patches of one unknown whose mutual influence is summed up, patch by patch
 
 
 def inverse_cholesky(column: Array64, order: int) -> Array64:
@@ -186,7 +187,7 @@ class PatchDeflation:
     def __init__(self, green: GreensFunction, patches: Patches, previous: "PatchDeflation | None" = None) -> None:
         """`previous`: of a similar set, whose coarse inverse serves again if the patches are as many."""
         self.patches, self._green = patches, green
-        dense = 0 if patches.full else LONGEST_DENSE if patches.count > _FEW else LONGEST_DENSE // 4
+        dense = 0 if patches.full else LONGEST_DENSE if patches.count > _FEW_PATCHES else LONGEST_DENSE // 4
         self._long = {p: LongPatch(green, int(patches.size[p])) for p in _indices(patches.size > dense)}
         self._blocks = list(self._dense_blocks(green))
         self._build, self._borders, self._factor = 0, np.zeros(0), np.ones((1, 1))
@@ -216,15 +217,18 @@ class PatchDeflation:
         there = member < patches.count
         member = np.minimum(member, patches.count - 1)
         load = np.where(there, loads[member], 0.0)
-        shape = load / patches.size[member]
-        within = self._green.patch_sums(patches.first[member], patches.last[member])
-        within *= shape[:, :, None] * shape[:, None, :]
-        within[:, np.arange(share), np.arange(share)] = load  # a flat punch under itself
         # between unknowns: as if the load were spread from the first to the last of the patches
         first, last, total = patches.first[starts], patches.last[member[:, -1]], load.sum(axis=1)
         density = total / (last - first + 1)
         coarse = self._green.patch_sums(first, last) * np.outer(density, density)
-        np.fill_diagonal(coarse, within.sum(axis=(1, 2)))
+        if share <= _EXACT_SHARE:
+            shape = load / patches.size[member]
+            within = self._green.patch_sums(patches.first[member], patches.last[member])
+            within *= shape[:, :, None] * shape[:, None, :]
+            within[:, np.arange(share), np.arange(share)] = load  # a flat punch under itself
+            np.fill_diagonal(coarse, within.sum(axis=(1, 2)))
+        else:
+            coarse[np.diag_indices_from(coarse)] += total
         self._build, self._factor = patches.count, _inverse_factor(coarse)
         self._borders = (first[1:] + last[:-1]) / 2
 

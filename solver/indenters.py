@@ -97,7 +97,7 @@ class RoughIndenter:
     scaled to the rms gradient asked. The phases are drawn mode by mode from the longest wave on, so one seed is one
     surface on every grid that resolves it.
 
-    hurst: H, 0 < H < 1 [-]; seed: integer >= 0.
+    hurst: H, 0 < H <= 1 [-]; seed: integer >= 0.
     roll_off_ratio: lambda_r/L <= 1 [-]; cut_off_ratio: lambda_s/lambda_r <= 1 [-].
     rms_gradient: of h over the period, > 0 [-].
 
@@ -115,14 +115,14 @@ class RoughIndenter:
         checks.assign(self, "hurst", checks.real("hurst", self.hurst, "0 < H <= 1", 0, 1))
         checks.assign(self, "seed", checks.integer("seed", self.seed, "an integer from 0 to 2^63 - 1", 0, 2**63 - 1))
         for name in ("roll_off_ratio", "cut_off_ratio"):
-            checks.assign(self, name, checks.real(name, getattr(self, name), "0 < ratio <= 1", 0, 1))
+            checks.assign(self, name, checks.real(name, getattr(self, name), "1e-9 < ratio <= 1", 1e-9, 1))
         gradient = checks.real("rms_gradient", self.rms_gradient, "a finite number > 0", 0)
         checks.assign(self, "rms_gradient", gradient)
 
     @property
     def shortest(self) -> int:
         """Number k_s of the shortest wave in the period."""
-        return math.floor((1 + 1e-9) / (self.roll_off_ratio * self.cut_off_ratio))
+        return math.floor((1 + 1e-9) / self.roll_off_ratio / self.cut_off_ratio)
 
     @cached_property
     def _waves(self) -> NDArray[np.complex128]:
@@ -130,7 +130,8 @@ class RoughIndenter:
         k = np.arange(1, self.shortest + 1)
         amplitude = (1 + (k * self.roll_off_ratio) ** 2) ** (-(0.5 + self.hurst) / 2)
         amplitude *= self.rms_gradient / math.sqrt(2 * float(np.sum((2 * np.pi * k * amplitude) ** 2)))
-        return amplitude * np.exp(2j * np.pi * np.random.default_rng(self.seed).random(self.shortest))
+        phases = np.random.default_rng(self.seed).random(self.shortest)
+        return np.asarray(amplitude * np.exp(2j * np.pi * phases), dtype=np.complex128)
 
     def _modes(self, num_points: int) -> NDArray[np.complex128]:
         """Half spectrum of h/L that a grid holds, shape (num_points//2 + 1,)."""
@@ -157,7 +158,7 @@ class RoughIndenter:
     def check(self, num_points: int) -> None:
         """See `Indenter`."""
         if not self.shortest < num_points // 2:
-            spacing = 1 / (num_points * self.roll_off_ratio * self.cut_off_ratio)
+            spacing = 1 / num_points / self.roll_off_ratio / self.cut_off_ratio
             raise ValueError(
                 f"num_points is {num_points}, which does not resolve the surface: lambda_r/L is "
                 f"{self.roll_off_ratio:.4g} (roll_off_ratio), lambda_s/lambda_r is {self.cut_off_ratio:.4g} "

@@ -52,7 +52,7 @@ class Method(Protocol):
 
     @property
     def residual(self) -> float:
-        """What is compared with the tolerance: a net force over the mean pressure."""
+        """Error left, over the mean pressure: the rms free force (FIRE), or the rms error of the contact pressure."""
 
     @property
     def frozen(self) -> bool:

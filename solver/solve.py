@@ -14,7 +14,7 @@ from . import checks
 from .active_set import ActiveSet
 from .certificate import Certificate, certify
 from .fire import Fire, MassWeightedFire
-from .nested import Level, discretisation_error, grids, measure_level, prolong
+from .nested import Level, discretisation_error, grids, iteration_error, measure_level, prolong
 from .observables import Observables, observe
 from .problem import Problem
 from .provenance import package_version, provenance
@@ -34,7 +34,7 @@ _METHODS: dict[str, type[ActiveSet] | type[Fire]] = {
 METHODS = tuple(_METHODS)
 """Names of the methods, fastest first; the first is the default."""
 
-_BYTES_PER_POINT = 220  # at the peak; measured: 130 (plain FIRE, float32) to 210 (active set, float64)
+_BYTES_PER_POINT = 250  # at the peak; measured: 130 (plain FIRE, float32), 210 (active set), 310 (contact everywhere)
 
 _SMALLEST_WARP = 2**13  # points; smaller coarse grids run on the twins
 _COARSE_TOLERANCE, _COARSE_SLACK = 1e-5, 0.1  # so that the next grid starts with the right set of nodes
@@ -80,7 +80,10 @@ class Solution:
             "iterations": self.iterations,
             "transform_pairs": round(self.transform_pairs, 3),
             "handed_over": self.handed_over,
-            "levels": {str(level.num_points): level.to_dict() for level in self.levels},
+            "levels": {
+                str(level.num_points): {name: _plain(value) for name, value in level.to_dict().items()}
+                for level in self.levels
+            },
             "seconds": dict(self.seconds),
             "certificate": {name: _plain(value) for name, value in asdict(self.certificate).items()},
             "method": self.method,
@@ -145,7 +148,7 @@ def solve(
     nested: start from the solution on coarser grids; by default for the active set only, and not with `initial`.
     tolerance: rms net force on free nodes over the mean pressure at which to stop, 1e-14 to 0.5 (dimensionless); by
         default `default_tolerance`.
-    max_iterations: at least 1, all grids and the lead-in included; default by method.
+    max_iterations: at least 1, all grids, lead-in and hand-over included; default by method.
     initial: displacement to start from, shape (N,) [length], for instance a neighbour's solution.
     threads: of FFTW. planning: FFTW's effort, 'estimate', 'measure' or 'patient'; what it finds is kept.
     backend: 'warp', or 'numpy' for the twins.
@@ -155,21 +158,23 @@ def solve(
     """
     begin = time.perf_counter()
     checks.choice("method", method, METHODS)
-    if max_iterations is None:
-        max_iterations = DEFAULT_MAX_ITERATIONS[method]
-    checks.integer("max_iterations", max_iterations, "an integer >= 1", 1, 2**53)
+    if max_iterations is not None:
+        max_iterations = checks.integer("max_iterations", max_iterations, "an integer >= 1", 1, 2**53)
     if nested is None:
         nested = method == METHODS[0] and initial is None
     run = _Run(scene, method, tolerance, initial, threads, planning, backend, max_iterations, progress)
     ready = time.perf_counter()
-    status = run.drive(nested)
+    try:
+        status = run.drive(nested)
+    except KeyboardInterrupt:
+        status = Status.INTERRUPTED
     relaxed = time.perf_counter()
-    status, state, problem = run.certified(status)
+    status = run.certified(status)
     relaxed += run.seconds_more  # what the certificate asked for
-    displacement = np.where(run.contact, scene.profile, state.displacement * problem.length_unit)
+    displacement = np.where(run.contact, scene.profile, run.state.displacement * run.problem.length_unit)
     pressure = run.pressure * scene.pressure
     observables = observe(scene, displacement, pressure, run.contact)
-    observables = discretisation_error(observables, run.levels)
+    observables = iteration_error(discretisation_error(observables, run.levels), run.certificate.free_residual)
     end = time.perf_counter()
     return Solution(
         scene=scene,
@@ -204,7 +209,7 @@ class _Run:
         threads: int,
         planning: str,
         backend: str,
-        max_iterations: int,
+        max_iterations: int | None,
         progress: Progress | None,
     ) -> None:
         if not isinstance(scene, Scene):
@@ -220,12 +225,17 @@ class _Run:
         self.tolerance = checks.real("tolerance", tolerance, "1e-14 < tolerance <= 0.5", 1e-14, 0.5)
         self.initial = None
         if initial is not None:
-            self.initial = _check_initial(initial, scene.num_points) / self.problem.length_unit
+            displacement = _check_initial(initial, scene.num_points)
+            # on the wall exactly, whatever the units' rounding
+            on_wall = displacement >= scene.profile
+            self.initial = np.where(on_wall, self.problem.height, displacement / self.problem.length_unit)
         # the certificate's own rounding must not turn a solution away
         self.state = self._method_on(self.problem, 0.95 * self.tolerance)
         if planning != "estimate":
             save_wisdom()
-        self.left, self.iterations, self.transform_pairs = max_iterations, 0, 0.0
+        self.limited = max_iterations is not None
+        self.left = max_iterations or DEFAULT_MAX_ITERATIONS[method]
+        self.iterations, self.transform_pairs = 0, 0.0
         self.levels: list[Level] = []
         self.handed_over, self.seconds_more = False, 0.0
 
@@ -273,40 +283,45 @@ class _Run:
                 status = self._relax(state)
             if not finest:
                 pressure = state.contact_pressure
-                if status is Status.INTERRUPTED or not pressure.any():
-                    self.state.start_from_pressure(prolong(pressure, sizes[-1]))
+                if status is Status.INTERRUPTED:
+                    if pressure.any():
+                        self.state.start_from_pressure(prolong(pressure, sizes[-1]))
                     return status
                 self.levels.append(measure_level(self.scene, pressure, state))
         return status
 
-    def certified(self, status: Status) -> tuple[Status, Method, Problem]:
+    def certified(self, status: Status) -> Status:
         """The certificate's verdict. An active set that misses it tries harder, then hands over to FIRE."""
-        for _ in range(3):
-            good = self._certify()
-            if good or status is not Status.CONVERGED or not isinstance(self.state, ActiveSet):
-                break
-            begin = time.perf_counter()
+        good, begin, tries = self._certify(), time.perf_counter(), 0
+        while not good and status is Status.CONVERGED and isinstance(self.state, ActiveSet) and tries < 3:
             self.state.try_harder()
-            status = self._relax(self.state)
-            self.seconds_more += time.perf_counter() - begin
-        gave_up = not good and status not in (Status.INTERRUPTED, Status.ITERATION_LIMIT)
-        if gave_up and isinstance(self.state, ActiveSet) and self.left > 0:
-            self.handed_over, begin = True, time.perf_counter()
-            self.left = DEFAULT_MAX_ITERATIONS["mass-weighted-fire"]
-            start, before = self.state.displacement, self.certificate.free_residual
-            self.state = self._method_on(self.problem, 0.95 * self.tolerance, MassWeightedFire)
-            self.state.start(start)
-            status = self._relax(self.state)
-            self.seconds_more += time.perf_counter() - begin
+            status, tries = self._relax(self.state), tries + 1
             good = self._certify()
-            if not good and self.certificate.free_residual > before:
-                self.state.start(start)
-                self._certify()
+        gave_up = not good and status not in (Status.INTERRUPTED, Status.ITERATION_LIMIT)
+        if gave_up and isinstance(self.state, ActiveSet) and (self.left > 0 or not self.limited):
+            status, good = self._hand_over()
+        if tries or self.handed_over:
+            self.seconds_more = time.perf_counter() - begin
         if status is Status.CONVERGED and not good:
-            status = Status.STAGNATED  # the method's own precision cannot see the difference
-        elif good and status in (Status.STAGNATED, Status.ITERATION_LIMIT):
-            status = Status.CONVERGED
-        return status, self.state, self.problem
+            return Status.STAGNATED  # the method's own precision cannot see the difference
+        if good and status in (Status.STAGNATED, Status.ITERATION_LIMIT):
+            return Status.CONVERGED
+        return status
+
+    def _hand_over(self) -> tuple[Status, bool]:
+        """Mass-weighted FIRE from where the active set ended; the better of the two stays."""
+        self.handed_over = True
+        if not self.limited:
+            self.left = DEFAULT_MAX_ITERATIONS["mass-weighted-fire"]
+        start, before = self.state.displacement, self.certificate.free_residual
+        self.state = self._method_on(self.problem, 0.95 * self.tolerance, MassWeightedFire)
+        self.state.start(start)
+        status = self._relax(self.state)
+        good = self._certify()
+        if not good and self.certificate.free_residual > before:
+            self.state.start(start)
+            self._certify()
+        return status, good
 
     def _certify(self) -> bool:
         self.certificate, self.pressure, self.contact = certify(self.problem, self.state.displacement)

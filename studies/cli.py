@@ -182,7 +182,8 @@ def run_solve(options: Solve) -> int:
 
 def make_scene(options: Solve) -> Scene:
     """The scene that the options describe."""
-    n, period = options.num_points or 2**18, 1.0 if options.period is None else options.period
+    n = 2**18 if options.num_points is None else options.num_points
+    period = 1.0 if options.period is None else options.period
     indenter: PowerIndenter | RoughIndenter | MeasuredIndenter = PowerIndenter(options.exponent, options.radius)
     if options.profile == "rough":
         ratios = options.roll_off_ratio, options.cut_off_ratio

@@ -11,7 +11,8 @@ from typing import Any, Literal
 
 import h5py
 import numpy as np
-from linecontact.solver import MeasuredIndenter
+from linecontact.solver import MeasuredIndenter, checks
+from linecontact.solver.scene import MAX_POINTS
 from numpy.typing import NDArray
 
 Array64 = NDArray[np.float64]
@@ -51,13 +52,15 @@ def read(options: Options) -> tuple[MeasuredIndenter, float, int]:
     if not path.is_file():
         raise ValueError(f"profile_file is {path}, which is not a file; allowed: .npy, .csv, .txt, .h5, scans")
     try:
-        x, z, origin = _load(path, options.dataset)
+        x, z, origin = _load(options)
     except (OSError, EOFError, UnicodeError) as error:
         raise ValueError(f"profile_file {path} cannot be read: {error}") from None
     _check_values(path, x, z)
-    x, z = _in_scene_units(x, z, options, origin)
+    x, z = _in_scene_units(x, z, options)
     count = z.size
-    n = options.num_points or max(16, 2 ** math.ceil(math.log2(count)))
+    length = 2 * count if options.window == "mirror" else count
+    n = max(16, 2 ** math.ceil(math.log2(length))) if options.num_points is None else options.num_points
+    checks.integer("num_points", n, f"an even integer from 16 to {MAX_POINTS}", 16, MAX_POINTS, 2)
     if n > MAX_REFINEMENT * count:
         raise ValueError(f"num_points is {n}; allowed: up to {MAX_REFINEMENT} times the {count} values in {path}")
     steps = [origin]
@@ -65,13 +68,20 @@ def read(options: Options) -> tuple[MeasuredIndenter, float, int]:
         z = -z
         steps.append("turned over: peaks up become the indenter's lowest points")
     as_is = n == count and not options.resample
-    length = _length(x, options, count)
-    if x is not None:
-        z = _even(x, z, steps)
-    z, length = _make_periodic(z, length, options, as_is, steps)
+    if x is not None and options.period is not None:
+        raise ValueError(f"period is {options.period}; allowed: none, the file has positions")
+    if x is None:
+        period = checks.real("period", 1.0 if options.period is None else options.period, "a finite length > 0", 0)
+    else:
+        z, period = _even(x, z, steps)
+        period *= length / count
+    height = np.ptp(z)
+    z = _make_periodic(z, period / length, options, as_is, steps)
+    if np.ptp(z) <= 1e-12 * height:
+        raise ValueError(f"profile_file {path} holds a straight line; allowed: a profile that is not")
     if z.size != n:
         modes = np.fft.rfft(z)
-        held = min(n, z.size) // 2
+        held = (min(n, z.size) + 1) // 2  # all but an unpaired highest mode
         modes[held:] = 0
         steps.append(f"resampled from {z.size} to {n} points by Fourier modes")
         z = np.fft.irfft(modes[: held + 1], n) * (n / z.size)
@@ -81,11 +91,12 @@ def read(options: Options) -> tuple[MeasuredIndenter, float, int]:
         "profile_convention": options.convention,
         "profile_steps": "; ".join([*steps, "shifted to h >= 0"]),
     }
-    return MeasuredIndenter(z, description), length, n
+    return MeasuredIndenter(z, description), period, n
 
 
-def _load(path: Path, dataset: str | None) -> tuple[Array64 | None, Array64, str]:
+def _load(options: Options) -> tuple[Array64 | None, Array64, str]:
     """Positions (or None), heights, and where they came from."""
+    path, dataset = options.path, options.dataset
     suffix = path.suffix.lower()
     if suffix in (".h5", ".hdf5"):
         return _columns(path, _read_hdf5(path, dataset), f"dataset {dataset or 'only one'} of {path.name}")
@@ -97,7 +108,7 @@ def _load(path: Path, dataset: str | None) -> tuple[Array64 | None, Array64, str
     if suffix in (".csv", ".txt", ".dat", ".asc", ".tsv"):
         table, header = _read_text(path)
         return _columns(path, table, f"columns of {path.name}, {header} lines of header left out")
-    return _read_scan(path)
+    return _read_scan(path, options.length_unit)
 
 
 def _read_text(path: Path) -> tuple[Array64, int]:
@@ -136,13 +147,13 @@ def _read_hdf5(path: Path, dataset: str | None) -> Any:
         if dataset not in names:
             raise ValueError(f"profile_dataset is {dataset!r}; allowed in {path}: {', '.join(names) or 'nothing'}")
         data = file[dataset]
-        if data.size > 2**31 or data.dtype.kind not in "fiu":
+        if data.shape is None or data.size > 2**31 or data.dtype.kind not in "fiu":
             raise ValueError(f"profile_dataset is {dataset!r}, which is not an array of numbers")
         return data[()]
 
 
-def _read_scan(path: Path) -> tuple[Array64 | None, Array64, str]:
-    """An instrument's format, through SurfaceTopography."""
+def _read_scan(path: Path, length_unit: Unit) -> tuple[Array64 | None, Array64, str]:
+    """An instrument's format, through SurfaceTopography, in the scene's unit of length if it names its own."""
     try:
         import SurfaceTopography
     except ImportError:
@@ -154,10 +165,14 @@ def _read_scan(path: Path) -> tuple[Array64 | None, Array64, str]:
         scan = SurfaceTopography.read_topography(str(path))
         if scan.dim != 1:
             raise ValueError("it is a map; allowed: a line scan")
-        x, z = scan.positions(), scan.heights()
+        x, z, unit = scan.positions(), scan.heights(), str(scan.unit or "").replace("µ", "u")
     except Exception as error:  # its readers raise anything
         raise ValueError(f"profile_file {path} cannot be read by SurfaceTopography: {error}") from None
-    return np.asarray(x, float), np.asarray(np.ma.filled(z, np.nan), float), f"{path.name} by SurfaceTopography"
+    if unit not in _UNITS and unit:
+        raise ValueError(f"profile_file {path} is in {unit}; allowed: {', '.join(_UNITS)}")
+    origin = f"{path.name} by SurfaceTopography, in {unit or 'no unit'}"
+    scale = _UNITS[unit] / _UNITS[length_unit] if unit else 1.0
+    return scale * np.asarray(x, float), scale * np.asarray(np.ma.filled(z, np.nan), float), origin
 
 
 def _columns(path: Path, table: Any, origin: str) -> tuple[Array64 | None, Array64, str]:
@@ -178,7 +193,7 @@ def _check_values(path: Path, x: Array64 | None, z: Array64) -> None:
     if z.size < 16:
         raise ValueError(f"profile_file {path} holds {z.size} values; allowed: at least 16")
     for name, values in (("x", x), ("height", z)):
-        bad = np.flatnonzero(~np.isfinite(values if values is not None else z))
+        bad = np.flatnonzero(~np.isfinite(values)) if values is not None else np.zeros(0, dtype=np.int64)
         if bad.size:
             raise ValueError(f"profile_file {path}: {name} number {bad[0] + 1} is not finite; allowed: finite numbers")
     if np.ptp(z) == 0:
@@ -192,9 +207,11 @@ def _check_values(path: Path, x: Array64 | None, z: Array64) -> None:
             )
 
 
-def _in_scene_units(x: Array64 | None, z: Array64, options: Options, origin: str) -> tuple[Array64 | None, Array64]:
+def _in_scene_units(x: Array64 | None, z: Array64, options: Options) -> tuple[Array64 | None, Array64]:
     """Both axes in the scene's unit of length; without a unit they are taken to be in it."""
     scene = _UNITS[options.length_unit]
+    if options.x_unit and x is None:
+        raise ValueError(f"x_unit is {options.x_unit}; allowed: none, the file has no positions (give the period)")
     if options.x_unit and x is not None:
         x = x * (_UNITS[options.x_unit] / scene)
     if options.z_unit:
@@ -202,34 +219,23 @@ def _in_scene_units(x: Array64 | None, z: Array64, options: Options, origin: str
     return x, z
 
 
-def _length(x: Array64 | None, options: Options, count: int) -> float:
-    """Length of the scan, one spacing per value."""
-    if x is None:
-        return 1.0 if options.period is None else options.period
-    if options.period is not None:
-        raise ValueError(f"period is {options.period}; allowed: none, the file has positions")
-    return float(_fit(x)[1] - _fit(x)[0]) * count / (count - 1)
+def _even(x: Array64, z: Array64, steps: list[str]) -> tuple[Array64, float]:
+    """Heights at even spacing, and the length of the scan, one spacing a value.
 
-
-def _fit(x: Array64) -> tuple[float, float]:
-    """First and last of the even positions nearest to `x` (least squares)."""
+    Positions that are even but for their rounding are taken as even.
+    """
     i = np.arange(x.size) - (x.size - 1) / 2
-    half = float(i @ x) / float(i @ i) * i[-1]
-    return float(x.mean()) - half, float(x.mean()) + half
-
-
-def _even(x: Array64, z: Array64, steps: list[str]) -> Array64:
-    """Heights at even spacing; positions that are even but for their rounding are taken as even."""
-    even = np.linspace(*_fit(x), x.size)
-    off = float(np.abs(x - even).max()) / (even[1] - even[0])
+    spacing = float(i @ x) / float(i @ i)  # least squares
+    off = float(np.abs(x - x.mean() - spacing * i).max()) / spacing
     if off < 0.5:
-        steps.append(f"positions even to {off:.2g} of the spacing {even[1] - even[0]:.6g}, taken as even")
-        return z
+        steps.append(f"positions even to {off:.2g} of the spacing {spacing:.6g}, taken as even")
+        return z, spacing * x.size
+    even = np.linspace(x[0], x[-1], x.size)
     steps.append("interpolated linearly to even spacing")
-    return np.asarray(np.interp(even, x, z))
+    return np.asarray(np.interp(even, x, z)), float(x[-1] - x[0]) * x.size / (x.size - 1)
 
 
-def _make_periodic(z: Array64, length: float, options: Options, as_is: bool, steps: list[str]) -> tuple[Array64, float]:
+def _make_periodic(z: Array64, spacing: float, options: Options, as_is: bool, steps: list[str]) -> Array64:
     """Tilt and window, by default a line and a Tukey window for everything that is not taken as it is."""
     detrend, window = options.detrend, options.window
     if detrend == "auto":
@@ -237,18 +243,19 @@ def _make_periodic(z: Array64, length: float, options: Options, as_is: bool, ste
     if window == "auto":
         window = "none" if as_is else "tukey"
     if detrend == "linear":
-        i = np.linspace(-1, 1, z.size)
+        i = np.arange(z.size) - (z.size - 1) / 2
         slope = float(i @ z) / float(i @ i)
-        steps.append(f"tilt of {2 * slope / length:.4g} removed (least squares)")
+        steps.append(f"tilt of {slope / spacing:.4g} removed (least squares)")
         z = z - slope * i
-    if detrend != "none":
+    if detrend != "none" or window in ("tukey", "hann"):
+        steps.append("mean removed")
         z = z - z.mean()
     if window == "mirror":
-        steps.append("made periodic by its mirror image, twice as long")
-        return np.concatenate([z, z[::-1]]), 2 * length
+        steps.append("made periodic by its mirror image")
+        return np.concatenate([z, z[::-1]])
     if window != "none":
         taper = 0.5 if window == "hann" else _TAPER
         ramp = np.minimum(np.arange(z.size) + 0.5, z.size - 0.5 - np.arange(z.size)) / (taper * z.size)
         z = z * np.sin(np.pi / 2 * np.minimum(ramp, 1.0)) ** 2
         steps.append(f"made periodic by a {window} window, falling over {taper:g} of the length at each end")
-    return z, length
+    return z

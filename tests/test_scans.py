@@ -67,6 +67,13 @@ def test_resampling_keeps_a_band_limited_profile(tmp_path, heights):
     assert read(path, num_points=256, period=2.0)[1] == 2.0
 
 
+def test_the_highest_wave_of_an_odd_count_survives(tmp_path):
+    i = np.arange(101)
+    path = write(tmp_path, ".npy", [np.cos(2 * np.pi * 50 * i / 101)])
+    indenter, _, _ = read(path, num_points=202, detrend="none", window="none")
+    assert np.ptp(indenter.heights) == pytest.approx(2, rel=1e-2)
+
+
 def test_tilt_and_window(tmp_path):
     tilted = 0.01 * np.arange(100.0) + np.random.default_rng(0).standard_normal(100)
     path = write(tmp_path, ".csv", [tilted])
@@ -81,8 +88,10 @@ def test_tilt_and_window(tmp_path):
     assert abs(h[0] - h[-1]) < 0.1 * np.ptp(h)
     hann, _, _ = read(path, window="hann")
     assert "hann" in hann.description["profile_steps"]
-    mirrored, period, n = read(path, num_points=200, resample=True, window="mirror")
-    assert (period, n) == (2.0, 200)
+    mirrored, period, n = read(path, num_points=200, resample=True, window="mirror", period=3.0)
+    assert (period, n) == (3.0, 200)
+    assert read(path, window="mirror")[2] == 256
+    assert read(write(tmp_path, ".txt", [np.arange(100.0), tilted]), window="mirror")[1] == pytest.approx(200)
     np.testing.assert_allclose(mirrored.heights, mirrored.heights[::-1], atol=1e-12)
     as_it_is, _, _ = read(path, num_points=100)
     np.testing.assert_allclose(as_it_is.heights, tilted - tilted.min())
@@ -93,8 +102,12 @@ def test_tilt_and_window(tmp_path):
 
 def test_uneven_positions_are_interpolated(tmp_path):
     x = np.sort(np.random.default_rng(1).random(200))
-    indenter, _, _ = read(write(tmp_path, ".txt", [x, (x - 0.5) ** 2]), num_points=200)
+    indenter, period, _ = read(write(tmp_path, ".txt", [x, (x - 0.5) ** 2]), num_points=200)
     assert "interpolated linearly" in indenter.description["profile_steps"]
+    even = np.linspace(x[0], x[-1], 200)
+    h = (even - 0.5) ** 2
+    np.testing.assert_allclose(indenter.heights, h - h.min(), atol=2e-3)  # gaps of up to 0.03 between positions
+    assert period == pytest.approx((x[-1] - x[0]) * 200 / 199)
     rounded = np.round(0.156 * np.arange(200), 1)
     indenter, period, _ = read(write(tmp_path, ".txt", [rounded, x]), num_points=200)
     assert "taken as even" in indenter.description["profile_steps"]
@@ -120,6 +133,12 @@ def text(content):
     return make
 
 
+def empty_dataset(folder):
+    with h5py.File(folder / "empty.h5", "w") as file:
+        file["line"] = h5py.Empty("f8")
+    return folder / "empty.h5"
+
+
 ROWS = "".join(f"{i} {i % 7}\n" for i in range(40))
 
 
@@ -141,6 +160,13 @@ ROWS = "".join(f"{i} {i % 7}\n" for i in range(40))
         (text(ROWS + "inf 3\n"), {}, "x number 41 is not finite"),
         (text(ROWS), {"num_points": 4096}, "num_points is 4096; allowed: up to 16 times the 40 values"),
         (text(ROWS), {"period": 3.0}, "period is 3.0; allowed: none"),
+        (text(ROWS), {"num_points": 0}, "num_points is 0"),
+        (text(ROWS), {"num_points": -4}, "num_points is -4"),
+        (lambda folder: write(folder, ".npy", [np.arange(40.0) % 7]), {"period": 0.0}, "period is 0.0"),
+        (lambda folder: write(folder, ".npy", [np.arange(40.0) % 7]), {"x_unit": "um"}, "x_unit is um"),
+        (lambda folder: write(folder, ".npy", [np.append(np.arange(40.0), np.nan)]), {}, "height number 41 is not"),
+        (lambda folder: write(folder, ".npy", [np.arange(40.0)]), {}, "straight line"),
+        (empty_dataset, {}, "not an array of numbers"),
         (lambda folder: write(folder, ".npy", [np.array(["a"] * 20)]), {}, "holds <U1"),
         (lambda folder: write(folder, ".npy", [np.array([{}] * 20)]), {}, "not a plain array"),
         (lambda folder: write(folder, ".h5", [np.arange(20.0)]), {"dataset": "lime"}, "'lime'; allowed in .*: line"),
