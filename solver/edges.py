@@ -141,8 +141,8 @@ def find_edges(patches: Patches, pressure: Array64, thickness: float = math.inf)
     """
     m, curve = patches.count, edge_curve()
     if patches.full:
-        half, none = np.array([0.5]), np.zeros(1)
-        return Edges(patches.first - half, patches.last + half, none, np.zeros(1, dtype=bool))
+        half = np.array([0.5])  # error: a gap between two nodes would not be seen
+        return Edges(patches.first - half, patches.last + half, np.ones(1), np.zeros(1, dtype=bool))
     inward = np.arange(3)
     steps = np.minimum(inward, patches.size[:, None] - 1)
     left = pressure[patches.offset[:, None] + steps]

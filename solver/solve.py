@@ -242,7 +242,9 @@ class _Run:
     def _method_on(
         self, problem: Problem, tolerance: float, method: type[ActiveSet] | type[Fire] | None = None
     ) -> Method:
-        transforms = Transforms(problem.num_points, self.scene.precision, self.threads, self.planning)
+        # coarse grids cost little in float64, and what they pass on is better than float32's residual could tell
+        precision = self.scene.precision if problem.num_points == self.scene.num_points else "float64"
+        transforms = Transforms(problem.num_points, precision, self.threads, self.planning)
         # recording Warp's launches takes longer than a coarse grid's few passes
         backend = self.backend if problem.num_points >= min(_SMALLEST_WARP, self.scene.num_points) else "numpy"
         return (method or self.method)(problem, transforms, tolerance, backend)
@@ -270,7 +272,8 @@ class _Run:
             finest = size == sizes[-1]
             state = self.state
             if not finest:
-                tolerance = max(_COARSE_TOLERANCE, self.tolerance)
+                double = self.scene.precision == "float64"
+                tolerance = max(_COARSE_TOLERANCE, self.tolerance if double else 0.0)
                 state = self._method_on(Problem.from_scene(self.scene, size), tolerance)
                 if isinstance(state, ActiveSet):
                     state.slack = _COARSE_SLACK

@@ -66,7 +66,7 @@ class Solve:
     detrend: scans.Detrend = "auto"
     """File: tilt removal; auto: linear, or none for a file taken as it is."""
     window: scans.Window = "auto"
-    """File: what makes it periodic; auto: tukey, or none for a file taken as it is."""
+    """File: what makes it periodic; auto: mirror, or none for a file taken as it is."""
     pressure: float = 2e-3
     """Mean external pressure p > 0 [pressure]."""
     thickness: float = math.inf
@@ -144,7 +144,7 @@ class Arguments:
 def run_solve(options: Solve) -> int:
     """`linecontact solve`."""
     if options.save:
-        store.check_target(options.save, options.overwrite)
+        check_targets(options)
     elif options.plot:
         raise ValueError("plot is True; allowed: together with --save, the figure is drawn from the file")
     scene = make_scene(options)
@@ -164,6 +164,9 @@ def run_solve(options: Solve) -> int:
             print(json.dumps(solution.to_dict()), flush=True)
         else:
             Console().print(solution_table(solution))
+            steps = solution.scene.to_dict().get("profile_steps")
+            if steps:
+                Console().print(f"Profile: {steps}.", markup=False)
     finally:  # also when the reader of the output has gone away
         if options.save:
             store.save_solution(options.save, solution)
@@ -180,8 +183,22 @@ def run_solve(options: Solve) -> int:
     return status
 
 
+def check_targets(options: Solve) -> None:
+    """Raise `ValueError` if the file or its figures would replace what they must not."""
+    assert options.save
+    store.check_target(options.save, options.overwrite)
+    if options.profile_file and options.save.exists() and options.profile_file.samefile(options.save):
+        raise ValueError(f"save is {options.save}; allowed: another file than the profile's")
+    for suffix in (".png", ".pdf") if options.plot else ():
+        if options.save.suffix == suffix:
+            raise ValueError(f"save is {options.save}; allowed: with --plot not a figure's name")
+        store.check_target(options.save.with_suffix(suffix), options.overwrite)
+
+
 def make_scene(options: Solve) -> Scene:
     """The scene that the options describe."""
+    if options.profile_file and options.profile != "file":
+        raise ValueError(f"profile is {options.profile}; allowed: file, where a profile_file is given")
     n = 2**18 if options.num_points is None else options.num_points
     period = 1.0 if options.period is None else options.period
     indenter: PowerIndenter | RoughIndenter | MeasuredIndenter = PowerIndenter(options.exponent, options.radius)
@@ -217,7 +234,7 @@ def solution_table(solution: Solution) -> Table:
     spacing = 1 / solution.scene.num_points
     rows = [
         ("contact area a_r (sub-grid edges)", f"{record['contact_area_subgrid']:.10g}", "-"),
-        ("  its error, estimated", record["contact_area_error"], "-"),
+        ("  its error, estimated", record["contact_area_error"], "-" if solution.levels else "- (edges only)"),
         ("contact area a_r (nodes counted)", f"{record['contact_area']:.8g}", f"- (one node: {spacing:.1e})"),
         ("contact patches", record["num_patches"], f"- ({record['num_counted_patches']} of 1 or 2 nodes)"),
         ("rms gradient in contact g_c", record["rms_gradient_contact"], "-"),

@@ -58,7 +58,11 @@ def read(options: Options) -> tuple[MeasuredIndenter, float, int]:
     _check_values(path, x, z)
     x, z = _in_scene_units(x, z, options)
     count = z.size
-    length = 2 * count if options.window == "mirror" else count
+    as_is = not options.resample and (count if options.num_points is None else options.num_points) == count
+    if options.num_points is None and count & (count - 1):
+        as_is = False  # the default grid is a power of two
+    mirrored = options.window == "mirror" or (options.window == "auto" and not as_is)
+    length = 2 * count if mirrored else count
     n = max(16, 2 ** math.ceil(math.log2(length))) if options.num_points is None else options.num_points
     checks.integer("num_points", n, f"an even integer from 16 to {MAX_POINTS}", 16, MAX_POINTS, 2)
     if n > MAX_REFINEMENT * count:
@@ -67,7 +71,6 @@ def read(options: Options) -> tuple[MeasuredIndenter, float, int]:
     if options.convention == "heights":
         z = -z
         steps.append("turned over: peaks up become the indenter's lowest points")
-    as_is = n == count and not options.resample
     if x is not None and options.period is not None:
         raise ValueError(f"period is {options.period}; allowed: none, the file has positions")
     if x is None:
@@ -102,9 +105,10 @@ def _load(options: Options) -> tuple[Array64 | None, Array64, str]:
         return _columns(path, _read_hdf5(path, dataset), f"dataset {dataset or 'only one'} of {path.name}")
     if suffix == ".npy":
         try:
-            return _columns(path, np.load(path, allow_pickle=False), f"array of {path.name}")
-        except ValueError as error:
-            raise ValueError(f"profile_file {path} is not a plain array: {error}") from None
+            array = np.load(path, allow_pickle=False)
+        except ValueError:
+            raise ValueError(f"profile_file {path} is not a plain array; allowed: real numbers") from None
+        return _columns(path, array, f"array of {path.name}")
     if suffix in (".csv", ".txt", ".dat", ".asc", ".tsv"):
         table, header = _read_text(path)
         return _columns(path, table, f"columns of {path.name}, {header} lines of header left out")
@@ -113,7 +117,7 @@ def _load(options: Options) -> tuple[Array64 | None, Array64, str]:
 
 def _read_text(path: Path) -> tuple[Array64, int]:
     """The table in a text file and the number of lines before it: the first two lines in a row of as many numbers."""
-    lines = path.read_text("utf-8", errors="replace").replace(",", " ").replace(";", " ").splitlines()
+    lines = path.read_text("utf-8-sig", errors="replace").replace(",", " ").replace(";", " ").splitlines()
     counts = [_numbers(line) for line in lines]
     first = next((i for i in range(len(lines) - 1) if counts[i] and counts[i] == counts[i + 1]), None)
     if first is None:
@@ -124,7 +128,10 @@ def _read_text(path: Path) -> tuple[Array64, int]:
             raise ValueError(
                 f"profile_file {path}, line {i + 1}: {lines[i].strip()[:40]!r} is not {counts[first]} numbers"
             )
-    return np.loadtxt([lines[i] for i in used], ndmin=2), first
+    try:
+        return np.loadtxt([lines[i] for i in used], ndmin=2), first
+    except ValueError as error:  # what float() reads and NumPy does not, like 1_0
+        raise ValueError(f"profile_file {path}: {error}; allowed: plain numbers") from None
 
 
 def _numbers(line: str) -> int:
@@ -231,17 +238,22 @@ def _even(x: Array64, z: Array64, steps: list[str]) -> tuple[Array64, float]:
         steps.append(f"positions even to {off:.2g} of the spacing {spacing:.6g}, taken as even")
         return z, spacing * x.size
     even = np.linspace(x[0], x[-1], x.size)
-    steps.append("interpolated linearly to even spacing")
+    gap = float(np.diff(x).max()) / (even[1] - even[0])
+    steps.append(f"interpolated linearly to even spacing, the largest gap {gap:.3g} spacings")
     return np.asarray(np.interp(even, x, z)), float(x[-1] - x[0]) * x.size / (x.size - 1)
 
 
 def _make_periodic(z: Array64, spacing: float, options: Options, as_is: bool, steps: list[str]) -> Array64:
-    """Tilt and window, by default a line and a Tukey window for everything that is not taken as it is."""
+    """Tilt and window, by default a line and the mirror image for everything that is not taken as it is.
+
+    The mirror image doubles the length but keeps the roughness; the windows smooth it away at the ends, where a scan
+    then touches nearly everywhere.
+    """
     detrend, window = options.detrend, options.window
     if detrend == "auto":
         detrend = "none" if as_is else "linear"
     if window == "auto":
-        window = "none" if as_is else "tukey"
+        window = "none" if as_is else "mirror"
     if detrend == "linear":
         i = np.arange(z.size) - (z.size - 1) / 2
         slope = float(i @ z) / float(i @ i)

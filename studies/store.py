@@ -62,6 +62,8 @@ def check_target(path: Path, overwrite: bool) -> None:
     """Raise `StoreError` before any work if `path` cannot become a new file."""
     if path.is_dir():
         raise StoreError(f"file {path} is a folder; allowed: the name of a file")
+    if path.exists() and not path.is_file():
+        raise StoreError(f"file {path} is not a regular file; allowed: the name of a file")
     if path.exists() and not overwrite:
         raise StoreError(f"file {path} exists; allowed: a new name, or overwriting it by --overwrite")
     if not path.parent.is_dir():
@@ -77,8 +79,9 @@ def check_target(path: Path, overwrite: bool) -> None:
 def new_file(path: Path) -> Iterator[h5py.File]:
     """An HDF5 file that appears under `path` only when it is complete. Raises `StoreError` if it cannot be written.
 
-    HDF5 builds it in memory, because its library does not survive a full disk.
+    HDF5 builds it in memory, because its library does not survive a full disk. A link is followed.
     """
+    path = path.resolve()
     with h5py.File(path.name, "w", driver="core", backing_store=False) as file:
         yield file
         file.flush()

@@ -83,9 +83,15 @@ def test_a_scan_from_file_to_figure_in_one_command(tmp_path):
     assert result.returncode == 0, result.stderr
     assert (tmp_path / "run.png").stat().st_size > 5000
     fields, attributes = store.load_solution(file)
-    assert attributes["scene.period"] == pytest.approx(150)
-    assert attributes["scene.num_points"] == 512
-    assert "tukey" in attributes["scene.profile_steps"]
+    assert attributes["scene.period"] == pytest.approx(300)
+    assert attributes["scene.num_points"] == 1024
+    assert "mirror" in attributes["scene.profile_steps"]
+    assert "Profile: columns of scan.csv" in result.stdout
+    again = run(
+        "solve", *options.split(), "--profile-file", tmp_path / "scan.csv", "--save", tmp_path / "run.png", "--plot"
+    )
+    assert again.returncode == 2
+    assert "run.png exists" in again.stderr
     assert fields["profile"].max() < 5e-3  # nm to um
 
 
@@ -117,6 +123,10 @@ def test_methods_and_grids(method, grids):
         (["solve", "--profile", "file", "--profile-file", "no.txt"], "no.txt, which is not a file"),
         (["solve", "--profile", "file", "--profile-file", __file__], "SurfaceTopography"),
         (["solve", "--plot"], "together with --save"),
+        (["solve", "--plot", "--save", "x.png"], "not a figure's name"),
+        (["solve", "--profile-file", __file__], "profile is power"),
+        (["solve", "--num-points", "0"], "num_points is 0"),
+        (["solve", "--save", "/dev/null", "--overwrite"], "not a regular file"),
         (["solve", "--tolerance", "0"], "tolerance is 0"),
         (["solve", "--max-iterations", "0"], "max_iterations is 0"),
         (["solve", "--threads", "0"], "threads is 0"),

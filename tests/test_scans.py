@@ -77,7 +77,8 @@ def test_the_highest_wave_of_an_odd_count_survives(tmp_path):
 def test_tilt_and_window(tmp_path):
     tilted = 0.01 * np.arange(100.0) + np.random.default_rng(0).standard_normal(100)
     path = write(tmp_path, ".csv", [tilted])
-    indenter, _, n = read(path)
+    assert "mirror" in read(path)[0].description["profile_steps"]  # the default
+    indenter, _, n = read(path, window="tukey")
     assert n == 128
     steps = indenter.description["profile_steps"]
     assert "tilt of" in steps
@@ -118,6 +119,7 @@ def test_headers_and_line_ends(tmp_path):
     path = tmp_path / "scan.csv"
     rows = "".join(f"{0.1 * i:.1f},{math.sin(i):.5f},,\r\n" for i in range(32))
     path.write_bytes(b"Scan,Standard\r\nStylus,2.5 \xb5m\r\n7\r\nx,z\r\n" + rows.encode() + b"\r\n\r\n")
+    path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())  # a byte order mark is no header
     indenter, period, n = read(path)
     assert n == 32
     assert period == pytest.approx(3.2)
@@ -153,6 +155,7 @@ ROWS = "".join(f"{i} {i % 7}\n" for i in range(40))
         (text(ROWS + "41 high\n"), {}, "line 41: '41 high' is not 2 numbers"),
         (text(ROWS + "41\n"), {}, "line 41"),
         (text("1\n2\n"), {}, "holds 2 values; allowed: at least 16"),
+        (text("1_0 2\n2_0 3\n" * 20), {}, "allowed: plain numbers"),
         (text("1 5\n2 5\n" * 20), {}, "every height is 5.0"),
         (text(ROWS + "39 1\n"), {}, "x goes from 39.0 to 39.0 at value 41"),
         (text(ROWS + "38 1\n"), {}, "x goes from 39.0 to 38.0"),
@@ -186,13 +189,13 @@ def test_damaged_files_are_named(tmp_path, suffix):
 
 
 @pytest.mark.skipif(not REAL.exists(), reason="no instrument files here")
-@pytest.mark.parametrize(("name", "length", "values"), [("dektak-1.csv", 1500.0, 9600), ("opdx-3.txt", 5e-5, 3001)])
-def test_real_scans(name, length, values):
-    indenter, period, n = read(REAL / name, convention="heights")
+@pytest.mark.parametrize(("name", "period", "values"), [("dektak-1.csv", 3000.0, 9600), ("opdx-3.txt", 1e-4, 3001)])
+def test_real_scans(name, period, values):
+    indenter, length, n = read(REAL / name, convention="heights")
     assert indenter.description["profile_values"] == values
-    assert period == pytest.approx(length, rel=1e-3)
+    assert length == pytest.approx(period, rel=1e-3)  # mirrored
     assert "taken as even" in indenter.description["profile_steps"]
-    solution = solve(Scene(Layer(), indenter, 1e-4, period, n))
+    solution = solve(Scene(Layer(), indenter, 1e-4, length, n))
     assert solution.status is Status.CONVERGED
     assert not solution.handed_over
     assert 0 < solution.observables.contact_area_subgrid < 0.5
