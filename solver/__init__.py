@@ -4,8 +4,9 @@ from .certificate import Certificate, certify
 from .indenters import MeasuredIndenter, PowerIndenter, RoughIndenter
 from .observables import Observables
 from .relaxation import Status
+from .run import METHODS, default_tolerance
 from .scene import Layer, Scene
-from .solve import METHODS, Solution, default_tolerance, solve
+from .solve import Solution, solve
 
 __all__ = [
     "METHODS",

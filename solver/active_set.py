@@ -27,7 +27,6 @@ from .transforms import Transforms
 
 Array = NDArray[Any]
 
-
 _FEW_TO_MOVE = 8  # patches up to which the ends of a cold start are moved by prediction; more disturb each other
 
 
@@ -38,7 +37,7 @@ class ActiveSet:
     """
 
     inner = 0.05
-    safety = 0.4  # of the tolerance: the free residual is up to twice the pressure's error
+    safety = 0.4  # of the tolerance, where to stop: the free residual is up to twice the pressure's error
     patience = 10**9  # the residual starts anew with every set; `longest` ends the search instead
     longest = 150  # iterations on one set: rounding keeps the residual up
     slack = 0.0  # nodes a patch may still have wrong on the average; for coarse grids
@@ -58,10 +57,9 @@ class ActiveSet:
         coefficient[: n + 2] = np.repeat(self._green.compliance / n, 2)
         multiply = record(backend, [Call("spectral_multiply", (coefficient,), (transforms.spectrum,))])
         self._compliance = forward, multiply, inverse
-        response, wall = self._response, (self._response, self._height, self._state)
-        self._advance = record(backend, [Call("advance_response", (self._work, self._state), (response,))])
-        self._count = record(backend, [Call("count_below", wall, (self._counts,))])
-        self._rest = record(backend, [Call("rest_on_wall", wall, (self._work,))])
+        self._wall = self._response, self._height, self._state
+        self._advance = record(backend, [Call("advance_response", (self._work, self._state), (self._response,))])
+        self._count = record(backend, [Call("count_below", self._wall, (self._counts,))])
         self._height[:n] = problem.height
         self._height[n:] = 1e30  # the padding never touches
         self._eps = float(np.finfo(transforms.real).eps)
@@ -148,7 +146,8 @@ class ActiveSet:
         if self._preconditioner is None or self._stale:
             self._preconditioner = PatchDeflation(self._green, self._patches, self._preconditioner)
             self._stale = False
-        r = self._level - self._touching()
+        touching = self._touching()
+        r = float(touching.mean()) - touching
         z = self._preconditioner.apply(r)
         self.residual = math.sqrt(float(z @ z) / self._num_points)
         if math.isinf(self._first):
@@ -245,7 +244,7 @@ class ActiveSet:
         if not self._nodes.size:
             return np.zeros(self._num_points)
         self._state[layout.LEVEL] = self._level
-        self._rest()
+        record(self.backend, [Call("rest_on_wall", self._wall, (self._work,))])()
         n, height = self._num_points, self.problem.height
         u = np.minimum(self._work[:n].astype(np.float64), height)
         u[self._nodes] = height[self._nodes]

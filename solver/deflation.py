@@ -16,15 +16,14 @@ The parts are kept apart: the local part carries no load, the coarse one makes t
 leaves the total load as it is, and a constant in the residual (the rigid approach) has no effect.
 """
 
+from collections.abc import Iterator
 from functools import cached_property
 
 import numpy as np
 import pyfftw
 from numpy.typing import NDArray
 
-from .patches import Indices, Patches
-
-Array64 = NDArray[np.float64]
+from .patches import Array64, Indices, Patches
 
 LONGEST_DENSE = 256  # nodes; the factor of longer patches costs more than short transforms
 
@@ -97,7 +96,7 @@ class GreensFunction:
         return sum(c.count * c.length for c in self._convolutions.values())
 
     def factor(self, order: int) -> Array64:
-        """`inverse_cholesky` of G, at least that large."""
+        """`inverse_cholesky` of G [L/E*], shape (m, m) with m >= order; kept for the next call."""
         if self._factor.shape[0] < order:
             self._factor = inverse_cholesky(self.response, min(64 * -(-order // 64), self.num_points - 1))
         return self._factor
@@ -131,7 +130,7 @@ class Convolution:
         self.count = 0
 
     def __call__(self, symbol: Array64, values: Array64) -> Array64:
-        """The convolution at the nodes of `values`."""
+        """Circular convolution of zero-padded values with a symbol, shape (length//2 + 1,), at the values' nodes."""
         self._real[: values.size] = values
         self._real[values.size :] = 0
         self._forward.execute()
@@ -189,7 +188,7 @@ class PatchDeflation:
         self.patches, self._green = patches, green
         dense = 0 if patches.full else LONGEST_DENSE if patches.count > _FEW_PATCHES else LONGEST_DENSE // 4
         self._long = {p: LongPatch(green, int(patches.size[p])) for p in _indices(patches.size > dense)}
-        self._blocks = list(self._dense_blocks(green))
+        self._blocks = list(self._dense_blocks())
         self._build, self._borders, self._factor = 0, np.zeros(0), np.ones((1, 1))
         if patches.full:
             return
@@ -236,7 +235,7 @@ class PatchDeflation:
         start = self.patches.offset[patch]
         return slice(start, start + self.patches.size[patch])
 
-    def _dense_blocks(self, green: GreensFunction):  # type: ignore[no-untyped-def]
+    def _dense_blocks(self) -> Iterator[tuple[Array64, Indices, NDArray[np.bool_]]]:
         """(factor, compact indices, mask) of the patches of similar size, both of shape (patches, width)."""
         size, offset = self.patches.size, self.patches.offset
         widths = np.where(
@@ -250,7 +249,7 @@ class PatchDeflation:
             mask = np.arange(width) < size[chosen, None]
             # outside of a patch: the slot behind the last contact node
             index = np.where(mask, offset[chosen, None] + np.arange(width), self.patches.nodes.size)
-            yield green.factor(width)[:width, :width], index, mask
+            yield self._green.factor(width)[:width, :width], index, mask
 
     def _local(self, residual: Array64) -> Array64:
         """Patch by patch G_bb^-1 residual, in compact order."""
@@ -267,7 +266,7 @@ class PatchDeflation:
         return np.bincount(self._unknown, values, len(self._factor)).astype(np.float64)
 
     def apply(self, residual: Array64) -> Array64:
-        """Preconditioned residual, both on the contact nodes in compact order; its sum is 0."""
+        """Preconditioned residual (a pressure), both shape (contact nodes,) in compact order; its sum is 0."""
         if self.patches.full:
             return self._local(residual)
         loads = np.maximum(self._loads, 1e-300)  # 0 where an unknown has lost its patches
@@ -284,7 +283,7 @@ def _indices(chosen: NDArray[np.bool_]) -> list[int]:
 
 
 def _unknowns(num_points: int) -> int:
-    """Coarse unknowns whose dense inverse costs about as much as a transform pair of that length."""
+    """Coarse unknowns whose dense inverse costs a few transform pairs of that length."""
     return max(16, int(8 * num_points ** (1 / 3)))
 
 

@@ -24,9 +24,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from .patches import Indices, Patches
-
-Array64 = NDArray[np.float64]
+from .patches import Array64, Indices, Patches
 
 _TABLE = 64  # beyond, S_j = sqrt(j + s) to 1e-5
 COUNTED_BELOW = 3  # nodes; smaller patches are counted
@@ -82,7 +80,10 @@ def _far_binomial(a: float) -> tuple[float, float, float]:
 
 
 def edge_function(beta: Array64, j: Indices) -> Array64:
-    """The universal edge pressure at the nodes j >= 0 from the last contact node inwards; ~ sqrt(j - theta)."""
+    """The universal edge pressure at the nodes j >= 0 from the last contact node inwards; ~ sqrt(j - theta).
+
+    beta, j: broadcast against each other; the result has their common shape.
+    """
     curve = edge_curve()
 
     def table(i: Indices) -> Array64:
@@ -131,7 +132,7 @@ class Edges:
 
 
 def find_edges(patches: Patches, pressure: Array64, thickness: float = math.inf) -> Edges:
-    """Sub-grid edges of patches from the pressure on the contact nodes, in compact order [any unit].
+    """Sub-grid edges of patches from the pressure, shape (contact nodes,) in compact order [any unit].
 
     The pressure is first divided by the edge function of the patch's other end. Patches of fewer than three nodes end
     half a spacing outside their last nodes, as counting has it, and a full contact has no edge at all.

@@ -11,8 +11,8 @@ from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 
-from .edges import edge_curve, edge_function, find_edges
-from .observables import Observables, contact_edges, subgrid_measures
+from .edges import Edges, edge_curve, edge_function
+from .observables import Observables, subgrid_measures
 from .patches import Array64, Indices, Patches
 from .relaxation import Method
 from .scene import Scene
@@ -29,14 +29,15 @@ def grids(num_points: int) -> list[int]:
     return sizes
 
 
-def prolong(pressure: Array64, num_points: int) -> Array64:
-    """A contact pressure, shape (M,), on a grid of `num_points`, shape (num_points,); both 0 off the contact."""
-    contact = pressure > 0
-    patches, factor = Patches.of(contact), num_points / contact.size
+def prolong(pressure: Array64, patches: Patches, ends: Edges, num_points: int) -> Array64:
+    """A contact pressure, shape (N,), on a grid of `num_points`, shape (num_points,); both 0 off the contact [p].
+
+    patches, ends: of that pressure, see `observables.contact_edges`.
+    """
+    factor, shift = num_points / pressure.size, edge_curve().shift
     if patches.full:
         x = np.arange(num_points) / factor
-        return np.asarray(np.interp(x, np.arange(contact.size + 1), np.append(pressure, pressure[0])))
-    ends, shift = find_edges(patches, pressure[patches.nodes]), edge_curve().shift
+        return np.asarray(np.interp(x, np.arange(pressure.size + 1), np.append(pressure, pressure[0])))
     # the nodes whose distance beyond the edge lies between -s and 1 - s
     first = np.ceil(factor * ends.left - (1 - shift)).astype(np.int64)
     last = np.maximum(first, np.floor(factor * ends.right + (1 - shift)).astype(np.int64))
@@ -86,10 +87,11 @@ class Level:
         return {name: value for name, value in asdict(self).items() if name != "num_points"}
 
 
-def measure_level(scene: Scene, pressure: Array64, state: Method) -> Level:
-    """The level of a state that has been relaxed on a coarser grid to `pressure`, shape (M,)."""
-    area, _, kappa, _ = subgrid_measures(scene, *contact_edges(scene, pressure), pressure.size)
-    return Level(pressure.size, area, kappa, state.iteration, round(state.transform_pairs, 3))
+def measure_level(scene: Scene, patches: Patches, ends: Edges, state: Method) -> Level:
+    """The level of a state that has been relaxed on a coarser grid; patches, ends: of its contact pressure."""
+    n = state.problem.num_points
+    area, _, kappa, _ = subgrid_measures(scene, patches, ends, scene.indenter.slope(n, scene.period) ** 2)
+    return Level(n, area, kappa, state.iteration, round(state.transform_pairs, 3))
 
 
 def discretisation_error(observables: Observables, levels: list[Level]) -> Observables:

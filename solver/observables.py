@@ -21,8 +21,8 @@ class Observables:
     """Dimensionless unless a unit is given.
 
     contact_area: a_r, nodes in contact over all nodes. A node more or less is 1/N.
-    contact_area_subgrid: a_r between the sub-grid edges (`edges`). contact_area_error: estimate of its error, the
-        edges' own and with nested grids the discretisation's too.
+    contact_area_subgrid: a_r between the sub-grid edges (`edges`). contact_area_error: estimate of its error: the
+        edges' own, what the unfinished iteration leaves, and with nested grids the discretisation's.
     contact_area_discretisation_error: a third of the change from the last coarser grid; nan without nested grids.
     num_patches: runs of neighbouring contact nodes; num_counted_patches: those of fewer than three nodes, for which the
         sub-grid area counts nodes.
@@ -56,17 +56,15 @@ class Observables:
 
 def observe(scene: Scene, displacement: Array64, contact_pressure: Array64, contact: NDArray[np.bool_]) -> Observables:
     """Observables of a displacement [length] and contact pressure [pressure], both shape (N,)."""
-    slope = scene.indenter.slope(scene.num_points, scene.period)[contact]
+    squared_slope = scene.indenter.slope(scene.num_points, scene.period) ** 2
     area = float(contact.mean())
-    gradient = math.sqrt(float(slope @ slope) / slope.size) if slope.size else 0.0
+    gradient = math.sqrt(float(squared_slope[contact].mean())) if area else 0.0
     reduced = scene.pressure / scene.layer.contact_modulus / gradient if gradient else math.inf
     kappa = area / reduced if gradient else math.nan
     layer, indenter = scene.layer, scene.indenter
     half_space = kappa_half_space(indenter.exponent) if isinstance(indenter, PowerIndenter) else math.nan
     patches, edges = contact_edges(scene, np.where(contact, contact_pressure, 0.0))
-    area_subgrid, gradient_subgrid, kappa_subgrid, sensitivity = subgrid_measures(
-        scene, patches, edges, scene.num_points
-    )
+    area_subgrid, gradient_subgrid, kappa_subgrid, sensitivity = subgrid_measures(scene, patches, edges, squared_slope)
     area_error = math.sqrt(float(edges.error @ edges.error)) / scene.num_points
     modulus = foundation_modulus(layer.thickness, layer.poisson_ratio) * layer.contact_modulus  # 0 for a half-space
     return Observables(
@@ -89,26 +87,28 @@ def observe(scene: Scene, displacement: Array64, contact_pressure: Array64, cont
 
 
 def contact_edges(scene: Scene, pressure: Array64) -> tuple[Patches, Edges]:
-    """Patches and their sub-grid edges, from the contact pressure, 0 off the contact, on a grid of any size."""
+    """Patches and their sub-grid edges, from the contact pressure [any unit], 0 off the contact, shape (N,), any N."""
     patches = Patches.of(pressure > 0)
     return patches, find_edges(patches, pressure[patches.nodes], scene.layer.thickness / scene.period * pressure.size)
 
 
 def subgrid_measures(
-    scene: Scene, patches: Patches, edges: Edges, num_points: int
+    scene: Scene, patches: Patches, edges: Edges, squared_slope: Array64
 ) -> tuple[float, float, float, float]:
-    """a_r, g_c and kappa between the sub-grid edges, and |d kappa/d a_r| where the edges move."""
-    width = float(edges.width.sum())
+    """a_r, g_c and kappa between the sub-grid edges, and |d kappa/d a_r| where the edges move (dimensionless).
+
+    squared_slope: h'^2 on the grid of `patches` and `edges`, shape (N,).
+    """
+    num_points, width = squared_slope.size, float(edges.width.sum())
     if width == 0:
         return 0.0, 0.0, math.nan, math.nan
-    squares = scene.indenter.slope(num_points, scene.period) ** 2
-    whole = float(squares[patches.nodes].sum())
+    whole = float(squared_slope[patches.nodes].sum())
     # the strips between the last nodes' cells and the edges, at the slope in their middle
     strips = np.concatenate([patches.first - 0.5 - edges.left, edges.right - patches.last - 0.5])
     middles = np.concatenate([(patches.first - 0.5 + edges.left) / 2, (patches.last + 0.5 + edges.right) / 2])
     node = np.floor(middles).astype(np.int64)
     part = middles - node
-    at = (1 - part) * squares[node % num_points] + part * squares[(node + 1) % num_points]
+    at = (1 - part) * squared_slope[node % num_points] + part * squared_slope[(node + 1) % num_points]
     mean_square = (whole + float(strips @ at)) / width
     if not mean_square > 0:
         return width / num_points, 0.0, math.nan, math.nan

@@ -303,7 +303,7 @@ def test_bad_input_is_named(make, named):
 def test_too_large_for_the_machine(monkeypatch):
     if not Path("/proc/meminfo").exists():
         pytest.skip("free memory is known on Linux only")
-    monkeypatch.setattr(sys.modules["linecontact.solver.solve"], "_BYTES_PER_POINT", 2**40)
+    monkeypatch.setattr(sys.modules["linecontact.solver.run"], "_BYTES_PER_POINT", 2**40)
     with pytest.raises(ValueError, match=r"num_points is 1024, needing about .* GiB"):
         solve(hertz())
 

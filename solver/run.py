@@ -1,0 +1,264 @@
+"""One solve: grids from coarse to fine, the method on each, the certificate, and the hand-over if that fails."""
+
+import math
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import kernels
+from . import checks
+from .active_set import ActiveSet
+from .certificate import certify
+from .fire import Fire, MassWeightedFire
+from .nested import Level, grids, measure_level, prolong
+from .observables import contact_edges
+from .problem import Problem
+from .relaxation import Method, Progress, Status, relax
+from .scene import Scene
+from .stiffness import stiffness
+from .transforms import Transforms, save_wisdom
+
+Array64 = NDArray[np.float64]
+
+_METHODS: dict[str, type[ActiveSet] | type[Fire]] = {
+    "active-set": ActiveSet,
+    "mass-weighted-fire": MassWeightedFire,
+    "fire": Fire,
+}
+
+METHODS = tuple(_METHODS)
+"""Names of the methods, fastest first; the first is the default."""
+
+_BYTES_PER_POINT = 250  # at the peak; measured: 130 (plain FIRE, float32), 210 (active set), 310 (contact everywhere)
+
+_SMALLEST_WARP = 2**13  # points; smaller coarse grids run on the twins
+_COARSE_TOLERANCE, _COARSE_SLACK = 1e-5, 0.1  # so that the next grid starts with the right set of nodes
+
+DEFAULT_MAX_ITERATIONS = {"active-set": 2_000, "mass-weighted-fire": 20_000, "fire": 200_000}
+
+
+def rounding_floor(problem: Problem, precision: str) -> float:
+    """Estimate of the rms free residual over p below which rounding in u hides everything (dimensionless).
+
+    A relative rounding error eps in u comes back as eps rms(K) |u|; |u| is taken from its fluctuation under a line
+    load, rms(u) = sqrt(2 sum 1/K^2), which a spread-out contact stays below.
+    """
+    k = problem.stiffness[1:]
+    eps = float(np.finfo(precision).eps)
+    return 2.5 * eps * math.sqrt(float(np.mean(k**2))) * math.sqrt(2 * float(np.sum(k**-2.0)))
+
+
+def default_tolerance(scene: Scene, problem: Problem | None = None) -> float:
+    """1e-8 in float64; in float32 the larger of 1e-4 and twice what rounding leaves (dimensionless).
+
+    Raises `ValueError` where rounding in float32 leaves no meaning in the residual.
+    """
+    if scene.precision == "float64":
+        return 1e-8
+    tolerance = max(1e-4, 2 * rounding_floor(problem or Problem.from_scene(scene), scene.precision))
+    if tolerance > 0.2:
+        raise ValueError(
+            f"num_points is {scene.num_points}, where float32 leaves a residual of about {tolerance / 2:.1g}; allowed: "
+            "fewer points, precision float64, or a tolerance of your own"
+        )
+    return tolerance
+
+
+class Run:
+    """State of one solve; after `drive` and `certified` the last method's state, the certificate and the account."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        method: str,
+        tolerance: float | None,
+        initial: Array64 | None,
+        threads: int,
+        planning: str,
+        backend: str,
+        max_iterations: int | None,
+        progress: Progress | None,
+    ) -> None:
+        if not isinstance(scene, Scene):
+            raise ValueError(f"scene is {scene!r}; allowed: a Scene")
+        checks.choice("backend", backend, kernels.BACKENDS)
+        _check_memory(scene)
+        self.scene, self.method, self.backend = scene, _METHODS[method], backend
+        self.threads, self.planning, self.progress = threads, planning, progress
+        self.problem = Problem.from_scene(scene)
+        _check_range(scene, self.problem)
+        if tolerance is None:
+            tolerance = default_tolerance(scene, self.problem)
+        self.tolerance = checks.real("tolerance", tolerance, "1e-14 < tolerance <= 0.5", 1e-14, 0.5)
+        self.initial = None
+        if initial is not None:
+            displacement = _check_initial(initial, scene.num_points)
+            # on the wall exactly, whatever the units' rounding
+            on_wall = displacement >= scene.profile
+            self.initial = np.where(on_wall, self.problem.height, displacement / self.problem.length_unit)
+        # the certificate's own rounding must not turn a solution away
+        self.state = self._method_on(self.problem, 0.95 * self.tolerance)
+        if planning != "estimate":
+            save_wisdom()
+        self.limited = max_iterations is not None
+        self.left = max_iterations or DEFAULT_MAX_ITERATIONS[method]
+        self.iterations, self.transform_pairs = 0, 0.0
+        self.levels: list[Level] = []
+        self.handed_over, self.seconds_more = False, 0.0
+
+    def _method_on(
+        self, problem: Problem, tolerance: float, method: type[ActiveSet] | type[Fire] | None = None
+    ) -> Method:
+        # coarse grids cost little in float64, and what they pass on is better than float32's residual could tell
+        precision = self.scene.precision if problem.num_points == self.scene.num_points else "float64"
+        transforms = Transforms(problem.num_points, precision, self.threads, self.planning)
+        # recording Warp's launches takes longer than a coarse grid's few passes
+        backend = self.backend if problem.num_points >= min(_SMALLEST_WARP, self.scene.num_points) else "numpy"
+        return (method or self.method)(problem, transforms, tolerance, backend)
+
+    def _relax(self, state: Method) -> Status:
+        """Relax, and add what it took to the account."""
+        iterations, pairs = state.iteration, state.transform_pairs
+        status = relax(state, iterations + self.left, self.progress) if self.left > 0 else Status.ITERATION_LIMIT
+        self._account(state, state.iteration - iterations, state.transform_pairs - pairs)
+        return status
+
+    def _account(self, state: Method, iterations: int, pairs: float) -> None:
+        self.left -= iterations
+        self.iterations += iterations
+        self.transform_pairs += pairs * state.problem.num_points / self.scene.num_points
+
+    def drive(self, nested: bool) -> Status:
+        """All grids; the last state is on the finest one."""
+        if self.initial is not None:
+            self.state.start(self.initial)
+            return self._relax(self.state)
+        sizes = grids(self.scene.num_points) if nested else [self.scene.num_points]
+        coarse = None
+        for size in sizes:
+            finest = size == sizes[-1]
+            state = self.state
+            if not finest:
+                double = self.scene.precision == "float64"
+                tolerance = max(_COARSE_TOLERANCE, self.tolerance if double else 0.0)
+                state = self._method_on(Problem.from_scene(self.scene, size), tolerance)
+                if isinstance(state, ActiveSet):
+                    state.slack = _COARSE_SLACK
+            status = Status.CONVERGED
+            if coarse:
+                state.start_from_pressure(prolong(*coarse, size))
+            elif isinstance(state, MassWeightedFire):
+                status = self._lead_in(state)
+            if status is not Status.INTERRUPTED:
+                status = self._relax(state)
+            if not finest:
+                pressure = state.contact_pressure
+                coarse = pressure, *contact_edges(self.scene, pressure)
+                if status is Status.INTERRUPTED:
+                    if pressure.any():
+                        self.state.start_from_pressure(prolong(*coarse, sizes[-1]))
+                    return status
+                self.levels.append(measure_level(self.scene, *coarse[1:], state))
+        return status
+
+    def certified(self, status: Status) -> Status:
+        """The certificate's verdict. An active set that misses it tries harder, then hands over to FIRE."""
+        good, begin, tries = self._certify(), time.perf_counter(), 0
+        while not good and status is Status.CONVERGED and isinstance(self.state, ActiveSet) and tries < 3:
+            self.state.try_harder()
+            status, tries = self._relax(self.state), tries + 1
+            good = self._certify()
+        gave_up = not good and status not in (Status.INTERRUPTED, Status.ITERATION_LIMIT)
+        if gave_up and isinstance(self.state, ActiveSet) and (self.left > 0 or not self.limited):
+            status, good = self._hand_over()
+        if tries or self.handed_over:
+            self.seconds_more = time.perf_counter() - begin
+        if status is Status.CONVERGED and not good:
+            return Status.STAGNATED  # the method's own precision cannot see the difference
+        if good and status in (Status.STAGNATED, Status.ITERATION_LIMIT):
+            return Status.CONVERGED
+        return status
+
+    def _hand_over(self) -> tuple[Status, bool]:
+        """Mass-weighted FIRE from where the active set ended; the better of the two stays."""
+        self.handed_over = True
+        if not self.limited:
+            self.left = DEFAULT_MAX_ITERATIONS["mass-weighted-fire"]
+        start, before = self.state.displacement, self.certificate.free_residual
+        self.state = self._method_on(self.problem, 0.95 * self.tolerance, MassWeightedFire)
+        self.state.start(start)
+        status = self._relax(self.state)
+        good = self._certify()
+        if not good and self.certificate.free_residual > before:
+            self.state.start(start)
+            self._certify()
+        return status, good
+
+    def _certify(self) -> bool:
+        self.certificate, self.pressure, self.contact = certify(self.problem, self.state.displacement)
+        c = self.certificate
+        return c.free_residual <= self.tolerance and math.isfinite(c.energy_error_bound)
+
+    def _lead_in(self, state: MassWeightedFire) -> Status:
+        """Bring `state` near the solution of a thin, nearly incompressible layer by way of more compressible ones.
+
+        Such a layer's softest and longest modes differ by (L/d)^3 in stiffness; from u = 0 mass-weighted FIRE bounces
+        off the wall and may never settle. Measured for nu = 1/2, d = 1e-3 to 1e-5, n = 1.5 to 8: with this ladder, each
+        rung solved to 1e-2, every solve converged.
+        """
+        k, layer = state.problem.stiffness[1:], self.scene.layer
+        status = Status.CONVERGED
+        if k[0] < 1e3 * k.min():
+            return status
+        for poisson_ratio in (0.4, 0.48, 0.498):
+            if poisson_ratio < layer.poisson_ratio and status is not Status.INTERRUPTED:
+                softer = stiffness(state.num_points, layer.thickness / self.scene.period, poisson_ratio)
+                rung = MassWeightedFire(replace(state.problem, stiffness=softer), state.transforms, 1e-2, self.backend)
+                rung.start(state.displacement)
+                status = relax(rung, min(500, self.left), self.progress)
+                self._account(rung, rung.iteration, rung.transform_pairs)
+                if status is not Status.DIVERGED:
+                    state.start(rung.displacement)
+        return status
+
+
+def _check_range(scene: Scene, problem: Problem) -> None:
+    """Reject layers so thin that their stiffness overflows the precision."""
+    stiffest, limit = float(problem.stiffness.max()), 1e-8 * float(np.finfo(scene.precision).max)
+    if not stiffest < limit:
+        raise ValueError(
+            f"thickness is {scene.layer.thickness!r} at period {scene.period!r}; allowed: thicker, the stiffness "
+            f"reaches {stiffest:.1e} E*/L and {scene.precision} ends at {limit:.1e}"
+        )
+
+
+def _check_initial(initial: Array64, num_points: int) -> Array64:
+    allowed = f"allowed: an array of {num_points} finite real numbers"
+    try:
+        array = np.asarray(initial)
+        real = array.astype(np.float64) if array.dtype.kind in "fiu" else None
+    except (TypeError, ValueError):
+        real = None
+    if real is None or real.shape != (num_points,):
+        raise ValueError(f"initial has shape {np.shape(initial)}; {allowed}")
+    if not np.isfinite(real).all():
+        raise ValueError(f"initial holds a value that is not finite; {allowed}")
+    return real
+
+
+def _check_memory(scene: Scene) -> None:
+    """Reject grids that the machine's free memory cannot hold: 20 to 25 arrays of N values at the peak."""
+    try:
+        lines = Path("/proc/meminfo").read_text().splitlines()
+        available = next(int(line.split()[1]) for line in lines if line.startswith("MemAvailable")) * 1024
+    except (OSError, StopIteration, ValueError):
+        return  # not Linux: no estimate
+    needed = _BYTES_PER_POINT * scene.num_points
+    if needed > available:
+        raise ValueError(
+            f"num_points is {scene.num_points}, needing about {needed / 2**30:.1f} GiB; allowed: what fits into the "
+            f"{available / 2**30:.1f} GiB that are free"
+        )
