@@ -58,15 +58,7 @@ def read(options: Options) -> tuple[MeasuredIndenter, float, int]:
     _check_values(path, x, z)
     x, z = _in_scene_units(x, z, options)
     count = z.size
-    as_is = not options.resample and (count if options.num_points is None else options.num_points) == count
-    if options.num_points is None and count & (count - 1):
-        as_is = False  # the default grid is a power of two
-    mirrored = options.window == "mirror" or (options.window == "auto" and not as_is)
-    length = 2 * count if mirrored else count
-    n = max(16, 2 ** math.ceil(math.log2(length))) if options.num_points is None else options.num_points
-    checks.integer("num_points", n, f"an even integer from 16 to {MAX_POINTS}", 16, MAX_POINTS, 2)
-    if n > MAX_REFINEMENT * count:
-        raise ValueError(f"num_points is {n}; allowed: up to {MAX_REFINEMENT} times the {count} values in {path}")
+    as_is, length, n = _choose_grid(options, count)
     steps = [origin]
     if options.convention == "heights":
         z = -z
@@ -83,11 +75,8 @@ def read(options: Options) -> tuple[MeasuredIndenter, float, int]:
     if np.ptp(z) <= 1e-12 * height:
         raise ValueError(f"profile_file {path} holds a straight line; allowed: a profile that is not")
     if z.size != n:
-        modes = np.fft.rfft(z)
-        held = (min(n, z.size) + 1) // 2  # all but an unpaired highest mode
-        modes[held:] = 0
         steps.append(f"resampled from {z.size} to {n} points by Fourier modes")
-        z = np.fft.irfft(modes[: held + 1], n) * (n / z.size)
+        z = _resample(z, n)
     description = {
         "profile_file": path.name,
         "profile_values": count,
@@ -95,6 +84,29 @@ def read(options: Options) -> tuple[MeasuredIndenter, float, int]:
         "profile_steps": "; ".join([*steps, "shifted to h >= 0"]),
     }
     return MeasuredIndenter(z, description), period, n
+
+
+def _choose_grid(options: Options, count: int) -> tuple[bool, int, int]:
+    """Whether the values are taken as they are, their number in the period, and the number of grid points."""
+    n = options.num_points
+    # the default grid is a power of two
+    as_is = not options.resample and (count & (count - 1) == 0 if n is None else n == count)
+    mirrored = options.window == "mirror" or (options.window == "auto" and not as_is)
+    length = 2 * count if mirrored else count
+    n = max(16, 2 ** math.ceil(math.log2(length))) if n is None else n
+    checks.integer("num_points", n, f"an even integer from 16 to {MAX_POINTS}", 16, MAX_POINTS, 2)
+    if n > MAX_REFINEMENT * count:
+        raise ValueError(
+            f"num_points is {n}; allowed: up to {MAX_REFINEMENT} times the {count} values in {options.path}"
+        )
+    return as_is, length, n
+
+
+def _resample(z: Array64, num_points: int) -> Array64:
+    modes = np.fft.rfft(z)
+    held = (min(num_points, z.size) + 1) // 2  # all but an unpaired highest mode
+    modes[held:] = 0
+    return np.asarray(np.fft.irfft(modes[: held + 1], num_points) * (num_points / z.size))
 
 
 def _load(options: Options) -> tuple[Array64 | None, Array64, str]:
@@ -112,7 +124,7 @@ def _load(options: Options) -> tuple[Array64 | None, Array64, str]:
     if suffix in (".csv", ".txt", ".dat", ".asc", ".tsv"):
         table, header = _read_text(path)
         return _columns(path, table, f"columns of {path.name}, {header} lines of header left out")
-    return _read_scan(path, options.length_unit)
+    return _read_scan(options)
 
 
 def _read_text(path: Path) -> tuple[Array64, int]:
@@ -159,8 +171,9 @@ def _read_hdf5(path: Path, dataset: str | None) -> Any:
         return data[()]
 
 
-def _read_scan(path: Path, length_unit: Unit) -> tuple[Array64 | None, Array64, str]:
+def _read_scan(options: Options) -> tuple[Array64 | None, Array64, str]:
     """An instrument's format, through SurfaceTopography, in the scene's unit of length if it names its own."""
+    path = options.path
     try:
         import SurfaceTopography
     except ImportError:
@@ -177,8 +190,11 @@ def _read_scan(path: Path, length_unit: Unit) -> tuple[Array64 | None, Array64, 
         raise ValueError(f"profile_file {path} cannot be read by SurfaceTopography: {error}") from None
     if unit not in _UNITS and unit:
         raise ValueError(f"profile_file {path} is in {unit}; allowed: {', '.join(_UNITS)}")
+    given = options.x_unit or options.z_unit
+    if unit and given:
+        raise ValueError(f"x_unit or z_unit is {given}; allowed: none, {path} names its unit, {unit}")
     origin = f"{path.name} by SurfaceTopography, in {unit or 'no unit'}"
-    scale = _UNITS[unit] / _UNITS[length_unit] if unit else 1.0
+    scale = _UNITS[unit] / _UNITS[options.length_unit] if unit else 1.0
     return scale * np.asarray(x, float), scale * np.asarray(np.ma.filled(z, np.nan), float), origin
 
 

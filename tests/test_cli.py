@@ -162,7 +162,12 @@ def test_iteration_limit_is_status_3_with_the_partial_result(tmp_path):
 def test_ctrl_c_is_status_130_with_the_partial_result(tmp_path):
     file = tmp_path / "run.h5"
     arguments = ["solve", "--num-points", str(2**18), "--method", "fire", "--tolerance", "1e-13", "--save", str(file)]
-    process = subprocess.Popen([*CLI, *arguments], stderr=subprocess.PIPE, stdout=subprocess.PIPE)
+    process = subprocess.Popen(
+        [*CLI, *arguments],
+        stderr=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # a shell's background jobs ignore it
+    )
     first = process.stderr.readline()  # a line of progress: the solve, which takes minutes, is under way
     assert b"residual" in first
     process.send_signal(signal.SIGINT)

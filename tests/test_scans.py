@@ -1,7 +1,9 @@
 """Profiles from files: every format and convention, what is done to them, and what is refused."""
 
 import math
+import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import h5py
 import numpy as np
@@ -180,12 +182,30 @@ def test_bad_files_are_named(tmp_path, make, options, named):
         read(make(tmp_path), **options)
 
 
+@pytest.mark.filterwarnings("ignore:.*:ImportWarning")  # SurfaceTopography's own, where it is installed
 @pytest.mark.parametrize("suffix", [".npy", ".h5", ".opdx"])
 def test_damaged_files_are_named(tmp_path, suffix):
     path = tmp_path / f"damaged{suffix}"
     path.write_bytes(b"\x93NUMPY or not")
     with pytest.raises(ValueError, match="damaged"):
         read(path)
+
+
+def test_a_scan_that_names_its_unit(tmp_path, monkeypatch):
+    """Converted once, to the scene's unit of length; a second unit is refused."""
+    heights = np.sin(np.arange(64.0))
+    scan = SimpleNamespace(dim=1, unit="µm", positions=lambda: 0.5 * np.arange(64.0), heights=lambda: heights)
+    reader = SimpleNamespace(read_topography=lambda _: scan)
+    monkeypatch.setitem(sys.modules, "SurfaceTopography", reader)
+    path = tmp_path / "scan.xyz"
+    path.touch()
+    indenter, period, n = read(path, length_unit="mm", window="none")
+    assert (period, n) == (pytest.approx(64 * 0.5e-3), 64)
+    assert np.ptp(indenter.profile(64, period)) * period == pytest.approx(
+        1e-3 * np.ptp(heights), rel=0.1
+    )  # tilt removed
+    with pytest.raises(ValueError, match=r"z_unit is nm; allowed: none, .* names its unit, um"):
+        read(path, z_unit="nm")
 
 
 @pytest.mark.skipif(not REAL.exists(), reason="no instrument files here")
