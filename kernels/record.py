@@ -15,10 +15,9 @@ from contextlib import contextmanager
 from typing import Any, NamedTuple
 
 import numpy as np
-import warp as wp
 from numpy.typing import NDArray
 
-from . import numpy_twin, warp_kernels
+from . import numpy_twin
 from .layout import CHUNK
 
 Array = NDArray[Any]
@@ -68,6 +67,10 @@ def load() -> None:
 
     Raises `ValueError` if the cache cannot be used.
     """
+    import warp as wp  # takes as long as everything else together, and often is not needed
+
+    from . import warp_kernels
+
     wp.config.log_level = wp.LOG_WARNING
     try:
         with _silent_stderr():
@@ -115,6 +118,10 @@ def _record_numpy(calls: Sequence[Call]) -> Callable[[], None]:
 
 def _record_warp(calls: Sequence[Call]) -> Callable[[], None]:
     load()
+    import warp as wp
+
+    from . import warp_kernels
+
     with _capture_lock, wp.ScopedCapture(device="cpu") as capture:
         for call in calls:
             threads = 1 if call.kernel == "fire_control" else call.inputs[0].size // CHUNK
@@ -131,4 +138,6 @@ def _record_warp(calls: Sequence[Call]) -> Callable[[], None]:
 
 def _share(array: Array) -> Any:
     """The same memory as a Warp array."""
+    import warp as wp
+
     return wp.array(array, dtype=wp.float32 if array.dtype == np.float32 else wp.float64, copy=False, device="cpu")

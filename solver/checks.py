@@ -1,6 +1,7 @@
 """Checks of user input: every error names the parameter, its value and what is allowed."""
 
 import math
+from pathlib import Path
 
 
 def real(
@@ -33,6 +34,15 @@ def choice(name: str, value: object, allowed: tuple[str, ...]) -> str:
     if value not in allowed:
         raise ValueError(f"{name} is {value!r}; allowed: {', '.join(allowed)}")
     return str(value)
+
+
+def available_memory() -> int | None:
+    """Free memory of the machine [bytes]; None where there is no telling (not Linux)."""
+    try:
+        lines = Path("/proc/meminfo").read_text().splitlines()
+        return next(int(line.split()[1]) for line in lines if line.startswith("MemAvailable")) * 1024
+    except (OSError, StopIteration, ValueError):
+        return None
 
 
 def assign(instance: object, name: str, value: object) -> None:

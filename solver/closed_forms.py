@@ -129,5 +129,16 @@ def edge_shift(poisson_ratio: float) -> float:
     return float(-(logarithm[-1] / first + middle + tail) / np.pi)
 
 
+def persson_area(reduced_load: float, stiffness: Array64, height: Array64) -> float:
+    """Relative contact area by B. N. J. Persson's theory for a random surface (J. Chem. Phys. 115, 3840 (2001)).
+
+    erf(p/(sqrt(2) s)), s the rms pressure in full contact. reduced_load: p/E*; stiffness: K(q_k), shape (N//2 + 1,)
+    [E*/L], its mean mode without effect; height: h, shape (N,) [L].
+    """
+    modes = np.fft.rfft(height - height.mean())
+    pressure = np.fft.irfft(stiffness * modes, height.size)
+    return math.erf(reduced_load / math.sqrt(2 * float(np.mean(pressure**2))))
+
+
 def _gamma_ratio(a: float, b: float) -> float:
     return math.exp(math.lgamma(a) - math.lgamma(b))

@@ -3,7 +3,6 @@
 import math
 import time
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -251,13 +250,8 @@ def _check_initial(initial: Array64, num_points: int) -> Array64:
 
 def _check_memory(scene: Scene) -> None:
     """Reject grids that the machine's free memory cannot hold: 20 to 25 arrays of N values at the peak."""
-    try:
-        lines = Path("/proc/meminfo").read_text().splitlines()
-        available = next(int(line.split()[1]) for line in lines if line.startswith("MemAvailable")) * 1024
-    except (OSError, StopIteration, ValueError):
-        return  # not Linux: no estimate
-    needed = _BYTES_PER_POINT * scene.num_points
-    if needed > available:
+    available, needed = checks.available_memory(), _BYTES_PER_POINT * scene.num_points
+    if available is not None and needed > available:
         raise ValueError(
             f"num_points is {scene.num_points}, needing about {needed / 2**30:.1f} GiB; allowed: what fits into the "
             f"{available / 2**30:.1f} GiB that are free"

@@ -7,7 +7,7 @@ import platform
 import sys
 from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import Annotated, Literal, TextIO
+from typing import Annotated, Any, Literal, TextIO
 
 import tyro
 from linecontact.solver import (
@@ -26,7 +26,7 @@ from linecontact.solver import (
 from rich.console import Console
 from rich.table import Table
 
-from . import console, edge_curve, hertz, iterations, scans, store
+from . import blunt, console, edge_curve, ensemble, hertz, iterations, rough, scans, sharp, store
 
 
 @dataclass(frozen=True)
@@ -109,6 +109,9 @@ class Study:
 
     study: Annotated[
         Annotated[hertz.Options, tyro.conf.subcommand("hertz")]
+        | Annotated[sharp.Options, tyro.conf.subcommand("sharp")]
+        | Annotated[blunt.Options, tyro.conf.subcommand("blunt")]
+        | Annotated[rough.Options, tyro.conf.subcommand("rough")]
         | Annotated[iterations.Options, tyro.conf.subcommand("iterations")]
         | Annotated[edge_curve.Options, tyro.conf.subcommand("edge-curve")],
         tyro.conf.arg(name=""),
@@ -265,6 +268,12 @@ def run_plot(options: Plot, output: TextIO | None = None) -> int:
     return 0
 
 
+def run_study(options: ensemble.Options) -> int:
+    """`linecontact study`."""
+    modules: tuple[Any, ...] = (hertz, sharp, blunt, rough, iterations, edge_curve)
+    return int(next(module for module in modules if type(options) is module.Options).command(options))
+
+
 def run_info(_: Info) -> int:
     """`linecontact info`."""
     import pyfftw
@@ -299,12 +308,7 @@ def main(arguments: list[str] | None = None) -> int:
         return console.guard(lambda: run_plot(command))
     if isinstance(command, Info):
         return console.guard(lambda: run_info(command))
-    study = command.study
-    if isinstance(study, hertz.Options):
-        return console.guard(lambda: hertz.command(study))
-    if isinstance(study, edge_curve.Options):
-        return console.guard(lambda: edge_curve.command(study))
-    return console.guard(lambda: iterations.command(study))
+    return console.guard(lambda: run_study(command.study))
 
 
 if __name__ == "__main__":

@@ -19,6 +19,7 @@ Parsed = TypeVar("Parsed")
 
 EXIT_BAD_INPUT = 2
 EXIT_NOT_CONVERGED = 3
+EXIT_FAILED = 4
 EXIT_INTERRUPTED = 130
 EXIT_BROKEN_PIPE = 141
 
@@ -121,3 +122,9 @@ def guard(command: Callable[[], int]) -> int:
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # the flush at exit must not fail again
         return EXIT_BROKEN_PIPE
+
+
+def run(options: type[Parsed], command: Callable[[Parsed], int], prog: str) -> int:
+    """Entry point of a study's own script; returns the exit status."""
+    parsed = parse(options, None, prog, options.__doc__ or "")
+    return guard(lambda: command(parsed))

@@ -7,16 +7,19 @@ Loads are chosen so that the edge, known from the collocation oracle, takes ever
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
-from linecontact.solver import Layer, PowerIndenter, Scene, Status, collocation, edges, solve
+from linecontact.solver import Layer, PowerIndenter, Scene, collocation, edges, solve
+from linecontact.solver.relaxation import Progress
 from rich import box
-from rich.console import Console
+from rich.console import RenderableType
 from rich.table import Table
 
-from . import console, store
+from . import ensemble, store
+from .tasks import Record
 
 KIND = "edge-curve"
 
@@ -36,66 +39,59 @@ class Configuration:
     places: int = 12
     tolerance: float = 1e-9
 
+    def study(self) -> ensemble.Study:
+        """The tasks."""
+        places = [place / self.places for place in range(self.places)]
+        runs = [Task(self.num_points, *scene, place, self.tolerance) for scene in self.scenes for place in places]
+        return ensemble.Study(KIND, asdict(self), runs)
+
 
 @dataclass(frozen=True)
-class Options:
+class Options(ensemble.Options):
     """Measure the universal edge curve on high-resolution solutions: data, figure, table."""
 
-    folder: Path | None = None
-    """Where edge-curve.h5 and the figure go; default results/edge-curve."""
-    overwrite: bool = False
-    """Start anew even if there is a file."""
 
+@dataclass(frozen=True)
+class Task:
+    """One load, with the edge about `place` between two nodes [grid spacings]."""
 
-def run_task(configuration: Configuration, scene: tuple[float, float, float], place: int) -> dict[str, object]:
-    """One load: the flat record with the ratio, the edge's true offset and what the closed form makes of the ratio."""
-    exponent, thickness, poisson_ratio = scene
-    n = configuration.num_points
-    guess = collocation.solve_load(2e-3, exponent, 1.0, thickness, poisson_ratio)
-    # a grid spacing more of half-width, in steps; near enough, what matters is that the places differ
-    stretch = 1 + place / configuration.places / (guess.half_width * n)
-    load = 2e-3 * stretch ** (exponent if math.isinf(thickness) else exponent + 1)
-    exact = collocation.solve_load(load, exponent, 1.0, thickness, poisson_ratio)
-    solution = solve(
-        Scene(Layer(thickness, poisson_ratio), PowerIndenter(exponent), load, num_points=n),
-        tolerance=configuration.tolerance,
-    )
-    if solution.status is Status.INTERRUPTED:
-        raise KeyboardInterrupt
-    nodes = np.flatnonzero(solution.contact)[:3]
-    last = solution.contact_pressure[nodes]
-    three, two = edges.edge_offset(last[None, :])
-    return store.run_record(solution) | {
-        "place": place,
-        "ratio": float(last[0] / last[1]),
-        "offset": float(n / 2 - exact.half_width * n - nodes[0]),
-        "offset.two_nodes": float(two[0]),
-        "offset.three_nodes": float(three[0]),
-    }
+    num_points: int
+    exponent: float
+    thickness: float
+    poisson_ratio: float
+    place: float
+    tolerance: float
+
+    def run(self, report: Progress | None) -> Record:
+        """The record with the pressures' ratio, the edge's true offset and what the closed form makes of the ratio."""
+        n, layer = self.num_points, (self.thickness, self.poisson_ratio)
+        guess = collocation.solve_load(2e-3, self.exponent, 1.0, *layer)
+        # a grid spacing more of half-width, in steps; near enough, what matters is that the places differ
+        stretch = 1 + self.place / (guess.half_width * n)
+        load = 2e-3 * stretch ** (self.exponent if math.isinf(self.thickness) else self.exponent + 1)
+        exact = collocation.solve_load(load, self.exponent, 1.0, *layer)
+        scene = Scene(Layer(*layer), PowerIndenter(self.exponent), load, num_points=n)
+        solution = solve(scene, tolerance=self.tolerance, progress=report)
+        nodes = np.flatnonzero(solution.contact)[:3]
+        last = solution.contact_pressure[nodes]
+        three, two = edges.edge_offset(last[None, :])
+        return store.run_record(solution) | {
+            "place": self.place,
+            "ratio": float(last[0] / last[1]),
+            "offset": float(n / 2 - exact.half_width * n - nodes[0]),
+            "offset.two_nodes": float(two[0]),
+            "offset.three_nodes": float(three[0]),
+        }
 
 
 def command(options: Options) -> int:
     """Run what is left of the study; returns the exit status."""
-    configuration = Configuration()
-    folder = options.folder or Path("results/edge-curve")
-    store.make_folder(folder)
-    path = folder / "edge-curve.h5"
-    store.check_target(path, overwrite=True)
-    wanted = asdict(configuration) | {"scenes": [[*map(str, scene)] for scene in configuration.scenes]}
-    study = store.open_study(KIND, wanted, path, options.overwrite)
-    tasks = [(scene, place) for scene in configuration.scenes for place in range(configuration.places)]
-    with console.Bar("edge curve") as progress:
-        for done, (scene, place) in enumerate(tasks[len(study.runs) :], len(study.runs)):
-            progress.show(done / len(tasks), f"n = {scene[0]:g}, d = {scene[1]:g}, place {place}")
-            study.runs.append(run_task(configuration, scene, place))
-            study.complete = done + 1 == len(tasks)
-            store.save_study(path, study)
-    from . import figures
+    return ensemble.command([Configuration().study()], options, Path("results/edge-curve"), closing)
 
-    output = Console()
-    output.print(summary(study))
-    output.print(f"Data: {path}\nFigures: {', '.join(str(f) for f in figures.draw(path))}", soft_wrap=True)
-    return console.EXIT_NOT_CONVERGED if (study.column("status") != "converged").any() else 0
+
+def closing(files: dict[str, store.StudyFile], _: Path) -> Sequence[RenderableType]:
+    """The table."""
+    return [summary(file) for file in files.values()]
 
 
 def summary(study: store.StudyFile) -> Table:

@@ -6,18 +6,20 @@ The rough surface has its shortest wave at L/1024, so that every grid from 2^12 
 """
 
 import time
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-from linecontact.solver import PowerIndenter, RoughIndenter, Scene, Status, closed_forms, solve
+from linecontact.solver import PowerIndenter, RoughIndenter, Scene, closed_forms, solve
+from linecontact.solver.relaxation import Progress
 from linecontact.solver.transforms import Transforms
 from rich import box
-from rich.console import Console
+from rich.console import RenderableType
 from rich.table import Table
 
-from . import console, store
+from . import ensemble, store
+from .tasks import Record
 
 KIND = "iterations"
 LOADS = {"Hertz": 2e-3, "rough": 1e-2}
@@ -33,30 +35,29 @@ class Configuration:
     plain: tuple[int, ...] = (12, 14, 16, 18)
     tolerance: float = 1e-8
 
-    def tasks(self) -> list[tuple[str, str, int]]:
-        """(scene, method, log2 N)."""
+    def study(self) -> ensemble.Study:
+        """The tasks."""
         sizes = {
             ("Hertz", "active-set"): self.active_hertz,
             ("rough", "active-set"): self.active_rough,
             ("Hertz", "mass-weighted-fire"): self.mass_weighted,
             ("Hertz", "fire"): self.plain,
         }
-        return [(scene, method, k) for (scene, method), ks in sizes.items() for k in ks]
+        runs = [Task(scene, method, k, self.tolerance) for (scene, method), ks in sizes.items() for k in ks]
+        return ensemble.Study(KIND, asdict(self), runs)
 
 
 QUICK = Configuration((12, 14), (12, 14), (12, 14), (12, 14))
 
 
 @dataclass(frozen=True)
-class Options:
+class Options(ensemble.Options):
     """Transform pairs and seconds to a residual of 1e-8 over N, for every method: data, figure, table."""
 
+    workers: int = 1
+    """More than one disturb each other's times."""
     quick: bool = False
     """Up to 2^14 points only."""
-    folder: Path | None = None
-    """Where iterations.h5 and the figure go; default results/iterations, or results/iterations-quick."""
-    overwrite: bool = False
-    """Start anew even if there is a file."""
 
 
 def make_scene(name: str, log2_num_points: int) -> Scene:
@@ -80,48 +81,35 @@ def pair_seconds(num_points: int, repeats: int = 7) -> float:
     return float(np.median(times))
 
 
-def run_task(name: str, method: str, log2_num_points: int, tolerance: float, report: Any) -> dict[str, Any]:
-    """Solve, with the time of a transform pair taken before and after; returns the flat record."""
-    scene = make_scene(name, log2_num_points)
-    if method == "active-set":
-        solve(make_scene(name, min(log2_num_points, 14)))  # kernels, tables and short plans are there
-    pair = pair_seconds(scene.num_points)
-    solution = solve(scene, method=method, tolerance=tolerance, progress=report)
-    if solution.status is Status.INTERRUPTED:
-        raise KeyboardInterrupt
-    pair = (pair + pair_seconds(scene.num_points)) / 2
-    return store.run_record(solution) | {"name": name, "seconds.pair": pair}
+@dataclass(frozen=True)
+class Task:
+    """One solve, timed."""
+
+    name: str
+    method: str
+    log2_num_points: int
+    tolerance: float
+
+    def run(self, report: Progress | None) -> Record:
+        """The solution's record, with the time of a transform pair taken before and after."""
+        scene = make_scene(self.name, self.log2_num_points)
+        if self.method == "active-set":
+            solve(make_scene(self.name, min(self.log2_num_points, 14)))  # kernels, tables and short plans are there
+        pair = pair_seconds(scene.num_points)
+        solution = solve(scene, method=self.method, tolerance=self.tolerance, progress=report)
+        pair = (pair + pair_seconds(scene.num_points)) / 2
+        return store.run_record(solution) | {"name": self.name, "seconds.pair": pair}
 
 
 def command(options: Options) -> int:
     """Run the study as asked, or what is left of it; returns the exit status."""
-    configuration = QUICK if options.quick else Configuration()
-    folder = options.folder or Path("results/iterations-quick" if options.quick else "results/iterations")
-    store.make_folder(folder)
-    path = folder / "iterations.h5"
-    store.check_target(path, overwrite=True)
-    study = store.open_study(KIND, asdict(configuration), path, options.overwrite)
-    done = {(run["name"], run["method"], int(run["scene.num_points"]).bit_length() - 1) for run in study.runs}
-    left = [task for task in configuration.tasks() if task not in done]
-    cost = {task: 2.0 ** (1.5 * task[2] - 4) if task[1] == "fire" else 2.0 ** task[2] for task in left}
-    share = 0.0
-    with console.Bar("iterations") as progress:
-        for name, method, k in left:
+    folder = Path("results/iterations-quick" if options.quick else "results/iterations")
+    return ensemble.command([(QUICK if options.quick else Configuration()).study()], options, folder, closing)
 
-            def report(iteration: int, residual: float, at: float = share, name: str = f"{method}, 2^{k}") -> None:
-                progress.show(at, f"{name}: iteration {iteration}, residual {residual:.1e}")
 
-            study.runs.append(run_task(name, method, k, configuration.tolerance, report))
-            share += cost[name, method, k] / sum(cost.values())
-            study.complete = len(study.runs) == len(configuration.tasks())
-            store.save_study(path, study)
-    from . import figures
-
-    output = Console()
-    output.print(summary(study))
-    output.print(one_line(study), soft_wrap=True)
-    output.print(f"Data: {path}\nFigures: {', '.join(str(f) for f in figures.draw(path))}", soft_wrap=True)
-    return console.EXIT_NOT_CONVERGED if (study.column("status") != "converged").any() else 0
+def closing(files: dict[str, store.StudyFile], _: Path) -> Sequence[RenderableType]:
+    """Table, and the comparison on one line."""
+    return [part for file in files.values() for part in (summary(file), one_line(file))]
 
 
 def exact_areas(study: store.StudyFile) -> dict[str, float]:

@@ -2,10 +2,12 @@
 
 A solution file holds the datasets x, profile, displacement and contact_pressure, and everything that the command line's
 JSON holds as attributes (nested names joined by dots). A study file holds one dataset per scalar under /runs,
-certificate and provenance included, with one value per run; and the study's configuration as an attribute.
+certificate and provenance included, with one value per run; reference curves under /lines; the reasons of failed tasks;
+and the study's configuration as an attribute. The attribute `checksum` is the SHA-256 of everything else.
 """
 
 import contextlib
+import hashlib
 import json
 import math
 import os
@@ -19,6 +21,8 @@ import h5py
 import numpy as np
 from linecontact.solver import Solution
 from numpy.typing import NDArray
+
+from . import console
 
 UNITS = {
     "x": "length",
@@ -41,6 +45,10 @@ os.umask(_UMASK)
 
 class StoreError(ValueError):
     """A file that cannot be read or written as asked; the message names it."""
+
+
+class DamagedError(StoreError):
+    """A file that is not what was written, or not of linecontact."""
 
 
 def unit(name: str) -> str:
@@ -79,19 +87,42 @@ def check_target(path: Path, overwrite: bool) -> None:
 def new_file(path: Path) -> Iterator[h5py.File]:
     """An HDF5 file that appears under `path` only when it is complete. Raises `StoreError` if it cannot be written.
 
-    HDF5 builds it in memory, because its library does not survive a full disk. A link is followed.
+    HDF5 builds it in memory, because its library does not survive a full disk.
     """
-    path = path.resolve()
     with h5py.File(path.name, "w", driver="core", backing_store=False) as file:
         yield file
+        file.attrs["checksum"] = _checksum(file)
         file.flush()
         image = file.id.get_file_image()
+    write_bytes(path, image)
+
+
+def _checksum(file: h5py.File) -> str:
+    """SHA-256 of names, types, values and attributes."""
+    digest = hashlib.sha256()
+
+    def add(name: str, item: Any) -> None:
+        attributes = sorted((key, _scalar(value)) for key, value in item.attrs.items() if key != "checksum")
+        digest.update(repr((name, attributes)).encode())
+        if isinstance(item, h5py.Dataset):
+            values = np.ascontiguousarray(item[()])
+            digest.update(repr((values.dtype.str, values.shape)).encode())
+            digest.update(values.view(np.uint8).data)
+
+    add("/", file)
+    file.visititems(add)
+    return digest.hexdigest()
+
+
+def write_bytes(path: Path, content: bytes) -> None:
+    """Write a file beside its final name and rename it; a link is followed. Raises `StoreError`."""
+    path = path.resolve()
     try:
         handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
         temporary = Path(name)
         try:
             with os.fdopen(handle, "wb") as target:
-                target.write(image)
+                target.write(content)
                 target.flush()
                 os.fsync(target.fileno())
             temporary.chmod(0o666 & ~_UMASK)
@@ -104,14 +135,33 @@ def new_file(path: Path) -> Iterator[h5py.File]:
 
 @contextlib.contextmanager
 def open_file(path: Path) -> Iterator[h5py.File]:
-    """Read an HDF5 file; raises `StoreError` for a missing, damaged or foreign one."""
+    """Read an HDF5 file; raises `StoreError` for a missing one, `DamagedError` for a damaged or foreign one."""
     if not path.is_file():
         raise StoreError(f"file {path} {'is a folder' if path.is_dir() else 'does not exist'}; allowed: an HDF5 file")
     try:
         with h5py.File(path, "r") as file:
+            _verify(path, file)
             yield file
     except (OSError, KeyError) as error:
-        raise StoreError(f"file {path} is damaged or not one of linecontact's HDF5 files: {error}") from error
+        raise DamagedError(f"file {path} is damaged or not one of linecontact's HDF5 files: {error}") from error
+
+
+def _verify(path: Path, file: h5py.File) -> None:
+    try:
+        fits = file.attrs["checksum"] == _checksum(file)
+    except Exception as error:  # HDF5 raises anything on what it cannot decode
+        raise DamagedError(f"file {path} is damaged or not one of linecontact's HDF5 files: {error}") from error
+    if not fits:
+        raise DamagedError(f"file {path} is damaged: its checksum does not fit")
+
+
+def set_aside(path: Path) -> None:
+    """Rename a damaged file and say so."""
+    aside = path.with_name(f"{path.name}.damaged")
+    path.replace(aside)
+    console.errors.print(
+        f"file {path} is damaged; it is set aside as {aside.name}, its part is done again", markup=False
+    )
 
 
 def flatten(record: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
@@ -123,6 +173,15 @@ def flatten(record: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
         else:
             flat[prefix + name] = value
     return flat
+
+
+def plain(value: Any) -> Any:
+    """The same value for JSON: tuples as lists, infinities as text."""
+    if isinstance(value, Mapping):
+        return {name: plain(item) for name, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(item) for item in value]
+    return str(value) if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def run_record(solution: Solution) -> dict[str, Any]:
@@ -163,13 +222,14 @@ class StudyFile:
     """Contents of a study file.
 
     kind: the study's name; configuration: what the user chose, JSON-ready; runs: one flat record per finished run;
-    lines: reference curves by name, columns by name; complete: done.
+    lines: reference curves by name, columns by name; failures: reasons of failed tasks by hash; complete: all done.
     """
 
     kind: str
     configuration: dict[str, Any]
     runs: list[dict[str, Any]] = field(default_factory=list)
     lines: dict[str, dict[str, NDArray[np.float64]]] = field(default_factory=dict)
+    failures: dict[str, str] = field(default_factory=dict)
     complete: bool = False
 
     def column(self, name: str) -> NDArray[Any]:
@@ -179,25 +239,31 @@ class StudyFile:
     def select(self, name: str, value: Any) -> "StudyFile":
         """The same study with only the runs whose `name` is `value`."""
         runs = [run for run in self.runs if run[name] == value]
-        return StudyFile(self.kind, self.configuration, runs, self.lines)
+        return StudyFile(self.kind, self.configuration, runs, self.lines, self.failures)
 
 
-def open_study(kind: str, configuration: Mapping[str, Any], path: Path, anew: bool = False) -> StudyFile:
-    """The study in `path`, or an empty one. Raises `StoreError` for a file of another study or configuration."""
-    wanted = {name: list(value) if isinstance(value, tuple) else value for name, value in configuration.items()}
-    if anew or not path.exists():
-        return StudyFile(kind, wanted)
-    study = load_study(path)
-    if study.kind != kind or study.configuration != wanted:
+def finished(path: Path, kind: str, configuration: Mapping[str, Any]) -> StudyFile | None:
+    """The study in `path` if it is complete; None if there is none yet, or only a damaged one, which is set aside.
+
+    Raises `StoreError` for a file of another study or configuration.
+    """
+    if not path.exists():
+        return None
+    try:
+        study = load_study(path)
+    except DamagedError:
+        set_aside(path)
+        return None
+    if study.kind != kind or study.configuration != plain(configuration):
         raise StoreError(f"file {path} holds another study or configuration; allowed: --overwrite, or a new --folder")
-    return study
+    return study if study.complete else None
 
 
 def save_study(path: Path, study: StudyFile) -> None:
     """Write a study in its present state; an existing file is replaced in one step."""
     with new_file(path) as file:
         file.attrs["kind"] = study.kind
-        file.attrs["configuration"] = json.dumps(study.configuration)
+        file.attrs["configuration"] = json.dumps(plain(study.configuration))
         file.attrs["complete"] = study.complete
         file.create_group("runs")
         names = dict.fromkeys(name for run in study.runs for name in run)
@@ -206,7 +272,8 @@ def save_study(path: Path, study: StudyFile) -> None:
             _write_column(file["runs"], name, [run.get(name, "" if _is_text(some) else math.nan) for run in study.runs])
         for line, columns in study.lines.items():
             for name, values in columns.items():
-                file[f"lines/{line}/{name}"] = values
+                file[f"lines/{line}/{name}"] = np.asarray(values, dtype=np.float64)
+        file.create_dataset("failures", data=np.bytes_(json.dumps(study.failures)))
 
 
 def _is_text(value: Any) -> bool:
@@ -216,11 +283,13 @@ def _is_text(value: Any) -> bool:
 def _write_column(group: h5py.Group, name: str, values: Sequence[Any]) -> None:
     """One value per run: text as text, numbers (infinities among them, 'inf' in JSON) as numbers with a unit."""
     if any(_is_text(value) for value in values):
-        group.create_dataset(name, data=list(values), dtype=h5py.string_dtype())
+        texts = [str(value).encode() for value in values]  # of fixed length: compresses to nothing where all are equal
+        dtype = h5py.string_dtype("utf-8", max(1, *map(len, texts)))
+        group.create_dataset(name, data=texts, dtype=dtype, compression="gzip")
         return
     whole = all(isinstance(value, int) for value in values)
     data = np.array(values) if whole else np.array([float(value) for value in values])
-    group.create_dataset(name, data=data).attrs["unit"] = unit(name)
+    group.create_dataset(name, data=data, compression="gzip", shuffle=True).attrs["unit"] = unit(name)
 
 
 def load_study(path: Path) -> StudyFile:
@@ -234,6 +303,7 @@ def load_study(path: Path) -> StudyFile:
             configuration=json.loads(file.attrs["configuration"]),
             runs=[{name: values[i] for name, values in columns.items()} for i in range(length)],
             lines={line: {n: data[:] for n, data in group.items()} for line, group in lines.items()},
+            failures=json.loads(bytes(file["failures"][()])),
             complete=bool(file.attrs["complete"]),
         )
 

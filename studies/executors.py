@@ -1,0 +1,158 @@
+"""Where tasks run: in this process, in processes of this machine, or on a Dask cluster."""
+
+import contextlib
+import multiprocessing
+import os
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from dataclasses import dataclass
+from typing import Any
+
+from linecontact.solver import checks
+from linecontact.solver.relaxation import Progress
+
+_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+
+
+def usable_cores() -> int:
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+@dataclass(frozen=True)
+class Pool:
+    """make: a new executor; limit: how many tasks it should have at a time."""
+
+    make: Callable[[], Executor]
+    limit: Callable[[], int]
+
+
+@contextlib.contextmanager
+def choose(
+    workers: int, memory: float | None = None, scheduler: str | None = None, report: Progress | None = None
+) -> Iterator[Pool]:
+    """Processes on this machine, or with `workers` = 1 this process, or the Dask cluster of a `scheduler`.
+
+    memory: budget of each process [GiB]; by default what is free, shared. report: shows a solve in this process.
+    Raises `ValueError`.
+    """
+    checks.integer("workers", workers, "an integer from 1 to 1024", 1, 1024)
+    if memory is not None:
+        checks.real("memory", memory, "a number of GiB > 0", 0)
+    if scheduler is not None:
+        with _dask(scheduler) as pool:
+            yield pool
+    elif workers == 1:
+        yield Pool(lambda: InProcess(report), lambda: 1)
+    else:
+        free = checks.available_memory()
+        budget = int(memory * 2**30) if memory is not None else free // workers if free else None
+        # one more waiting for each, so that nobody idles
+        yield Pool(lambda: Processes(workers, budget), lambda: 2 * workers)
+
+
+class InProcess(Executor):
+    """Does each task at once, in this process, and shows how its solve is getting on. Ctrl-C passes through."""
+
+    def __init__(self, report: Progress | None = None) -> None:
+        self._report = report
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """Call `fn` now; the future is finished when this returns."""
+        future: Future[Any] = Future()
+        try:
+            future.set_result(fn(*args, report=self._report, **kwargs))
+        except Exception as error:
+            future.set_exception(error)
+        return future
+
+
+class Processes(ProcessPoolExecutor):
+    """Processes of one thread each, that end with this one and fail beyond their budget of memory [bytes]."""
+
+    def __init__(self, workers: int, budget: int | None) -> None:
+        self._others = set(multiprocessing.active_children())
+        super().__init__(workers, multiprocessing.get_context("spawn"), _start_worker, (budget,))
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """As for any executor; this is where processes are started."""
+        with _worker_settings():
+            return super().submit(fn, *args, **kwargs)
+
+    def abandon(self) -> None:
+        """End the processes at once."""
+        for process in set(multiprocessing.active_children()) - self._others:
+            process.terminate()
+
+
+def abandon(executor: Executor) -> None:
+    """Give up what is running and waiting."""
+    if isinstance(executor, Processes):
+        executor.abandon()
+        executor.shutdown(wait=False, cancel_futures=True)
+    else:
+        executor.shutdown(wait=False)
+
+
+def _start_worker(budget: int | None) -> None:
+    """End with the parent, should it be killed; keep to the budget."""
+
+    def watch() -> None:
+        parent = multiprocessing.parent_process()
+        if parent:
+            parent.join()
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
+    if budget:
+        with contextlib.suppress(ImportError, ValueError, OSError):  # not POSIX, or a tighter limit already
+            import resource
+
+            resource.setrlimit(resource.RLIMIT_DATA, (budget, resource.getrlimit(resource.RLIMIT_DATA)[1]))
+
+
+@contextlib.contextmanager
+def _worker_settings() -> Iterator[None]:
+    """What spawned workers inherit: one BLAS thread each, and Ctrl-C left to the parent."""
+    before = {name: os.environ.get(name) for name in _THREADS}
+    os.environ.update(dict.fromkeys(_THREADS, "1"))
+    main = threading.current_thread() is threading.main_thread()
+    handler = signal.signal(signal.SIGINT, signal.SIG_IGN) if main else None
+    try:
+        yield
+    finally:
+        if main:
+            signal.signal(signal.SIGINT, handler)
+        for name, value in before.items():
+            os.environ.pop(name)
+            if value is not None:
+                os.environ[name] = value
+
+
+@contextlib.contextmanager
+def _dask(address: str) -> Iterator[Pool]:
+    try:
+        import distributed
+    except ImportError:
+        raise ValueError(
+            f"scheduler is {address}; allowed: none, or a Dask scheduler's, with `pip install linecontact[cluster]`"
+        ) from None
+    try:
+        client = distributed.Client(address, timeout=10, set_as_default=False)
+    except (OSError, ValueError, TypeError) as error:
+        raise ValueError(
+            f"scheduler is {address}, where none answers ({error}); allowed: the address that `dask scheduler` prints"
+        ) from None
+    asked, limit = -1.0, 2
+
+    def present() -> int:
+        nonlocal asked, limit
+        if time.monotonic() - asked > 1:  # workers come and go
+            asked, limit = time.monotonic(), max(2, 2 * sum(client.nthreads().values()))
+        return limit
+
+    with contextlib.closing(client):
+        yield Pool(lambda: client.get_executor(pure=False), present)

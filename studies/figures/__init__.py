@@ -1,0 +1,41 @@
+"""Figures, always drawn from a stored file and put beside it as PNG and PDF."""
+
+import io
+from collections.abc import Callable
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+from matplotlib import pyplot as plt
+from matplotlib.figure import Figure
+
+from .. import store
+from . import asperity, others, rough
+from .style import STYLE
+
+_DRAWINGS: dict[str, Callable[[Path], dict[str, Figure]]] = {
+    **dict.fromkeys(("sharp", "hertz", "blunt"), asperity.draw),
+    "rough": rough.draw,
+    "iterations": others.iterations,
+    "edge-curve": others.edge_curve,
+    "solution": others.solution,
+}
+
+
+def draw(path: Path) -> list[Path]:
+    """Draw everything that a stored file has figures for; returns the files. Raises `store.StoreError`."""
+    kind = store.file_kind(path)
+    if kind not in _DRAWINGS:
+        raise store.StoreError(f"file {path} is of kind {kind!r}; allowed: {', '.join(_DRAWINGS)}")
+    files = []
+    with plt.rc_context(STYLE):
+        for suffix, figure in _DRAWINGS[kind](path).items():
+            for extension in ("png", "pdf"):
+                image = io.BytesIO()
+                figure.savefig(image, format=extension)
+                files.append(path.with_name(f"{path.stem}{suffix}.{extension}"))
+                store.write_bytes(files[-1], image.getvalue())
+            plt.close(figure)
+    return files

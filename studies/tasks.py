@@ -1,0 +1,103 @@
+"""Tasks and their records on disk: one small file for every finished task, and one user of a folder at a time.
+
+A record's file is a line with the SHA-256 of the rest, then JSON. It is written beside its final name and renamed, so
+it is there whole or not at all; one that does not fit its checksum is set aside, and the task counts as not done.
+"""
+
+import contextlib
+import hashlib
+import json
+from collections.abc import Iterable, Iterator
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any, Protocol
+
+import filelock
+from linecontact.solver.relaxation import Progress
+
+from . import store
+
+Record = dict[str, Any]
+
+
+class Task(Protocol):
+    """A frozen dataclass of plain values on which its record depends, and on nothing else."""
+
+    def run(self, report: Progress | None) -> Record:
+        """The task's record: flat, JSON-ready; lists for curves. Runs in any process."""
+
+    def __hash__(self) -> int: ...
+
+
+def identity(task: Task) -> str:
+    """Hash of a task: 16 hexadecimal digits of the SHA-256 of its class and fields."""
+    kind = type(task)
+    text = json.dumps({"task": f"{kind.__module__}.{kind.__qualname__}", **_fields(task)}, sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def _fields(task: Task) -> Record:
+    return dict(store.plain(asdict(task)))  # type: ignore[call-overload]
+
+
+class TaskFolder:
+    """Records of finished tasks, and reasons of failed ones, by the task's hash."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        store.make_folder(folder)
+
+    def _path(self, task: Task) -> Path:
+        return self.folder / f"{identity(task)}.json"
+
+    def load(self, task: Task) -> Record | None:
+        """The record of a finished task; None if there is none, or only a damaged one, which is set aside."""
+        path = self._path(task)
+        try:
+            head, _, body = path.read_bytes().partition(b"\n")
+        except FileNotFoundError:
+            return None
+        except OSError as error:
+            raise store.StoreError(f"file {path} cannot be read ({error.strerror})") from None
+        if hashlib.sha256(body).hexdigest().encode() != head:
+            store.set_aside(path)
+            return None
+        return dict(json.loads(body)["record"])
+
+    def save(self, task: Task, record: Record) -> None:
+        """Keep a record. Raises `StoreError` if that is impossible, on a full disk for instance."""
+        body = json.dumps({"task": _fields(task), "record": store.plain(record)}).encode()
+        store.write_bytes(self._path(task), hashlib.sha256(body).hexdigest().encode() + b"\n" + body)
+        self._path(task).with_suffix(".failed").unlink(missing_ok=True)
+
+    def save_failure(self, task: Task, reason: str) -> None:
+        """Keep a reason, for people; the task counts as not done."""
+        text = json.dumps({"task": _fields(task), "reason": reason}, indent=1)
+        store.write_bytes(self._path(task).with_suffix(".failed"), text.encode())
+
+    def forget(self, tasks: Iterable[Task]) -> None:
+        """Remove the records of these tasks."""
+        for task in tasks:
+            for suffix in (".json", ".failed"):
+                self._path(task).with_suffix(suffix).unlink(missing_ok=True)
+
+
+@contextlib.contextmanager
+def lock(folder: Path) -> Iterator[None]:
+    """Keep the folder for this process; it is free again when the process ends, however that happens.
+
+    Raises `StoreError` if another one has it.
+    """
+    guard = filelock.FileLock(folder / ".lock")
+    try:
+        guard.acquire(blocking=False)
+    except filelock.Timeout:
+        raise store.StoreError(
+            f"folder {folder} is in use by another run; allowed: another --folder, or waiting for that run"
+        ) from None
+    except OSError as error:
+        raise store.StoreError(f"folder {folder} cannot be written to ({error.strerror})") from None
+    try:
+        yield
+    finally:
+        guard.release()
