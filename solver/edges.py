@@ -1,9 +1,9 @@
 """Where a contact ends between the nodes.
 
-Near an edge of a contact every layer is a half-space and every profile smooth. In units of the grid spacing the
-discrete problem K u + sigma = p, u <= h there has the symbol |q|, |q| <= pi, and no scale, so its solution is one
-function of the distance. The Wiener-Hopf factors of the symbol give it in closed form: with |q| = c_+(z) c_+(1/z)
-|1 - z|, z = exp(iq), and the contact on the nodes j >= 0,
+Near an edge of a contact every profile is smooth, and every layer but the thinnest a half-space. In units of the grid
+spacing the discrete problem K u + sigma = p, u <= h there has the symbol |q|, |q| <= pi, and no scale, so its solution
+is one function of the distance. The Wiener-Hopf factors of the symbol give it in closed form: with |q| = c_+(z)
+c_+(1/z) |1 - z|, z = exp(iq), and the contact on the nodes j >= 0,
 
     sum_j sigma_j z^j = c_+(z) sum_m a_m (1-z)^-(m+1/2),   ln c_+(z) = l_0/4 + sum_k>0 (l_k/2) z^k,
     l_k = (2/pi) int_0^pi ln[(q/2)/sin(q/2)] cos(kq) dq.
@@ -14,45 +14,99 @@ theta) with theta = beta - s, s = 3/4 - sum_k k l_k/2 = 0.80999: the edge lies b
 contact node. m = 2 is the first effect of the profile's and the layer's own scales (order dx/l). Three nodes give a_0,
 a_1, a_2, and theta is where the far field a (j - theta)^1/2 + b (j - theta)^3/2 begins.
 
-`linecontact.studies.edge_curve` measures the same curve on high-resolution solutions.
+Layers thinner than a few grid spacings have a symbol of their own, K(q)/K(0) = c_+(z) c_+(1/z), regular at q = 0. The
+same steps give sigma_j = A [(1-beta) S_j + beta S_(j-1)], S_j the coefficients of c_+(z) (1-z)^-2, which far away grow
+like j - theta_f, theta_f = beta - 1 + sum_k k l_k/2. That far field ends c(nu) d outside of the true edge
+(`closed_forms.edge_shift`), so s = 1 - sum_k k l_k/2 - c d. Against the oracle, for d = 0.03 to 20 spacings and nu =
+-0.9 to 0.49, that is right to 0.003 spacings on the average, 0.01 at worst. nu = 1/2 has no such far field; nearly
+incompressible layers stand in for it, right to 0.03.
+
+`linecontact.studies.edge_curve` measures the half-space's curve on high-resolution solutions.
 """
 
 import math
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .closed_forms import edge_shift
 from .patches import Array64, Indices, Patches
+from .stiffness import foundation_modulus, layer_factor
 
 _TABLE = 64  # beyond, S_j = sqrt(j + s) to 1e-5
+_TABLE_LAYER = 128  # longer than what a layer of few spacings remembers
+_THIN = 8.0  # grid spacings; thicker layers have the half-space's edge, to 0.004 spacings
+_NEARLY_INCOMPRESSIBLE = 0.497
 COUNTED_BELOW = 3  # nodes; smaller patches are counted
 
 
 @dataclass(frozen=True)
 class EdgeCurve:
-    """s and S_j of the module's head; rows: far-field coefficients of j^(3/2), j^(1/2), j^(-1/2) from three nodes."""
+    """s and S_j of the module's head; rows: far-field coefficients of j^(3/2), j^(1/2), j^(-1/2) from three nodes.
+
+    rows is None for a thin layer, whose S_j grow like j; its third family would be the patch's other end.
+    """
 
     shift: float
     table: Array64
-    rows: Array64
+    rows: Array64 | None
+
+    def at(self, j: Indices) -> Array64:
+        """S_j, 0 for j < 0; the far field beyond the table."""
+        power, far = (0.5, self.shift) if self.rows is not None else (1.0, self.table[-1] - self.table.size + 1)
+        values: Array64 = np.maximum(j + far, 0.0) ** power
+        near = j < self.table.size
+        values[near] = np.append(self.table, 0.0)[np.maximum(j[near], -1)]  # the last stands for j = -1
+        return values
+
+
+def edge_curve(thickness: float = math.inf, poisson_ratio: float = 0.0) -> EdgeCurve:
+    """The universal edge, to 1e-14; or that of a layer thinner than a few grid spacings. thickness [grid spacings]."""
+    if thickness > _THIN:
+        return _half_space_curve()
+    return layer_curve(thickness, poisson_ratio)
+
+
+def _factor(q: Array64, weighted: Array64, length: int) -> tuple[Array64, float]:
+    """Coefficients of c_+ and sum_k k l_k/2 from the logarithm of the symbol at q, times the quadrature's weights."""
+    k = np.arange(length)
+    half = np.cos(np.outer(k, q)) @ weighted / np.pi  # l_k/2
+    half[0] /= 2
+    slope = -float(np.sum(weighted / np.sin(q / 2) ** 2)) / (4 * np.pi)
+    factor = np.zeros(length)  # n c_n = sum_k k (l_k/2) c_(n-k)
+    factor[0] = math.exp(half[0])
+    for n in range(1, length):
+        factor[n] = (k[1 : n + 1] * half[1 : n + 1]) @ factor[n - 1 :: -1][:n] / n
+    return factor, slope
 
 
 @cache
-def edge_curve() -> EdgeCurve:
-    """The universal edge, to 1e-14."""
-    nodes, weights = np.polynomial.legendre.leggauss(120)
+def _legendre(count: int) -> tuple[Array64, Array64]:
+    nodes, weights = np.polynomial.legendre.leggauss(count)
+    return nodes, weights
+
+
+@lru_cache(maxsize=256)
+def layer_curve(thickness: float, poisson_ratio: float) -> EdgeCurve:
+    """The edge of a layer of up to some 50 grid spacings. thickness [grid spacings]."""
+    thickness, poisson_ratio = max(thickness, 1e-6), min(poisson_ratio, _NEARLY_INCOMPRESSIBLE)
+    nodes, weights = _legendre(200)
+    root = (nodes + 1) / 2  # q = pi root^2: where nu is close to 1/2 the symbol changes near q = 0
+    q = np.pi * root**2
+    y = q * thickness
+    symbol = y * layer_factor(y, poisson_ratio) / 2 / foundation_modulus(1.0, poisson_ratio)
+    factor, slope = _factor(q, weights * np.pi * root * np.log(symbol), _TABLE_LAYER)
+    table = np.cumsum(np.cumsum(factor))  # (1-z)^-2
+    return EdgeCurve(1 - slope - edge_shift(poisson_ratio) * thickness, table, None)
+
+
+@cache
+def _half_space_curve() -> EdgeCurve:
+    nodes, weights = _legendre(120)
     q = (nodes + 1) * np.pi / 2
-    weighted = weights * np.pi / 2 * np.log(q / 2 / np.sin(q / 2))
-    k = np.arange(_TABLE)
-    half = np.cos(np.outer(k, q)) @ weighted / np.pi  # l_k/2
-    half[0] /= 2
-    slope = -float(np.sum(weighted / np.sin(q / 2) ** 2)) / (4 * np.pi)  # sum_k k l_k/2
-    factor = np.zeros(_TABLE)  # coefficients of c_+, by n c_n = sum_k k (l_k/2) c_(n-k)
-    factor[0] = math.exp(half[0])
-    for n in range(1, _TABLE):
-        factor[n] = (k[1 : n + 1] * half[1 : n + 1]) @ factor[n - 1 :: -1][:n] / n
+    factor, slope = _factor(q, weights * np.pi / 2 * np.log(q / 2 / np.sin(q / 2)), _TABLE)
     families = [np.convolve(factor, _binomial(m + 0.5))[:_TABLE] for m in range(3)]
     # c_+ about z = 1: 1 - slope (1-z) + bend (1-z)^2, from ln c_+ = slope (z-1) + ... and |ln c_+|'' = 1/24 at q = 0
     bend = (-1 / 24 - slope + slope**2) / 2
@@ -79,38 +133,31 @@ def _far_binomial(a: float) -> tuple[float, float, float]:
     )
 
 
-def edge_function(beta: Array64, j: Indices) -> Array64:
-    """The universal edge pressure at the nodes j >= 0 from the last contact node inwards; ~ sqrt(j - theta).
+def edge_function(curve: EdgeCurve, beta: Array64, j: Indices) -> Array64:
+    """The edge pressure at the nodes j >= 0 from the last contact node inwards; ~ sqrt(j - theta) on thick layers.
 
     beta, j: broadcast against each other; the result has their common shape.
     """
-    curve = edge_curve()
-
-    def table(i: Indices) -> Array64:
-        values: Array64 = np.sqrt(np.maximum(i + curve.shift, 0.0))
-        near = i < _TABLE
-        values[near] = padded[np.maximum(i[near], -1)]
-        return values
-
-    padded = np.append(curve.table, 0.0)  # the last stands for j = -1
-    return np.asarray((1 - beta) * table(j) + beta * table(j - 1))
+    return np.asarray((1 - beta) * curve.at(j) + beta * curve.at(j - 1))
 
 
-def edge_offset(pressures: Array64) -> tuple[Array64, Array64]:
+def edge_offset(curve: EdgeCurve, pressures: Array64) -> tuple[Array64, Array64]:
     """theta from the last three nodal pressures, shape (M, 3), last node first; and from the last two. [grid spacings]
 
     The edge lies theta inside the last contact node (outside for theta < 0); -s <= theta <= 1 - s.
     """
-    curve = edge_curve()
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        ratio = pressures[:, 0] / pressures[:, 1]
+        two = curve.table[0] - ratio * curve.table[1]
+        two = two / (two + ratio * curve.table[0]) - curve.shift
+    two = np.clip(np.where(np.isfinite(two), two, 0.5 - curve.shift), -curve.shift, 1 - curve.shift)
+    if curve.rows is None:
+        return two, two
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         low, middle, high = curve.rows @ pressures.T
         theta = -2 * low / middle
         for _ in range(3):  # -theta middle/2 - 3/8 theta^2 high = low
             theta = -2 * low / (middle + 0.75 * theta * high)
-        ratio = pressures[:, 0] / pressures[:, 1]
-        two = curve.table[0] - ratio * curve.table[1]
-        two = two / (two + ratio * curve.table[0]) - curve.shift
-    two = np.clip(np.where(np.isfinite(two), two, 0.5 - curve.shift), -curve.shift, 1 - curve.shift)
     theta = np.clip(np.where(np.isfinite(theta), theta, two), -curve.shift, 1 - curve.shift)
     # two estimates far apart: the patch is too small for a third family
     return np.where(np.abs(theta - two) < 0.15, theta, two), two
@@ -131,16 +178,17 @@ class Edges:
         return self.right - self.left
 
 
-def find_edges(patches: Patches, pressure: Array64, thickness: float = math.inf) -> Edges:
+def find_edges(patches: Patches, pressure: Array64, thickness: float = math.inf, poisson_ratio: float = 0.0) -> Edges:
     """Sub-grid edges of patches from the pressure, shape (contact nodes,) in compact order [any unit].
 
     The pressure is first divided by the edge function of the patch's other end. Patches of fewer than three nodes end
     half a spacing outside their last nodes, as counting has it, and a full contact has no edge at all.
 
-    `thickness` [grid spacings] is used for the error only: measured against the oracle, that is 0.1 to 0.25 over the
-    nodes of the patch plus 0.03 over the thickness, more where the third node corrects much.
+    thickness [grid spacings], poisson_ratio: of the layer. The error, measured against the oracle, is 0.1 to 0.25 over
+    the nodes of the patch plus 0.03 over the thickness, more where the third node corrects much; for layers of few
+    spacings 0.01, for nu near 1/2 0.03.
     """
-    m, curve = patches.count, edge_curve()
+    m, curve = patches.count, edge_curve(thickness, poisson_ratio)
     if patches.full:
         half = np.array([0.5])  # error: a gap between two nodes would not be seen
         return Edges(patches.first - half, patches.last + half, np.ones(1), np.zeros(1, dtype=bool))
@@ -152,13 +200,14 @@ def find_edges(patches: Patches, pressure: Array64, thickness: float = math.inf)
     away = patches.size[:, None] - 1 - inward
     theta = np.full((2, m), 0.5 - curve.shift)
     for _ in range(3):
-        across = np.maximum(edge_function((theta + curve.shift)[::-1, :, None], away), 1e-3)
-        theta, two = (t.reshape(2, m) for t in edge_offset((ends / across).reshape(2 * m, 3)))
+        across = np.maximum(edge_function(curve, (theta + curve.shift)[::-1, :, None], away), 1e-3)
+        theta, two = (t.reshape(2, m) for t in edge_offset(curve, (ends / across).reshape(2 * m, 3)))
     counted = patches.size < COUNTED_BELOW
     outside = np.where(counted, 0.5, -theta)
-    fitted = (
-        0.3 * np.abs(theta - two) + 0.3 / patches.size + 10.0 / patches.size**2 + 0.1 / thickness + 0.5 / thickness**2
-    )
+    layer = 0.1 / thickness + 0.5 / thickness**2
+    if curve.rows is None:
+        layer = 0.02 if poisson_ratio < _NEARLY_INCOMPRESSIBLE else 0.06
+    fitted = 0.3 * np.abs(theta - two) + 0.3 / patches.size + 10.0 / patches.size**2 + layer
     each = np.where(counted, 0.5, np.minimum(fitted, 0.5))
     return Edges(patches.first - outside[0], patches.last + outside[1], np.hypot(*each), counted)
 
@@ -169,7 +218,7 @@ def edge_moves(patches: Patches, pressure: Array64) -> Indices:
     On a wrong set the edge is still A S_j + B (S_j - S_(j-1)), only that beta = -B/A is not between 0 and 1; its whole
     part is the number of nodes. At most half a patch; 0 for patches of fewer than five nodes.
     """
-    table = edge_curve().table
+    table = _half_space_curve().table
     limit = np.where(patches.size < 5, 0, patches.size // 2)
     last = patches.offset + patches.size - 1
     inner = np.minimum(patches.size - 1, 1)

@@ -11,7 +11,7 @@ from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 
-from .edges import Edges, edge_curve, edge_function
+from .edges import EdgeCurve, Edges, edge_curve, edge_function, layer_curve
 from .observables import Observables, subgrid_measures
 from .patches import Array64, Indices, Patches
 from .relaxation import Method
@@ -29,29 +29,32 @@ def grids(num_points: int) -> list[int]:
     return sizes
 
 
-def prolong(pressure: Array64, patches: Patches, ends: Edges, num_points: int) -> Array64:
+def prolong(scene: Scene, pressure: Array64, patches: Patches, ends: Edges, num_points: int) -> Array64:
     """A contact pressure, shape (N,), on a grid of `num_points`, shape (num_points,); both 0 off the contact [p].
 
     patches, ends: of that pressure, see `observables.contact_edges`.
     """
-    factor, shift = num_points / pressure.size, edge_curve().shift
+    factor, nu = num_points / pressure.size, scene.layer.poisson_ratio
+    thickness = scene.layer.thickness / scene.period * pressure.size
+    coarse_curve = edge_curve(thickness, nu)
+    fine_curve = layer_curve(factor * thickness, nu) if coarse_curve.rows is None else coarse_curve  # of one kind
     if patches.full:
         x = np.arange(num_points) / factor
         return np.asarray(np.interp(x, np.arange(pressure.size + 1), np.append(pressure, pressure[0])))
     # the nodes whose distance beyond the edge lies between -s and 1 - s
-    first = np.ceil(factor * ends.left - (1 - shift)).astype(np.int64)
-    last = np.maximum(first, np.floor(factor * ends.right + (1 - shift)).astype(np.int64))
+    first = np.ceil(factor * ends.left - (1 - fine_curve.shift)).astype(np.int64)
+    last = np.maximum(first, np.floor(factor * ends.right + (1 - fine_curve.shift)).astype(np.int64))
     fine = Patches(num_points, first, last)
     nodes = np.arange(int(fine.size.sum())) - np.repeat(fine.offset - first, fine.size)
     p = fine.label
 
-    def edges_at(at: Patches, inside: Indices, scale: float) -> Array64:
-        left = np.clip(scale * ends.left - at.first + shift, 0, 1)[at.label]
-        right = np.clip(at.last - scale * ends.right + shift, 0, 1)[at.label]
-        return edge_function(left, inside) * edge_function(right, at.size[at.label] - 1 - inside)
+    def edges_at(at: Patches, inside: Indices, scale: float, curve: EdgeCurve) -> Array64:
+        left = np.clip(scale * ends.left - at.first + curve.shift, 0, 1)[at.label]
+        right = np.clip(at.last - scale * ends.right + curve.shift, 0, 1)[at.label]
+        return edge_function(curve, left, inside) * edge_function(curve, right, at.size[at.label] - 1 - inside)
 
     steps = np.arange(patches.nodes.size) - np.repeat(patches.offset, patches.size)
-    smooth = pressure[patches.nodes] / np.maximum(edges_at(patches, steps, 1.0), 1e-3)
+    smooth = pressure[patches.nodes] / np.maximum(edges_at(patches, steps, 1.0, coarse_curve), 1e-3)
     # Lagrange's polynomial through up to four nodes of the patch
     x = nodes / factor - patches.first[p]
     count = np.minimum(patches.size, 4)[p]
@@ -65,7 +68,8 @@ def prolong(pressure: Array64, patches: Patches, ends: Edges, num_points: int) -
             if m != k:
                 basis *= np.where(m < count, (x - m) / (k - m), 1.0)
         values += basis * smooth[np.minimum(base + k, smooth.size - 1)]
-    values *= edges_at(fine, nodes - first[p], factor) / factor
+    values *= edges_at(fine, nodes - first[p], factor, fine_curve)
+    values *= factor * pressure.sum() / values.sum()
     fine_pressure = np.zeros(num_points)
     # never 0: the node belongs to the contact
     fine_pressure[nodes % num_points] = np.maximum(values, 1e-12 * pressure.max())

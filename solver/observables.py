@@ -89,7 +89,8 @@ def observe(scene: Scene, displacement: Array64, contact_pressure: Array64, cont
 def contact_edges(scene: Scene, pressure: Array64) -> tuple[Patches, Edges]:
     """Patches and their sub-grid edges, from the contact pressure [any unit], 0 off the contact, shape (N,), any N."""
     patches = Patches.of(pressure > 0)
-    return patches, find_edges(patches, pressure[patches.nodes], scene.layer.thickness / scene.period * pressure.size)
+    thickness = scene.layer.thickness / scene.period * pressure.size
+    return patches, find_edges(patches, pressure[patches.nodes], thickness, scene.layer.poisson_ratio)
 
 
 def subgrid_measures(

@@ -148,7 +148,7 @@ class Run:
                     state.slack = _COARSE_SLACK
             status = Status.CONVERGED
             if coarse:
-                state.start_from_pressure(prolong(*coarse, size))
+                state.start_from_pressure(prolong(self.scene, *coarse, size))
             elif isinstance(state, MassWeightedFire):
                 status = self._lead_in(state)
             if status is not Status.INTERRUPTED:
@@ -158,7 +158,7 @@ class Run:
                 coarse = pressure, *contact_edges(self.scene, pressure)
                 if status is Status.INTERRUPTED:
                     if pressure.any():
-                        self.state.start_from_pressure(prolong(*coarse, sizes[-1]))
+                        self.state.start_from_pressure(prolong(self.scene, *coarse, sizes[-1]))
                     return status
                 self.levels.append(measure_level(self.scene, *coarse[1:], state))
         return status

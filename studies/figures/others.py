@@ -40,7 +40,9 @@ def edge_curve(path: Path) -> dict[str, Figure]:
     figure, panels = plt.subplots(2, 1, figsize=(5.2, 5.0), sharex=True)
     ratio = np.linspace(1e-3, edges.edge_curve().table[0] / edges.edge_curve().table[1], 200)
     pressures = np.stack([ratio, np.ones_like(ratio), np.ones_like(ratio)], axis=1)
-    panels[0].plot(ratio, edges.edge_offset(pressures)[1], "k-", lw=0.9, label="closed form (Wiener-Hopf)")
+    panels[0].plot(
+        ratio, edges.edge_offset(edges.edge_curve(), pressures)[1], "k-", lw=0.9, label="closed form (Wiener-Hopf)"
+    )
     scenes = [tuple(run[f"scene.{n}"] for n in ("exponent", "thickness", "poisson_ratio")) for run in study.runs]
     for scene, colour, marker in zip(dict.fromkeys(scenes), cycle(COLOURS), cycle(MARKERS), strict=False):
         chosen = np.array([s == scene for s in scenes])
