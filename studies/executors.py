@@ -135,13 +135,13 @@ def _worker_settings() -> Iterator[None]:
 @contextlib.contextmanager
 def _dask(address: str) -> Iterator[Pool]:
     try:
-        import distributed
+        from distributed import Client
     except ImportError:
         raise ValueError(
             f"scheduler is {address}; allowed: none, or a Dask scheduler's, with `pip install linecontact[cluster]`"
         ) from None
     try:
-        client = distributed.Client(address, timeout=10, set_as_default=False)
+        client: Any = Client(address, timeout=10, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
         raise ValueError(
             f"scheduler is {address}, where none answers ({error}); allowed: the address that `dask scheduler` prints"

@@ -50,7 +50,9 @@ class Configuration:
     method: str = "active-set"
 
 
-QUICK = Configuration(num_points=2**14, cut_off_ratio=1 / 32, realisations=8)
+QUICK = Configuration(
+    num_points=2**14, cut_off_ratio=1 / 32, realisations=8, thicknesses=Configuration.thicknesses[:11]
+)
 
 
 @dataclass(frozen=True)

@@ -26,14 +26,14 @@ def ratio(study: store.StudyFile) -> Figure:
     figure, (axes, below) = plt.subplots(2, 1, figsize=(5.2, 6.2), sharex=True, height_ratios=(5, 3))
     figure.subplots_adjust(bottom=0.08, top=0.95, hspace=0.05)
     runs, c = asperity.layers(study), study.configuration
-    t_all = runs.column("reduced_thickness")
+    t_all, kappa_all = asperity.curve(runs)
     low, high = t_all.min() / 1.4, t_all.max() * 1.4
-    y_all = runs.column("kappa_ratio") / t_all
+    y_all = kappa_all / t_all
     for nu, colour, marker in zip(c["poisson_ratios"], cycle(COLOURS), cycle(MARKERS), strict=False):
         own = runs.select("scene.poisson_ratio", nu)
         if not own.runs:
             continue
-        t, kappa = own.column("reduced_thickness"), own.column("kappa_ratio")
+        t, kappa = asperity.curve(own)
         axes.plot(t, kappa / t, marker, ms=4.5, color=colour, label=rf"$\nu={nu:g}$")
         below.plot(t, kappa, marker, ms=4.5, color=colour)
         line = study.lines.get(f"nu={nu:g}")

@@ -53,7 +53,7 @@ def ratio(study: store.StudyFile) -> Figure:
     points = list(rough.points(study))
     x = np.array([p.reduced_thickness.value for p in points])
     for axes, hurst in zip(rows[0], hursts, strict=True):
-        kappa = np.mean(list(rough.half_space(study, hurst).values()))
+        kappa = float(np.mean(list(rough.half_space(study, hurst).values())))
         for nu, colour, marker in zip(
             study.configuration["poisson_ratios"], cycle(COLOURS), cycle(MARKERS), strict=False
         ):
