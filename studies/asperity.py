@@ -133,7 +133,8 @@ def summary(file: store.StudyFile) -> Table:
         "against the oracle",
         caption="ok: runs certified; count, sub-grid: largest |error| of a_r in grid spacings, nodes counted and "
         "between sub-grid edges; peak err: largest |relative error| of the peak pressure; y = "
-        "(kappa_d/kappa_inf)/(d/a_r) at the least d/a_r, sub-grid, beside the thin-layer limit to first and second order; "
+        "(kappa_d/kappa_inf)/(d/a_r) at the least d/a_r, sub-grid, beside the thin-layer limit to first and second "
+        "order; "
         "pairs: transforms in all; s: seconds of solving in all. All but s dimensionless."
         + ("" if exponent % 2 == 0 else " The oracle knows the pressure at a sharp tip to 2 % only."),
         caption_justify="left",
