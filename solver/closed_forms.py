@@ -20,6 +20,13 @@ Array64 = NDArray[np.float64]
 _GAUSS = 200
 
 
+@cache
+def gauss_legendre(count: int) -> tuple[Array64, Array64]:
+    """Nodes and weights on (-1, 1), shape (count,) each; kept, they cost eigenvalues."""
+    nodes, weights = np.polynomial.legendre.leggauss(count)
+    return nodes, weights
+
+
 def kappa_half_space(exponent: float) -> float:
     """Area-pressure coefficient kappa_inf(n) of a lone power profile on the half-space (dimensionless).
 
@@ -44,7 +51,7 @@ def periodic_line_load(half_width: float, slope: Callable[[Array64], Array64]) -
     F = E* int_0^a h'(x) sin(pi x/L)/sqrt(sin^2(pi a/L) - sin^2(pi x/L)) dx (Westergaard's problem), made
     smooth by sin(pi x/L) = sin(pi a/L) sin(theta). `slope` maps x/L, shape (M,), to h', shape (M,).
     """
-    nodes, weights = np.polynomial.legendre.leggauss(_GAUSS)
+    nodes, weights = gauss_legendre(_GAUSS)
     theta = (nodes + 1) * np.pi / 4
     x = np.arcsin(math.sin(math.pi * half_width) * np.sin(theta)) / np.pi
     return float(np.sum(weights * np.pi / 4 * slope(x) * np.tan(np.pi * x)) / np.pi)
@@ -119,7 +126,7 @@ def edge_shift(poisson_ratio: float) -> float:
     first, last = 1e-3 * (math.sqrt(1 - 2 * nu) if nu < 0.5 else 1.0), 1e4
     power = 2 if nu == 0.5 else 0
     limit = 4 / 3 if nu == 0.5 else (1 - 2 * nu) / (1 - nu) ** 2  # C_0 = limit s^power
-    nodes, weights = np.polynomial.legendre.leggauss(20)
+    nodes, weights = gauss_legendre(20)
     edges = np.linspace(math.log(first), math.log(last), 81)
     width = np.diff(edges)[:, None]
     s = np.append(np.exp((edges[:-1, None] + width * (nodes + 1) / 2).ravel()), first)

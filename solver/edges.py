@@ -31,7 +31,7 @@ from functools import cache, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from .closed_forms import edge_shift
+from .closed_forms import edge_shift, gauss_legendre
 from .patches import Array64, Indices, Patches
 from .stiffness import foundation_modulus, layer_factor
 
@@ -82,17 +82,11 @@ def _factor(q: Array64, weighted: Array64, length: int) -> tuple[Array64, float]
     return factor, slope
 
 
-@cache
-def _legendre(count: int) -> tuple[Array64, Array64]:
-    nodes, weights = np.polynomial.legendre.leggauss(count)
-    return nodes, weights
-
-
 @lru_cache(maxsize=256)
 def layer_curve(thickness: float, poisson_ratio: float) -> EdgeCurve:
     """The edge of a layer of up to some 50 grid spacings. thickness [grid spacings]."""
     thickness, poisson_ratio = max(thickness, 1e-6), min(poisson_ratio, _NEARLY_INCOMPRESSIBLE)
-    nodes, weights = _legendre(200)
+    nodes, weights = gauss_legendre(200)
     root = (nodes + 1) / 2  # q = pi root^2: where nu is close to 1/2 the symbol changes near q = 0
     q = np.pi * root**2
     y = q * thickness
@@ -104,7 +98,7 @@ def layer_curve(thickness: float, poisson_ratio: float) -> EdgeCurve:
 
 @cache
 def _half_space_curve() -> EdgeCurve:
-    nodes, weights = _legendre(120)
+    nodes, weights = gauss_legendre(120)
     q = (nodes + 1) * np.pi / 2
     factor, slope = _factor(q, weights * np.pi / 2 * np.log(q / 2 / np.sin(q / 2)), _TABLE)
     families = [np.convolve(factor, _binomial(m + 0.5))[:_TABLE] for m in range(3)]

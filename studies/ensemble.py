@@ -249,6 +249,8 @@ def _finished(studies: Sequence[Study], folder: Path) -> dict[str, store.StudyFi
 def _compute(studies: Sequence[Study], options: Options, folder: Path) -> dict[str, store.StudyFile]:
     """All tasks of all studies together; what is done is collected also when the run is cut short."""
     results = TaskFolder(folder / "tasks")
+    for place in (folder, results.folder):
+        store.remove_parts(place)
     tasks = [task for study in studies for task in study.tasks]
     if options.overwrite:
         results.forget(tasks)

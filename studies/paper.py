@@ -37,14 +37,14 @@ class Options(ensemble.Options):
     """2^14 points and 8 realisations, in a minute."""
 
 
-def studies(num_points: int | None = None) -> list[ensemble.Study]:
-    """The four studies at full size, or quick ones at `num_points`."""
+def studies(num_points: int | None = None, realisations: int = rough.QUICK.realisations) -> list[ensemble.Study]:
+    """The four studies at full size, or quick ones at `num_points` with so many rough surfaces."""
     modules = {"sharp": sharp, "hertz": hertz, "blunt": blunt}
     if num_points is None:
         single = [asperity.study(kind, module.CONFIGURATION) for kind, module in modules.items()]
         return [*single, rough.study(rough.Configuration())]
     quick = [asperity.study(kind, asperity.quick(m.CONFIGURATION, num_points)) for kind, m in modules.items()]
-    surfaces = replace(rough.QUICK, num_points=num_points, cut_off_ratio=512 / num_points)
+    surfaces = replace(rough.QUICK, num_points=num_points, cut_off_ratio=512 / num_points, realisations=realisations)
     return [*quick, rough.study(surfaces)]
 
 

@@ -10,7 +10,7 @@ of the time of a start from the solution for a neighbouring thickness, and leave
 import math
 import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -96,10 +96,8 @@ class PerssonLine:
         }
 
     def _area(self, thickness: float) -> float:
-        t = self.task
-        scene = Task(t.num_points, t.cut_off_ratio, t.pressure, t.hurst, t.poisson_ratio, thickness, 0, 1, "").scene()
-        problem = Problem.from_scene(scene)
-        return closed_forms.persson_area(t.pressure, problem.stiffness, problem.height * problem.length_unit)
+        problem = Problem.from_scene(replace(self.task, thickness=thickness).scene())
+        return closed_forms.persson_area(self.task.pressure, problem.stiffness, problem.height * problem.length_unit)
 
 
 def study(c: Configuration) -> ensemble.Study:
@@ -172,8 +170,9 @@ def points(file: store.StudyFile) -> Iterator[Point]:
         if math.isfinite(run["scene.thickness"]):
             key = run["scene.hurst"], run["scene.poisson_ratio"], run["scene.thickness"]
             groups.setdefault(key, []).append(run)
+    references = {hurst: half_space(file, hurst) for hurst, _, _ in groups}
     for (hurst, nu, thickness), group in groups.items():
-        reference = half_space(file, hurst)
+        reference = references[hurst]
         runs = [run for run in group if run["scene.seed"] in reference]
         if not runs:
             continue
@@ -230,7 +229,7 @@ def summary(file: store.StudyFile) -> Table:
                 str(thin.slope),
                 f"{thin.slope.value / single_patch(nu, kappa.value):.3g}",
                 f"{np.mean(alone):.2f}",
-                f"{sum(run['seconds.total'] for run in layers):.1f}",
+                f"{sum(run['seconds.total'] for run in layers):.0f}",
             )
     return table
 

@@ -27,16 +27,14 @@ class Statement:
 
 
 def judge(published: float, measured: float, error: float, rounding: float = 0.0) -> str:
-    """'holds' within two errors and the published value's rounding, 'holds within x' to a tenth, or 'does not hold'."""
+    """'holds' within two errors and the published value's rounding, 'holds within x' up to 5 %, or 'does not hold'."""
     off = abs(measured - published)
     if not math.isfinite(off):
         return "not measured"
     if off <= 2 * error + rounding:
         return "holds"
-    relative = off / abs(published)
-    return (
-        f"holds within {100 * relative:.2g} %" if relative <= 0.1 else f"does not hold, off by {100 * relative:.2g} %"
-    )
+    percent = 100 * off / abs(published)
+    return f"holds within {percent:.2g} %" if percent <= 5 else f"does not hold, off by {percent:.3g} %"
 
 
 def statements(files: Files) -> list[Statement]:
@@ -110,17 +108,17 @@ def _thin(file: store.StudyFile, poisson_ratio: float) -> tuple[np.ndarray, np.n
 
 def _alpha(file: store.StudyFile, poisson_ratio: float) -> tuple[float, float] | None:
     """alpha from the thinnest layer with the second order divided out, and its error: the solution's and the next
-    order's, taken as the square of the second.
+    order's, taken as the square of half the second. None where the second order is no small correction.
     """
     t, kappa, error = _thin(file, poisson_ratio)
     nu, n = poisson_ratio, file.configuration["exponent"]
     if not t.size:
         return None
     second = 2 * closed_forms.edge_shift(nu) * t[0]
-    if abs(second) > 0.2:
+    if abs((n + 1) * second) > 0.25:
         return None
     value = kappa[0] / t[0] / ((1 - 2 * nu) / (1 - nu) ** 2) * (1 + second) ** (n + 1)
-    return float(value), float(value * (error[0] / kappa[0] + second**2))
+    return float(value), float(value * (error[0] / kappa[0] + ((n + 1) * second) ** 2 / 4))
 
 
 def _first_order_spread(file: store.StudyFile, poisson_ratios: list[float]) -> float:

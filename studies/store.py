@@ -133,6 +133,12 @@ def write_bytes(path: Path, content: bytes) -> None:
         raise StoreError(f"file {path} could not be written: {error}") from error
 
 
+def remove_parts(folder: Path) -> None:
+    """Remove what a killed process left unfinished; only for who has the folder to himself."""
+    for part in folder.glob(".*.part"):
+        part.unlink(missing_ok=True)
+
+
 @contextlib.contextmanager
 def open_file(path: Path) -> Iterator[h5py.File]:
     """Read an HDF5 file; raises `StoreError` for a missing one, `DamagedError` for a damaged or foreign one."""

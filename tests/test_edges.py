@@ -10,7 +10,7 @@ from linecontact.solver.nested import grids, prolong
 from linecontact.solver.patches import Patches
 from linecontact.studies import figures, store
 
-STORED = Path(figures.__file__).parent / "results" / "edge-curve.h5"
+STORED = Path(store.__file__).parent / "results" / "edge-curve.h5"
 
 
 def test_closed_form_constants():

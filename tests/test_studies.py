@@ -1,23 +1,21 @@
 """Store, studies and figures: round trips, resuming, damaged files."""
 
-import dataclasses
-import json
+import html
 import math
+import shutil
+import subprocess
+from dataclasses import asdict
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
-from linecontact.solver import Layer, Scene, closed_forms, solve
-from linecontact.studies import figures, hertz, store
+from linecontact.solver import Layer, RoughIndenter, Scene, closed_forms, solve
+from linecontact.studies import asperity, ensemble, figures, hertz, paper, rough, statements, store
+from matplotlib import pyplot as plt
 
-SMALL = hertz.Configuration(
-    num_points=256, poisson_ratios=(0.0, 0.5), reduced_thicknesses=(1.0, 0.3, 0.1), line_points=4
-)
-
-
-def open_small(path, anew=False, **changes):
-    return store.open_study("hertz", dataclasses.asdict(dataclasses.replace(SMALL, **changes)), path, anew)
+ARRAYS = Path(__file__).with_name("figures.npz")
+RESULTS = Path(store.__file__).parent / "results"
 
 
 @pytest.fixture(scope="module")
@@ -90,58 +88,146 @@ def test_study_round_trip(tmp_path):
     assert not back.complete
 
 
-def test_hertz_study_in_processes_and_resumed(tmp_path, monkeypatch):
-    path = tmp_path / "hertz.h5"
-    kept = []
-    keep = hertz._keep
-
-    def interrupt_after_two(study, path, task, record):
-        keep(study, path, task, record)
-        kept.append(task)
-        if len(kept) == 2:
-            raise KeyboardInterrupt
-
-    monkeypatch.setattr(hertz, "_keep", interrupt_after_two)
-    with pytest.raises(KeyboardInterrupt):
-        hertz.run(open_small(path), SMALL, path, 2, "estimate")
-    partial = store.load_study(path)
-    assert len(partial.runs) == 2
-    assert not partial.complete
-    monkeypatch.setattr(hertz, "_keep", lambda *arguments: kept.append(arguments[2]) or keep(*arguments))
-    study = open_small(path)
-    hertz.run(study, SMALL, path, 2, "estimate")
-    assert study.complete
-    assert len(kept) == 6  # nothing was computed twice
-    assert set(study.lines) == {"nu=0", "nu=0.5"}
-    assert open_small(path).complete
-    assert open_small(path, anew=True).runs == []
-    assert (study.column("status") == "converged").all()
-    error = study.column("contact_area") - study.column("oracle.contact_area")
-    assert (abs(error) < 2 / 256).all()
-    np.testing.assert_allclose(study.column("peak_pressure"), study.column("oracle.peak_pressure"), rtol=2e-2)
-    assert hertz.summary(study).row_count == 2
-    with pytest.raises(store.StoreError, match="another study or configuration"):
-        open_small(path, num_points=512)
-    drawn = figures.draw(path)
-    assert {p.name for p in drawn} == {"hertz.png", "hertz.pdf", "hertz-accuracy.png", "hertz-accuracy.pdf"}
-    assert all(p.stat().st_size > 5000 for p in drawn)
+def test_another_configuration_is_refused(tmp_path):
+    path = tmp_path / "study.h5"
+    store.save_study(
+        path, store.StudyFile("hertz", {"list": (1.0, math.inf)}, [{"status": "converged"}], complete=True)
+    )
+    assert store.finished(path, "hertz", {"list": (1.0, math.inf)}).runs
+    for kind, configuration in (("sharp", {"list": (1.0, math.inf)}), ("hertz", {"list": (1.0, 2.0)})):
+        with pytest.raises(store.StoreError, match="another study or configuration"):
+            store.finished(path, kind, configuration)
+    assert store.finished(tmp_path / "none.h5", "hertz", {}) is None
 
 
-def test_figures_hold_the_stored_numbers(tmp_path):
-    """Data of the drawn artists, not pixels."""
-    record = hertz.run_task(hertz.Task(SMALL, 0.0, 1))[1]
-    study = store.StudyFile("hertz", dataclasses.asdict(SMALL), [record], dict([hertz.oracle_line(SMALL, 0.0)]))
-    figure = figures._hertz_ratio(study)
-    lines = {line.get_label(): line for line in figure.axes[0].get_lines()}
-    x, y = lines[r"$\nu=0$"].get_data()
-    assert x == [record["reduced_thickness"]]
-    assert y == [record["kappa_ratio"] / record["reduced_thickness"]]
-    oracle = next(line for line in figure.axes[0].get_lines() if len(line.get_xdata()) == 4)
-    np.testing.assert_array_equal(oracle.get_ydata() * oracle.get_xdata(), study.lines["nu=0"]["kappa_ratio"])
+@pytest.fixture(scope="module")
+def paper_folder(tmp_path_factory):
+    """The whole paper at 2^10 points with two surfaces, in this process."""
+    folder = tmp_path_factory.mktemp("paper")
+    options = ensemble.Options(folder=folder, workers=1)
+    assert ensemble.command(paper.studies(2**10, 2), options, folder, paper.closing) == 0
+    return folder
+
+
+def drawn_data(folder):
+    """x and y of every line of every figure of the paper, and the points of the error bars, by figure and place."""
+    data = {}
+    for kind, drawing in (*((k, figures.asperity) for k in ("sharp", "hertz", "blunt")), ("rough", figures.rough)):
+        for suffix, figure in drawing.draw(folder / f"{kind}.h5").items():
+            for a, axes in enumerate(figure.axes):
+                for b, line in enumerate(axes.get_lines()):
+                    xy = np.array([np.asarray(values, dtype=float) for values in line.get_data()])
+                    if xy.size:
+                        data[f"{kind}{suffix}.{a}.{b}"] = xy
+            plt.close(figure)
+    return data
+
+
+def test_figures_hold_the_stored_numbers(paper_folder):
+    """Data of the drawn artists, not pixels, against stored arrays; made by `python tests/test_studies.py`."""
+    drawn = drawn_data(paper_folder)
+    with np.load(ARRAYS) as stored:
+        assert set(drawn) == set(stored.files)
+        for name in stored.files:
+            errors = ("accuracy" in name) * 2e-4  # differences from the oracle: what the tolerance leaves of them
+            np.testing.assert_allclose(drawn[name], stored[name], rtol=1e-5, atol=errors, err_msg=name)
+    study = store.load_study(paper_folder / "hertz.h5")
+    run = study.select("scene.poisson_ratio", 0.25).runs[0]
+    points = drawn["hertz.0.4"]  # markers and oracle, then two limits and the published one, for each nu
+    t = run["scene.thickness"] / run["contact_area_subgrid"]
+    y = run["kappa_subgrid"] / closed_forms.kappa_half_space(2.0) / t
+    assert any(np.allclose(xy[:, 0], (t, y)) for xy in drawn.values() if xy.shape == points.shape or xy.shape[1] == 6)
+
+
+def test_figures_come_from_the_file_alone(paper_folder, tmp_path):
+    for kind in ("sharp", "hertz", "blunt", "rough"):
+        (tmp_path / f"{kind}.h5").write_bytes((paper_folder / f"{kind}.h5").read_bytes())
+        drawn = figures.draw(tmp_path / f"{kind}.h5")
+        assert all(p.stat().st_size > 5000 for p in drawn)
+        suffixes = next(s.figures for s in paper.studies(2**10) if s.kind == kind)
+        assert {p.name for p in drawn} == {f"{kind}{s}.{end}" for s in suffixes for end in ("png", "pdf")}
+
+
+def test_means_over_realisations(paper_folder):
+    """Recomputed by hand for one point."""
+    file = store.load_study(paper_folder / "rough.h5")
+    point = next(p for p in rough.points(file) if (p.hurst, p.poisson_ratio, p.thickness) == (0.8, 0.25, 1e-3))
+    runs = [r for r in file.runs if r["scene.hurst"] == 0.8 and r["scene.poisson_ratio"] == 0.25]
+    runs = [r for r in runs if r["scene.thickness"] == 1e-3]
+    thick = [r for r in file.runs if r["scene.hurst"] == 0.8 and math.isinf(r["scene.thickness"])]
+    assert [r["scene.seed"] for r in runs] == [r["scene.seed"] for r in thick] == [0, 1]
+    ratios = [r["kappa_subgrid"] / t["kappa_subgrid"] for r, t in zip(runs, thick, strict=True)]
+    assert point.kappa_ratio.value == pytest.approx(np.mean(ratios))
+    assert point.kappa_ratio.error == pytest.approx(abs(ratios[0] - ratios[1]) / 2)
+    slopes = [k * r["contact_area_subgrid"] / 1e-3 for k, r in zip(ratios, runs, strict=True)]
+    assert point.slope.value == pytest.approx(np.mean(slopes))
+    assert point.patches.value == np.mean([r["num_patches"] for r in runs])
+
+
+def test_persson_s_limits():
+    """Half-space, small load: kappa = sqrt(8/pi); full contact at high load."""
+    surface = RoughIndenter(0.8, 0, cut_off_ratio=0.25)
+    k = np.pi * np.arange(2**9 + 1)
+    height = surface.profile(2**10, 1.0)
+    assert closed_forms.persson_area(1e-4, k, height) / 1e-4 == pytest.approx(math.sqrt(8 / math.pi), rel=1e-3)
+    assert closed_forms.persson_area(10.0, k, height) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(
+    ("values", "verdict"),
+    [
+        ((1.0, 1.01, 0.01), "holds"),
+        ((2.2, 2.204, 0.0, 0.005), "holds"),
+        ((1.0, 1.03, 0.01), "holds within 3 %"),
+        ((1.0, 0.9, 0.01), "does not hold, off by 10 %"),
+        ((1.0, math.nan, 0.01), "not measured"),
+    ],
+)
+def test_verdicts(values, verdict):
+    assert statements.judge(*values) == verdict
+
+
+def test_report(paper_folder):
+    files = {kind: store.load_study(paper_folder / f"{kind}.h5") for kind in ("sharp", "hertz", "blunt", "rough")}
+    found = statements.statements(files)
+    text, page = ((paper_folder / name).read_text() for name in ("report.md", "report.html"))
+    assert len(found) >= 20
+    for s in found:
+        assert s.text in text
+        assert s.measured in text
+        assert html.escape(s.text, quote=False) in page
+    blunt = next(s for s in found if s.text.startswith("blunt: kappa_d = kappa_inf"))
+    assert "0.902" in blunt.measured
+    assert blunt.verdict.startswith("does not hold")
+    assert page.count("data:image/png;base64,") == text.count("![") == 9
+    assert "http" not in page.replace("http-equiv", "")  # nothing from elsewhere
+    assert statements.statements({}) == []
+
+
+BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+
+
+@pytest.mark.skipif(BROWSER is None, reason="no browser here")
+def test_report_in_a_browser(paper_folder, tmp_path):
+    arguments = [
+        "--headless",
+        "--no-sandbox",
+        "--disable-gpu",
+        f"--user-data-dir={tmp_path}",
+        "--virtual-time-budget=9999",
+    ]
+    count = "document.title = [...document.images].filter(i => i.complete && i.naturalWidth > 100).length"
+    page = tmp_path / "page.html"
+    page.write_text((paper_folder / "report.html").read_text().replace("</body>", f"<script>{count}</script></body>"))
+    shown = subprocess.run(
+        [BROWSER, *arguments, "--dump-dom", page.as_uri()], capture_output=True, text=True, timeout=120
+    )
+    assert "<title>9</title>" in shown.stdout, shown.stderr
+    assert shown.stdout.count("<table>") == 5
 
 
 def test_full_study_covers_the_published_range():
-    full = hertz.Configuration()
+    full = hertz.CONFIGURATION
     assert full.num_points == 2**18
     assert min(full.reduced_thicknesses) < 0.01
     assert max(full.reduced_thicknesses) > 3
@@ -151,10 +237,9 @@ def test_full_study_covers_the_published_range():
 
 def test_stored_reference_meets_the_goals():
     """The study's figures in the README are drawn from this file: 2^18 points, every (d, nu)."""
-    study = store.load_study(Path(figures.__file__).parent / "results" / "hertz.h5")
-    full = hertz.Configuration()
-    assert study.complete
-    assert study.configuration == json.loads(json.dumps(dataclasses.asdict(full)))
+    study = asperity.layers(store.load_study(RESULTS / "hertz.h5"))
+    full = hertz.CONFIGURATION
+    assert store.finished(RESULTS / "hertz.h5", "hertz", asdict(full))
     assert len(study.runs) == len(full.poisson_ratios) * len(full.reduced_thicknesses) >= 72
     assert (study.column("status") == "converged").all()
     assert (study.column("certificate.free_residual") <= 1e-8).all()
@@ -173,3 +258,12 @@ def test_stored_reference_meets_the_goals():
         first = closed_forms.thin_layer_kappa_ratio(2.0, nu, t)
         counting = 3 / 2**18 / thin["oracle.contact_area"]
         assert abs(thin["kappa_ratio"] / second - 1) < 0.02 * abs(first / second - 1) + counting
+
+
+if __name__ == "__main__":
+    import tempfile
+
+    with tempfile.TemporaryDirectory() as name:
+        where = Path(name)
+        ensemble.command(paper.studies(2**10, 2), ensemble.Options(folder=where, workers=1), where, paper.closing)
+        np.savez_compressed(ARRAYS, **drawn_data(where))

@@ -57,7 +57,7 @@ def ratio(study: store.StudyFile) -> Figure:
     axes.legend(fontsize=7, ncols=2, loc="lower center")
     label = r"reduced thickness $d/a_r$ ($L=1$, dimensionless)"
     below.set(xlabel=label, ylabel=r"$\kappa_d/\kappa_\infty$ (dimensionless)", ylim=(0, 1.1))
-    below.legend(fontsize=7, loc="upper left")
+    below.legend(fontsize=7, loc="lower right")
     return figure
 
 

@@ -22,10 +22,12 @@ def _panels(study: store.StudyFile, rows: int) -> tuple[Figure, list[list[Axes]]
     """Rows of panels, one column for each Hurst exponent."""
     hursts = list(study.configuration["hursts"])
     width = 1.2 + 3.0 * len(hursts)
-    figure, panels = plt.subplots(
-        rows, len(hursts), figsize=(width, 0.8 + 3.0 * rows), sharex=True, sharey="row", squeeze=False
+    figure, panels = plt.subplots(rows, len(hursts), figsize=(width, 4), sharex=True, sharey="row", squeeze=False)
+    height = 1.4 + 3.0 * rows
+    figure.set_figheight(height)
+    figure.subplots_adjust(
+        left=0.8 / width, right=0.99, bottom=1.1 / height, top=1 - 0.3 / height, wspace=0.05, hspace=0.08
     )
-    figure.subplots_adjust(left=0.8 / width, right=0.99, bottom=0.13 if rows == 1 else 0.08, wspace=0.05, hspace=0.08)
     for column, hurst in enumerate(hursts):
         panels[0][column].set_title(f"$H={hurst:g}$")
         panels[-1][column].set(xscale="log", xlabel=r"reduced thickness $d/a_r$ ($L=1$, dimensionless)")
@@ -45,6 +47,11 @@ def _plot(axes: Axes, points: list[rough.Point], x: str, y: str, colour: str, ma
         color=colour,
         label=label,
     )
+
+
+def _legend(figure: Figure, axes: Axes) -> None:
+    """Below all panels."""
+    figure.legend(*axes.get_legend_handles_labels(), fontsize=8, loc="lower center", ncols=4)
 
 
 def ratio(study: store.StudyFile) -> Figure:
@@ -69,14 +76,15 @@ def ratio(study: store.StudyFile) -> Figure:
                 axes.plot(t, line["kappa_ratio"] / t, "-", color=colour, lw=0.6, alpha=0.7)
         thick = np.geomspace(0.1, x.max() * 1.5, 20)
         axes.plot(thick, 1 / thick, "k:", lw=0.9)
-        axes.set(yscale="log", xlim=(x.min() / 1.5, x.max() * 1.5))
+        y = [p.slope.value for p in points]
+        axes.set(yscale="log", xlim=(x.min() / 1.5, x.max() * 1.5), ylim=(min(y) / 2, max(y) * 2))
     axes = rows[0][0]
     axes.plot([], [], "k--", lw=0.8, label=r"one patch, $2\sqrt{3}(1-2\nu)/(1-\nu)^2/\kappa_\infty$")
     axes.plot([], [], "k-.", lw=0.6, label=r"published, $(2\pi/3)(1-2\nu)/(1-\nu)^2$")
     axes.plot([], [], "k-", lw=0.6, alpha=0.7, label="Persson's theory")
     axes.plot([], [], "k:", lw=0.9, label=r"half-space, $\kappa_d=\kappa_\infty$")
     axes.set(ylabel=r"$(\kappa_d/\kappa_\infty)\,/\,(d/a_r)$ (dimensionless)")
-    rows[0][-1].legend(*axes.get_legend_handles_labels(), fontsize=7, loc="upper right")
+    _legend(figure, axes)
     return figure
 
 
@@ -96,7 +104,7 @@ def patches(study: store.StudyFile) -> Figure:
             row[column].set(yscale="log")
     rows[0][0].set(ylabel=r"$\kappa_d\,/\,(d/a_r)\,/\,M\cdot(1-\nu)^2/(1-2\nu)$ (dimensionless)")
     rows[1][0].set(ylabel="contact patches $M$ (dimensionless)")
-    rows[0][-1].legend(fontsize=7)
+    _legend(figure, rows[0][0])
     return figure
 
 
@@ -112,5 +120,5 @@ def bias(study: store.StudyFile) -> Figure:
             _plot(axes, own, "reduced_thickness", "bias", colour, marker, rf"$\nu={nu:g}$")
         axes.axhline(1, color="k", lw=0.6)
     rows[0][0].set(ylabel="$a_r$ counted over $a_r$ between sub-grid edges")
-    rows[0][-1].legend(fontsize=7)
+    _legend(figure, rows[0][0])
     return figure
