@@ -190,23 +190,25 @@ def test_a_full_disk_keeps_the_result_and_leaves_no_file(tmp_path):
 @pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
 @pytest.mark.parametrize("sign", [signal.SIGKILL, signal.SIGINT])
 def test_a_killed_study_continues(tmp_path, sign):
-    command = [*CLI, "study", "hertz", "--quick", "--folder", str(tmp_path)]
+    command = [*CLI, "study", "hertz", "--quick", "--folder", str(tmp_path), "--workers", "2"]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE)
-    file = tmp_path / "hertz.h5"
-    while not file.exists():
+    file, tasks = tmp_path / "hertz.h5", tmp_path / "tasks"
+    while not list(tasks.glob("*.json")):
         assert process.poll() is None
         time.sleep(0.02)
     process.send_signal(sign)
     _, stderr = process.communicate(timeout=60)  # the pipes close only when the workers have ended, too
     assert b"Traceback" not in stderr
     assert process.returncode == (-9 if sign == signal.SIGKILL else 130)
-    kept = store.load_study(file).runs
-    assert 1 <= len(kept) < 36
+    kept = {path: path.stat().st_mtime_ns for path in tasks.glob("*.json")}
+    assert 1 <= len(kept) < 43
     result = run("study", "hertz", "--quick", "--folder", tmp_path)
     assert result.returncode == 0, result.stderr
+    assert f"{len(kept)} of 43 tasks are done" in result.stderr
+    assert all(path.stat().st_mtime_ns == written for path, written in kept.items())  # not computed again
     finished = store.load_study(file)
     assert finished.complete
-    assert all(run in finished.runs for run in kept)  # in their place, not computed again
+    assert len(finished.runs) == 37
     again = run("study", "hertz", "--quick", "--folder", tmp_path)
     assert "nothing computed" in again.stdout
 
@@ -246,7 +248,7 @@ def test_quick_study_as_a_module(tmp_path):
     assert "6/6" in result.stdout
     study = store.load_study(tmp_path / "hertz.h5")
     assert study.complete
-    assert len(study.runs) == 36
+    assert len(study.runs) == 37
     other = run("study", "hertz", "--folder", tmp_path)
     assert other.returncode == 2
     assert "configuration" in other.stderr
