@@ -17,9 +17,9 @@ a_1, a_2, and theta is where the far field a (j - theta)^1/2 + b (j - theta)^3/2
 Layers thinner than a few grid spacings have a symbol of their own, K(q)/K(0) = c_+(z) c_+(1/z), regular at q = 0. The
 same steps give sigma_j = A [(1-beta) S_j + beta S_(j-1)], S_j the coefficients of c_+(z) (1-z)^-2, which far away grow
 like j - theta_f, theta_f = beta - 1 + sum_k k l_k/2. That far field ends c(nu) d outside of the true edge
-(`closed_forms.edge_shift`), so s = 1 - sum_k k l_k/2 - c d. Against the oracle, for d = 0.03 to 20 spacings and nu =
--0.9 to 0.49, that is right to 0.003 spacings on the average, 0.01 at worst. nu = 1/2 has no such far field; nearly
-incompressible layers stand in for it, right to 0.03.
+(`closed_forms.edge_shift`), so s = 1 - sum_k k l_k/2 - c d. nu = 1/2 has no such far field; a nearly incompressible
+layer stands in for it. Against the oracle, for d = 0.03 to 20 spacings and nu = -0.9 to 1/2, that is right to 0.01
+spacings for contacts of 20 nodes and more, and to 0.035 down to five.
 
 `linecontact.studies.edge_curve` measures the half-space's curve on high-resolution solutions.
 """
@@ -85,7 +85,10 @@ def _factor(q: Array64, weighted: Array64, length: int) -> tuple[Array64, float]
 @lru_cache(maxsize=256)
 def layer_curve(thickness: float, poisson_ratio: float) -> EdgeCurve:
     """The edge of a layer of up to some 50 grid spacings. thickness [grid spacings]."""
-    thickness, poisson_ratio = max(thickness, 1e-6), min(poisson_ratio, _NEARLY_INCOMPRESSIBLE)
+    thickness = max(thickness, 1e-6)
+    # for nu = 1/2: one whose far field begins some 20 spacings from the edge
+    nearly_incompressible = 0.5 - min(max((thickness / 20) ** 2 / 2, 1e-5), 0.005)
+    poisson_ratio = min(poisson_ratio, nearly_incompressible)
     nodes, weights = gauss_legendre(200)
     root = (nodes + 1) / 2  # q = pi root^2: where nu is close to 1/2 the symbol changes near q = 0
     q = np.pi * root**2

@@ -8,7 +8,7 @@ import pytest
 from linecontact.solver import Layer, MeasuredIndenter, PowerIndenter, Scene, closed_forms, collocation, edges, solve
 from linecontact.solver.nested import grids, prolong
 from linecontact.solver.patches import Patches
-from linecontact.studies import figures, store
+from linecontact.studies import store
 
 STORED = Path(store.__file__).parent / "results" / "edge-curve.h5"
 
