@@ -74,15 +74,6 @@ class Transforms:
         return execute
 
 
-def plan_ahead(num_points: int, precision: str, planning: str) -> None:
-    """Plan once with the given effort and keep the wisdom, so that later 'estimate' plans profit from it."""
-    planner = Transforms(num_points, precision, planning=planning)
-    buffer = planner.buffer()
-    planner.forward(buffer)
-    planner.inverse(buffer)
-    save_wisdom()
-
-
 def cache_folder() -> Path:
     """The user's cache folder for linecontact ($XDG_CACHE_HOME/linecontact, default ~/.cache/linecontact)."""
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "linecontact"

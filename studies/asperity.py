@@ -6,7 +6,7 @@ finds the wanted d/a_r, and the oracle's area and peak pressure are stored besid
 
 import math
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -31,6 +31,7 @@ class Configuration:
 
     exponent: n; published_alpha: the published study's thin-layer factor (dimensionless).
     reduced_thicknesses: the wanted d/(a_r L), from thick to thin (dimensionless); the half-space is always there.
+    thinnest_incompressible: the least of them for nu = 1/2.
     """
 
     exponent: float
@@ -39,6 +40,7 @@ class Configuration:
     pressure: float = 2e-3
     poisson_ratios: tuple[float, ...] = (0.0, 0.25, 0.4, 0.45, 0.49, 0.5)
     reduced_thicknesses: tuple[float, ...] = tuple(round(float(t), 6) for t in np.geomspace(4, 0.008, 13))
+    thinnest_incompressible: float = 0.0
     tolerance: float = 1e-8
     method: str = "active-set"
     line_points: int = 30
@@ -102,7 +104,8 @@ def _oracle(
 def study(kind: str, c: Configuration) -> ensemble.Study:
     """The tasks of one study."""
     line = tuple(np.geomspace(c.reduced_thicknesses[0] * 1.3, c.reduced_thicknesses[-1] / 1.3, c.line_points).tolist())
-    wanted = [(0.0, math.inf)] + [(nu, t) for nu in c.poisson_ratios for t in c.reduced_thicknesses]
+    every = [(nu, t) for nu in c.poisson_ratios for t in c.reduced_thicknesses]
+    wanted = [(0.0, math.inf), *((nu, t) for nu, t in every if nu < 0.5 or t >= c.thinnest_incompressible)]
     return ensemble.Study(
         kind=kind,
         configuration=asdict(c),
@@ -213,6 +216,4 @@ def command(kind: str, configuration: Configuration, options: Options) -> int:
 
 def quick(c: Configuration, num_points: int = 2**14) -> Configuration:
     """The same study in seconds."""
-    return Configuration(
-        c.exponent, c.published_alpha, num_points, reduced_thicknesses=c.reduced_thicknesses[:12:2], line_points=14
-    )
+    return replace(c, num_points=num_points, reduced_thicknesses=c.reduced_thicknesses[:12:2], line_points=14)

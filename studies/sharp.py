@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 from . import asperity, console
 
-CONFIGURATION = asperity.Configuration(exponent=1.5, published_alpha=2.20)
+# thinner incompressible layers would be below a grid spacing, and the residual of 1e-8 below float64's rounding
+CONFIGURATION = asperity.Configuration(exponent=1.5, published_alpha=2.20, thinnest_incompressible=0.02)
 
 
 @dataclass(frozen=True)

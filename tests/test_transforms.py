@@ -40,7 +40,9 @@ def test_round_trip_against_numpy(precision, n):
 
 def test_wisdom_is_kept_and_read(cache):
     assert not transforms.wisdom_file().exists()
-    transforms.plan_ahead(64, "float64", "measure")
+    planner = transforms.Transforms(64, "float64", planning="measure")
+    planner.forward(planner.buffer())
+    transforms.save_wisdom()
     stored = json.loads(transforms.wisdom_file().read_text())
     assert set(stored) == {"double", "single", "long double"}
     with warnings.catch_warnings():
