@@ -18,8 +18,8 @@ Layers thinner than a few grid spacings have a symbol of their own, K(q)/K(0) = 
 same steps give sigma_j = A [(1-beta) S_j + beta S_(j-1)], S_j the coefficients of c_+(z) (1-z)^-2, which far away grow
 like j - theta_f, theta_f = beta - 1 + sum_k k l_k/2. That far field ends c(nu) d outside of the true edge
 (`closed_forms.edge_shift`), so s = 1 - sum_k k l_k/2 - c d. nu = 1/2 has no such far field; a nearly incompressible
-layer stands in for it. Against the oracle, for d = 0.03 to 20 spacings and nu = -0.9 to 1/2, that is right to 0.01
-spacings for contacts of 20 nodes and more, and to 0.035 down to five.
+layer stands in for it. Against the oracle, for d = 0.03 to 20 spacings and nu = -0.9 to 1/2, that is right to 0.025
+spacings for contacts of 12 nodes and more (mostly to 0.005), and to 0.06 down to five.
 
 `linecontact.studies.edge_curve` measures the half-space's curve on high-resolution solutions.
 """
@@ -38,6 +38,8 @@ from .stiffness import foundation_modulus, layer_factor
 _TABLE = 64  # beyond, S_j = sqrt(j + s) to 1e-5
 _TABLE_LAYER = 128  # longer than what a layer of few spacings remembers
 _THIN = 8.0  # grid spacings; thicker layers have the half-space's edge, to 0.004 spacings
+_NARROW = 4.0  # layer thicknesses; so do narrower patches on layers of `_THINNEST` spacings and more
+_THINNEST = 2.5
 _NEARLY_INCOMPRESSIBLE = 0.497
 COUNTED_BELOW = 3  # nodes; smaller patches are counted
 
@@ -185,28 +187,37 @@ def find_edges(patches: Patches, pressure: Array64, thickness: float = math.inf,
     the nodes of the patch plus 0.03 over the thickness, more where the third node corrects much; for layers of few
     spacings 0.01, for nu near 1/2 0.03.
     """
-    m, curve = patches.count, edge_curve(thickness, poisson_ratio)
     if patches.full:
         half = np.array([0.5])  # error: a gap between two nodes would not be seen
         return Edges(patches.first - half, patches.last + half, np.ones(1), np.zeros(1, dtype=bool))
-    inward = np.arange(3)
+    curve = edge_curve(thickness, poisson_ratio)
+    theta, two = _offsets(curve, patches, pressure)
+    layer = np.full(patches.count, 0.1 / thickness + 0.5 / thickness**2)
+    if curve.rows is None:
+        narrow = (patches.size < _NARROW * thickness) & (thickness > _THINNEST)
+        layer = np.where(narrow, layer, 0.02 if poisson_ratio < _NEARLY_INCOMPRESSIBLE else 0.06)
+        if narrow.any():
+            theta, two = np.where(narrow, _offsets(_half_space_curve(), patches, pressure), (theta, two))
+    counted = patches.size < COUNTED_BELOW
+    outside = np.where(counted, 0.5, -theta)
+    fitted = 0.3 * np.abs(theta - two) + 0.3 / patches.size + 10.0 / patches.size**2 + layer
+    each = np.where(counted, 0.5, np.minimum(fitted, 0.5))
+    return Edges(patches.first - outside[0], patches.last + outside[1], np.hypot(*each), counted)
+
+
+def _offsets(curve: EdgeCurve, patches: Patches, pressure: Array64) -> tuple[Array64, Array64]:
+    """`edge_offset` of the left and the right ends, shape (2, M) each."""
+    m, inward = patches.count, np.arange(3)
     steps = np.minimum(inward, patches.size[:, None] - 1)
     left = pressure[patches.offset[:, None] + steps]
     right = pressure[(patches.offset + patches.size - 1)[:, None] - steps]
     ends = np.stack([left, right])
     away = patches.size[:, None] - 1 - inward
-    theta = np.full((2, m), 0.5 - curve.shift)
+    theta = two = np.full((2, m), 0.5 - curve.shift)
     for _ in range(3):
         across = np.maximum(edge_function(curve, (theta + curve.shift)[::-1, :, None], away), 1e-3)
         theta, two = (t.reshape(2, m) for t in edge_offset(curve, (ends / across).reshape(2 * m, 3)))
-    counted = patches.size < COUNTED_BELOW
-    outside = np.where(counted, 0.5, -theta)
-    layer = 0.1 / thickness + 0.5 / thickness**2
-    if curve.rows is None:
-        layer = 0.02 if poisson_ratio < _NEARLY_INCOMPRESSIBLE else 0.06
-    fitted = 0.3 * np.abs(theta - two) + 0.3 / patches.size + 10.0 / patches.size**2 + layer
-    each = np.where(counted, 0.5, np.minimum(fitted, 0.5))
-    return Edges(patches.first - outside[0], patches.last + outside[1], np.hypot(*each), counted)
+    return theta, two
 
 
 def edge_moves(patches: Patches, pressure: Array64) -> Indices:

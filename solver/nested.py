@@ -35,9 +35,9 @@ def prolong(scene: Scene, pressure: Array64, patches: Patches, ends: Edges, num_
     patches, ends: of that pressure, see `observables.contact_edges`.
     """
     factor, nu = num_points / pressure.size, scene.layer.poisson_ratio
-    thickness = scene.layer.thickness / scene.period * pressure.size
-    coarse_curve = edge_curve(thickness, nu)
-    fine_curve = layer_curve(factor * thickness, nu) if coarse_curve.rows is None else coarse_curve  # of one kind
+    thickness = scene.layer.thickness / scene.period * num_points
+    fine_curve = edge_curve(thickness, nu)
+    coarse_curve = layer_curve(thickness / factor, nu) if fine_curve.rows is None else fine_curve  # of one kind
     if patches.full:
         x = np.arange(num_points) / factor
         return np.asarray(np.interp(x, np.arange(pressure.size + 1), np.append(pressure, pressure[0])))

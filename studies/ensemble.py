@@ -16,7 +16,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -128,7 +128,8 @@ class Ensemble:
         make_executor: called at the start, and again when a worker's death has broken the executor.
         limit: tasks to have submitted at a time; a killed run loses no more than these.
 
-        Raises `StoreError` when a record cannot be written, and passes `KeyboardInterrupt` through.
+        Raises `StoreError` when a record cannot be written, `LostError` when the executor is gone for good, and passes
+        `KeyboardInterrupt` through.
         """
         while self._waiting or self._running:
             with make_executor() as executor, _flag_for_ctrl_c(executor) as interrupted:
@@ -155,6 +156,10 @@ class Ensemble:
             except BrokenExecutor:
                 self._receive()
                 return False
+            except Exception as error:
+                raise executors.LostError(
+                    f"tasks can no longer be submitted ({error}); run again to continue"
+                ) from error
             self._waiting.popleft()
             show(self)
         return True
@@ -166,6 +171,8 @@ class Ensemble:
             task = self._running.pop(future)
             try:
                 record = future.result()
+            except CancelledError as error:  # not by us
+                raise executors.LostError("the scheduler is gone; run again to continue") from error
             except BrokenExecutor:
                 self._died[task] = self._died.get(task, 0) + alone
                 if self._died[task] < self.deaths:
@@ -248,28 +255,36 @@ def _finished(studies: Sequence[Study], folder: Path) -> dict[str, store.StudyFi
 
 def _compute(studies: Sequence[Study], options: Options, folder: Path) -> dict[str, store.StudyFile]:
     """All tasks of all studies together; what is done is collected also when the run is cut short."""
+    ensemble: Ensemble
+
+    def report(iteration: int, residual: float) -> None:
+        bar.show(ensemble.share, f"{ensemble}; iteration {iteration}, residual {residual:.1e}")
+
+    with executors.choose(options.workers, options.memory, options.scheduler, report) as pool:
+        ensemble = _begin(studies, options, folder)
+        with console.Bar(", ".join(study.kind for study in studies)) as bar:
+            try:
+                ensemble.run(pool.make, pool.limit, lambda _: bar.show(ensemble.share, str(ensemble)))
+            except BaseException:
+                with contextlib.suppress(store.StoreError):  # a full disk: the tasks' files are there
+                    _save(studies, ensemble, folder)
+                raise
+    return _save(studies, ensemble, folder)
+
+
+def _begin(studies: Sequence[Study], options: Options, folder: Path) -> Ensemble:
+    """The tasks with what former runs have left of them."""
     results = TaskFolder(folder / "tasks")
-    for place in (folder, results.folder):
-        store.remove_parts(place)
+    # what a killed process has left unfinished
+    store.remove(*folder.glob(".*.part"), *results.folder.glob(".*.part"))
     tasks = [task for study in studies for task in study.tasks]
     if options.overwrite:
+        store.remove(*(study.path(folder) for study in studies))
         results.forget(tasks)
     ensemble = Ensemble(tasks, results)
     if ensemble.found:
         console.errors.print(f"continuing: {ensemble.found} of {len(ensemble.tasks)} tasks are done")
-    with console.Bar(", ".join(study.kind for study in studies)) as bar:
-
-        def report(iteration: int, residual: float) -> None:
-            bar.show(ensemble.share, f"{ensemble}; iteration {iteration}, residual {residual:.1e}")
-
-        try:
-            with executors.choose(options.workers, options.memory, options.scheduler, report) as pool:
-                ensemble.run(pool.make, pool.limit, lambda _: bar.show(ensemble.share, str(ensemble)))
-        except BaseException:
-            with contextlib.suppress(store.StoreError):  # a full disk: the tasks' files are there
-                _save(studies, ensemble, folder)
-            raise
-    return _save(studies, ensemble, folder)
+    return ensemble
 
 
 def _save(studies: Sequence[Study], ensemble: Ensemble, folder: Path) -> dict[str, store.StudyFile]:

@@ -29,6 +29,10 @@ def usable_cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
+class LostError(ValueError):
+    """An executor that is gone for good, like a Dask scheduler that has ended."""
+
+
 @dataclass(frozen=True)
 class Pool:
     """make: a new executor; limit: how many tasks it should have at a time."""

@@ -3,7 +3,7 @@
 A solution file holds the datasets x, profile, displacement and contact_pressure, and everything that the command line's
 JSON holds as attributes (nested names joined by dots). A study file holds one dataset per scalar under /runs,
 certificate and provenance included, with one value per run; reference curves under /lines; the reasons of failed tasks;
-and the study's configuration as an attribute. The attribute `checksum` is the SHA-256 of everything else.
+and the study's configuration as an attribute. Before the HDF5 part, as its user block, stands the checksum.
 """
 
 import contextlib
@@ -38,6 +38,7 @@ UNITS = {
 }
 """Units by the last part of a name; 'seconds.*' is in seconds, everything else dimensionless."""
 
+_HEAD = 512  # bytes of HDF5's user block
 
 _UMASK = os.umask(0)
 os.umask(_UMASK)
@@ -91,30 +92,12 @@ def new_file(path: Path) -> Iterator[h5py.File]:
     """
     with h5py.File(path.name, "w", driver="core", backing_store=False) as file:
         yield file
-        file.attrs["checksum"] = _checksum(file)
         file.flush()
         image = file.id.get_file_image()
-    write_bytes(path, image)
+    write_bytes(path, _head(hashlib.sha256(image).hexdigest()), image)
 
 
-def _checksum(file: h5py.File) -> str:
-    """SHA-256 of names, types, values and attributes."""
-    digest = hashlib.sha256()
-
-    def add(name: str, item: Any) -> None:
-        attributes = sorted((key, _scalar(value)) for key, value in item.attrs.items() if key != "checksum")
-        digest.update(repr((name, attributes)).encode())
-        if isinstance(item, h5py.Dataset):
-            values = np.ascontiguousarray(item[()])
-            digest.update(repr((values.dtype.str, values.shape)).encode())
-            digest.update(values.view(np.uint8).data)
-
-    add("/", file)
-    file.visititems(add)
-    return digest.hexdigest()
-
-
-def write_bytes(path: Path, content: bytes) -> None:
+def write_bytes(path: Path, *parts: bytes) -> None:
     """Write a file beside its final name and rename it; a link is followed. Raises `StoreError`."""
     path = path.resolve()
     try:
@@ -122,7 +105,7 @@ def write_bytes(path: Path, content: bytes) -> None:
         temporary = Path(name)
         try:
             with os.fdopen(handle, "wb") as target:
-                target.write(content)
+                target.writelines(parts)
                 target.flush()
                 os.fsync(target.fileno())
             temporary.chmod(0o666 & ~_UMASK)
@@ -133,10 +116,13 @@ def write_bytes(path: Path, content: bytes) -> None:
         raise StoreError(f"file {path} could not be written: {error}") from error
 
 
-def remove_parts(folder: Path) -> None:
-    """Remove what a killed process left unfinished; only for who has the folder to himself."""
-    for part in folder.glob(".*.part"):
-        part.unlink(missing_ok=True)
+def remove(*paths: Path) -> None:
+    """Remove files that may be there. Raises `StoreError` if that is impossible."""
+    for path in paths:
+        try:
+            path.unlink(missing_ok=True)
+        except OSError as error:
+            raise StoreError(f"file {path} cannot be removed ({error.strerror})") from None
 
 
 @contextlib.contextmanager
@@ -145,26 +131,33 @@ def open_file(path: Path) -> Iterator[h5py.File]:
     if not path.is_file():
         raise StoreError(f"file {path} {'is a folder' if path.is_dir() else 'does not exist'}; allowed: an HDF5 file")
     try:
+        _verify(path)
         with h5py.File(path, "r") as file:
-            _verify(path, file)
             yield file
     except (OSError, KeyError) as error:
         raise DamagedError(f"file {path} is damaged or not one of linecontact's HDF5 files: {error}") from error
 
 
-def _verify(path: Path, file: h5py.File) -> None:
-    try:
-        fits = file.attrs["checksum"] == _checksum(file)
-    except Exception as error:  # HDF5 raises anything on what it cannot decode
-        raise DamagedError(f"file {path} is damaged or not one of linecontact's HDF5 files: {error}") from error
+def _verify(path: Path) -> None:
+    """Before HDF5 sees it: on a damaged file its library may crash, or never come back."""
+    with path.open("rb") as file:
+        head = file.read(_HEAD)
+        fits = head == _head(hashlib.file_digest(file, "sha256").hexdigest())
     if not fits:
-        raise DamagedError(f"file {path} is damaged: its checksum does not fit")
+        raise DamagedError(f"file {path} is damaged or not one of linecontact's HDF5 files: its checksum does not fit")
+
+
+def _head(digest: str) -> bytes:
+    return f"linecontact, SHA-256 of all but these {_HEAD} bytes: {digest}\n".encode().ljust(_HEAD, b"\0")
 
 
 def set_aside(path: Path) -> None:
-    """Rename a damaged file and say so."""
+    """Rename a damaged file and say so. Raises `StoreError` if that is impossible."""
     aside = path.with_name(f"{path.name}.damaged")
-    path.replace(aside)
+    try:
+        path.replace(aside)
+    except OSError as error:
+        raise StoreError(f"file {path} is damaged and cannot be set aside ({error.strerror})") from None
     console.errors.print(
         f"file {path} is damaged; it is set aside as {aside.name}, its part is done again", markup=False
     )

@@ -32,7 +32,7 @@ class Task(Protocol):
 def identity(task: Task) -> str:
     """Hash of a task: 16 hexadecimal digits of the SHA-256 of its class and fields."""
     kind = type(task)
-    text = json.dumps({"task": f"{kind.__module__}.{kind.__qualname__}", **_fields(task)}, sort_keys=True)
+    text = json.dumps([f"{kind.__module__}.{kind.__qualname__}", _fields(task)], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
@@ -66,9 +66,9 @@ class TaskFolder:
 
     def save(self, task: Task, record: Record) -> None:
         """Keep a record. Raises `StoreError` if that is impossible, on a full disk for instance."""
-        body = json.dumps({"task": _fields(task), "record": store.plain(record)}).encode()
-        store.write_bytes(self._path(task), hashlib.sha256(body).hexdigest().encode() + b"\n" + body)
-        self._path(task).with_suffix(".failed").unlink(missing_ok=True)
+        path, body = self._path(task), json.dumps({"task": _fields(task), "record": store.plain(record)}).encode()
+        store.remove(path.with_suffix(".failed"))
+        store.write_bytes(path, hashlib.sha256(body).hexdigest().encode() + b"\n", body)
 
     def save_failure(self, task: Task, reason: str) -> None:
         """Keep a reason, for people; the task counts as not done."""
@@ -78,8 +78,7 @@ class TaskFolder:
     def forget(self, tasks: Iterable[Task]) -> None:
         """Remove the records of these tasks."""
         for task in tasks:
-            for suffix in (".json", ".failed"):
-                self._path(task).with_suffix(suffix).unlink(missing_ok=True)
+            store.remove(self._path(task), self._path(task).with_suffix(".failed"))
 
 
 @contextlib.contextmanager

@@ -73,7 +73,7 @@ def test_area_within_a_hundredth_of_a_spacing_per_edge(n, d):
 @pytest.mark.parametrize("nu", [-0.5, 0.0, 0.25, 0.45, 0.49, 0.5])
 @pytest.mark.parametrize("spacings", [0.3, 1.0, 2.6, 6.0])
 def test_layers_of_few_spacings_have_an_edge_of_their_own(nu, spacings):
-    """To 0.02 spacings an edge, 0.05 for nu = 1/2; the half-space's curve is off by 0.2 to 0.35 there."""
+    """To 0.02 spacings an edge, in small contacts 0.05; the half-space's curve is off by 0.2 to 0.35 there."""
     n = 2**12
     for load in (2e-3, 1.87e-3, 1.71e-3):
         exact = collocation.solve_load(load, 2.0, 1.0, spacings / n, nu)
