@@ -128,7 +128,9 @@ def half_space(file: store.StudyFile) -> Record | None:
 
 def summary(file: store.StudyFile) -> Table:
     """The closing table: one row per Poisson's ratio, errors against the oracle."""
-    points, exponent = file.configuration["num_points"], file.configuration["exponent"]
+    points, exponent, least = (
+        file.configuration[name] for name in ("num_points", "exponent", "thinnest_incompressible")
+    )
     table = Table(
         box=box.SIMPLE,
         pad_edge=False,
@@ -138,13 +140,22 @@ def summary(file: store.StudyFile) -> Table:
         "between sub-grid edges; peak err: largest |relative error| of the peak pressure; y = "
         "(kappa_d/kappa_inf)/(d/a_r) at the least d/a_r, sub-grid, beside the thin-layer limit to first and second "
         "order; "
-        "pairs: transforms in all; s: seconds of solving in all. All but s dimensionless."
-        + ("" if exponent % 2 == 0 else " The oracle knows the pressure at a sharp tip to 2 % only."),
+        "pairs: transforms in all; s: seconds of solving in all. Row with nu = -: the half-space. All but s "
+        "dimensionless."
+        + ("" if exponent % 2 == 0 else " The oracle knows the pressure at a sharp tip to 2 % only.")
+        + (f" nu = 0.5: only d/a_r of {least:g} and more." if least else ""),
         caption_justify="left",
     )
     headings = ("nu", "ok", "count", "sub-\ngrid", "peak\nerr", "y", "y/1st\n- 1", "y/2nd\n- 1")
     for heading in (*headings, "pairs", "s"):
         table.add_column(heading, justify="right", no_wrap=True)
+    run = half_space(file)
+    if run:
+        off = [(run[name] - run["oracle.contact_area"]) * points for name in ("contact_area", "contact_area_subgrid")]
+        peak = abs(run["peak_pressure"] / run["oracle.peak_pressure"] - 1)
+        numbers = f"{abs(off[0]):.2f}", f"{abs(off[1]):.1g}", f"{peak:.0e}", "", "", ""
+        ok = f"{int(run['status'] == 'converged')}/1"
+        table.add_row("-", ok, *numbers, f"{run['transform_pairs']:.0f}", f"{run['seconds.total']:.2f}")
     for nu in sorted(set(layers(file).column("scene.poisson_ratio"))):
         part = layers(file).select("scene.poisson_ratio", nu)
         t, ratio = curve(part)

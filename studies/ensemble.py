@@ -11,6 +11,7 @@ when.
 """
 
 import contextlib
+import math
 import signal
 import threading
 import time
@@ -92,7 +93,8 @@ class Ensemble:
     Tasks in flight when a worker died come last and one by one, so that the one to blame shows itself.
     """
 
-    deaths = 2  # of its worker, after which a task has failed
+    deaths = 2  # of its worker, alone, after which a task has failed
+    hopeless = 100  # tasks in a row that lost theirs
 
     def __init__(self, tasks: Iterable[Task], folder: TaskFolder) -> None:
         self.tasks, self.folder = list(dict.fromkeys(tasks)), folder
@@ -103,6 +105,7 @@ class Ensemble:
         self._waiting = deque(task for task in self.tasks if task not in self.records)
         self._running: dict[Future[Record], Task] = {}
         self._died: dict[Task, int] = {}
+        self._in_a_row = 0
         self._begin = time.monotonic()
 
     @property
@@ -113,7 +116,7 @@ class Ensemble:
     def __str__(self) -> str:
         rate = (len(self.records) - self.found) / max(1e-9, time.monotonic() - self._begin)
         return (
-            f"{len(self.records)} of {len(self.tasks)} done, {len(self._running)} running, "
+            f"{len(self.records)} of {len(self.tasks)} done, {len(self._running)} submitted, "
             f"{len(self.failures)} failed, {rate:.3g} a second, worst residual {self.worst:.0e}"
         )
 
@@ -140,7 +143,7 @@ class Ensemble:
                         if interrupted.is_set():
                             raise KeyboardInterrupt
                 except BaseException:
-                    executors.abandon(executor)
+                    executors.abandon(executor, self._running)
                     raise
         return self.records, self.failures
 
@@ -166,7 +169,6 @@ class Ensemble:
 
     def _receive(self) -> None:
         """Keep what has been finished."""
-        alone = len(self._running) == 1
         for future in wait(self._running, timeout=0.2, return_when=FIRST_COMPLETED).done:
             task = self._running.pop(future)
             try:
@@ -174,17 +176,27 @@ class Ensemble:
             except CancelledError as error:  # not by us
                 raise executors.LostError("the scheduler is gone; run again to continue") from error
             except BrokenExecutor:
-                self._died[task] = self._died.get(task, 0) + alone
-                if self._died[task] < self.deaths:
-                    self._waiting.append(task)
-                else:
-                    self._fail(task, "its worker process died, killed or out of memory")
+                self._mourn(task)
             except Exception as error:  # whatever it is, the others go on
                 self._fail(task, f"{type(error).__name__}: {error}")
             else:
                 self.folder.save(task, record)
                 self.records[task] = record
                 self.worst = max(self.worst, _residual(record))
+                self._in_a_row = 0
+
+    def _mourn(self, task: Task) -> None:
+        """Try it again, alone, unless it was alone already when its worker died."""
+        self._died[task] = self._died.get(task, -1) + 1
+        self._in_a_row += 1
+        if self._died[task] < self.deaths:
+            self._waiting.append(task)
+        else:
+            self._fail(task, "its worker process died, killed or out of memory")
+        if self._in_a_row > self.hopeless:
+            raise executors.LostError(
+                f"{self._in_a_row} tasks in a row lost their worker process; allowed: more memory"
+            )
 
     def _fail(self, task: Task, reason: str) -> None:
         self.folder.save_failure(task, reason)
@@ -192,17 +204,26 @@ class Ensemble:
 
 
 def _residual(record: Record) -> float:
-    return float(record.get("certificate.free_residual", 0.0))
+    residual = float(record.get("certificate.free_residual", 0.0))
+    return math.inf if math.isnan(residual) else residual
 
 
 @contextlib.contextmanager
 def _flag_for_ctrl_c(executor: Executor) -> Iterator[threading.Event]:
-    """An event that Ctrl-C sets: raised as an exception, it could be lost in an executor's callback."""
+    """An event that Ctrl-C sets: raised as an exception, it could be lost in an executor's callback. A second one is
+    raised, should something hang.
+    """
     event = threading.Event()
     if isinstance(executor, executors.InProcess) or threading.current_thread() is not threading.main_thread():
         yield event
         return
-    handler = signal.signal(signal.SIGINT, lambda *_: event.set())
+
+    def interrupt(*_: object) -> None:
+        if event.is_set():
+            raise KeyboardInterrupt
+        event.set()
+
+    handler = signal.signal(signal.SIGINT, interrupt)
     try:
         yield event
     finally:
@@ -219,7 +240,7 @@ def command(
     begin = time.monotonic()
     folder = options.folder or folder
     store.make_folder(folder)
-    store.check_target(folder / "any", overwrite=True)
+    store.check_folder(folder)
     with lock(folder):
         files = {} if options.overwrite else _finished(studies, folder)
         computed = len(files) < len(studies)
@@ -300,9 +321,15 @@ def _draw(studies: Sequence[Study], files: Mapping[str, store.StudyFile], folder
     for study in studies:
         path = study.path(folder)
         expected = [path.with_name(path.stem + suffix + end) for suffix in study.figures for end in (".png", ".pdf")]
-        if files[study.kind].runs and (computed or not all(figure.is_file() for figure in expected)):
+        written = path.stat().st_mtime_ns
+        there = all(figure.is_file() and figure.stat().st_mtime_ns >= written for figure in expected)
+        if files[study.kind].runs and (computed or not there):
             from . import figures  # matplotlib takes its time
 
-            expected = figures.draw(path)
+            try:
+                expected = figures.draw(path)
+            except figures.NothingToDraw as error:
+                console.errors.print(f"{study.kind}: {error}", markup=False)
+                expected = []
         drawn += expected
     return drawn

@@ -3,16 +3,21 @@
 import contextlib
 import multiprocessing
 import os
+import re
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
 from linecontact.solver import checks
 from linecontact.solver.relaxation import Progress
+
+from . import console
+
+_LEAST_MEMORY = 0.5  # GiB: the interpreter with everything loaded takes half of that
 
 _WORKER_ENVIRONMENT = {
     "OMP_NUM_THREADS": "1",
@@ -48,11 +53,13 @@ def choose(
     """Processes on this machine, or with `workers` = 1 this process, or the Dask cluster of a `scheduler`.
 
     memory: budget of each process [GiB]; by default what is free, shared. report: shows a solve in this process.
-    Raises `ValueError`.
+    Raises `ValueError`, and `LostError` when the scheduler goes away.
     """
     checks.integer("workers", workers, "an integer from 1 to 1024", 1, 1024)
     if memory is not None:
-        checks.real("memory", memory, "a number of GiB > 0", 0)
+        checks.real("memory", memory, f"a number of GiB > {_LEAST_MEMORY}", _LEAST_MEMORY)
+        if workers == 1 or scheduler is not None:
+            raise ValueError(f"memory is {memory}; allowed: none, it is for worker processes on this machine")
     if scheduler is not None:
         with _dask(scheduler) as pool:
             yield pool
@@ -60,7 +67,8 @@ def choose(
         yield Pool(lambda: InProcess(report), lambda: 1)
     else:
         free = checks.available_memory()
-        budget = int(memory * 2**30) if memory is not None else free // workers if free else None
+        gibibytes = memory or (max(1.0, free / 2**30 / workers) if free else None)
+        budget = int(gibibytes * 2**30) if gibibytes else None
         # one more waiting for each, so that nobody idles
         yield Pool(lambda: Processes(workers, budget), lambda: 2 * workers)
 
@@ -85,7 +93,6 @@ class Processes(ProcessPoolExecutor):
     """Processes of one thread each, that end with this one and fail beyond their budget of memory [bytes]."""
 
     def __init__(self, workers: int, budget: int | None) -> None:
-        self._others = set(multiprocessing.active_children())
         super().__init__(workers, multiprocessing.get_context("spawn"), _start_worker, (budget,))
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
@@ -95,17 +102,17 @@ class Processes(ProcessPoolExecutor):
 
     def abandon(self) -> None:
         """End the processes at once."""
-        for process in set(multiprocessing.active_children()) - self._others:
+        for process in list((self._processes or {}).values()):
             process.terminate()
 
 
-def abandon(executor: Executor) -> None:
-    """Give up what is running and waiting."""
+def abandon(executor: Executor, futures: Iterable[Future[Any]]) -> None:
+    """Give up what is running, where that is possible, and waiting."""
+    for future in futures:
+        future.cancel()
     if isinstance(executor, Processes):
         executor.abandon()
-        executor.shutdown(wait=False, cancel_futures=True)
-    else:
-        executor.shutdown(wait=False)
+    executor.shutdown(wait=False)
 
 
 def _start_worker(budget: int | None) -> None:
@@ -127,16 +134,16 @@ def _start_worker(budget: int | None) -> None:
 
 @contextlib.contextmanager
 def _worker_settings() -> Iterator[None]:
-    """What spawned workers inherit: one BLAS thread each, and Ctrl-C left to the parent."""
+    """What spawned workers inherit: one BLAS thread each, and Ctrl-C, which waits here, blocked."""
     before = {name: os.environ.get(name) for name in _WORKER_ENVIRONMENT}
     os.environ.update(_WORKER_ENVIRONMENT)
-    main = threading.current_thread() is threading.main_thread()
-    handler = signal.signal(signal.SIGINT, signal.SIG_IGN) if main else None
+    posix = hasattr(signal, "pthread_sigmask")
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT}) if posix else set()
     try:
         yield
     finally:
-        if main:
-            signal.signal(signal.SIGINT, handler)
+        if posix:
+            signal.pthread_sigmask(signal.SIG_SETMASK, mask)
         for name, value in before.items():
             os.environ.pop(name)
             if value is not None:
@@ -151,6 +158,8 @@ def _dask(address: str) -> Iterator[Pool]:
         raise ValueError(
             f"scheduler is {address}; allowed: none, or a Dask scheduler's, with `pip install linecontact[cluster]`"
         ) from None
+    if not re.fullmatch(r"(tcp|tls|ws|wss|ucx)://\S+:\d+", address):  # of others the client makes a traceback
+        raise ValueError(f"scheduler is {address}; allowed: what `dask scheduler` prints, like tcp://host:8786")
     try:
         client: Any = Client(address, timeout=10, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
@@ -162,7 +171,13 @@ def _dask(address: str) -> Iterator[Pool]:
     def present() -> int:
         nonlocal asked, limit
         if time.monotonic() - asked > 1:  # workers come and go
-            asked, limit = time.monotonic(), max(2, 2 * sum(client.nthreads().values()))
+            try:
+                threads = sum(client.nthreads().values())
+            except Exception as error:
+                raise LostError(f"scheduler {address} is gone ({error}); run again to continue") from error
+            if not threads:
+                console.errors.print(f"scheduler {address} has no workers; waiting")
+            asked, limit = time.monotonic(), max(2, 2 * threads)
         return limit
 
     with contextlib.closing(client):

@@ -109,7 +109,7 @@ def command(options: Options) -> int:
 
 def closing(files: dict[str, store.StudyFile], _: Path) -> Sequence[RenderableType]:
     """Table, and the comparison on one line."""
-    return [part for file in files.values() for part in (summary(file), one_line(file))]
+    return [part for file in files.values() if file.complete for part in (summary(file), one_line(file))]
 
 
 def exact_areas(study: store.StudyFile) -> dict[str, float]:

@@ -31,7 +31,8 @@ def from_rich(source: Table) -> str:
     columns = [[str(cell) for cell in column.cells] for column in source.columns]
     headings = [str(column.header).replace("-\n", "-") for column in source.columns]
     body = table(headings, list(zip(*columns, strict=True)))
-    return f"**{source.title}**\n\n{body}\n\n{source.caption or ''}"
+    title, caption = (str(text or "").replace("*", "\\*") for text in (source.title, source.caption))
+    return f"**{title}**\n\n{body}\n\n{caption}"
 
 
 def markdown(title: str, statements: Sequence[Statement], parts: Sequence[str]) -> str:

@@ -9,7 +9,7 @@ of the time of a start from the solution for a neighbouring thickness, and leave
 
 import math
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
@@ -135,21 +135,46 @@ class Mean:
         return cls(float(np.mean(values)), error)
 
     def __str__(self) -> str:
-        return f"{self.value:.4g} +- {self.error:.1g}"
+        if not self.error > 0:
+            return f"{self.value:.4g} +- {self.error}"
+        digits = max(0, -math.floor(math.log10(self.error)))
+        return f"{self.value:.{digits}f} +- {self.error:.{digits}f}"
+
+
+@dataclass(frozen=True)
+class Realisation:
+    """One surface on one layer, beside itself on the half-space; sub-grid areas, all dimensionless.
+
+    reduced: d/a_r; kappa_ratio: kappa_d over kappa_inf of the same surface; patches: M; bias: a_r counted over a_r;
+    kappa_inf: of the same surface.
+    """
+
+    reduced: float
+    kappa_ratio: float
+    patches: float
+    bias: float
+    kappa_inf: float
+
+    @property
+    def slope(self) -> float:
+        """(kappa_d/kappa_inf)/(d/a_r)."""
+        return self.kappa_ratio / self.reduced
 
 
 @dataclass(frozen=True)
 class Point:
     """Means over the realisations for one H, nu and d, all dimensionless.
 
-    reduced_thickness: d/a_r; kappa_ratio: kappa_d over kappa_inf of the same surface; slope: their quotient; patches:
-    M; per_patch: kappa_d/(d/a_r)/M over (1-2nu)/(1-nu)^2, 2 sqrt(3) for one patch; bias: a_r counted over sub-grid.
+    reduced_thickness: d/a_r; per_width: d over the mean width of a patch, M d/a_r; slope: (kappa_d/kappa_inf)/(d/a_r);
+    patches: M; per_patch: kappa_d/(d/a_r)/M over (1-2nu)/(1-nu)^2, 2 sqrt(3) for one patch; bias: a_r counted over
+    a_r.
     """
 
     hurst: float
     poisson_ratio: float
     thickness: float
     reduced_thickness: Mean
+    per_width: Mean
     kappa_ratio: Mean
     slope: Mean
     patches: Mean
@@ -163,35 +188,48 @@ def half_space(file: store.StudyFile, hurst: float, name: str = "kappa_subgrid")
     return {run["scene.seed"]: run[name] for run in runs}
 
 
+def realisations(file: store.StudyFile, hurst: float, poisson_ratio: float, thickness: float) -> dict[int, Realisation]:
+    """Every surface that is done on this layer and on the half-space, by seed."""
+    return _realisations(file).get((hurst, poisson_ratio, thickness), {})
+
+
+def _realisations(file: store.StudyFile) -> dict[tuple[float, float, float], dict[int, Realisation]]:
+    """By H, nu and thickness, and by seed, in the order of the file."""
+    references = {hurst: half_space(file, hurst) for hurst in {run["scene.hurst"] for run in file.runs}}
+    found: dict[tuple[float, float, float], dict[int, Realisation]] = {}
+    for run in file.runs:
+        hurst, thickness, seed = run["scene.hurst"], run["scene.thickness"], run["scene.seed"]
+        if math.isfinite(thickness) and seed in references[hurst]:
+            area, kappa_inf = run["contact_area_subgrid"], references[hurst][seed]
+            found.setdefault((hurst, run["scene.poisson_ratio"], thickness), {})[seed] = Realisation(
+                reduced=thickness / area,
+                kappa_ratio=run["kappa_subgrid"] / kappa_inf,
+                patches=run["num_patches"],
+                bias=run["contact_area"] / area,
+                kappa_inf=kappa_inf,
+            )
+    return found
+
+
 def points(file: store.StudyFile) -> Iterator[Point]:
     """Every point of which at least one realisation is done, from thick to thin."""
-    groups: dict[tuple[float, float, float], list[Record]] = {}
-    for run in file.runs:
-        if math.isfinite(run["scene.thickness"]):
-            key = run["scene.hurst"], run["scene.poisson_ratio"], run["scene.thickness"]
-            groups.setdefault(key, []).append(run)
-    references = {hurst: half_space(file, hurst) for hurst, _, _ in groups}
-    for (hurst, nu, thickness), group in groups.items():
-        reference = references[hurst]
-        runs = [run for run in group if run["scene.seed"] in reference]
-        if not runs:
-            continue
-        kappa_inf = np.array([reference[run["scene.seed"]] for run in runs])
-        area, counted, kappa, patches = (
-            np.array([float(run[name]) for run in runs])
-            for name in ("contact_area_subgrid", "contact_area", "kappa_subgrid", "num_patches")
-        )
-        foundation = (1 - 2 * nu) / (1 - nu) ** 2
+    for (hurst, nu, thickness), surfaces in _realisations(file).items():
+        own, foundation = list(surfaces.values()), (1 - 2 * nu) / (1 - nu) ** 2
+
+        def mean(quantity: Callable[[Realisation], float], own: list[Realisation] = own) -> Mean:
+            return Mean.of(np.array([quantity(r) for r in own]))
+
         yield Point(
             hurst,
             nu,
             thickness,
-            Mean.of(thickness / area),
-            Mean.of(kappa / kappa_inf),
-            Mean.of(kappa / kappa_inf * area / thickness),
-            Mean.of(patches),
-            Mean.of(kappa * area / thickness / patches / foundation),
-            Mean.of(counted / area),
+            reduced_thickness=mean(lambda r: r.reduced),
+            per_width=mean(lambda r: r.reduced * r.patches),
+            kappa_ratio=mean(lambda r: r.kappa_ratio),
+            slope=mean(lambda r: r.slope),
+            patches=mean(lambda r: r.patches),
+            per_patch=mean(lambda r, f=foundation: r.slope * r.kappa_inf / r.patches / f),  # type: ignore[misc]
+            bias=mean(lambda r: r.bias),
         )
 
 
@@ -205,7 +243,7 @@ def summary(file: store.StudyFile) -> Table:
         caption="ok: runs certified at the tolerance; M: mean number of patches from the thickest to the thinnest "
         "layer; y: (kappa_d/kappa_inf)/(d/a_r) at the thinnest, mean and standard error, and over the single patch's "
         "2 sqrt(3) (1-2nu)/(1-nu)^2/kappa_inf; alone: share of realisations with one patch there; s: seconds of "
-        "solving in all. Sub-grid areas. All but s dimensionless.",
+        "solving in all. Sub-grid areas. Rows with nu = -: the half-space. All but s dimensionless.",
         caption_justify="left",
     )
     for heading in ("H", "nu", "ok", "M", "y", "y/single", "alone", "s"):
@@ -213,6 +251,7 @@ def summary(file: store.StudyFile) -> Table:
     every = list(points(file))
     for hurst in dict.fromkeys(p.hurst for p in every):
         kappa = Mean.of(np.array(list(half_space(file, hurst).values())))
+        table.add_row(f"{hurst:g}", "-", *_half_space_row(file, hurst))
         for nu in dict.fromkeys(p.poisson_ratio for p in every):
             own = [p for p in every if (p.hurst, p.poisson_ratio) == (hurst, nu)]
             if not own:
@@ -232,6 +271,13 @@ def summary(file: store.StudyFile) -> Table:
                 f"{sum(run['seconds.total'] for run in layers):.0f}",
             )
     return table
+
+
+def _half_space_row(file: store.StudyFile, hurst: float) -> tuple[str, ...]:
+    runs = [run for run in file.select("scene.hurst", hurst).runs if math.isinf(run["scene.thickness"])]
+    ok = sum(run["status"] == "converged" for run in runs)
+    patches = np.mean([run["num_patches"] for run in runs])
+    return f"{ok}/{len(runs)}", f"{patches:.3g}", "", "", "", f"{sum(run['seconds.total'] for run in runs):.0f}"
 
 
 def single_patch(poisson_ratio: float, kappa_inf: float) -> float:

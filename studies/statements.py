@@ -6,9 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from linecontact.solver import closed_forms
+from numpy.typing import NDArray
 
 from . import asperity, rough, store
 
+Array64 = NDArray[np.float64]
 Files = dict[str, store.StudyFile]
 
 
@@ -62,40 +64,56 @@ def _asperity(file: store.StudyFile) -> Iterator[Statement]:
             f"The indenter's images in the neighbouring periods; with them the exact value at this load is "
             f"{run['oracle.kappa_ratio']:.5f}, at a_r = {run['oracle.contact_area']:.4f}.",
         )
-    alphas = {nu: alpha for nu in c["poisson_ratios"] if nu < 0.5 and (alpha := _alpha(file, nu))}
+    thin = {nu: _thin(file, nu) for nu in c["poisson_ratios"]}
+    thin = {nu: curve for nu, curve in thin.items() if len(curve[0]) > 1}
+    alphas = {nu: _alpha(n, nu, *thin[nu]) for nu in thin if nu < 0.5}
+    alphas = {nu: (value, error) for nu, (value, error) in alphas.items() if error < 0.05 * value}
     if alphas:
-        values = np.array([value for value, _ in alphas.values()])
-        middle, exact = float(np.median(values)), closed_forms.thin_layer_alpha(n)
-        error = max(float(np.median(np.abs(values - middle))), float(np.median([e for _, e in alphas.values()])))
+        middle, error = sorted(alphas.values())[len(alphas) // 2]
+        exact = closed_forms.thin_layer_alpha(n)
+        rounding = 0.0 if math.isclose(published, exact, rel_tol=1e-12) else 0.005
         yield Statement(
             f"{name}: kappa_d/kappa_inf = alpha (1-2nu)/(1-nu)^2 d/a_r on thin layers",
             f"alpha = {published:.4g}",
             f"{middle:.4f} +- {error:.1g} (median over nu)",
-            judge(published, middle, error, 0.0 if published == exact else 0.005),
-            f"Exactly alpha = {exact:.4f}. Measured at the thinnest layer, its second order divided out.",
+            judge(published, middle, error, rounding),
+            f"Exactly alpha = {exact:.4f}. From the two thinnest layers, the second order divided out.",
         )
+        (least, e1), (most, e2) = min(alphas.values()), max(alphas.values())
         yield Statement(
             f"{name}: Poisson's ratio enters thin layers by (1-2nu)/(1-nu)^2 only (nu < 1/2)",
             "one alpha for every nu",
-            f"{values.min():.4f} to {values.max():.4f} for nu = {min(alphas):g} to {max(alphas):g}",
-            judge(1.0, values.max() / values.min(), error / middle),
-            "To first order. At finite d/a_r the second order depends on nu: without it the values spread "
-            f"by {100 * _first_order_spread(file, list(alphas)):.2g} %.",
+            f"{least:.4f} +- {e1:.1g} to {most:.4f} +- {e2:.1g} for nu = {min(alphas):g} to {max(alphas):g}",
+            judge(1.0, most / least, e1 / least + e2 / most),
+            "In the limit. At a finite thickness the second order depends on nu: with it the values at the thinnest "
+            f"layer spread by {100 * _first_order_spread(thin, list(alphas)):.2g} %.",
         )
-    for nu in c["poisson_ratios"]:
-        if nu in (c["poisson_ratios"][0], 0.5) and (power := _power(file, nu)):
+    for nu, (t, kappa, _) in thin.items():
+        power = float(np.log(kappa[1] / kappa[0]) / np.log(t[1] / t[0]))
+        if nu == c["poisson_ratios"][0]:
+            second = [closed_forms.thin_layer_kappa_ratio(n, nu, s, closed_forms.edge_shift(nu)) for s in t[:2]]
+            expected = math.log(second[1] / second[0]) / math.log(t[1] / t[0])
             yield Statement(
                 f"{name}: kappa_d is proportional to d/a_r on thin layers, nu = {nu:g}",
-                "power 1",
-                f"power {power:.3f}",
-                judge(1.0, power, 0.0),
-                "Between the two thinnest layers."
-                if nu < 0.5
-                else "The published study leaves nu = 1/2 out: the limit is (d/a_r)^3, and approached slowly.",
+                "power 1 in the limit",
+                f"power {power:.3f} at d/a_r = {t[0]:.2g} to {t[1]:.2g}",
+                judge(1.0, power, abs(1 - expected)),
+                f"The second order makes it {expected:.3f} there.",
+            )
+        if nu == 0.5:
+            yield Statement(
+                f"{name}: nu = 1/2",
+                "left out",
+                f"power {power:.3f} at d/a_r = {t[0]:.2g} to {t[1]:.2g}",
+                "not part of the study",
+                "The limit is (d/a_r)^3, and approached slowly.",
             )
 
 
-def _thin(file: store.StudyFile, poisson_ratio: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+Curve = tuple[Array64, Array64, Array64]
+
+
+def _thin(file: store.StudyFile, poisson_ratio: float) -> Curve:
     """d/a_r, kappa_d/kappa_inf and the latter's error on layers of one nu, from thin to thick."""
     part = asperity.layers(file).select("scene.poisson_ratio", poisson_ratio)
     if not part.runs:
@@ -106,42 +124,33 @@ def _thin(file: store.StudyFile, poisson_ratio: float) -> tuple[np.ndarray, np.n
     return t[order], kappa[order], error[order]
 
 
-def _alpha(file: store.StudyFile, poisson_ratio: float) -> tuple[float, float] | None:
-    """alpha from the thinnest layer with the second order divided out, and its error: the solution's and the next
-    order's, taken as the square of half the second. None where the second order is no small correction.
+def _alpha(exponent: float, poisson_ratio: float, t: Array64, kappa: Array64, error: Array64) -> tuple[float, float]:
+    """alpha and its error: the second order divided out, the third extrapolated from the two thinnest layers, like
+    (d/a_r)^2; what that changes is the error, with the solution's own.
     """
-    t, kappa, error = _thin(file, poisson_ratio)
-    nu, n = poisson_ratio, file.configuration["exponent"]
-    if not t.size:
-        return None
-    second = 2 * closed_forms.edge_shift(nu) * t[0]
-    if abs((n + 1) * second) > 0.25:
-        return None
-    value = kappa[0] / t[0] / ((1 - 2 * nu) / (1 - nu) ** 2) * (1 + second) ** (n + 1)
-    return float(value), float(value * (error[0] / kappa[0] + ((n + 1) * second) ** 2 / 4))
+    nu = poisson_ratio
+    second = 1 + 2 * closed_forms.edge_shift(nu) * t[:2]
+    if second.min() < 0.5:
+        return math.nan, math.inf
+    value = kappa[:2] / t[:2] / ((1 - 2 * nu) / (1 - nu) ** 2) * second ** (exponent + 1)
+    r = (t[0] / t[1]) ** 2
+    extrapolated = (value[0] - r * value[1]) / (1 - r)
+    return float(extrapolated), float(abs(value[0] - extrapolated) + extrapolated * error[0] / kappa[0])
 
 
-def _first_order_spread(file: store.StudyFile, poisson_ratios: list[float]) -> float:
-    plain = []
-    for nu in poisson_ratios:
-        t, kappa, _ = _thin(file, nu)
-        plain.append(kappa[0] / t[0] / ((1 - 2 * nu) / (1 - nu) ** 2))
+def _first_order_spread(thin: dict[float, Curve], poisson_ratios: list[float]) -> float:
+    plain = [thin[nu][1][0] / thin[nu][0][0] / ((1 - 2 * nu) / (1 - nu) ** 2) for nu in poisson_ratios]
     return float(max(plain) / min(plain) - 1)
 
 
-def _power(file: store.StudyFile, poisson_ratio: float) -> float:
-    """Local power of kappa_d in d/a_r between the two thinnest layers; 0 where there are not two."""
-    t, kappa, _ = _thin(file, poisson_ratio)
-    return float(np.log(kappa[1] / kappa[0]) / np.log(t[1] / t[0])) if t.size > 1 else 0.0
-
-
 def _rough(file: store.StudyFile) -> Iterator[Statement]:
-    points = list(rough.points(file))
+    nu = file.configuration["poisson_ratios"][0]
+    thin = sorted(file.configuration["thicknesses"])[:2]
     for hurst in file.configuration["hursts"]:
-        counted, subgrid = (
-            rough.Mean.of(np.array(list(rough.half_space(file, hurst, name).values())))
-            for name in ("kappa", "kappa_subgrid")
-        )
+        halves = [rough.half_space(file, hurst, name) for name in ("kappa", "kappa_subgrid")]
+        if not halves[0]:
+            continue
+        counted, subgrid = (rough.Mean.of(np.array(list(half.values()))) for half in halves)
         yield Statement(
             f"rough, H = {hurst:g}: kappa_inf on the half-space",
             f"{rough.PUBLISHED_KAPPA}",
@@ -149,36 +158,44 @@ def _rough(file: store.StudyFile) -> Iterator[Statement]:
             judge(rough.PUBLISHED_KAPPA, counted.value, counted.error, 0.005),
             "Judged as published, by counting nodes, which is biased upwards on rough surfaces.",
         )
-        own = [p for p in points if p.hurst == hurst and p.poisson_ratio < 0.5]
-        if not own:
-            continue
-        least = min(p.thickness for p in own)
-        thin = [p for p in own if p.thickness == least]
-        foundation = [(1 - 2 * p.poisson_ratio) / (1 - p.poisson_ratio) ** 2 for p in thin]
-        values = np.array([p.slope.value / f for p, f in zip(thin, foundation, strict=True)])
-        error = max(p.slope.error / f for p, f in zip(thin, foundation, strict=True))
-        single = rough.single_patch(0.0, subgrid.value)
-        patches = max(p.patches.value for p in thin)
-        yield Statement(
-            f"rough, H = {hurst:g}: kappa_d/kappa_inf = alpha (1-2nu)/(1-nu)^2 d/a_r on thin layers",
-            f"alpha = 2 pi/3 = {rough.PUBLISHED_ALPHA:.3f}",
-            f"{values.mean():.3f} +- {error:.1g} at d = {least:g} L (mean over nu)",
-            judge(rough.PUBLISHED_ALPHA, float(values.mean()), error),
-            f"One parabolic patch has 2 sqrt(3)/kappa_inf = {single:.3f}; at this thickness at most {patches:.2f} "
-            "patches are left on the average. With more of them the slope is larger.",
-        )
-        first = [p for p in own if p.poisson_ratio == thin[0].poisson_ratio]
-        first.sort(key=lambda p: p.thickness)
-        if len(first) > 1:
-            a, b = first[0], first[1]
-            power = math.log(b.kappa_ratio.value / a.kappa_ratio.value) / math.log(
-                b.reduced_thickness.value / a.reduced_thickness.value
-            )
+        curves = [rough.realisations(file, hurst, nu, d) for d in thin]
+        seeds = sorted(set(curves[0]) & set(curves[1]))
+        if seeds:
+            patches = [float(np.mean([curve[seed].patches for seed in seeds])) for curve in curves]
+            yield from _rough_alpha(hurst, nu, thin[0], [curves[0][seed] for seed in seeds], subgrid.value, patches[0])
+            power = _rough_power(curves, seeds)
             yield Statement(
                 f"rough, H = {hurst:g}: kappa_d is proportional to d/a_r on thin layers",
                 "power 1",
-                f"power {power:.3f}",
-                judge(1.0, power, 0.0),
-                f"Means at the two thinnest layers, nu = {a.poisson_ratio:g}; the number of patches goes from "
-                f"{b.patches.value:.2f} to {a.patches.value:.2f}.",
+                f"power {power} between d = {thin[0]:g} L and {thin[1]:g} L, nu = {nu:g}",
+                judge(1.0, power.value, power.error),
+                f"Means over all surfaces. The number of patches goes from {patches[1]:.2f} to {patches[0]:.2f}.",
             )
+
+
+def _rough_alpha(
+    hurst: float, nu: float, thickness: float, surfaces: list[rough.Realisation], kappa_inf: float, patches: float
+) -> Iterator[Statement]:
+    """The thin layer's slope where one patch is left, and over all surfaces."""
+    foundation = (1 - 2 * nu) / (1 - nu) ** 2
+    every, alone = (np.array([r.slope / foundation for r in surfaces if r.patches <= most]) for most in (math.inf, 1))
+    if alone.size:
+        one = rough.Mean.of(alone)
+        yield Statement(
+            f"rough, H = {hurst:g}: kappa_d/kappa_inf = alpha (1-2nu)/(1-nu)^2 d/a_r on thin layers",
+            f"alpha = 2 pi/3 = {rough.PUBLISHED_ALPHA:.3f}",
+            f"{one} on the {alone.size} of {every.size} surfaces with one patch at d = {thickness:g} L, nu = {nu:g}",
+            judge(rough.PUBLISHED_ALPHA, one.value, one.error, 0.005),
+            f"One parabolic patch has 2 sqrt(3)/kappa_inf = {rough.single_patch(0.0, kappa_inf):.3f}. Over all "
+            f"surfaces, with {patches:.2f} patches on the average: {rough.Mean.of(every)}.",
+        )
+
+
+def _rough_power(curves: list[dict[int, rough.Realisation]], seeds: list[int]) -> rough.Mean:
+    """Power between the means at two thicknesses, its error by resampling the surfaces (paired bootstrap)."""
+    t, kappa = (np.array([[getattr(c[s], name) for s in seeds] for c in curves]) for name in ("reduced", "kappa_ratio"))
+    draws = np.random.default_rng(0).integers(len(seeds), size=(400, len(seeds)))
+    draws[0] = np.arange(len(seeds))
+    powers = np.log(kappa[1][draws].mean(axis=1) / kappa[0][draws].mean(axis=1))
+    powers /= np.log(t[1][draws].mean(axis=1) / t[0][draws].mean(axis=1))
+    return rough.Mean(float(powers[0]), float(powers.std()))

@@ -38,6 +38,9 @@ UNITS = {
 }
 """Units by the last part of a name; 'seconds.*' is in seconds, everything else dimensionless."""
 
+RESULTS_VERSION = 1
+"""To be raised whenever the same task gives other results: they must not be mixed."""
+
 _HEAD = 512  # bytes of HDF5's user block
 
 _UMASK = os.umask(0)
@@ -77,11 +80,16 @@ def check_target(path: Path, overwrite: bool) -> None:
         raise StoreError(f"file {path} exists; allowed: a new name, or overwriting it by --overwrite")
     if not path.parent.is_dir():
         raise StoreError(f"folder {path.parent} of file {path.name} does not exist; allowed: an existing folder")
+    check_folder(path.parent)
+
+
+def check_folder(folder: Path) -> None:
+    """Raise `StoreError` if nothing can be written there."""
     try:
-        tempfile.TemporaryFile(dir=path.parent).close()
+        tempfile.TemporaryFile(dir=folder).close()
     except OSError as error:
         reason = f"cannot be written to ({error.strerror})"
-        raise StoreError(f"folder {path.parent} {reason}; allowed: a writable folder") from None
+        raise StoreError(f"folder {folder} {reason}; allowed: a writable folder") from None
 
 
 @contextlib.contextmanager
@@ -140,9 +148,14 @@ def open_file(path: Path) -> Iterator[h5py.File]:
 
 def _verify(path: Path) -> None:
     """Before HDF5 sees it: on a damaged file its library may crash, or never come back."""
-    with path.open("rb") as file:
-        head = file.read(_HEAD)
-        fits = head == _head(hashlib.file_digest(file, "sha256").hexdigest())
+    try:
+        with path.open("rb") as file:
+            head = file.read(_HEAD)
+            fits = head == _head(hashlib.file_digest(file, "sha256").hexdigest())
+    except OSError as error:
+        raise StoreError(f"file {path} cannot be read ({error.strerror})") from None
+    if head.startswith(b"\x89HDF"):
+        raise StoreError(f"file {path} is an HDF5 file, but not linecontact's; allowed: another name")
     if not fits:
         raise DamagedError(f"file {path} is damaged or not one of linecontact's HDF5 files: its checksum does not fit")
 
@@ -221,7 +234,8 @@ class StudyFile:
     """Contents of a study file.
 
     kind: the study's name; configuration: what the user chose, JSON-ready; runs: one flat record per finished run;
-    lines: reference curves by name, columns by name; failures: reasons of failed tasks by hash; complete: all done.
+    lines: reference curves by name, columns by name; failures: reasons of failed tasks by hash; complete: all done;
+    version: of the results.
     """
 
     kind: str
@@ -230,6 +244,7 @@ class StudyFile:
     lines: dict[str, dict[str, NDArray[np.float64]]] = field(default_factory=dict)
     failures: dict[str, str] = field(default_factory=dict)
     complete: bool = False
+    version: int = RESULTS_VERSION
 
     def column(self, name: str) -> NDArray[Any]:
         """One quantity over the runs, shape (number of runs,)."""
@@ -244,7 +259,7 @@ class StudyFile:
 def finished(path: Path, kind: str, configuration: Mapping[str, Any]) -> StudyFile | None:
     """The study in `path` if it is complete; None if there is none yet, or only a damaged one, which is set aside.
 
-    Raises `StoreError` for a file of another study or configuration.
+    Raises `StoreError` for a file of another study, configuration or version.
     """
     if not path.exists():
         return None
@@ -253,8 +268,10 @@ def finished(path: Path, kind: str, configuration: Mapping[str, Any]) -> StudyFi
     except DamagedError:
         set_aside(path)
         return None
-    if study.kind != kind or study.configuration != plain(configuration):
-        raise StoreError(f"file {path} holds another study or configuration; allowed: --overwrite, or a new --folder")
+    if (study.kind, study.configuration, study.version) != (kind, plain(configuration), RESULTS_VERSION):
+        raise StoreError(
+            f"file {path} holds another study, configuration or version; allowed: --overwrite, or a new --folder"
+        )
     return study if study.complete else None
 
 
@@ -264,6 +281,7 @@ def save_study(path: Path, study: StudyFile) -> None:
         file.attrs["kind"] = study.kind
         file.attrs["configuration"] = json.dumps(plain(study.configuration))
         file.attrs["complete"] = study.complete
+        file.attrs["results_version"] = study.version
         file.create_group("runs")
         names = dict.fromkeys(name for run in study.runs for name in run)
         for name in names:  # what a run does not have is nan, or an empty text
@@ -304,6 +322,7 @@ def load_study(path: Path) -> StudyFile:
             lines={line: {n: data[:] for n, data in group.items()} for line, group in lines.items()},
             failures=json.loads(bytes(file["failures"][()])),
             complete=bool(file.attrs["complete"]),
+            version=int(file.attrs["results_version"]),
         )
 
 

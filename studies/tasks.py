@@ -30,9 +30,10 @@ class Task(Protocol):
 
 
 def identity(task: Task) -> str:
-    """Hash of a task: 16 hexadecimal digits of the SHA-256 of its class and fields."""
+    """Hash of a task: 16 hexadecimal digits of the SHA-256 of its class, its fields and the results' version."""
     kind = type(task)
-    text = json.dumps([f"{kind.__module__}.{kind.__qualname__}", _fields(task)], sort_keys=True)
+    name = f"{kind.__module__}.{kind.__qualname__}"
+    text = json.dumps([store.RESULTS_VERSION, name, _fields(task)], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 

@@ -95,7 +95,7 @@ def test_another_configuration_is_refused(tmp_path):
     )
     assert store.finished(path, "hertz", {"list": (1.0, math.inf)}).runs
     for kind, configuration in (("sharp", {"list": (1.0, math.inf)}), ("hertz", {"list": (1.0, 2.0)})):
-        with pytest.raises(store.StoreError, match="another study or configuration"):
+        with pytest.raises(store.StoreError, match="another study, configuration or version"):
             store.finished(path, kind, configuration)
     assert store.finished(tmp_path / "none.h5", "hertz", {}) is None
 

@@ -13,7 +13,9 @@ from matplotlib.figure import Figure
 
 from .. import store
 from . import asperity, others, rough
-from .style import STYLE
+from .style import STYLE, NothingToDraw
+
+__all__ = ["NothingToDraw", "draw"]
 
 _DRAWINGS: dict[str, Callable[[Path], dict[str, Figure]]] = {
     **dict.fromkeys(("sharp", "hertz", "blunt"), asperity.draw),

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from .. import asperity, store
-from .style import COLOURS, MARKERS, load
+from .style import COLOURS, MARKERS, NothingToDraw, load
 
 
 def draw(path: Path) -> dict[str, Figure]:
@@ -26,6 +26,8 @@ def ratio(study: store.StudyFile) -> Figure:
     figure, (axes, below) = plt.subplots(2, 1, figsize=(5.2, 6.2), sharex=True, height_ratios=(5, 3))
     figure.subplots_adjust(bottom=0.08, top=0.95, hspace=0.05)
     runs, c = asperity.layers(study), study.configuration
+    if not runs.runs:
+        raise NothingToDraw("no layer is done yet")
     t_all, kappa_all = asperity.curve(runs)
     low, high = t_all.min() / 1.4, t_all.max() * 1.4
     y_all = kappa_all / t_all

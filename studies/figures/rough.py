@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from .. import rough, store
-from .style import COLOURS, MARKERS, load
+from .style import COLOURS, MARKERS, NothingToDraw, load
 
 
 def draw(path: Path) -> dict[str, Figure]:
@@ -49,6 +49,13 @@ def _plot(axes: Axes, points: list[rough.Point], x: str, y: str, colour: str, ma
     )
 
 
+def _points(study: store.StudyFile) -> list[rough.Point]:
+    points = list(rough.points(study))
+    if not points:
+        raise NothingToDraw("no surface is done both on a layer and on the half-space yet")
+    return points
+
+
 def _legend(figure: Figure, axes: Axes) -> None:
     """Below all panels."""
     figure.legend(*axes.get_legend_handles_labels(), fontsize=8, loc="lower center", ncols=4)
@@ -57,7 +64,7 @@ def _legend(figure: Figure, axes: Axes) -> None:
 def ratio(study: store.StudyFile) -> Figure:
     """(kappa_d/kappa_inf)/(d/a_r) over d/a_r with its limits and Persson's prediction."""
     figure, rows, hursts = _panels(study, 1)
-    points = list(rough.points(study))
+    points = _points(study)
     x = np.array([p.reduced_thickness.value for p in points])
     for axes, hurst in zip(rows[0], hursts, strict=True):
         kappa = float(np.mean(list(rough.half_space(study, hurst).values())))
@@ -91,14 +98,17 @@ def ratio(study: store.StudyFile) -> Figure:
 def patches(study: store.StudyFile) -> Figure:
     """kappa_d/(d/a_r) over the number of patches, on the value of one patch, and that number."""
     figure, rows, hursts = _panels(study, 2)
-    points = list(rough.points(study))
+    points = _points(study)
+    for row in rows:
+        for axes in row:
+            axes.set(xlabel="" if row is rows[0] else r"$d$ over the mean width of a patch, $M\,d/a_r$")
     for column, hurst in enumerate(hursts):
         for nu, colour, marker in zip(
             study.configuration["poisson_ratios"], cycle(COLOURS), cycle(MARKERS), strict=False
         ):
             own = [p for p in points if (p.hurst, p.poisson_ratio) == (hurst, nu)]
             for row, name in zip(rows, ("per_patch", "patches"), strict=True):
-                _plot(row[column], own, "reduced_thickness", name, colour, marker, rf"$\nu={nu:g}$")
+                _plot(row[column], own, "per_width", name, colour, marker, rf"$\nu={nu:g}$")
         rows[0][column].axhline(2 * np.sqrt(3), color="k", ls="--", lw=0.8, label=r"one patch, $2\sqrt{3}$")
         for row in rows:
             row[column].set(yscale="log")
@@ -111,7 +121,7 @@ def patches(study: store.StudyFile) -> Figure:
 def bias(study: store.StudyFile) -> Figure:
     """What counting nodes adds to the area."""
     figure, rows, hursts = _panels(study, 1)
-    points = list(rough.points(study))
+    points = _points(study)
     for axes, hurst in zip(rows[0], hursts, strict=True):
         for nu, colour, marker in zip(
             study.configuration["poisson_ratios"], cycle(COLOURS), cycle(MARKERS), strict=False

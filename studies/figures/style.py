@@ -22,9 +22,13 @@ STYLE = {
 }
 
 
+class NothingToDraw(store.StoreError):
+    """A file whose runs are too few for a figure."""
+
+
 def load(path: Path) -> store.StudyFile:
-    """A study's file with at least one run. Raises `store.StoreError`."""
+    """A study's file with at least one run. Raises `store.StoreError`, for a file without one `NothingToDraw`."""
     study = store.load_study(path)
     if not study.runs:
-        raise store.StoreError(f"file {path} holds no finished run yet")
+        raise NothingToDraw(f"file {path} holds no finished run yet")
     return study
