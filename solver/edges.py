@@ -37,7 +37,7 @@ from .stiffness import foundation_modulus, layer_factor
 
 _TABLE = 64  # beyond, S_j = sqrt(j + s) to 1e-5
 _TABLE_LAYER = 128  # longer than what a layer of few spacings remembers
-_THIN = 8.0  # grid spacings; thicker layers have the half-space's edge, to 0.004 spacings
+_THIN = 8.0  # grid spacings; thicker layers have the half-space's edge, to 0.01 spacings
 _NARROW = 4.0  # layer thicknesses; so do narrower patches on layers of `_THINNEST` spacings and more
 _THINNEST = 2.5
 _NEARLY_INCOMPRESSIBLE = 0.497

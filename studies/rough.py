@@ -3,7 +3,7 @@
     python -m linecontact.studies.rough [--quick] [--folder FOLDER]
 
 Paired: the same surfaces (common seeds) for every Hurst exponent H, Poisson's ratio and thickness, so that kappa_d is
-compared with kappa_inf of the same surface. Every solve starts cold, on nested grids: measured, that takes 0.5 to 0.9
+compared with kappa_inf of the same surface. Every solve starts cold, on nested grids: measured, that takes 0.4 to 1.1
 of the time of a start from the solution for a neighbouring thickness, and leaves the tasks independent.
 """
 
