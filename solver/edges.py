@@ -18,8 +18,8 @@ Layers thinner than a few grid spacings have a symbol of their own, K(q)/K(0) = 
 same steps give sigma_j = A [(1-beta) S_j + beta S_(j-1)], S_j the coefficients of c_+(z) (1-z)^-2, which far away grow
 like j - theta_f, theta_f = beta - 1 + sum_k k l_k/2. That far field ends c(nu) d outside of the true edge
 (`closed_forms.edge_shift`), so s = 1 - sum_k k l_k/2 - c d. nu = 1/2 has no such far field; a nearly incompressible
-layer stands in for it. Against the oracle, for d = 0.03 to 20 spacings and nu = -0.9 to 1/2, that is right to 0.025
-spacings for contacts of 12 nodes and more (mostly to 0.005), and to 0.06 down to five.
+layer stands in for it. Against the oracle, for d = 0.03 to 20 spacings, that is right to 0.025 spacings for nu = -0.9
+to 0.49 and contacts of 12 nodes and more (mostly to 0.005), to 0.05 for nu = 1/2, and to 0.06 down to five nodes.
 
 `linecontact.studies.edge_curve` measures the half-space's curve on high-resolution solutions.
 """

@@ -155,7 +155,7 @@ def summary(file: store.StudyFile) -> Table:
         peak = abs(run["peak_pressure"] / run["oracle.peak_pressure"] - 1)
         numbers = f"{abs(off[0]):.2f}", f"{abs(off[1]):.1g}", f"{peak:.0e}", "", "", ""
         ok = f"{int(run['status'] == 'converged')}/1"
-        table.add_row("-", ok, *numbers, f"{run['transform_pairs']:.0f}", f"{run['seconds.total']:.2f}")
+        table.add_row("-", ok, *numbers, f"{run['transform_pairs']:.0f}", f"{run['seconds.total']:.1f}")
     for nu in sorted(set(layers(file).column("scene.poisson_ratio"))):
         part = layers(file).select("scene.poisson_ratio", nu)
         t, ratio = curve(part)
@@ -177,7 +177,7 @@ def summary(file: store.StudyFile) -> Table:
             f"{ratio[thin] / first - 1:+.0e}",
             f"{ratio[thin] / second - 1:+.0e}",
             str(int(part.column("transform_pairs").sum())),
-            f"{part.column('seconds.total').sum():.2f}",
+            f"{part.column('seconds.total').sum():.1f}",
         )
     return table
 

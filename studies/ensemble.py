@@ -3,7 +3,7 @@
 A task's record is in a file of its own as soon as the task is finished (`tasks.TaskFolder`). Running a study means
 doing the tasks that have no such file, in any order and anywhere, and then collecting the records, in the study's
 order, into one HDF5 file. So a run that was killed goes on where it was, and the data does not depend on who did what
-when.
+when, but for rounding.
 
     records, failures = Ensemble(study.tasks, TaskFolder(path)).run(make_executor)
 
