@@ -11,6 +11,7 @@ when, but for rounding.
 """
 
 import contextlib
+import json
 import math
 import signal
 import threading
@@ -79,9 +80,17 @@ class Study:
         )
 
 
+class TaskError(Exception):
+    """What went wrong in a task, on one line: not every exception survives the way from a worker."""
+
+
 def perform(task: Task, report: Progress | None = None) -> Record:
-    """What a worker does. A solve that was interrupted raises `KeyboardInterrupt`."""
-    record = task.run(report)
+    """What a worker does. A solve that was interrupted raises `KeyboardInterrupt`, anything else `TaskError`."""
+    try:
+        record = task.run(report)
+        json.dumps(store.plain(record))
+    except Exception as error:
+        raise TaskError(" ".join(f"{type(error).__name__}: {error}".split())) from None
     if record.get("status") == "interrupted":
         raise KeyboardInterrupt
     return record
@@ -177,8 +186,10 @@ class Ensemble:
                 raise executors.LostError("the scheduler is gone; run again to continue") from error
             except BrokenExecutor:
                 self._mourn(task)
+            except TaskError as error:
+                self._fail(task, str(error))
             except Exception as error:  # whatever it is, the others go on
-                self._fail(task, f"{type(error).__name__}: {error}")
+                self._fail(task, " ".join(f"{type(error).__name__}: {error}".split()))
             else:
                 self.folder.save(task, record)
                 self.records[task] = record
