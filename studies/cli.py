@@ -23,7 +23,6 @@ from linecontact.solver import (
     solve,
     transforms,
 )
-from rich.console import Console
 from rich.table import Table
 
 from . import blunt, console, edge_curve, ensemble, hertz, iterations, paper, rough, scans, sharp, store
@@ -167,10 +166,10 @@ def run_solve(options: Solve) -> int:
         if options.json:
             print(json.dumps(solution.to_dict()), flush=True)
         else:
-            Console().print(solution_table(solution))
+            console.Output().print(solution_table(solution))
             steps = solution.scene.to_dict().get("profile_steps")
             if steps:
-                Console().print(f"Profile: {steps}.", markup=False)
+                console.Output().print(f"Profile: {steps}.", markup=False)
     finally:  # also when the reader of the output has gone away
         if options.save:
             store.save_solution(options.save, solution)
@@ -296,7 +295,7 @@ def run_info(_: Info) -> int:
     }
     for name, value in rows.items():
         table.add_row(name, value)
-    Console().print(table)
+    console.Output().print(table)
     return 0
 
 

@@ -23,6 +23,15 @@ EXIT_FAILED = 4
 EXIT_INTERRUPTED = 130
 EXIT_BROKEN_PIPE = 141
 
+
+class Output(Console):
+    """Standard output; a reader that went away is the caller's to handle."""
+
+    def on_broken_pipe(self) -> None:
+        """Rich would end the process with status 1."""
+        raise BrokenPipeError
+
+
 errors = Console(stderr=True, highlight=False, soft_wrap=True)
 """Progress and messages; results go to standard output."""
 
@@ -52,12 +61,16 @@ class Bar:
         self._progress.start()
         return self
 
+    start = 0.0
+    """Share that was done before."""
+
     def __exit__(self, *_: object) -> None:
         self._progress.stop()
 
     def show(self, done: float, state: str) -> None:
-        """`done`: share of the work since the start, 0 to 1; `state`: what to say beside it and the time left."""
-        text = f"{state}, {remaining(done, time.monotonic() - self._begin)}"
+        """`done`: share of the work, 0 to 1; `state`: what to say beside it and the time left."""
+        since = (done - self.start) / max(1e-9, 1 - self.start)
+        text = f"{state}, {remaining(since, time.monotonic() - self._begin)}"
         self._progress.update(self._task, completed=done, state=text)
         if not errors.is_terminal and time.monotonic() - self._said > self.every:
             self._said = time.monotonic()
@@ -122,6 +135,10 @@ def guard(command: Callable[[], int]) -> int:
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # the flush at exit must not fail again
         return EXIT_BROKEN_PIPE
+    except OSError as error:  # standard output, for instance, on a full disk
+        errors.print(f"linecontact: {error}", markup=False)
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return EXIT_BAD_INPUT
 
 
 def run(options: type[Parsed], command: Callable[[Parsed], int], prog: str) -> int:

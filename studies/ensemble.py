@@ -24,7 +24,7 @@ from pathlib import Path
 from typing import Any
 
 from linecontact.solver.relaxation import Progress
-from rich.console import Console, RenderableType
+from rich.console import RenderableType
 
 from . import console, executors, store
 from .tasks import Record, Task, TaskFolder, identity, lock
@@ -119,14 +119,15 @@ class Ensemble:
 
     @property
     def share(self) -> float:
-        """Of what this run has to do, 0 to 1."""
-        return (len(self.records) + len(self.failures) - self.found) / max(1, len(self.tasks) - self.found)
+        """Done or failed, 0 to 1."""
+        return (len(self.records) + len(self.failures)) / max(1, len(self.tasks))
 
     def __str__(self) -> str:
         rate = (len(self.records) - self.found) / max(1e-9, time.monotonic() - self._begin)
+        worst = f"{self.worst:.0e}" if self.worst else "none yet"
         return (
             f"{len(self.records)} of {len(self.tasks)} done, {len(self._running)} submitted, "
-            f"{len(self.failures)} failed, {rate:.3g} a second, worst residual {self.worst:.0e}"
+            f"{len(self.failures)} failed, {rate:.3g} a second, worst residual {worst}"
         )
 
     def run(
@@ -201,6 +202,9 @@ class Ensemble:
         self._died[task] = self._died.get(task, -1) + 1
         self._in_a_row += 1
         if self._died[task] < self.deaths:
+            console.errors.print(
+                f"a worker process died, killed or out of memory; task {identity(task)} is tried again"
+            )
             self._waiting.append(task)
         else:
             self._fail(task, "its worker process died, killed or out of memory")
@@ -250,6 +254,7 @@ def command(
     """Run studies into one folder, draw them, and print what `closing` makes of them; returns the exit status."""
     begin = time.monotonic()
     folder = options.folder or folder
+    executors.check(options.workers, options.memory, options.scheduler)
     store.make_folder(folder)
     store.check_folder(folder)
     with lock(folder):
@@ -259,7 +264,7 @@ def command(
             files = _compute(studies, options, folder)
         figures = _draw(studies, files, folder, computed)
         parts = closing(files, folder)
-    output = Console()
+    output = console.Output()
     for part in parts:
         output.print(part, soft_wrap=isinstance(part, str), highlight=False)
     output.print(f"{time.monotonic() - begin:.1f} s in all." if computed else "Finished before; nothing computed.")
@@ -295,6 +300,7 @@ def _compute(studies: Sequence[Study], options: Options, folder: Path) -> dict[s
     with executors.choose(options.workers, options.memory, options.scheduler, report) as pool:
         ensemble = _begin(studies, options, folder)
         with console.Bar(", ".join(study.kind for study in studies)) as bar:
+            bar.start = ensemble.share
             try:
                 ensemble.run(pool.make, pool.limit, lambda _: bar.show(ensemble.share, str(ensemble)))
             except BaseException:

@@ -55,11 +55,7 @@ def choose(
     memory: budget of each process [GiB]; by default what is free, shared. report: shows a solve in this process.
     Raises `ValueError`, and `LostError` when the scheduler goes away.
     """
-    checks.integer("workers", workers, "an integer from 1 to 1024", 1, 1024)
-    if memory is not None:
-        checks.real("memory", memory, f"a number of GiB > {_LEAST_MEMORY}", _LEAST_MEMORY)
-        if workers == 1 or scheduler is not None:
-            raise ValueError(f"memory is {memory}; allowed: none, it is for worker processes on this machine")
+    check(workers, memory, scheduler)
     if scheduler is not None:
         with _dask(scheduler) as pool:
             yield pool
@@ -71,6 +67,18 @@ def choose(
         budget = int(gibibytes * 2**30) if gibibytes else None
         # one more waiting for each, so that nobody idles
         yield Pool(lambda: Processes(workers, budget), lambda: 2 * workers)
+
+
+def check(workers: int, memory: float | None, scheduler: str | None) -> None:
+    """Raise `ValueError` for what `choose` cannot use."""
+    checks.integer("workers", workers, "an integer from 1 to 1024", 1, 1024)
+    if memory is not None:
+        checks.real("memory", memory, f"a finite number of GiB > {_LEAST_MEMORY}", _LEAST_MEMORY)
+        if workers == 1 or scheduler is not None:
+            raise ValueError(f"memory is {memory}; allowed: none, it is for worker processes on this machine")
+    # of others Dask's client makes a traceback
+    if scheduler is not None and not re.fullmatch(r"(tcp|tls|ws|wss|ucx)://\S+:\d+", scheduler):
+        raise ValueError(f"scheduler is {scheduler!r}; allowed: what `dask scheduler` prints, like tcp://host:8786")
 
 
 class InProcess(Executor):
@@ -158,24 +166,23 @@ def _dask(address: str) -> Iterator[Pool]:
         raise ValueError(
             f"scheduler is {address}; allowed: none, or a Dask scheduler's, with `pip install linecontact[cluster]`"
         ) from None
-    if not re.fullmatch(r"(tcp|tls|ws|wss|ucx)://\S+:\d+", address):  # of others the client makes a traceback
-        raise ValueError(f"scheduler is {address}; allowed: what `dask scheduler` prints, like tcp://host:8786")
     try:
         client: Any = Client(address, timeout=10, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
         raise ValueError(
             f"scheduler is {address}, where none answers ({error}); allowed: the address that `dask scheduler` prints"
         ) from None
-    asked, limit = -1.0, 2
+    asked, limit, warned = -1.0, 2, False
 
     def present() -> int:
-        nonlocal asked, limit
+        nonlocal asked, limit, warned
         if time.monotonic() - asked > 1:  # workers come and go
             try:
                 threads = sum(client.nthreads().values())
             except Exception as error:
                 raise LostError(f"scheduler {address} is gone ({error}); run again to continue") from error
-            if not threads:
+            if not threads and not warned:
+                warned = True
                 console.errors.print(f"scheduler {address} has no workers; waiting")
             asked, limit = time.monotonic(), max(2, 2 * threads)
         return limit

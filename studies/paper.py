@@ -66,8 +66,22 @@ def closing(files: dict[str, store.StudyFile], folder: Path) -> Sequence[Rendera
             report.from_rich(part) if isinstance(part, Table) else str(part)
             for part in module.closing({kind: file}, folder)
         ]
-    written = report.write(folder, report.markdown("How thickness affects the area-pressure relation", found, parts))
+    title = "How thickness affects the area-pressure relation"
+    written = report.write(folder, report.markdown(title, made(files), found, parts))
     return [verdicts(found), f"Report: {', '.join(map(str, written))}"]
+
+
+def made(files: dict[str, store.StudyFile]) -> str:
+    """What a report was made from."""
+    runs = [run for file in files.values() for run in file.runs]
+    versions, points = (sorted({str(run[name]) for run in runs}) for name in ("version", "scene.num_points"))
+    commits = sorted({str(run["provenance.commit"]) for run in runs})
+    surfaces = len({run["scene.seed"] for run in files["rough"].runs}) if "rough" in files else 0
+    certified = sum(run["status"] == "converged" for run in runs)
+    return (
+        f"{len(runs)} solves on {' and '.join(points)} points, {surfaces} rough surfaces for every point; {certified} "
+        f"certified at 1e-8. linecontact {', '.join(versions)}, commit {', '.join(commits)}."
+    )
 
 
 def verdicts(found: Sequence[Statement]) -> Table:

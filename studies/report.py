@@ -35,11 +35,18 @@ def from_rich(source: Table) -> str:
     return f"**{title}**\n\n{body}\n\n{caption}"
 
 
-def markdown(title: str, statements: Sequence[Statement], parts: Sequence[str]) -> str:
-    """The report: first what was said and what was found, then the studies one by one."""
+_RULE = (
+    "All values are dimensionless unless a unit is given. After +-: for single profiles an estimate of the error, for "
+    "rough surfaces the standard error over the surfaces. A statement *holds* if the measured value is within two such "
+    "errors, and half a digit of what was published; it *holds within x* up to 5 %; else it does not hold."
+)
+
+
+def markdown(title: str, made: str, statements: Sequence[Statement], parts: Sequence[str]) -> str:
+    """The report: first what was said and what was found, then the studies one by one. made: by what, from what."""
     rows = [(s.text, s.published, s.measured, f"**{s.verdict}**", s.remark) for s in statements]
     head = table(("statement", "published", "measured", "verdict", "remark"), rows)
-    return "\n\n".join([f"# {title}", "All values are dimensionless unless a unit is given.", head, *parts]) + "\n"
+    return "\n\n".join([f"# {title}", made, _RULE, head, *parts]) + "\n"
 
 
 def write(folder: Path, text: str) -> tuple[Path, Path]:

@@ -132,7 +132,7 @@ class Mean:
     def of(cls, values: Array64) -> "Mean":
         """From one value per realisation."""
         error = float(np.std(values, ddof=1)) / math.sqrt(values.size) if values.size > 1 else math.nan
-        return cls(float(np.mean(values)), error)
+        return cls(float(np.mean(values)) if values.size else math.nan, error)
 
     def __str__(self) -> str:
         if not self.error > 0:
@@ -276,8 +276,8 @@ def summary(file: store.StudyFile) -> Table:
 def _half_space_row(file: store.StudyFile, hurst: float) -> tuple[str, ...]:
     runs = [run for run in file.select("scene.hurst", hurst).runs if math.isinf(run["scene.thickness"])]
     ok = sum(run["status"] == "converged" for run in runs)
-    patches = np.mean([run["num_patches"] for run in runs])
-    return f"{ok}/{len(runs)}", f"{patches:.3g}", "", "", "", f"{sum(run['seconds.total'] for run in runs):.0f}"
+    patches = Mean.of(np.array([run["num_patches"] for run in runs]))
+    return f"{ok}/{len(runs)}", f"{patches.value:.3g}", "", "", "", f"{sum(run['seconds.total'] for run in runs):.0f}"
 
 
 def single_patch(poisson_ratio: float, kappa_inf: float) -> float:

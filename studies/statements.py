@@ -74,7 +74,7 @@ def _asperity(file: store.StudyFile) -> Iterator[Statement]:
         rounding = 0.0 if math.isclose(published, exact, rel_tol=1e-12) else 0.005
         yield Statement(
             f"{name}: kappa_d/kappa_inf = alpha (1-2nu)/(1-nu)^2 d/a_r on thin layers",
-            f"alpha = {published:.4g}",
+            f"alpha = {published:.2f}" if rounding else f"alpha = 3 pi/4 = {published:.4f}",
             f"{middle:.4f} +- {error:.1g} (median over nu)",
             judge(published, middle, error, rounding),
             f"Exactly alpha = {exact:.4f}. From the two thinnest layers, the second order divided out.",

@@ -133,7 +133,7 @@ def test_methods_and_grids(method, grids):
         (["solve", "--save", "/nowhere/at/all.h5"], "does not exist"),
         (["solve", "--colour", "red"], "--colour"),
         (["plot", "missing.h5"], "missing.h5 does not exist"),
-        (["plot", __file__], "damaged"),
+        (["plot", __file__], "not one of linecontact's"),
         (["study", "hertz", "--workers", "0"], "workers is 0"),
         (["study", "moon"], "moon"),
         ([], "solve"),
@@ -215,12 +215,22 @@ def test_a_killed_study_continues(tmp_path, sign):
 
 @pytest.mark.skipif(os.name != "posix", reason="pipes of POSIX")
 def test_a_reader_that_goes_away_is_no_traceback():
-    command = [*CLI, "solve", "--num-points", "64", "--json"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
-        process.stdout.close()
-        stderr = process.stderr.read()
-    assert process.returncode == 141
-    assert not stderr
+    for form in (["--json"], []):
+        command = [*CLI, "solve", "--num-points", "64", *form]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+            process.stdout.close()
+            stderr = process.stderr.read()
+        assert process.returncode == 141
+        assert not stderr
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no /dev/full")
+def test_a_full_disk_behind_the_output_is_one_line():
+    for arguments in (["solve", "--num-points", "64"], ["solve", "--num-points", "64", "--json"]):
+        with open("/dev/full", "w") as full:
+            result = subprocess.run([*CLI, *arguments], stdout=full, stderr=subprocess.PIPE, text=True, timeout=60)
+        assert result.returncode == 2
+        assert result.stderr.count("\n") == 1
 
 
 def test_an_unusable_cache_is_one_line(tmp_path):

@@ -559,7 +559,8 @@ def test_a_cluster_that_loses_a_worker_gives_the_same_data(cluster, tmp_path, fo
     finally:
         process.kill()
         process.wait(PATIENCE)
-    assert [number for number, times in begun().items() if times > 1] == [lost]
+    # Dask may also do again what the dead worker had done and still held
+    assert lost in [number for number, times in begun().items() if times > 1]
     assert command(todo, tmp_path / "alone") == 0
     assert data(folder / "dummy.h5") == data(tmp_path / "alone" / "dummy.h5")
 
@@ -597,7 +598,7 @@ def test_a_wrong_scheduler_is_one_line_and_status_2(folder, address):
     pytest.importorskip("distributed")
     result = finish(program([Square(0)], folder, "--scheduler", address))
     assert result.returncode == 2, result.stderr
-    assert result.stderr.startswith(f"linecontact: scheduler is {address}")
+    assert result.stderr.startswith((f"linecontact: scheduler is {address}", f"linecontact: scheduler is '{address}'"))
     assert result.stderr.count("\n") == 1
 
 

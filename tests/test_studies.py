@@ -148,6 +148,21 @@ def test_figures_come_from_the_file_alone(paper_folder, tmp_path):
         assert {p.name for p in drawn} == {f"{kind}{s}.{end}" for s in suffixes for end in ("png", "pdf")}
 
 
+def test_what_is_not_ours_is_left_alone(tmp_path, solution):
+    """Another program's file, another kind of linecontact's, and what was set aside before."""
+    path = tmp_path / "hertz.h5"
+    path.write_bytes(b"somebody's data " * 100)
+    with pytest.raises(store.StoreError, match="not one of linecontact's"):
+        store.finished(path, "hertz", {})
+    store.save_solution(path, solution)
+    with pytest.raises(store.StoreError, match="holds another study"):
+        store.finished(path, "hertz", {})
+    for content in (b"", path.read_bytes()[:700]):
+        path.write_bytes(content)
+        assert store.finished(path, "hertz", {}) is None
+    assert {p.name: p.stat().st_size for p in tmp_path.iterdir()} == {"hertz.h5.damaged": 0, "hertz.h5.damaged.2": 700}
+
+
 def test_means_over_realisations(paper_folder):
     """Recomputed by hand for one point."""
     file = store.load_study(paper_folder / "rough.h5")

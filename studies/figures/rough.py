@@ -101,7 +101,7 @@ def patches(study: store.StudyFile) -> Figure:
     points = _points(study)
     for row in rows:
         for axes in row:
-            axes.set(xlabel="" if row is rows[0] else r"$d$ over the mean width of a patch, $M\,d/a_r$")
+            axes.set(xlabel="" if row is rows[0] else r"$d$ over patch width, $M\,d/a_r$ (dimensionless)")
     for column, hurst in enumerate(hursts):
         for nu, colour, marker in zip(
             study.configuration["poisson_ratios"], cycle(COLOURS), cycle(MARKERS), strict=False
