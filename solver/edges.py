@@ -185,7 +185,7 @@ def find_edges(patches: Patches, pressure: Array64, thickness: float = math.inf,
 
     thickness [grid spacings], poisson_ratio: of the layer. The error, measured against the oracle, is 0.1 to 0.25 over
     the nodes of the patch plus 0.03 over the thickness, more where the third node corrects much; for layers of few
-    spacings 0.01, for nu near 1/2 0.03.
+    spacings 0.02, for nu near 1/2 0.06.
     """
     if patches.full:
         half = np.array([0.5])  # error: a gap between two nodes would not be seen

@@ -47,6 +47,8 @@ class Bar:
     """Progress on standard error: a bar on a terminal, a plain line every `every` seconds elsewhere."""
 
     every = 5.0
+    start = 0.0
+    """Share of the work that was done before."""
 
     def __init__(self, what: str) -> None:
         self._what, self._begin, self._said = what, time.monotonic(), time.monotonic()
@@ -60,9 +62,6 @@ class Bar:
     def __enter__(self) -> "Bar":
         self._progress.start()
         return self
-
-    start = 0.0
-    """Share that was done before."""
 
     def __exit__(self, *_: object) -> None:
         self._progress.stop()

@@ -188,13 +188,8 @@ def half_space(file: store.StudyFile, hurst: float, name: str = "kappa_subgrid")
     return {run["scene.seed"]: run[name] for run in runs}
 
 
-def realisations(file: store.StudyFile, hurst: float, poisson_ratio: float, thickness: float) -> dict[int, Realisation]:
-    """Every surface that is done on this layer and on the half-space, by seed."""
-    return _realisations(file).get((hurst, poisson_ratio, thickness), {})
-
-
-def _realisations(file: store.StudyFile) -> dict[tuple[float, float, float], dict[int, Realisation]]:
-    """By H, nu and thickness, and by seed, in the order of the file."""
+def realisations(file: store.StudyFile) -> dict[tuple[float, float, float], dict[int, Realisation]]:
+    """Every surface that is done on a layer and on the half-space: by H, nu and thickness, and by seed."""
     references = {hurst: half_space(file, hurst) for hurst in {run["scene.hurst"] for run in file.runs}}
     found: dict[tuple[float, float, float], dict[int, Realisation]] = {}
     for run in file.runs:
@@ -213,7 +208,7 @@ def _realisations(file: store.StudyFile) -> dict[tuple[float, float, float], dic
 
 def points(file: store.StudyFile) -> Iterator[Point]:
     """Every point of which at least one realisation is done, from thick to thin."""
-    for (hurst, nu, thickness), surfaces in _realisations(file).items():
+    for (hurst, nu, thickness), surfaces in realisations(file).items():
         own, foundation = list(surfaces.values()), (1 - 2 * nu) / (1 - nu) ** 2
 
         def mean(quantity: Callable[[Realisation], float], own: list[Realisation] = own) -> Mean:

@@ -12,6 +12,7 @@ from . import asperity, rough, store
 
 Array64 = NDArray[np.float64]
 Files = dict[str, store.StudyFile]
+Curve = tuple[Array64, Array64, Array64]
 
 
 @dataclass(frozen=True)
@@ -88,6 +89,13 @@ def _asperity(file: store.StudyFile) -> Iterator[Statement]:
             "In the limit. At a finite thickness the second order depends on nu: with it the values at the thinnest "
             f"layer spread by {100 * _first_order_spread(thin, list(alphas)):.2g} %.",
         )
+    yield from _powers(file, thin)
+
+
+def _powers(file: store.StudyFile, thin: dict[float, Curve]) -> Iterator[Statement]:
+    """Local powers of kappa_d in d/a_r between the two thinnest layers: the first Poisson's ratio, and 1/2."""
+    c, name = file.configuration, file.kind
+    n = c["exponent"]
     for nu, (t, kappa, _) in thin.items():
         power = float(np.log(kappa[1] / kappa[0]) / np.log(t[1] / t[0]))
         if nu == c["poisson_ratios"][0]:
@@ -108,9 +116,6 @@ def _asperity(file: store.StudyFile) -> Iterator[Statement]:
                 "not part of the study",
                 "The limit is (d/a_r)^3, and approached slowly.",
             )
-
-
-Curve = tuple[Array64, Array64, Array64]
 
 
 def _thin(file: store.StudyFile, poisson_ratio: float) -> Curve:
@@ -146,6 +151,7 @@ def _first_order_spread(thin: dict[float, Curve], poisson_ratios: list[float]) -
 def _rough(file: store.StudyFile) -> Iterator[Statement]:
     nu = file.configuration["poisson_ratios"][0]
     thin = sorted(file.configuration["thicknesses"])[:2]
+    layers = rough.realisations(file)
     for hurst in file.configuration["hursts"]:
         halves = [rough.half_space(file, hurst, name) for name in ("kappa", "kappa_subgrid")]
         if not halves[0]:
@@ -158,7 +164,7 @@ def _rough(file: store.StudyFile) -> Iterator[Statement]:
             judge(rough.PUBLISHED_KAPPA, counted.value, counted.error, 0.005),
             "Judged as published, by counting nodes, which is biased upwards on rough surfaces.",
         )
-        curves = [rough.realisations(file, hurst, nu, d) for d in thin]
+        curves = [layers.get((hurst, nu, d), {}) for d in thin]
         seeds = sorted(set(curves[0]) & set(curves[1]))
         if seeds:
             patches = [float(np.mean([curve[seed].patches for seed in seeds])) for curve in curves]

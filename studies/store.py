@@ -53,7 +53,7 @@ class StoreError(ValueError):
 
 
 class DamagedError(StoreError):
-    """A file that is not what was written, or not of linecontact."""
+    """A file of linecontact that is not what was written."""
 
 
 def unit(name: str) -> str:
@@ -136,7 +136,7 @@ def remove(*paths: Path) -> None:
 
 @contextlib.contextmanager
 def open_file(path: Path) -> Iterator[h5py.File]:
-    """Read an HDF5 file; raises `StoreError` for a missing one, `DamagedError` for a damaged or foreign one."""
+    """Read an HDF5 file; raises `StoreError` for a missing or foreign one, `DamagedError` for a damaged one."""
     if not path.is_file():
         raise StoreError(f"file {path} {'is a folder' if path.is_dir() else 'does not exist'}; allowed: an HDF5 file")
     try:
@@ -278,7 +278,7 @@ def finished(path: Path, kind: str, configuration: Mapping[str, Any]) -> StudyFi
     except DamagedError:
         set_aside(path)
         return None
-    if (study.kind, study.configuration, study.version) != (kind, plain(configuration), RESULTS_VERSION):
+    if (study.configuration, study.version) != (plain(configuration), RESULTS_VERSION):
         raise refusal
     return study if study.complete else None
 

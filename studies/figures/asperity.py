@@ -56,7 +56,7 @@ def ratio(study: store.StudyFile) -> Figure:
         ylabel=r"$(\kappa_d/\kappa_\infty)\,/\,(d/a_r)$ (dimensionless)",
         title="$n={exponent:g}$, $p={pressure:g}\\,E^*$, {num_points} points".format(**c),
     )
-    axes.legend(fontsize=7, ncols=2, loc="lower center")
+    axes.legend(fontsize=7, ncols=2, loc="lower right")
     label = r"reduced thickness $d/a_r$ ($L=1$, dimensionless)"
     below.set(xlabel=label, ylabel=r"$\kappa_d/\kappa_\infty$ (dimensionless)", ylim=(0, 1.1))
     below.legend(fontsize=7, loc="lower right")
