@@ -6,7 +6,8 @@ from .observables import Observables
 from .relaxation import Status
 from .run import METHODS, default_tolerance
 from .scene import Layer, Scene
-from .solve import Solution, solve
+from .solution import Solution
+from .solve import solve
 
 __all__ = [
     "METHODS",

@@ -1,0 +1,77 @@
+"""What a solve returns."""
+
+import math
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .certificate import Certificate
+from .nested import Level
+from .observables import Observables
+from .provenance import package_version, provenance
+from .relaxation import Status
+from .scene import Scene
+
+Array64 = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A displacement, what it means, how it was found and how wrong it can be.
+
+    displacement, contact_pressure: shape (N,) [length], [pressure]; contact: shape (N,), nodes the wall carries.
+    status: only `Status.CONVERGED` is certified at `tolerance`.
+    handed_over: the active set could not certify its result, and mass-weighted FIRE went on from there.
+    levels: the coarser grids, from coarse to fine; empty without nested grids. iterations: on all grids.
+    transform_pairs: forward-inverse pairs in units of a pair on the finest grid, short and coarse ones by their length.
+    seconds: wall time by stage ('setup', 'solve', 'certificate', 'total') [s].
+    """
+
+    scene: Scene
+    method: str
+    tolerance: float
+    status: Status
+    displacement: Array64
+    contact_pressure: Array64
+    contact: NDArray[np.bool_]
+    observables: Observables
+    certificate: Certificate
+    iterations: int
+    transform_pairs: float
+    seconds: dict[str, float]
+    threads: int
+    planning: str
+    backend: str
+    handed_over: bool = False
+    levels: tuple[Level, ...] = field(default_factory=tuple)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything but the fields, JSON-ready: numbers, text and flat objects; not finite: 'inf', 'nan'."""
+        record: dict[str, Any] = {"status": str(self.status)}
+        record |= {name: _plain(value) for name, value in asdict(self.observables).items()}
+        return record | {
+            "iterations": self.iterations,
+            "transform_pairs": round(self.transform_pairs, 3),
+            "handed_over": self.handed_over,
+            "levels": {
+                str(level.num_points): {name: _plain(value) for name, value in level.to_dict().items()}
+                for level in self.levels
+            },
+            "seconds": dict(self.seconds),
+            "certificate": {name: _plain(value) for name, value in asdict(self.certificate).items()},
+            "method": self.method,
+            "precision": self.scene.precision,
+            "tolerance": self.tolerance,
+            "threads": self.threads,
+            "planning": self.planning,
+            "backend": self.backend,
+            "scene": self.scene.to_dict(),
+            "version": package_version(),
+            "provenance": provenance(),
+        }
+
+
+def _plain(value: float) -> float | str:
+    return value if math.isfinite(value) else str(value)
