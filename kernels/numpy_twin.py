@@ -24,16 +24,18 @@ def spectral_multiply(coefficient: Array, spectrum: Array) -> None:
     spectrum *= coefficient
 
 
-def _free_force(elastic: Array, velocity: Array) -> tuple[Array, Array]:
-    """Free part of r = 1 - K u, and the held nodes."""
-    r = 1 - elastic
+def _free_force(elastic: Array, velocity: Array, load: Array | int = 1) -> tuple[Array, Array]:
+    """Free part of r = load - K u, and the held nodes."""
+    r = load - elastic
     held = (velocity == TOUCHING) & (r > 0)
     return np.where(held, r.dtype.type(0), r), held
 
 
-def net_force(elastic: Array, velocity: Array, force: Array, force_sums: Array64, held_sums: Array64) -> None:
-    """Free part of r = 1 - K u, its squares' sums and the held nodes' counts per chunk."""
-    force[:], held = _free_force(elastic, velocity)
+def net_force(
+    load: Array, elastic: Array, velocity: Array, force: Array, force_sums: Array64, held_sums: Array64
+) -> None:
+    """Free part of r = load - K u, its squares' sums and the held nodes' counts per chunk."""
+    force[:], held = _free_force(elastic, velocity, load)
     force_sums[:] = _chunk_sums(force * force)
     held_sums[:] = _chunk_sums(held)
 
@@ -128,7 +130,7 @@ def plain_step(elastic: Array, h: Array, state: Array64, u: Array, v: Array) -> 
 
 def advance_response(change: Array, state: Array64, response: Array) -> None:
     """w += step (G d)."""
-    response += response.dtype.type(state[layout.STEP]) * change
+    response += response.dtype.type(state[layout.STEP]) * change.astype(response.dtype)
 
 
 def count_below(response: Array, h: Array, state: Array64, counts: Array64) -> None:

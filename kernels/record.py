@@ -83,6 +83,8 @@ def load() -> None:
             for real in (wp.float32, wp.float64):
                 types = {k: wp.array(dtype=real) if t.dtype is Any else t for k, t in arguments.items()}
                 wp.overload(kernel, types)
+    single, double, state = wp.array(dtype=wp.float32), wp.array(dtype=wp.float64), wp.array(dtype=wp.float64)
+    wp.overload(warp_kernels.advance_response, {"change": single, "state": state, "response": double})
     wp.load_module(warp_kernels, device="cpu")
 
 

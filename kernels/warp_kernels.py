@@ -86,20 +86,21 @@ def spectral_multiply(coefficient: wp.array[Any], spectrum: wp.array[Any]):
 
 @wp.kernel
 def net_force(
+    load: wp.array[Any],
     elastic: wp.array[Any],
     velocity: wp.array[Any],
     force: wp.array[Any],
     force_sums: wp.array[wp.float64],
     held_sums: wp.array[wp.float64],
 ):
-    """Free part of r = 1 - K u, with the chunk's sum of its squares and its number of held nodes."""
+    """Free part of r = load - K u, with the chunk's sum of its squares and its number of held nodes."""
     tid = wp.tid()
     start = tid * CHUNK_LENGTH
     squares = elastic.dtype(0.0)
     count = elastic.dtype(0.0)
     for j in range(CHUNK_LENGTH):
         i = start + j
-        r = elastic.dtype(1.0) - elastic[i]
+        r = load[i] - elastic[i]
         on_wall = held(r, velocity[i])
         f = wp.where(on_wall, elastic.dtype(0.0), r)
         force[i] = f
@@ -289,12 +290,15 @@ def plain_step(
 
 @wp.kernel
 def advance_response(change: wp.array[Any], state: wp.array[wp.float64], response: wp.array[Any]):
-    """w += step (G d): the response w = G sigma follows a step along the direction d; the gap is h + w - level."""
+    """w += step (G d): the response w = G sigma follows a step along the direction d; the gap is h + w - level.
+
+    In mixed precision the change is float32 and the response float64.
+    """
     start = wp.tid() * CHUNK_LENGTH
     step = response.dtype(state[STEP])
     for j in range(CHUNK_LENGTH):
         i = start + j
-        response[i] = response[i] + step * change[i]
+        response[i] = response[i] + step * response.dtype(change[i])
 
 
 @wp.kernel

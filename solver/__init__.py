@@ -4,14 +4,16 @@ from .certificate import Certificate, certify
 from .indenters import MeasuredIndenter, PowerIndenter, RoughIndenter
 from .observables import Observables
 from .relaxation import Status
-from .run import METHODS, default_tolerance
+from .run import BELOW_FLOOR, METHODS, default_tolerance
 from .scene import Layer, Scene
-from .solution import Solution
+from .solution import Choice, Solution
 from .solve import solve
 
 __all__ = [
+    "BELOW_FLOOR",
     "METHODS",
     "Certificate",
+    "Choice",
     "Layer",
     "MeasuredIndenter",
     "Observables",

@@ -12,6 +12,7 @@ The residual is the preconditioned one, an estimate of the pressure's error: rms
 """
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -46,23 +47,20 @@ class ActiveSet:
         n = self._num_points = problem.num_points
         self.problem, self.transforms, self.backend, self.tolerance = problem, transforms, backend, tolerance
         self.target = self.safety * tolerance
-        self._pairs = 0
+        self._pairs, self._drift = 0, 0.0
         self.iteration, self.residual, self.frozen = 0, math.inf, False
-        self._response, self._height, self._direction, self._work = (transforms.buffer() for _ in range(4))
+        self._direction, self._work = transforms.buffer(), transforms.buffer()
+        self._response, self._height, self._rest = self._fields()
         self._state = np.zeros(layout.GAP_STATE_LENGTH)
         self._counts = np.zeros(self._work.size // CHUNK)
         self._green = GreensFunction(problem.stiffness)
-        coefficient = transforms.buffer(n + 2)
-        forward, inverse = transforms.forward(self._direction), transforms.inverse(self._work)
-        coefficient[: n + 2] = np.repeat(self._green.compliance / n, 2)
-        multiply = record(backend, [Call("spectral_multiply", (coefficient,), (transforms.spectrum,))])
-        self._compliance = forward, multiply, inverse
+        self._compliance = self._operator(transforms, self._direction, self._work)
         self._wall = self._response, self._height, self._state
         self._advance = record(backend, [Call("advance_response", (self._work, self._state), (self._response,))])
         self._count = record(backend, [Call("count_below", self._wall, (self._counts,))])
         self._height[:n] = problem.height
         self._height[n:] = 1e30  # the padding never touches
-        self._eps = float(np.finfo(transforms.real).eps)
+        self._eps = float(np.finfo(self._response.dtype).eps)
         # a single node that penetrates so much takes a tenth of the tolerance as its force
         self._smallest_gap = 0.1 * tolerance / float(problem.stiffness.mean())
         self._full_pressure = np.zeros(n)
@@ -71,6 +69,20 @@ class ActiveSet:
         self._patches: Patches | None = None
         self._nodes, self._pressure = np.zeros(0, dtype=np.int64), np.zeros(0)
         self._preconditioner: PatchDeflation | None = None
+        self._conjugate = np.zeros(0)
+
+    def _fields(self) -> tuple[Array, Array, Array]:
+        """Buffers for the response, the wall and the displacement."""
+        return self.transforms.buffer(), self.transforms.buffer(), self._work
+
+    def _operator(self, transforms: Transforms, source: Array, target: Array) -> tuple[Callable[[], None], ...]:
+        """target = G source, in three steps."""
+        forward, inverse = transforms.forward(source), transforms.inverse(target)
+        length = self._num_points + 2
+        coefficient = transforms.buffer(length)
+        coefficient[:length] = np.repeat(self._green.compliance / self._num_points, 2)
+        multiply = record(self.backend, [Call("spectral_multiply", (coefficient,), (transforms.spectrum,))])
+        return forward, multiply, inverse
 
     def start(self, displacement: Array64) -> None:
         """Begin from the wall's force under a displacement, shape (N,) [p L/E*]."""
@@ -132,11 +144,14 @@ class ActiveSet:
 
     def _find_response(self) -> None:
         """Scale the pressure to the load and take the response to it."""
+        self._scale_to_load()
+        self._apply(self._pressure)
+        self._response[:] = self._work
+
+    def _scale_to_load(self) -> None:
         if not self._pressure.any():  # a set of new nodes only
             self._pressure += 1
         self._pressure *= self._num_points / self._pressure.sum()
-        self._apply(self._pressure)
-        self._response[:] = self._work
 
     def step(self) -> None:
         """One iteration of conjugate gradients, or an update of the set."""
@@ -152,7 +167,11 @@ class ActiveSet:
         self.residual = math.sqrt(float(z @ z) / self._num_points)
         if math.isinf(self._first):
             self._first = self.residual
-            self._conjugate = z
+        if self._drift and self.residual <= max(self.target, 3 * self._drift):
+            self._find_response()
+            self._before = 0.0
+            self.iteration += 1
+            return
         if self.residual <= max(self.target, 0.0 if self._settled else self._inner * self._first):
             if self._update_set():
                 self.iteration += 1
@@ -168,8 +187,7 @@ class ActiveSet:
 
     def _advance_along(self, r: Array64, z: Array64) -> None:
         rz = float(r @ z)
-        if self._before:
-            self._conjugate = z + rz / self._before * self._conjugate
+        self._conjugate = z + rz / self._before * self._conjugate if self._before else z
         self._before = rz
         d = self._conjugate
         self._apply(d)
@@ -244,9 +262,9 @@ class ActiveSet:
         if not self._nodes.size:
             return np.zeros(self._num_points)
         self._state[layout.LEVEL] = self._level
-        record(self.backend, [Call("rest_on_wall", self._wall, (self._work,))])()
+        record(self.backend, [Call("rest_on_wall", self._wall, (self._rest,))])()
         n, height = self._num_points, self.problem.height
-        u = np.minimum(self._work[:n].astype(np.float64), height)
+        u = np.minimum(self._rest[:n].astype(np.float64), height)
         u[self._nodes] = height[self._nodes]
         return u
 

@@ -205,7 +205,8 @@ class MassWeightedFire(Fire):
         return 1000
 
     def _prepare(self) -> None:
-        self.force, self.probe = self.transforms.buffer(), self.transforms.buffer()
+        self.force, self.probe, self.load = (self.transforms.buffer() for _ in range(3))
+        self.load[:] = 1
         mass = self.problem.stiffness.copy()
         mass[0] = mass[1:].min()
         self._apply_inverse_mass = self._operator(self.force, 1 / mass)
@@ -213,7 +214,7 @@ class MassWeightedFire(Fire):
         self._probe_inverse_mass = (self.transforms.forward(self.probe), *self._apply_inverse_mass[1:])
         force, held, power, velocity, acceleration = sums = self._sums(5)
         self._squares = acceleration  # free for the probe, between two steps
-        self._find_force = self._replay(Call("net_force", (self.work, self.v), (self.force, force, held)))
+        self._find_force = self._replay(Call("net_force", (self.load, self.work, self.v), (self.force, force, held)))
         self._move = self._replay(
             Call("search_sums", (self.force, self.v), (self.work, power, velocity, acceleration)),
             Call("fire_control", tuple(sums), (self.state,)),

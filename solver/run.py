@@ -12,6 +12,7 @@ from . import checks
 from .active_set import ActiveSet
 from .certificate import certify
 from .fire import Fire, MassWeightedFire
+from .mixed import MixedActiveSet, MixedFire, MixedMassWeightedFire
 from .nested import Level, grids, measure_level, prolong
 from .observables import contact_edges
 from .problem import Problem
@@ -27,6 +28,11 @@ _METHODS: dict[str, type[ActiveSet] | type[Fire]] = {
     "mass-weighted-fire": MassWeightedFire,
     "fire": Fire,
 }
+_MIXED: dict[type[ActiveSet] | type[Fire], type[ActiveSet] | type[Fire]] = {
+    ActiveSet: MixedActiveSet,
+    MassWeightedFire: MixedMassWeightedFire,
+    Fire: MixedFire,
+}
 
 METHODS = tuple(_METHODS)
 """Names of the methods, fastest first; the first is the default."""
@@ -39,31 +45,55 @@ _COARSE_TOLERANCE, _COARSE_SLACK = 1e-5, 0.1  # so that the next grid starts wit
 DEFAULT_MAX_ITERATIONS = {"active-set": 2_000, "mass-weighted-fire": 20_000, "fire": 200_000}
 
 
-def rounding_floor(problem: Problem, precision: str) -> float:
-    """Estimate of the rms free residual over p below which rounding in u hides everything (dimensionless).
+_FLOOR_POINTS = 1024  # of the solution that tells the size of u
+BELOW_FLOOR = ("refuse", "mixed")
+"""What to do with a tolerance that float32 cannot reach."""
 
-    A relative rounding error eps in u comes back as eps rms(K) |u|; |u| is taken from its fluctuation under a line
-    load, rms(u) = sqrt(2 sum 1/K^2), which a spread-out contact stays below.
+
+def rounding_floor(scene: Scene, problem: Problem | None = None) -> float:
+    """The rms free residual over p that float32 leaves, within a factor of two for FIRE (dimensionless).
+
+    A relative rounding error eps in u comes back as force, times the rms of K; so it grows with K_max and N. The size
+    of u hardly depends on the grid and is taken from a coarse one. Measured on 150 scenes, 2^10 to 2^18 points: FIRE
+    stagnates at 0.1 to 2 of eps rms(K) rms(u), mostly at a half; the active set there or below.
     """
-    k = problem.stiffness[1:]
-    eps = float(np.finfo(precision).eps)
-    return 2.5 * eps * math.sqrt(float(np.mean(k**2))) * math.sqrt(2 * float(np.sum(k**-2.0)))
+    problem = problem or Problem.from_scene(scene)
+    size = min(_FLOOR_POINTS, scene.num_points)
+    coarse = ActiveSet(Problem.from_scene(scene, size), Transforms(size, "float64"), 1e-3, "numpy")
+    relax(coarse, 300)
+    eps, k = float(np.finfo(np.float32).eps), problem.stiffness[1:]
+    return 0.5 * eps * math.sqrt(float(np.mean(k**2)) * float(np.mean(coarse.displacement**2)))
 
 
 def default_tolerance(scene: Scene, problem: Problem | None = None) -> float:
-    """1e-8 in float64; in float32 the larger of 1e-4 and twice what rounding leaves (dimensionless).
+    """1e-8; in float32 the larger of 1e-4 and four times what rounding leaves (dimensionless).
 
     Raises `ValueError` where rounding in float32 leaves no meaning in the residual.
     """
-    if scene.precision == "float64":
+    if scene.precision != "float32":
         return 1e-8
-    tolerance = max(1e-4, 2 * rounding_floor(problem or Problem.from_scene(scene), scene.precision))
-    if tolerance > 0.2:
+    floor = rounding_floor(scene, problem)
+    if 4 * floor > 0.2:
         raise ValueError(
-            f"num_points is {scene.num_points}, where float32 leaves a residual of about {tolerance / 2:.1g}; allowed: "
-            "fewer points, precision float64, or a tolerance of your own"
+            f"num_points is {scene.num_points}, where float32 leaves a residual of about {floor:.1g}; allowed: "
+            "fewer points, precision mixed or float64, or a tolerance of your own"
         )
-    return tolerance
+    return max(1e-4, 4 * floor)
+
+
+def _above_floor(scene: Scene, problem: Problem, tolerance: float, below_floor: str) -> tuple[Scene, str]:
+    """The scene in a precision that reaches the tolerance, and the reason for the change, if any.
+
+    Raises `ValueError` if float32 cannot reach it and `below_floor` is 'refuse'.
+    """
+    if scene.precision != "float32" or tolerance >= (floor := rounding_floor(scene, problem)):
+        return scene, ""
+    if below_floor == "refuse":
+        raise ValueError(
+            f"tolerance is {tolerance!r}; allowed: at least {floor:.1g}, which is what rounding in float32 leaves of "
+            "the residual, or precision mixed or float64, or --below-floor mixed"
+        )
+    return replace(scene, precision="mixed"), f"float32 leaves a residual of {floor:.1g}, above the tolerance"
 
 
 class Run:
@@ -79,19 +109,24 @@ class Run:
         planning: str,
         backend: str,
         max_iterations: int | None,
+        below_floor: str,
         progress: Progress | None,
     ) -> None:
         if not isinstance(scene, Scene):
             raise ValueError(f"scene is {scene!r}; allowed: a Scene")
         checks.choice("backend", backend, kernels.BACKENDS)
+        checks.choice("below_floor", below_floor, BELOW_FLOOR)
         _check_memory(scene)
-        self.scene, self.method, self.backend = scene, _METHODS[method], backend
+        self.method, self.backend = _METHODS[method], backend
         self.threads, self.planning, self.progress = threads, planning, progress
         self.problem = Problem.from_scene(scene)
         _check_range(scene, self.problem)
+        self.scene, self.precision_changed = scene, ""
         if tolerance is None:
-            tolerance = default_tolerance(scene, self.problem)
-        self.tolerance = checks.real("tolerance", tolerance, "1e-14 < tolerance <= 0.5", 1e-14, 0.5)
+            self.tolerance = default_tolerance(scene, self.problem)
+        else:
+            self.tolerance = checks.real("tolerance", tolerance, "1e-14 < tolerance <= 0.5", 1e-14, 0.5)
+            self.scene, self.precision_changed = _above_floor(scene, self.problem, self.tolerance, below_floor)
         self.initial = None
         if initial is not None:
             displacement = _check_initial(initial, scene.num_points)
@@ -112,11 +147,15 @@ class Run:
         self, problem: Problem, tolerance: float, method: type[ActiveSet] | type[Fire] | None = None
     ) -> Method:
         # coarse grids cost little in float64, and what they pass on is better than float32's residual could tell
-        precision = self.scene.precision if problem.num_points == self.scene.num_points else "float64"
+        finest = problem.num_points == self.scene.num_points
+        precision = self.scene.working_precision if finest else "float64"
         transforms = Transforms(problem.num_points, precision, self.threads, self.planning)
         # recording Warp's launches takes longer than a coarse grid's few passes
         backend = self.backend if problem.num_points >= min(_SMALLEST_WARP, self.scene.num_points) else "numpy"
-        return (method or self.method)(problem, transforms, tolerance, backend)
+        chosen = method or self.method
+        if finest and self.scene.precision == "mixed":
+            chosen = _MIXED[chosen]
+        return chosen(problem, transforms, tolerance, backend)
 
     def _relax(self, state: Method) -> Status:
         """Relax, and add what it took to the account."""
@@ -141,8 +180,8 @@ class Run:
             finest = size == sizes[-1]
             state = self.state
             if not finest:
-                double = self.scene.precision == "float64"
-                tolerance = max(_COARSE_TOLERANCE, self.tolerance if double else 0.0)
+                single = self.scene.precision == "float32"
+                tolerance = max(_COARSE_TOLERANCE, 0.0 if single else self.tolerance)
                 state = self._method_on(Problem.from_scene(self.scene, size), tolerance)
                 if isinstance(state, ActiveSet):
                     state.slack = _COARSE_SLACK
@@ -215,7 +254,7 @@ class Run:
         for poisson_ratio in (0.4, 0.48, 0.498):
             if poisson_ratio < layer.poisson_ratio and status is not Status.INTERRUPTED:
                 softer = stiffness(state.num_points, layer.thickness / self.scene.period, poisson_ratio)
-                rung = MassWeightedFire(replace(state.problem, stiffness=softer), state.transforms, 1e-2, self.backend)
+                rung = type(state)(replace(state.problem, stiffness=softer), state.transforms, 1e-2, self.backend)
                 rung.start(state.displacement)
                 status = relax(rung, min(500, self.left), self.progress)
                 self._account(rung, rung.iteration, rung.transform_pairs)
@@ -226,7 +265,7 @@ class Run:
 
 def _check_range(scene: Scene, problem: Problem) -> None:
     """Reject layers so thin that their stiffness overflows the precision."""
-    stiffest, limit = float(problem.stiffness.max()), 1e-8 * float(np.finfo(scene.precision).max)
+    stiffest, limit = float(problem.stiffness.max()), 1e-8 * float(np.finfo(scene.working_precision).max)
     if not stiffest < limit:
         raise ValueError(
             f"thickness is {scene.layer.thickness!r} at period {scene.period!r}; allowed: thicker, the stiffness "

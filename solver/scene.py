@@ -16,7 +16,7 @@ from .indenters import Indenter, PowerIndenter
 
 Array64 = NDArray[np.float64]
 
-PRECISIONS = ("float64", "float32")
+PRECISIONS = ("float64", "float32", "mixed")
 MAX_POINTS = 2**30  # Warp indices are int32
 
 
@@ -55,7 +55,8 @@ class Scene:
     period: L > 0 [length].
     num_points: N, even, 16 to 2^30; x_i = i L/N. Any even number will do (kernels pad), products of small primes
         transform fastest.
-    precision: of the iteration, 'float64' or 'float32'; the certificate is always float64.
+    precision: of the iteration, 'float64', 'float32', or 'mixed': float32 inside with residuals in float64; the
+        certificate is always float64.
 
     Raises `ValueError`.
     """
@@ -84,7 +85,7 @@ class Scene:
 
     def _check_scales(self) -> None:
         """Reject ratios whose discrete problem would overflow (float32: 1e38)."""
-        limit = 1e30 if self.precision == "float32" else 1e100
+        limit = 1e100 if self.precision == "float64" else 1e30
         ratios = {
             "pressure/contact_modulus": self.pressure / self.layer.contact_modulus,
             "profile height/(pressure period/contact_modulus)": self.height_ratio,
@@ -98,6 +99,11 @@ class Scene:
                 raise ValueError(
                     f"{name} is {value:.3g}; allowed: between {1 / limit:.0e} and {limit:.0e} in {self.precision}"
                 )
+
+    @property
+    def working_precision(self) -> str:
+        """Of the transforms: 'float64' or 'float32'."""
+        return "float32" if self.precision == "mixed" else self.precision
 
     @property
     def height_ratio(self) -> float:

@@ -18,6 +18,19 @@ Array64 = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
+class Choice:
+    """Something that was chosen for the user, and why.
+
+    error: bound of the relative error of a_r that it brings (dimensionless); 0 where it brings none.
+    """
+
+    what: str
+    chosen: str
+    reason: str
+    error: float = 0.0
+
+
+@dataclass(frozen=True)
 class Solution:
     """A displacement, what it means, how it was found and how wrong it can be.
 
@@ -46,6 +59,7 @@ class Solution:
     backend: str
     handed_over: bool = False
     levels: tuple[Level, ...] = field(default_factory=tuple)
+    choices: tuple[Choice, ...] = field(default_factory=tuple)
 
     def to_dict(self) -> dict[str, Any]:
         """Everything but the fields, JSON-ready: numbers, text and flat objects; not finite: 'inf', 'nan'."""
@@ -58,6 +72,10 @@ class Solution:
             "levels": {
                 str(level.num_points): {name: _plain(value) for name, value in level.to_dict().items()}
                 for level in self.levels
+            },
+            "choices": {
+                choice.what: {"chosen": choice.chosen, "reason": choice.reason, "error": choice.error}
+                for choice in self.choices
             },
             "seconds": dict(self.seconds),
             "certificate": {name: _plain(value) for name, value in asdict(self.certificate).items()},

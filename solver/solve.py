@@ -11,7 +11,7 @@ from .observables import observe
 from .relaxation import Progress, Status
 from .run import METHODS, Run
 from .scene import Scene
-from .solution import Solution
+from .solution import Choice, Solution
 
 Array64 = NDArray[np.float64]
 
@@ -27,6 +27,7 @@ def solve(
     threads: int = 1,
     planning: str = "estimate",
     backend: str = "warp",
+    below_floor: str = "refuse",
     progress: Progress | None = None,
 ) -> Solution:
     """Solve a scene.
@@ -39,6 +40,7 @@ def solve(
     initial: displacement to start from, shape (N,) [length], for instance a neighbour's solution.
     threads: of FFTW. planning: FFTW's effort, 'estimate', 'measure' or 'patient'; what it finds is kept.
     backend: 'warp', or 'numpy' for the twins.
+    below_floor: a tolerance that float32 cannot reach is refused ('refuse'), or met in mixed precision ('mixed').
     progress: called about ten times a second with (iteration, residual).
 
     A solve that fails to converge, or is interrupted, returns too: see `Solution.status`. Raises `ValueError`.
@@ -49,7 +51,7 @@ def solve(
         max_iterations = checks.integer("max_iterations", max_iterations, "an integer >= 1", 1, 2**53)
     if nested is None:
         nested = method == METHODS[0] and initial is None
-    run = Run(scene, method, tolerance, initial, threads, planning, backend, max_iterations, progress)
+    run = Run(scene, method, tolerance, initial, threads, planning, backend, max_iterations, below_floor, progress)
     ready = time.perf_counter()
     try:
         status = run.drive(nested)
@@ -64,7 +66,7 @@ def solve(
     observables = iteration_error(discretisation_error(observables, run.levels), run.certificate.free_residual)
     end = time.perf_counter()
     return Solution(
-        scene=scene,
+        scene=run.scene,
         method=method,
         tolerance=run.tolerance,
         status=status,
@@ -81,4 +83,5 @@ def solve(
         backend=backend,
         handed_over=run.handed_over,
         levels=tuple(run.levels),
+        choices=(Choice("precision", "mixed", run.precision_changed),) if run.precision_changed else (),
     )

@@ -86,8 +86,10 @@ class Solve:
     """Stop at this rms free residual over p (dimensionless); default 1e-8, in float32 what rounding allows."""
     max_iterations: int | None = None
     """Iteration limit; reaching it gives exit status 3."""
-    precision: Literal["float64", "float32"] = "float64"
-    """Of the iteration; the certificate is always float64."""
+    precision: Literal["float64", "float32", "mixed"] = "float64"
+    """Of the iteration; mixed: float32 inside, residuals in float64. The certificate is always float64."""
+    below_floor: Literal["refuse", "mixed"] = "refuse"
+    """What to do with a tolerance that float32 cannot reach: refuse it, or meet it in mixed precision."""
     threads: int = 1
     """Threads of the transforms."""
     planning: Literal["estimate", "measure", "patient"] = "estimate"
@@ -160,6 +162,7 @@ def run_solve(options: Solve) -> int:
             max_iterations=options.max_iterations,
             threads=options.threads,
             planning=options.planning,
+            below_floor=options.below_floor,
             progress=report,
         )
     try:

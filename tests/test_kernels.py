@@ -14,7 +14,7 @@ LENGTHS = [1, CHUNK - 1, CHUNK, CHUNK + 1, 3 * CHUNK, 5 * CHUNK + 17]
 
 ELEMENTWISE = {
     "spectral_multiply": ("coefficient", "spectrum"),
-    "net_force": ("elastic", "v", "force", "sum", "sum"),
+    "net_force": ("load", "elastic", "v", "force", "sum", "sum"),
     "plain_sums": ("elastic", "v", "sum", "sum", "sum", "sum"),
     "search_sums": ("force", "v", "acceleration", "sum", "sum", "sum"),
     "restrict_to_free": ("force", "field", "restricted", "sum"),
@@ -54,7 +54,7 @@ def make_arrays(kernel, length, precision, seed):
             arrays.append(state)
         else:
             values = rng.standard_normal(padded).astype(precision) * (rng.random(padded) < 0.7)
-            values[length:] = 0
+            values[length:] = 1 if name == "load" else 0
             if name == "v":
                 values[u >= h] = layout.TOUCHING
             arrays.append(values.astype(precision))
@@ -118,20 +118,29 @@ def test_counts_are_exact(precision):
     assert 0 < counts.sum() < h.size
 
 
+def test_a_float32_change_of_a_float64_response():
+    change, state, response = make_arrays("advance_response", 3 * CHUNK, "float64", seed=6)
+    arrays = [change.astype(np.float32), state, response]
+    *_, warp = run("warp", "advance_response", arrays)
+    np.testing.assert_allclose(warp, response + state[layout.STEP] * arrays[0].astype(np.float64), atol=1e-15)
+    *_, twin = run("numpy", "advance_response", arrays)
+    np.testing.assert_allclose(warp, twin, rtol=0, atol=1e-15)
+
+
 @pytest.mark.parametrize("precision", PRECISIONS)
 def test_force_is_zero_exactly_where_the_wall_carries(precision):
     arrays = make_arrays("net_force", 3 * CHUNK, precision, seed=2)
-    elastic, v, force, _, held = run("warp", "net_force", arrays)
-    carried = (v == layout.TOUCHING) & (1 - elastic > 0)
+    load, elastic, v, force, _, held = run("warp", "net_force", arrays)
+    carried = (v == layout.TOUCHING) & (load - elastic > 0)
     assert carried.any()
     assert (force[carried] == 0).all()
-    np.testing.assert_array_equal(force[~carried], (1 - elastic)[~carried])
+    np.testing.assert_array_equal(force[~carried], (load - elastic)[~carried])
     assert held.sum() == carried.sum()
 
 
 @pytest.mark.parametrize("length", LENGTHS)
 def test_padding_is_held_and_still(length):
-    _, v, force, squares, held = run("warp", "net_force", make_arrays("net_force", length, "float64", seed=3))
+    _, _, v, force, squares, held = run("warp", "net_force", make_arrays("net_force", length, "float64", seed=3))
     assert held.sum() >= padded_length(length) - length
     assert (force[length:] == 0).all()
     assert squares.sum() == pytest.approx((force[:length] ** 2).sum())
@@ -231,6 +240,7 @@ def test_every_element_wise_loop_is_vectorised(tmp_path):
         name: [w for f, w in found.items() if re.match(rf"static void {name}_[0-9a-f]{{8}}_cpu", f)]
         for name in ELEMENTWISE
     }
-    assert all(len(widths) == 2 for widths in exact.values()), exact
+    # float32, float64, and for one kernel both
+    assert all(len(widths) == 2 + (name == "advance_response") for name, widths in exact.items()), exact
     assert all(max(w) >= 2 for widths in exact.values() for w in widths)
     assert set(ELEMENTWISE) | {"fire_control"} == set(KERNELS)

@@ -1,0 +1,66 @@
+"""Precision as a choice: the floor of float32 is predicted, and mixed precision is as good as float64."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from linecontact.solver import METHODS, Layer, RoughIndenter, Scene, Status, certify, solve
+from linecontact.solver.fire import MassWeightedFire
+from linecontact.solver.problem import Problem
+from linecontact.solver.relaxation import relax
+from linecontact.solver.run import rounding_floor
+from linecontact.solver.transforms import Transforms
+
+
+def hertz(thickness=math.inf, poisson_ratio=0.25, num_points=2**10, **changes):
+    return Scene(Layer(thickness, poisson_ratio), num_points=num_points, **changes)
+
+
+@pytest.mark.parametrize("scene", [hertz(0.1, 0.25, 2**12), hertz(1e-3, 0.5, 2**14), hertz(num_points=2**16)])
+def test_the_floor_of_float32_is_predicted(scene):
+    """FIRE stagnates within a factor of four of it, and a tolerance below it is refused or met in mixed precision."""
+    floor = rounding_floor(scene)
+    single = replace(scene, precision="float32")
+    low = solve(single, method="mass-weighted-fire", tolerance=1.01 * floor, max_iterations=1)
+    state = MassWeightedFire(Problem.from_scene(single), Transforms(scene.num_points, "float32"), 1e-3 * floor)
+    relax(state, 1200)
+    reached = certify(state.problem, state.displacement)[0].free_residual
+    assert 0.25 * floor < reached < 4 * floor
+    assert low.choices == ()
+    with pytest.raises(ValueError, match=f"tolerance is .*allowed: at least {floor:.1g}"):
+        solve(single, tolerance=0.1 * floor)
+    met = solve(single, tolerance=0.1 * floor, below_floor="mixed")
+    assert met.status is Status.CONVERGED
+    assert met.scene.precision == "mixed"
+    assert [choice.what for choice in met.choices] == ["precision"]
+    assert str(f"{floor:.1g}") in met.choices[0].reason
+
+
+MIXED_SCENES = [
+    hertz(num_points=2**12),
+    hertz(1e-3, 0.5, 2**12),
+    hertz(0.01, 0.49, 3070),
+    Scene(Layer(0.05, 0.3), RoughIndenter(0.8, 0, 1 / 8, 1 / 16), 2e-2, num_points=2**12),
+]
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("scene", MIXED_SCENES)
+def test_mixed_equals_float64_to_its_certificate(method, scene):
+    double, mixed = (solve(replace(scene, precision=p), method=method, tolerance=1e-10) for p in ("float64", "mixed"))
+    assert double.status is mixed.status is Status.CONVERGED
+    assert mixed.certificate.free_residual <= 1e-10
+    np.testing.assert_array_equal(mixed.contact, double.contact)
+    # the pressure's error is the free residual's, times at most the preconditioned condition (about 10), at any node
+    atol = 20 * math.sqrt(scene.num_points) * 1e-10 * scene.pressure
+    np.testing.assert_allclose(mixed.contact_pressure, double.contact_pressure, rtol=0, atol=atol)
+
+
+def test_mixed_reaches_what_float32_cannot():
+    scene = hertz(num_points=2**12, precision="mixed")
+    for method in METHODS:
+        assert solve(scene, method=method, tolerance=1e-3 * rounding_floor(scene)).status is Status.CONVERGED
+    hopeless = solve(scene, method="mass-weighted-fire", tolerance=2e-14)
+    assert hopeless.status is Status.STAGNATED
+    assert hopeless.certificate.free_residual < 1e-10
