@@ -22,7 +22,7 @@ from ..kernels import CHUNK, Call, layout, record
 from .deflation import GreensFunction, PatchDeflation
 from .edges import edge_moves
 from .patches import Patches
-from .problem import Problem
+from .problem import Problem, foundation_level
 from .stiffness import Array64
 from .transforms import Transforms
 
@@ -91,16 +91,8 @@ class ActiveSet:
 
     def start_cold(self) -> None:
         """Begin with the pressure of a Winkler foundation as stiff as the layer's longest wave."""
-        h, n = self.problem.height, self._num_points
-        ordered = np.sort(h)
-        lead = np.cumsum(ordered)
-        # the level at which k mean(max(level - h, 0)) = 1
-        count = np.arange(1, n + 1)
-        load = self.problem.stiffness[1] * (count * ordered - lead) / n
-        inside = max(1, int(np.searchsorted(load, 1.0)))
-        inside = min(inside, n)
-        level = (n / self.problem.stiffness[1] + lead[inside - 1]) / inside
-        self.start_from_pressure(np.maximum(level - h, 0.0))
+        level = foundation_level(self.problem.height, float(self.problem.stiffness[1]))
+        self.start_from_pressure(np.maximum(level - self.problem.height, 0.0))
         assert self._patches is not None
         self._jumps = 6 if self._patches.count <= _FEW_TO_MOVE else 0
 

@@ -26,7 +26,12 @@ from .stiffness import foundation_modulus, stiffness
 Array64 = NDArray[np.float64]
 
 _DECAY = 60.0  # exp(-(pi/2) 60) < 1e-40: distance in units of d beyond which a layer does not interact
-_NODES_THIN = 40.0  # nodes over sqrt(a/d), each half: resolves the edge layers of width d to 1e-10
+RESOLUTION = 40.0
+"""Nodes over sqrt(a/d), each half: resolves the edge layers of width d to 1e-10; 20 to 1e-6, 10 to 1e-3."""
+
+MOST_NODES = 2048
+"""Of `solve_to_accuracy`: half a second."""
+
 _MODES = 22.0  # exp(-2 * 22) < 1e-19: largest q d of the layer's sum
 
 
@@ -36,7 +41,7 @@ class Asperity:
 
     half_width: a; contact_area: a_r = 2a; load: p; peak_pressure: the largest sigma; approach, kappa, kappa_ratio: as
     in `observables`; reduced_thickness: d/a_r; t, pressure: nodes t_j in (0, 1), shape (M,), and sigma(a t_j), shape
-    (M,).
+    (M,); waves: b_k of sigma(a cos theta) = sum_k b_k sin(k theta), k = 1, 3, 5, ..., shape (M,).
     """
 
     half_width: float
@@ -49,6 +54,15 @@ class Asperity:
     reduced_thickness: float
     t: Array64
     pressure: Array64
+    waves: Array64
+
+    def pressure_at(self, t: Array64) -> Array64:
+        """sigma(a t), shape of `t`; 0 for |t| >= 1."""
+        inside = np.abs(t) < 1
+        theta = np.arccos(np.abs(t[inside]))
+        pressure = np.zeros(t.shape)
+        pressure[inside] = np.sin(np.outer(theta, 2 * np.arange(self.waves.size) + 1)) @ self.waves
+        return pressure
 
 
 @dataclass(frozen=True)
@@ -69,10 +83,17 @@ class _System:
 
     @classmethod
     def solve(
-        cls, half_width: float, exponent: float, radius: float, thickness: float, poisson_ratio: float, num_nodes: int
+        cls,
+        half_width: float,
+        exponent: float,
+        radius: float,
+        thickness: float,
+        poisson_ratio: float,
+        num_nodes: int,
+        resolution: float,
     ) -> "_System":
         a = half_width
-        num_nodes = max(num_nodes, 2 * round(_NODES_THIN * math.sqrt(a / thickness)))
+        num_nodes = max(num_nodes, 2 * round(resolution * math.sqrt(a / thickness)))
         j = np.arange(1.0, num_nodes // 2 + 1)
         theta = j * np.pi / (num_nodes + 1)
         t = np.cos(theta)
@@ -119,24 +140,55 @@ class _System:
             reduced_thickness=self.thickness / (2 * a),
             t=t,
             pressure=np.sin(self.theta) * self.phi,
+            waves=b,
         )
 
 
 def solve_load(
-    load: float, exponent: float, radius: float, thickness: float, poisson_ratio: float, num_nodes: int = 160
+    load: float,
+    exponent: float,
+    radius: float,
+    thickness: float,
+    poisson_ratio: float,
+    num_nodes: int = 160,
+    resolution: float = RESOLUTION,
 ) -> Asperity:
     """The asperity under the mean pressure `load` (units of E*), lengths in units of L.
 
     num_nodes: Gauss-Chebyshev nodes, even; 160 reach 12 digits for even exponents. Thin layers need about sqrt(a/d)
-    times more and get them. Raises `ValueError`, also beyond 0.98 of full contact.
+    times more and get them, see `RESOLUTION`. Raises `ValueError`, also beyond 0.98 of full contact.
     """
     _check(load, exponent, radius, poisson_ratio, num_nodes)
     checks.real("thickness", thickness, "a length > 0, or inf", 0, infinite=True)
 
     def system(a: float) -> _System:
-        return _System.solve(a, exponent, radius, thickness, poisson_ratio, num_nodes)
+        return _System.solve(a, exponent, radius, thickness, poisson_ratio, num_nodes, resolution)
 
-    return _match(system, load, exponent, _guess(load, exponent, radius)).asperity()
+    return _match(system, load, exponent, lone_half_width(load, exponent, radius)).asperity()
+
+
+def solve_to_accuracy(
+    load: float, exponent: float, radius: float, thickness: float, poisson_ratio: float, accuracy: float
+) -> tuple[Asperity, float]:
+    """As `solve_load`, and the change of a_r, relative, by the last doubling of the nodes, which is below `accuracy`.
+
+    Raises `ValueError` where `MOST_NODES` are too few.
+    """
+    _check(load, exponent, radius, poisson_ratio, 16)
+    num_nodes, resolution, error = 16, 10.0, math.inf
+    guess = lone_half_width(load, exponent, radius)
+    while num_nodes <= MOST_NODES:
+
+        def system(a: float, num_nodes: int = num_nodes, resolution: float = resolution) -> _System:
+            return _System.solve(a, exponent, radius, thickness, poisson_ratio, num_nodes, resolution)
+
+        found = _match(system, load, exponent, guess)
+        if not resolution:
+            error = max(abs(found.half_width - guess) / guess, 1e-12)  # rounding
+        if error <= accuracy:
+            return found.asperity(), error
+        guess, num_nodes, resolution = found.half_width, 2 * found.num_nodes, 0.0
+    raise ValueError(f"accuracy is {accuracy!r}; allowed: more than {error:.1g}, by collocation at {MOST_NODES} nodes")
 
 
 def solve_reduced_thickness(
@@ -147,10 +199,10 @@ def solve_reduced_thickness(
     checks.real("reduced_thickness", reduced_thickness, "a finite number > 0", 0)
 
     def system(a: float) -> _System:
-        return _System.solve(a, exponent, radius, 2 * a * reduced_thickness, poisson_ratio, num_nodes)
+        return _System.solve(a, exponent, radius, 2 * a * reduced_thickness, poisson_ratio, num_nodes, RESOLUTION)
 
     thin = thin_layer_kappa_ratio(exponent, poisson_ratio, reduced_thickness, max(0.0, edge_shift(poisson_ratio)))
-    guess = _guess(load, exponent, radius, 1 / (1 + 1 / thin))
+    guess = lone_half_width(load, exponent, radius, 1 / (1 + 1 / thin))
     asperity = _match(system, load, exponent, guess).asperity()
     return reduced_thickness * asperity.contact_area, asperity
 
@@ -163,8 +215,8 @@ def _check(load: float, exponent: float, radius: float, poisson_ratio: float, nu
     checks.integer("num_nodes", num_nodes, "an even integer from 4 to 10000", 4, 10_000, 2)
 
 
-def _guess(load: float, exponent: float, radius: float, kappa_ratio: float = 1.0) -> float:
-    """Half-width of a lone asperity of the given kappa_d/kappa_inf; 1 bounds every layer's from above."""
+def lone_half_width(load: float, exponent: float, radius: float, kappa_ratio: float = 1.0) -> float:
+    """Half-width [L] of a lone asperity of the given kappa_d/kappa_inf; 1, the half-space, bounds every layer's."""
     n = exponent
     area = kappa_ratio * kappa_half_space(n) * load * math.sqrt(2 * n - 1) / 2 * radius ** (n - 1)
     return float(area ** (1 / n))

@@ -51,3 +51,12 @@ class Problem:
         gap = self.height + np.fft.irfft(modes, self.num_points)
         gap -= (pressure @ gap) / pressure.sum()
         return np.where(pressure > 0, self.height, self.height - np.maximum(gap, 0.0))
+
+
+def foundation_level(height: Array64, modulus: float) -> float:
+    """The level at which a Winkler foundation carries the mean pressure: modulus mean(max(level - h, 0)) = 1."""
+    ordered, count = np.sort(height), np.arange(1, height.size + 1)
+    lead = np.cumsum(ordered)
+    load = modulus * (count * ordered - lead) / height.size
+    inside = min(max(1, int(np.searchsorted(load, 1.0))), height.size)
+    return float((height.size / modulus + lead[inside - 1]) / inside)

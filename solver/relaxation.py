@@ -17,13 +17,14 @@ Progress = Callable[[int, float], None]
 
 
 class Status(StrEnum):
-    """How a solve ended. Only `CONVERGED` is certified at the tolerance asked."""
+    """How a solve ended. Only `CONVERGED` is certified at the tolerance, or accurate, as asked."""
 
     CONVERGED = "converged"
     ITERATION_LIMIT = "iteration limit"
     STAGNATED = "stagnated"
     DIVERGED = "diverged"
     INTERRUPTED = "interrupted"
+    INACCURATE = "converged, but less accurate than asked"
 
 
 class Method(Protocol):

@@ -13,11 +13,12 @@ from .active_set import ActiveSet
 from .certificate import certify
 from .fire import Fire, MassWeightedFire
 from .mixed import MixedActiveSet, MixedFire, MixedMassWeightedFire
-from .nested import Level, grids, measure_level, prolong
-from .observables import contact_edges
+from .nested import Level, discretisation_error, grids, iteration_error, measure_level, prolong
+from .observables import contact_edges, observe
 from .problem import Problem
 from .relaxation import Method, Progress, Status, relax
 from .scene import Scene
+from .solution import Choice, Solution
 from .stiffness import stiffness
 from .transforms import Transforms, save_wisdom
 
@@ -39,8 +40,15 @@ METHODS = tuple(_METHODS)
 
 _BYTES_PER_POINT = 250  # at the peak; measured: 130 (plain FIRE, float32), 210 (active set), 310 (contact everywhere)
 
-_SMALLEST_WARP = 2**13  # points; smaller coarse grids run on the twins
-_COARSE_TOLERANCE, _COARSE_SLACK = 1e-5, 0.1  # so that the next grid starts with the right set of nodes
+SMALLEST_WARP = 2**13
+"""Points; on smaller coarse grids recording Warp's launches takes longer than a few passes of the twins."""
+
+COARSE_TOLERANCE, COARSE_SLACK = 1e-5, 0.1
+"""Residual, and nodes per patch that may be wrong, so that the next grid starts with the right set of nodes."""
+
+
+CAUTION = 0.95
+"""Of the tolerance is the method's: the certificate's own rounding must not turn a solution away."""
 
 DEFAULT_MAX_ITERATIONS = {"active-set": 2_000, "mass-weighted-fire": 20_000, "fire": 200_000}
 
@@ -111,12 +119,11 @@ class Run:
         max_iterations: int | None,
         below_floor: str,
         progress: Progress | None,
+        state: Method | None = None,
     ) -> None:
-        if not isinstance(scene, Scene):
-            raise ValueError(f"scene is {scene!r}; allowed: a Scene")
+        check_scene(scene)
         checks.choice("backend", backend, kernels.BACKENDS)
         checks.choice("below_floor", below_floor, BELOW_FLOOR)
-        _check_memory(scene)
         self.method, self.backend = _METHODS[method], backend
         self.threads, self.planning, self.progress = threads, planning, progress
         self.problem = Problem.from_scene(scene)
@@ -133,8 +140,7 @@ class Run:
             # on the wall exactly, whatever the units' rounding
             on_wall = displacement >= scene.profile
             self.initial = np.where(on_wall, self.problem.height, displacement / self.problem.length_unit)
-        # the certificate's own rounding must not turn a solution away
-        self.state = self._method_on(self.problem, 0.95 * self.tolerance)
+        self.state = state or self._method_on(self.problem, CAUTION * self.tolerance)
         if planning != "estimate":
             save_wisdom()
         self.limited = max_iterations is not None
@@ -150,14 +156,13 @@ class Run:
         finest = problem.num_points == self.scene.num_points
         precision = self.scene.working_precision if finest else "float64"
         transforms = Transforms(problem.num_points, precision, self.threads, self.planning)
-        # recording Warp's launches takes longer than a coarse grid's few passes
-        backend = self.backend if problem.num_points >= min(_SMALLEST_WARP, self.scene.num_points) else "numpy"
+        backend = self.backend if problem.num_points >= min(SMALLEST_WARP, self.scene.num_points) else "numpy"
         chosen = method or self.method
         if finest and self.scene.precision == "mixed":
             chosen = _MIXED[chosen]
         return chosen(problem, transforms, tolerance, backend)
 
-    def _relax(self, state: Method) -> Status:
+    def relax(self, state: Method) -> Status:
         """Relax, and add what it took to the account."""
         iterations, pairs = state.iteration, state.transform_pairs
         status = relax(state, iterations + self.left, self.progress) if self.left > 0 else Status.ITERATION_LIMIT
@@ -173,7 +178,7 @@ class Run:
         """All grids; the last state is on the finest one."""
         if self.initial is not None:
             self.state.start(self.initial)
-            return self._relax(self.state)
+            return self.relax(self.state)
         sizes = grids(self.scene.num_points) if nested else [self.scene.num_points]
         coarse = None
         for size in sizes:
@@ -181,17 +186,17 @@ class Run:
             state = self.state
             if not finest:
                 single = self.scene.precision == "float32"
-                tolerance = max(_COARSE_TOLERANCE, 0.0 if single else self.tolerance)
+                tolerance = max(COARSE_TOLERANCE, 0.0 if single else self.tolerance)
                 state = self._method_on(Problem.from_scene(self.scene, size), tolerance)
                 if isinstance(state, ActiveSet):
-                    state.slack = _COARSE_SLACK
+                    state.slack = COARSE_SLACK
             status = Status.CONVERGED
             if coarse:
                 state.start_from_pressure(prolong(self.scene, *coarse, size))
             elif isinstance(state, MassWeightedFire):
                 status = self._lead_in(state)
             if status is not Status.INTERRUPTED:
-                status = self._relax(state)
+                status = self.relax(state)
             if not finest:
                 pressure = state.contact_pressure
                 coarse = pressure, *contact_edges(self.scene, pressure)
@@ -207,7 +212,7 @@ class Run:
         good, begin, tries = self._certify(), time.perf_counter(), 0
         while not good and status is Status.CONVERGED and isinstance(self.state, ActiveSet) and tries < 3:
             self.state.try_harder()
-            status, tries = self._relax(self.state), tries + 1
+            status, tries = self.relax(self.state), tries + 1
             good = self._certify()
         gave_up = not good and status not in (Status.INTERRUPTED, Status.ITERATION_LIMIT)
         if gave_up and isinstance(self.state, ActiveSet) and (self.left > 0 or not self.limited):
@@ -226,14 +231,47 @@ class Run:
         if not self.limited:
             self.left = DEFAULT_MAX_ITERATIONS["mass-weighted-fire"]
         start, before = self.state.displacement, self.certificate.free_residual
-        self.state = self._method_on(self.problem, 0.95 * self.tolerance, MassWeightedFire)
+        self.state = self._method_on(self.problem, CAUTION * self.tolerance, MassWeightedFire)
         self.state.start(start)
-        status = self._relax(self.state)
+        status = self.relax(self.state)
         good = self._certify()
         if not good and self.certificate.free_residual > before:
             self.state.start(start)
             self._certify()
         return status, good
+
+    def solution(
+        self, scene: Scene, method: str, status: Status, choices: tuple[Choice, ...], times: tuple[float, float]
+    ) -> Solution:
+        """What was found, certified. scene: the user's; status: of the method; times: begin, end of the set-up."""
+        relaxed = time.perf_counter()
+        status = self.certified(status)
+        relaxed += self.seconds_more  # what the certificate asked for
+        displacement = np.where(self.contact, scene.profile, self.state.displacement * self.problem.length_unit)
+        pressure = self.pressure * scene.pressure
+        observables = observe(scene, displacement, pressure, self.contact)
+        observables = iteration_error(discretisation_error(observables, self.levels), self.certificate.free_residual)
+        end = time.perf_counter()
+        return Solution(
+            scene=scene,
+            method=method,
+            tolerance=self.tolerance,
+            status=status,
+            displacement=displacement,
+            contact_pressure=pressure,
+            contact=self.contact,
+            observables=observables,
+            certificate=self.certificate,
+            iterations=self.iterations,
+            transform_pairs=self.transform_pairs,
+            seconds=stages(*times, relaxed, end),
+            threads=self.threads,
+            planning=self.planning,
+            backend=self.backend,
+            handed_over=self.handed_over,
+            levels=tuple(self.levels),
+            choices=choices,
+        )
 
     def _certify(self) -> bool:
         self.certificate, self.pressure, self.contact = certify(self.problem, self.state.displacement)
@@ -263,6 +301,11 @@ class Run:
         return status
 
 
+def stages(begin: float, ready: float, relaxed: float, end: float) -> dict[str, float]:
+    """Seconds by stage."""
+    return {"setup": ready - begin, "solve": relaxed - ready, "certificate": end - relaxed, "total": end - begin}
+
+
 def _check_range(scene: Scene, problem: Problem) -> None:
     """Reject layers so thin that their stiffness overflows the precision."""
     stiffest, limit = float(problem.stiffness.max()), 1e-8 * float(np.finfo(scene.working_precision).max)
@@ -287,11 +330,14 @@ def _check_initial(initial: Array64, num_points: int) -> Array64:
     return real
 
 
-def _check_memory(scene: Scene) -> None:
-    """Reject grids that the machine's free memory cannot hold: 20 to 25 arrays of N values at the peak."""
-    available, needed = checks.available_memory(), _BYTES_PER_POINT * scene.num_points
+def check_scene(scene: Scene, num_points: int | None = None) -> None:
+    """Reject what is no scene, and grids that the free memory cannot hold: 20 to 25 arrays of N values at the peak."""
+    if not isinstance(scene, Scene):
+        raise ValueError(f"scene is {scene!r}; allowed: a Scene")
+    num_points = num_points or scene.num_points
+    available, needed = checks.available_memory(), _BYTES_PER_POINT * num_points
     if available is not None and needed > available:
         raise ValueError(
-            f"num_points is {scene.num_points}, needing about {needed / 2**30:.1f} GiB; allowed: what fits into the "
+            f"num_points is {num_points}, needing about {needed / 2**30:.1f} GiB; allowed: what fits into the "
             f"{available / 2**30:.1f} GiB that are free"
         )

@@ -37,6 +37,8 @@ class Solution:
     displacement, contact_pressure: shape (N,) [length], [pressure]; contact: shape (N,), nodes the wall carries.
     status: only `Status.CONVERGED` is certified at `tolerance`.
     handed_over: the active set could not certify its result, and mass-weighted FIRE went on from there.
+    certificate: None where there was no discrete problem to solve.
+    accuracy: the relative error of a_r asked for, if any, and choices: what was chosen for it, and why.
     levels: the coarser grids, from coarse to fine; empty without nested grids. iterations: on all grids.
     transform_pairs: forward-inverse pairs in units of a pair on the finest grid, short and coarse ones by their length.
     seconds: wall time by stage ('setup', 'solve', 'certificate', 'total') [s].
@@ -50,7 +52,7 @@ class Solution:
     contact_pressure: Array64
     contact: NDArray[np.bool_]
     observables: Observables
-    certificate: Certificate
+    certificate: Certificate | None
     iterations: int
     transform_pairs: float
     seconds: dict[str, float]
@@ -59,6 +61,7 @@ class Solution:
     backend: str
     handed_over: bool = False
     levels: tuple[Level, ...] = field(default_factory=tuple)
+    accuracy: float | None = None
     choices: tuple[Choice, ...] = field(default_factory=tuple)
 
     def to_dict(self) -> dict[str, Any]:
@@ -73,12 +76,15 @@ class Solution:
                 str(level.num_points): {name: _plain(value) for name, value in level.to_dict().items()}
                 for level in self.levels
             },
+            "accuracy": self.accuracy,
             "choices": {
                 choice.what: {"chosen": choice.chosen, "reason": choice.reason, "error": choice.error}
                 for choice in self.choices
             },
             "seconds": dict(self.seconds),
-            "certificate": {name: _plain(value) for name, value in asdict(self.certificate).items()},
+            "certificate": {name: _plain(value) for name, value in asdict(self.certificate).items()}
+            if self.certificate
+            else {},
             "method": self.method,
             "precision": self.scene.precision,
             "tolerance": self.tolerance,

@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import checks
-from .nested import discretisation_error, iteration_error
-from .observables import observe
+from .accurate import Accurate
 from .relaxation import Progress, Status
 from .run import METHODS, Run
 from .scene import Scene
@@ -19,7 +18,8 @@ Array64 = NDArray[np.float64]
 def solve(
     scene: Scene,
     *,
-    method: str = METHODS[0],
+    accuracy: float | None = None,
+    method: str | None = None,
     nested: bool | None = None,
     tolerance: float | None = None,
     max_iterations: int | None = None,
@@ -32,7 +32,10 @@ def solve(
 ) -> Solution:
     """Solve a scene.
 
-    method: one of `METHODS`.
+    accuracy: the relative error wanted of `contact_area_subgrid`, 1e-9 to 0.1 (dimensionless). Model, method, grid and
+        tolerance are then chosen for it and must not be given; the scene's grid is the finest allowed, its precision
+        has no effect. See `Solution.choices` and `Status.INACCURATE`.
+    method: one of `METHODS`, by default the first.
     nested: start from the solution on coarser grids; by default for the active set only, and not with `initial`.
     tolerance: rms net force on free nodes over the mean pressure at which to stop, 1e-14 to 0.5 (dimensionless); by
         default `default_tolerance`.
@@ -46,7 +49,13 @@ def solve(
     A solve that fails to converge, or is interrupted, returns too: see `Solution.status`. Raises `ValueError`.
     """
     begin = time.perf_counter()
-    checks.choice("method", method, METHODS)
+    if accuracy is not None:
+        chosen = {"method": method, "nested": nested, "tolerance": tolerance, "initial": initial}
+        for name, value in (chosen | {"max_iterations": max_iterations}).items():
+            if value is not None:
+                raise ValueError(f"{name} is {value!r}; allowed: without accuracy only, which chooses it")
+        return Accurate(scene, accuracy, threads, planning, backend, progress).solve()
+    method = checks.choice("method", METHODS[0] if method is None else method, METHODS)
     if max_iterations is not None:
         max_iterations = checks.integer("max_iterations", max_iterations, "an integer >= 1", 1, 2**53)
     if nested is None:
@@ -57,31 +66,5 @@ def solve(
         status = run.drive(nested)
     except KeyboardInterrupt:
         status = Status.INTERRUPTED
-    relaxed = time.perf_counter()
-    status = run.certified(status)
-    relaxed += run.seconds_more  # what the certificate asked for
-    displacement = np.where(run.contact, scene.profile, run.state.displacement * run.problem.length_unit)
-    pressure = run.pressure * scene.pressure
-    observables = observe(scene, displacement, pressure, run.contact)
-    observables = iteration_error(discretisation_error(observables, run.levels), run.certificate.free_residual)
-    end = time.perf_counter()
-    return Solution(
-        scene=run.scene,
-        method=method,
-        tolerance=run.tolerance,
-        status=status,
-        displacement=displacement,
-        contact_pressure=pressure,
-        contact=run.contact,
-        observables=observables,
-        certificate=run.certificate,
-        iterations=run.iterations,
-        transform_pairs=run.transform_pairs,
-        seconds={"setup": ready - begin, "solve": relaxed - ready, "certificate": end - relaxed, "total": end - begin},
-        threads=threads,
-        planning=planning,
-        backend=backend,
-        handed_over=run.handed_over,
-        levels=tuple(run.levels),
-        choices=(Choice("precision", "mixed", run.precision_changed),) if run.precision_changed else (),
-    )
+    choices = (Choice("precision", "mixed", run.precision_changed),) if run.precision_changed else ()
+    return run.solution(run.scene, method, status, choices, (begin, ready))

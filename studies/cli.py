@@ -11,13 +11,13 @@ from typing import Annotated, Any, Literal, TextIO
 
 import tyro
 from linecontact.solver import (
-    METHODS,
     Layer,
     MeasuredIndenter,
     PowerIndenter,
     RoughIndenter,
     Scene,
     Solution,
+    Status,
     default_tolerance,
     provenance,
     solve,
@@ -78,8 +78,11 @@ class Solve:
     """Grid points, even, at least 16; default 2^18, for a file the next power of two."""
     contact_modulus: float = 1.0
     """E* = E/(1-nu^2) > 0 [pressure]."""
-    method: Literal["active-set", "mass-weighted-fire", "fire"] = METHODS[0]  # type: ignore[assignment]
-    """Method, fastest first."""
+    accuracy: float | None = None
+    """Relative error wanted of a_r, 1e-9 to 0.1 (dimensionless): chooses model, grid (up to --num-points), method,
+    precision and tolerance for it."""
+    method: Literal["active-set", "mass-weighted-fire", "fire"] | None = None
+    """Method; default: active-set, the fastest."""
     grids: Literal["auto", "nested", "single"] = "auto"
     """Start from the solution on coarser grids; auto: for the active set."""
     tolerance: float | None = None
@@ -153,9 +156,11 @@ def run_solve(options: Solve) -> int:
     elif options.plot:
         raise ValueError("plot is True; allowed: together with --save, the figure is drawn from the file")
     scene = make_scene(options)
-    with console.solve_progress(options.tolerance or default_tolerance(scene)) as report:
+    aim = options.tolerance or (1e-5 if options.accuracy else default_tolerance(scene))
+    with console.solve_progress(aim) as report:
         solution = solve(
             scene,
+            accuracy=options.accuracy,
             method=options.method,
             nested=None if options.grids == "auto" else options.grids == "nested",
             tolerance=options.tolerance,
@@ -170,6 +175,8 @@ def run_solve(options: Solve) -> int:
             print(json.dumps(solution.to_dict()), flush=True)
         else:
             console.Output().print(solution_table(solution))
+            if solution.choices:
+                console.Output().print(choices_table(solution))
             steps = solution.scene.to_dict().get("profile_steps")
             if steps:
                 console.Output().print(f"Profile: {steps}.", markup=False)
@@ -181,12 +188,23 @@ def run_solve(options: Solve) -> int:
     status = console.exit_status(solution.status)
     if status:
         kept = f"; the partial result is in {options.save}" if options.save else ""
-        console.errors.print(
-            f"linecontact: not converged: {solution.status} after {solution.iterations} iterations, residual "
-            f"{solution.certificate.free_residual:.2e}, tolerance {solution.tolerance:g}{kept}",
-            markup=False,
-        )
+        console.errors.print(f"linecontact: {complaint(solution)}{kept}", markup=False)
     return status
+
+
+def complaint(solution: Solution) -> str:
+    """What a solve fell short of."""
+    o = solution.observables
+    if solution.status is Status.INACCURATE:
+        return (
+            f"{solution.status}: a_r is known to {o.contact_area_error / o.contact_area_subgrid:.1g}, accuracy "
+            f"{solution.accuracy:g} is asked; allowed: more --num-points than {solution.scene.num_points}"
+        )
+    residual = f"{solution.certificate.free_residual:.2e}" if solution.certificate else "unknown"
+    return (
+        f"not converged: {solution.status} after {solution.iterations} iterations, residual {residual}, tolerance "
+        f"{solution.tolerance:g}"
+    )
 
 
 def check_targets(options: Solve) -> None:
@@ -259,6 +277,19 @@ def solution_table(solution: Solution) -> Table:
     ]
     for name, value, unit in rows:
         table.add_row(name, f"{value:.7g}" if isinstance(value, float) else str(value), unit)
+    return table
+
+
+def choices_table(solution: Solution) -> Table:
+    """What was chosen for the user."""
+    table = Table(
+        title="chosen" + (f" for an accuracy of {solution.accuracy:g}" if solution.accuracy else ""),
+        caption="error: bound of the relative error of a_r that it brings (dimensionless)",
+    )
+    for heading in ("what", "chosen", "error", "because"):
+        table.add_column(heading)
+    for choice in solution.choices:
+        table.add_row(choice.what, choice.chosen, f"{choice.error:.1g}" if choice.error else "", choice.reason)
     return table
 
 
