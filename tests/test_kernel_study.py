@@ -81,9 +81,9 @@ def test_candidates_are_timed_in_turn():
     seen = []
     slow = {name: lambda name=name: seen.append(name) for name in "ab"}
     found = measure.time_in_turn(slow, lambda: seen.append("restore"), 0.0)
-    assert {name: len(values) for name, values in found.items()} == {"a": 5, "b": 5}
+    assert {name: len(values) for name, values in found.items()} == {"a": 7, "b": 7}
     order = [name for i, name in enumerate(seen) if name != "restore" and seen[i - 1] == "restore"]
-    assert order == ["a", "b"] * 6  # one round to find out how often
+    assert order == ["a", "b"] * 8  # one round to find out how often
 
 
 def test_records(folder):
@@ -93,6 +93,7 @@ def test_records(folder):
     assert store.unit("seconds.copy.median") == "s"
     assert store.unit("bytes.traffic") == "byte"
     for run in report.loops(file):
+        assert not HAS_C or report.over_c(run, "c") == 1
         for variant in (*candidates.VARIANTS[:4], "copy"):
             assert 0 < report.seconds(run, variant, "min") <= report.seconds(run, variant)
 
@@ -105,7 +106,7 @@ def test_json_schema(measured):
     for row in measured["results"]:
         assert set(row) == {"kernel", "precision", "log2_points", "variant", "seconds_median", "seconds_min"} | {
             "nanoseconds_per_point", "bytes", "bandwidth_gb_per_s", "copy_bandwidth_gb_per_s", "gflop_per_s",
-        }  # fmt: skip
+        } | ({"over_c"} if HAS_C and row["kernel"] != "fire_control" else set())  # fmt: skip
         assert row["seconds_min"] <= row["seconds_median"] < 1
         assert row["bandwidth_gb_per_s"] == pytest.approx(row["bytes"] / row["seconds_median"] / 1e9)
         assert row["nanoseconds_per_point"] == pytest.approx(row["seconds_median"] / 2**10 * 1e9)
@@ -131,13 +132,18 @@ def test_tables_fit_80_columns(folder, capsys):
     assert all(name in shown for name, spec in SPECS.items() if spec.c)
 
 
-def test_without_a_compiler(folder):
+@pytest.mark.parametrize(("found", "reason"), [(None, "no C compiler"), ("false", "C compiler false failed")])
+def test_without_a_compiler(folder, monkeypatch, found, reason):
     """The C column is left out, and said so."""
+    monkeypatch.setattr(candidates.shutil, "which", lambda _: found)
+    libraries, why = candidates.compile_c.__wrapped__()
+    assert not libraries
+    assert why.startswith(reason)
     file = store.load_study(folder / "kernels.h5")
     for run in file.runs:
-        run |= {"compiler": "no C compiler (cc, gcc, clang) found", "seconds.c.median": np.nan, "seconds.c.min": np.nan}
+        run |= {name: np.nan for name in run if name.startswith(("seconds.c.", "over_c."))} | {"compiler": why}
     *_, last = report.parts(file)
-    assert last == "C: no C compiler (cc, gcc, clang) found; left out."
+    assert last == f"C: {why}; left out."
     assert all(row["variant"] != "c" for row in report.to_json(file)["results"])
 
 

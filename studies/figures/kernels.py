@@ -40,13 +40,14 @@ def bandwidth(study: store.StudyFile) -> Figure:
     precisions, caches = _precisions(study), report.caches(study)
     figure: Figure
     figure, panels = plt.subplots(1, len(precisions), figsize=(8.6, 4.2), sharey=True, squeeze=False)
-    figure.subplots_adjust(left=0.08, right=0.985, bottom=0.26, top=0.92, wspace=0.05)
+    figure.subplots_adjust(left=0.08, right=0.985, bottom=0.26, top=0.92, wspace=0.07)
     for axes, precision in zip(panels[0], precisions, strict=True):
         runs = [run for run in report.loops(study) if run["precision"] == precision]
         for variant, (label, colour, marker) in _STYLES.items():
             _line(axes, runs, variant, label, colour, marker)
         axes.set(xscale="log", yscale="log", xlabel="working set [byte]", title=precision)
         axes.set_xscale("log", base=2)
+        axes.margins(x=0.07)
         for name, size in caches.items():
             if axes.get_xlim()[0] < size < axes.get_xlim()[1]:
                 axes.axvline(size, color="0.5", ls=":", lw=0.9)

@@ -20,8 +20,8 @@ ITERATION = "iteration"
 
 _CACHES = Path("/sys/devices/system/cpu/cpu0/cache")
 _SPAN, _MOST_CALLS = 1e-4, 100  # s that are timed at once, and calls after which in-place results still are ordinary
-_LEAST_ROUNDS = 5
-_WARM = 3  # calls; after a single one a third-level cache may still hold the other candidates' data
+_LEAST_ROUNDS = 7
+_WARM_SPAN, _MOST_WARM = 3e-3, 3  # s, and calls: after one the third-level cache may still hold the others' data
 
 Record = dict[str, Any]
 
@@ -34,19 +34,21 @@ def time_in_turn(
     In turn, so that a change of the machine's speed hits all of them. Before each the buffers are restored, so that
     nothing decays to denormals, and it runs untimed: the caches hold what its own last runs left.
     """
-    calls = {}
+    calls, warm = {}, {}
     for name, run in candidates.items():
         restore()
         run()
         begin = time.perf_counter()
         run()
-        calls[name] = int(np.clip(_SPAN / (time.perf_counter() - begin), 1, _MOST_CALLS))
+        once = time.perf_counter() - begin
+        calls[name] = int(np.clip(_SPAN / once, 1, _MOST_CALLS))
+        warm[name] = int(np.clip(_WARM_SPAN / once, 1, _MOST_WARM))
     found: dict[str, list[float]] = {name: [] for name in candidates}
     rounds, end = 0, time.perf_counter() + seconds
     while rounds < _LEAST_ROUNDS or time.perf_counter() < end:
         for name, run in candidates.items():
             restore()
-            for _ in range(_WARM):
+            for _ in range(warm[name]):
                 run()
             begin = time.perf_counter()
             for _ in range(calls[name]):
@@ -57,17 +59,25 @@ def time_in_turn(
 
 
 def kernel_times(kernel: str, precision: str, num_points: int, seconds: float) -> Record:
-    """Every candidate of a kernel, checked to agree before. Raises `RuntimeError` where one does not."""
+    """Every candidate of a kernel, checked to agree before. Raises `RuntimeError` where one does not.
+
+    The ratios to C are medians of the rounds' own: what changes from round to round is not in them.
+    """
     load()
     bench = Bench(kernel, precision, num_points)
     bench.check()
     times = time_in_turn(bench.candidates, bench.restore, seconds)
-    return _statistics(times) | {
-        "flops": bench.spec.flops * num_points,
-        "bytes.traffic": bench.spec.traffic(num_points, precision),
-        "bytes.working_set": bench.spec.working_set(num_points, precision),
-        "bytes.copied": bench.copied_bytes,
-    }
+    over_c = {f"over_c.{v}": float(np.median(np.divide(t, times["c"]))) for v, t in times.items() if "c" in times}
+    return (
+        _statistics(times)
+        | over_c
+        | {
+            "flops": bench.spec.flops * num_points,
+            "bytes.traffic": bench.spec.traffic(num_points, precision),
+            "bytes.working_set": bench.spec.working_set(num_points, precision),
+            "bytes.copied": bench.copied_bytes,
+        }
+    )
 
 
 def iteration_times(precision: str, num_points: int, seconds: float) -> Record:

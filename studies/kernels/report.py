@@ -4,8 +4,9 @@ JSON, schema 1: {"schema": 1, "kind": "kernels", "provenance": {name: text}, "co
 n}, "results": [...], "iterations": [...]}. A result is one kernel, precision, size and variant: "kernel", "precision",
 "log2_points", "variant" (of `candidates.VARIANTS`), "seconds_median", "seconds_min" (of a call),
 "nanoseconds_per_point", "bytes" (read and written by a call), "bandwidth_gb_per_s", "copy_bandwidth_gb_per_s" (of a
-copy of as large a working set, timed in turn with it), "gflop_per_s". An iteration of plain FIRE: "precision",
-"log2_points", "ffts_seconds_median", "ffts_seconds_min", "rest_seconds_median", "rest_seconds_min". All from medians.
+copy of as large a working set, timed in turn with it), "gflop_per_s", and where C was timed "over_c" (time over C's,
+dimensionless). An iteration of plain FIRE: "precision", "log2_points", "ffts_seconds_median", "ffts_seconds_min",
+"rest_seconds_median", "rest_seconds_min". All from medians; GB are 1e9 bytes.
 """
 
 import math
@@ -78,16 +79,20 @@ def to_json(study: store.StudyFile) -> Run:
 
 def _result(run: Run, variant: str) -> Run:
     median = seconds(run, variant)
-    return {name: run[name] for name in ("kernel", "precision", "log2_points")} | {
-        "variant": variant,
-        "seconds_median": median,
-        "seconds_min": seconds(run, variant, "min"),
-        "nanoseconds_per_point": median / 2 ** run["log2_points"] * 1e9,
-        "bytes": int(run["bytes.traffic"]),
-        "bandwidth_gb_per_s": bandwidth(run, variant),
-        "copy_bandwidth_gb_per_s": bandwidth(run, "copy"),
-        "gflop_per_s": run["flops"] / median / 1e9,
-    }
+    return (
+        {name: run[name] for name in ("kernel", "precision", "log2_points")}
+        | {
+            "variant": variant,
+            "seconds_median": median,
+            "seconds_min": seconds(run, variant, "min"),
+            "nanoseconds_per_point": median / 2 ** run["log2_points"] * 1e9,
+            "bytes": int(run["bytes.traffic"]),
+            "bandwidth_gb_per_s": bandwidth(run, variant),
+            "copy_bandwidth_gb_per_s": bandwidth(run, "copy"),
+            "gflop_per_s": run["flops"] / median / 1e9,
+        }
+        | ({"over_c": over_c(run, variant)} if over_c(run, variant) > 0 else {})
+    )
 
 
 def parts(study: store.StudyFile) -> Iterator[RenderableType]:
@@ -114,8 +119,9 @@ def size_table(study: store.StudyFile, size: int) -> Table:
         ("kernel", "bits", "us", "ns/\npoint", "GB/s", "roof", "Warp\n/C", "launch\n/C", "elem.\n/C", "NumPy\n/C"),
         f"Kernels on 2^{size} points, one thread",
         "us to roof: the recorded kernel, median of a call; GB/s: bytes read and written; roof: that over the bandwidth"
-        " of a copy of as much memory in the same run (reading alone can be faster); /C: time over C's, of the recorded"
-        " kernel, by wp.launch, with one thread per element, of the NumPy twin. Ratios dimensionless.",
+        " of a copy of as much memory in the same run (reading alone can be faster); /C: time over C's in the same"
+        " round, median, of the recorded kernel, by wp.launch, with one thread per element, of the NumPy twin. Ratios"
+        " dimensionless.",
     )
     for run in loops(study):
         if run["log2_points"] != size:
@@ -128,7 +134,7 @@ def size_table(study: store.StudyFile, size: int) -> Table:
             f"{seconds(run, 'warp-graph') / 2**size * 1e9:.3f}",
             f"{graph:.0f}",
             f"{graph / copy:.2f}",
-            *(_over_c(run, variant) for variant in ("warp-graph", "warp-launch", "warp-element", "numpy")),
+            *(_ratio(over_c(run, variant)) for variant in ("warp-graph", "warp-launch", "warp-element", "numpy")),
         )
     return table
 
@@ -138,8 +144,12 @@ def microseconds(value: float) -> str:
     return f"{value * 1e6:.0f}" if value > 1e-4 else f"{value * 1e6:.3g}"
 
 
-def _over_c(run: Run, variant: str) -> str:
-    ratio = seconds(run, variant) / seconds(run, "c")
+def over_c(run: Run, variant: str) -> float:
+    """Time over C's, both of the same round, median; nan without C."""
+    return float(run.get(f"over_c.{variant}", math.nan))
+
+
+def _ratio(ratio: float) -> str:
     return "-" if math.isnan(ratio) else f"{ratio:.2f}" if ratio < 10 else f"{ratio:.1f}"
 
 
@@ -168,13 +178,15 @@ def lines(study: store.StudyFile) -> Iterator[str]:
         run = max(control, key=lambda run: (run["log2_points"] <= LARGE, run["log2_points"]))
         times = [f"{seconds(run, v) * 1e6:.3g} us {w}" for v, w in _WORDS.items()]
         yield f"fire_control, one thread, for 2^{run['log2_points']} points, time of a call: {', '.join(times)}."
-    large = [run for run in loops(study) if run["log2_points"] >= LARGE and seconds(run, "c") > 0]
-    late = [run for run in large if seconds(run, "warp-graph") > GOAL * seconds(run, "c")]
+    large = [run for run in loops(study) if run["log2_points"] >= LARGE and over_c(run, "warp-graph") > 0]
+    late = [run for run in large if over_c(run, "warp-graph") > GOAL]
     if large:
-        names = [f"{r['kernel']} {r['precision']} 2^{r['log2_points']} {_over_c(r, 'warp-graph')}" for r in late]
+        names = [f"{r['kernel']} {r['precision']} 2^{r['log2_points']} {_ratio(over_c(r, 'warp-graph'))}" for r in late]
         text = f"Within {GOAL} of C at 2^{LARGE} and more points: {len(large) - len(late)} of {len(large)}"
         yield text + (f"; beyond: {', '.join(names)}." if names else ".")
-    yield f"C: {study.runs[0]['compiler']}" + ("" if any(seconds(r, "c") > 0 for r in loops(study)) else "; left out.")
+    yield f"C: {study.runs[0]['compiler']}" + (
+        "" if any(over_c(run, "c") > 0 for run in loops(study)) else "; left out."
+    )
 
 
 _WORDS = {"warp-graph": "recorded", "warp-launch": "by wp.launch", "numpy": "by NumPy"}
