@@ -20,7 +20,7 @@ PRECISIONS = {"float32": "float", "float64": "double"}
 """With C's names."""
 
 VARIANTS = ("numpy", "warp-element", "warp-launch", "warp-graph", "c")
-"""The twin; one thread per element; per chunk by wp.launch; per chunk, recorded; a C loop: timed in this order."""
+"""The twin; one thread per element; per chunk by wp.launch; per chunk, recorded; a C loop."""
 
 # what reordered sums need, and no more: -ffast-math would switch denormals off for the whole process
 FLAGS = "-O3 -march=native -fassociative-math -fno-signed-zeros -fno-trapping-math -fno-math-errno"

@@ -21,7 +21,7 @@ ITERATION = "iteration"
 _CACHES = Path("/sys/devices/system/cpu/cpu0/cache")
 _SPAN, _MOST_CALLS = 1e-4, 100  # s that are timed at once, and calls after which in-place results still are ordinary
 _LEAST_ROUNDS = 7
-_WARM_SPAN, _MOST_WARM = 3e-3, 3  # s, and calls: after one the third-level cache may still hold the others' data
+_WARM_SPAN, _MOST_WARM = 1e-2, 3  # s, and calls: after one the third-level cache may still hold the others' data
 
 Record = dict[str, Any]
 
@@ -31,7 +31,8 @@ def time_in_turn(
 ) -> dict[str, list[float]]:
     """Seconds of a call by candidate, one value a round; `seconds`: to spend in all.
 
-    In turn, so that a change of the machine's speed hits all of them. Before each the buffers are restored, so that
+    In turn, so that a change of the machine's speed hits all of them, and in an order that changes from round to round,
+    because who comes after whom matters to the caches. Before each the buffers are restored, so that
     nothing decays to denormals, and it runs untimed: the caches hold what its own last runs left.
     """
     calls, warm = {}, {}
@@ -44,9 +45,10 @@ def time_in_turn(
         calls[name] = int(np.clip(_SPAN / once, 1, _MOST_CALLS))
         warm[name] = int(np.clip(_WARM_SPAN / once, 1, _MOST_WARM))
     found: dict[str, list[float]] = {name: [] for name in candidates}
-    rounds, end = 0, time.perf_counter() + seconds
+    rng, rounds, end = np.random.default_rng(0), 0, time.perf_counter() + seconds
     while rounds < _LEAST_ROUNDS or time.perf_counter() < end:
-        for name, run in candidates.items():
+        for name in rng.permutation(list(candidates)):
+            run = candidates[name]
             restore()
             for _ in range(warm[name]):
                 run()
