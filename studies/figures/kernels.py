@@ -73,7 +73,7 @@ def _line(axes: Axes, runs: Sequence[report.Run], variant: str, label: str, colo
 
 
 def roofline(study: store.StudyFile) -> Figure:
-    """Recorded kernels below the copies of as large working sets; the compute roof is far above."""
+    """Recorded kernels beside copies of as large working sets: the memory's roof, for reading and writing alike."""
     precisions = _precisions(study)
     figure: Figure
     figure, panels = plt.subplots(1, len(precisions), figsize=(8.6, 5.2), sharex=True, sharey=True, squeeze=False)

@@ -99,7 +99,7 @@ def parts(study: store.StudyFile) -> Iterator[RenderableType]:
     """A table for each large size, the iteration's, and what they come to."""
     sizes = sorted({run["log2_points"] for run in loops(study)})
     for size in [size for size in sizes if size >= LARGE] or sizes[-1:]:
-        yield size_table(study, size)
+        yield size_table(study, size, explained=size == sizes[-1])
     if any(run["kernel"] == ITERATION for run in study.runs):
         yield iteration_table(study)
     yield from lines(study)
@@ -113,15 +113,20 @@ def new_table(headings: tuple[str, ...], title: str, caption: str, gap: int = 1)
     return table
 
 
-def size_table(study: store.StudyFile, size: int) -> Table:
-    """Every kernel on 2^size points."""
+_COLUMNS = (
+    "us to roof: the recorded kernel, median of a call; GB/s: bytes read and written; roof: that over the bandwidth of "
+    "a copy of as much memory in the same run (reading alone can be faster); /C: time over C's in the same round, "
+    "median, of the recorded kernel, by wp.launch, with one thread per element, of the NumPy twin. Ratios "
+    "dimensionless."
+)
+
+
+def size_table(study: store.StudyFile, size: int, explained: bool = True) -> Table:
+    """Every kernel on 2^size points, with what the columns are or without."""
     table = new_table(
         ("kernel", "bits", "us", "ns/\npoint", "GB/s", "roof", "Warp\n/C", "launch\n/C", "elem.\n/C", "NumPy\n/C"),
         f"Kernels on 2^{size} points, one thread",
-        "us to roof: the recorded kernel, median of a call; GB/s: bytes read and written; roof: that over the bandwidth"
-        " of a copy of as much memory in the same run (reading alone can be faster); /C: time over C's in the same"
-        " round, median, of the recorded kernel, by wp.launch, with one thread per element, of the NumPy twin. Ratios"
-        " dimensionless.",
+        _COLUMNS if explained else "",
     )
     for run in loops(study):
         if run["log2_points"] != size:
