@@ -280,7 +280,7 @@ def exit_status(files: Iterable[store.StudyFile]) -> int:
         for task, reason in file.failures.items():
             console.errors.print(f"linecontact: {file.kind}: task {task} failed: {reason}", markup=False)
             status = console.EXIT_FAILED
-        if not status and any(run["status"] != "converged" for run in file.runs):
+        if not status and any(run.get("status", "converged") != "converged" for run in file.runs):
             status = console.EXIT_NOT_CONVERGED
     return status
 

@@ -37,7 +37,7 @@ UNITS = {
     "pressure": "pressure",
     "contact_modulus": "pressure",
 }
-"""Units by the last part of a name; 'seconds.*' is in seconds, everything else dimensionless."""
+"""Units by the last part of a name; 'seconds.*' is in seconds, 'bytes.*' in bytes, everything else dimensionless."""
 
 RESULTS_VERSION = 1
 """To be raised whenever the same task gives other results: they must not be mixed."""
@@ -60,6 +60,8 @@ def unit(name: str) -> str:
     """Unit of a stored quantity."""
     if name == "profile":  # the heights; scene.profile is the indenter's name
         return "length"
+    if name.startswith("bytes."):
+        return "byte"
     return "s" if "seconds." in name else UNITS.get(name.rsplit(".", 1)[-1], "1")
 
 
