@@ -24,6 +24,13 @@ def spectral_multiply(coefficient: Array, spectrum: Array) -> None:
     spectrum *= coefficient
 
 
+def mirror_multiply(straight: Array, crossed: Array, spectrum: Array) -> None:
+    """Real part re' = straight re + crossed im, imaginary part im' = straight im + crossed re; flat real views."""
+    swapped = spectrum.reshape(-1, 2)[:, ::-1].ravel()
+    spectrum *= straight
+    spectrum += crossed * swapped
+
+
 def _free_force(elastic: Array, velocity: Array, load: Array | int = 1) -> tuple[Array, Array]:
     """Free part of r = load - K u, and the held nodes."""
     r = load - elastic

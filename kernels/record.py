@@ -25,6 +25,7 @@ Array = NDArray[Any]
 BACKENDS = ("warp", "numpy")
 KERNELS = (
     "spectral_multiply",
+    "mirror_multiply",
     "net_force",
     "search_sums",
     "restrict_to_free",

@@ -16,6 +16,7 @@ from .relaxation import Progress, Status
 from .run import CAUTION, COARSE_TOLERANCE, DEFAULT_MAX_ITERATIONS, METHODS, SMALLEST_WARP, Run, check_scene, stages
 from .scene import Scene
 from .solution import Choice, Solution
+from .symmetric import EvenActiveSet, is_even
 from .transforms import Transforms
 
 _MIXED_FROM = 2**18  # points from which mixed precision saves time on many patches
@@ -98,7 +99,16 @@ class Accurate:
         )
 
     def _grid(self, plan: Plan) -> Solution:
-        """The active set, from coarse to fine."""
+        """The active set, from coarse to fine; on with a finer grid should the last one have promised too much."""
+        above, before = 0, tuple(self.choices)
+        while True:
+            solution = self._climbed(plan, above)
+            above = solution.scene.num_points
+            if solution.status is not Status.INACCURATE or above == self.scene.num_points:
+                return solution
+            self.choices = list(before)
+
+    def _climbed(self, plan: Plan, above: int) -> Solution:
         layered = replace(self.scene, layer=plan.layer)
         tolerance = min(max(0.2 * self.accuracy, 1e-10), COARSE_TOLERANCE)
         modelled = sum(choice.error for choice in self.choices)
@@ -109,6 +119,7 @@ class Accurate:
             lambda size: self._method(layered, size, tolerance),
             self.progress,
             DEFAULT_MAX_ITERATIONS[METHODS[0]],
+            above,
         )
         size = climbed.state.problem.num_points
         precision = "mixed" if isinstance(climbed.state, MixedActiveSet) else "float64"
@@ -122,17 +133,25 @@ class Accurate:
         self._chose("grid", f"{size} points", f"the coarsest that is good enough {reached}", climbed.error)
         self._chose("method", METHODS[0], "the fastest on every scene measured")
         self._chose("precision", precision, "mixed from 2^18 points on, where there may be many patches")
+        even = isinstance(climbed.state, EvenActiveSet)
+        what = (
+            "h is even: fields and transforms of half the length" if even else "h is not even about points in between"
+        )
+        self._chose("symmetry", "used" if even else "none", what)
         self._chose("tolerance", f"{tolerance:g}", "small beside the accuracy", iteration_share(tolerance))
         solution = run.solution(on_grid(self.scene, size), METHODS[0], status, (), (self.begin, ready))
         return self._judged(solution, modelled)
 
     def _method(self, scene: Scene, size: int, tolerance: float) -> ActiveSet:
         check_scene(scene, size)
-        mixed = size >= _MIXED_FROM and not isinstance(scene.indenter, PowerIndenter)
+        problem = Problem.from_scene(scene, size)
+        even = size >= SMALLEST_WARP and is_even(problem.height)
+        mixed = size >= _MIXED_FROM and not even and not isinstance(scene.indenter, PowerIndenter)
         backend = self.backend if size >= SMALLEST_WARP else "numpy"
-        transforms = Transforms(size, "float32" if mixed else "float64", self.threads, self.planning)
-        kind = MixedActiveSet if mixed else ActiveSet
-        return kind(Problem.from_scene(scene, size), transforms, CAUTION * tolerance, backend)
+        kind = EvenActiveSet if even else MixedActiveSet if mixed else ActiveSet
+        length, precision = size // 2 if even else size, "float32" if mixed else "float64"
+        transforms = Transforms(length, precision, self.threads, self.planning)
+        return kind(problem, transforms, CAUTION * tolerance, backend)
 
     def _judged(self, solution: Solution, modelled: float) -> Solution:
         """With the model's share in the errors, and whether they are what was asked for."""

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from ..kernels import CHUNK, Call, layout, record
 from .deflation import GreensFunction, PatchDeflation
 from .edges import edge_moves
-from .patches import Patches
+from .patches import Indices, Patches
 from .problem import Problem, foundation_level
 from .stiffness import Array64
 from .transforms import Transforms
@@ -41,13 +41,14 @@ class ActiveSet:
     safety = 0.4  # of the tolerance, where to stop: the free residual is up to twice the pressure's error
     patience = 10**9  # the residual starts anew with every set; `longest` ends the search instead
     longest = 150  # iterations on one set: rounding keeps the residual up
+    pair_length = 1.0  # of a transform pair, over N
     slack = 0.0  # nodes a patch may still have wrong on the average; for coarse grids
 
     def __init__(self, problem: Problem, transforms: Transforms, tolerance: float, backend: str = "warp") -> None:
         n = self._num_points = problem.num_points
         self.problem, self.transforms, self.backend, self.tolerance = problem, transforms, backend, tolerance
         self.target = self.safety * tolerance
-        self._pairs, self._drift = 0, 0.0
+        self._pairs, self._drift = 0.0, 0.0
         self.iteration, self.residual, self.frozen = 0, math.inf, False
         self._direction, self._work = transforms.buffer(), transforms.buffer()
         self._response, self._height, self._rest = self._fields()
@@ -58,22 +59,36 @@ class ActiveSet:
         self._wall = self._response, self._height, self._state
         self._advance = record(backend, [Call("advance_response", (self._work, self._state), (self._response,))])
         self._count = record(backend, [Call("count_below", self._wall, (self._counts,))])
-        self._height[:n] = problem.height
-        self._height[n:] = 1e30  # the padding never touches
+        self._height[:] = 1e30  # the padding never touches
+        self._put(self._height, problem.height)
         self._eps = float(np.finfo(self._response.dtype).eps)
         # a single node that penetrates so much takes a tenth of the tolerance as its force
         self._smallest_gap = 0.1 * tolerance / float(problem.stiffness.mean())
         self._full_pressure = np.zeros(n)
-        self._padded_contact = np.zeros(self._work.size, dtype=bool)
-        self._contact = self._padded_contact[:n]
+        self._contact = np.zeros(n, dtype=bool)
         self._patches: Patches | None = None
         self._nodes, self._pressure = np.zeros(0, dtype=np.int64), np.zeros(0)
+        self._at = self._nodes
         self._preconditioner: PatchDeflation | None = None
         self._conjugate = np.zeros(0)
 
     def _fields(self) -> tuple[Array, Array, Array]:
         """Buffers for the response, the wall and the displacement."""
         return self.transforms.buffer(), self.transforms.buffer(), self._work
+
+    # where nodes have their values in the fields, for those that share or reorder them
+
+    def _places(self, nodes: Indices) -> Indices:
+        return nodes
+
+    def _nodes_at(self, places: Indices) -> Indices:
+        return places
+
+    def _put(self, field: Array, values: Array64) -> None:
+        field[: self._num_points] = values
+
+    def _get(self, field: Array) -> Array:
+        return field[: self._num_points]
 
     def _operator(self, transforms: Transforms, source: Array, target: Array) -> tuple[Callable[[], None], ...]:
         """target = G source, in three steps."""
@@ -115,19 +130,20 @@ class ActiveSet:
     def _take_set(self) -> None:
         """Patches of the contact map; the preconditioner follows when it is needed."""
         if self._patches is not None:
-            self._direction[self._patches.nodes] = 0
+            self._direction[self._at] = 0
         self._patches = Patches.of(self._contact)
         self._nodes = self._patches.nodes
+        self._at = self._places(self._nodes)
         self._pressure = self._full_pressure[self._nodes]
         self._stale = True
         self._first, self._before, self._settled, self._tries = math.inf, 0.0, False, 0
 
     def _apply(self, values: Array64) -> None:
         """work = G values, given on the contact nodes."""
-        self._direction[self._nodes] = values
+        self._direction[self._at] = values
         for part in self._compliance:
             part()
-        self._pairs += 1
+        self._pairs += self.pair_length
 
     @property
     def transform_pairs(self) -> float:
@@ -155,7 +171,7 @@ class ActiveSet:
             self._stale = False
         touching = self._touching()
         r = float(touching.mean()) - touching
-        z = self._preconditioner.apply(r)
+        z = self._precondition(r)
         self.residual = math.sqrt(float(z @ z) / self._num_points)
         if math.isinf(self._first):
             self._first = self.residual
@@ -177,13 +193,17 @@ class ActiveSet:
         if not self.frozen:
             self._advance_along(r, z)
 
+    def _precondition(self, residual: Array64) -> Array64:
+        assert self._preconditioner is not None
+        return self._preconditioner.apply(residual)
+
     def _advance_along(self, r: Array64, z: Array64) -> None:
         rz = float(r @ z)
         self._conjugate = z + rz / self._before * self._conjugate if self._before else z
         self._before = rz
         d = self._conjugate
         self._apply(d)
-        curvature = float(d @ self._work[self._nodes])
+        curvature = float(d @ self._work[self._at])
         if not curvature > 0:  # rounding: no way down any more
             self.frozen = True
             return
@@ -198,22 +218,21 @@ class ActiveSet:
 
     def _touching(self) -> Array64:
         """h + w on the contact nodes."""
-        return self.problem.height[self._nodes] + self._response[self._nodes]
+        return self.problem.height[self._nodes] + self._response[self._at]
 
     def _update_set(self) -> bool:
         """Drop nodes that pull, add nodes that penetrate; False if there are none."""
         assert self._patches is not None
         dropped = self._nodes[self._pressure < 0]
         # less than the rounding of h + w: a set decided on that would never settle
-        rounding = 8 * self._eps * float(np.abs(self._response[self._nodes]).max())
+        rounding = 8 * self._eps * float(np.abs(self._response[self._at]).max())
         self._state[layout.BOUND] = bound = self._level - max(self._smallest_gap, rounding)
         self._count()
         chunks = np.flatnonzero(self._counts)
-        height, response, contact = (
-            array.reshape(-1, CHUNK)[chunks] for array in (self._height, self._response, self._padded_contact)
-        )
-        row, column = np.nonzero((height + response < bound) & ~contact)
-        new = chunks[row] * CHUNK + column
+        height, response = (array.reshape(-1, CHUNK)[chunks] for array in (self._height, self._response))
+        row, column = np.nonzero(height + response < bound)
+        below = self._nodes_at(chunks[row] * CHUNK + column)
+        new = below[~self._contact[below]]
         if dropped.size + new.size <= self.slack * self._patches.count:
             return False
         self._contact[dropped] = False
@@ -255,8 +274,8 @@ class ActiveSet:
             return np.zeros(self._num_points)
         self._state[layout.LEVEL] = self._level
         record(self.backend, [Call("rest_on_wall", self._wall, (self._rest,))])()
-        n, height = self._num_points, self.problem.height
-        u = np.minimum(self._rest[:n].astype(np.float64), height)
+        height = self.problem.height
+        u = np.minimum(self._get(self._rest).astype(np.float64), height)
         u[self._nodes] = height[self._nodes]
         return u
 

@@ -131,7 +131,7 @@ class MixedActiveSet(ActiveSet):
         self._scale_to_load()
         field = self._exact_field
         field[:] = 0
-        field[self._nodes] = self._pressure
+        field[self._at] = self._pressure
         for part in self._exact_compliance:
             part()
         self._pairs += 1
@@ -139,5 +139,5 @@ class MixedActiveSet(ActiveSet):
 
     def _advance_along(self, r: Array64, z: Array64) -> None:
         super()._advance_along(r, z)
-        image = float(self._state[layout.STEP]) * self._work[self._nodes].astype(np.float64)
+        image = float(self._state[layout.STEP]) * self._work[self._at].astype(np.float64)
         self._drift = math.hypot(self._drift, self._rounding * math.sqrt(float(image @ image) / self._num_points))

@@ -115,11 +115,16 @@ class Climb:
 
 
 def climb(
-    scene: Scene, budget: float, make: Callable[[int], ActiveSet], progress: Progress | None, max_iterations: int
+    scene: Scene,
+    budget: float,
+    make: Callable[[int], ActiveSet],
+    progress: Progress | None,
+    max_iterations: int,
+    above: int = 0,
 ) -> Climb:
     """From coarse to fine until the estimated relative error of a_r is below the budget, or the grid is the scene's.
 
-    make: the method on a grid of that many points.
+    make: the method on a grid of that many points; above: number of points that is known to be too few.
     """
     levels: list[Level] = []
     start: tuple[Array64, Patches, Edges] | None = None
@@ -134,7 +139,8 @@ def climb(
         start = state.contact_pressure, *contact_edges(scene, state.contact_pressure)
         levels.append(measure_level(scene, *start[1:], state))
         error = _error(levels, start[2])
-        if status is Status.INTERRUPTED or (resolves(scene, size) and error <= budget):
+        good = size > above and resolves(scene, size) and error <= budget
+        if good or status is Status.INTERRUPTED:
             break
     state.slack, state.frozen = 0.0, False
     iterations = sum(level.iterations for level in levels)

@@ -76,7 +76,7 @@ class Solution:
                 str(level.num_points): {name: _plain(value) for name, value in level.to_dict().items()}
                 for level in self.levels
             },
-            "accuracy": self.accuracy,
+            **({"accuracy": self.accuracy} if self.accuracy else {}),
             "choices": {
                 choice.what: {"chosen": choice.chosen, "reason": choice.reason, "error": choice.error}
                 for choice in self.choices

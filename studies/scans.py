@@ -76,7 +76,7 @@ def read(options: Options) -> tuple[MeasuredIndenter, float, int]:
         raise ValueError(f"profile_file {path} holds a straight line; allowed: a profile that is not")
     if z.size != n:
         steps.append(f"resampled from {z.size} to {n} points by Fourier modes")
-        z = _resample(z, n)
+        z = _resample(z, n, mirrored=as_is is False and length == 2 * count)
     description = {
         "profile_file": path.name,
         "profile_values": count,
@@ -102,10 +102,12 @@ def _choose_grid(options: Options, count: int) -> tuple[bool, int, int]:
     return as_is, length, n
 
 
-def _resample(z: Array64, num_points: int) -> Array64:
+def _resample(z: Array64, num_points: int, mirrored: bool) -> Array64:
     modes = np.fft.rfft(z)
     held = (min(num_points, z.size) + 1) // 2  # all but an unpaired highest mode
     modes[held:] = 0
+    if mirrored:  # the axes stay half-way between two points: the profile stays even
+        modes *= np.exp(1j * np.pi * np.arange(modes.size) * (1 / num_points - 1 / z.size))
     return np.asarray(np.fft.irfft(modes[: held + 1], num_points) * (num_points / z.size))
 
 

@@ -71,8 +71,8 @@ def test_a_wrong_variant_is_an_error(kernel):
 
 
 def test_traffic_and_working_set():
-    spec = SPECS["net_force"]  # three arrays, two sums per chunk
-    assert spec.traffic(2**12, "float32") == spec.working_set(2**12, "float32") == 3 * 4 * 2**12 + 2 * 8 * 4
+    spec = SPECS["net_force"]  # four arrays, two sums per chunk
+    assert spec.traffic(2**12, "float32") == spec.working_set(2**12, "float32") == 4 * 4 * 2**12 + 2 * 8 * 4
     assert SPECS["fire_step"].traffic(2**12, "float64") == 6 * 8 * 2**12  # two of four in place
     assert SPECS["fire_step"].working_set(2**12, "float64") == 4 * 8 * 2**12
 

@@ -14,6 +14,7 @@ LENGTHS = [1, CHUNK - 1, CHUNK, CHUNK + 1, 3 * CHUNK, 5 * CHUNK + 17]
 
 ELEMENTWISE = {
     "spectral_multiply": ("coefficient", "spectrum"),
+    "mirror_multiply": ("straight", "crossed", "spectrum"),
     "net_force": ("load", "elastic", "v", "force", "sum", "sum"),
     "plain_sums": ("elastic", "v", "sum", "sum", "sum", "sum"),
     "search_sums": ("force", "v", "acceleration", "sum", "sum", "sum"),
@@ -24,7 +25,14 @@ ELEMENTWISE = {
     "count_below": ("response", "h", "gap state", "sum"),
     "rest_on_wall": ("response", "h", "gap state", "u"),
 }
-NUM_OUTPUTS = {"spectral_multiply": 1, "net_force": 3, "plain_sums": 4, "search_sums": 4, "restrict_to_free": 2}
+NUM_OUTPUTS = {
+    "spectral_multiply": 1,
+    "mirror_multiply": 1,
+    "net_force": 3,
+    "plain_sums": 4,
+    "search_sums": 4,
+    "restrict_to_free": 2,
+}
 NUM_OUTPUTS |= {"advance_response": 1, "count_below": 1, "rest_on_wall": 1}
 
 

@@ -21,9 +21,9 @@ def add(sums: wp.array[wp.float64], i: int, value: Any):
 
 
 @wp.func
-def free_force(elastic: Any, v: Any):
-    """r = 1 - K u, 0 on held nodes, and 1 there."""
-    r = type(elastic)(1.0) - elastic
+def free_force(load: Any, elastic: Any, v: Any):
+    """r = load - K u, 0 on held nodes, and 1 there."""
+    r = load - elastic
     on_wall = held(r, v)
     zero = type(elastic)(0.0)
     return wp.where(on_wall, zero, r), wp.where(on_wall, type(elastic)(1.0), zero)
@@ -37,7 +37,19 @@ def spectral_multiply(coefficient: wp.array[Any], spectrum: wp.array[Any]):
 
 
 @wp.kernel
+def mirror_multiply(straight: wp.array[Any], crossed: wp.array[Any], spectrum: wp.array[Any]):
+    """A mode's real and imaginary part from both of them; the thread of the real part does both."""
+    i = wp.tid()
+    if i % 2 == 0:
+        re = spectrum[i]
+        im = spectrum[i + 1]
+        spectrum[i] = straight[i] * re + crossed[i] * im
+        spectrum[i + 1] = straight[i + 1] * im + crossed[i + 1] * re
+
+
+@wp.kernel
 def net_force(
+    load: wp.array[Any],
     elastic: wp.array[Any],
     velocity: wp.array[Any],
     force: wp.array[Any],
@@ -46,7 +58,7 @@ def net_force(
 ):
     """Free force, its squares, held nodes."""
     i = wp.tid()
-    f, count = free_force(elastic[i], velocity[i])
+    f, count = free_force(load[i], elastic[i], velocity[i])
     force[i] = f
     add(force_sums, i, f * f)
     add(held_sums, i, count)
@@ -64,7 +76,7 @@ def plain_sums(
     """f.f, held nodes, v.f, v.v."""
     i = wp.tid()
     v = velocity[i]
-    f, count = free_force(elastic[i], v)
+    f, count = free_force(elastic.dtype(1.0), elastic[i], v)
     add(force_sums, i, f * f)
     add(held_sums, i, count)
     add(power_sums, i, v * f)
@@ -129,7 +141,7 @@ def plain_step(
     """FIRE's update along the free force, and the wall."""
     i = wp.tid()
     mix, gain, dt = u.dtype(state[MIX]), u.dtype(state[GAIN]), u.dtype(state[DT])
-    f, _ = free_force(elastic[i], v[i])
+    f, _ = free_force(u.dtype(1.0), elastic[i], v[i])
     ui, vi = advance(u[i], v[i], f, h[i], mix, gain, dt)
     u[i] = ui
     v[i] = vi

@@ -111,7 +111,7 @@ class Spec:
 
 _STEP = {"MIX": 0.9, "GAIN": 0.1, "DT": 0.25}
 _STEP_SCALARS = "REAL mix = state[MIX], gain = state[GAIN], dt = state[DT];"
-_FORCE = "REAL r = 1 - elastic[i]; int on_wall = ({v} == (REAL)TOUCHING) & (r > 0); REAL f = on_wall ? 0 : r;"
+_FORCE = "REAL r = {load} - elastic[i]; int on_wall = ({v} == (REAL)TOUCHING) & (r > 0); REAL f = on_wall ? 0 : r;"
 _WALL = """
     REAL w = mix * v[i] + gain * {a}, x = u[i] + dt * w;
     int hit = x >= h[i];
@@ -120,10 +120,19 @@ _WALL = """
 
 SPECS = {
     "spectral_multiply": Spec("coefficient:in spectrum:inout", 1, "spectrum[i] *= coefficient[i];"),
+    "mirror_multiply": Spec(
+        "straight:in crossed:in spectrum:inout",
+        3,
+        """if (i % 2 == 0) {
+        REAL re = spectrum[i], im = spectrum[i + 1];
+        spectrum[i] = straight[i] * re + crossed[i] * im;
+        spectrum[i + 1] = straight[i + 1] * im + crossed[i + 1] * re;
+    }""",
+    ),
     "net_force": Spec(
-        "elastic:in velocity:in force:out force_sums:sum held_sums:sum",
+        "load:in elastic:in velocity:in force:out force_sums:sum held_sums:sum",
         4,
-        _FORCE.format(v="velocity[i]") + "force[i] = f; force_sums += f * f; held_sums += on_wall;",
+        _FORCE.format(load="load[i]", v="velocity[i]") + "force[i] = f; force_sums += f * f; held_sums += on_wall;",
     ),
     "search_sums": Spec(
         "force:in velocity:in acceleration:inout power_sums:sum velocity_sums:sum acceleration_sums:sum",
@@ -152,14 +161,14 @@ SPECS = {
     "plain_sums": Spec(
         "elastic:in velocity:in force_sums:sum held_sums:sum power_sums:sum velocity_sums:sum",
         8,
-        _FORCE.format(v="velocity[i]")
+        _FORCE.format(load="1", v="velocity[i]")
         + """REAL v = velocity[i];
     force_sums += f * f; held_sums += on_wall; power_sums += v * f; velocity_sums += v * v;""",
     ),
     "plain_step": Spec(
         "elastic:in h:in state:state u:inout v:inout",
         6,
-        _FORCE.format(v="v[i]") + _WALL.format(a="f"),
+        _FORCE.format(load="1", v="v[i]") + _WALL.format(a="f"),
         _STEP_SCALARS,
         _STEP,
     ),
