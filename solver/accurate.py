@@ -128,16 +128,15 @@ class Accurate:
         run = Run(solved, METHODS[0], tolerance, *settings, climbed.state)
         run.levels, run.transform_pairs, run.iterations = climbed.levels[:-1], climbed.pairs, climbed.iterations
         status = climbed.status if climbed.status is Status.INTERRUPTED else run.relax(climbed.state)
-        reached = "is" if climbed.error <= self.accuracy else "would have to be finer, the finest allowed is"
-        self._chose("model", "grid", "no smaller model will do")
-        self._chose("grid", f"{size} points", f"the coarsest that is good enough {reached}", climbed.error)
-        self._chose("method", METHODS[0], "the fastest on every scene measured")
-        self._chose("precision", precision, "mixed from 2^18 points on, where there may be many patches")
+        why = "the coarsest that is good enough"
+        if climbed.error > self.accuracy:
+            why = "the finest allowed, and not fine enough"
         even = isinstance(climbed.state, EvenActiveSet)
-        what = (
-            "h is even: fields and transforms of half the length" if even else "h is not even about points in between"
-        )
-        self._chose("symmetry", "used" if even else "none", what)
+        self._chose("model", "grid", "no smaller model will do")
+        self._chose("grid", f"{size} points", why, climbed.error)
+        self._chose("method", METHODS[0], "the fastest on every scene measured")
+        self._chose("precision", precision, "mixed pays from 2^18 points on, with many patches")
+        self._chose("symmetry", "even" if even else "none", f"h_i {'=' if even else '!='} h_(N-1-i) on this grid")
         self._chose("tolerance", f"{tolerance:g}", "small beside the accuracy", iteration_share(tolerance))
         solution = run.solution(on_grid(self.scene, size), METHODS[0], status, (), (self.begin, ready))
         return self._judged(solution, modelled)

@@ -67,7 +67,7 @@ def _half_space(scene: Scene, budget: float) -> tuple[Layer, tuple[Choice, ...]]
         return layer, ()
     waves = 2 * np.pi * np.arange(1.0, 9.0) * (layer.thickness / scene.period)
     difference = 2 * float(np.abs(layer_factor(waves, layer.poisson_ratio) - 1).max())
-    reason = f"its stiffness is the half-space's within {difference / 2:.1g} at every wave"
+    reason = f"a half-space is softer or stiffer by at most {difference / 2:.1g}"
     if difference > budget:
         return layer, (Choice("layer", "as it is", reason),)
     return replace(layer, thickness=math.inf), (Choice("layer", "half-space", reason, difference),)
