@@ -25,7 +25,7 @@ from linecontact.solver import (
 )
 from rich.table import Table
 
-from . import blunt, console, edge_curve, ensemble, hertz, iterations, paper, rough, scans, sharp, store
+from . import blunt, console, edge_curve, ensemble, hertz, iterations, paper, peers, rough, scans, sharp, store
 
 
 @dataclass(frozen=True)
@@ -113,7 +113,8 @@ class Study:
         | Annotated[rough.Options, tyro.conf.subcommand("rough")]
         | Annotated[paper.Options, tyro.conf.subcommand("paper")]
         | Annotated[iterations.Options, tyro.conf.subcommand("iterations")]
-        | Annotated[edge_curve.Options, tyro.conf.subcommand("edge-curve")],
+        | Annotated[edge_curve.Options, tyro.conf.subcommand("edge-curve")]
+        | Annotated[peers.Options, tyro.conf.subcommand("peers")],
         tyro.conf.arg(name=""),
     ]
 
@@ -270,7 +271,7 @@ def run_plot(options: Plot, output: TextIO | None = None) -> int:
 
 def run_study(options: ensemble.Options) -> int:
     """`linecontact study`."""
-    modules: tuple[Any, ...] = (hertz, sharp, blunt, rough, paper, iterations, edge_curve)
+    modules: tuple[Any, ...] = (hertz, sharp, blunt, rough, paper, iterations, edge_curve, peers)
     return int(next(module for module in modules if type(options) is module.Options).command(options))
 
 

@@ -12,7 +12,7 @@ from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
 from .. import store
-from . import asperity, others, rough
+from . import asperity, others, peers, rough
 from .style import STYLE, NothingToDraw
 
 __all__ = ["NothingToDraw", "draw"]
@@ -22,6 +22,7 @@ _DRAWINGS: dict[str, Callable[[Path], dict[str, Figure]]] = {
     "rough": rough.draw,
     "iterations": others.iterations,
     "edge-curve": others.edge_curve,
+    "peers": peers.draw,
     "solution": others.solution,
 }
 
