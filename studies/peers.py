@@ -182,6 +182,11 @@ class Comparison:
     ours: Record
     peers: dict[str, Record]
 
+    @property
+    def solvers(self) -> tuple[str, ...]:
+        """Names of those that have solved it."""
+        return OURS, *self.peers
+
     def off(self, peer: str) -> tuple[int, float]:
         """By how many nodes in contact, and by which share of the peak pressure, a peer differs."""
         run = self.peers[peer]
