@@ -51,8 +51,8 @@ def available() -> tuple[str, ...]:
 def solve(peer: str, scene: Scene, tolerance: float, progress: Progress | None = None) -> PeerResult:
     """Solve a scene with a peer of `PEERS`, on one thread, from its own cold start.
 
-    tolerance: the peer's own, dimensionless. tamaas: rms gap weighted by the load, over the heights' scale;
-    ContactMechanics: largest gap inside the contact over the rms height. progress: called with (iteration, nan).
+    tolerance: the peer's own, dimensionless. tamaas: its error of complementarity; ContactMechanics: largest gap inside
+    the contact over the rms height. progress: called with (iteration, nan).
 
     The result may be short of the tolerance: see `gap_rms`. Raises `ValueError` for a peer that is unknown or missing.
     """

@@ -33,6 +33,8 @@ OURS = "linecontact"
 LOADS = {"Hertz": 2e-3, "rough": 1e-2}
 NODES, NODES_SHARE, PEAK = 2, 1e-3, 1e-5
 """What agreement is: this many nodes in contact more or fewer, or this share of them; the peak's relative error."""
+HOW = ("counted", "subgrid")
+"""How contact areas are measured."""
 
 _SECONDS, _REPEATS = 3.0, 20  # short solves are repeated, ours and theirs, and the fastest counts
 
@@ -120,8 +122,10 @@ class Task:
         if self.hurst is None:
             layer = scene.layer
             exact = collocation.solve_load(scene.pressure, 2.0, 1.0, layer.thickness, layer.poisson_ratio).contact_area
-            areas = {"counted": nodes / scene.num_points, "subgrid": record.get("contact_area_subgrid", math.nan)}
-            record |= {f"spacings_off.{how}": (area - exact) * scene.num_points for how, area in areas.items()}
+            areas = nodes / scene.num_points, record.get("contact_area_subgrid", math.nan)
+            record |= {
+                f"spacings_off.{how}": (area - exact) * scene.num_points for how, area in zip(HOW, areas, strict=True)
+            }
         return record
 
     def _by_us(self, scene: Scene, report: Progress | None) -> tuple[Record, Array64]:
@@ -203,6 +207,11 @@ class Comparison:
         """The fastest peer of those that agree."""
         return min(filter(self.agrees, self.peers), key=lambda peer: self.peers[peer]["seconds.solve"], default=None)
 
+    @property
+    def ratio(self) -> float:
+        """The fastest agreeing peer's time of solving over ours; nan without one."""
+        return self.peers[self.fastest]["seconds.solve"] / self.ours["seconds.solve"] if self.fastest else math.nan
+
 
 def comparisons(study: store.StudyFile) -> list[Comparison]:
     """One for each scene that linecontact has solved, in the study's order."""
@@ -223,10 +232,11 @@ def summary(study: store.StudyFile) -> Table:
         padding=(0, 1, 0, 0),
         title=f"linecontact beside {' and '.join(names) or 'no peer: none was installed'}, {largest} points",
         caption=f"nodes, peak: largest difference of a peer's nodes in contact and (relative) peak pressure from ours; "
-        f"beyond {NODES} nodes and {NODES_SHARE:g} of them, or {PEAK:g}, they differ, and no ratio is given. gap: rms "
-        "gap inside the contact over the rms height; peers: the larger of theirs, at each one's loosest tolerance that "
-        f"keeps it within {limit:g}. Seconds of solving on one thread, without set-up; ratio: the faster peer's over "
-        "ours. CM: ContactMechanics. d/L = inf: half-space. All but the times dimensionless.",
+        f"beyond the larger of {NODES} nodes and {NODES_SHARE:g} of ours, or beyond {PEAK:g}, they differ, and no "
+        "ratio is given. gap: rms gap inside the contact over the rms height; peers: the larger of theirs, at each "
+        f"one's loosest tolerance that keeps it within {limit:g}. Seconds of solving on one thread, without set-up; "
+        "ratio: the faster peer's over ours. CM: ContactMechanics. d/L = inf: half-space. All but the times "
+        "dimensionless.",
         caption_justify="left",
     )
     short = {"ContactMechanics": "CM"}
@@ -242,7 +252,6 @@ def summary(study: store.StudyFile) -> Table:
 def _cells(c: Comparison, names: Sequence[str]) -> list[str]:
     """A row of the table."""
     off = [c.off(peer) for peer in c.peers]
-    ratio = f"{c.peers[c.fastest]['seconds.solve'] / c.ours['seconds.solve']:.3g}" if c.fastest else "-"
     return [
         c.ours["name"],
         f"{c.ours['scene.thickness']:g}",
@@ -253,23 +262,33 @@ def _cells(c: Comparison, names: Sequence[str]) -> list[str]:
         f"{max(run['gap_rms'] for run in c.peers.values()):.0e}" if off else "-",
         f"{c.ours['seconds.solve']:.2g}",
         *(f"{c.peers[name]['seconds.solve']:.2g}" if name in c.peers else "-" for name in names),
-        ratio if all(map(c.agrees, c.peers)) else "differ",
+        (f"{c.ratio:.3g}" if off else "-") if all(map(c.agrees, c.peers)) else "differ",
     ]
 
 
 def remarks(study: store.StudyFile) -> list[str]:
-    """How far Hertz's areas are from the oracle's, and every disagreement on any grid."""
-    hertz, n = study.select("name", "Hertz"), max(run["scene.num_points"] for run in study.runs)
-    counted, subgrid = (
-        max((abs(run[f"spacings_off.{how}"]) for run in runs.runs if run["scene.num_points"] == n), default=math.nan)
-        for how, runs in (("counted", hertz), ("subgrid", hertz.select("solver", OURS)))
-    )
-    versions = {run["solver"]: run["version"] for run in study.runs}
-    lines = [
-        f"{', '.join(f'{solver} {text}' for solver, text in versions.items())}. Against the oracle, Hertz at {n} "
-        f"points: a_r is off by up to {counted:.2f} grid spacings counted, {subgrid:.0e} between our sub-grid edges."
+    """On the largest grid the ratios with set-up and Hertz's errors; and every disagreement on any grid."""
+    n = max(run["scene.num_points"] for run in study.runs)
+    found = comparisons(study)
+    shares = [
+        c.peers[c.fastest]["seconds.total"] / c.ours["seconds.total"] / c.ratio
+        for c in found
+        if c.fastest and c.ours["scene.num_points"] == n
     ]
-    for c in comparisons(study):
+    lines = []
+    if shares:
+        lines.append(
+            f"With set-up on both sides and the certificate on ours, ratios are {min(shares):.2f} to {max(shares):.2f} "
+            "times these."
+        )
+    for solver, text in {run["solver"]: run["version"] for run in study.runs}.items():
+        runs = [
+            run for run in study.runs if (run["solver"], run["scene.num_points"], run["name"]) == (solver, n, "Hertz")
+        ]
+        counted, subgrid = (max((abs(r[f"spacings_off.{how}"]) for r in runs), default=math.nan) for how in HOW)
+        more = f", {subgrid:.0e} between sub-grid edges" if solver == OURS else ""
+        lines.append(f"{solver} {text}: Hertz's a_r is off by up to {counted:.2f} grid spacings counted{more}.")
+    for c in found:
         for peer in c.peers:
             if not c.agrees(peer):
                 nodes, peak = c.off(peer)

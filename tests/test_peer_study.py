@@ -35,7 +35,8 @@ def made_up(alone):
     study = store.load_study(alone)
     study.configuration["peers"] = ["tamaas"]
     for k, run in enumerate(list(study.runs)):
-        theirs = {"solver": "tamaas", "seconds.solve": 10 * run["seconds.solve"], "version": "0"}
+        seconds = {f"seconds.{what}": factor * run[f"seconds.{what}"] for what, factor in (("solve", 10), ("total", 5))}
+        theirs = {"solver": "tamaas", "version": "0"} | seconds
         study.runs.append(run | theirs | {"nodes": run["nodes"] + (3 if k % 2 else 0)})
     return study
 
@@ -139,11 +140,12 @@ def test_a_disagreement_is_shown_and_its_ratio_is_not(made_up):
     assert not second.agrees("tamaas")
     assert second.off("tamaas") == (3, 0.0)
     assert (first.fastest, second.fastest) == ("tamaas", None)
+    assert peers.remarks(made_up)[0].endswith("ratios are 0.50 to 0.50 times these.")
     table = text(peers.summary(made_up))
     rows = [line.split() for line in table.splitlines() if line.lstrip().startswith(("Hertz", "H="))]
     assert [(row[3], row[-1]) for row in rows] == [("+0", "10"), ("+3", "differ")]
     assert max(map(len, table.splitlines())) <= 80
-    (_, *lines) = peers.remarks(made_up)
+    lines = [line for line in peers.remarks(made_up) if "disagrees" in line]
     assert len(lines) == 2  # on both grids
     assert all("tamaas disagrees on H=0.8, d/L = 0.01" in line and "+3 nodes" in line for line in lines)
     for name, value in (("peak_pressure", 1.001 * first.ours["peak_pressure"]), ("gap_rms", 1e-8)):
