@@ -7,11 +7,9 @@ from ..kernels import BACKENDS
 from . import checks, models
 from .active_set import ActiveSet
 from .certificate import certify
-from .indenters import PowerIndenter
-from .mixed import MixedActiveSet
 from .models import Modelled
-from .nested import grids, iteration_share
-from .planner import FIELD_POINTS, Plan, climb, decide, on_grid, resolves
+from .nested import iteration_share
+from .planner import Plan, climb, decide, on_grid
 from .problem import Problem
 from .relaxation import Progress, Status
 from .run import CAUTION, COARSE_TOLERANCE, DEFAULT_MAX_ITERATIONS, METHODS, SMALLEST_WARP, Run, check_scene, stages
@@ -19,8 +17,6 @@ from .scene import Layer, Scene
 from .solution import Choice, Solution
 from .symmetric import EvenActiveSet, is_even
 from .transforms import Transforms, check_settings
-
-_MIXED_FROM = 2**18  # points from which mixed precision saves time on many patches
 
 
 class Accurate:
@@ -31,7 +27,7 @@ class Accurate:
     ) -> None:
         self.begin = time.perf_counter()
         self.accuracy = checks.real("accuracy", accuracy, "1e-9 <= accuracy <= 0.1", 0.99e-9, 0.1)
-        check_scene(scene)
+        check_scene(scene, 16)
         checks.choice("backend", backend, BACKENDS)
         check_settings(threads, planning)
         self.scene = replace(scene, precision="float64")
@@ -49,28 +45,24 @@ class Accurate:
         return self._grid(plan)
 
     def _asperity(self, layer: Layer) -> Modelled | None:
-        scene = on_grid(self.scene, min(FIELD_POINTS, self.scene.num_points))
         try:
-            found = models.asperity(scene, layer, self.accuracy / 2)
+            found = models.asperity(self.scene, layer, self.accuracy / 2)
         except ValueError as error:
-            self.choices.append(Choice("collocation", "no", str(error)))
+            self._chose("collocation", "no", str(error))
             return None
         reason = "a power profile is one asperity; error: the change by the last doubling of the nodes"
         self._chose("model", "collocation", reason, found.error)
-        self._chose("grid", f"{scene.num_points} points", "for the fields only, which are sampled")
+        self._chose("grid", f"{found.scene.num_points} points", "for the fields only, which are sampled")
         return found
 
     def _winkler(self) -> Modelled | None:
-        for size in filter(lambda size: resolves(self.scene, size), grids(self.scene.num_points)):
-            found = models.winkler(on_grid(self.scene, size))
-            if found.error <= self.accuracy:
-                self._chose("model", "Winkler foundation", "the layer's edges are narrow", found.error)
-                self._chose("grid", f"{size} points", "the coarsest that is good enough")
-                return found
-            if found.least > self.accuracy:
-                break
-        self._chose("Winkler foundation", "no", f"its a_r would be off by {found.error:.1g}")
-        return None
+        found = models.winkler(self.scene)
+        if found.error > self.accuracy:
+            self._chose("Winkler foundation", "no", f"its a_r would be off by {found.error:.1g}")
+            return None
+        self._chose("model", "Winkler foundation", "the layer's edges are narrow", found.error)
+        self._chose("grid", f"{found.scene.num_points} points", "no transform is needed")
+        return found
 
     def _chose(self, what: str, chosen: str, reason: str, error: float = 0.0) -> None:
         self.choices.append(Choice(what, chosen, reason, error))
@@ -113,54 +105,53 @@ class Accurate:
             self.choices = list(before)
 
     def _climbed(self, plan: Plan, above: int) -> Solution:
+        """Interrupted before the last grid it has nothing to return and raises `KeyboardInterrupt`."""
         layered = replace(self.scene, layer=plan.layer)
         tolerance = min(max(0.2 * self.accuracy, 1e-10), COARSE_TOLERANCE)
         modelled = sum(choice.error for choice in self.choices)
         ready = time.perf_counter()
+        budget = self.accuracy - modelled - iteration_share(tolerance)
         climbed = climb(
             layered,
-            self.accuracy - modelled - iteration_share(tolerance),
+            budget,
             lambda size: self._method(layered, size, tolerance),
             self.progress,
             DEFAULT_MAX_ITERATIONS[METHODS[0]],
             above,
         )
         size = climbed.state.problem.num_points
-        precision = "mixed" if isinstance(climbed.state, MixedActiveSet) else "float64"
-        solved = replace(on_grid(layered, size), precision=precision)
+        scene = on_grid(self.scene, size)  # its layer, which the certificate is for
         settings = None, self.threads, self.planning, self.backend, None, "refuse", self.progress
-        run = Run(solved, METHODS[0], tolerance, *settings, climbed.state)
+        run = Run(scene, METHODS[0], tolerance, *settings, climbed.state)
         run.levels, run.transform_pairs, run.iterations = climbed.levels[:-1], climbed.pairs, climbed.iterations
-        status = climbed.status if climbed.status is Status.INTERRUPTED else run.relax(climbed.state)
-        why = "the coarsest that is good enough"
-        if climbed.error > self.accuracy:
-            why = "the finest allowed, and not fine enough"
+        status = run.relax(climbed.state)
+        good = climbed.error <= budget
+        why = "the coarsest that is good enough" if good else "the finest allowed, and not fine enough"
         even = isinstance(climbed.state, EvenActiveSet)
         self._chose("model", "grid", "no smaller model will do")
         self._chose("grid", f"{size} points", why, climbed.error)
         self._chose("method", METHODS[0], "the fastest on every scene measured")
-        self._chose("precision", precision, "mixed pays from 2^18 points on, with many patches")
+        self._chose("precision", "float64", "mixed saves next to nothing where transforms are few")
         self._chose("symmetry", "even" if even else "none", f"h_i {'=' if even else '!='} h_(N-1-i) on this grid")
         self._chose("tolerance", f"{tolerance:g}", "small beside the accuracy", iteration_share(tolerance))
-        solution = run.solution(on_grid(self.scene, size), METHODS[0], status, (), (self.begin, ready))
-        return self._judged(solution, modelled)
+        solution = run.solution(scene, METHODS[0], status, (), (self.begin, ready))
+        return self._judged(solution, modelled, climbed.error)
 
     def _method(self, scene: Scene, size: int, tolerance: float) -> ActiveSet:
         check_scene(scene, size)
         problem = Problem.from_scene(scene, size)
         even = size >= SMALLEST_WARP and is_even(problem.height)
-        mixed = size >= _MIXED_FROM and not even and not isinstance(scene.indenter, PowerIndenter)
         backend = self.backend if size >= SMALLEST_WARP else "numpy"
-        kind = EvenActiveSet if even else MixedActiveSet if mixed else ActiveSet
-        length, precision = size // 2 if even else size, "float32" if mixed else "float64"
-        transforms = Transforms(length, precision, self.threads, self.planning)
+        kind = EvenActiveSet if even else ActiveSet
+        transforms = Transforms(size // 2 if even else size, "float64", self.threads, self.planning)
         return kind(problem, transforms, CAUTION * tolerance, backend)
 
-    def _judged(self, solution: Solution, modelled: float) -> Solution:
-        """With the model's share in the errors, and whether they are what was asked for."""
+    def _judged(self, solution: Solution, modelled: float, gridded: float = 0.0) -> Solution:
+        """With the model's share and the climb's estimate in the errors, and whether they are what was asked for."""
         o = solution.observables
-        area, kappa = o.contact_area_error + modelled * o.contact_area_subgrid, o.kappa_error
-        o = replace(o, contact_area_error=area, kappa_error=kappa + 2 * modelled * o.kappa_subgrid)
+        area = max(o.contact_area_error, gridded * o.contact_area_subgrid) + modelled * o.contact_area_subgrid
+        kappa = max(o.kappa_error, 2 * gridded * o.kappa_subgrid) + 2 * modelled * o.kappa_subgrid
+        o = replace(o, contact_area_error=area, kappa_error=kappa)
         status = solution.status
         if status is Status.CONVERGED and not area <= self.accuracy * o.contact_area_subgrid:
             status = Status.INACCURATE

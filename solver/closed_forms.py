@@ -85,6 +85,17 @@ def westergaard_area(amplitude: float, reduced_load: float) -> float:
     return 2 * math.asin(sine) / math.pi
 
 
+def foundation_half_width(reduced_load: float, exponent: float, radius: float, modulus: float) -> float:
+    """Half-width a/L of a power profile on a Winkler foundation: p L = 2 k_W R^(1-n) a^(n+1)/(n+1).
+
+    radius: R/L; reduced_load: p/E*; modulus: k_W [E*/L], without one (0 or `inf`) the half-width is `inf`.
+    """
+    if not 0 < modulus < math.inf:
+        return math.inf
+    n = exponent
+    return float((reduced_load * (n + 1) / (2 * modulus) * radius ** (n - 1)) ** (1 / (n + 1)))
+
+
 def thin_layer_alpha(exponent: float) -> float:
     """alpha(n) of kappa_d/kappa_inf = alpha (1-2nu)/(1-nu)^2 d/(a_r L), exact for d -> 0 (dimensionless).
 

@@ -20,18 +20,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import checks
-from .closed_forms import edge_shift, kappa_from_area, kappa_half_space, thin_layer_kappa_ratio
+from .closed_forms import (
+    edge_shift,
+    foundation_half_width,
+    kappa_from_area,
+    kappa_half_space,
+    thin_layer_kappa_ratio,
+)
 from .stiffness import foundation_modulus, stiffness
 
 Array64 = NDArray[np.float64]
 
 _DECAY = 60.0  # exp(-(pi/2) 60) < 1e-40: distance in units of d beyond which a layer does not interact
 RESOLUTION = 40.0
-"""Nodes over sqrt(a/d), each half: resolves the edge layers of width d to 1e-10; 20 to 1e-6, 10 to 1e-3."""
+"""Nodes over sqrt(a/d), each half: resolves the edge layers of width d to 1e-10, next to nu = 1/2 to 1e-4."""
 
 MOST_NODES = 2048
 """Of `solve_to_accuracy`: half a second."""
 
+_MOST_VALUES = 6e7  # in one matrix: half a GiB
 _MODES = 22.0  # exp(-2 * 22) < 1e-19: largest q d of the layer's sum
 
 
@@ -94,12 +101,18 @@ class _System:
     ) -> "_System":
         a = half_width
         num_nodes = max(num_nodes, 2 * round(resolution * math.sqrt(a / thickness)))
+        period = min(1.0, 2 * a + _DECAY * thickness)
+        count = _MODES / thickness * period / (2 * np.pi)
+        if num_nodes * max(num_nodes, count) > _MOST_VALUES:
+            raise ValueError(
+                f"thickness is {thickness!r}; allowed: more, for a half-width of {a:.3g} collocation would need "
+                f"{num_nodes} nodes and {count:.0f} modes"
+            )
         j = np.arange(1.0, num_nodes // 2 + 1)
         theta = j * np.pi / (num_nodes + 1)
         t = np.cos(theta)
         x = np.cos((2 * j - 1) * np.pi / (2 * num_nodes + 2))
         weights = np.pi / (num_nodes + 1) * np.sin(theta) ** 2
-        period = min(1.0, 2 * a + _DECAY * thickness)
         z = np.pi * a / period
         kernel = 2 * a / period * (1 / np.tan(z * (x[:, None] - t)) + 1 / np.tan(z * (x[:, None] + t)))
         q, compliance = modes = _layer_modes(period, thickness, poisson_ratio)
@@ -164,7 +177,8 @@ def solve_load(
     def system(a: float) -> _System:
         return _System.solve(a, exponent, radius, thickness, poisson_ratio, num_nodes, resolution)
 
-    return _match(system, load, exponent, lone_half_width(load, exponent, radius)).asperity()
+    guess = guessed_half_width(load, exponent, radius, thickness, poisson_ratio)
+    return _match(system, load, exponent, guess).asperity()
 
 
 def solve_to_accuracy(
@@ -176,7 +190,7 @@ def solve_to_accuracy(
     """
     _check(load, exponent, radius, poisson_ratio, 16)
     num_nodes, resolution, error = 16, 10.0, math.inf
-    guess = lone_half_width(load, exponent, radius)
+    guess = guessed_half_width(load, exponent, radius, thickness, poisson_ratio)
     while num_nodes <= MOST_NODES:
 
         def system(a: float, num_nodes: int = num_nodes, resolution: float = resolution) -> _System:
@@ -202,7 +216,7 @@ def solve_reduced_thickness(
         return _System.solve(a, exponent, radius, 2 * a * reduced_thickness, poisson_ratio, num_nodes, RESOLUTION)
 
     thin = thin_layer_kappa_ratio(exponent, poisson_ratio, reduced_thickness, max(0.0, edge_shift(poisson_ratio)))
-    guess = lone_half_width(load, exponent, radius, 1 / (1 + 1 / thin))
+    guess = _lone_half_width(load, exponent, radius, 1 / (1 + 1 / thin))
     asperity = _match(system, load, exponent, guess).asperity()
     return reduced_thickness * asperity.contact_area, asperity
 
@@ -215,8 +229,14 @@ def _check(load: float, exponent: float, radius: float, poisson_ratio: float, nu
     checks.integer("num_nodes", num_nodes, "an even integer from 4 to 10000", 4, 10_000, 2)
 
 
-def lone_half_width(load: float, exponent: float, radius: float, kappa_ratio: float = 1.0) -> float:
-    """Half-width [L] of a lone asperity of the given kappa_d/kappa_inf; 1, the half-space, bounds every layer's."""
+def guessed_half_width(load: float, exponent: float, radius: float, thickness: float, poisson_ratio: float) -> float:
+    """Half-width [L]: the half-space's or the Winkler foundation's, whichever is less."""
+    modulus = foundation_modulus(thickness, poisson_ratio)
+    return min(_lone_half_width(load, exponent, radius), foundation_half_width(load, exponent, radius, modulus))
+
+
+def _lone_half_width(load: float, exponent: float, radius: float, kappa_ratio: float = 1.0) -> float:
+    """Half-width of a lone asperity of the given kappa_d/kappa_inf; 1, the half-space, bounds every layer's."""
     n = exponent
     area = kappa_ratio * kappa_half_space(n) * load * math.sqrt(2 * n - 1) / 2 * radius ** (n - 1)
     return float(area ** (1 / n))

@@ -217,6 +217,11 @@ class MeasuredIndenter:
         heights = np.fft.irfft(modes, num_points) * num_points
         return np.asarray(heights - heights.min()) / period
 
+    def omitted(self, num_points: int) -> float:
+        """Share of the mean square slope in waves that a grid of that many points leaves out (dimensionless)."""
+        power = (np.arange(self._modes.size) * np.abs(self._modes)) ** 2
+        return float(power[num_points // 2 :].sum() / power.sum())
+
     def slope(self, num_points: int, period: float) -> Array64:
         """Slopes, see `Indenter`, by central differences."""
         h = self.profile(num_points, period)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import collocation
-from .closed_forms import edge_shift, kappa_from_area
+from .closed_forms import edge_shift, foundation_half_width, kappa_from_area, kappa_half_space
 from .edges import Edges
 from .indenters import PowerIndenter, RoughIndenter
 from .observables import Observables, observe, subgrid_measures
@@ -25,12 +25,20 @@ from .stiffness import foundation_modulus, stiffness
 
 Array64 = NDArray[np.float64]
 
+FIELD_POINTS = 2**12
+"""Points for the sampled fields of a model without a grid, if that puts enough of them into the contact."""
+
+LEAST_EDGE = 0.6
+"""What the foundation's edges may be off by together, over the thickness, at least; else three times c(nu)."""
+
+_FIELD_NODES = 64
+
 
 @dataclass(frozen=True)
 class Modelled:
     """scene: on the fields' grid; displacement [length], contact_pressure [pressure], contact: shape (N,).
 
-    error: of a_r, relative; least: the part of it that no finer grid takes away.
+    error: of a_r, relative.
     """
 
     scene: Scene
@@ -39,7 +47,6 @@ class Modelled:
     contact: NDArray[np.bool_]
     observables: Observables
     error: float
-    least: float = 0.0
 
 
 def asperity(scene: Scene, layer: Layer, accuracy: float) -> Modelled:
@@ -50,98 +57,110 @@ def asperity(scene: Scene, layer: Layer, accuracy: float) -> Modelled:
     """
     power, length, modulus = scene.indenter, scene.period, scene.layer.contact_modulus
     assert isinstance(power, PowerIndenter)
-    found, error = collocation.solve_to_accuracy(
-        scene.pressure / modulus,
-        power.exponent,
-        power.radius / length,
-        layer.thickness / length,
-        layer.poisson_ratio,
-        accuracy,
-    )
-    centred = np.arange(scene.num_points) / scene.num_points - 0.5
-    pressure = modulus * found.pressure_at(centred / found.half_width)
+    shape = power.exponent, power.radius / length, layer.thickness / length, layer.poisson_ratio
+    found, error = collocation.solve_to_accuracy(scene.pressure / modulus, *shape, accuracy)
+    scene = _field_scene(scene, found.contact_area)
+    pressure = found.pressure_at((np.arange(scene.num_points) / scene.num_points - 0.5) / found.half_width)
+    pressure *= scene.pressure / pressure.mean()  # the sampled load is off by the sampling
     problem = Problem.from_scene(scene)
     displacement = problem.displacement_under(pressure / scene.pressure) * problem.length_unit
     displacement = np.where(pressure > 0, scene.profile, displacement)
-    observables = _with_area(scene, observe(scene, displacement, pressure, pressure > 0), found.contact_area, error)
     approach = length * found.approach
     if layer is not scene.layer:  # the mean compression of the layer that there is
-        rigid = foundation_modulus(scene.layer.thickness / length, scene.layer.poisson_ratio)
-        approach += length * scene.pressure / modulus / rigid
+        approach += length * scene.pressure / modulus / _modulus(scene)
+    observables = _with_area(scene, observe(scene, displacement, pressure, pressure > 0), found.contact_area, error)
     observables = replace(observables, peak_pressure=modulus * found.peak_pressure, approach=approach)
     return Modelled(scene, displacement, pressure, pressure > 0, observables, error)
 
 
+def _field_scene(scene: Scene, area: float) -> Scene:
+    """The scene on a grid for sampled fields: as coarse as `FIELD_POINTS`, or with `_FIELD_NODES` in the contact."""
+    num_points = FIELD_POINTS
+    while num_points * area < _FIELD_NODES and num_points < scene.num_points:
+        num_points *= 2
+    return replace(scene, num_points=min(num_points, scene.num_points))
+
+
 def _with_area(scene: Scene, observables: Observables, area: float, error: float) -> Observables:
-    """Observables of a power profile whose contact area is known otherwise; error: relative."""
+    """Observables of a power profile whose contact area is known without a grid; error: relative."""
     power = scene.indenter
     assert isinstance(power, PowerIndenter)
     n, radius, load = power.exponent, power.radius / scene.period, scene.pressure / scene.layer.contact_modulus
     kappa = kappa_from_area(n, area, radius, load)
+    gradient = kappa / area * load
     return replace(
         observables,
+        contact_area=area,
         contact_area_subgrid=area,
         contact_area_error=error * area,
-        rms_gradient_subgrid=kappa / area * load,
+        rms_gradient_contact=gradient,
+        rms_gradient_subgrid=gradient,
+        reduced_pressure=load / gradient,
+        reduced_thickness=scene.layer.thickness / (area * scene.period),
+        kappa=kappa,
         kappa_subgrid=kappa,
         kappa_error=n * error * kappa,
+        kappa_ratio=kappa / kappa_half_space(n),
+        num_patches=1,
         num_counted_patches=0,
     )
-
-
-def winkler_half_width(scene: Scene) -> float:
-    """Half-width of a power profile on the layer's Winkler foundation, in units of L; `inf` where there is none."""
-    power, layer = scene.indenter, scene.layer
-    assert isinstance(power, PowerIndenter)
-    modulus = foundation_modulus(layer.thickness / scene.period, layer.poisson_ratio)
-    if not 0 < modulus < math.inf:
-        return math.inf
-    n, load = power.exponent, scene.pressure / layer.contact_modulus
-    return float((load * (n + 1) / (2 * modulus) * (power.radius / scene.period) ** (n - 1)) ** (1 / (n + 1)))
 
 
 def winkler(scene: Scene) -> Modelled:
-    """The scene on a Winkler foundation, nu < 1/2."""
+    """The scene on a Winkler foundation, nu < 1/2. A power profile's area needs no grid."""
+    area, sampled = math.inf, False
+    if isinstance(power := scene.indenter, PowerIndenter):
+        load, radius = scene.pressure / scene.layer.contact_modulus, power.radius / scene.period
+        area = 2 * foundation_half_width(load, power.exponent, radius, _modulus(scene))
+        sampled = area < 0.98
+        scene = _field_scene(scene, area) if sampled else scene
     problem = foundation(scene)
-    height, n, modulus = problem.height, scene.num_points, float(problem.stiffness[1])
-    level = foundation_level(height, modulus)
-    displacement = np.minimum(height, level)
-    pressure = np.maximum(modulus * (level - height), 0.0)
-    contact = pressure > 0
-    scaled = pressure * scene.pressure
-    observables = observe(scene, np.where(contact, scene.profile, displacement * problem.length_unit), scaled, contact)
-    patches = Patches.of(contact)
-    ends = _crossings(patches, level - height)
-    area, gradient, kappa, sensitivity = subgrid_measures(
-        scene, patches, ends, scene.indenter.slope(n, scene.period) ** 2
-    )
-    coarse = foundation_level(height[::2], modulus)
-    rough = Patches.of(height[::2] < coarse)
-    change = abs(2 * float(_crossings(rough, coarse - height[::2]).width.sum()) / n - area)
-    shift = max(0.2, abs(edge_shift(scene.layer.poisson_ratio))) * scene.layer.thickness / scene.period
-    least = 3 * shift * patches.count / area + _stiffening(scene)
-    error = least + change / area
-    observables = replace(
+    modulus = float(problem.stiffness[1])
+    depth = foundation_level(problem.height, modulus) - problem.height
+    pressure, contact = modulus * np.maximum(depth, 0.0) * scene.pressure, depth > 0
+    displacement = np.where(contact, scene.profile, (problem.height + depth) * problem.length_unit)
+    observables = observe(scene, displacement, pressure, contact)
+    edges = 3 * max(LEAST_EDGE / 3, abs(edge_shift(scene.layer.poisson_ratio))) * scene.layer.thickness / scene.period
+    if sampled:
+        error = edges / area
+        observables = _with_area(scene, observables, area, error)
+    else:
+        observables, change = _measured(scene, observables, problem.height, depth)
+        area = observables.contact_area_subgrid
+        error = edges * observables.num_patches / area + change + _stiffening(scene)
+        slack = 2 * error * observables.kappa_subgrid
+        observables = replace(observables, contact_area_error=error * area, kappa_error=slack)
+    return Modelled(scene, displacement, pressure, contact, observables, error)
+
+
+def _measured(scene: Scene, observables: Observables, height: Array64, depth: Array64) -> tuple[Observables, float]:
+    """Area and kappa between the places where the depth is 0; the area's relative change on half of the points."""
+    patches, slope = Patches.of(depth > 0), scene.indenter.slope(scene.num_points, scene.period)
+    area, gradient, kappa, _ = subgrid_measures(scene, patches, _crossings(patches, depth), slope**2)
+    change = 0.0
+    for half in (height[::2], height[1::2]):
+        below = foundation_level(half, _modulus(scene)) - half
+        width = float(_crossings(Patches.of(below > 0), below).width.sum())
+        change = max(change, abs(width / half.size / area - 1))
+    found = replace(
         observables,
         contact_area_subgrid=area,
-        contact_area_error=error * area,
         rms_gradient_subgrid=gradient,
         kappa_subgrid=kappa,
-        kappa_error=sensitivity * error * area,
         num_counted_patches=0,
     )
-    if isinstance(scene.indenter, PowerIndenter) and not patches.full:
-        area = 2 * winkler_half_width(scene)
-        error = least = 3 * shift / area
-        observables = _with_area(scene, observables, area, error)
-    return Modelled(scene, displacement * problem.length_unit, scaled, contact, observables, error, least)
+    return found, change
 
 
 def foundation(scene: Scene) -> Problem:
     """The discrete problem with K = k_W."""
     problem = Problem.from_scene(scene)
-    modulus = foundation_modulus(scene.layer.thickness / scene.period, scene.layer.poisson_ratio)
-    return replace(problem, stiffness=np.append(0.0, np.full(problem.stiffness.size - 1, modulus)))
+    return replace(problem, stiffness=np.append(0.0, np.full(problem.stiffness.size - 1, _modulus(scene))))
+
+
+def _modulus(scene: Scene) -> float:
+    """k_W [E*/L]."""
+    return foundation_modulus(scene.layer.thickness / scene.period, scene.layer.poisson_ratio)
 
 
 def _crossings(patches: Patches, depth: Array64) -> Edges:

@@ -4,8 +4,9 @@ The accuracy is that of the contact area a_r, relative. A quarter of it goes to 
 iteration. What is decided beforehand costs well under a millisecond; the grid is found by climbing from coarse to fine
 until the estimated error is small enough.
 
-Half-space. Replacing K by K (1 + e) at fixed load changes the area by no more than e, because K (1 + e) at p is K at
-p/(1 + e) and a_r grows at most like p; e is the largest |f(q_k d) - 1|, at the longest wave. Claimed is 2 e.
+Half-space. Its stiffness differs from the layer's by a share e, the largest |f(q_k d) - 1|, at the longest waves. The
+area then changes by about e, like the load would, but near full contact by up to (2/pi) sqrt(e) (a sinusoidal indenter,
+`closed_forms.westergaard_area`): sqrt(e) is claimed.
 """
 
 import math
@@ -19,7 +20,7 @@ from . import collocation
 from .active_set import ActiveSet
 from .edges import Edges
 from .indenters import MeasuredIndenter, PowerIndenter, RoughIndenter
-from .models import winkler_half_width
+from .models import LEAST_EDGE
 from .nested import FACTOR, Level, grids, measure_level, prolong
 from .observables import contact_edges
 from .patches import Patches
@@ -30,9 +31,6 @@ from .solution import Choice
 from .stiffness import layer_factor
 
 Array64 = NDArray[np.float64]
-
-FIELD_POINTS = 2**12
-"""Most points for the sampled fields of a model without a grid."""
 
 _LONG_ASPERITY = 100.0  # half-widths over thicknesses: beyond, collocation takes longer than a grid,
 _LONGEST_ASPERITY, _FINE = 600.0, 1e-5  # which may not know the area so finely
@@ -51,13 +49,16 @@ class Plan:
 def decide(scene: Scene, accuracy: float) -> Plan:
     """The models worth trying, from what is known without solving anything."""
     layer, choices = _half_space(scene, _MODEL_SHARE * accuracy)
-    models = []
-    if _foundation_may_do(scene, accuracy):
+    thickness, nu, power = scene.layer.thickness / scene.period, scene.layer.poisson_ratio, scene.indenter
+    half_width, models = 0.5, []
+    if isinstance(power, PowerIndenter):
+        load = scene.pressure / scene.layer.contact_modulus
+        half_width = collocation.guessed_half_width(load, power.exponent, power.radius / scene.period, thickness, nu)
+    if nu < 0.5 and LEAST_EDGE * thickness < 2 * half_width * accuracy:
         models.append("winkler")
-    if isinstance(scene.indenter, PowerIndenter):
-        longest = _LONG_ASPERITY if accuracy > _FINE else _LONGEST_ASPERITY
-        if _asperity_half_width(scene) < min(0.49, longest * scene.layer.thickness / scene.period):
-            models.append("asperity")
+    longest = _LONG_ASPERITY if accuracy > _FINE else _LONGEST_ASPERITY
+    if isinstance(power, PowerIndenter) and half_width < min(0.49, longest * thickness):
+        models.append("asperity")
     return Plan(tuple(models), layer, choices)
 
 
@@ -67,29 +68,11 @@ def _half_space(scene: Scene, budget: float) -> tuple[Layer, tuple[Choice, ...]]
     if math.isinf(layer.thickness):
         return layer, ()
     waves = 2 * np.pi * np.arange(1.0, 9.0) * (layer.thickness / scene.period)
-    difference = 2 * float(np.abs(layer_factor(waves, layer.poisson_ratio) - 1).max())
-    reason = f"a half-space is softer or stiffer by at most {difference / 2:.1g}"
-    if difference > budget:
+    difference = float(np.abs(layer_factor(waves, layer.poisson_ratio) - 1).max())
+    reason = f"a half-space is softer or stiffer by at most {difference:.1g}"
+    if math.sqrt(difference) > budget:
         return layer, (Choice("layer", "as it is", reason),)
-    return replace(layer, thickness=math.inf), (Choice("layer", "half-space", reason, difference),)
-
-
-def _foundation_may_do(scene: Scene, budget: float) -> bool:
-    """Whether the Winkler foundation can be good enough: surely not where the layer's edges are too wide."""
-    thickness = scene.layer.thickness / scene.period
-    if scene.layer.poisson_ratio == 0.5 or not 0.6 * thickness < budget:
-        return False
-    return not isinstance(scene.indenter, PowerIndenter) or 0.6 * thickness < budget * 2 * winkler_half_width(scene)
-
-
-def _asperity_half_width(scene: Scene) -> float:
-    """Half-width of a power profile in units of L: the half-space's or the foundation's, whichever is less."""
-    power = scene.indenter
-    assert isinstance(power, PowerIndenter)
-    guess = collocation.lone_half_width(
-        scene.pressure / scene.layer.contact_modulus, power.exponent, power.radius / scene.period
-    )
-    return min(guess, winkler_half_width(scene))
+    return replace(layer, thickness=math.inf), (Choice("layer", "half-space", reason, math.sqrt(difference)),)
 
 
 def on_grid(scene: Scene, num_points: int) -> Scene:
@@ -112,7 +95,6 @@ class Climb:
     error: float
     iterations: int
     pairs: float  # of the last grid's length, on all of them
-    status: Status
 
 
 def climb(
@@ -130,7 +112,10 @@ def climb(
     levels: list[Level] = []
     start: tuple[Array64, Patches, Edges] | None = None
     pairs = 0.0
-    for size in grids(scene.num_points):
+    sizes = grids(scene.num_points)
+    if len(sizes) == 1:  # without a coarser one there is no telling how wrong it is
+        sizes.insert(0, 2 * max(8, round(sizes[0] / FACTOR / 2)))
+    for size in sizes:
         state = make(size)
         state.slack = COARSE_SLACK
         if start:
@@ -140,17 +125,21 @@ def climb(
         start = state.contact_pressure, *contact_edges(scene, state.contact_pressure)
         levels.append(measure_level(scene, *start[1:], state))
         error = _error(levels, start[2])
-        good = size > above and resolves(scene, size) and error <= budget
-        if good or status is Status.INTERRUPTED:
+        if status is Status.INTERRUPTED:
+            raise KeyboardInterrupt
+        if size > above and resolves(scene, size, budget) and error <= budget:
             break
     state.slack, state.frozen = 0.0, False
     iterations = sum(level.iterations for level in levels)
-    return Climb(state, levels, error, iterations, pairs / size, status)
+    return Climb(state, levels, error, iterations, pairs / size)
 
 
-def resolves(scene: Scene, num_points: int) -> bool:
-    """Whether a grid of that many points holds the surface; measured heights tell by the change from grid to grid."""
-    return not isinstance(scene.indenter, RoughIndenter) or scene.indenter.shortest < num_points // 2
+def resolves(scene: Scene, num_points: int, accuracy: float) -> bool:
+    """Whether a grid of that many points holds the surface, measured heights but for half the accuracy."""
+    indenter = scene.indenter
+    if isinstance(indenter, MeasuredIndenter) and num_points < scene.num_points:
+        return indenter.omitted(num_points) <= accuracy / 2
+    return not isinstance(indenter, RoughIndenter) or indenter.shortest < num_points // 2
 
 
 def _error(levels: list[Level], ends: Edges) -> float:

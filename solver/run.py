@@ -65,7 +65,8 @@ def float32_floor(scene: Scene, problem: Problem | None = None) -> float:
     """
     size = min(_FLOOR_POINTS, scene.num_points)
     coarse = ActiveSet(Problem.from_scene(scene, size), Transforms(size, "float64"), 1e-3, "numpy")
-    relax(coarse, 300)
+    if relax(coarse, 300) is Status.INTERRUPTED:
+        raise KeyboardInterrupt
     return rounding_floor((problem or Problem.from_scene(scene)).stiffness, coarse.displacement, "float32")
 
 
@@ -76,28 +77,33 @@ def default_tolerance(scene: Scene, problem: Problem | None = None) -> float:
     """
     if scene.precision != "float32":
         return 1e-8
-    floor = float32_floor(scene, problem)
-    if 4 * floor > 0.2:
+    tolerance = max(1e-4, 4 * float32_floor(scene, problem))
+    if tolerance > 0.2:
         raise ValueError(
-            f"num_points is {scene.num_points}, where float32 leaves a residual of about {floor:.1g}; allowed: "
-            "fewer points, precision mixed or float64, or a tolerance of your own"
+            f"num_points is {scene.num_points}, where float32 leaves a residual of about {tolerance / 4:.1g}; allowed: "
+            "fewer points, precision mixed or float64, a tolerance of your own, or --below-floor mixed"
         )
-    return max(1e-4, 4 * floor)
+    return tolerance
 
 
-def _above_floor(scene: Scene, problem: Problem, tolerance: float, below_floor: str) -> tuple[Scene, str]:
-    """The scene in a precision that reaches the tolerance, and the reason for the change, if any.
+def _above_floor(scene: Scene, problem: Problem, tolerance: float | None, below_floor: str) -> tuple[float, Scene, str]:
+    """A tolerance, the scene in a precision that reaches it, and the reason if that is not the scene's own.
 
     Raises `ValueError` if float32 cannot reach it and `below_floor` is 'refuse'.
     """
-    if scene.precision != "float32" or tolerance >= (floor := float32_floor(scene, problem)):
-        return scene, ""
-    if below_floor == "refuse":
+    try:
+        if tolerance is None:
+            return default_tolerance(scene, problem), scene, ""
+        if scene.precision != "float32" or tolerance >= (floor := float32_floor(scene, problem)):
+            return tolerance, scene, ""
         raise ValueError(
             f"tolerance is {tolerance!r}; allowed: at least {floor:.1g}, which is what rounding in float32 leaves of "
             "the residual, or precision mixed or float64, or --below-floor mixed"
         )
-    return replace(scene, precision="mixed"), f"float32 leaves a residual of {floor:.1g}, above the tolerance"
+    except ValueError as error:
+        if below_floor == "refuse":
+            raise
+        return tolerance or 1e-8, replace(scene, precision="mixed"), f"in float32: {error}"
 
 
 class Run:
@@ -122,14 +128,13 @@ class Run:
         checks.choice("below_floor", below_floor, BELOW_FLOOR)
         self.method, self.backend = _METHODS[method], backend
         self.threads, self.planning, self.progress = threads, planning, progress
-        self.problem = state.problem if state else Problem.from_scene(scene)
+        self.problem = Problem.from_scene(scene)
+        if state:  # contact is where u = h exactly
+            self.problem = replace(self.problem, height=state.problem.height)
         _check_range(scene, self.problem)
-        self.scene, self.precision_changed = scene, ""
-        if tolerance is None:
-            self.tolerance = default_tolerance(scene, self.problem)
-        else:
-            self.tolerance = checks.real("tolerance", tolerance, "1e-14 < tolerance <= 0.5", 1e-14, 0.5)
-            self.scene, self.precision_changed = _above_floor(scene, self.problem, self.tolerance, below_floor)
+        if tolerance is not None:
+            tolerance = checks.real("tolerance", tolerance, "1e-14 < tolerance <= 0.5", 1e-14, 0.5)
+        self.tolerance, self.scene, self.precision_changed = _above_floor(scene, self.problem, tolerance, below_floor)
         self.initial = None
         if initial is not None:
             displacement = _check_initial(initial, scene.num_points)

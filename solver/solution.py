@@ -21,7 +21,7 @@ Array64 = NDArray[np.float64]
 class Choice:
     """Something that was chosen for the user, and why.
 
-    error: bound of the relative error of a_r that it brings (dimensionless); 0 where it brings none.
+    error: estimate of the relative error of a_r that it brings (dimensionless); 0 where it brings none.
     """
 
     what: str
@@ -35,7 +35,8 @@ class Solution:
     """A displacement, what it means, how it was found and how wrong it can be.
 
     displacement, contact_pressure: shape (N,) [length], [pressure]; contact: shape (N,), nodes the wall carries.
-    status: only `Status.CONVERGED` is certified at `tolerance`.
+    status: only `Status.CONVERGED` is certified at `tolerance`; what no iteration found (`method` says so) is as
+        accurate as asked, and `tolerance` is the error of a_r that was allowed.
     handed_over: the active set could not certify its result, and mass-weighted FIRE went on from there.
     certificate: None where there was no discrete problem to solve.
     accuracy: the relative error of a_r asked for, if any, and choices: what was chosen for it, and why.
@@ -78,7 +79,7 @@ class Solution:
             },
             **({"accuracy": self.accuracy} if self.accuracy else {}),
             "choices": {
-                choice.what: {"chosen": choice.chosen, "reason": choice.reason, "error": choice.error}
+                choice.what: {"chosen": choice.chosen, "reason": choice.reason, "error": _plain(choice.error)}
                 for choice in self.choices
             },
             "seconds": dict(self.seconds),

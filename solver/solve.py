@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from . import checks
 from .accurate import Accurate
 from .relaxation import Progress, Status
-from .run import METHODS, Run
+from .run import BELOW_FLOOR, METHODS, Run
 from .scene import Scene
 from .solution import Choice, Solution
 
@@ -46,10 +46,12 @@ def solve(
     below_floor: a tolerance that float32 cannot reach is refused ('refuse'), or met in mixed precision ('mixed').
     progress: called about ten times a second with (iteration, residual).
 
-    A solve that fails to converge, or is interrupted, returns too: see `Solution.status`. Raises `ValueError`.
+    A solve that fails to converge, or is interrupted, returns too: see `Solution.status`; to an accuracy, one that is
+    interrupted raises `KeyboardInterrupt`. Raises `ValueError`.
     """
     begin = time.perf_counter()
     if accuracy is not None:
+        checks.choice("below_floor", below_floor, BELOW_FLOOR)
         chosen = {"method": method, "nested": nested, "tolerance": tolerance, "initial": initial}
         for name, value in (chosen | {"max_iterations": max_iterations}).items():
             if value is not None:

@@ -55,6 +55,10 @@ class EvenActiveSet(ActiveSet):
         """As for `ActiveSet`, from the pressure's even part."""
         super().start_from_pressure((pressure + pressure[::-1]) / 2)
 
+    def _take_set(self) -> None:
+        self._contact |= self._contact[::-1]
+        super()._take_set()
+
     def _places(self, nodes: Indices) -> Indices:
         return self._place[nodes]
 

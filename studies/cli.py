@@ -286,7 +286,7 @@ def choices_table(solution: Solution) -> Table:
     """What was chosen for the user."""
     table = Table(
         title="chosen" + (f" for an accuracy of {solution.accuracy:g}" if solution.accuracy else ""),
-        caption="error: bound of the relative error of a_r that it brings (dimensionless)",
+        caption="error: estimate of the relative error of a_r that it brings (dimensionless)",
     )
     for heading in ("what", "chosen", "error", "because"):
         table.add_column(heading)
