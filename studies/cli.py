@@ -25,7 +25,7 @@ from linecontact.solver import (
 )
 from rich.table import Table
 
-from . import blunt, console, edge_curve, ensemble, hertz, iterations, kernels, paper, rough, scans, sharp, store
+from . import blunt, console, edge_curve, ensemble, hertz, iterations, kernels, paper, peers, rough, scans, sharp, store
 
 
 @dataclass(frozen=True)
@@ -119,7 +119,8 @@ class Study:
         | Annotated[paper.Options, tyro.conf.subcommand("paper")]
         | Annotated[iterations.Options, tyro.conf.subcommand("iterations")]
         | Annotated[edge_curve.Options, tyro.conf.subcommand("edge-curve")]
-        | Annotated[kernels.Options, tyro.conf.subcommand("kernels")],
+        | Annotated[kernels.Options, tyro.conf.subcommand("kernels")]
+        | Annotated[peers.Options, tyro.conf.subcommand("peers")],
         tyro.conf.arg(name=""),
     ]
 
@@ -305,7 +306,7 @@ def run_plot(options: Plot, output: TextIO | None = None) -> int:
 
 def run_study(options: ensemble.Options) -> int:
     """`linecontact study`."""
-    modules: tuple[Any, ...] = (hertz, sharp, blunt, rough, paper, iterations, edge_curve, kernels)
+    modules: tuple[Any, ...] = (hertz, sharp, blunt, rough, paper, iterations, edge_curve, kernels, peers)
     return int(next(module for module in modules if type(options) is module.Options).command(options))
 
 

@@ -12,7 +12,7 @@ from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
 from .. import store
-from . import asperity, kernels, others, rough
+from . import asperity, kernels, others, peers, rough
 from .style import STYLE, NothingToDraw
 
 __all__ = ["NothingToDraw", "draw"]
@@ -23,6 +23,7 @@ _DRAWINGS: dict[str, Callable[[Path], dict[str, Figure]]] = {
     "iterations": others.iterations,
     "edge-curve": others.edge_curve,
     "kernels": kernels.draw,
+    "peers": peers.draw,
     "solution": others.solution,
 }
 
