@@ -36,6 +36,7 @@ def panels(study: store.StudyFile, what: str) -> Figure:
         _panel(axes, study, family, what)
         axes.set(xscale="log", yscale="log", title=family)
         axes.invert_xaxis()
+        axes.minorticks_off()
         axes.grid(color="0.92", lw=0.5)
     noun = "$a_r$" if what == "a_r" else "the pressure field, rms"
     for axes in grid[1]:
@@ -52,12 +53,12 @@ def _panel(axes: Axes, study: store.StudyFile, family: str, what: str) -> None:
         kind = method, precision, counted
         own = [p for p in found if (p.run["method"], p.run["precision"], p.counted) == kind]
         colour = _PRECISIONS[precision]
-        style = {"mec": colour, "mfc": "none" if counted else colour, "mew": 0.7, "alpha": 0.6, "zorder": 2}
-        axes.plot([_x(p) for p in own], [p.seconds for p in own], _METHODS[method], ms=3.6, **style)
+        x, y, face = [_x(p) for p in own], [p.seconds for p in own], "none" if counted else colour
+        axes.plot(x, y, _METHODS[method], ms=3.6, mec=colour, mfc=face, mew=0.7, alpha=0.6, zorder=2)
     _line(axes, front.front(found), "-", "k", 1.6)
     others = {"oracle": (":", COLOURS[4], "D"), "accuracy": ("--", COLOURS[3], "X")}
-    for kind, (style, colour, marker) in others.items():
-        own = [p for p in front.points(front.runs_of(study, kind, family), what) if not p.counted]
+    for name, (style, colour, marker) in others.items():
+        own = [p for p in front.points(front.runs_of(study, name, family), what) if not p.counted]
         _line(axes, sorted(own, key=lambda p: -p.error), style, colour, 0.9, marker)
     for peer, marker in zip(study.configuration["peers"], itertools.cycle(_PEERS), strict=False):
         own = [p for p in front.points(front.runs_of(study, "peer", family), what) if p.run["method"] == peer]

@@ -15,6 +15,7 @@ from linecontact.solver.run import METHODS
 from rich.console import RenderableType
 
 from .. import console, ensemble, peers, store
+from ..tasks import Task
 from . import report
 from .choices import Accuracy, Choice, Oracle, Peer, Precisions
 from .families import COARSEST_ROUGH, FAMILIES, is_rough
@@ -35,7 +36,7 @@ _HALF_SPACE = "Hertz, half-space"
 class Configuration:
     """sizes: log2 of the numbers of points; paper: of the published choice, and the most of FIRE's; reference: of what
     rough surfaces are compared with; accuracies: powers of ten asked for, on rough ones those down to `rough_to`;
-    nodes: of the oracle; scenes: random ones of each kind, on up to 2^scene_points points.
+    nodes: of the oracle; scenes: random ones of each of `scenes.KINDS`, on up to 2^scene_points points.
     """
 
     sizes: tuple[int, ...] = (8, 10, 12, 14, 16, 18, 20)
@@ -45,7 +46,7 @@ class Configuration:
     rough_to: float = -4.0
     nodes: tuple[int, ...] = (8, 12, 16, 24, 32, 48, 64, 96, 128, 160)
     scenes: int = 50
-    scene_points: int = 16
+    scene_points: tuple[int, ...] = (18, 16)
     peers: tuple[str, ...] = field(default_factory=peers.available)
 
     def study(self) -> ensemble.Study:
@@ -54,10 +55,11 @@ class Configuration:
         for family in (_HALF_SPACE, "rough, half-space"):
             runs.append(Precisions(family, "fire", self.paper, None))
             runs += [Precisions(family, method, self.paper, TOLERANCES[-1]) for method in METHODS[:2]]
-        runs += [RandomScene(kind, seed, self.scene_points) for seed in range(self.scenes) for kind in KINDS]
+        kinds = tuple(zip(KINDS, self.scene_points, strict=True))
+        runs += [RandomScene(kind, seed, most) for seed in range(self.scenes) for kind, most in kinds]
         return ensemble.Study(KIND, asdict(self), runs, figures=("", "-field"))
 
-    def _family(self, family: str) -> Iterator[ensemble.Task]:
+    def _family(self, family: str) -> Iterator[Task]:
         rough = is_rough(family)
         reference = self.reference if rough else 0
         sizes = [size for size in self.sizes if not rough or size >= COARSEST_ROUGH]
@@ -98,7 +100,7 @@ class Configuration:
 
 
 QUICK = Configuration(
-    sizes=(8, 10, 12), paper=12, reference=16, accuracies=tuple(range(-2, -10, -1)), scenes=10, scene_points=14
+    sizes=(8, 12), paper=12, reference=16, accuracies=tuple(range(-2, -10, -1)), scenes=10, scene_points=(14, 14)
 )
 
 

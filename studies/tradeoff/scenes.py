@@ -15,7 +15,7 @@ from .choices import refused
 KINDS = ("power", "rough")
 
 _LONGEST = 300.0  # half-widths over thicknesses: beyond, collocation takes too much memory
-_NODES, _RESOLUTION = 640, 80.0
+_NODES, _RESOLUTION = 400, 40.0
 _FINER, _MOST = 16, 2**20  # times the solution's points; at most
 
 
@@ -60,7 +60,7 @@ class RandomScene:
         except ValueError as error:
             return own | refused(self.scene_kind, error)
         o = solution.observables
-        truth, error = true_area(scene, solution.scene.num_points)
+        truth, uncertain = true_area(scene, solution.scene.num_points)
         record = {name: v for name, v in store.run_record(solution).items() if not name.startswith("choices.")}
         return (
             record
@@ -69,7 +69,7 @@ class RandomScene:
                 "scene.num_points": solution.scene.num_points,
                 "claimed": o.contact_area_error / o.contact_area_subgrid,
                 "error.area": abs(o.contact_area_subgrid / truth - 1),
-                "error.reference": error,
+                "error.reference": uncertain,
             }
         )
 
