@@ -3,6 +3,7 @@
 import time
 from dataclasses import replace
 
+from ..kernels import BACKENDS
 from . import checks, models
 from .active_set import ActiveSet
 from .certificate import certify
@@ -14,10 +15,10 @@ from .planner import FIELD_POINTS, Plan, climb, decide, on_grid, resolves
 from .problem import Problem
 from .relaxation import Progress, Status
 from .run import CAUTION, COARSE_TOLERANCE, DEFAULT_MAX_ITERATIONS, METHODS, SMALLEST_WARP, Run, check_scene, stages
-from .scene import Scene
+from .scene import Layer, Scene
 from .solution import Choice, Solution
 from .symmetric import EvenActiveSet, is_even
-from .transforms import Transforms
+from .transforms import Transforms, check_settings
 
 _MIXED_FROM = 2**18  # points from which mixed precision saves time on many patches
 
@@ -31,6 +32,8 @@ class Accurate:
         self.begin = time.perf_counter()
         self.accuracy = checks.real("accuracy", accuracy, "1e-9 <= accuracy <= 0.1", 0.99e-9, 0.1)
         check_scene(scene)
+        checks.choice("backend", backend, BACKENDS)
+        check_settings(threads, planning)
         self.scene = replace(scene, precision="float64")
         self.threads, self.planning, self.backend, self.progress = threads, planning, backend, progress
         self.choices: list[Choice] = []
@@ -40,15 +43,15 @@ class Accurate:
         plan = decide(self.scene, self.accuracy)
         self.choices += plan.choices
         for model in plan.models:
-            found = self._asperity() if model == "asperity" else self._winkler()
+            found = self._asperity(plan.layer) if model == "asperity" else self._winkler()
             if found:
                 return self._modelled(model, found)
         return self._grid(plan)
 
-    def _asperity(self) -> Modelled | None:
+    def _asperity(self, layer: Layer) -> Modelled | None:
         scene = on_grid(self.scene, min(FIELD_POINTS, self.scene.num_points))
         try:
-            found = models.asperity(scene, self.accuracy / 2)
+            found = models.asperity(scene, layer, self.accuracy / 2)
         except ValueError as error:
             self.choices.append(Choice("collocation", "no", str(error)))
             return None
@@ -58,10 +61,9 @@ class Accurate:
         return found
 
     def _winkler(self) -> Modelled | None:
-        for size in grids(self.scene.num_points):
-            scene = on_grid(self.scene, size)
-            found = models.winkler(scene)
-            if found.error <= self.accuracy and resolves(scene, size):
+        for size in filter(lambda size: resolves(self.scene, size), grids(self.scene.num_points)):
+            found = models.winkler(on_grid(self.scene, size))
+            if found.error <= self.accuracy:
                 self._chose("model", "Winkler foundation", "the layer's edges are narrow", found.error)
                 self._chose("grid", f"{size} points", "the coarsest that is good enough")
                 return found
@@ -73,12 +75,13 @@ class Accurate:
 
     def _modelled(self, model: str, found: Modelled) -> Solution:
         """A model's solution; a foundation's is certified with its own stiffness."""
+        others = sum(choice.error for choice in self.choices if choice.what != "model")
         scene, certificate, ready = found.scene, None, time.perf_counter()
         if model == "winkler":
             problem = models.foundation(scene)
             certificate = certify(problem, found.displacement / problem.length_unit)[0]
         end = time.perf_counter()
-        return Solution(
+        solution = Solution(
             scene=scene,
             method="collocation" if model == "asperity" else "winkler-foundation",
             tolerance=self.accuracy / 2,
@@ -94,9 +97,8 @@ class Accurate:
             threads=self.threads,
             planning=self.planning,
             backend=self.backend,
-            accuracy=self.accuracy,
-            choices=tuple(self.choices),
         )
+        return self._judged(solution, others)
 
     def _grid(self, plan: Plan) -> Solution:
         """The active set, from coarse to fine; on with a finer grid should the last one have promised too much."""
@@ -128,16 +130,15 @@ class Accurate:
         run = Run(solved, METHODS[0], tolerance, *settings, climbed.state)
         run.levels, run.transform_pairs, run.iterations = climbed.levels[:-1], climbed.pairs, climbed.iterations
         status = climbed.status if climbed.status is Status.INTERRUPTED else run.relax(climbed.state)
-        reached = "is" if climbed.error <= self.accuracy else "would have to be finer, the finest allowed is"
-        self._chose("model", "grid", "no smaller model will do")
-        self._chose("grid", f"{size} points", f"the coarsest that is good enough {reached}", climbed.error)
-        self._chose("method", METHODS[0], "the fastest on every scene measured")
-        self._chose("precision", precision, "mixed from 2^18 points on, where there may be many patches")
+        why = "the coarsest that is good enough"
+        if climbed.error > self.accuracy:
+            why = "the finest allowed, and not fine enough"
         even = isinstance(climbed.state, EvenActiveSet)
-        what = (
-            "h is even: fields and transforms of half the length" if even else "h is not even about points in between"
-        )
-        self._chose("symmetry", "used" if even else "none", what)
+        self._chose("model", "grid", "no smaller model will do")
+        self._chose("grid", f"{size} points", why, climbed.error)
+        self._chose("method", METHODS[0], "the fastest on every scene measured")
+        self._chose("precision", precision, "mixed pays from 2^18 points on, with many patches")
+        self._chose("symmetry", "even" if even else "none", f"h_i {'=' if even else '!='} h_(N-1-i) on this grid")
         self._chose("tolerance", f"{tolerance:g}", "small beside the accuracy", iteration_share(tolerance))
         solution = run.solution(on_grid(self.scene, size), METHODS[0], status, (), (self.begin, ready))
         return self._judged(solution, modelled)

@@ -14,13 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import collocation
-from .closed_forms import edge_shift, kappa_from_area, kappa_half_space
+from .closed_forms import edge_shift, kappa_from_area
 from .edges import Edges
 from .indenters import PowerIndenter, RoughIndenter
 from .observables import Observables, observe, subgrid_measures
 from .patches import Patches
 from .problem import Problem, foundation_level
-from .scene import Scene
+from .scene import Layer, Scene
 from .stiffness import foundation_modulus, stiffness
 
 Array64 = NDArray[np.float64]
@@ -41,10 +41,11 @@ class Modelled:
     error: float
 
 
-def asperity(scene: Scene, accuracy: float) -> Modelled:
+def asperity(scene: Scene, layer: Layer, accuracy: float) -> Modelled:
     """One power profile by collocation; its observables come from no grid, the fields are sampled.
 
-    Raises `ValueError` where collocation does not get there.
+    layer: to solve with, the scene's or a half-space that is as good. Raises `ValueError` where collocation does not
+    get there.
     """
     power, length, modulus = scene.indenter, scene.period, scene.layer.contact_modulus
     assert isinstance(power, PowerIndenter)
@@ -52,8 +53,8 @@ def asperity(scene: Scene, accuracy: float) -> Modelled:
         scene.pressure / modulus,
         power.exponent,
         power.radius / length,
-        scene.layer.thickness / length,
-        scene.layer.poisson_ratio,
+        layer.thickness / length,
+        layer.poisson_ratio,
         accuracy,
     )
     centred = np.arange(scene.num_points) / scene.num_points - 0.5
@@ -62,8 +63,11 @@ def asperity(scene: Scene, accuracy: float) -> Modelled:
     displacement = problem.displacement_under(pressure / scene.pressure) * problem.length_unit
     displacement = np.where(pressure > 0, scene.profile, displacement)
     observables = _with_area(scene, observe(scene, displacement, pressure, pressure > 0), found.contact_area, error)
-    peak, approach = modulus * found.peak_pressure, length * found.approach
-    observables = replace(observables, peak_pressure=peak, approach=approach)
+    approach = length * found.approach
+    if layer is not scene.layer:  # the mean compression of the layer that there is
+        rigid = foundation_modulus(scene.layer.thickness / length, scene.layer.poisson_ratio)
+        approach += length * scene.pressure / modulus / rigid
+    observables = replace(observables, peak_pressure=modulus * found.peak_pressure, approach=approach)
     return Modelled(scene, displacement, pressure, pressure > 0, observables, error)
 
 
@@ -80,7 +84,6 @@ def _with_area(scene: Scene, observables: Observables, area: float, error: float
         rms_gradient_subgrid=kappa / area * load,
         kappa_subgrid=kappa,
         kappa_error=n * error * kappa,
-        kappa_ratio=kappa / kappa_half_space(n),
         num_counted_patches=0,
     )
 
@@ -113,7 +116,7 @@ def winkler(scene: Scene) -> Modelled:
     )
     coarse = foundation_level(height[::2], modulus)
     rough = Patches.of(height[::2] < coarse)
-    change = abs(2 * float(_crossings(rough, coarse - height[::2]).width.sum()) / n - area) / 3
+    change = abs(2 * float(_crossings(rough, coarse - height[::2]).width.sum()) / n - area)
     shift = max(0.2, abs(edge_shift(scene.layer.poisson_ratio))) * scene.layer.thickness / scene.period
     error = 3 * shift * patches.count / area + change / area + _stiffening(scene)
     observables = replace(
@@ -154,9 +157,9 @@ def _crossings(patches: Patches, depth: Array64) -> Edges:
 
 
 def _stiffening(scene: Scene) -> float:
-    """By how much the shortest wave of the profile finds the layer stiffer than its foundation, relative."""
+    """By how much the layer's stiffness for the profile's shortest wave differs from its foundation's, relative."""
     if isinstance(scene.indenter, PowerIndenter):
         return 0.0  # smooth
     shortest = scene.indenter.shortest if isinstance(scene.indenter, RoughIndenter) else scene.num_points // 2
     thickness, nu = scene.layer.thickness / scene.period, scene.layer.poisson_ratio
-    return float(stiffness(2 * shortest, thickness, nu)[-1] / foundation_modulus(thickness, nu) - 1)
+    return abs(float(stiffness(2 * shortest, thickness, nu)[-1] / foundation_modulus(thickness, nu) - 1))

@@ -34,7 +34,8 @@ Array64 = NDArray[np.float64]
 FIELD_POINTS = 2**12
 """Most points for the sampled fields of a model without a grid."""
 
-_LONG_ASPERITY = 100.0  # half-widths over thicknesses: beyond, collocation takes longer than a grid
+_LONG_ASPERITY = 100.0  # half-widths over thicknesses: beyond, collocation takes longer than a grid,
+_LONGEST_ASPERITY, _FINE = 600.0, 1e-5  # which may not know the area so finely
 _MODEL_SHARE = 0.25
 
 
@@ -54,8 +55,8 @@ def decide(scene: Scene, accuracy: float) -> Plan:
     if _foundation_may_do(scene, accuracy):
         models.append("winkler")
     if isinstance(scene.indenter, PowerIndenter):
-        width = _asperity_half_width(scene)
-        if width < min(0.49, _LONG_ASPERITY * scene.layer.thickness / scene.period):
+        longest = _LONG_ASPERITY if accuracy > _FINE else _LONGEST_ASPERITY
+        if _asperity_half_width(scene) < min(0.49, longest * scene.layer.thickness / scene.period):
             models.append("asperity")
     return Plan(tuple(models), layer, choices)
 
@@ -67,7 +68,7 @@ def _half_space(scene: Scene, budget: float) -> tuple[Layer, tuple[Choice, ...]]
         return layer, ()
     waves = 2 * np.pi * np.arange(1.0, 9.0) * (layer.thickness / scene.period)
     difference = 2 * float(np.abs(layer_factor(waves, layer.poisson_ratio) - 1).max())
-    reason = f"its stiffness is the half-space's within {difference / 2:.1g} at every wave"
+    reason = f"a half-space is softer or stiffer by at most {difference / 2:.1g}"
     if difference > budget:
         return layer, (Choice("layer", "as it is", reason),)
     return replace(layer, thickness=math.inf), (Choice("layer", "half-space", reason, difference),)

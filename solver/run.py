@@ -126,7 +126,7 @@ class Run:
         checks.choice("below_floor", below_floor, BELOW_FLOOR)
         self.method, self.backend = _METHODS[method], backend
         self.threads, self.planning, self.progress = threads, planning, progress
-        self.problem = Problem.from_scene(scene)
+        self.problem = state.problem if state else Problem.from_scene(scene)
         _check_range(scene, self.problem)
         self.scene, self.precision_changed = scene, ""
         if tolerance is None:

@@ -39,8 +39,7 @@ class Transforms:
     """
 
     def __init__(self, num_points: int, precision: str, threads: int = 1, planning: str = "estimate") -> None:
-        self.threads = checks.integer("threads", threads, "an integer from 1 to 1024", 1, 1024)
-        self.planning = checks.choice("planning", planning, PLANNING)
+        self.threads, self.planning = check_settings(threads, planning)
         self.num_points = num_points
         self.real = np.dtype(precision)
         self._count = 0
@@ -72,6 +71,12 @@ class Transforms:
         plan = pyfftw.FFTW(source, target, direction=direction, threads=self.threads, flags=flags)
         execute: Callable[[], None] = plan.execute
         return execute
+
+
+def check_settings(threads: int, planning: str) -> tuple[int, str]:
+    """Both, if they are allowed. Raises `ValueError`."""
+    allowed = checks.integer("threads", threads, "an integer from 1 to 1024", 1, 1024)
+    return allowed, checks.choice("planning", planning, PLANNING)
 
 
 def cache_folder() -> Path:

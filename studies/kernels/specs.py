@@ -123,10 +123,11 @@ SPECS = {
     "mirror_multiply": Spec(
         "straight:in crossed:in spectrum:inout",
         3,
-        """if (i % 2 == 0) {
-        REAL re = spectrum[i], im = spectrum[i + 1];
-        spectrum[i] = straight[i] * re + crossed[i] * im;
-        spectrum[i + 1] = straight[i + 1] * im + crossed[i + 1] * re;
+        """if (i < n / 2) {  // gcc splits the loop there
+        long k = 2 * i;
+        REAL re = spectrum[k], im = spectrum[k + 1];
+        spectrum[k] = straight[k] * re + crossed[k] * im;
+        spectrum[k + 1] = straight[k + 1] * im + crossed[k + 1] * re;
     }""",
     ),
     "net_force": Spec(

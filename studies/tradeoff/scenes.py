@@ -60,7 +60,7 @@ class RandomScene:
         except ValueError as error:
             return own | refused(self.scene_kind, error)
         o = solution.observables
-        truth, uncertain = true_area(scene, solution.scene.num_points)
+        truth, uncertain = true_area(scene, accuracy, solution.scene.num_points)
         record = {name: v for name, v in store.run_record(solution).items() if not name.startswith("choices.")}
         return (
             record
@@ -74,7 +74,7 @@ class RandomScene:
         )
 
 
-def true_area(scene: Scene, num_points: int) -> tuple[float, float]:
+def true_area(scene: Scene, accuracy: float, num_points: int) -> tuple[float, float]:
     """a_r by collocation, or on a grid of 4 to 16 times as many points as the solution has; and its own error."""
     power, layer, load = scene.indenter, scene.layer, scene.pressure
     if isinstance(power, PowerIndenter):
@@ -86,7 +86,8 @@ def true_area(scene: Scene, num_points: int) -> tuple[float, float]:
                 return fine.contact_area, abs(coarse.contact_area / fine.contact_area - 1)
             except ValueError:  # nearly full contact
                 pass
-    solution = solve(planner.on_grid(scene, max(4 * num_points, min(_FINER * num_points, _MOST))))
+    finer = planner.on_grid(scene, max(4 * num_points, min(_FINER * num_points, _MOST)))
+    solution = solve(finer, tolerance=max(1e-3 * accuracy, 1e-8))
     if solution.status is not Status.CONVERGED:
         raise RuntimeError(f"the reference is not certified: {solution.status}")
     o = solution.observables

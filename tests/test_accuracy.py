@@ -1,0 +1,209 @@
+"""solve(scene, accuracy=...): the models it chooses, their bounds, and that random scenes get what they asked for."""
+
+import math
+
+import numpy as np
+import pytest
+from linecontact.solver import Layer, MeasuredIndenter, PowerIndenter, RoughIndenter, Scene, Status, collocation, solve
+from linecontact.solver.active_set import ActiveSet
+from linecontact.solver.planner import decide
+from linecontact.solver.problem import Problem
+from linecontact.solver.relaxation import relax
+from linecontact.solver.symmetric import EvenActiveSet, is_even
+from linecontact.solver.transforms import Transforms
+
+ROUGH = RoughIndenter(0.8, 3, 1 / 8, 1 / 16)
+
+
+def chosen(solution):
+    return {choice.what: choice.chosen for choice in solution.choices}
+
+
+def error(solution, exact):
+    return abs(solution.observables.contact_area_subgrid / exact - 1)
+
+
+def mirrored(num_points):
+    half = ROUGH.profile(num_points // 2, 1.0)
+    return MeasuredIndenter(np.concatenate([half, half[::-1]]))
+
+
+def test_a_thick_layer_is_a_half_space():
+    for indenter in (PowerIndenter(), ROUGH):
+        scene = Scene(Layer(100.0, 0.3), indenter, 1e-2, num_points=2**14)
+        solution = solve(scene, accuracy=1e-3)
+        assert chosen(solution)["layer"] == "half-space"
+        assert solution.status is Status.CONVERGED
+        # the approach is the layer's own
+        full = solve(scene)
+        assert solution.observables.approach == pytest.approx(full.observables.approach, rel=1e-3)
+        assert error(solution, full.observables.contact_area_subgrid) < 2e-3
+    assert chosen(solve(Scene(Layer(0.3)), accuracy=1e-3))["layer"] == "as it is"
+
+
+@pytest.mark.parametrize("nu", [-0.9, 0.0, 0.3, 0.49, 0.5])
+@pytest.mark.parametrize("thickness", [0.4, 0.7, 1.0, 1.5])
+def test_the_half_space_is_off_by_no_more_than_its_bound(thickness, nu):
+    for exponent, load in ((2.0, 2e-3), (2.0, 0.3), (4.0, 2e-2)):
+        plan = decide(Scene(Layer(thickness, nu)), 0.1)
+        if plan.layer.thickness == math.inf:
+            layer, half_space = (
+                collocation.solve_load(load, exponent, 1.0, d, nu).contact_area for d in (thickness, math.inf)
+            )
+            assert abs(half_space / layer - 1) <= plan.choices[0].error
+
+
+def test_one_asperity_needs_no_grid():
+    solution = solve(Scene(Layer(0.01, 0.25)), accuracy=1e-8)
+    assert chosen(solution) | {"layer": ""} == {"layer": "", "model": "collocation", "grid": "4096 points"}
+    assert solution.method == "collocation"
+    assert solution.certificate is None
+    assert solution.to_dict()["certificate"] == {}
+    assert error(solution, 0.056514257547) < 1e-8
+    assert solution.contact_pressure.mean() == pytest.approx(2e-3, rel=1e-3)
+    assert (solution.displacement <= solution.scene.profile).all()
+    grid = solve(Scene(Layer(0.01, 0.25), num_points=4096))
+    np.testing.assert_allclose(solution.contact_pressure, grid.contact_pressure, atol=0.02 * 2e-3 / 0.05)
+    for name in ("kappa_subgrid", "rms_gradient_subgrid", "approach", "peak_pressure"):
+        assert getattr(solution.observables, name) == pytest.approx(getattr(grid.observables, name), rel=2e-3), name
+
+
+def test_units_do_not_matter_to_the_models():
+    for d in (0.01, 1e-7):
+        one = solve(Scene(Layer(d, 0.2), num_points=2**12), accuracy=1e-3)
+        other = solve(
+            Scene(Layer(8 * d, 0.2, 4.0), PowerIndenter(2.0, 8.0), 8e-3, period=8.0, num_points=2**12), accuracy=1e-3
+        )
+        assert other.method == one.method
+        assert other.observables.contact_area_subgrid == pytest.approx(one.observables.contact_area_subgrid, rel=1e-12)
+        assert other.observables.approach == pytest.approx(8 * one.observables.approach, rel=1e-9)
+        assert other.observables.peak_pressure == pytest.approx(4 * one.observables.peak_pressure, rel=1e-9)
+        np.testing.assert_allclose(other.displacement, 8 * one.displacement, atol=1e-9 * np.ptp(other.displacement))
+
+
+@pytest.mark.parametrize("indenter", [PowerIndenter(), PowerIndenter(4.0), ROUGH])
+def test_a_thin_layer_is_a_winkler_foundation(indenter):
+    scene = Scene(Layer(1e-6, 0.25), indenter, 2e-2, num_points=2**16)
+    solution = solve(scene, accuracy=2e-2)
+    assert solution.method == "winkler-foundation"
+    assert solution.certificate.free_residual < 1e-9
+    full = solve(scene).observables
+    assert error(solution, full.contact_area_subgrid) <= solution.observables.contact_area_error / full.contact_area
+    assert solution.observables.kappa_subgrid == pytest.approx(full.kappa_subgrid, rel=0.05)
+    assert solution.observables.approach == pytest.approx(full.approach, rel=0.05)
+    assert solution.observables.contact_area_error < 2e-2 * full.contact_area
+
+
+def test_what_no_foundation_can_carry():
+    """An incompressible layer has none, and at 1e-6 its edges count."""
+    for nu, accuracy in ((0.5, 2e-2), (0.25, 1e-6)):
+        solution = solve(Scene(Layer(1e-6, nu), num_points=2**14), accuracy=accuracy)
+        assert solution.method == "active-set"
+        assert chosen(solution)["model"] == "grid"
+
+
+def test_a_refused_foundation_says_so():
+    solution = solve(Scene(Layer(1e-4, 0.25), ROUGH, 2e-2, num_points=2**16), accuracy=1e-3)
+    reasons = {choice.what: choice.reason for choice in solution.choices}
+    assert chosen(solution)["Winkler foundation"] == "no"
+    assert "off by" in reasons["Winkler foundation"]
+
+
+def test_even_profiles_are_halved_and_uneven_ones_are_not():
+    for indenter, symmetry in ((mirrored(2**14), "even"), (MeasuredIndenter(ROUGH.profile(2**14, 1.0)), "none")):
+        scene = Scene(Layer(0.1), indenter, 1e-2, num_points=2**14)
+        solution = solve(scene, accuracy=3e-4)
+        assert chosen(solution)["symmetry"] == symmetry
+        full = solve(scene)
+        np.testing.assert_array_equal(solution.contact, full.contact)
+        # tolerance 1e-5 on the free residual, single nodes up to 20 sqrt(N) of it
+        np.testing.assert_allclose(solution.contact_pressure, full.contact_pressure, atol=20 * 2**7 * 1e-5 * 1e-2)
+
+
+@pytest.mark.parametrize("backend", ["warp", "numpy"])
+@pytest.mark.parametrize("num_points", [2**10, 3000, 2**12])
+def test_half_the_length_gives_the_whole_solution(num_points, backend):
+    problem = Problem.from_scene(Scene(Layer(0.02, 0.4), mirrored(num_points), 2e-2, num_points=num_points))
+    assert is_even(problem.height)
+    whole = ActiveSet(problem, Transforms(num_points, "float64"), 1e-10, backend)
+    half = EvenActiveSet(problem, Transforms(num_points // 2, "float64"), 1e-10, backend)
+    assert relax(whole, 1000) is relax(half, 1000) is Status.CONVERGED
+    np.testing.assert_allclose(half.contact_pressure, whole.contact_pressure, atol=1e-7)
+    np.testing.assert_allclose(half.displacement, whole.displacement, atol=1e-12 * np.ptp(problem.height))
+    assert half.transform_pairs < 0.75 * whole.transform_pairs
+
+
+def test_what_is_even():
+    h = np.random.default_rng(0).random(64)
+    assert is_even(np.concatenate([h, h[::-1]]))
+    assert not is_even(np.concatenate([h, h]))
+    assert not is_even(np.concatenate([h[:63], h[:63][::-1]]))  # not a multiple of 4
+    centred = np.abs(np.arange(64) - 32.0) ** 2
+    assert not is_even(centred)  # about a node
+
+
+def test_the_grid_is_the_coarsest_that_will_do():
+    scene = Scene(Layer(0.1), ROUGH, 2e-2, num_points=2**16)
+    sizes = [solve(scene, accuracy=accuracy).scene.num_points for accuracy in (2e-2, 2e-3, 1e-4)]
+    assert sizes == sorted(sizes)
+    assert sizes[0] < sizes[-1]
+    # a grid that does not hold the surface is never good enough, whatever it finds
+    fine = Scene(Layer(0.1), RoughIndenter(0.8, 3, 1 / 8, 1 / 512), 2e-2, num_points=2**16)
+    assert solve(fine, accuracy=0.1).scene.num_points > 2 * fine.indenter.shortest
+
+
+def test_an_accuracy_out_of_reach_is_said_to_be():
+    solution = solve(Scene(Layer(0.1), ROUGH, 2e-2, num_points=2**12), accuracy=1e-6)
+    assert solution.status is Status.INACCURATE
+    assert solution.scene.num_points == 2**12
+    o = solution.observables
+    assert o.contact_area_error > 1e-6 * o.contact_area_subgrid
+    assert "finest allowed" in {choice.what: choice.reason for choice in solution.choices}["grid"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "named"),
+    [
+        ({"accuracy": 0.0}, "accuracy is 0.0"),
+        ({"accuracy": 1.0}, "accuracy is 1.0"),
+        ({"accuracy": math.nan}, "accuracy is nan"),
+        ({"accuracy": "fine"}, "accuracy is 'fine'"),
+        ({"accuracy": 1e-3, "method": "fire"}, "method is 'fire'; allowed: without accuracy"),
+        ({"accuracy": 1e-3, "tolerance": 1e-3}, "tolerance is 0.001"),
+        ({"accuracy": 1e-3, "nested": False}, "nested is False"),
+        ({"accuracy": 1e-3, "backend": "cuda"}, "backend is 'cuda'"),
+        ({"accuracy": 1e-3, "threads": 0}, "threads is 0"),
+    ],
+)
+def test_bad_input_is_named(arguments, named):
+    with pytest.raises(ValueError, match=named):
+        solve(Scene(num_points=2**10), **arguments)
+    with pytest.raises(ValueError, match="scene is 3"):
+        solve(3, accuracy=1e-3)
+
+
+def random_scene(rng, rough):
+    """A scene, the accuracy asked, and its exact area."""
+    nu = float(rng.choice([0.5, rng.uniform(-0.5, 0.49)], p=[0.15, 0.85]))
+    d = math.inf if rng.random() < 0.15 else 10 ** rng.uniform(-4, 1)
+    if rough:
+        indenter = RoughIndenter(rng.uniform(0.2, 0.95), int(rng.integers(10**6)), 1 / 8, 1 / 4)
+        scene = Scene(Layer(d, nu), indenter, 10 ** rng.uniform(-2, -0.5), num_points=2**14)
+        fine = Scene(scene.layer, indenter, scene.pressure, num_points=2**16)
+        return scene, 10 ** rng.uniform(-3.5, -1.5), solve(fine).observables.contact_area_subgrid
+    exponent = float(rng.choice([1.5, 2, 3, 4, rng.uniform(1.2, 6)]))
+    scene = Scene(Layer(d, nu), PowerIndenter(exponent), 10 ** rng.uniform(-5, -1.5), num_points=2**16)
+    exact = collocation.solve_load(scene.pressure, exponent, 1.0, d, nu, 320)
+    return scene, 10 ** rng.uniform(-5, -1.5), exact.contact_area
+
+
+def test_random_scenes_get_the_accuracy_they_asked_for():
+    """Scenes that nothing was calibrated on: at least 95 of 100."""
+    rng, misses = np.random.default_rng(20261121), []
+    for i in range(100):
+        scene, accuracy, exact = random_scene(rng, rough=i % 2 == 1)
+        solution = solve(scene, accuracy=accuracy)
+        assert solution.status in (Status.CONVERGED, Status.INACCURATE)
+        if error(solution, exact) > accuracy:
+            misses.append((scene, accuracy, error(solution, exact), solution.status))
+    assert len(misses) <= 5, misses
