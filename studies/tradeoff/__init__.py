@@ -85,7 +85,8 @@ class Configuration:
                         yield method, precision, tolerance, size, 1, False
         if size >= _TWO_THREADS_FROM:
             yield "active-set", "float64", 1e-5, size, 2, True
-            yield "mass-weighted-fire", "float64", 1e-5, min(size, self.paper), 2, True
+            if size <= self.paper:
+                yield "mass-weighted-fire", "float64", 1e-5, size, 2, True
         if size <= _PLAIN_TO:
             for precision in PRECISIONS:
                 for tolerance in (None,) if precision == "float32" else (1e-3, 1e-5):

@@ -171,9 +171,9 @@ def published(study: store.StudyFile) -> Iterator[str]:
         for run in runs:
             if run["status"] == "converged" and not is_rough(family):
                 yield (
-                    f"{family}: a_r asked to 1e-6, found to {run['error.area']:.0e}, takes "
-                    f"{run['seconds.total']:.2g} s, {run['seconds.total'] / run['seconds.pair']:.2g} transform pairs at "
-                    f"2^18 (goal: under {GOALS['pairs']})."
+                    f"{family}: a_r asked to 1e-6, found to {run['error.area']:.0e}, "
+                    f"takes {run['seconds.total']:.2g} s, {run['seconds.total'] / run['seconds.pair']:.2g} transform pairs "
+                    f"at 2^18 (goal: under {GOALS['pairs']})."
                 )
 
 
