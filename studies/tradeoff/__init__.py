@@ -52,7 +52,7 @@ class Configuration:
     def study(self) -> ensemble.Study:
         """The tasks."""
         runs = [task for family in FAMILIES for task in self._family(family)]
-        for family in (_HALF_SPACE, "rough, half-space"):
+        for family in (_HALF_SPACE, "rough, half-space")[: 1 + (self.paper >= COARSEST_ROUGH)]:
             runs.append(Precisions(family, "fire", self.paper, None))
             runs += [Precisions(family, method, self.paper, TOLERANCES[-1]) for method in METHODS[:2]]
         kinds = tuple(zip(KINDS, self.scene_points, strict=True))
@@ -67,7 +67,7 @@ class Configuration:
             for choice in dict.fromkeys(self._choices(family, size)):
                 yield Choice(family, *choice, reference)
         for power in self.accuracies:
-            if not rough or power >= self.rough_to:
+            if sizes and (not rough or power >= self.rough_to):
                 yield Accuracy(family, float(f"{10**power:.3g}"), sizes[-1], reference)
         if not rough:
             yield from (Oracle(family, nodes) for nodes in self.nodes)

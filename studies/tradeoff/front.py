@@ -10,10 +10,7 @@ from .families import FAMILIES
 Run = dict[str, Any]
 
 NEAR = 1.1
-"""Times the front's time, up to which a choice is worth it."""
-
-SAME = 1.1
-"""Ratio of errors that are no different."""
+"""Factor in time and error within which a choice is on a front, and errors are no different."""
 
 AXES = ("method", "precision", "tolerance.asked", "nested", "threads", "counted")
 """What can be chosen; 'counted' is how the contact area is measured."""
@@ -56,34 +53,37 @@ def points(runs: Iterable[Run], what: str) -> list[Point]:
 
 
 def front(candidates: Iterable[Point]) -> list[Point]:
-    """Fastest first, each with a smaller error than all that are faster; errors within `SAME` are one."""
+    """Fastest first, each with a smaller error than all that are faster; errors within `NEAR` are one."""
     best: list[Point] = []
     for point in sorted(candidates, key=lambda p: (p.seconds, p.error)):
-        if not best or point.error * SAME < best[-1].error:
+        if not best or point.error * NEAR < best[-1].error:
             best.append(point)
     return best
 
 
 def over_front(point: Point, best: Sequence[Point]) -> float:
     """Its time over the front's at its error; nan beyond the front's least error."""
-    return max((point.seconds / p.seconds for p in best if p.error <= SAME * point.error), default=math.nan)
+    return max((point.seconds / p.seconds for p in best if p.error <= NEAR * point.error), default=math.nan)
+
+
+def distance(point: Point, best: Sequence[Point]) -> float:
+    """Factor, in time and error, within which it comes of some point of the front; 1 is on it, or better."""
+    return max(1.0, min(max(point.seconds / p.seconds, point.error / max(p.error, 1e-300)) for p in best))
 
 
 class Worth(NamedTuple):
-    """A value of an axis: least time over the front's of any family and error, where that was, and the points within
-    `NEAR` of the front of the contact area.
-    """
+    """A value of an axis: its least distance from any front, where, and its points on those of the contact area."""
 
     axis: str
     value: Any
-    ratio: float
+    distance: float
     where: str
     near: list[Point]
 
     @property
     def never(self) -> bool:
         """On no front."""
-        return self.ratio > NEAR
+        return self.distance > NEAR
 
 
 def worth(study: store.StudyFile) -> list[Worth]:
@@ -94,12 +94,12 @@ def worth(study: store.StudyFile) -> list[Worth]:
         for what in FRONTS:
             found = points(runs, what)
             best = front(found)
-            rated += [(over_front(point, best), family, what, point) for point in found]
+            rated += [(distance(point, best), family, what, point) for point in found]
     result = []
     for axis in AXES:
         for value in dict.fromkeys(point.value(axis) for *_, point in rated):
             own = [r for r in rated if r[3].value(axis) == value and (axis != "counted" or r[2] == "a_r")]
-            ratio, family, what, _ = min(own, key=lambda r: r[0])
-            near = [point for ratio_, _, what_, point in own if what_ == "a_r" and ratio_ <= NEAR]
-            result.append(Worth(axis, value, ratio, f"{what}, {family}", near))
+            least, family, what, _ = min(own, key=lambda r: r[0])
+            near = [point for far, _, measure, point in own if measure == "a_r" and far <= NEAR]
+            result.append(Worth(axis, value, least, f"{what}, {family}", near))
     return result
