@@ -38,9 +38,9 @@ def panels(study: store.StudyFile, what: str) -> Figure:
         axes.invert_xaxis()
         axes.minorticks_off()
         axes.grid(color="0.92", lw=0.5)
-    noun = "$a_r$" if what == "a_r" else "the pressure field, rms"
+    noun = "$a_r$" if what == "a_r" else "the pressure, rms"
     for axes in grid[1]:
-        axes.set_xlabel(f"relative error of {noun} (dimensionless), better to the right")
+        axes.set_xlabel(f"relative error of {noun} (dimensionless; right is better)")
     for axes in grid[:, 0]:
         axes.set_ylabel("seconds in all [s]")
     figure.legend(handles=_legend(study, what), fontsize=8, loc="lower center", ncols=4)

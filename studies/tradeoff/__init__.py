@@ -81,7 +81,7 @@ class Configuration:
                 tolerances = [t for t in TOLERANCES if t > TOLERANCES[-1] or size <= _TIGHTEST_TO]
                 for tolerance in (*tolerances, *((None,) if precision == "float32" else ())):
                     yield method, precision, tolerance, size, 1, True
-                    if tolerance in _ONE_GRID or tolerance is None:
+                    if tolerance in _ONE_GRID[: 2 if size < _TIGHTEST_TO else 1] or tolerance is None:
                         yield method, precision, tolerance, size, 1, False
         if size >= _TWO_THREADS_FROM:
             yield "active-set", "float64", 1e-5, size, 2, True

@@ -1,7 +1,8 @@
 """What can be chosen, each a task: one solve, timed, with its errors.
 
 Times are medians over up to five solves after one that does not count; errors are the rms over these, which are under
-slightly different loads, or of different rough surfaces. A solve of half a second and more is done once.
+slightly different loads, or of different rough surfaces. A solve of half a second and more is done twice, and both
+count; one of three seconds and more is done once.
 """
 
 import functools
@@ -12,8 +13,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from linecontact.solver import Scene, Solution, Status, provenance, solve
+from linecontact.solver import Solution, Status, provenance, solve
 from linecontact.solver.relaxation import Progress
+from linecontact.solver.run import COARSE_TOLERANCE
 
 from .. import peers, store
 from ..iterations import pair_seconds
@@ -22,7 +24,8 @@ from . import families
 
 REFUSED = "refused"
 
-_LONG, _ENOUGH, _FEWEST = 0.5, 0.2, 3  # seconds of a solve done once, and of all repeats; repeats at least
+_LONG, _SLOW = 3.0, 0.5  # seconds of a solve that is done once, and twice
+_ENOUGH, _FEWEST = 0.2, 3  # seconds of all repeats of others; repeats at least
 _SAMPLES = 2**12  # of the oracle's field
 _ITERATIONS = 100  # over which a single one is timed
 
@@ -39,8 +42,8 @@ def measured(family: str, run: Callable[[int], Found]) -> Record:
     """The record of a choice; run: solves one of the family's variants."""
     _warm_up()
     first = run(0)
-    if first.seconds["total"] > _LONG:
-        found = [first]
+    if first.seconds["total"] > _SLOW:
+        found = [first] if first.seconds["total"] > _LONG else [first, run(1)]
     else:
         found = []
         for variant in families.variants(family):
@@ -49,7 +52,9 @@ def measured(family: str, run: Callable[[int], Found]) -> Record:
                 break
     seconds = {f"seconds.{k}": float(np.median([f.seconds[k] for f in found])) for k in first.seconds}
     errors = {f"error.{k}": float(np.sqrt(np.mean([f.errors[k] ** 2 for f in found]))) for k in first.errors}
-    return found[0].record | seconds | errors | {"family": family, "repeats": len(found)}
+    record = found[0].record | seconds | errors | {"family": family, "repeats": len(found)}
+    points = sorted(f.record["scene.num_points"] for f in found if "scene.num_points" in f.record)
+    return record | ({"scene.num_points": points[len(points) // 2]} if points else {})
 
 
 @functools.cache
@@ -68,7 +73,7 @@ def _of_solution(solution: Solution, exact: families.Exact) -> Found:
         o.contact_area, o.contact_area_subgrid, o.kappa_subgrid, o.peak_pressure, solution.contact_pressure
     )
     record = {name: v for name, v in store.run_record(solution).items() if not name.startswith("choices.")}
-    return Found(solution.seconds, errors, record)
+    return Found(solution.seconds, errors, record | {"error.reference": exact.error})
 
 
 def refused(family: str, error: ValueError) -> Record:
@@ -206,7 +211,9 @@ class Peer:
 
 @dataclass(frozen=True)
 class Precisions:
-    """The precisions in turn, on one scene. tolerance: None for the time of an iteration, else that of a solve."""
+    """The precisions in turn, on one scene. tolerance: None for the time of an iteration, else that of a solve, and of
+    what comes before it on coarser grids, always in float64.
+    """
 
     family: str
     method: str
@@ -215,41 +222,42 @@ class Precisions:
     rounds: int = 5
 
     def run(self, report: Progress | None) -> Record:
-        """Seconds by precision, medians over the rounds, and whether all were certified."""
+        """Seconds and transform pairs by precision, medians over the rounds, and whether all were certified."""
         _warm_up()
-        names = ("float64", "mixed", "float32") if self.tolerance is None else ("float64", "mixed")
+        limited = self.tolerance is None
+        names = ("float64", "mixed", "float32") if limited else ("float64", "mixed", "coarser")
         seconds: dict[str, list[float]] = {name: [] for name in names}
+        pairs: dict[str, float] = {}
         certified = True
         for _ in range(self.rounds):
             for name in names:
-                scene = families.make_scene(self.family, self.log2_points, name)
-                seconds[name].append(self._seconds(scene, report))
-                certified &= seconds[name][-1] < math.inf
-        medians = {f"seconds.{name}": float(np.median(values)) for name, values in seconds.items()}
-        what = "iteration" if self.tolerance is None else f"{self.tolerance:g}"
-        return medians | {
+                solution = self._solve(name, report)
+                certified &= limited or solution.status is Status.CONVERGED
+                pairs[name] = solution.transform_pairs
+                seconds[name].append(solution.seconds["solve"] / (solution.iterations if limited else 1))
+        found = {f"seconds.{name}": float(np.median(values)) for name, values in seconds.items()}
+        found |= {f"pairs.{name}": value for name, value in pairs.items()}
+        return found | {
             "kind": "precisions",
             "family": self.family,
             "status": str(Status.CONVERGED if certified else Status.STAGNATED),
             "method": self.method,
             "log2_points": self.log2_points,
-            "tolerance.asked": what,
+            "tolerance.asked": "iteration" if limited else f"{self.tolerance:g}",
         }
 
-    def _seconds(self, scene: Scene, report: Progress | None) -> float:
-        """Of an iteration, or of a solve; infinite without a certificate."""
-        limit = _ITERATIONS if self.tolerance is None else None
-        nested = self.tolerance is not None
+    def _solve(self, name: str, report: Progress | None) -> Solution:
+        """One of them."""
+        coarser, limited = name == "coarser", self.tolerance is None
+        size, precision = self.log2_points - 2 * coarser, "float64" if coarser else name
         solution = solve(
-            scene,
+            families.make_scene(self.family, size, precision),
             method=self.method,
-            nested=nested,
-            tolerance=self.tolerance,
-            max_iterations=limit,
+            nested=not limited,
+            tolerance=COARSE_TOLERANCE if coarser else self.tolerance,
+            max_iterations=_ITERATIONS if limited else None,
             progress=report,
         )
         if solution.status is Status.INTERRUPTED:
             raise KeyboardInterrupt
-        if self.tolerance is None:
-            return solution.seconds["solve"] / solution.iterations
-        return solution.seconds["solve"] if solution.status is Status.CONVERGED else math.inf
+        return solution

@@ -1,4 +1,4 @@
-"""Pareto fronts of seconds against errors, and which values of what can be chosen are on none."""
+"""Pareto fronts of seconds against errors, which values of what can be chosen are on none, and what each is worth."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -17,11 +17,9 @@ AXES = ("method", "precision", "tolerance.asked", "nested", "threads", "counted"
 
 FRONTS = {
     "a_r": ("area", "area_counted"),
-    "kappa": ("kappa",),
-    "peak pressure": ("peak",),
     "pressure field": ("field",),
 }
-"""Errors that compete with each other."""
+"""Errors that compete with each other. Those of kappa go with a_r's; the peak's change sign from grid to grid."""
 
 
 class Point(NamedTuple):
@@ -72,13 +70,18 @@ def distance(point: Point, best: Sequence[Point]) -> float:
 
 
 class Worth(NamedTuple):
-    """A value of an axis: its least distance from any front, where, and its points on those of the contact area."""
+    """A value of an axis: its least distance from any front, and where; its points on those of the contact area; and
+    how many times as long the same areas take without it, at most, and at which point; inf where nothing else gets
+    there.
+    """
 
     axis: str
     value: Any
     distance: float
     where: str
     near: list[Point]
+    loss: float
+    lost: Point
 
     @property
     def never(self) -> bool:
@@ -88,18 +91,31 @@ class Worth(NamedTuple):
 
 def worth(study: store.StudyFile) -> list[Worth]:
     """Every value of every axis of the choices by hand, on the fronts of those."""
-    rated: list[tuple[float, str, str, Point]] = []
+    rated: list[tuple[float, str, Point]] = []
+    areas: list[tuple[list[Point], list[Point]]] = []
     for family in FAMILIES:
-        runs = runs_of(study, "choice", family)
         for what in FRONTS:
-            found = points(runs, what)
+            found = points(runs_of(study, "choice", family), what)
             best = front(found)
-            rated += [(distance(point, best), family, what, point) for point in found]
+            rated += [(distance(point, best), what, point) for point in found]
+            areas += [(found, best)] * (what == "a_r")
     result = []
     for axis in AXES:
         for value in dict.fromkeys(point.value(axis) for *_, point in rated):
-            own = [r for r in rated if r[3].value(axis) == value and (axis != "counted" or r[2] == "a_r")]
-            least, family, what, _ = min(own, key=lambda r: r[0])
-            near = [point for far, _, measure, point in own if measure == "a_r" and far <= NEAR]
-            result.append(Worth(axis, value, least, f"{what}, {family}", near))
+            own = [r for r in rated if r[2].value(axis) == value and (axis != "counted" or r[1] == "a_r")]
+            least, what, closest = min(own, key=lambda r: r[0])
+            near = [point for far, measure, point in own if measure == "a_r" and far <= NEAR]
+            loss = max((_loss(axis, value, *area) for area in areas if area[0]), key=lambda pair: pair[0])
+            result.append(Worth(axis, value, least, f"{what}, {closest.run['family']}", near, *loss))
     return result
+
+
+def _loss(axis: str, value: Any, found: Sequence[Point], best: Sequence[Point]) -> tuple[float, Point]:
+    """Largest factor in time, and where, that doing without a value costs; inf where nothing else gets there."""
+    others = front(point for point in found if point.value(axis) != value)
+    losses = [(1.0, best[0])]
+    for point in best:
+        if point.value(axis) == value:
+            there = [p.seconds / point.seconds for p in others if p.error <= NEAR * point.error]
+            losses.append((min(there, default=math.inf), point))
+    return max(losses, key=lambda pair: pair[0])

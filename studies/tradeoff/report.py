@@ -13,7 +13,7 @@ from rich.table import Table
 
 from .. import store
 from .choices import REFUSED
-from .families import FAMILIES, is_rough
+from .families import FAMILIES, MEASURES, is_rough
 from .front import AXES, NEAR, Point, Run, Worth, front, over_front, points, runs_of, worth
 
 GOALS = {"times": 1000.0, "pairs": 15, "float32": 1.4, "mixed": 0.8, "scenes": 0.95, "planner": 1e-3}
@@ -46,14 +46,15 @@ def front_table(study: store.StudyFile, family: str) -> Table:
     table = Table(
         box=box.SIMPLE,
         pad_edge=False,
-        padding=(0, 1, 0, 0),
+        padding=0,
         title=f"{family}: the least time for an error of a_r",
-        caption="error: of a_r, relative; s: total seconds, set-up and certificate included; x: over the least time "
-        "for such an error above the line; N: grid points. Areas are between sub-grid edges unless counted. All but s "
-        "dimensionless.",
+        caption="a_r, kappa, peak, field: relative errors of area, coefficient, largest pressure and (rms) pressure; "
+        "s: seconds in all, set-up and certificate included; x: over the least time for such an error of a_r above the "
+        "line; N: grid points; mass-w.: mass-weighted FIRE. Areas and kappa are between sub-grid edges unless counted. "
+        "All but s dimensionless.",
         caption_justify="left",
     )
-    for heading in ("error", "s", "x", "N", "choice"):
+    for heading in ("a_r", "kappa", "peak", "field", "s", "x", "N", "choice"):
         table.add_column(heading, justify="left" if heading == "choice" else "right", no_wrap=True)
     best = front(points(runs_of(study, "choice", family), "a_r"))
     for point in best:
@@ -81,15 +82,22 @@ def _asked(study: store.StudyFile, family: str) -> Iterator[tuple[str, Point]]:
     found = [p for p in points(runs_of(study, "accuracy", family), "a_r") if not p.counted]
     for (method, _), group in itertools.groupby(found, key=lambda p: (p.run["method"], p.run["log2_points"])):
         own = list(group)
-        asked = [f"{p.run['accuracy']:.0e}" for p in (own[0], own[-1])]
-        yield f"--accuracy {' to '.join(dict.fromkeys(asked))}: {method}", min(own, key=lambda p: p.seconds)
+        asked = dict.fromkeys(_short(p.run["accuracy"], 0) for p in (own[0], own[-1]))
+        yield f"asked {' to '.join(asked)}: {method}", min(own, key=lambda p: p.seconds)
+
+
+def _short(value: float, digits: int = 1) -> str:
+    """A number in few characters."""
+    return "-" if math.isnan(value) else f"{value:.{digits}e}".replace("e-0", "e-").replace("e+00", "")
 
 
 def _cells(point: Point, best: Sequence[Point]) -> list[str]:
     ratio, run = over_front(point, best), point.run
+    others = [math.nan if point.counted and name == "kappa" else run[f"error.{name}"] for name in MEASURES[2:]]
     return [
-        f"{point.error:.1e}",
-        f"{point.seconds:.2g}" if point.seconds < 100 else f"{point.seconds:.0f}",
+        _short(point.error),
+        *(_short(error, 0) for error in others),
+        f"{point.seconds:.2g}",
         "-" if math.isnan(ratio) else f"{ratio:.2g}" if ratio < 100 else f"{ratio:.0f}",
         "-" if run["method"] == "collocation" else f"2^{run['log2_points']:.0f}",
     ]
@@ -99,14 +107,14 @@ def _choice(point: Point) -> str:
     run = point.run
     if run["kind"] == "oracle":
         return f"the oracle, {run['num_nodes']:.0f} nodes"
-    tolerance = f"{run['tolerance']:.0e}"
-    words = [_name("method", run["method"])]
+    words = [run["method"].replace("mass-weighted-fire", "mass-w.").replace("fire", "FIRE")]
     if run["kind"] == "choice":
-        words += [run["precision"], tolerance, _name("nested", run["nested"])]
-        words += [_name("threads", run["threads"])] * (run["threads"] > 1)
-    else:
-        words.append(f"its tolerance {tolerance}")
-    return ", ".join(words + ["counted"] * point.counted)
+        words.append(run["precision"].replace("float", "f"))
+    words.append(_short(run["tolerance"], 0))
+    if run["kind"] == "choice":
+        words.append("nested" if run["nested"] else "1 grid")
+        words += ["2 thr"] * (run["threads"] > 1)
+    return " ".join(words + ["counted"] * point.counted)
 
 
 def _name(axis: str, value: Any) -> str:
@@ -138,12 +146,18 @@ def never_worth(found: Sequence[Worth]) -> Iterator[str]:
             if not w.near:
                 yield f"{_name(axis, w.value)}: on no front of a_r, but of {w.where}."
                 continue
+            lost = f"error {w.lost.error:.0e}, 2^{w.lost.run['log2_points']:.0f}, {w.lost.run['family']}"
+            loss = f"no error takes more than {max(NEAR, w.loss):.2g} times as long"
+            if w.loss > NEAR:
+                loss = f"up to {w.loss:.2g} times as long ({lost})"
+            if math.isinf(w.loss):
+                loss = f"some errors are out of reach ({lost})"
             errors = [point.error for point in w.near]
             sizes = sorted({int(point.run["log2_points"]) for point in w.near})
             families = dict.fromkeys(point.run["family"] for point in w.near)
             yield (
                 f"{_name(axis, w.value)}: worth it for errors of a_r from {min(errors):.0e} to {max(errors):.0e}, N = "
-                f"2^{sizes[0]} to 2^{sizes[-1]}, in {len(families)} of {len(FAMILIES)} families."
+                f"2^{sizes[0]} to 2^{sizes[-1]}, in {len(families)} of {len(FAMILIES)} families. Without: {loss}."
             )
 
 
@@ -192,7 +206,9 @@ def precisions(study: store.StudyFile) -> Iterator[str]:
         else:
             yield (
                 f"To {run['tolerance.asked']}, {where}, nested: float64 {double:.3g} s, mixed {mixed:.3g} s, "
-                f"{mixed / double:.2f} of it (goal: at most {GOALS['mixed']}); {run['status']}."
+                f"{mixed / double:.2f} of it (goal: at most {GOALS['mixed']}); {run['status']}. Pairs: "
+                f"{run['pairs.float64']:.3g} and {run['pairs.mixed']:.3g}; the coarser grids, float64 in any case, "
+                f"take about {run['seconds.coarser'] / double:.2f} of float64's time."
             )
 
 
@@ -250,6 +266,10 @@ def not_certified(study: store.StudyFile) -> Iterator[str]:
                 f"{run['tolerance.asked']}, 2^{run['log2_points']:.0f}, {'nested' if run['nested'] else 'one grid'}: "
                 f"{run['status']}, residual {run['certificate.free_residual']:.1e}."
             )
+    reference = max((run["error.reference"] for run in runs if is_rough(run["family"])), default=0.0)
+    if reference > 0:
+        size = study.configuration["reference"]
+        yield f"The rough surfaces' areas on 2^{size} points, which count as exact, claim an error of {reference:.0e}."
     for run in (*runs_of(study, "accuracy"), *runs_of(study, "oracle")):
         if run["status"] == REFUSED:
             what = f"accuracy {run['accuracy']:g}" if run["kind"] == "accuracy" else f"oracle, {run['num_nodes']} nodes"
