@@ -67,6 +67,8 @@ class Accurate:
                 self._chose("model", "Winkler foundation", "the layer's edges are narrow", found.error)
                 self._chose("grid", f"{size} points", "the coarsest that is good enough")
                 return found
+            if found.least > self.accuracy:
+                break
         self._chose("Winkler foundation", "no", f"its a_r would be off by {found.error:.1g}")
         return None
 

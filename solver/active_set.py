@@ -22,7 +22,7 @@ from ..kernels import CHUNK, Call, layout, record
 from .deflation import GreensFunction, PatchDeflation
 from .edges import edge_moves
 from .patches import Indices, Patches
-from .problem import Problem, foundation_level
+from .problem import Problem, foundation_level, rounding_floor
 from .stiffness import Array64
 from .transforms import Transforms
 
@@ -48,7 +48,7 @@ class ActiveSet:
         n = self._num_points = problem.num_points
         self.problem, self.transforms, self.backend, self.tolerance = problem, transforms, backend, tolerance
         self.target = self.safety * tolerance
-        self._pairs, self._drift = 0.0, 0.0
+        self._pairs, self._drift, self._floor = 0.0, 0.0, 0.0
         self.iteration, self.residual, self.frozen = 0, math.inf, False
         self._direction, self._work = transforms.buffer(), transforms.buffer()
         self._response, self._height, self._rest = self._fields()
@@ -121,10 +121,13 @@ class ActiveSet:
         self._full_pressure[:] = np.where(self._contact, pressure, 0.0)
         self._take_set()
         self._find_response()
+        displacement = np.minimum(self._level - self._get(self._response), self.problem.height)
+        self._floor = 0.3 * rounding_floor(self.problem.stiffness, displacement, self._response.dtype.name)
 
     def try_harder(self) -> None:
         """Go on to a smaller residual, after the certificate has found the free residual too large."""
         self.target *= 0.2
+        self._floor *= 0.2
         self.frozen = False
 
     def _take_set(self) -> None:
@@ -175,17 +178,18 @@ class ActiveSet:
         self.residual = math.sqrt(float(z @ z) / self._num_points)
         if math.isinf(self._first):
             self._first = self.residual
-        if self._drift and self.residual <= max(self.target, 3 * self._drift):
+        if self._drift and self.residual <= max(self.target, self._floor, 3 * self._drift):
             self._find_response()
             self._before = 0.0
             self.iteration += 1
             return
-        if self.residual <= max(self.target, 0.0 if self._settled else self._inner * self._first):
+        target = max(self.target, self._floor)  # below, sets would be decided on rounding
+        if self.residual <= max(target, 0.0 if self._settled else self._inner * self._first):
             if self._update_set():
                 self.iteration += 1
                 return
             self._settled = True
-            if self.residual <= self.target:
+            if self.residual <= target:
                 self.frozen = True
         self._tries += 1
         if not math.isfinite(self.residual) or self._tries > self.longest:

@@ -60,3 +60,14 @@ def foundation_level(height: Array64, modulus: float) -> float:
     load = modulus * (count * ordered - lead) / height.size
     inside = min(max(1, int(np.searchsorted(load, 1.0))), height.size)
     return float((height.size / modulus + lead[inside - 1]) / inside)
+
+
+def rounding_floor(stiffness: Array64, displacement: Array64, precision: str) -> float:
+    """The rms free residual over p that rounding leaves in a displacement, shape (N,) [p L/E*] (dimensionless).
+
+    A relative rounding error eps in u comes back as force, times the rms of K; so it grows with K_max and N. Measured
+    in float32 on 150 scenes, 2^10 to 2^18 points: FIRE stagnates at 0.1 to 2 of eps rms(K) rms(u), mostly at a half;
+    the active set there or below.
+    """
+    eps = float(np.finfo(precision).eps)
+    return 0.5 * eps * float(np.sqrt(np.mean(stiffness[1:] ** 2) * np.mean(displacement**2)))

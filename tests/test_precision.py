@@ -9,7 +9,7 @@ from linecontact.solver import METHODS, Layer, RoughIndenter, Scene, Status, cer
 from linecontact.solver.fire import MassWeightedFire
 from linecontact.solver.problem import Problem
 from linecontact.solver.relaxation import relax
-from linecontact.solver.run import rounding_floor
+from linecontact.solver.run import float32_floor
 from linecontact.solver.transforms import Transforms
 
 
@@ -20,7 +20,7 @@ def hertz(thickness=math.inf, poisson_ratio=0.25, num_points=2**10, **changes):
 @pytest.mark.parametrize("scene", [hertz(0.1, 0.25, 2**12), hertz(1e-3, 0.5, 2**14), hertz(num_points=2**16)])
 def test_the_floor_of_float32_is_predicted(scene):
     """FIRE stagnates within a factor of four of it, and a tolerance below it is refused or met in mixed precision."""
-    floor = rounding_floor(scene)
+    floor = float32_floor(scene)
     single = replace(scene, precision="float32")
     low = solve(single, method="mass-weighted-fire", tolerance=1.01 * floor, max_iterations=1)
     state = MassWeightedFire(Problem.from_scene(single), Transforms(scene.num_points, "float32"), 1e-3 * floor)
@@ -60,7 +60,7 @@ def test_mixed_equals_float64_to_its_certificate(method, scene):
 def test_mixed_reaches_what_float32_cannot():
     scene = hertz(num_points=2**12, precision="mixed")
     for method in METHODS:
-        assert solve(scene, method=method, tolerance=1e-3 * rounding_floor(scene)).status is Status.CONVERGED
+        assert solve(scene, method=method, tolerance=1e-3 * float32_floor(scene)).status is Status.CONVERGED
     hopeless = solve(scene, method="mass-weighted-fire", tolerance=2e-14)
     assert hopeless.status is Status.STAGNATED
     assert hopeless.certificate.free_residual < 1e-10
