@@ -40,7 +40,7 @@ def panels(study: store.StudyFile, what: str) -> Figure:
         axes.grid(color="0.92", lw=0.5)
     noun = "$a_r$" if what == "a_r" else "the pressure, rms"
     for axes in grid[1]:
-        axes.set_xlabel(f"relative error of {noun} (dimensionless; right is better)")
+        axes.set_xlabel(f"relative error of {noun} (dimensionless; right is better)", fontsize=8)
     for axes in grid[:, 0]:
         axes.set_ylabel("seconds in all [s]")
     figure.legend(handles=_legend(study, what), fontsize=8, loc="lower center", ncols=4)
@@ -82,19 +82,16 @@ def _legend(study: store.StudyFile, what: str) -> list[Line2D]:
     def entry(label: str, marker: str, colour: str, style: str = "", **more: object) -> Line2D:
         return Line2D([], [], marker=marker, color=colour, ls=style, label=label, **more)  # type: ignore[arg-type]
 
-    entries = [entry(name.replace("fire", "FIRE"), marker, "0.5") for name, marker in _METHODS.items()]
-    entries[-1].set_label("plain FIRE")
-    entries += [entry(name, "o", colour) for name, colour in _PRECISIONS.items()]
-    if what == "a_r":
-        entries.append(entry("filled: sub-grid edges", "o", "0.3"))
-        entries.append(entry("hollow: nodes counted", "o", "0.3", mfc="none"))
-    entries.append(entry("front of all these", "", "k", "-"))
-    entries.append(entry("--accuracy", "X", COLOURS[3], "--"))
-    entries.append(entry("collocation oracle", "D", COLOURS[4], ":"))
-    entries += [
+    size, area = study.configuration["paper"], what == "a_r"
+    methods = [entry("plain FIRE" if name == "fire" else name, marker, "0.5") for name, marker in _METHODS.items()]
+    precisions = [entry(name, "o", colour) for name, colour in _PRECISIONS.items()]
+    best = [entry("front of all these", "", "k", "-")]
+    paper = [entry(f"the published choice: plain FIRE, $2^{{{size}}}$", "*", COLOURS[3], ms=12, mec="k")]
+    kinds = [entry("filled: sub-grid edges", "o", "0.3"), entry("hollow: nodes counted", "o", "0.3", mfc="none")]
+    others = [entry("--accuracy", "X", COLOURS[3], "--"), entry("collocation oracle", "D", COLOURS[4], ":")]
+    others += [
         entry(peer, marker, COLOURS[5], "-")
         for peer, marker in zip(study.configuration["peers"], itertools.cycle(_PEERS), strict=False)
     ]
-    size = study.configuration["paper"]
-    entries.append(entry(f"the published choice: plain FIRE, $2^{{{size}}}$", "*", COLOURS[3], ms=12, mec="k"))
-    return entries
+    # columns of three or four
+    return methods + best * area + precisions + best * (not area) + paper + kinds * area + others
