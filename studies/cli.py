@@ -25,7 +25,22 @@ from linecontact.solver import (
 )
 from rich.table import Table
 
-from . import blunt, console, edge_curve, ensemble, hertz, iterations, kernels, paper, peers, rough, scans, sharp, store
+from . import (
+    blunt,
+    console,
+    edge_curve,
+    ensemble,
+    hertz,
+    iterations,
+    kernels,
+    paper,
+    peers,
+    rough,
+    scans,
+    sharp,
+    store,
+    tradeoff,
+)
 
 
 @dataclass(frozen=True)
@@ -120,7 +135,8 @@ class Study:
         | Annotated[iterations.Options, tyro.conf.subcommand("iterations")]
         | Annotated[edge_curve.Options, tyro.conf.subcommand("edge-curve")]
         | Annotated[kernels.Options, tyro.conf.subcommand("kernels")]
-        | Annotated[peers.Options, tyro.conf.subcommand("peers")],
+        | Annotated[peers.Options, tyro.conf.subcommand("peers")]
+        | Annotated[tradeoff.Options, tyro.conf.subcommand("tradeoff")],
         tyro.conf.arg(name=""),
     ]
 
@@ -306,7 +322,7 @@ def run_plot(options: Plot, output: TextIO | None = None) -> int:
 
 def run_study(options: ensemble.Options) -> int:
     """`linecontact study`."""
-    modules: tuple[Any, ...] = (hertz, sharp, blunt, rough, paper, iterations, edge_curve, kernels, peers)
+    modules: tuple[Any, ...] = (hertz, sharp, blunt, rough, paper, iterations, edge_curve, kernels, peers, tradeoff)
     return int(next(module for module in modules if type(options) is module.Options).command(options))
 
 

@@ -12,7 +12,7 @@ from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
 from .. import store
-from . import asperity, kernels, others, peers, rough
+from . import asperity, kernels, others, peers, rough, tradeoff
 from .style import STYLE, NothingToDraw
 
 __all__ = ["NothingToDraw", "draw"]
@@ -24,6 +24,7 @@ _DRAWINGS: dict[str, Callable[[Path], dict[str, Figure]]] = {
     "edge-curve": others.edge_curve,
     "kernels": kernels.draw,
     "peers": peers.draw,
+    "tradeoff": tradeoff.draw,
     "solution": others.solution,
 }
 

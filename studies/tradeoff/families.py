@@ -1,0 +1,112 @@
+"""The families of scenes, and what is exact for them: the collocation oracle, or rough surfaces on a finer grid."""
+
+import functools
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, Status, collocation, solve
+from linecontact.solver.collocation import Asperity
+from numpy.typing import NDArray
+
+from ..tasks import Record
+
+Array64 = NDArray[np.float64]
+
+FAMILIES = {
+    "Hertz, half-space": (False, math.inf),
+    "Hertz, d = 0.01 L": (False, 0.01),
+    "rough, half-space": (True, math.inf),
+    "rough, d = 0.01 L": (True, 0.01),
+}
+"""Whether rough, and the layer's thickness over the period, by name."""
+
+COARSEST_ROUGH = 12
+"""log2 of the points that hold the rough surface, with four points to its shortest wave."""
+
+_SHIFTS = (1.0, 1.03, 1.07, 1.11, 1.13)
+_SEEDS = (0, 1, 2)
+_FINEST_SAMPLED = 2**20
+
+MEASURES = ("area", "area_counted", "kappa", "peak", "field")
+"""What errors are taken of; area and kappa between sub-grid edges; field: of the pressure, rms error over its rms."""
+
+_NODES, _RESOLUTION = 320, 80.0  # twice those that reach 1e-10
+
+
+@dataclass(frozen=True)
+class Exact:
+    """What counts as exact (dimensionless, L = E* = 1); pressure: of N -> field, shape (N,); error: of the area."""
+
+    contact_area: float
+    kappa: float
+    peak_pressure: float
+    pressure: Callable[[int], Array64]
+    error: float
+
+    def errors(self, area_counted: float, area: float, kappa: float, peak: float, pressure: Array64) -> Record:
+        """Relative errors, absolute values, by the names of `MEASURES`; pressure: field, shape (N,)."""
+        truth = self.pressure(pressure.size)
+        values = {
+            "area": area / self.contact_area - 1,
+            "area_counted": area_counted / self.contact_area - 1,
+            "kappa": kappa / self.kappa - 1,
+            "peak": peak / self.peak_pressure - 1,
+            "field": math.sqrt(float(np.mean((pressure - truth) ** 2) / np.mean(truth**2))),
+        }
+        return {name: abs(value) for name, value in values.items()}
+
+
+def is_rough(family: str) -> bool:
+    """Whether the surface is rough."""
+    return FAMILIES[family][0]
+
+
+def variants(family: str) -> range:
+    """Numbers of a family's variants, loads or surfaces: an edge that happens to be next to a node flatters nobody."""
+    return range(len(_SEEDS if is_rough(family) else _SHIFTS))
+
+
+def make_scene(family: str, log2_points: int, precision: str = "float64", variant: int = 0) -> Scene:
+    """One of a family's scenes."""
+    rough, thickness = FAMILIES[family]
+    indenter = RoughIndenter(0.8, _SEEDS[variant], 1 / 8, 1 / 128) if rough else PowerIndenter()
+    load = 1e-2 if rough else 2e-3 * _SHIFTS[variant]
+    return Scene(Layer(thickness), indenter, load, num_points=2**log2_points, precision=precision)
+
+
+def oracle(family: str, variant: int, num_nodes: int, resolution: float) -> Asperity:
+    """A smooth family's scene by collocation; arguments as for `collocation.solve_load`."""
+    scene = make_scene(family, 8, variant=variant)
+    layer = scene.layer
+    return collocation.solve_load(scene.pressure, 2.0, 1.0, layer.thickness, layer.poisson_ratio, num_nodes, resolution)
+
+
+@functools.cache
+def exact(family: str, variant: int, reference: int) -> Exact:
+    """The exact solution; reference: log2 of the points where there is no oracle, at a certified residual of 1e-8."""
+    if not is_rough(family):
+        found = oracle(family, variant, _NODES, _RESOLUTION)
+
+        @functools.cache
+        def sampled(num_points: int) -> Array64:
+            return sample(found, num_points)
+
+        return Exact(found.contact_area, found.kappa, found.peak_pressure, sampled, 0.0)
+    solution = solve(make_scene(family, reference, variant=variant), tolerance=1e-8)
+    if solution.status is not Status.CONVERGED:
+        raise RuntimeError(f"the reference on 2^{reference} points is not certified: {solution.status}")
+    o = solution.observables
+    field = solution.contact_pressure[:: max(1, 2**reference // _FINEST_SAMPLED)].copy()
+
+    def thinned(num_points: int) -> Array64:
+        return field[:: field.size // num_points]
+
+    error = o.contact_area_error / o.contact_area_subgrid
+    return Exact(o.contact_area_subgrid, o.kappa_subgrid, o.peak_pressure, thinned, error)
+
+
+def sample(found: Asperity, num_points: int) -> Array64:
+    """The oracle's contact pressure on a grid, shape (N,)."""
+    return found.pressure_at((np.arange(num_points) / num_points - 0.5) / found.half_width)

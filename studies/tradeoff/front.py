@@ -1,0 +1,121 @@
+"""Pareto fronts of seconds against errors, which values of what can be chosen are on none, and what each is worth."""
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import Any, NamedTuple
+
+from .. import store
+from .families import FAMILIES
+
+Run = dict[str, Any]
+
+NEAR = 1.1
+"""Factor in time and error within which a choice is on a front, and errors are no different."""
+
+AXES = ("method", "precision", "tolerance.asked", "nested", "threads", "counted")
+"""What can be chosen; 'counted' is how the contact area is measured."""
+
+FRONTS = {
+    "a_r": ("area", "area_counted"),
+    "pressure field": ("field",),
+}
+"""Errors that compete with each other. Those of kappa go with a_r's; the peak's change sign from grid to grid."""
+
+
+class Point(NamedTuple):
+    """A run with one of its errors (relative)."""
+
+    seconds: float
+    error: float
+    counted: bool
+    run: Run
+
+    def value(self, axis: str) -> Any:
+        """Of what was chosen."""
+        return self.counted if axis == "counted" else self.run[axis]
+
+
+def runs_of(study: store.StudyFile, kind: str, family: str | None = None) -> list[Run]:
+    """Of one kind of task, and family."""
+    return [run for run in study.runs if run["kind"] == kind and family in (None, run["family"])]
+
+
+def points(runs: Iterable[Run], what: str) -> list[Point]:
+    """Every certified run with each of its errors, as far as it has them; what: of `FRONTS`."""
+    return [
+        Point(run["seconds.total"], error, name == "area_counted", run)
+        for run in runs
+        for name in FRONTS[what]
+        if run["status"] == "converged" and (error := run.get(f"error.{name}", math.nan)) >= 0
+    ]
+
+
+def front(candidates: Iterable[Point]) -> list[Point]:
+    """Fastest first, each with a smaller error than all that are faster; errors within `NEAR` are one."""
+    best: list[Point] = []
+    for point in sorted(candidates, key=lambda p: (p.seconds, p.error)):
+        if not best or point.error * NEAR < best[-1].error:
+            best.append(point)
+    return best
+
+
+def over_front(point: Point, best: Sequence[Point]) -> float:
+    """Its time over the front's at its error; nan beyond the front's least error."""
+    return max((point.seconds / p.seconds for p in best if p.error <= NEAR * point.error), default=math.nan)
+
+
+def distance(point: Point, best: Sequence[Point]) -> float:
+    """Factor, in time and error, within which it comes of some point of the front; 1 is on it, or better."""
+    return max(1.0, min(max(point.seconds / p.seconds, point.error / max(p.error, 1e-300)) for p in best))
+
+
+class Worth(NamedTuple):
+    """A value of an axis: its least distance from any front, and where; its points on those of the contact area; and
+    how many times as long the same areas take without it, at most, and at which point; inf where nothing else gets
+    there.
+    """
+
+    axis: str
+    value: Any
+    distance: float
+    where: str
+    near: list[Point]
+    loss: float
+    lost: Point
+
+    @property
+    def never(self) -> bool:
+        """On no front."""
+        return self.distance > NEAR
+
+
+def worth(study: store.StudyFile) -> list[Worth]:
+    """Every value of every axis of the choices by hand, on the fronts of those."""
+    rated: list[tuple[float, str, Point]] = []
+    areas: list[tuple[list[Point], list[Point]]] = []
+    for family in FAMILIES:
+        for what in FRONTS:
+            found = points(runs_of(study, "choice", family), what)
+            best = front(found)
+            rated += [(distance(point, best), what, point) for point in found]
+            areas += [(found, best)] * (what == "a_r")
+    result = []
+    for axis in AXES:
+        for value in dict.fromkeys(point.value(axis) for *_, point in rated):
+            own = [r for r in rated if r[2].value(axis) == value and (axis != "counted" or r[1] == "a_r")]
+            least, what, closest = min(own, key=lambda r: r[0])
+            near = [point for far, measure, point in own if measure == "a_r" and far <= NEAR]
+            loss = max((_loss(axis, value, *area) for area in areas if area[0]), key=lambda pair: pair[0])
+            result.append(Worth(axis, value, least, f"{what}, {closest.run['family']}", near, *loss))
+    return result
+
+
+def _loss(axis: str, value: Any, found: Sequence[Point], best: Sequence[Point]) -> tuple[float, Point]:
+    """Largest factor in time, and where, that doing without a value costs; inf where nothing else gets there."""
+    others = front(point for point in found if point.value(axis) != value)
+    losses = [(1.0, best[0])]
+    for point in best:
+        if point.value(axis) == value:
+            there = [p.seconds / point.seconds for p in others if p.error <= NEAR * point.error]
+            losses.append((min(there, default=math.inf), point))
+    return max(losses, key=lambda pair: pair[0])

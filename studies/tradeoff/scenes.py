@@ -1,0 +1,94 @@
+"""Random scenes, solved to an accuracy: is the claim kept on what nothing was calibrated with?"""
+
+import math
+import time
+from dataclasses import dataclass
+
+import numpy as np
+from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, Status, collocation, models, planner, solve
+from linecontact.solver.relaxation import Progress
+
+from .. import store
+from ..tasks import Record
+from .choices import refused
+
+KINDS = ("power", "rough")
+
+_LONGEST = 300.0  # half-widths over thicknesses: beyond, collocation takes too much memory
+_NODES, _RESOLUTION = 400, 40.0
+_FINER, _MOST = 16, 2**18  # times the solution's points; at most, but four times them in any case
+
+
+def draw(kind: str, seed: int, log2_points: int) -> tuple[Scene, float]:
+    """A scene with up to 2^log2_points points, and the accuracy to ask for."""
+    rng = np.random.default_rng([KINDS.index(kind), seed])
+    thickness = math.inf if rng.random() < 0.2 else float(10 ** rng.uniform(-6, 1))
+    layer = Layer(thickness, 0.5 if rng.random() < 0.15 else float(rng.uniform(-0.5, 0.5)))
+    if kind == "power":
+        exponent = float(rng.choice([1.5, 2, 3, 4]) if rng.random() < 0.6 else rng.uniform(1.2, 6))
+        load, accuracy = 10 ** rng.uniform(-5, math.log10(3e-2)), 10 ** rng.uniform(-6, math.log10(3e-2))
+        return Scene(layer, PowerIndenter(exponent), float(load), num_points=2**log2_points), float(accuracy)
+    indenter = RoughIndenter(float(rng.uniform(0.2, 0.95)), seed, 1 / 8, 1 / 16)
+    load, accuracy = 10 ** rng.uniform(math.log10(3e-3), math.log10(0.3)), 10 ** rng.uniform(-4, math.log10(3e-2))
+    return Scene(layer, indenter, float(load), num_points=2**log2_points), float(accuracy)
+
+
+@dataclass(frozen=True)
+class RandomScene:
+    """One of them; log2_points: of the finest grid allowed."""
+
+    scene_kind: str
+    seed: int
+    log2_points: int
+
+    def run(self, report: Progress | None) -> Record:
+        """What was asked, claimed, and true, and the time of the planner alone."""
+        scene, accuracy = draw(self.scene_kind, self.seed, self.log2_points)
+        begin = time.perf_counter()
+        planner.decide(scene, accuracy)
+        decided = time.perf_counter() - begin
+        own = {
+            "kind": "scene",
+            "family": self.scene_kind,
+            "seed": self.seed,
+            "accuracy": accuracy,
+            "seconds.decide": decided,
+        }
+        own |= {f"scene.{name}": value for name, value in scene.to_dict().items()}
+        try:
+            solution = solve(scene, accuracy=accuracy, progress=report)
+        except ValueError as error:
+            return own | refused(self.scene_kind, error)
+        o = solution.observables
+        truth, uncertain = true_area(scene, accuracy, solution.scene.num_points)
+        record = {name: v for name, v in store.run_record(solution).items() if not name.startswith("choices.")}
+        return (
+            record
+            | own
+            | {
+                "scene.num_points": solution.scene.num_points,
+                "claimed": o.contact_area_error / o.contact_area_subgrid,
+                "error.area": abs(o.contact_area_subgrid / truth - 1),
+                "error.reference": uncertain,
+            }
+        )
+
+
+def true_area(scene: Scene, accuracy: float, num_points: int) -> tuple[float, float]:
+    """a_r by collocation, or on a grid of 4 to 16 times as many points as the solution has; and its own error."""
+    power, layer, load = scene.indenter, scene.layer, scene.pressure
+    if isinstance(power, PowerIndenter):
+        widest = min(collocation.lone_half_width(load, power.exponent, 1.0), models.winkler_half_width(scene))
+        if widest < _LONGEST * layer.thickness:
+            shape = load, power.exponent, 1.0, layer.thickness, layer.poisson_ratio
+            try:
+                fine, coarse = (collocation.solve_load(*shape, k * _NODES // 2, k * _RESOLUTION / 2) for k in (2, 1))
+                return fine.contact_area, abs(coarse.contact_area / fine.contact_area - 1)
+            except ValueError:  # nearly full contact
+                pass
+    finer = planner.on_grid(scene, max(4 * num_points, min(_FINER * num_points, _MOST)))
+    solution = solve(finer, tolerance=max(1e-3 * accuracy, 1e-8))
+    if solution.status is not Status.CONVERGED:
+        raise RuntimeError(f"the reference is not certified: {solution.status}")
+    o = solution.observables
+    return o.contact_area_subgrid, o.contact_area_error / o.contact_area_subgrid
