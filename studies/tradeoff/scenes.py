@@ -5,7 +5,7 @@ import time
 from dataclasses import dataclass
 
 import numpy as np
-from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, Status, collocation, models, planner, solve
+from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, Status, collocation, planner, solve
 from linecontact.solver.relaxation import Progress
 
 from .. import store
@@ -78,9 +78,8 @@ def true_area(scene: Scene, accuracy: float, num_points: int) -> tuple[float, fl
     """a_r by collocation, or on a grid of 4 to 16 times as many points as the solution has; and its own error."""
     power, layer, load = scene.indenter, scene.layer, scene.pressure
     if isinstance(power, PowerIndenter):
-        widest = min(collocation.lone_half_width(load, power.exponent, 1.0), models.winkler_half_width(scene))
-        if widest < _LONGEST * layer.thickness:
-            shape = load, power.exponent, 1.0, layer.thickness, layer.poisson_ratio
+        shape = load, power.exponent, 1.0, layer.thickness, layer.poisson_ratio
+        if collocation.guessed_half_width(*shape) < _LONGEST * layer.thickness:
             try:
                 fine, coarse = (collocation.solve_load(*shape, k * _NODES // 2, k * _RESOLUTION / 2) for k in (2, 1))
                 return fine.contact_area, abs(coarse.contact_area / fine.contact_area - 1)
