@@ -7,12 +7,13 @@ from ..kernels import BACKENDS
 from . import checks, models
 from .active_set import ActiveSet
 from .certificate import certify
+from .indenters import PowerIndenter
 from .models import Modelled
 from .nested import iteration_share
-from .planner import Plan, climb, decide, on_grid
+from .planner import Plan, climb, decide, on_grid, residual
 from .problem import Problem
 from .relaxation import Progress, Status
-from .run import CAUTION, COARSE_TOLERANCE, DEFAULT_MAX_ITERATIONS, METHODS, SMALLEST_WARP, Run, check_scene, stages
+from .run import CAUTION, DEFAULT_MAX_ITERATIONS, METHODS, SMALLEST_WARP, Run, check_scene, stages
 from .scene import Layer, Scene
 from .solution import Choice, Solution
 from .symmetric import EvenActiveSet, is_even
@@ -27,7 +28,8 @@ class Accurate:
     ) -> None:
         self.begin = time.perf_counter()
         self.accuracy = checks.real("accuracy", accuracy, "1e-9 <= accuracy <= 0.1", 0.99e-9, 0.1)
-        check_scene(scene, 16)
+        grid_free = isinstance(getattr(scene, "indenter", None), PowerIndenter)  # most likely
+        check_scene(scene, 16 if grid_free else None)
         checks.choice("backend", backend, BACKENDS)
         check_settings(threads, planning)
         self.scene = replace(scene, precision="float64")
@@ -107,7 +109,7 @@ class Accurate:
     def _climbed(self, plan: Plan, above: int) -> Solution:
         """Interrupted before the last grid it has nothing to return and raises `KeyboardInterrupt`."""
         layered = replace(self.scene, layer=plan.layer)
-        tolerance = min(max(0.2 * self.accuracy, 1e-10), COARSE_TOLERANCE)
+        tolerance = residual(self.accuracy)
         modelled = sum(choice.error for choice in self.choices)
         ready = time.perf_counter()
         budget = self.accuracy - modelled - iteration_share(tolerance)
@@ -121,8 +123,16 @@ class Accurate:
         )
         size = climbed.state.problem.num_points
         scene = on_grid(self.scene, size)  # its layer, which the certificate is for
-        settings = None, self.threads, self.planning, self.backend, None, "refuse", self.progress
-        run = Run(scene, METHODS[0], tolerance, *settings, climbed.state)
+        run = Run(
+            scene,
+            METHODS[0],
+            tolerance,
+            threads=self.threads,
+            planning=self.planning,
+            backend=self.backend,
+            progress=self.progress,
+            state=climbed.state,
+        )
         run.levels, run.transform_pairs, run.iterations = climbed.levels[:-1], climbed.pairs, climbed.iterations
         status = run.relax(climbed.state)
         good = climbed.error <= budget

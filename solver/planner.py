@@ -6,7 +6,8 @@ until the estimated error is small enough.
 
 Half-space. Its stiffness differs from the layer's by a share e, the largest |f(q_k d) - 1|, at the longest waves. The
 area then changes by about e, like the load would, but near full contact by up to (2/pi) sqrt(e) (a sinusoidal indenter,
-`closed_forms.westergaard_area`): sqrt(e) is claimed.
+`closed_forms.westergaard_area`): sqrt(e) is claimed. And e is small beside the tolerance, because the certificate stays
+the layer's.
 """
 
 import math
@@ -25,7 +26,7 @@ from .nested import FACTOR, Level, grids, measure_level, prolong
 from .observables import contact_edges
 from .patches import Patches
 from .relaxation import Progress, Status, relax
-from .run import COARSE_SLACK
+from .run import COARSE_SLACK, COARSE_TOLERANCE
 from .scene import Layer, Scene
 from .solution import Choice
 from .stiffness import layer_factor
@@ -48,7 +49,8 @@ class Plan:
 
 def decide(scene: Scene, accuracy: float) -> Plan:
     """The models worth trying, from what is known without solving anything."""
-    layer, choices = _half_space(scene, _MODEL_SHARE * accuracy)
+    most = min((_MODEL_SHARE * accuracy) ** 2, 0.1 * residual(accuracy))
+    layer, choices = _half_space(scene, most)
     thickness, nu, power = scene.layer.thickness / scene.period, scene.layer.poisson_ratio, scene.indenter
     half_width, models = 0.5, []
     if isinstance(power, PowerIndenter):
@@ -62,15 +64,20 @@ def decide(scene: Scene, accuracy: float) -> Plan:
     return Plan(tuple(models), layer, choices)
 
 
-def _half_space(scene: Scene, budget: float) -> tuple[Layer, tuple[Choice, ...]]:
-    """The half-space instead of the layer, where that makes no difference."""
+def residual(accuracy: float) -> float:
+    """The tolerance on the free residual that goes with an accuracy."""
+    return min(max(0.2 * accuracy, 1e-10), COARSE_TOLERANCE)
+
+
+def _half_space(scene: Scene, most: float) -> tuple[Layer, tuple[Choice, ...]]:
+    """The half-space instead of a layer whose stiffness is that, but for a share of `most`."""
     layer = scene.layer
     if math.isinf(layer.thickness):
         return layer, ()
     waves = 2 * np.pi * np.arange(1.0, 9.0) * (layer.thickness / scene.period)
     difference = float(np.abs(layer_factor(waves, layer.poisson_ratio) - 1).max())
     reason = f"a half-space is softer or stiffer by at most {difference:.1g}"
-    if math.sqrt(difference) > budget:
+    if difference > most:
         return layer, (Choice("layer", "as it is", reason),)
     return replace(layer, thickness=math.inf), (Choice("layer", "half-space", reason, math.sqrt(difference)),)
 
@@ -113,8 +120,8 @@ def climb(
     start: tuple[Array64, Patches, Edges] | None = None
     pairs = 0.0
     sizes = grids(scene.num_points)
-    if len(sizes) == 1:  # without a coarser one there is no telling how wrong it is
-        sizes.insert(0, 2 * max(8, round(sizes[0] / FACTOR / 2)))
+    if len(sizes) == 1 and sizes[0] >= FACTOR * 16:  # without a coarser one there is no telling how wrong it is
+        sizes.insert(0, 2 * round(sizes[0] / FACTOR / 2))
     for size in sizes:
         state = make(size)
         state.slack = COARSE_SLACK
