@@ -56,6 +56,9 @@ def decide(scene: Scene, accuracy: float) -> Plan:
     if isinstance(power, PowerIndenter):
         load = scene.pressure / scene.layer.contact_modulus
         half_width = collocation.guessed_half_width(load, power.exponent, power.radius / scene.period, thickness, nu)
+    elif isinstance(power, RoughIndenter):
+        # twice the half-space's a_r = 1.75 p*; a layer's is smaller
+        half_width = min(0.5, 1.75 * scene.pressure / scene.layer.contact_modulus / power.rms_gradient)
     if nu < 0.5 and LEAST_EDGE * thickness < 2 * half_width * accuracy:
         models.append("winkler")
     longest = _LONG_ASPERITY if accuracy > _FINE else _LONGEST_ASPERITY

@@ -188,11 +188,13 @@ class Bench:
     def _disagreeing(self, role: str, array: Array, expected: Array) -> int:
         """Number of values off by more than rounding, 0 if as few as rounding explains.
 
-        Values below 10 are two roundings apart; sums of CHUNK of them up to CHUNK eps of the sum of their squares; what
-        is made of the sums of all chunks, an eps a chunk. A node so near the wall, or a bound, that rounding decides
-        its side differs wholly: one in 1/(100 eps) may.
+        Values below 10 are two roundings apart; sums of CHUNK of them, added one after the other, up to CHUNK eps of
+        the sum of their magnitudes, which is 20 CHUNK at most or, of squares, the sum itself; what is made of the sums
+        of all chunks, an eps a chunk. A node so near the wall, or a bound, that rounding decides its side differs
+        wholly: one in 1/(100 eps) may.
         """
         eps = float(np.finfo(self.precision).eps)
         bound = {"sum": 20 * CHUNK * eps, "control": self.num_points / CHUNK * 1e-15}.get(role, 20 * eps)
-        wrong = int(np.count_nonzero(~(np.abs(array - expected) <= bound + 4 * eps * np.abs(expected))))
+        share = CHUNK * eps if role == "sum" else 4 * eps
+        wrong = int(np.count_nonzero(~(np.abs(array - expected) <= bound + share * np.abs(expected))))
         return wrong if wrong > 100 * eps * self.num_points else 0
