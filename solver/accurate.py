@@ -32,7 +32,9 @@ class Accurate:
         check_scene(scene, 16 if grid_free else None)
         checks.choice("backend", backend, BACKENDS)
         check_settings(threads, planning)
-        self.scene = replace(scene, precision="float64")
+        if scene.precision != "float64":
+            raise ValueError(f"precision is {scene.precision!r}; allowed: float64, accuracy chooses the precision")
+        self.scene = scene
         self.threads, self.planning, self.backend, self.progress = threads, planning, backend, progress
         self.choices: list[Choice] = []
 
@@ -52,15 +54,18 @@ class Accurate:
         except ValueError as error:
             self._chose("collocation", "no", str(error))
             return None
-        reason = "a power profile is one asperity; error: the change by the last doubling of the nodes"
+        reason = "a power profile is one asperity; error: the change of a_r by the last doubling of the nodes"
         self._chose("model", "collocation", reason, found.error)
         self._chose("grid", f"{found.scene.num_points} points", "for the fields only, which are sampled")
+        power = self.scene.indenter
+        if isinstance(power, PowerIndenter) and power.exponent < 2:
+            self._chose("peak pressure", "by collocation", "rough: at a tip sharper than a parabola 5 to 30 % too low")
         return found
 
     def _winkler(self) -> Modelled | None:
         found = models.winkler(self.scene)
         if found.error > self.accuracy:
-            self._chose("Winkler foundation", "no", f"its a_r would be off by {found.error:.1g}")
+            self._chose("Winkler foundation", "no", f"its a_r would be off by a share of {found.error:.1g}")
             return None
         self._chose("model", "Winkler foundation", "the layer's edges are narrow", found.error)
         self._chose("grid", f"{found.scene.num_points} points", "no transform is needed")
@@ -70,12 +75,11 @@ class Accurate:
         self.choices.append(Choice(what, chosen, reason, error))
 
     def _modelled(self, model: str, found: Modelled) -> Solution:
-        """A model's solution; a foundation's is certified with its own stiffness."""
+        """A model's solution; a foundation's on the grid is certified with its own stiffness."""
         others = sum(choice.error for choice in self.choices if choice.what != "model")
         scene, certificate, ready = found.scene, None, time.perf_counter()
-        if model == "winkler":
-            problem = models.foundation(scene)
-            certificate = certify(problem, found.displacement / problem.length_unit)[0]
+        if found.problem:
+            certificate = certify(found.problem, found.displacement / found.problem.length_unit)[0]
         end = time.perf_counter()
         solution = Solution(
             scene=scene,

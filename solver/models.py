@@ -38,7 +38,7 @@ _FIELD_NODES = 64
 class Modelled:
     """scene: on the fields' grid; displacement [length], contact_pressure [pressure], contact: shape (N,).
 
-    error: of a_r, relative.
+    error: of a_r, relative; problem: what was solved on that grid, None where the fields are sampled.
     """
 
     scene: Scene
@@ -47,6 +47,7 @@ class Modelled:
     contact: NDArray[np.bool_]
     observables: Observables
     error: float
+    problem: Problem | None = None
 
 
 def asperity(scene: Scene, layer: Layer, accuracy: float) -> Modelled:
@@ -107,30 +108,38 @@ def _with_area(scene: Scene, observables: Observables, area: float, error: float
 
 
 def winkler(scene: Scene) -> Modelled:
-    """The scene on a Winkler foundation, nu < 1/2. A power profile's area needs no grid."""
-    area, sampled = math.inf, False
+    """The scene on a Winkler foundation, nu < 1/2. A power profile's area needs no grid, its fields are sampled."""
+    area = math.inf
     if isinstance(power := scene.indenter, PowerIndenter):
         load, radius = scene.pressure / scene.layer.contact_modulus, power.radius / scene.period
         area = 2 * foundation_half_width(load, power.exponent, radius, _modulus(scene))
-        sampled = area < 0.98
-        scene = _field_scene(scene, area) if sampled else scene
+    sampled = area < 0.98
+    scene = _field_scene(scene, area) if sampled else scene
     problem = foundation(scene)
-    modulus = float(problem.stiffness[1])
-    depth = foundation_level(problem.height, modulus) - problem.height
+    modulus, height = float(problem.stiffness[1]), problem.height
+    if sampled and isinstance(power, PowerIndenter):  # k_W mean(level - h) = 1
+        level = (power.exponent + 1) / (power.exponent * modulus * area)
+    else:
+        level = foundation_level(height, modulus)
+    depth = level - height
     pressure, contact = modulus * np.maximum(depth, 0.0) * scene.pressure, depth > 0
-    displacement = np.where(contact, scene.profile, (problem.height + depth) * problem.length_unit)
+    if sampled:
+        pressure *= scene.pressure / pressure.mean()  # the sampled load is off by the sampling
+    displacement = np.where(contact, scene.profile, level * problem.length_unit)
     observables = observe(scene, displacement, pressure, contact)
     edges = 3 * max(LEAST_EDGE / 3, abs(edge_shift(scene.layer.poisson_ratio))) * scene.layer.thickness / scene.period
     if sampled:
         error = edges / area
         observables = _with_area(scene, observables, area, error)
+        peak, approach = modulus * level * scene.pressure, level * problem.length_unit
+        observables = replace(observables, peak_pressure=peak, approach=approach)
     else:
-        observables, change = _measured(scene, observables, problem.height, depth)
+        observables, change = _measured(scene, observables, height, depth)
         area = observables.contact_area_subgrid
         error = edges * observables.num_patches / area + change + _stiffening(scene)
         slack = 2 * error * observables.kappa_subgrid
         observables = replace(observables, contact_area_error=error * area, kappa_error=slack)
-    return Modelled(scene, displacement, pressure, contact, observables, error)
+    return Modelled(scene, displacement, pressure, contact, observables, error, None if sampled else problem)
 
 
 def _measured(scene: Scene, observables: Observables, height: Array64, depth: Array64) -> tuple[Observables, float]:

@@ -79,7 +79,7 @@ def _half_space(scene: Scene, most: float) -> tuple[Layer, tuple[Choice, ...]]:
         return layer, ()
     waves = 2 * np.pi * np.arange(1.0, 9.0) * (layer.thickness / scene.period)
     difference = float(np.abs(layer_factor(waves, layer.poisson_ratio) - 1).max())
-    reason = f"a half-space is softer or stiffer by at most {difference:.1g}"
+    reason = f"a half-space's stiffness differs by a share of up to {difference:.1g}"
     if difference > most:
         return layer, (Choice("layer", "as it is", reason),)
     return replace(layer, thickness=math.inf), (Choice("layer", "half-space", reason, math.sqrt(difference)),)

@@ -34,7 +34,7 @@ def solve(
 
     accuracy: the relative error wanted of `contact_area_subgrid`, 1e-9 to 0.1 (dimensionless). Model, method, grid and
         tolerance are then chosen for it and must not be given; the scene's grid is the finest allowed, its precision
-        has no effect. See `Solution.choices` and `Status.INACCURATE`.
+        must be the default. It concerns a_r alone. See `Solution.choices` and `Status.INACCURATE`.
     method: one of `METHODS`, by default the first.
     nested: start from the solution on coarser grids; by default for the active set only, and not with `initial`.
     tolerance: rms net force on free nodes over the mean pressure at which to stop, 1e-14 to 0.5 (dimensionless); by
@@ -52,6 +52,8 @@ def solve(
     begin = time.perf_counter()
     if accuracy is not None:
         checks.choice("below_floor", below_floor, BELOW_FLOOR)
+        if below_floor != "refuse":
+            raise ValueError(f"below_floor is {below_floor!r}; allowed: without accuracy only, which chooses precision")
         chosen = {"method": method, "nested": nested, "tolerance": tolerance, "initial": initial}
         for name, value in (chosen | {"max_iterations": max_iterations}).items():
             if value is not None:

@@ -90,12 +90,12 @@ class Solve:
     period: float | None = None
     """Period L > 0 [length]; default 1, or the length of a file with positions."""
     num_points: int | None = None
-    """Grid points, even, at least 16; default 2^18, for a file the next power of two."""
+    """Grid points, even, at least 16; default 2^18, for a file the next power of two (at most 16 times its values)."""
     contact_modulus: float = 1.0
     """E* = E/(1-nu^2) > 0 [pressure]."""
     accuracy: float | None = None
-    """Relative error wanted of a_r, 1e-9 to 0.1 (dimensionless): chooses model, grid (up to --num-points), method,
-    precision and tolerance for it."""
+    """Relative error wanted of a_r, 1e-9 to 0.1 (dimensionless). Chooses model, grid, method, precision and tolerance,
+    which must not be given; num_points is then the most to use."""
     method: Literal["active-set", "mass-weighted-fire", "fire"] | None = None
     """Method; default: active-set, the fastest."""
     grids: Literal["auto", "nested", "single"] = "auto"
@@ -173,21 +173,29 @@ def run_solve(options: Solve) -> int:
         check_targets(options)
     elif options.plot:
         raise ValueError("plot is True; allowed: together with --save, the figure is drawn from the file")
+    if options.accuracy is not None and options.grids != "auto":
+        raise ValueError(f"grids is {options.grids}; allowed: auto, with accuracy, which chooses the grid")
     scene = make_scene(options)
     aim = options.tolerance or (1e-5 if options.accuracy else default_tolerance(scene))
-    with console.solve_progress(aim) as report:
-        solution = solve(
-            scene,
-            accuracy=options.accuracy,
-            method=options.method,
-            nested=None if options.grids == "auto" else options.grids == "nested",
-            tolerance=options.tolerance,
-            max_iterations=options.max_iterations,
-            threads=options.threads,
-            planning=options.planning,
-            below_floor=options.below_floor,
-            progress=report,
-        )
+    try:
+        with console.solve_progress(aim) as report:
+            solution = solve(
+                scene,
+                accuracy=options.accuracy,
+                method=options.method,
+                nested=None if options.grids == "auto" else options.grids == "nested",
+                tolerance=options.tolerance,
+                max_iterations=options.max_iterations,
+                threads=options.threads,
+                planning=options.planning,
+                below_floor=options.below_floor,
+                progress=report,
+            )
+    except KeyboardInterrupt:
+        if options.accuracy is None:
+            raise
+        console.errors.print("linecontact: interrupted; to an accuracy there is no partial result, nothing is saved")
+        return console.EXIT_INTERRUPTED
     try:
         if options.json:
             print(json.dumps(solution.to_dict()), flush=True)
@@ -215,8 +223,9 @@ def complaint(solution: Solution) -> str:
     o = solution.observables
     if solution.status is Status.INACCURATE:
         return (
-            f"{solution.status}: a_r is known to {o.contact_area_error / o.contact_area_subgrid:.1g}, accuracy "
-            f"{solution.accuracy:g} is asked; allowed: more --num-points than {solution.scene.num_points}"
+            f"{solution.status}: a_r is known to {o.contact_area_error / o.contact_area_subgrid:.2g}, accuracy "
+            f"{solution.accuracy:g} is asked; allowed: more --num-points than {solution.scene.num_points} (for a file "
+            f"up to {scans.MAX_REFINEMENT} times its values)"
         )
     residual = f"{solution.certificate.free_residual:.2e}" if solution.certificate else "unknown"
     return (
@@ -277,7 +286,11 @@ def solution_table(solution: Solution) -> Table:
     rows = [
         ("contact area a_r (sub-grid edges)", f"{record['contact_area_subgrid']:.10g}", "-"),
         ("  its error, estimated", record["contact_area_error"], "-" if solution.levels else "- (edges only)"),
-        ("contact area a_r (nodes counted)", f"{record['contact_area']:.8g}", f"- (one node: {spacing:.1e})"),
+        *(
+            [("contact area a_r (nodes counted)", f"{record['contact_area']:.8g}", f"- (one node: {spacing:.1e})")]
+            if solution.certificate
+            else []
+        ),
         ("contact patches", record["num_patches"], f"- ({record['num_counted_patches']} of 1 or 2 nodes)"),
         ("rms gradient in contact g_c", record["rms_gradient_contact"], "-"),
         ("reduced pressure p* = p/(E* g_c)", record["reduced_pressure"], "-"),

@@ -295,7 +295,8 @@ def _compute(studies: Sequence[Study], options: Options, folder: Path) -> dict[s
     ensemble: Ensemble
 
     def report(iteration: int, residual: float) -> None:
-        bar.show(ensemble.share, f"{ensemble}; iteration {iteration}, residual {residual:.1e}")
+        known = "" if math.isnan(residual) else f", residual {residual:.1e}"
+        bar.show(ensemble.share, f"{ensemble}; iteration {iteration}{known}")
 
     with executors.choose(options.workers, options.memory, options.scheduler, report) as pool:
         ensemble = _begin(studies, options, folder)

@@ -189,7 +189,10 @@ def _read_scan(options: Options) -> tuple[Array64 | None, Array64, str]:
             raise ValueError("it is a map; allowed: a line scan")
         x, z, unit = scan.positions(), scan.heights(), str(scan.unit or "").replace("µ", "u")
     except Exception as error:  # its readers raise anything
-        raise ValueError(f"profile_file {path} cannot be read by SurfaceTopography: {error}") from None
+        reason = " ".join(str(error).split())[:120]
+        raise ValueError(
+            f"profile_file {path} cannot be read by SurfaceTopography: {reason}; allowed: a format that it knows"
+        ) from None
     if unit not in _UNITS and unit:
         raise ValueError(f"profile_file {path} is in {unit}; allowed: {', '.join(_UNITS)}")
     given = options.x_unit or options.z_unit

@@ -119,12 +119,23 @@ def test_a_thin_layer_is_a_winkler_foundation(indenter):
     scene = Scene(Layer(1e-6, 0.25), indenter, 2e-2, num_points=2**16)
     solution = solve(scene, accuracy=2e-2)
     assert solution.method == "winkler-foundation"
-    assert solution.certificate.free_residual < 1e-9
+    assert (solution.certificate is None) == isinstance(indenter, PowerIndenter)
+    if solution.certificate:
+        assert solution.certificate.free_residual < 1e-9
     full = solve(scene).observables
     assert error(solution, full.contact_area_subgrid) <= solution.observables.contact_area_error / full.contact_area
     assert solution.observables.kappa_subgrid == pytest.approx(full.kappa_subgrid, rel=0.05)
     assert solution.observables.approach == pytest.approx(full.approach, rel=0.05)
+    assert solution.observables.peak_pressure == pytest.approx(full.peak_pressure, rel=0.02)
     assert solution.observables.contact_area_error < 2e-2 * full.contact_area
+
+
+def test_a_contact_between_two_nodes():
+    """Of a foundation so thin that no grid sees the contact: 3/2 of the mean pressure in it, a^2/2 deep."""
+    o = solve(Scene(Layer(1e-20)), accuracy=1e-4).observables
+    assert o.contact_area_subgrid < 2**-18
+    assert o.peak_pressure == pytest.approx(1.5 * 2e-3 / o.contact_area_subgrid)
+    assert o.approach == pytest.approx((o.contact_area_subgrid / 2) ** 2 / 2)
 
 
 def test_what_no_foundation_can_carry():
@@ -282,6 +293,7 @@ def test_an_accuracy_out_of_reach_is_said_to_be():
         ({"accuracy": 1e-3, "tolerance": 1e-3}, "tolerance is 0.001"),
         ({"accuracy": 1e-3, "nested": False}, "nested is False"),
         ({"accuracy": 1e-3, "backend": "cuda"}, "backend is 'cuda'"),
+        ({"accuracy": 1e-3, "below_floor": "mixed"}, "below_floor is 'mixed'; allowed: without accuracy"),
         ({"accuracy": 1e-3, "threads": 0}, "threads is 0"),
     ],
 )
@@ -290,6 +302,8 @@ def test_bad_input_is_named(arguments, named):
         solve(Scene(num_points=2**10), **arguments)
     with pytest.raises(ValueError, match="scene is 3"):
         solve(3, accuracy=1e-3)
+    with pytest.raises(ValueError, match="precision is 'mixed'; allowed: float64"):
+        solve(Scene(precision="mixed"), accuracy=1e-3)
 
 
 def random_scene(rng, rough):

@@ -91,6 +91,8 @@ class Task:
 def command(options: Options) -> int:
     """Measure what is left of the study, or compare two files; returns the exit status."""
     if options.compare:
+        if options.json:
+            raise ValueError("json is True; allowed: without --compare, which prints a table")
         return compare.command(*options.compare, options.threshold)
     study = (QUICK if options.quick else Configuration()).study()
     folder = options.folder or Path("results/kernels-quick" if options.quick else "results/kernels")

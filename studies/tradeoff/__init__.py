@@ -52,7 +52,7 @@ class Configuration:
     def study(self) -> ensemble.Study:
         """The tasks."""
         runs = [task for family in FAMILIES for task in self._family(family)]
-        for family in (_HALF_SPACE, "rough, half-space")[: 1 + (self.paper >= COARSEST_ROUGH)]:
+        for family in (_HALF_SPACE, "rough, half-space")[: 1 + (self.paper - 2 >= COARSEST_ROUGH)]:
             runs.append(Precisions(family, "fire", self.paper, None))
             runs += [Precisions(family, method, self.paper, TOLERANCES[-1]) for method in METHODS[:2]]
         kinds = tuple(zip(KINDS, self.scene_points, strict=True))

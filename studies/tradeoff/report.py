@@ -16,11 +16,6 @@ from .choices import REFUSED
 from .families import FAMILIES, MEASURES, is_rough
 from .front import AXES, NEAR, Point, Run, Worth, front, over_front, points, runs_of, worth
 
-GOALS = {"times": 1000.0, "pairs": 15, "float32": 1.4, "mixed": 0.8, "scenes": 0.95, "planner": 1e-3}
-"""Times faster than the published choice; transform pairs; float64's time over float32's, mixed's over float64's; share
-of the random scenes; seconds.
-"""
-
 
 def parts(study: store.StudyFile) -> Iterator[RenderableType]:
     """A table for each family, and the sentences."""
@@ -178,17 +173,16 @@ def published(study: store.StudyFile) -> Iterator[str]:
             if good:
                 what = f"{name} gets there in {good[0].seconds:.2g} s, {seconds / good[0].seconds:.0f} times faster"
                 texts.append(f"{what} (error {good[0].error:.0e})")
-        goal = f" Goal on Hertz, --accuracy: {GOALS['times']:.0f}." if family == next(iter(FAMILIES)) else ""
         yield (
             f"{family}: plain FIRE on 2^{size:.0f} points, counting, is off by {error:.1e} after {seconds:.3g} s; "
-            f"{'; '.join(texts) or 'nothing else gets there'}.{goal}"
+            f"{'; '.join(texts) or 'nothing else gets there'}."
         )
     for run in runs_of(study, "accuracy"):
         if run["accuracy"] == 1e-6 and run["status"] == "converged" and not is_rough(run["family"]):
             yield (
                 f"{run['family']}: a_r asked to 1e-6, found to {run['error.area']:.0e}, takes "
                 f"{run['seconds.total']:.2g} s, {run['seconds.total'] / run['seconds.pair']:.2g} transform pairs at "
-                f"2^18 (goal: under {GOALS['pairs']})."
+                "2^18."
             )
 
 
@@ -201,12 +195,12 @@ def precisions(study: store.StudyFile) -> Iterator[str]:
             single = run["seconds.float32"]
             yield (
                 f"An iteration of {where}: float64 {double * 1e3:.3g} ms, mixed {mixed * 1e3:.3g} ms, float32 "
-                f"{single * 1e3:.3g} ms; float32 is {double / single:.2f} times faster (goal: {GOALS['float32']})."
+                f"{single * 1e3:.3g} ms; float64 takes {double / single:.2f} times as long as float32."
             )
         else:
             yield (
                 f"To {run['tolerance.asked']}, {where}, nested: float64 {double:.3g} s, mixed {mixed:.3g} s, "
-                f"{mixed / double:.2f} of it (goal: at most {GOALS['mixed']}); {run['status']}. Pairs: "
+                f"{mixed / double:.2f} of it; {run['status']}. Pairs: "
                 f"{run['pairs.float64']:.3g} and {run['pairs.mixed']:.3g}; the coarser grids, float64 in any case, "
                 f"take about {run['seconds.coarser'] / double:.2f} of float64's time."
             )
@@ -222,8 +216,8 @@ def random_scenes(study: store.StudyFile) -> Iterator[str]:
     short = [run for run in solved if run["status"] == str(Status.INACCURATE)]
     held = [run for run in solved if run["error.area"] <= run["claimed"]]
     yield (
-        f"{len(runs)} random scenes, none used for calibration: {len(met)} meet the accuracy asked for (goal: "
-        f"{GOALS['scenes'] * len(runs):.0f}); {len(short)} say of themselves that they fall short, "
+        f"{len(runs)} random scenes, none used for calibration: {len(met)} meet the accuracy asked for; "
+        f"{len(short)} say of themselves that they fall short, "
         f"{sum(run in met for run in short)} of which met it all the same; the error claimed holds in {len(held)}."
     )
     for run in runs:
@@ -234,8 +228,7 @@ def random_scenes(study: store.StudyFile) -> Iterator[str]:
         slow = float(np.median([run["seconds.decide"] for run in runs]))
         yield (
             f"Claims are {ratio:.2g} times the true error (median). The planner alone takes {slow * 1e6:.0f} us "
-            f"(median, {max(run['seconds.decide'] for run in runs) * 1e6:.0f} us at most; goal: under "
-            f"{GOALS['planner'] * 1e6:.0f})."
+            f"(median, {max(run['seconds.decide'] for run in runs) * 1e6:.0f} us at most)."
         )
 
 
