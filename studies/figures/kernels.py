@@ -83,18 +83,32 @@ def roofline(study: store.StudyFile) -> Figure:
         for size, colour, marker in zip([s for s in _ROOFS if s in sizes] or sizes[-1:], COLOURS, "os^", strict=False):
             runs = [r for r in report.loops(study) if (r["precision"], r["log2_points"]) == (precision, size)]
             _roof(axes, runs, f"$2^{{{size}}}$ points", colour, marker)
-        names: dict[str, list[str]] = {}
-        for run in runs:
-            names.setdefault(f"{run['flops'] / run['bytes.traffic']:.2g}", []).append(run["kernel"])
-        for intensity, group in names.items():
-            where = {"transform": axes.get_xaxis_transform(), "rotation": 90, "ha": "center", "va": "bottom"}
-            axes.text(float(intensity), 0.02, "\n".join(group), fontsize=7, **where)
+        _names(axes, runs)
         axes.set(xscale="log", yscale="log", xlabel="arithmetic intensity [flop/byte]", title=precision)
     bottom, top = panels[0][0].get_ylim()
     panels[0][0].set_ylim(bottom / 10, top)  # room for the names
     panels[0][0].set_ylabel("speed [$10^9$ flop/s]")
     figure.legend(*panels[0][0].get_legend_handles_labels(), fontsize=8, loc="lower center", ncols=3)
     return figure
+
+
+def _names(axes: Axes, runs: Sequence[report.Run]) -> None:
+    """Names of the kernels at the bottom, kept apart, each with a line to its intensity."""
+    across = axes.get_xaxis_transform()
+    place = 0.0
+    for intensity, name in sorted((run["flops"] / run["bytes.traffic"], run["kernel"]) for run in runs):
+        place = max(intensity / 1.06, place * 1.13)
+        axes.annotate(
+            name,
+            (intensity, 0.33),
+            (place, 0.02),
+            xycoords=across,
+            textcoords=across,
+            fontsize=7,
+            rotation=90,
+            ha="center",
+            arrowprops={"arrowstyle": "-", "lw": 0.4, "color": "0.6"},
+        )
 
 
 def _roof(axes: Axes, runs: Sequence[report.Run], label: str, colour: str, marker: str) -> None:
