@@ -100,10 +100,11 @@ def _above_floor(scene: Scene, problem: Problem, tolerance: float | None, below_
             f"tolerance is {tolerance!r}; allowed: at least {floor:.1g}, which is what rounding in float32 leaves of "
             "the residual, or precision mixed or float64, or --below-floor mixed"
         )
-    except ValueError as error:
+    except ValueError:
         if below_floor == "refuse":
             raise
-        return tolerance or 1e-8, replace(scene, precision="mixed"), f"in float32: {error}"
+        reason = f"float32 leaves a residual of about {float32_floor(scene, problem):.1g}"
+        return tolerance or 1e-8, replace(scene, precision="mixed"), reason
 
 
 class Run:
