@@ -18,7 +18,6 @@ from linecontact.solver import (
     Scene,
     Solution,
     Status,
-    default_tolerance,
     provenance,
     solve,
     transforms,
@@ -176,7 +175,7 @@ def run_solve(options: Solve) -> int:
     if options.accuracy is not None and options.grids != "auto":
         raise ValueError(f"grids is {options.grids}; allowed: auto, with accuracy, which chooses the grid")
     scene = make_scene(options)
-    aim = options.tolerance or (1e-5 if options.accuracy else default_tolerance(scene))
+    aim = options.tolerance or (1e-5 if options.accuracy else 1e-4 if options.precision == "float32" else 1e-8)
     try:
         with console.solve_progress(aim) as report:
             solution = solve(

@@ -42,6 +42,25 @@ def test_solve_json():
     assert record["scene"]["num_points"] == 4096
 
 
+def test_an_accuracy_is_bought_or_refused():
+    record = json.loads(run("solve", "--thickness", 0.1, "--accuracy", 1e-6, "--json").stdout)
+    assert abs(record["contact_area_subgrid"] / 0.094482408562 - 1) < 1e-6
+    assert {"layer", "model", "grid"} <= set(record["choices"])
+    short = run("solve", "--profile", "rough", "--cut-off-ratio", 1 / 16, "--num-points", 2048, "--accuracy", 1e-6)
+    assert short.returncode == 3
+    assert short.stderr.count("\n") == 1
+    assert "more --num-points than 2048" in short.stderr
+    assert "chosen for an accuracy of 1e-06" in short.stdout
+
+
+def test_what_float32_cannot_reach_is_met_in_mixed_precision():
+    arguments = "solve", "--precision", "float32", "--num-points", 2**20
+    assert run(*arguments).returncode == 2
+    met = run(*arguments, "--below-floor", "mixed", "--max-iterations", 1, "--json")
+    assert met.returncode == 3, met.stderr
+    assert json.loads(met.stdout)["precision"] == "mixed"
+
+
 def test_solve_table_save_and_plot(tmp_path):
     file = tmp_path / "run.h5"
     result = run("solve", "--num-points", 256, "--thickness", "inf", "--save", file)
