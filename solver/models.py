@@ -115,7 +115,7 @@ def winkler(scene: Scene) -> Modelled:
         area = 2 * foundation_half_width(load, power.exponent, radius, _modulus(scene))
     sampled = area < 0.98
     scene = _field_scene(scene, area) if sampled else scene
-    problem = foundation(scene)
+    problem = _foundation(scene)
     modulus, height = float(problem.stiffness[1]), problem.height
     if sampled and isinstance(power, PowerIndenter):  # k_W mean(level - h) = 1
         level = (power.exponent + 1) / (power.exponent * modulus * area)
@@ -161,7 +161,7 @@ def _measured(scene: Scene, observables: Observables, height: Array64, depth: Ar
     return found, change
 
 
-def foundation(scene: Scene) -> Problem:
+def _foundation(scene: Scene) -> Problem:
     """The discrete problem with K = k_W."""
     problem = Problem.from_scene(scene)
     return replace(problem, stiffness=np.append(0.0, np.full(problem.stiffness.size - 1, _modulus(scene))))

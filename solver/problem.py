@@ -5,6 +5,7 @@ heights in units of p L/E*. Then only the shape of h and the stiffness remain: u
 sigma (h - u) = 0. Scaling h, p, E* or L consistently leaves the numbers of this problem as they are.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -69,5 +70,5 @@ def rounding_floor(stiffness: Array64, displacement: Array64, precision: str) ->
     in float32 on 150 scenes, 2^10 to 2^18 points: FIRE stagnates at 0.1 to 2 of eps rms(K) rms(u), mostly at a half;
     the active set there or below.
     """
-    eps = float(np.finfo(precision).eps)
-    return 0.5 * eps * float(np.sqrt(np.mean(stiffness[1:] ** 2) * np.mean(displacement**2)))
+    k, u = stiffness[1:], displacement
+    return 0.5 * float(np.finfo(precision).eps) * math.sqrt(float(k @ k) / k.size * float(u @ u) / u.size)

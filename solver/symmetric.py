@@ -58,6 +58,9 @@ class EvenActiveSet(ActiveSet):
     def _take_set(self) -> None:
         self._contact |= self._contact[::-1]
         super()._take_set()
+        order = np.empty(self._num_points, dtype=np.int64)
+        order[self._nodes] = np.arange(self._nodes.size)
+        self._mirrored = order[self._num_points - 1 - self._nodes]
 
     def _places(self, nodes: Indices) -> Indices:
         return self._place[nodes]
@@ -73,10 +76,8 @@ class EvenActiveSet(ActiveSet):
         return np.asarray(field[self._place])
 
     def _precondition(self, residual: Array64) -> Array64:
-        order = np.empty(self._num_points, dtype=np.int64)
-        order[self._nodes] = np.arange(self._nodes.size)
         z = super()._precondition(residual)
-        return np.asarray(z + z[order[self._num_points - 1 - self._nodes]]) / 2  # rounding would part the halves
+        return np.asarray(z + z[self._mirrored]) / 2  # rounding would part the halves
 
     def _operator(self, transforms: Transforms, source: Array, target: Array) -> tuple[Callable[[], None], ...]:
         n = self._num_points // 2
