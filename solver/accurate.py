@@ -137,6 +137,7 @@ class Accurate:
             progress=self.progress,
             state=climbed.state,
         )
+        run.asked = False  # the accuracy was
         run.levels, run.transform_pairs, run.iterations = climbed.levels[:-1], climbed.pairs, climbed.iterations
         status = run.relax(climbed.state)
         good = climbed.error <= budget
@@ -148,7 +149,7 @@ class Accurate:
         self._chose("precision", "float64", "mixed saves next to nothing where transforms are few")
         self._chose("symmetry", "even" if even else "none", f"h_i {'=' if even else '!='} h_(N-1-i) on this grid")
         self._chose("tolerance", f"{tolerance:g}", "small beside the accuracy", iteration_share(tolerance))
-        solution = run.solution(scene, METHODS[0], status, (), (self.begin, ready))
+        solution = run.solution(scene, METHODS[0], status, (self.begin, ready))
         return self._judged(solution, modelled, climbed.error)
 
     def _method(self, scene: Scene, size: int, tolerance: float) -> ActiveSet:

@@ -22,7 +22,7 @@ from ..kernels import CHUNK, Call, layout, record
 from .deflation import GreensFunction, PatchDeflation
 from .edges import edge_moves
 from .patches import Indices, Patches
-from .problem import Problem, foundation_level, rounding_floor
+from .problem import Problem, foundation_pressure, rounding_floor
 from .stiffness import Array64
 from .transforms import Transforms
 
@@ -54,7 +54,7 @@ class ActiveSet:
         self._response, self._height, self._rest = self._fields()
         self._state = np.zeros(layout.GAP_STATE_LENGTH)
         self._counts = np.zeros(self._work.size // CHUNK)
-        self._green = GreensFunction(problem.stiffness)
+        self._green = GreensFunction(problem.stiffness, n)
         self._compliance = self._operator(transforms, self._direction, self._work)
         self._wall = self._response, self._height, self._state
         self._advance = record(backend, [Call("advance_response", (self._work, self._state), (self._response,))])
@@ -93,21 +93,18 @@ class ActiveSet:
     def _operator(self, transforms: Transforms, source: Array, target: Array) -> tuple[Callable[[], None], ...]:
         """target = G source, in three steps."""
         forward, inverse = transforms.forward(source), transforms.inverse(target)
-        length = self._num_points + 2
-        coefficient = transforms.buffer(length)
-        coefficient[:length] = np.repeat(self._green.compliance / self._num_points, 2)
+        coefficient = transforms.doubled(self._green.compliance / self._num_points)
         multiply = record(self.backend, [Call("spectral_multiply", (coefficient,), (transforms.spectrum,))])
         return forward, multiply, inverse
 
     def start(self, displacement: Array64) -> None:
-        """Begin from the wall's force under a displacement, shape (N,) [p L/E*]."""
+        """Begin from the wall's force under a displacement, shape (N,) [u]."""
         force = self.problem.net_force(displacement)
         self.start_from_pressure(np.where(displacement >= self.problem.height, np.maximum(force, 0.0), 0.0))
 
     def start_cold(self) -> None:
         """Begin with the pressure of a Winkler foundation as stiff as the layer's longest wave."""
-        level = foundation_level(self.problem.height, float(self.problem.stiffness[1]))
-        self.start_from_pressure(np.maximum(level - self.problem.height, 0.0))
+        self.start_from_pressure(foundation_pressure(self.problem))
         assert self._patches is not None
         self._jumps = 6 if self._patches.count <= _FEW_TO_MOVE else 0
 
@@ -160,9 +157,10 @@ class ActiveSet:
         self._response[:] = self._work
 
     def _scale_to_load(self) -> None:
-        if not self._pressure.any():  # a set of new nodes only
-            self._pressure += 1
-        self._pressure *= self._num_points / self._pressure.sum()
+        load = float(self._pressure.sum())
+        if not load > 0:  # a set of new nodes only, or a load that rounding has eaten
+            self._pressure[:], load = 1, self._pressure.size
+        self._pressure *= self._num_points / load
 
     def step(self) -> None:
         """One iteration of conjugate gradients, or an update of the set."""
@@ -192,10 +190,17 @@ class ActiveSet:
             if self.residual <= target:
                 self.frozen = True
         self._tries += 1
-        if not math.isfinite(self.residual) or self._tries > self.longest:
+        if not math.isfinite(self.residual):
             self.frozen = True
-        if not self.frozen:
+        elif self._tries > self.longest:
+            self._leave_set()
+        elif not self.frozen:
             self._advance_along(r, z)
+
+    def _leave_set(self) -> None:
+        """Rounding does not let this set be solved any further; it may be the wrong one."""
+        self.iteration += 1
+        self.frozen = not self._update_set()
 
     def _precondition(self, residual: Array64) -> Array64:
         assert self._preconditioner is not None
@@ -209,7 +214,7 @@ class ActiveSet:
         self._apply(d)
         curvature = float(d @ self._work[self._at])
         if not curvature > 0:  # rounding: no way down any more
-            self.frozen = True
+            self._leave_set()
             return
         self._state[layout.STEP] = step = rz / curvature
         self._pressure += step * d
@@ -273,7 +278,7 @@ class ActiveSet:
 
     @property
     def displacement(self) -> Array64:
-        """u, shape (N,) [p L/E*], in float64; contact nodes stand on the exact wall. 0 before the first set."""
+        """u, shape (N,) [u], in float64; contact nodes stand on the exact wall. 0 before the first set."""
         if not self._nodes.size:
             return np.zeros(self._num_points)
         self._state[layout.LEVEL] = self._level

@@ -41,7 +41,7 @@ def kappa_from_area(exponent: float, area: float, radius: float, reduced_load: f
 
     radius: R/L; reduced_load: p/E*. Uses the exact rms slope over |x| < a, g_c = (a/R)^(n-1)/sqrt(2n-1).
     """
-    slope = (area / 2 / radius) ** (exponent - 1) / math.sqrt(2 * exponent - 1)
+    slope = _power(area / 2 / radius, exponent - 1) / math.sqrt(2 * exponent - 1)
     return float(area * slope / reduced_load)
 
 
@@ -93,7 +93,17 @@ def foundation_half_width(reduced_load: float, exponent: float, radius: float, m
     if not 0 < modulus < math.inf:
         return math.inf
     n = exponent
-    return float((reduced_load * (n + 1) / (2 * modulus) * radius ** (n - 1)) ** (1 / (n + 1)))
+    return _power(radius, (n - 1) / (n + 1)) * _power(reduced_load * (n + 1) / (2 * modulus), 1 / (n + 1))
+
+
+def incompressible_half_width(reduced_load: float, exponent: float, radius: float, thickness: float) -> float:
+    """Half-width a/L of a power profile on a thin layer with nu = 1/2: a^(n+3) = 2 (n+1)(n+3) d^3 R^(n-1) p L.
+
+    radius: R/L; reduced_load: p/E*; thickness: d/L.
+    """
+    n = exponent
+    load = _power(2 * (n + 1) * (n + 3) * reduced_load, 1 / (n + 3))
+    return _power(thickness, 3 / (n + 3)) * _power(radius, (n - 1) / (n + 3)) * load
 
 
 def thin_layer_alpha(exponent: float) -> float:
@@ -160,3 +170,8 @@ def persson_area(reduced_load: float, stiffness: Array64, height: Array64) -> fl
 
 def _gamma_ratio(a: float, b: float) -> float:
     return math.exp(math.lgamma(a) - math.lgamma(b))
+
+
+def _power(base: float, exponent: float) -> float:
+    """base^exponent for base > 0, cut off before it overflows."""
+    return math.exp(min(exponent * math.log(base), 300.0))

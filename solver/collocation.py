@@ -23,6 +23,7 @@ from . import checks
 from .closed_forms import (
     edge_shift,
     foundation_half_width,
+    incompressible_half_width,
     kappa_from_area,
     kappa_half_space,
     thin_layer_kappa_ratio,
@@ -230,16 +231,17 @@ def _check(load: float, exponent: float, radius: float, poisson_ratio: float, nu
 
 
 def guessed_half_width(load: float, exponent: float, radius: float, thickness: float, poisson_ratio: float) -> float:
-    """Half-width [L]: the half-space's or the Winkler foundation's, whichever is less."""
-    modulus = foundation_modulus(thickness, poisson_ratio)
-    return min(_lone_half_width(load, exponent, radius), foundation_half_width(load, exponent, radius, modulus))
+    """Half-width [L]: the half-space's or that of a thin layer, compressible or not (the less stiff), if it is less."""
+    foundation = foundation_half_width(load, exponent, radius, foundation_modulus(thickness, poisson_ratio))
+    thin = max(foundation, incompressible_half_width(load, exponent, radius, thickness))
+    return min(_lone_half_width(load, exponent, radius), thin)
 
 
 def _lone_half_width(load: float, exponent: float, radius: float, kappa_ratio: float = 1.0) -> float:
     """Half-width of a lone asperity of the given kappa_d/kappa_inf; 1, the half-space, bounds every layer's."""
     n = exponent
-    area = kappa_ratio * kappa_half_space(n) * load * math.sqrt(2 * n - 1) / 2 * radius ** (n - 1)
-    return float(area ** (1 / n))
+    area = kappa_ratio * kappa_half_space(n) * load * math.sqrt(2 * n - 1) / 2
+    return float(area ** (1 / n) * math.exp((n - 1) / n * math.log(radius)))
 
 
 def _match(system: Callable[[float], _System], load: float, exponent: float, guess: float) -> _System:

@@ -51,11 +51,10 @@ def inverse_cholesky(column: Array64, order: int) -> Array64:
 
 
 class GreensFunction:
-    """Real-space G and K of one grid. stiffness: K(q_k), shape (N//2 + 1,) [E*/L]."""
+    """Real-space G and K of one grid of N points. stiffness: K(q_k), shape (N//2 + 1,) [E*/L]."""
 
-    def __init__(self, stiffness: Array64) -> None:
-        self._stiffness = stiffness
-        self.num_points = 2 * (stiffness.size - 1)
+    def __init__(self, stiffness: Array64, num_points: int) -> None:
+        self._stiffness, self.num_points = stiffness, num_points
         self._factor = np.zeros((0, 0))
         self._convolutions: dict[int, Convolution] = {}
 
@@ -113,16 +112,15 @@ class GreensFunction:
                     modes * (self.num_points / length), np.arange(self._stiffness.size), self._stiffness
                 )
                 compliance = np.fft.hfft(self.response[modes], length)[: modes.size]
-            self._convolutions[length] = Convolution(rigidity, compliance)
+            self._convolutions[length] = Convolution(rigidity, compliance, length)
         return self._convolutions[length]
 
 
 class Convolution:
     """Short transforms of one length, for values on a patch of at most half of it."""
 
-    def __init__(self, rigidity: Array64, compliance: Array64) -> None:
-        self.rigidity, self.compliance = rigidity, compliance
-        self.length = 2 * (rigidity.size - 1)
+    def __init__(self, rigidity: Array64, compliance: Array64, length: int) -> None:
+        self.rigidity, self.compliance, self.length = rigidity, compliance, length
         self._real = pyfftw.zeros_aligned(self.length)
         self._modes = pyfftw.zeros_aligned(rigidity.size, dtype=np.complex128)
         self._forward = pyfftw.FFTW(self._real, self._modes, flags=["FFTW_ESTIMATE"])

@@ -202,7 +202,10 @@ def find_edges(patches: Patches, pressure: Array64, thickness: float = math.inf,
     outside = np.where(counted, 0.5, -theta)
     fitted = 0.3 * np.abs(theta - two) + 0.3 / patches.size + 10.0 / patches.size**2 + layer
     each = np.where(counted, 0.5, np.minimum(fitted, 0.5))
-    return Edges(patches.first - outside[0], patches.last + outside[1], np.hypot(*each), counted)
+    left, right = patches.first - outside[0], patches.last + outside[1]
+    # patches one node apart: not beyond each other
+    overlap = np.maximum(right - np.append(left[1:], left[:1] + patches.num_points), 0.0) / 2
+    return Edges(left + np.roll(overlap, 1), right - overlap, np.hypot(*each), counted)
 
 
 def _offsets(curve: EdgeCurve, patches: Patches, pressure: Array64) -> tuple[Array64, Array64]:

@@ -73,7 +73,7 @@ class Fire:
         self.start(np.zeros(n))
 
     def start(self, displacement: Array64) -> None:
-        """Begin at rest from u, shape (N,) [p L/E*], put below the wall."""
+        """Begin at rest from u, shape (N,) [u], put below the wall."""
         self.u[: self.num_points] = displacement
         self.v[:] = 0
         self._stop_at_wall()
@@ -84,8 +84,7 @@ class Fire:
 
     def _operator(self, source: Array, symbol: Array64) -> tuple[Callable[[], None], ...]:
         """Forward transform of `source`, multiplication by `symbol`, shape (N//2 + 1,), inverse transform to `work`."""
-        coefficient = self.transforms.buffer(self.num_points + 2)
-        coefficient[: self.num_points + 2] = np.repeat(symbol / self.num_points, 2)
+        coefficient = self.transforms.doubled(symbol / self.num_points)
         multiply = self._replay(Call("spectral_multiply", (coefficient,), (self.transforms.spectrum,)))
         return self.transforms.forward(source), multiply, self._inverse
 
@@ -123,7 +122,7 @@ class Fire:
 
     @property
     def displacement(self) -> Array64:
-        """u, shape (N,) [p L/E*], in float64; nodes on the wall of this precision stand on the exact wall."""
+        """u, shape (N,) [u], in float64; nodes on the wall of this precision stand on the exact wall."""
         n, height = self.num_points, self.problem.height
         return np.where(self.u[:n] >= self.height[:n], height, np.minimum(self.u[:n].astype(np.float64), height))
 

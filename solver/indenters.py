@@ -16,6 +16,8 @@ from . import checks
 
 Array64 = NDArray[np.float64]
 
+_STEEPEST = 1e100
+
 
 class Indenter(Protocol):
     """What a scene needs to know of its indenter."""
@@ -28,8 +30,8 @@ class Indenter(Protocol):
     def slope(self, num_points: int, period: float) -> Array64:
         """Slopes h'(x_i), shape (num_points,), dimensionless."""
 
-    def height(self, period: float) -> float:
-        """Order of magnitude of the largest height, in units of the period."""
+    def ratios(self, period: float) -> dict[str, float]:
+        """The dimensionless numbers that scale the heights, by name."""
 
     def check(self, num_points: int) -> None:
         """Raise `ValueError` if a grid of that many points cannot hold the surface."""
@@ -58,20 +60,13 @@ class PowerIndenter:
 
     def profile(self, num_points: int, period: float) -> Array64:
         """Heights, see `Indenter`."""
-        return self._scale(period) * self._distance(num_points) ** self.exponent
+        distance = self._distance(num_points)
+        return distance / self.exponent * self._steepness(distance, period)
 
     def slope(self, num_points: int, period: float) -> Array64:
         """Slopes, see `Indenter`; 0 at the lowest point."""
         centre = np.arange(num_points) - num_points // 2
-        slope = self._scale(period) * self.exponent * self._distance(num_points) ** (self.exponent - 1)
-        return np.sign(centre) * slope
-
-    def height(self, period: float) -> float:
-        """Largest height, see `Indenter`."""
-        try:
-            return float(self._scale(period) * 0.5**self.exponent)
-        except OverflowError:
-            return math.inf
+        return np.sign(centre) * self._steepness(self._distance(num_points), period)
 
     def check(self, num_points: int) -> None:
         """Any grid holds it."""
@@ -80,8 +75,15 @@ class PowerIndenter:
         """Description, see `Indenter`."""
         return {"profile": self.name, "exponent": self.exponent, "radius": self.radius}
 
-    def _scale(self, period: float) -> float:
-        return float((self.radius / period) ** (1 - self.exponent) / self.exponent)
+    def ratios(self, period: float) -> dict[str, float]:
+        """See `Indenter`."""
+        return {"radius/period": self.radius / period}
+
+    def _steepness(self, distance: Array64, period: float) -> Array64:
+        """|h'| = (x/R)^(n-1) at x/L; steeper than `_STEEPEST` makes no difference, but overflows."""
+        with np.errstate(over="ignore", under="ignore"):
+            slope = (distance * (period / self.radius)) ** (self.exponent - 1)
+        return np.asarray(np.minimum(slope, _STEEPEST))
 
     @staticmethod
     def _distance(num_points: int) -> Array64:
@@ -136,7 +138,7 @@ class RoughIndenter:
     def _modes(self, num_points: int) -> NDArray[np.complex128]:
         """Half spectrum of h/L that a grid holds, shape (num_points//2 + 1,)."""
         half = np.zeros(num_points // 2 + 1, dtype=np.complex128)
-        held = min(self.shortest, num_points // 2 - 1)  # the Nyquist mode has no phase
+        held = min(self.shortest, (num_points - 1) // 2)  # the Nyquist mode has no phase
         half[1 : held + 1] = self._waves[:held]
         return half
 
@@ -151,13 +153,13 @@ class RoughIndenter:
         wave_numbers = 2 * np.pi * np.arange(num_points // 2 + 1)
         return np.asarray(np.fft.irfft(1j * wave_numbers * self._modes(num_points), num_points) * num_points)
 
-    def height(self, period: float) -> float:
-        """Order of the largest height, see `Indenter`."""
-        return float(self.rms_gradient * self.roll_off_ratio)
+    def ratios(self, period: float) -> dict[str, float]:
+        """See `Indenter`."""
+        return {"rms_gradient": self.rms_gradient}
 
     def check(self, num_points: int) -> None:
         """See `Indenter`."""
-        if not self.shortest < num_points // 2:
+        if not 2 * self.shortest < num_points:
             spacing = 1 / num_points / self.roll_off_ratio / self.cut_off_ratio
             raise ValueError(
                 f"num_points is {num_points}, which does not resolve the surface: lambda_r/L is "
@@ -187,12 +189,12 @@ class MeasuredIndenter:
     name: ClassVar[str] = "file"
 
     def __post_init__(self) -> None:
-        allowed = "allowed: at least 16 finite real numbers, not all equal"
+        allowed = "allowed: at least 4 finite real numbers, not all equal"
         try:
             heights = np.array(self.heights, dtype=np.float64)
         except (TypeError, ValueError):
             raise ValueError(f"heights are not an array of numbers; {allowed}") from None
-        if heights.ndim != 1 or heights.size < 16:
+        if heights.ndim != 1 or heights.size < 4:
             raise ValueError(f"heights have shape {heights.shape}; {allowed}")
         bad = np.flatnonzero(~np.isfinite(heights))
         if bad.size:
@@ -212,7 +214,7 @@ class MeasuredIndenter:
         if num_points == self.heights.size:
             return self.heights / period
         modes = np.zeros(num_points // 2 + 1, dtype=np.complex128)
-        held = min(num_points, self.heights.size) // 2  # without the Nyquist mode
+        held = (min(num_points, self.heights.size) + 1) // 2  # without the Nyquist mode
         modes[:held] = self._modes[:held]
         heights = np.fft.irfft(modes, num_points) * num_points
         return np.asarray(heights - heights.min()) / period
@@ -220,16 +222,16 @@ class MeasuredIndenter:
     def omitted(self, num_points: int) -> float:
         """Share of the mean square slope in waves that a grid of that many points leaves out (dimensionless)."""
         power = (np.arange(self._modes.size) * np.abs(self._modes)) ** 2
-        return float(power[num_points // 2 :].sum() / power.sum())
+        return float(power[(num_points + 1) // 2 :].sum() / power.sum())
 
     def slope(self, num_points: int, period: float) -> Array64:
         """Slopes, see `Indenter`, by central differences."""
         h = self.profile(num_points, period)
         return (np.roll(h, -1) - np.roll(h, 1)) * (num_points / 2)
 
-    def height(self, period: float) -> float:
-        """Largest height, see `Indenter`."""
-        return float(self.heights.max() / period)
+    def ratios(self, period: float) -> dict[str, float]:
+        """See `Indenter`."""
+        return {"largest height/period": float(self.heights.max()) / period}
 
     def check(self, num_points: int) -> None:
         """See `Indenter`."""

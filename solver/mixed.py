@@ -38,7 +38,7 @@ class _Rebased(Fire):
     hopeless = 5  # times in a row that the base's residual did not confirm the change's
 
     def start(self, displacement: Array64) -> None:
-        """Begin at rest from u, shape (N,) [p L/E*], put below the wall."""
+        """Begin at rest from u, shape (N,) [u], put below the wall."""
         self._scale = 1.0
         self._base, self._in_vain, self._best = np.minimum(displacement, self.problem.height), 0, math.inf
         self.v[:] = 0
@@ -46,9 +46,11 @@ class _Rebased(Fire):
 
     @property
     def displacement(self) -> Array64:
-        """u, shape (N,) [p L/E*], in float64; nodes on the wall stand on it exactly."""
+        """u, shape (N,) [u], in float64; nodes on the wall stand on it exactly."""
         u, height = self.u[: self.num_points], self.problem.height
-        return np.where(u >= self.height[: self.num_points], height, np.minimum(self._base + self._scale * u, height))
+        with np.errstate(over="ignore", invalid="ignore"):
+            sum_ = self._base + self._scale * u
+        return np.where(u >= self.height[: self.num_points], height, np.minimum(sum_, height))
 
     @property
     def residual(self) -> float:

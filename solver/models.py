@@ -61,11 +61,12 @@ def asperity(scene: Scene, layer: Layer, accuracy: float) -> Modelled:
     shape = power.exponent, power.radius / length, layer.thickness / length, layer.poisson_ratio
     found, error = collocation.solve_to_accuracy(scene.pressure / modulus, *shape, accuracy)
     scene = _field_scene(scene, found.contact_area)
-    pressure = found.pressure_at((np.arange(scene.num_points) / scene.num_points - 0.5) / found.half_width)
+    n = scene.num_points
+    pressure = found.pressure_at((np.arange(n) - n // 2) / n / found.half_width)
     pressure *= scene.pressure / pressure.mean()  # the sampled load is off by the sampling
     problem = Problem.from_scene(scene)
     displacement = problem.displacement_under(pressure / scene.pressure) * problem.length_unit
-    displacement = np.where(pressure > 0, scene.profile, displacement)
+    displacement = np.where(pressure > 0, scene.profile, np.minimum(displacement, scene.profile))
     approach = length * found.approach
     if layer is not scene.layer:  # the mean compression of the layer that there is
         approach += length * scene.pressure / modulus / _modulus(scene)
@@ -125,7 +126,7 @@ def winkler(scene: Scene) -> Modelled:
     pressure, contact = modulus * np.maximum(depth, 0.0) * scene.pressure, depth > 0
     if sampled:
         pressure *= scene.pressure / pressure.mean()  # the sampled load is off by the sampling
-    displacement = np.where(contact, scene.profile, level * problem.length_unit)
+    displacement = np.where(contact, scene.profile, np.minimum(level * problem.length_unit, scene.profile))
     observables = observe(scene, displacement, pressure, contact)
     edges = 3 * max(LEAST_EDGE / 3, abs(edge_shift(scene.layer.poisson_ratio))) * scene.layer.thickness / scene.period
     if sampled:
@@ -134,23 +135,25 @@ def winkler(scene: Scene) -> Modelled:
         peak, approach = modulus * level * scene.pressure, level * problem.length_unit
         observables = replace(observables, peak_pressure=peak, approach=approach)
     else:
-        observables, change = _measured(scene, observables, height, depth)
+        observables, change = _measured(scene, observables, height, depth, modulus)
         area = observables.contact_area_subgrid
-        error = edges * observables.num_patches / area + change + _stiffening(scene)
+        error = edges * observables.num_patches / area + change + _stiffening(scene) if area else math.inf
         slack = 2 * error * observables.kappa_subgrid
         observables = replace(observables, contact_area_error=error * area, kappa_error=slack)
     return Modelled(scene, displacement, pressure, contact, observables, error, None if sampled else problem)
 
 
-def _measured(scene: Scene, observables: Observables, height: Array64, depth: Array64) -> tuple[Observables, float]:
+def _measured(
+    scene: Scene, observables: Observables, height: Array64, depth: Array64, modulus: float
+) -> tuple[Observables, float]:
     """Area and kappa between the places where the depth is 0; the area's relative change on half of the points."""
     patches, slope = Patches.of(depth > 0), scene.indenter.slope(scene.num_points, scene.period)
     area, gradient, kappa, _ = subgrid_measures(scene, patches, _crossings(patches, depth), slope**2)
     change = 0.0
     for half in (height[::2], height[1::2]):
-        below = foundation_level(half, _modulus(scene)) - half
+        below = foundation_level(half, modulus) - half
         width = float(_crossings(Patches.of(below > 0), below).width.sum())
-        change = max(change, abs(width / half.size / area - 1))
+        change = max(change, abs(width / half.size / area - 1)) if area else math.inf
     found = replace(
         observables,
         contact_area_subgrid=area,
@@ -164,7 +167,8 @@ def _measured(scene: Scene, observables: Observables, height: Array64, depth: Ar
 def _foundation(scene: Scene) -> Problem:
     """The discrete problem with K = k_W."""
     problem = Problem.from_scene(scene)
-    return replace(problem, stiffness=np.append(0.0, np.full(problem.stiffness.size - 1, _modulus(scene))))
+    modulus = _modulus(scene) / problem.stiffness_unit
+    return replace(problem, stiffness=np.append(0.0, np.full(problem.stiffness.size - 1, modulus)))
 
 
 def _modulus(scene: Scene) -> float:

@@ -23,13 +23,14 @@ class Observables:
     contact_area: a_r, nodes in contact over all nodes. A node more or less is 1/N.
     contact_area_subgrid: a_r between the sub-grid edges (`edges`). contact_area_error: estimate of its error: the
         edges' own, what the unfinished iteration leaves, and with nested grids the discretisation's.
-    contact_area_discretisation_error: a third of the change from the last coarser grid; nan without nested grids.
+    contact_area_discretisation_error: a third of the change from the last coarser grid; None without nested grids.
     num_patches: runs of neighbouring contact nodes; num_counted_patches: those of fewer than three nodes, for which the
         sub-grid area counts nodes.
     rms_gradient_contact: g_c, rms of h' over the contact.
-    reduced_pressure: p* = p/(E* g_c); inf where the contact is one node, whose slope is 0.
-    kappa: a_r/p*, nan for one node; kappa_ratio: kappa over kappa_inf(n) of the half-space, nan but for power profiles.
-    rms_gradient_subgrid, kappa_subgrid, kappa_error, kappa_discretisation_error: likewise between the sub-grid edges.
+    reduced_pressure: p* = p/(E* g_c); inf where the contact is flat, or one node, whose slope is 0.
+    kappa: a_r/p*; kappa_ratio: kappa over kappa_inf(n) of the half-space, None but for power profiles.
+    rms_gradient_subgrid, kappa_subgrid, kappa_error, kappa_discretisation_error: likewise between the sub-grid edges;
+        the error is inf where the contact is flat.
     reduced_thickness: d/(a_r L).
     approach: rigid approach since first touch [length]: mean(u) + p/k_W; for a half-space mean(u), by convention.
     peak_pressure: largest contact pressure [pressure].
@@ -39,7 +40,7 @@ class Observables:
     rms_gradient_contact: float
     reduced_pressure: float
     kappa: float
-    kappa_ratio: float
+    kappa_ratio: float | None
     reduced_thickness: float
     approach: float
     peak_pressure: float
@@ -50,8 +51,8 @@ class Observables:
     rms_gradient_subgrid: float
     kappa_subgrid: float
     kappa_error: float
-    contact_area_discretisation_error: float = math.nan
-    kappa_discretisation_error: float = math.nan
+    contact_area_discretisation_error: float | None = None
+    kappa_discretisation_error: float | None = None
 
 
 def observe(scene: Scene, displacement: Array64, contact_pressure: Array64, contact: NDArray[np.bool_]) -> Observables:
@@ -60,9 +61,8 @@ def observe(scene: Scene, displacement: Array64, contact_pressure: Array64, cont
     area = float(contact.mean())
     gradient = math.sqrt(float(squared_slope[contact].mean())) if area else 0.0
     reduced = scene.pressure / scene.layer.contact_modulus / gradient if gradient else math.inf
-    kappa = area / reduced if gradient else math.nan
+    kappa = area / reduced
     layer, indenter = scene.layer, scene.indenter
-    half_space = kappa_half_space(indenter.exponent) if isinstance(indenter, PowerIndenter) else math.nan
     patches, edges = contact_edges(scene, np.where(contact, contact_pressure, 0.0))
     area_subgrid, gradient_subgrid, kappa_subgrid, sensitivity = subgrid_measures(scene, patches, edges, squared_slope)
     area_error = math.sqrt(float(edges.error @ edges.error)) / scene.num_points
@@ -72,7 +72,7 @@ def observe(scene: Scene, displacement: Array64, contact_pressure: Array64, cont
         rms_gradient_contact=gradient,
         reduced_pressure=reduced,
         kappa=kappa,
-        kappa_ratio=kappa / half_space,
+        kappa_ratio=kappa / kappa_half_space(indenter.exponent) if isinstance(indenter, PowerIndenter) else None,
         reduced_thickness=layer.thickness / (area * scene.period) if area else math.inf,
         approach=float(displacement.mean()) + (scene.pressure / modulus if modulus else 0.0),
         peak_pressure=float(contact_pressure.max(initial=0.0)),
@@ -82,7 +82,7 @@ def observe(scene: Scene, displacement: Array64, contact_pressure: Array64, cont
         contact_area_error=area_error,
         rms_gradient_subgrid=gradient_subgrid,
         kappa_subgrid=kappa_subgrid,
-        kappa_error=sensitivity * area_error,
+        kappa_error=sensitivity * area_error if area_error else 0.0,
     )
 
 
@@ -102,7 +102,7 @@ def subgrid_measures(
     """
     num_points, width = squared_slope.size, float(edges.width.sum())
     if width == 0:
-        return 0.0, 0.0, math.nan, math.nan
+        return 0.0, 0.0, 0.0, math.inf
     whole = float(squared_slope[patches.nodes].sum())
     # the strips between the last nodes' cells and the edges, at the slope in their middle
     strips = np.concatenate([patches.first - 0.5 - edges.left, edges.right - patches.last - 0.5])
@@ -112,7 +112,7 @@ def subgrid_measures(
     at = (1 - part) * squared_slope[node % num_points] + part * squared_slope[(node + 1) % num_points]
     mean_square = (whole + float(strips @ at)) / width
     if not mean_square > 0:
-        return width / num_points, 0.0, math.nan, math.nan
+        return width / num_points, 0.0, 0.0, math.inf
     gradient = math.sqrt(mean_square)
     per_area = gradient * scene.layer.contact_modulus / scene.pressure
     # d(a g) = g da + da (s_e^2 - g^2)/(2 g), s_e the slope at the edge

@@ -149,7 +149,7 @@ def resolves(scene: Scene, num_points: int, accuracy: float) -> bool:
     indenter = scene.indenter
     if isinstance(indenter, MeasuredIndenter) and num_points < scene.num_points:
         return indenter.omitted(num_points) <= accuracy / 2
-    return not isinstance(indenter, RoughIndenter) or indenter.shortest < num_points // 2
+    return not isinstance(indenter, RoughIndenter) or 2 * indenter.shortest < num_points
 
 
 def _error(levels: list[Level], ends: Edges) -> float:

@@ -35,7 +35,7 @@ class Method(Protocol):
     backend: str
 
     def start(self, displacement: Array64) -> None:
-        """Begin from a displacement, shape (N,) [p L/E*]."""
+        """Begin from a displacement, shape (N,) [u]."""
 
     def start_from_pressure(self, pressure: Array64) -> None:
         """Begin from a contact pressure, shape (N,) [p], 0 where there is no contact."""
@@ -65,7 +65,7 @@ class Method(Protocol):
 
     @property
     def displacement(self) -> Array64:
-        """u <= h, shape (N,) [p L/E*], float64."""
+        """u <= h, shape (N,) [u], float64."""
 
     @property
     def contact_pressure(self) -> Array64:

@@ -17,7 +17,9 @@ from .indenters import Indenter, PowerIndenter
 Array64 = NDArray[np.float64]
 
 PRECISIONS = ("float64", "float32", "mixed")
-MAX_POINTS = 2**30  # Warp indices are int32
+MIN_POINTS, MAX_POINTS = 4, 2**30  # Warp indices are int32
+LARGEST = 1e60
+"""Of the units and ratios of a scene (dimensionless ratios; any unit of length or pressure)."""
 
 
 @dataclass(frozen=True)
@@ -53,8 +55,7 @@ class Scene:
 
     pressure: mean external pressure p > 0 [pressure]; beyond full contact is allowed.
     period: L > 0 [length].
-    num_points: N, even, 16 to 2^30; x_i = i L/N. Any even number will do (kernels pad), products of small primes
-        transform fastest.
+    num_points: N, 4 to 2^30; x_i = i L/N. Any number will do (kernels pad), products of small primes transform fastest.
     precision: of the iteration, 'float64', 'float32', or 'mixed': float32 inside with residuals in float64; the
         certificate is always float64.
 
@@ -77,38 +78,28 @@ class Scene:
             )
         checks.assign(self, "pressure", checks.real("pressure", self.pressure, "a finite pressure > 0", 0))
         checks.assign(self, "period", checks.real("period", self.period, "a finite length > 0", 0))
-        allowed = f"an even integer from 16 to {MAX_POINTS}"
-        checks.assign(self, "num_points", checks.integer("num_points", self.num_points, allowed, 16, MAX_POINTS, 2))
+        allowed = f"an integer from {MIN_POINTS} to {MAX_POINTS}"
+        points = checks.integer("num_points", self.num_points, allowed, MIN_POINTS, MAX_POINTS)
+        checks.assign(self, "num_points", points)
         checks.choice("precision", self.precision, PRECISIONS)
         self.indenter.check(self.num_points)
         self._check_scales()
 
     def _check_scales(self) -> None:
-        """Reject ratios whose discrete problem would overflow (float32: 1e38)."""
-        limit = 1e100 if self.precision == "float64" else 1e30
-        ratios = {
-            "pressure/contact_modulus": self.pressure / self.layer.contact_modulus,
-            "profile height/(pressure period/contact_modulus)": self.height_ratio,
-        }
-        if isinstance(self.indenter, PowerIndenter):
-            ratios["radius/period"] = self.indenter.radius / self.period
+        """Reject units and ratios whose products would overflow or underflow."""
+        numbers = {"period [length]": self.period, "contact_modulus [pressure]": self.layer.contact_modulus}
+        numbers |= {"pressure/contact_modulus": self.pressure / self.layer.contact_modulus}
+        numbers |= self.indenter.ratios(self.period)
         if math.isfinite(self.layer.thickness):
-            ratios["thickness/period"] = self.layer.thickness / self.period
-        for name, value in ratios.items():
-            if not 1 / limit < value < limit:
-                raise ValueError(
-                    f"{name} is {value:.3g}; allowed: between {1 / limit:.0e} and {limit:.0e} in {self.precision}"
-                )
+            numbers["thickness/period"] = self.layer.thickness / self.period
+        for name, value in numbers.items():
+            if not 1 / LARGEST <= value <= LARGEST:
+                raise ValueError(f"{name} is {value:.3g}; allowed: from {1 / LARGEST:.0e} to {LARGEST:.0e}")
 
     @property
     def working_precision(self) -> str:
         """Of the transforms: 'float64' or 'float32'."""
         return "float32" if self.precision == "mixed" else self.precision
-
-    @property
-    def height_ratio(self) -> float:
-        """Largest height of the profile in units of p L/E*."""
-        return self.indenter.height(self.period) * (self.layer.contact_modulus / self.pressure)
 
     @property
     def x(self) -> Array64:

@@ -65,10 +65,31 @@ class Solution:
     accuracy: float | None = None
     choices: tuple[Choice, ...] = field(default_factory=tuple)
 
+    @property
+    def reason(self) -> str:
+        """Why the status is not `CONVERGED`: the parameter that it depends on, and what is allowed. Empty if it is."""
+        residual = self.certificate.free_residual if self.certificate else math.inf
+        o = self.observables
+        return {
+            Status.CONVERGED: "",
+            Status.INTERRUPTED: "it was interrupted",
+            Status.ITERATION_LIMIT: f"max_iterations is reached after {self.iterations}, at a residual of "
+            f"{residual:.2e}; allowed: more, or tolerance above that (tolerance is {self.tolerance:g})",
+            Status.STAGNATED: f"tolerance is {self.tolerance:g}; allowed: above {residual:.2e}, the residual at which "
+            f"method {self.method} in precision {self.scene.precision} stays, after {self.iterations} iterations",
+            Status.DIVERGED: f"method is {self.method}, which diverges here; allowed: another one",
+            Status.INACCURATE: f"accuracy is {self.accuracy}; allowed: above "
+            f"{o.contact_area_error / (o.contact_area_subgrid or math.nan):.2g}, to which a_r is known with num_points "
+            f"up to {self.scene.num_points}",
+        }[self.status]
+
     def to_dict(self) -> dict[str, Any]:
-        """Everything but the fields, JSON-ready: numbers, text and flat objects; not finite: 'inf', 'nan'."""
+        """Everything but the fields that has a meaning, JSON-ready: numbers, text, flat objects; infinite: 'inf'."""
         record: dict[str, Any] = {"status": str(self.status)}
-        record |= {name: _plain(value) for name, value in asdict(self.observables).items()}
+        if self.reason:
+            record["reason"] = self.reason
+        observables = asdict(self.observables).items()
+        record |= {name: _plain(value) for name, value in observables if value is not None}
         return record | {
             "iterations": self.iterations,
             "transform_pairs": round(self.transform_pairs, 3),

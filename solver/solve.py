@@ -10,7 +10,7 @@ from .accurate import Accurate
 from .relaxation import Progress, Status
 from .run import BELOW_FLOOR, METHODS, Run
 from .scene import Scene
-from .solution import Choice, Solution
+from .solution import Solution
 
 Array64 = NDArray[np.float64]
 
@@ -38,8 +38,8 @@ def solve(
     method: one of `METHODS`, by default the first.
     nested: start from the solution on coarser grids; by default for the active set only, and not with `initial`.
     tolerance: rms net force on free nodes over the mean pressure at which to stop, 1e-14 to 0.5 (dimensionless); by
-        default `default_tolerance`.
-    max_iterations: at least 1, all grids, lead-in and hand-over included; default by method.
+        default `default_tolerance`, or what rounding leaves if that is more.
+    max_iterations: at least 1, all grids, hand-over included; default by method.
     initial: displacement to start from, shape (N,) [length], for instance a neighbour's solution.
     threads: of FFTW. planning: FFTW's effort, 'estimate', 'measure' or 'patient'; what it finds is kept.
     backend: 'warp', or 'numpy' for the twins.
@@ -70,5 +70,4 @@ def solve(
         status = run.drive(nested)
     except KeyboardInterrupt:
         status = Status.INTERRUPTED
-    choices = (Choice("precision", "mixed", run.precision_changed),) if run.precision_changed else ()
-    return run.solution(run.scene, method, status, choices, (begin, ready))
+    return run.solution(run.scene, method, status, (begin, ready))

@@ -33,7 +33,7 @@ class Transforms:
     """Plans between real buffers of `num_points` values and one shared half spectrum.
 
     num_points: N; precision: 'float64' or 'float32'; threads: of FFTW, >= 1; planning: one of `PLANNING`.
-    spectrum: flat real view of the half spectrum (re, im, ...), shape (padded_length(N + 2),), zero behind N + 2.
+    spectrum: flat real view of the half spectrum (re, im, ...), 2 (N//2 + 1) values and zeros up to a padded length.
 
     Raises `ValueError`.
     """
@@ -43,8 +43,9 @@ class Transforms:
         self.num_points = num_points
         self.real = np.dtype(precision)
         self._count = 0
-        self.spectrum = self.buffer(num_points + 2)
-        self._modes = self.spectrum[: num_points + 2].view(np.result_type(self.real, np.complex64))
+        length = 2 * (num_points // 2 + 1)
+        self.spectrum = self.buffer(length)
+        self._modes = self.spectrum[:length].view(np.result_type(self.real, np.complex64))
         load_wisdom()
 
     def buffer(self, length: int | None = None) -> Array:
@@ -55,6 +56,12 @@ class Transforms:
         self._count += 1
         array: Array = pyfftw.zeros_aligned(padded + offset, dtype=self.real, n=64)[offset:]
         return array
+
+    def doubled(self, symbol: Array) -> Array:
+        """A buffer like the spectrum's with every value of a symbol, shape (N//2 + 1,), for both parts of its mode."""
+        coefficient = self.buffer(2 * symbol.size)
+        coefficient[: 2 * symbol.size] = np.repeat(symbol, 2)
+        return coefficient
 
     def forward(self, source: Array) -> Callable[[], None]:
         """Plan source[:N] -> spectrum; the plan keeps `source`. Plan before filling it."""

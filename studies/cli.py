@@ -17,7 +17,6 @@ from linecontact.solver import (
     RoughIndenter,
     Scene,
     Solution,
-    Status,
     provenance,
     solve,
     transforms,
@@ -213,24 +212,8 @@ def run_solve(options: Solve) -> int:
     status = console.exit_status(solution.status)
     if status:
         kept = f"; the partial result is in {options.save}" if options.save else ""
-        console.errors.print(f"linecontact: {complaint(solution)}{kept}", markup=False)
+        console.errors.print(f"linecontact: {solution.status}: {solution.reason}{kept}", markup=False)
     return status
-
-
-def complaint(solution: Solution) -> str:
-    """What a solve fell short of."""
-    o = solution.observables
-    if solution.status is Status.INACCURATE:
-        return (
-            f"{solution.status}: a_r is known to {o.contact_area_error / o.contact_area_subgrid:.2g}, accuracy "
-            f"{solution.accuracy:g} is asked; allowed: more --num-points than {solution.scene.num_points} (for a file "
-            f"up to {scans.MAX_REFINEMENT} times its values)"
-        )
-    residual = f"{solution.certificate.free_residual:.2e}" if solution.certificate else "unknown"
-    return (
-        f"not converged: {solution.status} after {solution.iterations} iterations, residual {residual}, tolerance "
-        f"{solution.tolerance:g}"
-    )
 
 
 def check_targets(options: Solve) -> None:
@@ -296,7 +279,7 @@ def solution_table(solution: Solution) -> Table:
         ("kappa = a_r/p*", record["kappa"], "-"),
         ("kappa (sub-grid edges)", record["kappa_subgrid"], "-"),
         ("  its error, estimated", record["kappa_error"], "-"),
-        ("kappa over the half-space's", record["kappa_ratio"], "-"),
+        *([("kappa over the half-space's", record["kappa_ratio"], "-")] if "kappa_ratio" in record else []),
         ("reduced thickness d/(a_r L)", record["reduced_thickness"], "-"),
         ("approach", record["approach"], "length"),
         ("peak pressure", record["peak_pressure"], "pressure"),

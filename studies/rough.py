@@ -97,7 +97,8 @@ class PerssonLine:
 
     def _area(self, thickness: float) -> float:
         problem = Problem.from_scene(replace(self.task, thickness=thickness).scene())
-        return closed_forms.persson_area(self.task.pressure, problem.stiffness, problem.height * problem.length_unit)
+        stiffness, height = problem.stiffness * problem.stiffness_unit, problem.height * problem.length_unit
+        return closed_forms.persson_area(self.task.pressure, stiffness, height)
 
 
 def study(c: Configuration) -> ensemble.Study:

@@ -121,6 +121,7 @@ def _powers(file: store.StudyFile, thin: dict[float, Curve]) -> Iterator[Stateme
 def _thin(file: store.StudyFile, poisson_ratio: float) -> Curve:
     """d/a_r, kappa_d/kappa_inf and the latter's error on layers of one nu, from thin to thick."""
     part = asperity.layers(file).select("scene.poisson_ratio", poisson_ratio)
+    part.runs = [run for run in part.runs if run["kappa_subgrid"] > 0]  # 0 for a contact of one node
     if not part.runs:
         return np.zeros(0), np.zeros(0), np.zeros(0)
     t, kappa = asperity.curve(part)

@@ -49,7 +49,7 @@ def test_an_accuracy_is_bought_or_refused():
     short = run("solve", "--profile", "rough", "--cut-off-ratio", 1 / 16, "--num-points", 2048, "--accuracy", 1e-6)
     assert short.returncode == 3
     assert short.stderr.count("\n") == 1
-    assert "more --num-points than 2048" in short.stderr
+    assert "allowed: above 0.018, to which a_r is known with num_points up to 2048" in short.stderr
     assert "chosen for an accuracy of 1e-06" in short.stdout
 
 
@@ -86,7 +86,7 @@ def test_rough_surfaces(tmp_path):
     coarse, fine = (json.loads(result.stdout) for result in results)
     assert coarse["status"] == fine["status"] == "converged"
     assert coarse["scene"]["seed"] == 3
-    assert coarse["kappa_ratio"] == "nan"
+    assert "kappa_ratio" not in coarse
     change = abs(coarse["contact_area_subgrid"] - fine["contact_area_subgrid"])
     assert change < coarse["contact_area_error"]
     assert change < 0.2 * abs(coarse["contact_area"] - fine["contact_area"])
@@ -133,7 +133,7 @@ def test_methods_and_grids(method, grids):
         (["solve", "--thickness", "nan"], "thickness is nan"),
         (["solve", "--poisson-ratio", "0.6"], "poisson_ratio is 0.6"),
         (["solve", "--pressure", "-1"], "pressure is -1.0"),
-        (["solve", "--num-points", "4097"], "num_points is 4097"),
+        (["solve", "--num-points", "3"], "num_points is 3"),
         (["solve", "--method", "cg"], "active-set"),
         (["solve", "--method", "cg"], "mass-weighted-fire"),
         (["solve", "--profile", "rough", "--num-points", "4096"], "dx/lambda_s is 1"),
@@ -173,7 +173,7 @@ def test_iteration_limit_is_status_3_with_the_partial_result(tmp_path):
     result = run("solve", "--num-points", 1024, "--max-iterations", 2, "--json", "--save", file)
     assert result.returncode == 3
     assert json.loads(result.stdout)["status"] == "iteration limit"
-    assert "not converged" in result.stderr
+    assert "max_iterations is reached after 2" in result.stderr
     assert store.load_solution(file)[1]["status"] == "iteration limit"
 
 

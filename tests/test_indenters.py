@@ -74,7 +74,7 @@ def test_unresolved_waves_name_the_three_ratios():
         (lambda: RoughIndenter(cut_off_ratio=0.0), "cut_off_ratio is 0.0"),
         (lambda: RoughIndenter(rms_gradient=math.inf), "rms_gradient is inf"),
         (lambda: MeasuredIndenter(np.zeros(64)), "constant"),
-        (lambda: MeasuredIndenter(np.arange(8.0)), r"shape \(8,\)"),
+        (lambda: MeasuredIndenter(np.arange(3.0)), r"shape \(3,\)"),
         (lambda: MeasuredIndenter(np.ones((16, 2))), "shape"),
         (lambda: MeasuredIndenter(np.append(np.arange(30.0), np.nan)), r"heights\[30\] is nan"),
         (lambda: MeasuredIndenter(["high"] * 32), "not an array of numbers"),
@@ -104,7 +104,8 @@ def test_a_power_profile_given_as_heights_gives_the_same_answer():
     np.testing.assert_allclose(one.contact_pressure, other.contact_pressure, atol=1e-6 * scene.pressure)
     # central differences of a parabola are exact but at the period's end
     assert other.observables.kappa_subgrid == pytest.approx(one.observables.kappa_subgrid, rel=1e-9)
-    assert math.isnan(other.observables.kappa_ratio)
+    assert other.observables.kappa_ratio is None
+    assert "kappa_ratio" not in other.to_dict()
 
 
 def test_power_slope_is_the_derivative():

@@ -30,7 +30,9 @@ def ratio(study: store.StudyFile) -> Figure:
         raise NothingToDraw("no layer is done yet")
     t_all, kappa_all = asperity.curve(runs)
     low, high = t_all.min() / 1.4, t_all.max() * 1.4
-    y_all = kappa_all / t_all
+    y_all = kappa_all[kappa_all > 0] / t_all[kappa_all > 0]  # 0 for contacts of one node
+    if not y_all.size:
+        raise NothingToDraw("every contact is one node")
     for nu, colour, marker in zip(c["poisson_ratios"], cycle(COLOURS), cycle(MARKERS), strict=False):
         own = runs.select("scene.poisson_ratio", nu)
         if not own.runs:
@@ -52,7 +54,7 @@ def ratio(study: store.StudyFile) -> Figure:
         xscale="log",
         yscale="log",
         xlim=(low, high),
-        ylim=(np.nanmin(y_all) / 1.6, np.nanmax(y_all) * 2.2),
+        ylim=(y_all.min() / 1.6, y_all.max() * 2.2),
         ylabel=r"$(\kappa_d/\kappa_\infty)\,/\,(d/a_r)$ (dimensionless)",
         title="$n={exponent:g}$, $p={pressure:g}\\,E^*$, {num_points} points".format(**c),
     )
