@@ -165,7 +165,7 @@ def _scan(path: str, most: str) -> Columns:
         raise BrokenError("it is a map; allowed: a line scan")
     if scan.nb_grid_pts[0] > int(most):
         raise BrokenError(f"it holds {scan.nb_grid_pts[0]} values; allowed: up to {most}")
-    z = np.ma.filled(np.ma.asarray(scan.heights(), float), np.nan)
+    z: NDArray[Any] = np.ma.filled(np.ma.asarray(scan.heights(), float), np.nan)
     return Columns(np.stack([np.asarray(scan.positions(), float), z]), str(scan.unit or ""))
 
 

@@ -263,7 +263,8 @@ def command(
         if computed:
             files = _compute(studies, options, folder)
         figures = _draw(studies, files, folder, computed)
-        parts = closing(files, folder)
+        with store.expecting(folder):
+            parts = closing(files, folder)
     output = console.Output()
     for part in parts:
         output.print(part, soft_wrap=isinstance(part, str), highlight=False)
@@ -278,7 +279,7 @@ def exit_status(files: Iterable[store.StudyFile]) -> int:
     status = 0
     for file in files:
         for task, reason in file.failures.items():
-            console.errors.print(f"linecontact: {file.kind}: task {task} failed: {reason}", markup=False)
+            console.errors.print(f"linecontact: {file.kind}: task {task} failed: {reason}")
             status = console.EXIT_FAILED
         if not status and any(run.get("status", "converged") != "converged" for run in file.runs):
             status = console.EXIT_NOT_CONVERGED
@@ -347,7 +348,7 @@ def _draw(studies: Sequence[Study], files: Mapping[str, store.StudyFile], folder
             try:
                 expected = figures.draw(path)
             except figures.NothingToDraw as error:
-                console.errors.print(f"{study.kind}: {error}", markup=False)
+                console.errors.print(f"{study.kind}: {error}")
                 expected = []
         drawn += expected
     return drawn

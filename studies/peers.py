@@ -165,7 +165,7 @@ def command(options: Options) -> int:
     configuration = Configuration(sizes=(12, 14)) if options.quick else Configuration()
     for peer in PEERS:
         if peer not in configuration.peers:
-            console.errors.print(f"{peer} is left out; to compare: pip install 'linecontact[peers]'", markup=False)
+            console.errors.print(f"{peer} is left out; to compare: pip install 'linecontact[peers]'")
     folder = Path("results/peers-quick" if options.quick else "results/peers")
     return ensemble.command([configuration.study()], options, folder, closing)
 

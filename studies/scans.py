@@ -146,9 +146,7 @@ def _read_text(path: Path) -> tuple[Array64, int]:
         raise ValueError(f"profile_file {path} is too long; allowed: {MAX_TEXT} bytes of text, or .npy or .h5")
     lines = content.decode("utf-8-sig", errors="replace").replace(",", " ").replace(";", " ").splitlines()
     counts = map(_numbers, lines)
-    first, columns = next(
-        ((i, a) for i, (a, b) in enumerate(itertools.pairwise(counts)) if a and a == b), (None, 0)
-    )
+    first, columns = next(((i, a) for i, (a, b) in enumerate(itertools.pairwise(counts)) if a and a == b), (None, 0))
     if first is None:
         raise ValueError(f"profile_file {path} holds no table of numbers; allowed: one or two columns")
     try:
