@@ -73,17 +73,17 @@ class Bar:
         self._what, self._begin, self._said = what, time.monotonic(), time.monotonic()
         columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:3.0f} %"))
         state = TextColumn("{task.fields[state]}")
-        self._progress = Progress(
-            *columns, state, TimeElapsedColumn(), console=errors, transient=True, disable=not errors.is_terminal
-        )
+        self._progress = Progress(*columns, state, TimeElapsedColumn(), console=errors, transient=True)
         self._task = self._progress.add_task(what, total=1.0, state="")
 
     def __enter__(self) -> "Bar":
-        self._progress.start()
+        if errors.is_terminal:  # elsewhere rich before 14.3 ends it with an empty line
+            self._progress.start()
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._progress.stop()
+        if errors.is_terminal:
+            self._progress.stop()
 
     def show(self, done: float, state: str) -> None:
         """`done`: share of the work, 0 to 1; `state`: what to say beside it and the time left."""

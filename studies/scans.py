@@ -86,7 +86,7 @@ def read(options: Options) -> tuple[MeasuredIndenter, float, int]:
         steps.append(f"resampled from {z.size} to {n} points by Fourier modes")
         z = _resample(z, n, mirrored=as_is is False and length == 2 * count)
     description = {
-        "profile_file": path.name,
+        "profile_file": _name(path),
         "profile_values": count,
         "profile_convention": options.convention,
         "profile_steps": "; ".join([*steps, "shifted to h >= 0"]),
@@ -124,18 +124,23 @@ def _load(options: Options) -> tuple[Array64 | None, Array64, str]:
     path, dataset = options.path, options.dataset
     suffix = path.suffix.lower()
     if suffix in (".h5", ".hdf5"):
-        return _columns(path, _read_hdf5(path, dataset), f"dataset {dataset or 'only one'} of {path.name}")
+        return _columns(path, _read_hdf5(path, dataset), f"dataset {dataset or 'only one'} of {_name(path)}")
     if suffix == ".npy":
         try:
             # a map takes no memory for what a header only claims
             array = np.lib.format.open_memmap(path, mode="r")
         except (ValueError, OverflowError, MemoryError):
             raise ValueError(f"profile_file {path} is damaged or not a plain array; allowed: real numbers") from None
-        return _columns(path, array, f"array of {path.name}")
+        return _columns(path, array, f"array of {_name(path)}")
     if suffix in (".csv", ".txt", ".dat", ".asc", ".tsv"):
         table, header = _read_text(path)
-        return _columns(path, table, f"columns of {path.name}, {header} lines of header left out")
+        return _columns(path, table, f"columns of {_name(path)}, {header} lines of header left out")
     return _read_scan(options)
+
+
+def _name(path: Path) -> str:
+    """For records, which are UTF-8, as not all names are."""
+    return os.fsencode(path.name).decode("utf-8", "backslashreplace")
 
 
 def _read_text(path: Path) -> tuple[Array64, int]:
@@ -199,7 +204,7 @@ def _read_scan(options: Options) -> tuple[Array64 | None, Array64, str]:
     given = options.x_unit or options.z_unit
     if unit and given:
         raise ValueError(f"x_unit or z_unit is {given}; allowed: none, {path} names its unit, {unit}")
-    origin = f"{path.name} by SurfaceTopography, in {unit or 'no unit'}"
+    origin = f"{_name(path)} by SurfaceTopography, in {unit or 'no unit'}"
     scale = _UNITS[unit] / _UNITS[options.length_unit] if unit else 1.0
     return scale * x, scale * z, origin
 
