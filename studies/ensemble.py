@@ -300,7 +300,8 @@ def _compute(studies: Sequence[Study], options: Options, folder: Path) -> dict[s
         bar.show(ensemble.share, f"{ensemble}; iteration {iteration}{known}")
 
     with executors.choose(options.workers, options.memory, options.scheduler, report) as pool:
-        ensemble = _begin(studies, options, folder)
+        with store.expecting(folder):
+            ensemble = _begin(studies, options, folder)
         with console.Bar(", ".join(study.kind for study in studies)) as bar:
             bar.start = ensemble.share
             try:
@@ -329,8 +330,9 @@ def _begin(studies: Sequence[Study], options: Options, folder: Path) -> Ensemble
 
 def _save(studies: Sequence[Study], ensemble: Ensemble, folder: Path) -> dict[str, store.StudyFile]:
     """Collect and store; what is shown is what was stored."""
-    for study in studies:
-        store.save_study(study.path(folder), study.collect(ensemble.records, ensemble.failures))
+    with store.expecting(folder):
+        for study in studies:
+            store.save_study(study.path(folder), study.collect(ensemble.records, ensemble.failures))
     return {study.kind: store.load_study(study.path(folder)) for study in studies}
 
 

@@ -24,6 +24,7 @@ Array64 = NDArray[np.float64]
 MAX_REFINEMENT = 16  # grid points over values in the file
 MAX_VALUES = MAX_POINTS // MAX_REFINEMENT  # numbers in a file: enough for the largest grid
 MAX_TEXT = 2**26  # bytes of a text file
+LARGEST = 1e100  # number in a file, and its inverse the smallest range: squares are taken
 _MAX_LINE = 1000  # characters of a line of numbers
 _TAPER = 0.1  # share of the length over which a Tukey window falls, at each end
 _UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "pm": 1e-12, "angstrom": 1e-10, "inch": 0.0254}
@@ -128,8 +129,9 @@ def _load(options: Options) -> tuple[Array64 | None, Array64, str]:
     if suffix == ".npy":
         try:
             # a map takes no memory for what a header only claims
-            array = np.lib.format.open_memmap(path, mode="r")
-        except (ValueError, OverflowError, MemoryError):
+            with np.errstate(over="raise"):
+                array = np.lib.format.open_memmap(path, mode="r")
+        except Exception:  # of the tokenizer, for instance
             raise ValueError(f"profile_file {path} is damaged or not a plain array; allowed: real numbers") from None
         return _columns(path, array, f"array of {_name(path)}")
     if suffix in (".csv", ".txt", ".dat", ".asc", ".tsv"):
@@ -230,9 +232,16 @@ def _check_values(path: Path, x: Array64 | None, z: Array64) -> None:
     if z.size < 16:
         raise ValueError(f"profile_file {path} holds {z.size} values; allowed: at least 16")
     for name, values in (("x", x), ("height", z)):
-        bad = np.flatnonzero(~np.isfinite(values)) if values is not None else np.zeros(0, dtype=np.int64)
+        if values is None:
+            continue
+        bad = np.flatnonzero(~(np.abs(values) <= LARGEST))
         if bad.size:
-            raise ValueError(f"profile_file {path}: {name} number {bad[0] + 1} is not finite; allowed: finite numbers")
+            what = "too large" if np.isfinite(values[bad[0]]) else "not finite"
+            allowed = f"finite numbers up to {LARGEST:g}"
+            raise ValueError(f"profile_file {path}: {name} number {bad[0] + 1} is {what}; allowed: {allowed}")
+        if 0 < np.ptp(values) < 1 / LARGEST:
+            reason = f"{name} ranges over {np.ptp(values)}; allowed: {1 / LARGEST:g} and more"
+            raise ValueError(f"profile_file {path}: {reason}")
     if np.ptp(z) == 0:
         raise ValueError(f"profile_file {path}: every height is {z[0]}; allowed: a profile that is not constant")
     if x is not None:
