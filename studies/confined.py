@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 MEMORY = 4 * 2**30
 """Bytes of data that the process may have."""
 SECONDS = 6
-"""Of processor time, and one more for each 64 MiB of the file; by the clock 4 more."""
+"""Of processor time, and one more for each 64 MiB of the file; three times that by the clock."""
 
 _FILTERS = {1: "gzip", 2: "shuffle", 3: "fletcher32", 4: "szip", 5: "nbit", 6: "scaleoffset", 32000: "lzf"}
 _DEPTH = 3  # of groups in a result: lines/name/column
@@ -69,10 +69,10 @@ def _run(what: str, path: Path, *more: str) -> Columns:
     quiet = subprocess.DEVNULL
     try:
         done = subprocess.run(
-            command, stdin=quiet, stdout=subprocess.PIPE, stderr=quiet, env=environment, timeout=seconds + 4
+            command, stdin=quiet, stdout=subprocess.PIPE, stderr=quiet, env=environment, timeout=3 * seconds
         )
     except subprocess.TimeoutExpired:
-        raise BrokenError(f"its library did not come back within {seconds + 4} s") from None
+        raise BrokenError(f"its library did not come back within {3 * seconds} s") from None
     head = done.stdout[: done.stdout.find(b"\n") + 1]
     if done.returncode or not head:
         raise BrokenError(f"its library crashed, or took more than {seconds} s or {MEMORY >> 30} GiB")

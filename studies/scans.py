@@ -23,9 +23,10 @@ Array64 = NDArray[np.float64]
 
 MAX_REFINEMENT = 16  # grid points over values in the file
 MAX_VALUES = MAX_POINTS // MAX_REFINEMENT  # numbers in a file: enough for the largest grid
-MAX_TEXT = 2**26  # bytes of a text file
+MAX_TEXT = 2**25  # bytes of a text file
 LARGEST = 1e100  # number in a file, and its inverse the smallest range: squares are taken
 _MAX_LINE = 1000  # characters of a line of numbers
+_MAX_HEADER = 1000  # lines before them
 _TAPER = 0.1  # share of the length over which a Tukey window falls, at each end
 _UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "pm": 1e-12, "angstrom": 1e-10, "inch": 0.0254}
 
@@ -152,10 +153,13 @@ def _read_text(path: Path) -> tuple[Array64, int]:
     if len(content) > MAX_TEXT:
         raise ValueError(f"profile_file {path} is too long; allowed: {MAX_TEXT} bytes of text, or .npy or .h5")
     lines = content.decode("utf-8-sig", errors="replace").replace(",", " ").replace(";", " ").splitlines()
-    counts = map(_numbers, lines)
+    counts = map(_numbers, lines[: _MAX_HEADER + 2])
     first, columns = next(((i, a) for i, (a, b) in enumerate(itertools.pairwise(counts)) if a and a == b), (None, 0))
     if first is None:
-        raise ValueError(f"profile_file {path} holds no table of numbers; allowed: one or two columns")
+        allowed = f"one or two columns behind up to {_MAX_HEADER} lines of header"
+        raise ValueError(f"profile_file {path} holds no table of numbers; allowed: {allowed}")
+    if columns > 2:
+        raise ValueError(f"profile_file {path} has {columns} columns of numbers; allowed: one or two")
     try:
         return np.loadtxt([line for line in lines[first:] if line.strip()], ndmin=2, comments=None), first
     except ValueError as error:
