@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 MEMORY = 4 * 2**30
-"""Bytes of data that the process may have."""
+"""Bytes of data that the process may have, besides the size of the file."""
 SECONDS = 6
 """Of processor time, and one more for each 64 MiB of the file; three times that by the clock."""
 
@@ -169,20 +169,20 @@ def _scan(path: str, most: str) -> Columns:
     return Columns(np.stack([np.asarray(scan.positions(), float), z]), str(scan.unit or ""))
 
 
-def _limit(seconds: int) -> None:
+def _limit(seconds: int, memory: int) -> None:
     with contextlib.suppress(ImportError, ValueError, OSError):  # not POSIX, or a tighter limit already
         import resource
 
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
-        resource.setrlimit(resource.RLIMIT_DATA, (MEMORY, MEMORY))
+        resource.setrlimit(resource.RLIMIT_DATA, (memory, memory))
 
 
 def _main(what: str, seconds: str, *arguments: str) -> None:
     """Answer with a line of JSON, then the values."""
     output = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # what libraries print is no answer
-    _limit(int(seconds))
+    _limit(int(seconds), MEMORY + os.path.getsize(arguments[0]))
     tasks: dict[str, Callable[..., Columns]] = {"dataset": _dataset, "result": _result, "scan": _scan}
     values = np.zeros(0)
     answer: dict[str, Any]
