@@ -392,6 +392,11 @@ def test_too_little_memory_is_one_line(capfd):
     assert capfd.readouterr().err.count("\n") == 1
 
 
+def test_a_refusal_is_all_there_is_to_say(capfd):
+    assert cli.main(["study", "peers", "--workers", "0"]) == 2
+    assert capfd.readouterr().err.count("\n") == 1
+
+
 def mutants(content):
     """Valid content with a few bytes changed, cut out, put in or repeated."""
 
