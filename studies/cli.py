@@ -5,6 +5,7 @@ import math
 import os
 import platform
 import sys
+import warnings
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Annotated, Any, Literal, TextIO
@@ -203,7 +204,7 @@ def run_solve(options: Solve) -> int:
                 console.Output().print(choices_table(solution))
             steps = solution.scene.to_dict().get("profile_steps")
             if steps:
-                console.Output().print(f"Profile: {steps}.", markup=False)
+                console.Output().print(f"Profile: {steps}.")
     finally:  # also when the reader of the output has gone away
         if options.save:
             store.save_solution(options.save, solution)
@@ -212,7 +213,7 @@ def run_solve(options: Solve) -> int:
     status = console.exit_status(solution.status)
     if status:
         kept = f"; the partial result is in {options.save}" if options.save else ""
-        console.errors.print(f"linecontact: {solution.status}: {solution.reason}{kept}", markup=False)
+        console.errors.print(f"linecontact: {solution.status}: {solution.reason}{kept}")
     return status
 
 
@@ -310,8 +311,10 @@ def run_plot(options: Plot, output: TextIO | None = None) -> int:
     """`linecontact plot`."""
     from . import figures
 
-    for file in figures.draw(options.file):
-        print(file, file=output)
+    with warnings.catch_warnings(action="ignore"):  # of what matplotlib finds odd in a file
+        drawn = figures.draw(options.file)
+    for file in drawn:
+        print(console.printable(str(file)), file=output)
     return 0
 
 

@@ -7,13 +7,14 @@ import os
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import tyro
 from linecontact.solver import Status
 from linecontact.solver.relaxation import Progress as Report
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.text import Text
 
 Parsed = TypeVar("Parsed")
 
@@ -24,7 +25,25 @@ EXIT_INTERRUPTED = 130
 EXIT_BROKEN_PIPE = 141
 
 
-class Output(Console):
+def printable(text: str) -> str:
+    """The same without control characters and halves of characters: names and files may hold any."""
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() or c == "\n" else repr(c)[1:-1] for c in text)
+
+
+class Plain(Console):
+    """A console that takes text as it is: no markup, no names of emoji, nothing that steers the terminal."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(markup=False, emoji=False, **options)
+
+    def render_str(self, text: str, **options: Any) -> Text:
+        """Whatever is printed, and the cells of tables, come through here."""
+        return super().render_str(printable(text), **options)
+
+
+class Output(Plain):
     """Standard output; a reader that went away is the caller's to handle."""
 
     def on_broken_pipe(self) -> None:
@@ -32,7 +51,7 @@ class Output(Console):
         raise BrokenPipeError
 
 
-errors = Console(stderr=True, highlight=False, soft_wrap=True)
+errors = Plain(stderr=True, highlight=False, soft_wrap=True)
 """Progress and messages; results go to standard output."""
 
 
@@ -54,17 +73,17 @@ class Bar:
         self._what, self._begin, self._said = what, time.monotonic(), time.monotonic()
         columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:3.0f} %"))
         state = TextColumn("{task.fields[state]}")
-        self._progress = Progress(
-            *columns, state, TimeElapsedColumn(), console=errors, transient=True, disable=not errors.is_terminal
-        )
+        self._progress = Progress(*columns, state, TimeElapsedColumn(), console=errors, transient=True)
         self._task = self._progress.add_task(what, total=1.0, state="")
 
     def __enter__(self) -> "Bar":
-        self._progress.start()
+        if errors.is_terminal:  # elsewhere rich before 14.3 ends it with an empty line
+            self._progress.start()
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._progress.stop()
+        if errors.is_terminal:
+            self._progress.stop()
 
     def show(self, done: float, state: str) -> None:
         """`done`: share of the work, 0 to 1; `state`: what to say beside it and the time left."""
@@ -73,7 +92,7 @@ class Bar:
         self._progress.update(self._task, completed=done, state=text)
         if not errors.is_terminal and time.monotonic() - self._said > self.every:
             self._said = time.monotonic()
-            errors.print(f"{self._what}: {100 * done:.0f} %, {text}", markup=False)
+            errors.print(f"{self._what}: {100 * done:.0f} %, {text}")
 
 
 def remaining(done: float, elapsed: float) -> str:
@@ -114,7 +133,7 @@ def parse(
         if stop.code:
             words = " ".join(line.strip("│╭╮╰╯─ ") for line in caught.getvalue().splitlines())
             words = " ".join(words.split("For full helptext")[0].split())
-            errors.print(f"{prog}: {words}", markup=False)
+            errors.print(f"{prog}: {words}")
             raise SystemExit(EXIT_BAD_INPUT) from None
         raise
 
@@ -126,7 +145,7 @@ def guard(command: Callable[[], int]) -> int:
         sys.stdout.flush()
         return status
     except ValueError as error:
-        errors.print(f"linecontact: {' '.join(str(error).split())}", markup=False)
+        errors.print(f"linecontact: {' '.join(str(error).split())}")
         return EXIT_BAD_INPUT
     except KeyboardInterrupt:
         errors.print("linecontact: interrupted; finished work is kept")
@@ -134,9 +153,15 @@ def guard(command: Callable[[], int]) -> int:
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # the flush at exit must not fail again
         return EXIT_BROKEN_PIPE
+    except MemoryError as error:
+        errors.print(f"linecontact: not enough memory ({' '.join(str(error).split())}); allowed: fewer points")
+        return EXIT_BAD_INPUT
     except OSError as error:  # standard output, for instance, on a full disk
-        errors.print(f"linecontact: {error}", markup=False)
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        errors.print(f"linecontact: {error}")
+        try:
+            sys.stdout.flush()
+        except OSError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return EXIT_BAD_INPUT
 
 

@@ -263,7 +263,8 @@ def command(
         if computed:
             files = _compute(studies, options, folder)
         figures = _draw(studies, files, folder, computed)
-        parts = closing(files, folder)
+        with store.expecting(folder):
+            parts = closing(files, folder)
     output = console.Output()
     for part in parts:
         output.print(part, soft_wrap=isinstance(part, str), highlight=False)
@@ -278,7 +279,7 @@ def exit_status(files: Iterable[store.StudyFile]) -> int:
     status = 0
     for file in files:
         for task, reason in file.failures.items():
-            console.errors.print(f"linecontact: {file.kind}: task {task} failed: {reason}", markup=False)
+            console.errors.print(f"linecontact: {file.kind}: task {task} failed: {reason}")
             status = console.EXIT_FAILED
         if not status and any(run.get("status", "converged") != "converged" for run in file.runs):
             status = console.EXIT_NOT_CONVERGED
@@ -299,7 +300,8 @@ def _compute(studies: Sequence[Study], options: Options, folder: Path) -> dict[s
         bar.show(ensemble.share, f"{ensemble}; iteration {iteration}{known}")
 
     with executors.choose(options.workers, options.memory, options.scheduler, report) as pool:
-        ensemble = _begin(studies, options, folder)
+        with store.expecting(folder):
+            ensemble = _begin(studies, options, folder)
         with console.Bar(", ".join(study.kind for study in studies)) as bar:
             bar.start = ensemble.share
             try:
@@ -328,8 +330,9 @@ def _begin(studies: Sequence[Study], options: Options, folder: Path) -> Ensemble
 
 def _save(studies: Sequence[Study], ensemble: Ensemble, folder: Path) -> dict[str, store.StudyFile]:
     """Collect and store; what is shown is what was stored."""
-    for study in studies:
-        store.save_study(study.path(folder), study.collect(ensemble.records, ensemble.failures))
+    with store.expecting(folder):
+        for study in studies:
+            store.save_study(study.path(folder), study.collect(ensemble.records, ensemble.failures))
     return {study.kind: store.load_study(study.path(folder)) for study in studies}
 
 
@@ -347,7 +350,7 @@ def _draw(studies: Sequence[Study], files: Mapping[str, store.StudyFile], folder
             try:
                 expected = figures.draw(path)
             except figures.NothingToDraw as error:
-                console.errors.print(f"{study.kind}: {error}", markup=False)
+                console.errors.print(f"{study.kind}: {error}")
                 expected = []
         drawn += expected
     return drawn

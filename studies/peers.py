@@ -22,7 +22,7 @@ from rich import box
 from rich.console import RenderableType
 from rich.table import Table
 
-from . import console, ensemble, store
+from . import console, ensemble, executors, store
 from .peer_solvers import PEERS, PeerResult, at_gap, available, gap_rms, solve
 from .tasks import Record
 
@@ -163,9 +163,10 @@ class Task:
 def command(options: Options) -> int:
     """Run the study as asked, or what is left of it; returns the exit status."""
     configuration = Configuration(sizes=(12, 14)) if options.quick else Configuration()
+    executors.check(options.workers, options.memory, options.scheduler)  # a refusal is all there is to say
     for peer in PEERS:
         if peer not in configuration.peers:
-            console.errors.print(f"{peer} is left out; to compare: pip install 'linecontact[peers]'", markup=False)
+            console.errors.print(f"{peer} is left out; to compare: pip install 'linecontact[peers]'")
     folder = Path("results/peers-quick" if options.quick else "results/peers")
     return ensemble.command([configuration.study()], options, folder, closing)
 

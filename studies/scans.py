@@ -4,20 +4,29 @@ A file with exactly as many values as the grid has points is taken as it is, but
 resampled, and before that, unless told otherwise, freed of its tilt and made periodic. Every step goes into the result.
 """
 
+import importlib.util
+import itertools
 import math
+import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-import h5py
 import numpy as np
 from linecontact.solver import MeasuredIndenter, checks
 from linecontact.solver.scene import MAX_POINTS
 from numpy.typing import NDArray
 
+from . import confined
+
 Array64 = NDArray[np.float64]
 
 MAX_REFINEMENT = 16  # grid points over values in the file
+MAX_VALUES = MAX_POINTS // MAX_REFINEMENT  # numbers in a file: enough for the largest grid
+MAX_TEXT = 2**25  # bytes of a text file
+LARGEST = 1e100  # number in a file, and its inverse the smallest range: squares are taken
+_MAX_LINE = 1000  # characters of a line of numbers
+_MAX_HEADER = 1000  # lines before them
 _TAPER = 0.1  # share of the length over which a Tukey window falls, at each end
 _UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "pm": 1e-12, "angstrom": 1e-10, "inch": 0.0254}
 
@@ -46,10 +55,11 @@ class Options:
 def read(options: Options) -> tuple[MeasuredIndenter, float, int]:
     """The indenter, the period [the scene's unit of length] and the number of grid points.
 
-    Raises `ValueError` for a file that is missing, empty, not numbers, constant, not increasing in x, or too short.
+    Raises `ValueError` for a file that is missing, empty, not numbers, constant, not increasing in x, too short, or too
+    large: `MAX_VALUES` numbers, `MAX_TEXT` bytes of text.
     """
     path = options.path
-    if not path.is_file():
+    if not os.path.isfile(path):  # Path's own raises for some names
         raise ValueError(f"profile_file is {path}, which is not a file; allowed: .npy, .csv, .txt, .h5, scans")
     try:
         x, z, origin = _load(options)
@@ -78,7 +88,7 @@ def read(options: Options) -> tuple[MeasuredIndenter, float, int]:
         steps.append(f"resampled from {z.size} to {n} points by Fourier modes")
         z = _resample(z, n, mirrored=as_is is False and length == 2 * count)
     description = {
-        "profile_file": path.name,
+        "profile_file": _name(path),
         "profile_values": count,
         "profile_convention": options.convention,
         "profile_steps": "; ".join([*steps, "shifted to h >= 0"]),
@@ -116,41 +126,55 @@ def _load(options: Options) -> tuple[Array64 | None, Array64, str]:
     path, dataset = options.path, options.dataset
     suffix = path.suffix.lower()
     if suffix in (".h5", ".hdf5"):
-        return _columns(path, _read_hdf5(path, dataset), f"dataset {dataset or 'only one'} of {path.name}")
+        return _columns(path, _read_hdf5(path, dataset), f"dataset {dataset or 'only one'} of {_name(path)}")
     if suffix == ".npy":
         try:
-            array = np.load(path, allow_pickle=False)
-        except ValueError:
-            raise ValueError(f"profile_file {path} is not a plain array; allowed: real numbers") from None
-        return _columns(path, array, f"array of {path.name}")
+            # a map takes no memory for what a header only claims
+            with np.errstate(over="raise"):
+                array = np.lib.format.open_memmap(path, mode="r")
+        except Exception:  # of the tokenizer, for instance
+            raise ValueError(f"profile_file {path} is damaged or not a plain array; allowed: real numbers") from None
+        return _columns(path, array, f"array of {_name(path)}")
     if suffix in (".csv", ".txt", ".dat", ".asc", ".tsv"):
         table, header = _read_text(path)
-        return _columns(path, table, f"columns of {path.name}, {header} lines of header left out")
+        return _columns(path, table, f"columns of {_name(path)}, {header} lines of header left out")
     return _read_scan(options)
+
+
+def _name(path: Path) -> str:
+    """For records, which are UTF-8, as not all names are."""
+    return os.fsencode(path.name).decode("utf-8", "backslashreplace")
 
 
 def _read_text(path: Path) -> tuple[Array64, int]:
     """The table in a text file and the number of lines before it: the first two lines in a row of as many numbers."""
-    lines = path.read_text("utf-8-sig", errors="replace").replace(",", " ").replace(";", " ").splitlines()
-    counts = [_numbers(line) for line in lines]
-    first = next((i for i in range(len(lines) - 1) if counts[i] and counts[i] == counts[i + 1]), None)
+    with path.open("rb") as file:
+        content = file.read(MAX_TEXT + 1)
+    if len(content) > MAX_TEXT:
+        raise ValueError(f"profile_file {path} is too long; allowed: {MAX_TEXT} bytes of text, or .npy or .h5")
+    lines = content.decode("utf-8-sig", errors="replace").replace(",", " ").replace(";", " ").splitlines()
+    counts = map(_numbers, lines[: _MAX_HEADER + 2])
+    first, columns = next(((i, a) for i, (a, b) in enumerate(itertools.pairwise(counts)) if a and a == b), (None, 0))
     if first is None:
-        raise ValueError(f"profile_file {path} holds no table of numbers; allowed: one or two columns")
-    used = [i for i in range(first, len(lines)) if lines[i].strip()]
-    for i in used:
-        if counts[i] != counts[first]:
-            raise ValueError(
-                f"profile_file {path}, line {i + 1}: {lines[i].strip()[:40]!r} is not {counts[first]} numbers"
-            )
+        allowed = f"one or two columns behind up to {_MAX_HEADER} lines of header"
+        raise ValueError(f"profile_file {path} holds no table of numbers; allowed: {allowed}")
+    if columns > 2:
+        raise ValueError(f"profile_file {path} has {columns} columns of numbers; allowed: one or two")
     try:
-        return np.loadtxt([lines[i] for i in used], ndmin=2), first
-    except ValueError as error:  # what float() reads and NumPy does not, like 1_0
+        return np.loadtxt([line for line in lines[first:] if line.strip()], ndmin=2, comments=None), first
+    except ValueError as error:
+        for i in range(first, len(lines)):
+            if lines[i].strip() and _numbers(lines[i]) != columns:
+                raise ValueError(
+                    f"profile_file {path}, line {i + 1}: {lines[i].strip()[:40]!r} is not {columns} numbers"
+                ) from None
+        # what float() reads and NumPy does not, like 1_0
         raise ValueError(f"profile_file {path}: {error}; allowed: plain numbers") from None
 
 
 def _numbers(line: str) -> int:
     """How many numbers a line consists of; 0 if there is anything else."""
-    words = line.split()
+    words = line.split() if len(line) <= _MAX_LINE else ["long"]
     try:
         for word in words:
             float(word)
@@ -160,54 +184,45 @@ def _numbers(line: str) -> int:
 
 
 def _read_hdf5(path: Path, dataset: str | None) -> Any:
-    with h5py.File(path, "r") as file:
-        names: list[str] = []
-        file.visititems(lambda name, item: names.append(name) if isinstance(item, h5py.Dataset) else None)
-        if dataset is None and len(names) == 1:
-            dataset = names[0]
-        if dataset not in names:
-            raise ValueError(f"profile_dataset is {dataset!r}; allowed in {path}: {', '.join(names) or 'nothing'}")
-        data = file[dataset]
-        if data.shape is None or data.size > 2**31 or data.dtype.kind not in "fiu":
-            raise ValueError(f"profile_dataset is {dataset!r}, which is not an array of numbers")
-        return data[()]
+    try:
+        return confined.read_dataset(path, MAX_VALUES, dataset)
+    except confined.BrokenError as error:
+        raise ValueError(f"profile_file {path} is damaged or not HDF5: {error}; allowed: HDF5") from None
 
 
 def _read_scan(options: Options) -> tuple[Array64 | None, Array64, str]:
     """An instrument's format, through SurfaceTopography, in the scene's unit of length if it names its own."""
     path = options.path
-    try:
-        import SurfaceTopography
-    except ImportError:
+    if importlib.util.find_spec("SurfaceTopography") is None:
         raise ValueError(
             f"profile_file is {path}; allowed: .npy, .csv, .txt, .h5, and with `pip install linecontact[profiles]` the "
             "formats that SurfaceTopography reads"
-        ) from None
+        )
     try:
-        scan = SurfaceTopography.read_topography(str(path))
-        if scan.dim != 1:
-            raise ValueError("it is a map; allowed: a line scan")
-        x, z, unit = scan.positions(), scan.heights(), str(scan.unit or "").replace("µ", "u")
-    except Exception as error:  # its readers raise anything
-        reason = " ".join(str(error).split())[:120]
+        (x, z), unit = confined.read_scan(path, MAX_VALUES)
+    except confined.BrokenError as error:
         raise ValueError(
-            f"profile_file {path} cannot be read by SurfaceTopography: {reason}; allowed: a format that it knows"
+            f"profile_file {path} cannot be read by SurfaceTopography: {error}; allowed: a format that it knows"
         ) from None
+    unit = unit.replace("µ", "u")
     if unit not in _UNITS and unit:
         raise ValueError(f"profile_file {path} is in {unit}; allowed: {', '.join(_UNITS)}")
     given = options.x_unit or options.z_unit
     if unit and given:
         raise ValueError(f"x_unit or z_unit is {given}; allowed: none, {path} names its unit, {unit}")
-    origin = f"{path.name} by SurfaceTopography, in {unit or 'no unit'}"
+    origin = f"{_name(path)} by SurfaceTopography, in {unit or 'no unit'}"
     scale = _UNITS[unit] / _UNITS[options.length_unit] if unit else 1.0
-    return scale * np.asarray(x, float), scale * np.asarray(np.ma.filled(z, np.nan), float), origin
+    return scale * x, scale * z, origin
 
 
 def _columns(path: Path, table: Any, origin: str) -> tuple[Array64 | None, Array64, str]:
     table = np.asarray(table)
     if table.dtype.kind not in "fiu":
-        raise ValueError(f"profile_file {path} holds {table.dtype}; allowed: real numbers")
-    table = table.astype(np.float64)
+        raise ValueError(f"profile_file {path} holds {str(table.dtype)[:40]}; allowed: real numbers")
+    if table.size > MAX_VALUES:
+        raise ValueError(f"profile_file {path} holds {table.size} numbers; allowed: up to {MAX_VALUES}")
+    with np.errstate(over="ignore"):  # of a longer type: infinite, and refused as such
+        table = table.astype(np.float64)
     if table.ndim == 2 and table.shape[1] == 1:
         table = table[:, 0]
     if table.ndim == 1:
@@ -221,9 +236,16 @@ def _check_values(path: Path, x: Array64 | None, z: Array64) -> None:
     if z.size < 16:
         raise ValueError(f"profile_file {path} holds {z.size} values; allowed: at least 16")
     for name, values in (("x", x), ("height", z)):
-        bad = np.flatnonzero(~np.isfinite(values)) if values is not None else np.zeros(0, dtype=np.int64)
+        if values is None:
+            continue
+        bad = np.flatnonzero(~(np.abs(values) <= LARGEST))
         if bad.size:
-            raise ValueError(f"profile_file {path}: {name} number {bad[0] + 1} is not finite; allowed: finite numbers")
+            what = "too large" if np.isfinite(values[bad[0]]) else "not finite"
+            allowed = f"finite numbers up to {LARGEST:g}"
+            raise ValueError(f"profile_file {path}: {name} number {bad[0] + 1} is {what}; allowed: {allowed}")
+        if 0 < np.ptp(values) < 1 / LARGEST:
+            reason = f"{name} ranges over {np.ptp(values)}; allowed: {1 / LARGEST:g} and more"
+            raise ValueError(f"profile_file {path}: {reason}")
     if np.ptp(z) == 0:
         raise ValueError(f"profile_file {path}: every height is {z[0]}; allowed: a profile that is not constant")
     if x is not None:

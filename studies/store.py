@@ -23,7 +23,7 @@ import numpy as np
 from linecontact.solver import Solution
 from numpy.typing import NDArray
 
-from . import console
+from . import confined, console
 
 UNITS = {
     "x": "length",
@@ -42,7 +42,12 @@ UNITS = {
 RESULTS_VERSION = 1
 """To be raised whenever the same task gives other results: they must not be mixed."""
 
+MAX_RUNS = 2**17  # of a study's file
+MAX_NAME = 200  # bytes of a file's name: most systems take 255, and others are made of it
+_MAX_TEXT = 10_000  # characters of a stored text that are kept
 _HEAD = 512  # bytes of HDF5's user block
+
+_sound: set[str] = set()  # checksums of what this process has written or checked
 
 _UMASK = os.umask(0)
 os.umask(_UMASK)
@@ -75,6 +80,8 @@ def make_folder(folder: Path) -> None:
 
 def check_target(path: Path, overwrite: bool) -> None:
     """Raise `StoreError` before any work if `path` cannot become a new file."""
+    if len(os.fsencode(path.name)) > MAX_NAME:
+        raise StoreError(f"file {path} has a name longer than {MAX_NAME} bytes; allowed: a shorter one")
     if path.is_dir():
         raise StoreError(f"file {path} is a folder; allowed: the name of a file")
     if path.exists() and not path.is_file():
@@ -105,7 +112,9 @@ def new_file(path: Path) -> Iterator[h5py.File]:
         yield file
         file.flush()
         image = file.id.get_file_image()
-    write_bytes(path, _head(hashlib.sha256(image).hexdigest()), image)
+    digest = hashlib.sha256(image).hexdigest()
+    write_bytes(path, _head(digest), image)
+    _sound.add(digest)
 
 
 def write_bytes(path: Path, *parts: bytes) -> None:
@@ -138,27 +147,50 @@ def remove(*paths: Path) -> None:
 
 @contextlib.contextmanager
 def open_file(path: Path) -> Iterator[h5py.File]:
-    """Read an HDF5 file; raises `StoreError` for a missing or foreign one, `DamagedError` for a damaged one."""
-    if not path.is_file():
-        raise StoreError(f"file {path} {'is a folder' if path.is_dir() else 'does not exist'}; allowed: an HDF5 file")
+    """Read an HDF5 file; raises `StoreError` for a missing or foreign one, `DamagedError` for a damaged one.
+
+    Damaged is also what does not hold what the reader looks for. A checksum keeps no malice away: what this process has
+    not written is read by another one first (`confined`).
+    """
+    if not os.path.isfile(path):  # Path's own raises for some names
+        what = "is no regular file" if os.path.lexists(path) else "does not exist"
+        raise StoreError(f"file {path} {what}; allowed: an HDF5 file")
     try:
-        _verify(path)
+        digest = _verify(path)
+        if digest not in _sound:
+            confined.check_result(path)
+            _sound.add(digest)
         with h5py.File(path, "r") as file:
             yield file
-    except (OSError, KeyError) as error:
-        raise DamagedError(f"file {path} is damaged or not one of linecontact's HDF5 files: {error}") from error
+    except StoreError:
+        raise
+    except Exception as error:
+        reason = f"{type(error).__name__}: {error}"
+        raise DamagedError(f"file {path} is damaged or not one of linecontact's HDF5 files, {reason}") from error
 
 
-def _verify(path: Path) -> None:
-    """Before HDF5 sees it: on a damaged file its library may crash, or never come back."""
+@contextlib.contextmanager
+def expecting(where: Path) -> Iterator[None]:
+    """Whatever goes wrong with what files hold, a checksum or not, is theirs to answer for: raises `StoreError`."""
+    try:
+        yield
+    except (StoreError, OSError):
+        raise
+    except Exception as error:
+        reason = f"does not hold what linecontact writes there, {type(error).__name__}: {error}"
+        raise StoreError(f"{where} {reason}; allowed: another one, or --overwrite") from error
+
+
+def _verify(path: Path) -> str:
+    """The checksum, if it fits, before HDF5 sees the file."""
     try:
         with path.open("rb") as file:
             head = file.read(_HEAD)
-            fits = head == _head(hashlib.file_digest(file, "sha256").hexdigest())
+            digest = hashlib.file_digest(file, "sha256").hexdigest()
     except OSError as error:
         raise StoreError(f"file {path} cannot be read ({error.strerror})") from None
-    if fits:
-        return
+    if head == _head(digest):
+        return digest
     expected = _head("")[:40]
     alike = sum(a == b for a, b in zip(head, expected, strict=False))
     if any(head) and alike < min(len(head), len(expected)) - 2:  # zeros or a few flipped bits make no stranger of it
@@ -178,9 +210,7 @@ def set_aside(path: Path) -> None:
         path.replace(aside)
     except OSError as error:
         raise StoreError(f"file {path} is damaged and cannot be set aside ({error.strerror})") from None
-    console.errors.print(
-        f"file {path} is damaged; it is set aside as {aside.name}, its part is done again", markup=False
-    )
+    console.errors.print(f"file {path} is damaged; it is set aside as {aside.name}, its part is done again")
 
 
 def flatten(record: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
@@ -226,14 +256,25 @@ def save_solution(path: Path, solution: Solution) -> None:
 
 
 def load_solution(path: Path) -> tuple[dict[str, NDArray[np.float64]], dict[str, Any]]:
-    """Fields, shape (N,) each, and attributes of a solution file."""
+    """Fields, shape (N,) each, N >= 2, and attributes of a solution file. Raises like `open_file`."""
     with open_file(path) as file:
-        fields = {name: file[name][:] for name in ("x", "profile", "displacement", "contact_pressure")}
+        fields = {name: _numbers(file[name]) for name in ("x", "profile", "displacement", "contact_pressure")}
+        if len({values.size for values in fields.values()}) > 1 or fields["x"].size < 2:
+            raise ValueError("its fields are of different lengths, or shorter than 2")
         return fields, {name: _scalar(value) for name, value in file.attrs.items()}
 
 
+def _numbers(dataset: h5py.Dataset) -> NDArray[np.float64]:
+    if dataset.ndim != 1 or dataset.dtype.kind != "f":
+        raise ValueError(f"{dataset.name} is no column of numbers")
+    return np.asarray(dataset[:], dtype=np.float64)
+
+
 def _scalar(value: Any) -> Any:
-    return value.item() if isinstance(value, np.generic) else value
+    """Text as the terminal and figures can show it, up to `_MAX_TEXT` characters."""
+    value = value.item() if isinstance(value, np.generic) else value
+    value = value.decode("utf-8", "replace") if isinstance(value, bytes) else value
+    return console.printable(value[:_MAX_TEXT]) if isinstance(value, str) else value
 
 
 @dataclass
@@ -270,9 +311,8 @@ def finished(path: Path, kind: str, configuration: Mapping[str, Any]) -> StudyFi
     """
     if not path.exists():
         return None
-    refusal = StoreError(
-        f"file {path} holds another study, configuration or version; allowed: --overwrite, or a new --folder"
-    )
+    other = "another study, configuration or version; allowed: --overwrite, or a new --folder"
+    refusal = StoreError(f"file {path} holds {other}")
     try:
         if file_kind(path) != kind:
             raise refusal
@@ -320,25 +360,38 @@ def _write_column(group: h5py.Group, name: str, values: Sequence[Any]) -> None:
 
 
 def load_study(path: Path) -> StudyFile:
-    """Read a study file."""
+    """Read a study file of up to `MAX_RUNS` runs. Raises like `open_file`."""
     with open_file(path) as file:
         columns = {name: _read_column(dataset) for name, dataset in file["runs"].items()}
         length = len(next(iter(columns.values()))) if columns else 0
+        if any(len(values) != length for values in columns.values()):
+            raise ValueError("its columns are of different lengths")
+        configuration, failures = (_object(text) for text in (file.attrs["configuration"], bytes(file["failures"][()])))
         lines = file.get("lines", {})
         return StudyFile(
             kind=str(file.attrs["kind"]),
-            configuration=json.loads(file.attrs["configuration"]),
+            configuration=configuration,
             runs=[{name: values[i] for name, values in columns.items()} for i in range(length)],
-            lines={line: {n: data[:] for n, data in group.items()} for line, group in lines.items()},
-            failures=json.loads(bytes(file["failures"][()])),
+            lines={line: {n: _numbers(data) for n, data in group.items()} for line, group in lines.items()},
+            failures={task: str(reason) for task, reason in failures.items()},
             complete=bool(file.attrs["complete"]),
             version=int(file.attrs["results_version"]),
         )
 
 
+def _object(text: str | bytes) -> dict[str, Any]:
+    value = json.loads(text)
+    if not isinstance(value, dict):
+        raise ValueError("its JSON is no object")
+    return value
+
+
 def _read_column(dataset: h5py.Dataset) -> list[Any]:
-    values = dataset.asstr()[:] if h5py.check_string_dtype(dataset.dtype) else dataset[:]
-    return list(values.tolist())
+    if dataset.ndim != 1 or dataset.size > MAX_RUNS:
+        raise ValueError(f"{dataset.name} has shape {dataset.shape}; allowed: a column of up to {MAX_RUNS}")
+    if h5py.check_string_dtype(dataset.dtype):
+        return [_scalar(text) for text in dataset.asstr(errors="replace")[:]]
+    return list(dataset[:].tolist())
 
 
 def file_kind(path: Path) -> str:

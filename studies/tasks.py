@@ -19,6 +19,9 @@ from . import store
 
 Record = dict[str, Any]
 
+MAX_BYTES = 2**26
+"""Of a task's file."""
+
 
 class Task(Protocol):
     """A frozen dataclass of plain values on which its record depends, and on nothing else."""
@@ -41,6 +44,21 @@ def _fields(task: Task) -> Record:
     return dict(store.plain(asdict(task)))  # type: ignore[call-overload]
 
 
+def _record(body: bytes) -> Record | None:
+    """Of a task's JSON; None if it is not flat, or no JSON at all."""
+    try:
+        record = json.loads(body)["record"]
+    except (ValueError, LookupError, TypeError, RecursionError):
+        return None
+    return record if isinstance(record, dict) and all(map(_flat, record.values())) else None
+
+
+def _flat(value: Any) -> bool:
+    if isinstance(value, list):
+        return all(isinstance(item, (int, float)) for item in value)
+    return isinstance(value, (str, float)) or (isinstance(value, int) and abs(value) < 2**63)
+
+
 class TaskFolder:
     """Records of finished tasks, and reasons of failed ones, by the task's hash."""
 
@@ -54,16 +72,20 @@ class TaskFolder:
     def load(self, task: Task) -> Record | None:
         """The record of a finished task; None if there is none, or only a damaged one, which is set aside."""
         path = self._path(task)
+        if not path.exists():
+            return None
+        if not path.is_file() or path.stat().st_size > MAX_BYTES:
+            raise store.StoreError(
+                f"file {path} is no regular file of up to {MAX_BYTES} bytes; allowed: another --folder"
+            )
         try:
             head, _, body = path.read_bytes().partition(b"\n")
-        except FileNotFoundError:
-            return None
         except OSError as error:
             raise store.StoreError(f"file {path} cannot be read ({error.strerror})") from None
-        if hashlib.sha256(body).hexdigest().encode() != head:
+        record = _record(body) if hashlib.sha256(body).hexdigest().encode() == head else None
+        if record is None:
             store.set_aside(path)
-            return None
-        return dict(json.loads(body)["record"])
+        return record
 
     def save(self, task: Task, record: Record) -> None:
         """Keep a record. Raises `StoreError` if that is impossible, on a full disk for instance."""

@@ -4,6 +4,7 @@ import os
 import re
 import subprocess
 import sys
+import tomllib
 import venv
 from pathlib import Path
 
@@ -65,9 +66,45 @@ def test_readme_example(tmp_path):
 
 
 def test_ci_runs_the_readme_command():
+    """The commands that test, as the README has them, in its order."""
     readme, script = (ROOT / "README.md").read_text(), (ROOT / ".ci" / "run").read_text()
-    (command,) = re.findall(r"^(python3 -m venv .*pytest.*)$", readme, re.MULTILINE)
-    assert command in script.splitlines()
+    readme_commands, commands = (
+        re.findall(r"^(python3 -m venv .*pytest.*)$", t, re.MULTILINE) for t in (readme, script)
+    )
+    assert commands
+    assert readme_commands == commands
+
+
+def requirements():
+    """Of the package and its tests, as name and lower bound."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    return dict(line.split(">=") for line in project["dependencies"] + project["optional-dependencies"]["test"])
+
+
+def pins(file):
+    """Versions by name; a name can have several, for different Pythons."""
+    found = {}
+    for name, version in re.findall(r"^([\w-]+)==([\w.]+)", (ROOT / file).read_text(), re.MULTILINE):
+        found.setdefault(name, []).append(version)
+    return found
+
+
+def test_the_lowest_versions_are_those_of_the_bounds():
+    lowest = pins("tests/lowest.txt")
+    for name, bound in requirements().items():
+        assert lowest[name] == [bound]
+
+
+def test_the_lock_file_holds_every_dependency_within_its_bounds():
+    locked = pins("requirements-dev.lock")
+    for name, bound in requirements().items():
+        for version in locked[name]:
+            assert [int(n) for n in version.split(".")] >= [int(n) for n in bound.split(".")], name
+    text = (ROOT / "requirements-dev.lock").read_text()
+    assert "://" not in text  # of no one's registry
+    entries = [entry for entry in re.split(r"^(?=\w)", text, flags=re.MULTILINE) if "==" in entry]
+    assert len(entries) == sum(map(len, locked.values()))
+    assert all("--hash=sha256:" in entry for entry in entries)
 
 
 @pytest.mark.parametrize("folder", FOLDERS)

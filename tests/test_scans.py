@@ -1,9 +1,7 @@
 """Profiles from files: every format and convention, what is done to them, and what is refused."""
 
 import math
-import sys
 from pathlib import Path
-from types import SimpleNamespace
 
 import h5py
 import numpy as np
@@ -153,7 +151,7 @@ ROWS = "".join(f"{i} {i % 7}\n" for i in range(40))
         (lambda folder: folder, {}, "is not a file"),
         (text(""), {}, "no table of numbers"),
         (text("a b\nc d\n"), {}, "no table of numbers"),
-        (text("1 2 3\n" * 40), {}, r"shape \(40, 3\)"),
+        (text("1 2 3\n" * 40), {}, "has 3 columns"),
         (text(ROWS + "41 high\n"), {}, "line 41: '41 high' is not 2 numbers"),
         (text(ROWS + "41\n"), {}, "line 41"),
         (text("1\n2\n"), {}, "holds 2 values; allowed: at least 16"),
@@ -194,9 +192,17 @@ def test_damaged_files_are_named(tmp_path, suffix):
 def test_a_scan_that_names_its_unit(tmp_path, monkeypatch):
     """Converted once, to the scene's unit of length; a second unit is refused."""
     heights = np.sin(np.arange(64.0))
-    scan = SimpleNamespace(dim=1, unit="µm", positions=lambda: 0.5 * np.arange(64.0), heights=lambda: heights)
-    reader = SimpleNamespace(read_topography=lambda _: scan)
-    monkeypatch.setitem(sys.modules, "SurfaceTopography", reader)
+    lines = [
+        "import numpy as np",
+        "class Scan:",
+        "    dim, unit, nb_grid_pts = 1, 'µm', (64,)",
+        "    positions = staticmethod(lambda: 0.5 * np.arange(64.0))",
+        "    heights = staticmethod(lambda: np.sin(np.arange(64.0)))",
+        "read_topography = lambda _: Scan",
+    ]
+    (tmp_path / "SurfaceTopography.py").write_text("\n".join(lines))
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))  # of the process that reads
     path = tmp_path / "scan.xyz"
     path.touch()
     indenter, period, n = read(path, length_unit="mm", window="none")

@@ -35,7 +35,7 @@ def draw(path: Path) -> list[Path]:
     if kind not in _DRAWINGS:
         raise store.StoreError(f"file {path} is of kind {kind!r}; allowed: {', '.join(_DRAWINGS)}")
     files = []
-    with plt.rc_context(STYLE):
+    with plt.rc_context(STYLE), store.expecting(path):
         for suffix, figure in _DRAWINGS[kind](path).items():
             for extension in ("png", "pdf"):
                 image = io.BytesIO()

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from .. import asperity, store
-from .style import COLOURS, MARKERS, NothingToDraw, load
+from .style import COLOURS, MARKERS, NothingToDraw, distinct, load
 
 
 def draw(path: Path) -> dict[str, Figure]:
@@ -33,7 +33,7 @@ def ratio(study: store.StudyFile) -> Figure:
     y_all = kappa_all[kappa_all > 0] / t_all[kappa_all > 0]  # 0 for contacts of one node
     if not y_all.size:
         raise NothingToDraw("every contact is one node")
-    for nu, colour, marker in zip(c["poisson_ratios"], cycle(COLOURS), cycle(MARKERS), strict=False):
+    for nu, colour, marker in zip(distinct(c["poisson_ratios"]), cycle(COLOURS), cycle(MARKERS), strict=False):
         own = runs.select("scene.poisson_ratio", nu)
         if not own.runs:
             continue
@@ -103,7 +103,7 @@ def accuracy(study: store.StudyFile) -> Figure:
     subgrid = np.abs(study.column("contact_area_subgrid") - exact) * points
     peak = np.abs(study.column("peak_pressure") / study.column("oracle.peak_pressure") - 1)
     nus = study.column("scene.poisson_ratio")
-    for nu, colour, marker in zip(sorted(set(nus)), cycle(COLOURS), cycle(MARKERS), strict=False):
+    for nu, colour, marker in zip(sorted(distinct(nus.tolist())), cycle(COLOURS), cycle(MARKERS), strict=False):
         for panel, values in zip(panels, (counted, subgrid, peak), strict=True):
             panel.plot(t[nus == nu], values[nus == nu], marker, ms=4.5, color=colour, label=rf"$\nu={nu:g}$")
     panels[0].axhline(0, color="k", lw=0.6)

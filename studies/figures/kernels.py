@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from .. import store
 from ..kernels import report
-from .style import COLOURS, NothingToDraw, load
+from .style import COLOURS, NothingToDraw, distinct, load
 
 _STYLES = {
     "c": ("C", COLOURS[3], "^"),
@@ -32,7 +32,7 @@ def draw(path: Path) -> dict[str, Figure]:
 
 
 def _precisions(study: store.StudyFile) -> list[str]:
-    return sorted({str(run["precision"]) for run in report.loops(study)})
+    return sorted(distinct(str(run["precision"]) for run in report.loops(study)))
 
 
 def bandwidth(study: store.StudyFile) -> Figure:

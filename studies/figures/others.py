@@ -10,14 +10,14 @@ from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
 from .. import store
-from .style import COLOURS, MARKERS, load
+from .style import COLOURS, MARKERS, distinct, load
 
 
 def iterations(path: Path) -> dict[str, Figure]:
     """Transform pairs, and seconds per point, over N for every method."""
     study = load(path)
     figure, panels = plt.subplots(2, 1, figsize=(5.2, 5.4), sharex=True)
-    kinds = sorted(set(zip(study.column("name").tolist(), study.column("method").tolist(), strict=True)))
+    kinds = sorted(distinct((run["name"], run["method"]) for run in study.runs))
     for (name, method), colour, marker in zip(kinds, cycle(COLOURS), cycle(MARKERS), strict=False):
         runs = study.select("name", name).select("method", method)
         n, pairs = runs.column("scene.num_points"), runs.column("transform_pairs")
@@ -44,7 +44,7 @@ def edge_curve(path: Path) -> dict[str, Figure]:
         ratio, edges.edge_offset(edges.edge_curve(), pressures)[1], "k-", lw=0.9, label="closed form (Wiener-Hopf)"
     )
     scenes = [tuple(run[f"scene.{n}"] for n in ("exponent", "thickness", "poisson_ratio")) for run in study.runs]
-    for scene, colour, marker in zip(dict.fromkeys(scenes), cycle(COLOURS), cycle(MARKERS), strict=False):
+    for scene, colour, marker in zip(distinct(scenes), cycle(COLOURS), cycle(MARKERS), strict=False):
         chosen = np.array([s == scene for s in scenes])
         x, offset = study.column("ratio")[chosen], study.column("offset")[chosen]
         label = f"$n={scene[0]:g}$, $d/L={float(scene[1]):g}$, $\\nu={scene[2]:g}$"

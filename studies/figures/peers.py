@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from .. import peers
-from .style import COLOURS, MARKERS, NothingToDraw, load
+from .style import COLOURS, MARKERS, NothingToDraw, distinct, load
 
 
 def draw(path: Path) -> dict[str, Figure]:
@@ -18,9 +18,9 @@ def draw(path: Path) -> dict[str, Figure]:
     found = peers.comparisons(study)
     if not found:
         raise NothingToDraw(f"file {path} holds no run of {peers.OURS} yet")
-    families = list(dict.fromkeys(c.ours["name"] for c in found))
+    families = distinct(c.ours["name"] for c in found)
     colours = dict(zip((peers.OURS, *study.configuration["peers"]), COLOURS, strict=False))
-    thicknesses = sorted({float(c.ours["scene.thickness"]) for c in found}, reverse=True)
+    thicknesses = sorted(distinct(float(c.ours["scene.thickness"]) for c in found), reverse=True)
     markers = dict(zip(thicknesses, cycle(MARKERS), strict=False))
     figure, panels = plt.subplots(1, len(families), figsize=(8.2, 3.6), sharey=True, squeeze=False)
     figure.subplots_adjust(left=0.09, right=0.98, top=0.92, bottom=0.25, wspace=0.06)

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from .. import rough, store
-from .style import COLOURS, MARKERS, NothingToDraw, load
+from .style import COLOURS, MARKERS, NothingToDraw, distinct, load
 
 
 def draw(path: Path) -> dict[str, Figure]:
@@ -20,7 +20,7 @@ def draw(path: Path) -> dict[str, Figure]:
 
 def _panels(study: store.StudyFile, rows: int) -> tuple[Figure, list[list[Axes]], list[float]]:
     """Rows of panels, one column for each Hurst exponent."""
-    hursts = list(study.configuration["hursts"])
+    hursts = distinct(study.configuration["hursts"])
     width = 1.2 + 3.0 * len(hursts)
     figure, panels = plt.subplots(rows, len(hursts), figsize=(width, 4), sharex=True, sharey="row", squeeze=False)
     height = 1.4 + 3.0 * rows

@@ -1,6 +1,8 @@
 """What all figures share."""
 
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 from .. import store
 
@@ -19,11 +21,23 @@ STYLE = {
     "figure.subplot.bottom": 0.13,
     "figure.subplot.top": 0.92,
     "savefig.dpi": 180,
+    "text.usetex": False,  # a file's text is for no other program
 }
 
 
 class NothingToDraw(store.StoreError):
     """A file whose runs are too few for a figure."""
+
+
+MOST = 64  # panels, or lines of a legend
+
+
+def distinct(values: Iterable[Any]) -> list[Any]:
+    """Each value once, in their order. Raises `ValueError` for more than a figure can show."""
+    found = list(dict.fromkeys(values))
+    if len(found) > MOST:
+        raise ValueError(f"{len(found)} different values; allowed: up to {MOST} in a figure")
+    return found
 
 
 def load(path: Path) -> store.StudyFile:

@@ -2,6 +2,7 @@
 
 import json
 import math
+import os
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -9,6 +10,7 @@ from linecontact.solver import checks
 from rich.table import Table
 
 from .. import console, store
+from ..tasks import MAX_BYTES
 from . import report
 from .candidates import VARIANTS
 
@@ -56,17 +58,20 @@ def read(path: Path) -> dict[Key, Timing]:
     if path.suffix == ".h5":
         if store.file_kind(path) != report.KIND:
             raise ValueError(refusal.format("is another study's"))
-        content = report.to_json(store.load_study(path))
+        with store.expecting(path):
+            content = report.to_json(store.load_study(path))
     else:
+        if not os.path.isfile(path) or path.stat().st_size > MAX_BYTES:  # a pipe would never end
+            raise ValueError(refusal.format(f"is no regular file of up to {MAX_BYTES} bytes"))
         try:
             content = json.loads(path.read_text("utf-8"))
         except OSError as error:
             raise ValueError(refusal.format(f"cannot be read ({error.strerror})")) from None
-        except ValueError:
+        except (ValueError, RecursionError):
             raise ValueError(refusal.format("is not JSON")) from None
     try:
         return _timings(content)
-    except (KeyError, TypeError, ValueError) as error:
+    except (LookupError, TypeError, ValueError, ArithmeticError) as error:
         raise ValueError(refusal.format(f"does not follow schema {report.SCHEMA} ({error!r})")) from None
 
 
