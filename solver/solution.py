@@ -70,6 +70,7 @@ class Solution:
         """Why the status is not `CONVERGED`: the parameter that it depends on, and what is allowed. Empty if it is."""
         residual = self.certificate.free_residual if self.certificate else math.inf
         o = self.observables
+        known = o.contact_area_error / o.contact_area_subgrid if o.contact_area_subgrid else math.inf
         return {
             Status.CONVERGED: "",
             Status.INTERRUPTED: "it was interrupted",
@@ -78,9 +79,8 @@ class Solution:
             Status.STAGNATED: f"tolerance is {self.tolerance:g}; allowed: above {residual:.2e}, the residual at which "
             f"method {self.method} in precision {self.scene.precision} stays, after {self.iterations} iterations",
             Status.DIVERGED: f"method is {self.method}, which diverges here; allowed: another one",
-            Status.INACCURATE: f"accuracy is {self.accuracy}; allowed: above "
-            f"{o.contact_area_error / (o.contact_area_subgrid or math.nan):.2g}, to which a_r is known with num_points "
-            f"up to {self.scene.num_points}",
+            Status.INACCURATE: f"num_points is {self.scene.num_points}, with which a_r is known to {known:.2g}, not to "
+            f"the accuracy of {self.accuracy:g}; allowed: more",
         }[self.status]
 
     def to_dict(self) -> dict[str, Any]:

@@ -29,6 +29,7 @@ from . import (
     console,
     edge_curve,
     ensemble,
+    extremes,
     hertz,
     iterations,
     kernels,
@@ -37,6 +38,7 @@ from . import (
     rough,
     scans,
     sharp,
+    soak,
     store,
     tradeoff,
 )
@@ -135,7 +137,9 @@ class Study:
         | Annotated[edge_curve.Options, tyro.conf.subcommand("edge-curve")]
         | Annotated[kernels.Options, tyro.conf.subcommand("kernels")]
         | Annotated[peers.Options, tyro.conf.subcommand("peers")]
-        | Annotated[tradeoff.Options, tyro.conf.subcommand("tradeoff")],
+        | Annotated[tradeoff.Options, tyro.conf.subcommand("tradeoff")]
+        | Annotated[extremes.Options, tyro.conf.subcommand("extremes")]
+        | Annotated[soak.Options, tyro.conf.subcommand("soak")],
         tyro.conf.arg(name=""),
     ]
 
@@ -320,7 +324,8 @@ def run_plot(options: Plot, output: TextIO | None = None) -> int:
 
 def run_study(options: ensemble.Options) -> int:
     """`linecontact study`."""
-    modules: tuple[Any, ...] = (hertz, sharp, blunt, rough, paper, iterations, edge_curve, kernels, peers, tradeoff)
+    modules: tuple[Any, ...] = (hertz, sharp, blunt, rough, paper, iterations, edge_curve)
+    modules += (kernels, peers, tradeoff, extremes, soak)
     return int(next(module for module in modules if type(options) is module.Options).command(options))
 
 

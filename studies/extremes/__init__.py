@@ -1,0 +1,186 @@
+"""A map of what can be asked: thousands of random scenes, each certified, refused for a reason, or a defect.
+
+linecontact study extremes [--quick] [--folder FOLDER]
+
+Thickness, Poisson's ratio, pressure, shape, amplitude, number of points, precision, method, units and start all at
+their extremes (`cells`), every answer looked at twice (`judge`). A cell that asks for a tolerance or an accuracy of its
+own may ask for more than can be had; all others are counted as physically meaningful.
+"""
+
+import re
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from linecontact.solver import PowerIndenter, RoughIndenter
+from linecontact.solver.relaxation import Progress
+from rich import box
+from rich.console import RenderableType
+from rich.table import Table
+
+from .. import console, ensemble, store
+from ..tasks import Record
+from . import cells
+from .judge import CERTIFIED, DEFECT, REFUSED, judge
+
+KIND = "extremes"
+
+
+@dataclass(frozen=True)
+class Configuration:
+    """small, middle, large: numbers of cells of each of `cells.SIZES`; seed: of all of them."""
+
+    small: int = 20_000
+    middle: int = 400
+    large: int = 20
+    seed: int = 1
+
+    def study(self) -> ensemble.Study:
+        """The tasks, spread over the map's places."""
+        counts = {"small": self.small, "middle": self.middle, "large": self.large}
+        numbers = [(size, number) for size, count in counts.items() for number in range(count)]
+        return ensemble.Study(KIND, asdict(self), [Task(self.seed, number, size) for size, number in numbers])
+
+
+QUICK = Configuration(small=490, middle=10, large=0)
+
+
+@dataclass(frozen=True)
+class Options(ensemble.Options):
+    """Scenes at the extremes, each certified, refused for a reason, or a defect: data, figure, table."""
+
+    quick: bool = False
+    """500 cells on up to 2^18 points instead of 20 420 on up to 2^24."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """One cell."""
+
+    seed: int
+    number: int
+    size: str
+
+    def cell(self) -> cells.Cell:
+        """The cell, at a place that goes through the whole map as the number grows."""
+        place = self.number * 7 % (cells.COLUMNS * cells.ROWS)  # neither 25 nor 12 is a multiple of 7
+        stream = list(cells.SIZES).index(self.size) + 10 * self.number
+        return cells.draw(self.seed, stream, place % cells.COLUMNS, place // cells.COLUMNS, self.size)
+
+    def run(self, report: Progress | None) -> Record:
+        """The cell's record: what was asked, the verdict, and what was found."""
+        cell = self.cell()
+        return describe(cell) | judge(cell)
+
+
+def describe(cell: cells.Cell) -> Record:
+    """What a cell asks for, in units L = E* = 1."""
+    scene, options = cell.scene, cell.options
+    indenter = scene.indenter
+    steepness = 1.0
+    if isinstance(indenter, PowerIndenter):
+        steepness = indenter.exponent
+    elif isinstance(indenter, RoughIndenter):
+        steepness = indenter.rms_gradient
+    return {
+        "shape": cell.shape,
+        "exponent or gradient": steepness,
+        "scene.thickness": scene.layer.thickness,
+        "scene.poisson_ratio": scene.layer.poisson_ratio,
+        "scene.pressure": scene.pressure,
+        "scene.num_points": scene.num_points,
+        "full_load": cell.full_load,
+        "unit_length": cell.length,
+        "unit_pressure": cell.stress,
+        "precision": scene.precision,
+        "method": str(options.get("method", "to an accuracy")),
+        "asked_for": float(options.get("tolerance", options.get("accuracy", 0.0))),
+        "elsewhere": int(cell.initial is not None),
+    }
+
+
+def command(options: Options) -> int:
+    """Run the study as asked, or what is left of it; returns the exit status, 4 if there is a defect."""
+    configuration, folder = (
+        (QUICK, "results/extremes-quick") if options.quick else (Configuration(), "results/extremes")
+    )
+    defects = 0
+
+    def counted(files: dict[str, store.StudyFile], path: Path) -> Sequence[RenderableType]:
+        nonlocal defects
+        defects = sum(run["verdict"] == DEFECT for file in files.values() for run in file.runs)
+        return closing(files, path)
+
+    status = ensemble.command([configuration.study()], options, Path(folder), counted)
+    return status or (console.EXIT_FAILED if defects else 0)
+
+
+def closing(files: dict[str, store.StudyFile], _: Path) -> Sequence[RenderableType]:
+    """Tables of verdicts and of reasons, and every defect."""
+    parts: list[RenderableType] = []
+    for file in files.values():
+        parts += [summary(file.runs), reasons(file.runs), *defects(file.runs)] if file.runs else []
+    return parts
+
+
+def summary(runs: Sequence[Record]) -> Table:
+    """Verdicts by what was asked, and how far the areas are off."""
+    table = Table(
+        box=box.SIMPLE,
+        pad_edge=False,
+        title=f"{len(runs)} cells",
+        caption="solved: share certified; worst: largest tolerance certified at, over p; 1e-8: share of these at "
+        "1e-8 or less; own request: of a tolerance or an accuracy, maybe too much. Dimensionless.",
+        caption_justify="left",
+    )
+    for heading in ("", "cells", "certified", "refused", "defects", "solved", "worst", "1e-8"):
+        table.add_column(heading, justify="left" if not heading else "right", no_wrap=True)
+    groups = {"default": [run for run in runs if not run["asked"]]}
+    groups |= {
+        f"  {p}": [run for run in groups["default"] if run["precision"] == p] for p in _distinct(runs, "precision")
+    }
+    groups |= {"own request": [run for run in runs if run["asked"]], "all": list(runs)}
+    for name, group in groups.items():
+        count = Counter(run["verdict"] for run in group)
+        levels = [float(run["tolerance"]) for run in group if run["verdict"] == CERTIFIED]
+        fine = sum(level <= 1e-8 for level in levels)
+        table.add_row(
+            name,
+            str(len(group)),
+            *(str(count[verdict]) for verdict in (CERTIFIED, REFUSED, DEFECT)),
+            f"{100 * count[CERTIFIED] / max(1, len(group)):.2f} %",
+            f"{max(levels, default=0.0):.1g}",
+            f"{100 * fine / max(1, len(levels)):.1f} %",
+        )
+    return table
+
+
+def _distinct(runs: Sequence[Record], name: str) -> list[str]:
+    return list(dict.fromkeys(str(run[name]) for run in runs))
+
+
+def reasons(runs: Sequence[Record]) -> Table:
+    """What was refused, by the parameter that the reason names."""
+    table = Table(box=box.SIMPLE, pad_edge=False, title="Refused, by the parameter named")
+    for heading in ("parameter", "cells", "own request", "one of them"):
+        table.add_column(heading, justify="left" if heading in ("parameter", "one of them") else "right")
+    refused = [run for run in runs if run["verdict"] == REFUSED]
+    named = Counter(_parameter(run) for run in refused)
+    for name, count in named.most_common():
+        group = [run for run in refused if _parameter(run) == name]
+        table.add_row(name, str(count), str(sum(run["asked"] for run in group)), group[0]["why"])
+    return table
+
+
+def _parameter(run: Record) -> str:
+    return re.split(r" is ", run["why"], maxsplit=1)[0]
+
+
+def defects(runs: Sequence[Record]) -> list[str]:
+    """A line on each."""
+    return [
+        f"defect: {run['shape']}, N {run['scene.num_points']}, d/L {float(run['scene.thickness']):.3g}: {run['why']}"
+        for run in runs
+        if run["verdict"] == DEFECT
+    ]

@@ -64,6 +64,8 @@ def judge(cell: Cell) -> Record:
 def _judge(cell: Cell) -> Record:
     scene = cell.in_units(cell.length, cell.stress)
     solution = solve(scene, initial=_initial(cell, scene), **cell.options)
+    if solution.status is Status.INTERRUPTED:
+        raise KeyboardInterrupt
     record = _numbers(solution)
     if solution.status is not Status.CONVERGED:
         if not _REASON.match(solution.reason):

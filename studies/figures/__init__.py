@@ -12,7 +12,7 @@ from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
 from .. import store
-from . import asperity, kernels, others, peers, rough, tradeoff
+from . import asperity, extremes, kernels, others, peers, rough, tradeoff
 from .style import STYLE, NothingToDraw
 
 __all__ = ["NothingToDraw", "draw"]
@@ -25,6 +25,8 @@ _DRAWINGS: dict[str, Callable[[Path], dict[str, Figure]]] = {
     "kernels": kernels.draw,
     "peers": peers.draw,
     "tradeoff": tradeoff.draw,
+    "extremes": extremes.draw,
+    "soak": extremes.soak,
     "solution": others.solution,
 }
 
