@@ -69,19 +69,29 @@ class Solution:
     def reason(self) -> str:
         """Why the status is not `CONVERGED`: the parameter that it depends on, and what is allowed. Empty if it is."""
         residual = self.certificate.free_residual if self.certificate else math.inf
-        o = self.observables
-        known = o.contact_area_error / o.contact_area_subgrid if o.contact_area_subgrid else math.inf
-        return {
-            Status.CONVERGED: "",
-            Status.INTERRUPTED: "it was interrupted",
-            Status.ITERATION_LIMIT: f"max_iterations is reached after {self.iterations}, at a residual of "
-            f"{residual:.2e}; allowed: more, or tolerance above that (tolerance is {self.tolerance:g})",
-            Status.STAGNATED: f"tolerance is {self.tolerance:g}; allowed: above {residual:.2e}, the residual at which "
-            f"method {self.method} in precision {self.scene.precision} stays, after {self.iterations} iterations",
-            Status.DIVERGED: f"method is {self.method}, which diverges here; allowed: another one",
-            Status.INACCURATE: f"num_points is {self.scene.num_points}, with which a_r is known to {known:.2g}, not to "
-            f"the accuracy of {self.accuracy:g}; allowed: more",
-        }[self.status]
+        match self.status:
+            case Status.ITERATION_LIMIT:
+                return (
+                    f"max_iterations is reached after {self.iterations}, at a residual of {residual:.2e}; allowed: more, "
+                    f"or tolerance above that (tolerance is {self.tolerance:g})"
+                )
+            case Status.STAGNATED:
+                return (
+                    f"tolerance is {self.tolerance:g}; allowed: above {residual:.2e}, the residual at which method "
+                    f"{self.method} in precision {self.scene.precision} stays, after {self.iterations} iterations"
+                )
+            case Status.DIVERGED:
+                return f"method is {self.method}, which diverges here; allowed: another one"
+            case Status.INACCURATE:
+                o = self.observables
+                known = o.contact_area_error / o.contact_area_subgrid if o.contact_area_subgrid else math.inf
+                return (
+                    f"num_points is {self.scene.num_points}, with which a_r is known to {known:.2g}, not to the accuracy "
+                    f"of {self.accuracy:g}; allowed: more"
+                )
+            case Status.INTERRUPTED:
+                return "it was interrupted"
+        return ""
 
     def to_dict(self) -> dict[str, Any]:
         """Everything but the fields that has a meaning, JSON-ready: numbers, text, flat objects; infinite: 'inf'."""
