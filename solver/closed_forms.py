@@ -88,10 +88,10 @@ def westergaard_area(amplitude: float, reduced_load: float) -> float:
 def foundation_half_width(reduced_load: float, exponent: float, radius: float, modulus: float) -> float:
     """Half-width a/L of a power profile on a Winkler foundation: p L = 2 k_W R^(1-n) a^(n+1)/(n+1).
 
-    radius: R/L; reduced_load: p/E*; modulus: k_W [E*/L], without one (0 or `inf`) the half-width is `inf`.
+    radius: R/L; reduced_load: p/E*; modulus: k_W [E*/L], 0 or `inf` make the half-width `inf` or 0.
     """
     if not 0 < modulus < math.inf:
-        return math.inf
+        return 0.0 if modulus else math.inf
     n = exponent
     return _power(radius, (n - 1) / (n + 1)) * _power(reduced_load * (n + 1) / (2 * modulus), 1 / (n + 1))
 

@@ -72,8 +72,8 @@ class Solution:
         match self.status:
             case Status.ITERATION_LIMIT:
                 return (
-                    f"max_iterations is reached after {self.iterations}, at a residual of {residual:.2e}; allowed: more, "
-                    f"or tolerance above that (tolerance is {self.tolerance:g})"
+                    f"max_iterations is reached after {self.iterations} at a residual of {residual:.2e}; allowed: more,"
+                    f" or tolerance above that (tolerance is {self.tolerance:g})"
                 )
             case Status.STAGNATED:
                 return (
@@ -86,8 +86,8 @@ class Solution:
                 o = self.observables
                 known = o.contact_area_error / o.contact_area_subgrid if o.contact_area_subgrid else math.inf
                 return (
-                    f"num_points is {self.scene.num_points}, with which a_r is known to {known:.2g}, not to the accuracy "
-                    f"of {self.accuracy:g}; allowed: more"
+                    f"num_points is {self.scene.num_points}, with which a_r is known to {known:.2g} and not to the "
+                    f"accuracy of {self.accuracy:g}; allowed: more"
                 )
             case Status.INTERRUPTED:
                 return "it was interrupted"

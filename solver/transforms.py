@@ -26,6 +26,8 @@ PLANNING = ("estimate", "measure", "patient")
 
 _STAGGER = 1024  # bytes: buffers that start at equal page offsets slow each other down
 
+_MOST_WISDOM = 2**24  # bytes; a plan takes some hundred
+
 _wisdom_loaded = False
 
 
@@ -107,9 +109,11 @@ def load_wisdom() -> None:
 def _import_wisdom() -> None:
     try:
         path = wisdom_file()
+        if not path.exists():
+            return
+        if not path.is_file() or path.stat().st_size > _MOST_WISDOM:
+            raise OSError(f"{path} is not a file of up to {_MOST_WISDOM >> 20} MiB")
         text = path.read_text("ascii")
-    except FileNotFoundError:
-        return
     except (OSError, UnicodeDecodeError, RuntimeError) as error:  # RuntimeError: a user without a home
         warnings.warn(f"FFTW wisdom is ignored: {error}", RuntimeWarning, stacklevel=3)
         return
@@ -117,7 +121,7 @@ def _import_wisdom() -> None:
         stored = json.loads(text)
         parts = tuple(stored[name].encode("ascii") for name in ("double", "single", "long double"))
         done = all(pyfftw.import_wisdom(parts))
-    except (ValueError, KeyError, TypeError, AttributeError):
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         done = False
     if not done:
         warnings.warn(f"FFTW wisdom in {path} is broken and ignored", RuntimeWarning, stacklevel=3)

@@ -19,7 +19,7 @@ from linecontact.solver.relaxation import Progress
 from rich.console import RenderableType
 
 from . import console, ensemble, extremes, store
-from .extremes.judge import CERTIFIED, DEFECT, REFUSED, judge
+from .extremes.verdicts import CERTIFIED, DEFECT, REFUSED, judge
 from .tasks import Record
 
 KIND = "soak"

@@ -50,7 +50,7 @@ def test_an_accuracy_is_bought_or_refused():
     assert short.returncode == 3
     assert short.stderr.count("\n") == 1
     assert (
-        "num_points is 2048, with which a_r is known to 0.018, not to the accuracy of 1e-06; allowed: more"
+        "num_points is 2048, with which a_r is known to 0.018 and not to the accuracy of 1e-06; allowed: more"
         in short.stderr
     )
     assert "chosen for an accuracy of 1e-06" in short.stdout

@@ -1,6 +1,7 @@
 """Transforms over shared buffers, and the wisdom file."""
 
 import json
+import os
 import warnings
 
 import numpy as np
@@ -84,3 +85,12 @@ def test_a_user_without_a_home_only_gets_a_warning(cache, monkeypatch):
         transforms.load_wisdom()
     with pytest.warns(RuntimeWarning, match="could not be kept"):
         transforms.save_wisdom()
+
+
+def test_wisdom_that_is_no_file_is_ignored(cache):
+    """A pipe was waited for, and anything read whole."""
+    path = transforms.wisdom_file()
+    path.parent.mkdir(parents=True)
+    os.mkfifo(path)
+    with pytest.warns(RuntimeWarning, match="is not a file of up to 16 MiB"):
+        Transforms(64, "float64")

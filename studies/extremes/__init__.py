@@ -3,8 +3,8 @@
 linecontact study extremes [--quick] [--folder FOLDER]
 
 Thickness, Poisson's ratio, pressure, shape, amplitude, number of points, precision, method, units and start all at
-their extremes (`cells`), every answer looked at twice (`judge`). A cell that asks for a tolerance or an accuracy of its
-own may ask for more than can be had; all others are counted as physically meaningful.
+their extremes (`cells`), every answer looked at twice (`verdicts`). A cell that asks for a tolerance or an accuracy of
+its own may ask for more than can be had; all others are counted as physically meaningful.
 """
 
 import re
@@ -22,7 +22,7 @@ from rich.table import Table
 from .. import console, ensemble, store
 from ..tasks import Record
 from . import cells
-from .judge import CERTIFIED, DEFECT, REFUSED, judge
+from .verdicts import CERTIFIED, DEFECT, REFUSED, judge
 
 KIND = "extremes"
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from .. import store
 from ..extremes import cells
-from ..extremes.judge import CERTIFIED, DEFECT, REFUSED
+from ..extremes.verdicts import CERTIFIED, DEFECT, REFUSED
 from .style import COLOURS, load
 
 Array64 = NDArray[np.float64]

@@ -97,8 +97,9 @@ def _numbers(solution: Solution) -> Record:
     for field in (solution.displacement, solution.contact_pressure):
         if not np.isfinite(field).all():
             raise DefectError("a field is not finite")
-    names = ("status", "contact_area", "contact_area_subgrid", "contact_area_error", "num_patches", "iterations")
+    names = ("contact_area", "contact_area_subgrid", "contact_area_error", "num_patches", "iterations")
     kept: Record = {name: record[name] for name in (*names, "transform_pairs", "tolerance", "handed_over")}
+    kept["outcome"] = record["status"]
     return kept | {f"certificate.{name}": value for name, value in record["certificate"].items()}
 
 

@@ -1,0 +1,301 @@
+"""The extremes: a sample of the map, and every defect that the map has found, each with the scene that showed it."""
+
+import itertools
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from linecontact.solver import (
+    Layer,
+    MeasuredIndenter,
+    PowerIndenter,
+    RoughIndenter,
+    Scene,
+    Status,
+    certify,
+    closed_forms,
+    collocation,
+    edges,
+    solve,
+)
+from linecontact.solver.accurate import Accurate
+from linecontact.solver.fire import MassWeightedFire
+from linecontact.solver.mixed import MixedActiveSet
+from linecontact.solver.patches import Patches
+from linecontact.solver.problem import Problem
+from linecontact.solver.relaxation import relax
+from linecontact.solver.transforms import Transforms
+from linecontact.studies import ensemble, extremes, figures, soak, store
+from linecontact.studies.extremes import cells, verdicts
+
+
+def measured(heights, layer=None, pressure=1e-3, **changes):
+    heights = np.asarray(heights, dtype=np.float64)
+    return Scene(layer or Layer(), MeasuredIndenter(heights), pressure, num_points=heights.size, **changes)
+
+
+@pytest.fixture(scope="module")
+def sample():
+    """Records of 500 cells of the map."""
+    return [task.run(None) for task in extremes.QUICK.study().runs]
+
+
+def test_a_sample_of_the_map(sample):
+    assert len(sample) == 500
+    assert not extremes.defects(sample)
+    plain = [run for run in sample if not run["asked"]]
+    solved = sum(run["verdict"] == verdicts.CERTIFIED for run in plain)
+    assert solved >= 0.97 * len(plain) > 300
+    for run in sample:
+        assert run["verdict"] == verdicts.CERTIFIED or " is " in run["why"]
+        assert run["verdict"] == verdicts.CERTIFIED or "; allowed: " in run["why"]
+    assert sum("off.subgrid" in run for run in sample) > 50  # known from elsewhere
+
+
+def test_the_sample_covers_the_map(sample):
+    points = {run["scene.num_points"] for run in sample}
+    assert min(points) < 8
+    assert max(points) > 2**16
+    assert len({run["shape"] for run in sample}) == 12
+    assert {run["precision"] for run in sample} == {"float64", "float32", "mixed"}
+    assert {run["method"] for run in sample} == {"active-set", "mass-weighted-fire", "fire", "to an accuracy"}
+    thickness = np.array([run["scene.thickness"] for run in sample])
+    assert thickness.min() < 1e-11
+    assert thickness[np.isfinite(thickness)].max() > 1e11
+    assert np.isinf(thickness).any()
+    places = {(task.number * 7 % 300) for task in extremes.Configuration(300, 0, 0).study().runs}
+    assert len(places) == cells.COLUMNS * cells.ROWS
+
+
+def test_the_judge_finds_defects(monkeypatch):
+    """A wrong answer given as converged, a traceback, and a reason that names nothing."""
+    cell = next(
+        c for k in itertools.count() if (c := extremes.Task(3, k, "small").cell()).options == {"method": "active-set"}
+    )
+    good = solve(cell.in_units(cell.length, cell.stress), method="active-set")
+    assert extremes.judge(cell)["verdict"] == verdicts.CERTIFIED
+    area = replace(good, observables=replace(good.observables, contact_area=math.nan))
+    loose = replace(good, displacement=good.displacement - 1e-3 * np.ptp(good.displacement) - 1e-300)
+    stuck = replace(good, status=Status.INTERRUPTED)
+    for wrong, why in ((area, "contact_area is not a number"), (loose, "")):
+        monkeypatch.setattr(verdicts, "solve", lambda *_, wrong=wrong, **__: wrong)
+        found = extremes.judge(cell)
+        assert found["verdict"] == verdicts.DEFECT
+        assert why in found["why"]
+    monkeypatch.setattr(verdicts, "solve", lambda *_, **__: stuck)
+    with pytest.raises(KeyboardInterrupt):
+        extremes.judge(cell)
+
+    def crash(*_, **__):
+        raise ZeroDivisionError("by zero")
+
+    monkeypatch.setattr(verdicts, "solve", crash)
+    assert extremes.judge(cell)["why"] == "ZeroDivisionError: by zero"
+
+    def vague(*_, **__):
+        raise ValueError("bad")
+
+    monkeypatch.setattr(verdicts, "solve", vague)
+    assert extremes.judge(cell)["verdict"] == verdicts.DEFECT
+
+
+def test_study_and_figure(tmp_path):
+    study = extremes.Configuration(6, 0, 0).study()
+    assert ensemble.command([study], ensemble.Options(folder=tmp_path, workers=1), tmp_path, extremes.closing) == 0
+    assert [path.name for path in figures.draw(tmp_path / "extremes.h5")] == ["extremes.png", "extremes.pdf"]
+
+
+def test_soak(tmp_path):
+    study = soak.Configuration(2, 0.3).study()
+    assert ensemble.command([study], ensemble.Options(folder=tmp_path, workers=1), tmp_path, soak.closing) == 0
+    file = store.load_study(tmp_path / "soak.h5")
+    assert all(run["certified"] > 0 == run["defect"] and run["open_files"] > 2 for run in file.runs)
+    assert "0 defects" in soak.summary(file)
+    with pytest.raises(ValueError, match="hours is 0"):
+        soak.command(soak.Options(hours=0.0, folder=tmp_path))
+
+
+@pytest.mark.parametrize("num_points", [4, 5, 6, 7, 8, 9, 13, 27, 31, 64])
+@pytest.mark.parametrize("layer", [Layer(), Layer(0.05, 0.3), Layer(0.01, 0.5)])
+def test_small_and_odd_grids_against_every_contact_set(num_points, layer):
+    """The dense problem, solved by dropping and adding nodes one at a time, which shares nothing with the methods."""
+    rng = np.random.default_rng(num_points)
+    scene = measured(rng.random(num_points), layer, 0.05)
+    problem = Problem.from_scene(scene)
+    # sigma = p - K u, with K as a matrix from the modes' definition
+    k = np.fft.fftfreq(num_points, 1 / num_points).astype(int)
+    waves = np.exp(2j * np.pi * np.outer(np.arange(num_points), k) / num_points)
+    matrix = (waves * problem.stiffness[np.abs(k)]) @ waves.conj().T / num_points
+    assert np.abs(matrix.imag).max() < 1e-12
+    matrix, h = matrix.real, problem.height
+    contact = h == 0
+    for _ in range(100):
+        u, free = h.copy(), ~contact
+        if free.any():
+            u[free] = np.linalg.solve(matrix[np.ix_(free, free)], 1 - matrix[np.ix_(free, contact)] @ h[contact])
+        force = 1 - matrix @ u
+        above, pulls = np.where(free, u - h, -1.0), np.where(contact, -force, -1.0)
+        if max(above.max() / np.ptp(h), pulls.max()) < 1e-9:
+            break
+        if above.max() > 0:
+            contact[above.argmax()] = True
+        else:
+            contact[pulls.argmax()] = False
+    for method in ("active-set", "mass-weighted-fire", "fire"):
+        solution = solve(scene, method=method, tolerance=1e-11)
+        assert solution.status is Status.CONVERGED
+        np.testing.assert_array_equal(solution.contact, contact)
+        np.testing.assert_allclose(solution.contact_pressure / scene.pressure, np.where(contact, force, 0), atol=1e-8)
+
+
+@pytest.mark.parametrize("power", [-30, -7, 7, 30])
+@pytest.mark.parametrize("method", ["active-set", "mass-weighted-fire", "fire"])
+def test_units_change_nothing(power, method):
+    scene = Scene(Layer(0.03, 0.4), PowerIndenter(1.5, 2.0), 3e-3, num_points=243)
+    unit = 10.0**power
+    layer = Layer(0.03 * unit, 0.4, 1 / unit)
+    other = Scene(layer, PowerIndenter(1.5, 2 * unit), 3e-3 / unit, unit, 243)
+    one, two = solve(scene, method=method), solve(other, method=method)
+    assert (one.iterations, one.status) == (two.iterations, two.status)
+    assert two.observables.contact_area_subgrid == pytest.approx(one.observables.contact_area_subgrid, rel=1e-12)
+    np.testing.assert_allclose(two.displacement / unit, one.displacement, rtol=1e-9, atol=1e-12)
+    assert (two.displacement <= other.profile).all()
+
+
+THIN = [
+    # a set of three nodes, carried over from a coarser grid, where one touches: CG drowned in rounding
+    Scene(Layer(4.1584257364427236e-10, 0.5 - 1e-15), pressure=1.606514420494921e-11, num_points=2048),
+    Scene(Layer(1.87e-11, 0.5 - 1e-12), PowerIndenter(1.01, 532.0), 0.0616, num_points=4096),
+    # displacements of 1e-31 p L/E*, velocities below what marks the wall
+    Scene(Layer(1.9646154159209253e-12, 0.5), PowerIndenter(64.0), 2.381039245412806e-13, num_points=1048),
+    # the stiffest mode beyond float32
+    Scene(Layer(1.68e-12, 0.5), pressure=0.11, num_points=36, precision="mixed"),
+    Scene(Layer(5.5e-12, 0.5), RoughIndenter(0.8, 994901, 0.179, 0.93, 2.65e-3), 0.23, 1.0, 150, "float32"),
+    # a load that rounding had eaten
+    Scene(Layer(6.7e-10, 0.5 - 1e-12), RoughIndenter(0.8, 704894, 0.0068, 0.22, 18.3), 6.2e-13, 1.0, 2048, "mixed"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("scene", THIN)
+def test_thin_and_incompressible(scene):
+    solution = solve(scene)
+    assert solution.status is Status.CONVERGED
+    assert not solution.handed_over
+    assert solution.iterations < 50
+    again = certify(Problem.from_scene(scene), solution.displacement / Problem.from_scene(scene).length_unit)[0]
+    assert math.isfinite(again.energy_error_bound)
+
+
+def test_fire_starts_again_where_it_bounces_off_the_wall():
+    scene = Scene(Layer(6.3700430753034e-05, 0.5 - 1e-9), PowerIndenter(8.0), 0.08858624613056416, num_points=729)
+    cold = MassWeightedFire(Problem.from_scene(scene), Transforms(729, "float64"), 0.95e-8)
+    assert relax(cold, 20_000) is Status.STAGNATED
+    assert cold.residual > 1
+    solution = solve(scene, method="mass-weighted-fire")
+    assert solution.status is Status.CONVERGED
+    assert solution.iterations > cold.iteration
+
+
+def test_heights_out_of_reach():
+    """A steep profile overflowed; what lies beyond reach makes no difference."""
+    scene = Scene(Layer(0.1), PowerIndenter(64.0, 2.8e-3), 1e-4, num_points=1001)
+    solution = solve(scene)
+    assert solution.status is Status.CONVERGED
+    capped = solve(measured(np.minimum(scene.profile, 1e3), scene.layer, 1e-4))
+    np.testing.assert_array_equal(solution.contact, capped.contact)
+    assert Problem.from_scene(scene).height.max() < 1e30
+
+
+def test_a_surface_too_flat_for_its_energy():
+    """Heights of 1e-150 touch everywhere; their squares underflow, and the bound on the error is 0, not inf."""
+    solution = solve(Scene(indenter=PowerIndenter(64.0, 250.0), num_points=16))
+    assert solution.status is Status.CONVERGED
+    assert solution.observables.contact_area == 1
+    assert solution.certificate.energy_error_bound == 0
+
+
+def test_edges_do_not_pass_each_other():
+    """Contact but for one node, or across a gap of one: a_r between the edges was above 1."""
+    pit = np.zeros(512)
+    pit[100] = 1
+    found = solve(measured(pit, Layer(1.8e-8, 0.4), 5e4)).observables
+    assert found.contact_area == 511 / 512
+    assert found.contact_area <= found.contact_area_subgrid <= 1
+    contact = np.ones(16, dtype=bool)
+    contact[[3, 9]] = False
+    patches = Patches.of(contact)
+    ends = edges.find_edges(patches, np.where(contact, 1.0, 0)[patches.nodes])
+    assert (np.roll(ends.left, -1)[:-1] >= ends.right[:-1]).all()
+    assert ends.left[0] + 16 >= ends.right[-1]
+
+
+def test_what_rounding_leaves():
+    """A default tolerance gives way to rounding, says so, and one that was asked for does not."""
+    scene = Scene(Layer(1e-7, 0.5), pressure=1e-12, num_points=2**15)
+    solution = solve(scene)
+    assert solution.status is Status.CONVERGED
+    assert 1e-8 < solution.tolerance < 0.2
+    assert solution.certificate.free_residual <= solution.tolerance
+    asked = solve(scene, tolerance=1e-8)
+    assert asked.status is Status.STAGNATED
+    assert asked.reason.startswith("tolerance is 1e-08; allowed: above ")
+
+
+def test_mixed_goes_on_in_float64(monkeypatch):
+    def stuck(self):
+        super(MixedActiveSet, self).step()
+        self.frozen = self.iteration > 3
+
+    monkeypatch.setattr(MixedActiveSet, "step", stuck)
+    solution = solve(Scene(Layer(0.01), RoughIndenter(0.8, 0, 1 / 4, 1 / 16), 0.01, num_points=1024, precision="mixed"))
+    assert solution.status is Status.CONVERGED
+    assert not solution.handed_over
+    assert [(c.what, c.chosen) for c in solution.choices] == [("precision", "float64")]
+
+
+def test_what_diverges_beyond_all_numbers_is_finite(monkeypatch):
+    def burst(self):
+        self.u[:] = np.nan
+        self.state[:] = np.where(np.arange(self.state.size) == 17, 1.0, self.state)  # frozen
+        self.state[15] = 1e31
+
+    monkeypatch.setattr(MassWeightedFire, "step", burst)
+    solution = solve(Scene(num_points=64), method="mass-weighted-fire")
+    assert solution.status is Status.DIVERGED
+    assert np.isfinite(solution.displacement).all()
+    assert solution.reason == "method is mass-weighted-fire, which diverges here; allowed: another one"
+
+
+@pytest.mark.parametrize("num_points", [5, 9, 365, 1021])
+def test_an_asperity_on_an_odd_grid(num_points):
+    """Its fields were sampled half a spacing beside the tip, and a narrow contact was missed."""
+    solution = solve(Scene(pressure=1e-4, num_points=num_points), accuracy=1e-4)
+    exact = closed_forms.periodic_half_space_area(2.0, 1.0, 1e-4)
+    assert solution.observables.contact_area_subgrid == pytest.approx(exact, rel=1e-4)
+    assert solution.contact_pressure.argmax() == num_points // 2
+
+
+def test_a_foundation_that_touches_at_a_point_is_no_model():
+    """Its area was 0, and divided by."""
+    rng = np.random.default_rng(0)
+    scene = measured(60 * rng.random(442), Layer(1.1e-12, 0.4), 2.4e-15)
+    assert solve(scene, accuracy=1e-3).method == "active-set"
+
+
+@pytest.mark.parametrize("exponent", [1.5, 2.0, 4.0])
+@pytest.mark.parametrize("poisson_ratio", [0.3, 0.499, 0.5 - 1e-12, 0.5])
+def test_guess_of_the_half_width(exponent, poisson_ratio):
+    """For nu next to 1/2 it was that of a foundation nearly rigid, and collocation took half a minute to fail."""
+    thickness = 1e-3
+    guess = collocation.guessed_half_width(1e-4, exponent, 1.0, thickness, poisson_ratio)
+    found = collocation.solve_load(1e-4, exponent, 1.0, thickness, poisson_ratio)
+    assert 0.5 < found.half_width / guess < 1.5
+
+
+def test_collocation_stays_cheap_on_long_contacts(monkeypatch):
+    tried = []
+    monkeypatch.setattr(Accurate, "_asperity", lambda self, layer: tried.append(layer))
+    scene = Scene(Layer(1.1e-4, 0.5 - 1e-15), PowerIndenter(4.0), 2.9e-2, num_points=64)
+    assert solve(scene, accuracy=1e-3).status is Status.INACCURATE
+    assert not tried
