@@ -3,6 +3,8 @@
 import time
 from dataclasses import replace
 
+import numpy as np
+
 from ..kernels import BACKENDS
 from . import checks, models
 from .active_set import ActiveSet
@@ -79,7 +81,9 @@ class Accurate:
         others = sum(choice.error for choice in self.choices if choice.what != "model")
         scene, certificate, ready = found.scene, None, time.perf_counter()
         if found.problem:
-            certificate = certify(found.problem, found.displacement / found.problem.length_unit)[0]
+            # on the wall exactly, whatever the units' rounding
+            on_wall = np.where(found.contact, found.problem.height, found.displacement / found.problem.length_unit)
+            certificate = certify(found.problem, on_wall)[0]
         end = time.perf_counter()
         solution = Solution(
             scene=scene,

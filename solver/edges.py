@@ -41,6 +41,7 @@ _THIN = 8.0  # grid spacings; thicker layers have the half-space's edge, to 0.01
 _NARROW = 4.0  # layer thicknesses; so do narrower patches on layers of `_THINNEST` spacings and more
 _THINNEST = 2.5
 _NEARLY_INCOMPRESSIBLE = 0.497
+_ALIKE = 0.15  # grid spacings between estimates of one edge
 COUNTED_BELOW = 3  # nodes; smaller patches are counted
 
 
@@ -140,26 +141,30 @@ def edge_function(curve: EdgeCurve, beta: Array64, j: Indices) -> Array64:
     return np.asarray((1 - beta) * curve.at(j) + beta * curve.at(j - 1))
 
 
-def edge_offset(curve: EdgeCurve, pressures: Array64) -> tuple[Array64, Array64]:
+def edge_offset(curve: EdgeCurve, pressures: Array64) -> tuple[Array64, Array64, Array64]:
     """theta from the last three nodal pressures, shape (M, 3), last node first; and from the last two. [grid spacings]
 
-    The edge lies theta inside the last contact node (outside for theta < 0); -s <= theta <= 1 - s.
+    The edge lies theta inside the last contact node (outside for theta < 0); -s <= theta <= 1 - s. The third result is
+    how little the pressures look like an edge: by how far the estimates differ, before they are put into these bounds.
     """
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         ratio = pressures[:, 0] / pressures[:, 1]
         two = curve.table[0] - ratio * curve.table[1]
         two = two / (two + ratio * curve.table[0]) - curve.shift
-    two = np.clip(np.where(np.isfinite(two), two, 0.5 - curve.shift), -curve.shift, 1 - curve.shift)
+    two = np.where(np.isfinite(two), two, 0.5 - curve.shift)
+    bounded = np.clip(two, -curve.shift, 1 - curve.shift)
+    spread = np.abs(two - bounded)
     if curve.rows is None:
-        return two, two
+        return bounded, bounded, spread
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         low, middle, high = curve.rows @ pressures.T
         theta = -2 * low / middle
         for _ in range(3):  # -theta middle/2 - 3/8 theta^2 high = low
             theta = -2 * low / (middle + 0.75 * theta * high)
-    theta = np.clip(np.where(np.isfinite(theta), theta, two), -curve.shift, 1 - curve.shift)
+        spread = np.maximum(spread, np.where(np.isfinite(theta), np.abs(theta - bounded), 1.0))
+    theta = np.clip(np.where(np.isfinite(theta), theta, bounded), -curve.shift, 1 - curve.shift)
     # two estimates far apart: the patch is too small for a third family
-    return np.where(np.abs(theta - two) < 0.15, theta, two), two
+    return np.where(np.abs(theta - bounded) < _ALIKE, theta, bounded), bounded, spread
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,30 +190,33 @@ def find_edges(patches: Patches, pressure: Array64, thickness: float = math.inf,
 
     thickness [grid spacings], poisson_ratio: of the layer. The error, measured against the oracle, is 0.1 to 0.25 over
     the nodes of the patch plus 0.03 over the thickness, more where the third node corrects much; for layers of few
-    spacings 0.02, for nu near 1/2 0.06.
+    spacings 0.02, for nu near 1/2 0.06. Where the pressures do not look like an edge, because the profile bends within
+    a few spacings, it is as large as the estimates differ; and of counted patches, that are seen or not, a spacing.
     """
     if patches.full:
         half = np.array([0.5])  # error: a gap between two nodes would not be seen
         return Edges(patches.first - half, patches.last + half, np.ones(1), np.zeros(1, dtype=bool))
     curve = edge_curve(thickness, poisson_ratio)
-    theta, two = _offsets(curve, patches, pressure)
+    theta, two, spread = _offsets(curve, patches, pressure)
     layer = np.full(patches.count, 0.1 / thickness + 0.5 / thickness**2)
     if curve.rows is None:
         narrow = (patches.size < _NARROW * thickness) & (thickness > _THINNEST)
         layer = np.where(narrow, layer, 0.02 if poisson_ratio < _NEARLY_INCOMPRESSIBLE else 0.06)
         if narrow.any():
-            theta, two = np.where(narrow, _offsets(_half_space_curve(), patches, pressure), (theta, two))
+            other = _offsets(_half_space_curve(), patches, pressure)
+            theta, two, spread = np.where(narrow, other, (theta, two, spread))
     counted = patches.size < COUNTED_BELOW
     outside = np.where(counted, 0.5, -theta)
     fitted = 0.3 * np.abs(theta - two) + 0.3 / patches.size + 10.0 / patches.size**2 + layer
-    each = np.where(counted, 0.5, np.minimum(fitted, 0.5))
+    fitted = np.where(spread < _ALIKE, np.minimum(fitted, 0.5), np.clip(spread, 0.5, 1.0))
+    each = np.where(counted, math.sqrt(0.5), fitted)
     left, right = patches.first - outside[0], patches.last + outside[1]
     # patches one node apart: not beyond each other
     overlap = np.maximum(right - np.append(left[1:], left[:1] + patches.num_points), 0.0) / 2
     return Edges(left + np.roll(overlap, 1), right - overlap, np.hypot(*each), counted)
 
 
-def _offsets(curve: EdgeCurve, patches: Patches, pressure: Array64) -> tuple[Array64, Array64]:
+def _offsets(curve: EdgeCurve, patches: Patches, pressure: Array64) -> tuple[Array64, Array64, Array64]:
     """`edge_offset` of the left and the right ends, shape (2, M) each."""
     m, inward = patches.count, np.arange(3)
     steps = np.minimum(inward, patches.size[:, None] - 1)
@@ -216,11 +224,11 @@ def _offsets(curve: EdgeCurve, patches: Patches, pressure: Array64) -> tuple[Arr
     right = pressure[(patches.offset + patches.size - 1)[:, None] - steps]
     ends = np.stack([left, right])
     away = patches.size[:, None] - 1 - inward
-    theta = two = np.full((2, m), 0.5 - curve.shift)
+    theta = two = spread = np.full((2, m), 0.5 - curve.shift)
     for _ in range(3):
         across = np.maximum(edge_function(curve, (theta + curve.shift)[::-1, :, None], away), 1e-3)
-        theta, two = (t.reshape(2, m) for t in edge_offset(curve, (ends / across).reshape(2 * m, 3)))
-    return theta, two
+        theta, two, spread = (t.reshape(2, m) for t in edge_offset(curve, (ends / across).reshape(2 * m, 3)))
+    return theta, two, spread
 
 
 def edge_moves(patches: Patches, pressure: Array64) -> Indices:

@@ -35,6 +35,8 @@ from .transforms import Transforms
 Array = NDArray[Any]
 Array64 = NDArray[np.float64]
 
+_DEEPEST = 1e30  # where a start from elsewhere is cut off, for float32
+
 
 @dataclass(frozen=True)
 class FireParameters:
@@ -74,7 +76,7 @@ class Fire:
 
     def start(self, displacement: Array64) -> None:
         """Begin at rest from u, shape (N,) [u], put below the wall."""
-        self.u[: self.num_points] = displacement
+        self.u[: self.num_points] = np.maximum(displacement, -_DEEPEST)
         self.v[:] = 0
         self._stop_at_wall()
 

@@ -60,7 +60,9 @@ class _Rebased(Fire):
     def step(self) -> None:
         """One iteration; now and then the change joins the base, which is another transform pair."""
         super().step()
-        if self.frozen or super().residual < self.smallest or self.iteration - self._since >= self.longest:
+        if not super().residual < 1e30:  # diverged
+            self.state[layout.FROZEN] = 1.0
+        elif self.frozen or super().residual < self.smallest or self.iteration - self._since >= self.longest:
             self._base = self.displacement
             self._rebase()
 

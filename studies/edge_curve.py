@@ -74,7 +74,7 @@ class Task:
         solution = solve(scene, tolerance=self.tolerance, progress=report)
         nodes = np.flatnonzero(solution.contact)[:3]
         last = solution.contact_pressure[nodes]
-        three, two = edges.edge_offset(edges.edge_curve(), last[None, :])
+        three, two, _ = edges.edge_offset(edges.edge_curve(), last[None, :])
         return store.run_record(solution) | {
             "place": self.place,
             "ratio": float(last[0] / last[1]),

@@ -259,7 +259,7 @@ def test_fields_of_a_tiny_asperity_carry_the_load():
 
 def test_collocation_does_not_outgrow_the_memory():
     with pytest.raises(ValueError, match="thickness is 1e-07"):
-        collocation.solve_load(0.03, 1.05, 1.0, 1e-7, 0.5)
+        collocation.solve_load(0.03, 2.0, 1e5, 1e-7, 0.25)
 
 
 @pytest.mark.parametrize("indenter", [PowerIndenter(), ROUGH])

@@ -38,7 +38,7 @@ def test_exact_edges_are_recovered():
     """Fields made of the edge families themselves: every place between the nodes comes back."""
     beta = np.linspace(0, 1, 11)
     pressures = np.stack([edges.edge_function(edges.edge_curve(), beta, np.full(11, j)) for j in range(3)], axis=1)
-    three, two = edges.edge_offset(edges.edge_curve(), pressures)
+    three, two, _ = edges.edge_offset(edges.edge_curve(), pressures)
     np.testing.assert_allclose(two, beta - edges.edge_curve().shift, atol=1e-12)
     np.testing.assert_allclose(three, beta - edges.edge_curve().shift, atol=1e-12)
 

@@ -33,7 +33,8 @@ CERTIFIED, REFUSED, DEFECT = "certified", "refused", "defect"
 
 _REASON = re.compile(r"\S+ is .+; allowed: .+", re.DOTALL)
 _ASKED = ("tolerance", "accuracy")
-_OTHER_UNITS = 1e-7, 1e11  # of length and pressure
+_OTHER_UNITS = 2.0**-60, 2.0**80  # of length and pressure; the ratios are the same to the last bit
+_MOST_ENERGY = 0.1
 _HALF_SPACE_FROM = 10.0  # periods
 _LONGEST = 20.0  # half-widths over thicknesses, for collocation in a fraction of a second
 _KNOWN = 0.1  # grid spacings to which a reference must know the area
@@ -130,6 +131,8 @@ def _look_again(solution: Solution) -> None:
         raise DefectError(
             f"free residual {again.free_residual:.2g} at the second look, {solution.tolerance:.2g} claimed"
         )
+    if not again.energy_error_bound <= _MOST_ENERGY:
+        raise DefectError(f"the energy may be off by {again.energy_error_bound:.2g} of itself")
     if not again.force_balance <= allowed * math.sqrt(scene.num_points):
         raise DefectError(f"the load is off by {again.force_balance:.2g}")
 
