@@ -33,7 +33,7 @@ CERTIFIED, REFUSED, DEFECT = "certified", "refused", "defect"
 
 _REASON = re.compile(r"\S+ is .+; allowed: .+", re.DOTALL)
 _ASKED = ("tolerance", "accuracy")
-_OTHER_UNITS = 2.0**-60, 2.0**80  # of length and pressure; the ratios are the same to the last bit
+_OTHER_UNITS = 2.0**-60, 2.0**80  # times those of length and pressure: ratios are the same to the last bit
 _MOST_ENERGY = 0.1
 _HALF_SPACE_FROM = 10.0  # periods
 _LONGEST = 20.0  # half-widths over thicknesses, for collocation in a fraction of a second
@@ -180,6 +180,7 @@ def _in_other_units(cell: Cell, solution: Solution) -> None:
     """Raises `DefectError` if the same scene in other units takes another number of iterations."""
     if cell.initial is not None or cell.scene.num_points > _REFERENCE_TO:
         return
-    other = solve(cell.in_units(*_OTHER_UNITS), **cell.options)
+    length, stress = cell.length * _OTHER_UNITS[0], cell.stress * _OTHER_UNITS[1]
+    other = solve(cell.in_units(length, stress), **cell.options)
     if other.iterations != solution.iterations:
         raise DefectError(f"{solution.iterations} iterations, in other units {other.iterations}")
