@@ -35,8 +35,6 @@ from .transforms import Transforms
 Array = NDArray[Any]
 Array64 = NDArray[np.float64]
 
-_DEEPEST = 1e30  # where a start from elsewhere is cut off, for float32
-
 
 @dataclass(frozen=True)
 class FireParameters:
@@ -76,7 +74,7 @@ class Fire:
 
     def start(self, displacement: Array64) -> None:
         """Begin at rest from u, shape (N,) [u], put below the wall."""
-        self.u[: self.num_points] = np.maximum(displacement, -_DEEPEST)
+        self.u[: self.num_points] = displacement
         self.v[:] = 0
         self._stop_at_wall()
 

@@ -5,8 +5,8 @@ heights in a unit of p L/E* over the stiffest mode, K_max L/E*, rounded down to 
 h and K remain, and K <= 2: u <= h, K u + sigma = 1, sigma >= 0, sigma (h - u) = 0. Scaling h, p, E* or L consistently
 leaves the numbers of this problem as they are, and no layer is so thin or unit so large that they overflow.
 
-Heights are cut off where nothing ever touches: with u = 0 somewhere (the load needs a contact, and the lowest h is 0)
-u <= 2 sum_k 1/K(q_k).
+Heights are cut off where nothing ever touches. Without its mean, |u| is at most sum_k 1/K(q_k), over all modes but the
+mean one; u <= 0 where h = 0, and u = h >= 0 somewhere: so |u| <= 2 sum_k 1/K(q_k) < `reach`.
 """
 
 import math
@@ -20,7 +20,7 @@ from .stiffness import stiffness
 
 Array64 = NDArray[np.float64]
 
-_FAR = 1e6  # times what the highest u may be
+_FAR = 1e6  # times the reach
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class Problem:
             height = scene.indenter.profile(n, scene.period) / unit
         return cls(
             stiffness=k,
-            height=np.minimum(height, _FAR * n / float(k[1:].min()), out=height),
+            height=np.minimum(height, _FAR * _reach(k, n), out=height),
             stiffness_unit=stiffness_unit,
             length_unit=unit * scene.period,
         )
@@ -54,6 +54,11 @@ class Problem:
     @property
     def num_points(self) -> int:
         return self.height.size
+
+    @property
+    def reach(self) -> float:
+        """What |u| stays below in every solution [u]."""
+        return _reach(self.stiffness, self.num_points)
 
     def net_force(self, displacement: Array64) -> Array64:
         """r = 1 - K u, shape (N,) [p], of a displacement [u]."""
@@ -67,6 +72,10 @@ class Problem:
         gap = self.height + np.fft.irfft(modes, self.num_points)
         gap -= (pressure @ gap) / pressure.sum()
         return np.where(pressure > 0, self.height, self.height - np.maximum(gap, 0.0))
+
+
+def _reach(stiffness: Array64, num_points: int) -> float:
+    return 2 * num_points / float(stiffness[1:].min())
 
 
 def foundation_level(height: Array64, modulus: float) -> float:

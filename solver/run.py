@@ -146,9 +146,10 @@ class Run:
         self.initial = None
         if initial is not None:
             displacement = _check_initial(initial, scene.num_points)
-            # on the wall exactly, whatever the units' rounding
-            on_wall = displacement >= scene.profile
-            self.initial = np.where(on_wall, self.problem.height, displacement / self.problem.length_unit)
+            # on the wall exactly, whatever the units' rounding; and not beyond where any solution is
+            on_wall, reach = displacement >= scene.profile, self.problem.reach
+            inside = np.clip(displacement / self.problem.length_unit, -reach, reach)
+            self.initial = np.where(on_wall, self.problem.height, inside)
         self.state = state or self._method_on(self.problem, CAUTION * self.tolerance)
         if planning != "estimate":
             save_wisdom()

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from linecontact.solver import (
+    METHODS,
     Layer,
     MeasuredIndenter,
     PowerIndenter,
@@ -161,6 +162,33 @@ def test_units_change_nothing(power, method):
     assert two.observables.contact_area_subgrid == pytest.approx(one.observables.contact_area_subgrid, rel=1e-12)
     np.testing.assert_allclose(two.displacement / unit, one.displacement, rtol=1e-9, atol=1e-12)
     assert (two.displacement <= other.profile).all()
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("precision", ["float64", "mixed"])
+def test_start_from_another_scene(method, precision):
+    scene = Scene(Layer(0.02, 0.45), RoughIndenter(0.8, 1, 1 / 2, 1 / 8), 0.02, num_points=243, precision=precision)
+    cold = solve(scene, method=method)
+    rng = np.random.default_rng(0)
+    full = solve(Scene(pressure=10.0, num_points=243)).displacement
+    for initial in (full, -1e35 * rng.random(243), 1e12 * rng.standard_normal(243), np.full(243, 1e-300)):
+        warm = solve(scene, method=method, initial=initial)
+        assert warm.status is Status.CONVERGED
+        np.testing.assert_array_equal(warm.contact, cold.contact)
+
+
+@pytest.mark.parametrize("precision", ["float32", "mixed"])
+@pytest.mark.parametrize("gradient", [1e-30, 1e-8, 1e4, 1e30])
+@pytest.mark.parametrize("pressure", [1e-30, 1e-6, 1e30])
+def test_precisions_agree_far_from_one(gradient, pressure, precision):
+    """Heights and displacements that float32 does not hold: denormal, or beyond its largest number."""
+    indenter = RoughIndenter(0.8, 2, 1 / 2, 1 / 8, gradient)
+    double = solve(Scene(Layer(0.1, 0.3), indenter, pressure, num_points=128))
+    other = solve(replace(double.scene, precision=precision))
+    assert other.status is double.status is Status.CONVERGED
+    np.testing.assert_array_equal(other.contact, double.contact)
+    peak = double.observables.peak_pressure
+    np.testing.assert_allclose(other.contact_pressure, double.contact_pressure, atol=1e-3 * peak)
 
 
 THIN = [

@@ -276,6 +276,7 @@ def test_scaling_is_exact(length, pressure, d, precision):
         (lambda: Scene(layer=3), "layer is 3"),
         (lambda: Scene(indenter="ball"), "indenter"),
         (lambda: Scene(pressure=1e-200), "pressure/contact_modulus"),
+        (lambda: Scene(pressure=5e-324), "pressure/contact_modulus"),
         (lambda: Scene(indenter=PowerIndenter(2.0, 1e-61)), "radius/period is 1e-61; allowed: from 1e-60 to 1e\\+60"),
         (lambda: Scene(Layer(1e-61)), "thickness/period"),
         (lambda: Scene(indenter=RoughIndenter(rms_gradient=1e-61)), "rms_gradient"),
