@@ -68,7 +68,11 @@ class _Rebased(Fire):
 
     def _rebase(self) -> None:
         """A change of 0, scaled so that the base's free residual is 1."""
-        n, gap = self.num_points, self.problem.height - self._base
+        n, s = self.num_points, self.state
+        if not np.isfinite(self._base).all():  # the last step went beyond all numbers
+            s[layout.FROZEN], s[layout.RESIDUAL] = 1.0, math.inf
+            return
+        gap = self.problem.height - self._base
         force = self.problem.net_force(self._base)
         free = force[(gap > 0) | (force <= 0)]
         residual = math.sqrt(float(free @ free) / max(1, free.size))

@@ -327,3 +327,20 @@ def test_collocation_stays_cheap_on_long_contacts(monkeypatch):
     scene = Scene(Layer(1.1e-4, 0.5 - 1e-15), PowerIndenter(4.0), 2.9e-2, num_points=64)
     assert solve(scene, accuracy=1e-3).status is Status.INACCURATE
     assert not tried
+
+
+@pytest.mark.parametrize(
+    ("seed", "number"),
+    [
+        (2, 8_000_190),  # mixed precision, the last step before the change joins the base beyond all numbers
+        (1, 11308),  # likewise, from rest
+        (1, 9343),  # a start from elsewhere, beyond float32
+        (1, 6770),  # sampled fields above the wall by the rounding of units
+        (1, 17940),  # the certificate of a foundation, whose contact rounding of units had taken off the wall
+        (1, 175),  # areas above 1
+        (1, 330),
+    ],
+)
+def test_cells_that_were_defects(seed, number):
+    record = extremes.Task(seed, number, "small").run(None)
+    assert record["verdict"] == verdicts.CERTIFIED, record["why"]
