@@ -91,7 +91,7 @@ class Solve:
     period: float | None = None
     """Period L > 0 [length]; default 1, or the length of a file with positions."""
     num_points: int | None = None
-    """Grid points, even, at least 16; default 2^18, for a file the next power of two (at most 16 times its values)."""
+    """Grid points, at least 4; default 2^18, for a file the next power of two (at most 16 times its values)."""
     contact_modulus: float = 1.0
     """E* = E/(1-nu^2) > 0 [pressure]."""
     accuracy: float | None = None

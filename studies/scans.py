@@ -14,7 +14,7 @@ from typing import Any, Literal
 
 import numpy as np
 from linecontact.solver import MeasuredIndenter, checks
-from linecontact.solver.scene import MAX_POINTS
+from linecontact.solver.scene import MAX_POINTS, MIN_POINTS
 from numpy.typing import NDArray
 
 from . import confined
@@ -104,7 +104,7 @@ def _choose_grid(options: Options, count: int) -> tuple[bool, int, int]:
     mirrored = options.window == "mirror" or (options.window == "auto" and not as_is)
     length = 2 * count if mirrored else count
     n = max(16, 2 ** math.ceil(math.log2(length))) if n is None else n
-    checks.integer("num_points", n, f"an even integer from 16 to {MAX_POINTS}", 16, MAX_POINTS, 2)
+    checks.integer("num_points", n, f"an integer from {MIN_POINTS} to {MAX_POINTS}", MIN_POINTS, MAX_POINTS)
     if n > MAX_REFINEMENT * count:
         raise ValueError(
             f"num_points is {n}; allowed: up to {MAX_REFINEMENT} times the {count} values in {options.path}"

@@ -56,6 +56,17 @@ def test_conventions_and_units(tmp_path, heights):
     np.testing.assert_allclose(only_z[0].heights, 1e-6 * (heights - heights.min()), atol=1e-18)
 
 
+def test_any_number_of_values_and_points(tmp_path):
+    """A band-limited profile keeps its heights at odd numbers, whether taken as it is or resampled."""
+    x = np.arange(41) / 41
+    path = write(tmp_path, ".npy", [np.cos(2 * np.pi * x) + 0.1 * np.sin(8 * np.pi * x)])
+    whole, _, n = read(path, num_points=41)
+    assert n == 41
+    fine, _, _ = read(path, num_points=123, detrend="none", window="none")
+    np.testing.assert_allclose(fine.heights[::3] - fine.heights[0], whole.heights - whole.heights[0], atol=1e-13)
+    assert solve(Scene(indenter=fine, num_points=123)).status is Status.CONVERGED
+
+
 def test_resampling_keeps_a_band_limited_profile(tmp_path, heights):
     path = write(tmp_path, ".npy", [heights])
     indenter, _, n = read(path, num_points=256, detrend="none", window="none", period=2.0)
