@@ -159,7 +159,7 @@ class Accurate:
     def _method(self, scene: Scene, size: int, tolerance: float) -> ActiveSet:
         check_scene(scene, size)
         problem = Problem.from_scene(scene, size)
-        even = size >= SMALLEST_WARP and is_even(problem.height)
+        even = size >= SMALLEST_WARP and is_even(problem.height, problem.reach)
         backend = self.backend if size >= SMALLEST_WARP else "numpy"
         kind = EvenActiveSet if even else ActiveSet
         transforms = Transforms(size // 2 if even else size, "float64", self.threads, self.planning)
@@ -169,6 +169,7 @@ class Accurate:
         """With the model's share and the climb's estimate in the errors, and whether they are what was asked for."""
         o = solution.observables
         area = max(o.contact_area_error, gridded * o.contact_area_subgrid) + modelled * o.contact_area_subgrid
+        area = min(area, 1.0)  # without a coarser grid nothing is known
         kappa = max(o.kappa_error, 2 * gridded * o.kappa_subgrid) + 2 * modelled * o.kappa_subgrid
         o = replace(o, contact_area_error=area, kappa_error=kappa)
         status = solution.status

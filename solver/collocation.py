@@ -28,6 +28,7 @@ from .closed_forms import (
     kappa_half_space,
     thin_layer_kappa_ratio,
 )
+from .indenters import STEEPEST
 from .stiffness import foundation_modulus, stiffness
 
 Array64 = NDArray[np.float64]
@@ -39,6 +40,7 @@ RESOLUTION = 40.0
 MOST_NODES = 2048
 """Of `solve_to_accuracy`: half a second."""
 
+_MOST_STEPS = 40  # of the search for a load; ten are many where the edge layers are resolved
 _MOST_VALUES = 6e7  # in one matrix: half a GiB
 _MODES = 22.0  # exp(-2 * 22) < 1e-19: largest q d of the layer's sum
 
@@ -120,7 +122,8 @@ class _System:
         if q.size:
             sines, cosines = np.sin(np.outer(a * x, q)), np.cos(np.outer(a * t, q))
             kernel += 4 * a / period * (sines * (q * compliance)) @ cosines.T
-        slope = (a * x / radius) ** (exponent - 1)
+        with np.errstate(over="ignore"):
+            slope = np.minimum((a * x / radius) ** (exponent - 1), STEEPEST)
         phi = np.asarray(np.linalg.solve(kernel * weights, slope), dtype=np.float64)
         return cls(a, exponent, radius, thickness, poisson_ratio, num_nodes, period, theta, weights, phi, modes)
 
@@ -250,7 +253,7 @@ def _match(system: Callable[[float], _System], load: float, exponent: float, gue
     target = math.log(load)
     y, slope = min(math.log(guess), math.log(0.45)), exponent + 1.0
     previous: tuple[float, float] | None = None
-    for _ in range(100):
+    for _ in range(_MOST_STEPS):
         best = system(math.exp(y))
         error = math.log(best.load) - target if best.load > 0 else math.inf
         if abs(error) < 1e-13:

@@ -51,7 +51,7 @@ def inverse_cholesky(column: Array64, order: int) -> Array64:
 
 
 class GreensFunction:
-    """Real-space G and K of one grid of N points. stiffness: K(q_k), shape (N//2 + 1,) [E*/L]."""
+    """Real-space G and K of one grid of N points. stiffness: K(q_k), shape (N//2 + 1,) [K]."""
 
     def __init__(self, stiffness: Array64, num_points: int) -> None:
         self._stiffness, self.num_points = stiffness, num_points
@@ -95,7 +95,7 @@ class GreensFunction:
         return sum(c.count * c.length for c in self._convolutions.values())
 
     def factor(self, order: int) -> Array64:
-        """`inverse_cholesky` of G [L/E*], shape (m, m) with m >= order; kept for the next call."""
+        """`inverse_cholesky` of G [1/K], shape (m, m) with m >= order; kept for the next call."""
         if self._factor.shape[0] < order:
             self._factor = inverse_cholesky(self.response, min(64 * -(-order // 64), self.num_points - 1))
         return self._factor

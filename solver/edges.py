@@ -41,7 +41,8 @@ _THIN = 8.0  # grid spacings; thicker layers have the half-space's edge, to 0.01
 _NARROW = 4.0  # layer thicknesses; so do narrower patches on layers of `_THINNEST` spacings and more
 _THINNEST = 2.5
 _NEARLY_INCOMPRESSIBLE = 0.497
-_ALIKE = 0.15  # grid spacings between estimates of one edge
+_MEASURED_FROM = 0.03  # grid spacings: thinner incompressible layers press like (a - x)^2, not like their stand-in
+_CLOSE, _ALIKE = 0.05, 0.15  # grid spacings between estimates of one edge
 COUNTED_BELOW = 3  # nodes; smaller patches are counted
 
 
@@ -197,17 +198,18 @@ def find_edges(patches: Patches, pressure: Array64, thickness: float = math.inf,
         half = np.array([0.5])  # error: a gap between two nodes would not be seen
         return Edges(patches.first - half, patches.last + half, np.ones(1), np.zeros(1, dtype=bool))
     curve = edge_curve(thickness, poisson_ratio)
-    theta, two, spread = _offsets(curve, patches, pressure)
+    theta, spread = _offsets(curve, patches, pressure)
     layer = np.full(patches.count, 0.1 / thickness + 0.5 / thickness**2)
     if curve.rows is None:
         narrow = (patches.size < _NARROW * thickness) & (thickness > _THINNEST)
-        layer = np.where(narrow, layer, 0.02 if poisson_ratio < _NEARLY_INCOMPRESSIBLE else 0.06)
+        own = 0.02 if poisson_ratio < _NEARLY_INCOMPRESSIBLE else 0.06 if thickness > _MEASURED_FROM else 0.5
+        layer = np.where(narrow, layer, own)
         if narrow.any():
             other = _offsets(_half_space_curve(), patches, pressure)
-            theta, two, spread = np.where(narrow, other, (theta, two, spread))
+            theta, spread = np.where(narrow, other, (theta, spread))
     counted = patches.size < COUNTED_BELOW
     outside = np.where(counted, 0.5, -theta)
-    fitted = 0.3 * np.abs(theta - two) + 0.3 / patches.size + 10.0 / patches.size**2 + layer
+    fitted = np.where(spread < _CLOSE, 0.3 * spread, spread) + 0.3 / patches.size + 10.0 / patches.size**2 + layer
     fitted = np.where(spread < _ALIKE, np.minimum(fitted, 0.5), np.clip(spread, 0.5, 1.0))
     each = np.where(counted, math.sqrt(0.5), fitted)
     left, right = patches.first - outside[0], patches.last + outside[1]
@@ -216,19 +218,19 @@ def find_edges(patches: Patches, pressure: Array64, thickness: float = math.inf,
     return Edges(left + np.roll(overlap, 1), right - overlap, np.hypot(*each), counted)
 
 
-def _offsets(curve: EdgeCurve, patches: Patches, pressure: Array64) -> tuple[Array64, Array64, Array64]:
-    """`edge_offset` of the left and the right ends, shape (2, M) each."""
+def _offsets(curve: EdgeCurve, patches: Patches, pressure: Array64) -> tuple[Array64, Array64]:
+    """theta of left and right ends, and how little they look like edges, shape (2, M) each; see `edge_offset`."""
     m, inward = patches.count, np.arange(3)
     steps = np.minimum(inward, patches.size[:, None] - 1)
     left = pressure[patches.offset[:, None] + steps]
     right = pressure[(patches.offset + patches.size - 1)[:, None] - steps]
     ends = np.stack([left, right])
     away = patches.size[:, None] - 1 - inward
-    theta = two = spread = np.full((2, m), 0.5 - curve.shift)
+    theta = np.full((2, m), 0.5 - curve.shift)
     for _ in range(3):
         across = np.maximum(edge_function(curve, (theta + curve.shift)[::-1, :, None], away), 1e-3)
-        theta, two, spread = (t.reshape(2, m) for t in edge_offset(curve, (ends / across).reshape(2 * m, 3)))
-    return theta, two, spread
+        theta, _, spread = (t.reshape(2, m) for t in edge_offset(curve, (ends / across).reshape(2 * m, 3)))
+    return theta, spread
 
 
 def edge_moves(patches: Patches, pressure: Array64) -> Indices:

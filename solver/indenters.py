@@ -16,7 +16,8 @@ from . import checks
 
 Array64 = NDArray[np.float64]
 
-_STEEPEST = 1e100
+STEEPEST = 1e100
+"""Slopes are cut off here, before they overflow (dimensionless)."""
 
 
 class Indenter(Protocol):
@@ -80,10 +81,10 @@ class PowerIndenter:
         return {"radius/period": self.radius / period}
 
     def _steepness(self, distance: Array64, period: float) -> Array64:
-        """|h'| = (x/R)^(n-1) at x/L; steeper than `_STEEPEST` makes no difference, but overflows."""
+        """|h'| = (x/R)^(n-1) at x/L; steeper than `STEEPEST` makes no difference, but overflows."""
         with np.errstate(over="ignore", under="ignore"):
             slope = (distance * (period / self.radius)) ** (self.exponent - 1)
-        return np.asarray(np.minimum(slope, _STEEPEST))
+        return np.asarray(np.minimum(slope, STEEPEST))
 
     @staticmethod
     def _distance(num_points: int) -> Array64:

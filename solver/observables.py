@@ -22,7 +22,8 @@ class Observables:
 
     contact_area: a_r, nodes in contact over all nodes. A node more or less is 1/N.
     contact_area_subgrid: a_r between the sub-grid edges (`edges`). contact_area_error: estimate of its error: the
-        edges' own, what the unfinished iteration leaves, and with nested grids the discretisation's.
+        edges' own (1 if a solve ended without a contact), what the unfinished iteration leaves, and with nested grids
+        the discretisation's.
     contact_area_discretisation_error: a third of the change from the last coarser grid; None without nested grids.
     num_patches: runs of neighbouring contact nodes; num_counted_patches: those of fewer than three nodes, for which the
         sub-grid area counts nodes.
@@ -65,7 +66,7 @@ def observe(scene: Scene, displacement: Array64, contact_pressure: Array64, cont
     layer, indenter = scene.layer, scene.indenter
     patches, edges = contact_edges(scene, np.where(contact, contact_pressure, 0.0))
     area_subgrid, gradient_subgrid, kappa_subgrid, sensitivity = subgrid_measures(scene, patches, edges, squared_slope)
-    area_error = math.sqrt(float(edges.error @ edges.error)) / scene.num_points
+    area_error = math.sqrt(float(edges.error @ edges.error)) / scene.num_points if area else 1.0
     modulus = foundation_modulus(layer.thickness, layer.poisson_ratio) * layer.contact_modulus  # 0 for a half-space
     return Observables(
         contact_area=area,

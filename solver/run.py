@@ -18,7 +18,7 @@ from .observables import contact_edges, observe
 from .problem import Problem, foundation_pressure, rounding_floor
 from .relaxation import Method, Progress, Status, relax
 from .scene import Scene
-from .solution import Choice, Solution
+from .solution import MEANINGLESS, Choice, Solution
 from .transforms import Transforms, save_wisdom
 
 Array64 = NDArray[np.float64]
@@ -53,9 +53,6 @@ DEFAULT_MAX_ITERATIONS = {"active-set": 2_000, "mass-weighted-fire": 20_000, "fi
 
 
 _FLOOR_POINTS = 1024  # of the solution that tells the size of u
-MEANINGLESS = 0.2
-"""Of a residual over the mean pressure; where rounding leaves more, there is no solution."""
-
 BELOW_FLOOR = ("refuse", "mixed")
 """What to do with a tolerance that float32 cannot reach."""
 
@@ -148,7 +145,8 @@ class Run:
             displacement = _check_initial(initial, scene.num_points)
             # on the wall exactly, whatever the units' rounding; and not beyond where any solution is
             on_wall, reach = displacement >= scene.profile, self.problem.reach
-            inside = np.clip(displacement / self.problem.length_unit, -reach, reach)
+            reach *= self.problem.length_unit
+            inside = np.clip(displacement, -reach, reach) / self.problem.length_unit
             self.initial = np.where(on_wall, self.problem.height, inside)
         self.state = state or self._method_on(self.problem, CAUTION * self.tolerance)
         if planning != "estimate":
@@ -226,8 +224,10 @@ class Run:
         from the Winkler foundation's pressure.
         """
         status = self.relax(state)
-        lost = status in (Status.STAGNATED, Status.DIVERGED) and not state.residual < MEANINGLESS
-        if lost and isinstance(state, Fire) and self.left > 0:
+        if isinstance(state, Fire) and status is not Status.INTERRUPTED and not state.residual < MEANINGLESS:
+            if self.left <= 0 and self.limited:
+                return state, status
+            self.left = max(self.left, DEFAULT_MAX_ITERATIONS["mass-weighted-fire"])
             state = self._method_on(state.problem, state.tolerance)
             state.start_from_pressure(foundation_pressure(state.problem))
             status = self.relax(state)
@@ -250,8 +250,8 @@ class Run:
                 break
         for hand_over in (self._to_float64, self._to_fire):
             gave_up = not good and status not in (Status.INTERRUPTED, Status.ITERATION_LIMIT)
-            if gave_up and not self._rounded_off() and (self.left > 0 or not self.limited):
-                status, good = hand_over(status)
+            if gave_up and not self._rounded_off() and (self.left > 0 or not self.limited) and (other := hand_over()):
+                status, good = self._go_on(other)
                 tries += 1
         if tries:
             self.seconds_more = time.perf_counter() - begin
@@ -270,22 +270,22 @@ class Run:
         precision = "float32" if self.scene.precision == "float32" else "float64"
         return rounding_floor(self.problem.stiffness, self.state.displacement, precision)
 
-    def _to_float64(self, status: Status) -> tuple[Status, bool]:
-        """The active set in float64 from where that in mixed precision ended."""
+    def _to_float64(self) -> Method | None:
+        """The active set in float64 after that in mixed precision."""
         if not isinstance(self.state, MixedActiveSet):
-            return status, False
+            return None
         residual = self.certificate.free_residual
         self.choices.append(Choice("precision", "float64", f"mixed ends at a residual of {residual:.1g}"))
-        return self._go_on(self._method_on(self.problem, CAUTION * self.tolerance, precision="float64"))
+        return self._method_on(self.problem, CAUTION * self.tolerance, precision="float64")
 
-    def _to_fire(self, status: Status) -> tuple[Status, bool]:
-        """Mass-weighted FIRE from where the active set ended."""
+    def _to_fire(self) -> Method | None:
+        """Mass-weighted FIRE after the active set."""
         if not isinstance(self.state, ActiveSet):
-            return status, False
+            return None
         self.handed_over = True
         if not self.limited:
             self.left = DEFAULT_MAX_ITERATIONS["mass-weighted-fire"]
-        return self._go_on(self._method_on(self.problem, CAUTION * self.tolerance, MassWeightedFire))
+        return self._method_on(self.problem, CAUTION * self.tolerance, MassWeightedFire)
 
     def _go_on(self, state: Method) -> tuple[Status, bool]:
         """With another method from where this one ended; the better of the two stays."""

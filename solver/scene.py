@@ -18,7 +18,7 @@ Array64 = NDArray[np.float64]
 
 PRECISIONS = ("float64", "float32", "mixed")
 MIN_POINTS, MAX_POINTS = 4, 2**30  # Warp indices are int32
-LARGEST = 1e60
+SMALLEST, LARGEST = 1e-60, 1e60
 """Of the units and ratios of a scene (dimensionless ratios; any unit of length or pressure)."""
 
 
@@ -93,8 +93,8 @@ class Scene:
         if math.isfinite(self.layer.thickness):
             numbers["thickness/period"] = self.layer.thickness / self.period
         for name, value in numbers.items():
-            if not 1 / LARGEST <= value <= LARGEST:
-                raise ValueError(f"{name} is {value:.3g}; allowed: from {1 / LARGEST:.0e} to {LARGEST:.0e}")
+            if not SMALLEST <= value <= LARGEST:
+                raise ValueError(f"{name} is {value:.3g}; allowed: from {SMALLEST:.0e} to {LARGEST:.0e}")
 
     @property
     def working_precision(self) -> str:

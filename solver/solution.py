@@ -17,6 +17,10 @@ from .scene import Scene
 Array64 = NDArray[np.float64]
 
 
+MEANINGLESS = 0.2
+"""Of a residual over the mean pressure; where there is more left, there is no solution."""
+
+
 @dataclass(frozen=True)
 class Choice:
     """Something that was chosen for the user, and why.
@@ -69,29 +73,24 @@ class Solution:
     def reason(self) -> str:
         """Why the status is not `CONVERGED`: the parameter that it depends on, and what is allowed. Empty if it is."""
         residual = self.certificate.free_residual if self.certificate else math.inf
+        looser = f", or tolerance above {residual:.2g} (it is {self.tolerance:g})" if residual < MEANINGLESS else ""
+        lost = (
+            f"method is {self.method} in precision {self.scene.precision}, which does not settle here; allowed: another"
+        )
         match self.status:
-            case Status.ITERATION_LIMIT:
-                return (
-                    f"max_iterations is reached after {self.iterations} at a residual of {residual:.2e}; allowed: more,"
-                    f" or tolerance above that (tolerance is {self.tolerance:g})"
-                )
-            case Status.STAGNATED:
-                return (
-                    f"tolerance is {self.tolerance:g}; allowed: above {residual:.2e}, the residual at which method "
-                    f"{self.method} in precision {self.scene.precision} stays, after {self.iterations} iterations"
-                )
-            case Status.DIVERGED:
-                return f"method is {self.method}, which diverges here; allowed: another one"
-            case Status.INACCURATE:
-                o = self.observables
-                known = o.contact_area_error / o.contact_area_subgrid if o.contact_area_subgrid else math.inf
-                return (
-                    f"num_points is {self.scene.num_points}, with which a_r is known to {known:.2g} and not to the "
-                    f"accuracy of {self.accuracy:g}; allowed: more"
-                )
+            case Status.CONVERGED:
+                return ""
             case Status.INTERRUPTED:
                 return "it was interrupted"
-        return ""
+            case Status.ITERATION_LIMIT:
+                return f"max_iterations is reached after {self.iterations}; allowed: more{looser}"
+            case Status.INACCURATE:
+                o, points = self.observables, self.scene.num_points
+                known = o.contact_area_error / o.contact_area_subgrid if o.contact_area_subgrid else math.inf
+                above = f"above {known:.2g}, or " if known < 1 else ""
+                return f"accuracy is {self.accuracy:g}; allowed: {above}more num_points than {points}"
+            case _:
+                return lost + looser
 
     def to_dict(self) -> dict[str, Any]:
         """Everything but the fields that has a meaning, JSON-ready: numbers, text, flat objects; infinite: 'inf'."""

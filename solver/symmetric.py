@@ -30,12 +30,12 @@ Array = NDArray[Any]
 Array64 = NDArray[np.float64]
 
 
-def is_even(height: Array64) -> bool:
-    """Whether h_i = h_(N-1-i) but for rounding, N a multiple of 4; shape (N,)."""
+def is_even(height: Array64, reach: float = np.inf) -> bool:
+    """Whether h_i = h_(N-1-i) but for rounding, N a multiple of 4; shape (N,). reach: heights beyond do not matter."""
     if height.size % 4:
         return False
     half = height.size // 2
-    return bool(np.abs(height[:half] - height[: half - 1 : -1]).max() <= 1e-12 * np.ptp(height))
+    return bool(np.abs(height[:half] - height[: half - 1 : -1]).max() <= 1e-12 * min(np.ptp(height), reach))
 
 
 class EvenActiveSet(ActiveSet):

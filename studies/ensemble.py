@@ -250,8 +250,12 @@ def command(
     options: Options,
     folder: Path,
     closing: Callable[[dict[str, store.StudyFile], Path], Sequence[RenderableType]],
+    defects: Callable[[store.StudyFile], Sequence[str]] = lambda _: (),
 ) -> int:
-    """Run studies into one folder, draw them, and print what `closing` makes of them; returns the exit status."""
+    """Run studies into one folder, draw them, and print what `closing` makes of them; returns the exit status.
+
+    defects: what in a study must not be, a line each; as bad as a task that failed.
+    """
     begin = time.monotonic()
     folder = options.folder or folder
     executors.check(options.workers, options.memory, options.scheduler)
@@ -271,15 +275,20 @@ def command(
     output.print(f"{time.monotonic() - begin:.1f} s in all." if computed else "Finished before; nothing computed.")
     output.print(f"Data: {', '.join(str(study.path(folder)) for study in studies)}", soft_wrap=True)
     output.print(f"Figures: {', '.join(map(str, figures))}", soft_wrap=True)
-    return exit_status(files.values())
+    return exit_status(files.values(), defects)
 
 
-def exit_status(files: Iterable[store.StudyFile]) -> int:
-    """4 if any task failed, 3 if any run is not certified at its tolerance, else 0."""
+def exit_status(
+    files: Iterable[store.StudyFile], defects: Callable[[store.StudyFile], Sequence[str]] = lambda _: ()
+) -> int:
+    """4 if any task failed or there is a defect, 3 if any run is not certified at its tolerance, else 0."""
     status = 0
     for file in files:
         for task, reason in file.failures.items():
             console.errors.print(f"linecontact: {file.kind}: task {task} failed: {reason}")
+            status = console.EXIT_FAILED
+        for defect in defects(file):
+            console.errors.print(f"linecontact: {file.kind}: defect: {defect}")
             status = console.EXIT_FAILED
         if not status and any(run.get("status", "converged") != "converged" for run in file.runs):
             status = console.EXIT_NOT_CONVERGED

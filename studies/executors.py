@@ -116,10 +116,11 @@ class Processes(ProcessPoolExecutor):
 
 def abandon(executor: Executor, futures: Iterable[Future[Any]]) -> None:
     """Give up what is running, where that is possible, and waiting."""
-    for future in futures:
-        future.cancel()
     if isinstance(executor, Processes):
-        executor.abandon()
+        executor.abandon()  # which ends the futures; one that was cancelled besides makes its thread stumble
+    else:
+        for future in futures:
+            future.cancel()
     executor.shutdown(wait=False)
 
 

@@ -6,9 +6,9 @@ The scenes are drawn like the cells of the map (`extremes`), with another seed. 
 that was stopped goes on.
 """
 
+import math
 import os
 import time
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -18,7 +18,7 @@ from linecontact.solver import checks
 from linecontact.solver.relaxation import Progress
 from rich.console import RenderableType
 
-from . import console, ensemble, extremes, store
+from . import ensemble, extremes, store
 from .extremes.verdicts import CERTIFIED, DEFECT, REFUSED, judge
 from .tasks import Record
 
@@ -59,22 +59,22 @@ class Task:
 
     def run(self, report: Progress | None) -> Record:
         """How many scenes came to which end, and what the process holds after them."""
-        begin, count, longest, why = time.monotonic(), Counter[str](), 0.0, ""
+        begin, verdicts, asked, longest, why = time.monotonic(), list[str](), 0, 0.0, ""
         rng = np.random.default_rng([_SEED, self.number])
-        while time.monotonic() - begin < self.seconds and count.total() < _MOST:
+        while time.monotonic() - begin < self.seconds and len(verdicts) < _MOST:
             size = "middle" if rng.random() < _MIDDLE else "small"
-            record = judge(extremes.Task(_SEED, self.number * _MOST + count.total(), size).cell())
-            count[record["verdict"]] += 1
-            count["asked"] += bool(record["asked"]) if record["verdict"] == REFUSED else 0
-            longest = max(longest, record["seconds.cell"])
+            record = judge(extremes.Task(_SEED, self.number * _MOST + len(verdicts), size).cell())
             if record["verdict"] == DEFECT and not why:
-                why = f"scene {count.total() - 1}: {record['why']}"
+                why = f"scene {len(verdicts)}: {record['why']}"
+            verdicts.append(record["verdict"])
+            asked += bool(record["asked"] and record["verdict"] == REFUSED)
+            longest = max(longest, record["seconds.cell"])
             if report:
-                report(count.total(), float("nan"))
+                report(len(verdicts), math.nan)
         return {
             "stretch": self.number,
-            **{verdict: count[verdict] for verdict in (CERTIFIED, REFUSED, DEFECT)},
-            "refused_asked": count["asked"],
+            **{verdict: verdicts.count(verdict) for verdict in (CERTIFIED, REFUSED, DEFECT)},
+            "refused_asked": asked,
             "first_defect": why,
             "seconds.longest": longest,
             "bytes.resident": _resident(),
@@ -92,20 +92,12 @@ def command(options: Options) -> int:
     """Run the soak, or what is left of it; returns the exit status, 4 if there is a defect."""
     hours = checks.real("hours", options.hours, "0 < hours <= 1000", 0, 1000)
     study = Configuration(max(1, round(60 * hours))).study()
-    defects = 0
-
-    def counted(files: dict[str, store.StudyFile], path: Path) -> Sequence[RenderableType]:
-        nonlocal defects
-        defects = sum(run[DEFECT] for file in files.values() for run in file.runs)
-        return closing(files, path)
-
-    status = ensemble.command([study], options, Path("results/soak"), counted)
-    return status or (console.EXIT_FAILED if defects else 0)
+    return ensemble.command([study], options, Path("results/soak"), closing, defects)
 
 
 def closing(files: dict[str, store.StudyFile], _: Path) -> Sequence[RenderableType]:
     """The summary."""
-    return [text for file in files.values() if file.runs for text in (summary(file), *_defects(file))]
+    return [summary(file) for file in files.values() if file.runs]
 
 
 def summary(file: store.StudyFile) -> str:
@@ -126,5 +118,6 @@ def summary(file: store.StudyFile) -> str:
     )
 
 
-def _defects(file: store.StudyFile) -> list[str]:
-    return [f"defect in stretch {run['stretch']}, {run['first_defect']}" for run in file.runs if run["first_defect"]]
+def defects(file: store.StudyFile) -> list[str]:
+    """A line on each stretch that had one."""
+    return [f"stretch {run['stretch']}, {run['first_defect']}" for run in file.runs if run["first_defect"]]

@@ -39,7 +39,7 @@ UNITS = {
 }
 """Units by the last part of a name; 'seconds.*' is in seconds, 'bytes.*' in bytes, everything else dimensionless."""
 
-RESULTS_VERSION = 1
+RESULTS_VERSION = 2
 """To be raised whenever the same task gives other results: they must not be mixed."""
 
 MAX_RUNS = 2**17  # of a study's file

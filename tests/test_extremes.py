@@ -1,6 +1,5 @@
 """The extremes: a sample of the map, and every defect that the map has found, each with the scene that showed it."""
 
-import itertools
 import math
 from dataclasses import replace
 
@@ -44,7 +43,7 @@ def sample():
 
 def test_a_sample_of_the_map(sample):
     assert len(sample) == 500
-    assert not extremes.defects(sample)
+    assert not extremes.defects(store.StudyFile("extremes", {}, sample))
     plain = [run for run in sample if not run["asked"]]
     solved = sum(run["verdict"] == verdicts.CERTIFIED for run in plain)
     assert solved >= 0.97 * len(plain) > 300
@@ -65,45 +64,78 @@ def test_the_sample_covers_the_map(sample):
     assert thickness.min() < 1e-11
     assert thickness[np.isfinite(thickness)].max() > 1e11
     assert np.isinf(thickness).any()
-    places = {(task.number * 7 % 300) for task in extremes.Configuration(300, 0, 0).study().runs}
-    assert len(places) == cells.COLUMNS * cells.ROWS
+    place = {(math.floor(math.log10(t)) if math.isfinite(t) else 99) for t in thickness}
+    assert len(place) == cells.COLUMNS
+
+
+def falsified(solution):
+    """Wrong answers given as converged, and what is wrong with them."""
+    o, n = solution.observables, solution.scene.num_points
+    lower = solution.displacement - 1e-3 * np.ptp(solution.displacement)
+    moved = np.roll(solution.contact_pressure, 1)
+    yield replace(solution, observables=replace(o, approach=math.nan)), "approach is nan"
+    yield replace(solution, observables=replace(o, peak_pressure=math.inf)), "peak_pressure is inf"
+    yield replace(solution, observables=replace(o, contact_area=1.5)), "a_r is 1.5"
+    yield replace(solution, observables=replace(o, peak_pressure=0.5 * o.peak_pressure)), "not those of the fields"
+    yield (
+        replace(solution, observables=replace(o, contact_area_subgrid=o.contact_area + 9 / n)),
+        "sub-grid edges are off",
+    )
+    yield replace(solution, observables=replace(o, contact_area_error=1e-12)), "claimed 1e-12"
+    yield replace(solution, contact_pressure=7 * solution.contact_pressure), "the load is off by 6"
+    yield replace(solution, contact_pressure=moved, contact=moved > 0), "free residual"
+    yield replace(solution, displacement=lower), "free residual"
+    yield replace(solution, displacement=solution.displacement + 1.0), "above the wall"
+    yield replace(solution, contact=~solution.contact), "off the contact"
 
 
 def test_the_judge_finds_defects(monkeypatch):
     """A wrong answer given as converged, a traceback, and a reason that names nothing."""
-    cell = next(
-        c for k in itertools.count() if (c := extremes.Task(3, k, "small").cell()).options == {"method": "active-set"}
-    )
-    good = solve(cell.in_units(cell.length, cell.stress), method="active-set")
+    scene = Scene(pressure=2e-3, num_points=364)
+    cell = cells.Cell(scene, "power", 1.0, 1.0, 1.0, {"method": "active-set"}, None)
     assert extremes.judge(cell)["verdict"] == verdicts.CERTIFIED
-    area = replace(good, observables=replace(good.observables, contact_area=math.nan))
-    loose = replace(good, displacement=good.displacement - 1e-3 * np.ptp(good.displacement) - 1e-300)
-    stuck = replace(good, status=Status.INTERRUPTED)
-    for wrong, why in ((area, "contact_area is not a number"), (loose, "")):
+    for wrong, why in falsified(solve(scene)):
         monkeypatch.setattr(verdicts, "solve", lambda *_, wrong=wrong, **__: wrong)
         found = extremes.judge(cell)
         assert found["verdict"] == verdicts.DEFECT
         assert why in found["why"]
-    monkeypatch.setattr(verdicts, "solve", lambda *_, **__: stuck)
+
+    def ends(outcome):
+        def solve(*_, **__):
+            if isinstance(outcome, Exception):
+                raise outcome
+            return outcome
+
+        monkeypatch.setattr(verdicts, "solve", solve)
+        return extremes.judge(cell)["verdict"]
+
+    good = solve(scene)
+    assert ends(ZeroDivisionError("by zero")) == ends(ValueError("bad")) == verdicts.DEFECT
+    assert ends(ValueError("pressure is 0; allowed: > 0")) == verdicts.REFUSED
+    assert ends(replace(good, status=Status.STAGNATED)) == verdicts.REFUSED
     with pytest.raises(KeyboardInterrupt):
-        extremes.judge(cell)
-
-    def crash(*_, **__):
-        raise ZeroDivisionError("by zero")
-
-    monkeypatch.setattr(verdicts, "solve", crash)
-    assert extremes.judge(cell)["why"] == "ZeroDivisionError: by zero"
-
-    def vague(*_, **__):
-        raise ValueError("bad")
-
-    monkeypatch.setattr(verdicts, "solve", vague)
-    assert extremes.judge(cell)["verdict"] == verdicts.DEFECT
+        ends(replace(good, status=Status.INTERRUPTED))
+    monkeypatch.undo()
+    units = iter([good, solve(scene, max_iterations=3)])
+    monkeypatch.setattr(verdicts, "solve", lambda *_, **__: next(units))
+    assert "in other units" in extremes.judge(cell)["why"]
+    monkeypatch.undo()
+    accurate = replace(cell, options={"accuracy": 1e-4})
+    rough = solve(scene, accuracy=1e-4)
+    o = rough.observables
+    wrong = replace(
+        rough, observables=replace(o, contact_area_subgrid=1.01 * o.contact_area_subgrid, contact_area_error=1)
+    )
+    monkeypatch.setattr(verdicts, "solve", lambda *_, **__: wrong)
+    assert "asked for 0.0001" in extremes.judge(accurate)["why"]
 
 
 def test_study_and_figure(tmp_path):
     study = extremes.Configuration(6, 0, 0).study()
-    assert ensemble.command([study], ensemble.Options(folder=tmp_path, workers=1), tmp_path, extremes.closing) == 0
+    options = ensemble.Options(folder=tmp_path, workers=1)
+    assert ensemble.command([study], options, tmp_path, extremes.closing, extremes.defects) == 0
+    every = lambda file: ["one"] * len(file.runs)  # noqa: E731
+    assert ensemble.command([study], options, tmp_path, extremes.closing, every) == 4
     assert [path.name for path in figures.draw(tmp_path / "extremes.h5")] == ["extremes.png", "extremes.pdf"]
 
 
@@ -267,7 +299,8 @@ def test_what_rounding_leaves():
     assert solution.certificate.free_residual <= solution.tolerance
     asked = solve(scene, tolerance=1e-8)
     assert asked.status is Status.STAGNATED
-    assert asked.reason.startswith("tolerance is 1e-08; allowed: above ")
+    assert asked.reason.startswith("method is active-set in precision float64, which does not settle here; allowed: ")
+    assert asked.reason.endswith("(it is 1e-08)")
 
 
 def test_mixed_goes_on_in_float64(monkeypatch):
@@ -292,7 +325,9 @@ def test_what_diverges_beyond_all_numbers_is_finite(monkeypatch):
     solution = solve(Scene(num_points=64), method="mass-weighted-fire")
     assert solution.status is Status.DIVERGED
     assert np.isfinite(solution.displacement).all()
-    assert solution.reason == "method is mass-weighted-fire, which diverges here; allowed: another one"
+    assert solution.reason.endswith(
+        "mass-weighted-fire in precision float64, which does not settle here; allowed: another"
+    )
 
 
 @pytest.mark.parametrize("num_points", [5, 9, 365, 1021])

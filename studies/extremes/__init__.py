@@ -13,13 +13,13 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from linecontact.solver import PowerIndenter, RoughIndenter
+from linecontact.solver import PowerIndenter
 from linecontact.solver.relaxation import Progress
 from rich import box
 from rich.console import RenderableType
 from rich.table import Table
 
-from .. import console, ensemble, store
+from .. import ensemble, store
 from ..tasks import Record
 from . import cells
 from .verdicts import CERTIFIED, DEFECT, REFUSED, judge
@@ -64,7 +64,7 @@ class Task:
 
     def cell(self) -> cells.Cell:
         """The cell, at a place that goes through the whole map as the number grows."""
-        place = self.number * 7 % (cells.COLUMNS * cells.ROWS)  # neither 25 nor 12 is a multiple of 7
+        place = self.number * 7 % (cells.COLUMNS * cells.ROWS)  # 7 divides neither 25 nor 12
         stream = list(cells.SIZES).index(self.size) + 10 * self.number
         return cells.draw(self.seed, stream, place % cells.COLUMNS, place // cells.COLUMNS, self.size)
 
@@ -78,14 +78,11 @@ def describe(cell: cells.Cell) -> Record:
     """What a cell asks for, in units L = E* = 1."""
     scene, options = cell.scene, cell.options
     indenter = scene.indenter
-    steepness = 1.0
-    if isinstance(indenter, PowerIndenter):
-        steepness = indenter.exponent
-    elif isinstance(indenter, RoughIndenter):
-        steepness = indenter.rms_gradient
+    steepness = {"scene.exponent": indenter.exponent} if isinstance(indenter, PowerIndenter) else {}
     return {
         "shape": cell.shape,
-        "exponent or gradient": steepness,
+        "highest": float(indenter.profile(scene.num_points, 1.0).max()),
+        **steepness,
         "scene.thickness": scene.layer.thickness,
         "scene.poisson_ratio": scene.layer.poisson_ratio,
         "scene.pressure": scene.pressure,
@@ -105,23 +102,12 @@ def command(options: Options) -> int:
     configuration, folder = (
         (QUICK, "results/extremes-quick") if options.quick else (Configuration(), "results/extremes")
     )
-    defects = 0
-
-    def counted(files: dict[str, store.StudyFile], path: Path) -> Sequence[RenderableType]:
-        nonlocal defects
-        defects = sum(run["verdict"] == DEFECT for file in files.values() for run in file.runs)
-        return closing(files, path)
-
-    status = ensemble.command([configuration.study()], options, Path(folder), counted)
-    return status or (console.EXIT_FAILED if defects else 0)
+    return ensemble.command([configuration.study()], options, Path(folder), closing, defects)
 
 
 def closing(files: dict[str, store.StudyFile], _: Path) -> Sequence[RenderableType]:
     """Tables of verdicts and of reasons, and every defect."""
-    parts: list[RenderableType] = []
-    for file in files.values():
-        parts += [summary(file.runs), reasons(file.runs), *defects(file.runs)] if file.runs else []
-    return parts
+    return [part for file in files.values() if file.runs for part in (summary(file.runs), reasons(file.runs))]
 
 
 def summary(runs: Sequence[Record]) -> Table:
@@ -130,8 +116,8 @@ def summary(runs: Sequence[Record]) -> Table:
         box=box.SIMPLE,
         pad_edge=False,
         title=f"{len(runs)} cells",
-        caption="solved: share certified; worst: largest tolerance certified at, over p; 1e-8: share of these at "
-        "1e-8 or less; own request: of a tolerance or an accuracy, maybe too much. Dimensionless.",
+        caption="solved: share certified [%]; worst: largest tolerance certified at, over p; 1e-8: share of these at "
+        "1e-8 or less [%]; own request: of a tolerance or an accuracy, maybe too much. All else dimensionless.",
         caption_justify="left",
     )
     for heading in ("", "cells", "certified", "refused", "defects", "solved", "worst", "1e-8"):
@@ -149,9 +135,9 @@ def summary(runs: Sequence[Record]) -> Table:
             name,
             str(len(group)),
             *(str(count[verdict]) for verdict in (CERTIFIED, REFUSED, DEFECT)),
-            f"{100 * count[CERTIFIED] / max(1, len(group)):.2f} %",
+            f"{100 * count[CERTIFIED] / max(1, len(group)):.2f}",
             f"{max(levels, default=0.0):.1g}",
-            f"{100 * fine / max(1, len(levels)):.1f} %",
+            f"{100 * fine / max(1, len(levels)):.1f}",
         )
     return table
 
@@ -177,10 +163,10 @@ def _parameter(run: Record) -> str:
     return re.split(r" is ", run["why"], maxsplit=1)[0]
 
 
-def defects(runs: Sequence[Record]) -> list[str]:
+def defects(file: store.StudyFile) -> list[str]:
     """A line on each."""
     return [
-        f"defect: {run['shape']}, N {run['scene.num_points']}, d/L {float(run['scene.thickness']):.3g}: {run['why']}"
-        for run in runs
+        f"{run['shape']}, N {run['scene.num_points']}, d/L {float(run['scene.thickness']):.3g}: {run['why']}"
+        for run in file.runs
         if run["verdict"] == DEFECT
     ]

@@ -1,11 +1,13 @@
 """Figures of the map of extremes (certified to which level, where refused, what it took) and of a soak."""
 
 import math
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
@@ -24,21 +26,23 @@ def draw(path: Path) -> dict[str, Figure]:
     column, row = _places(study)
     verdict = study.column("verdict")
     certified = verdict == CERTIFIED
-    figure, panels = plt.subplots(2, 2, figsize=(9.6, 7.0))
-    figure.subplots_adjust(left=0.08, right=0.97, top=0.94, bottom=0.09, hspace=0.34, wspace=0.42)
     plain = study.column("asked") == 0
-    residual = np.log10(np.maximum(_numbers(study, "certificate.free_residual"), 1e-17))
+    figure, panels = plt.subplots(2, 2, figsize=(10.4, 7.4))
+    figure.subplots_adjust(left=0.08, right=0.98, top=0.93, bottom=0.09, hspace=0.36, wspace=0.5)
+    residual = np.maximum(_numbers(study, "certificate.free_residual"), 1e-17)
     double = certified & plain & (study.column("precision") != "float32")
-    _map(panels[0, 0], column, row, residual, double, np.max, "viridis", "worst free residual, $\\log_{10}$ of $p$")
-    panels[0, 0].set_title("certified; float64 and mixed, default tolerance")
+    places = column, row
+    _map(panels[0, 0], places, residual, double, np.max, "viridis", LogNorm(1e-17, 1e-7))
+    panels[0, 0].set_title("Largest certified residual over $p$, float64 and mixed")
     refused = (verdict != CERTIFIED).astype(np.float64) * 100
-    _map(panels[0, 1], column, row, refused, plain, np.mean, "magma_r", "refused [% of cells]")
-    panels[0, 1].set_title("all precisions, default tolerance")
-    iterations = np.log10(np.maximum(_numbers(study, "iterations"), 1))
+    _map(panels[0, 1], places, refused, plain, np.mean, "magma_r", Normalize(0, 100))
+    panels[0, 1].set_title("Cells refused [%], all precisions")
+    iterations = np.maximum(_numbers(study, "iterations"), 1)
     active = certified & plain & (study.column("method") == "active-set")
-    _map(panels[1, 0], column, row, iterations, active, np.max, "cividis", "most iterations, $\\log_{10}$")
-    panels[1, 0].set_title("active set, default tolerance")
-    _bars(panels[1, 1], study)
+    _map(panels[1, 0], places, iterations, active, np.max, "cividis", LogNorm(1, 1e4))
+    panels[1, 0].set_title("Most iterations of the active set")
+    _bars(panels[1, 1], study, plain)
+    figure.text(0.01, 0.01, "Maps: default tolerances only; grey: no such cell among those drawn.", fontsize=7)
     return {"": figure}
 
 
@@ -61,46 +65,45 @@ def _places(study: store.StudyFile) -> tuple[Indices, Indices]:
 
 def _map(
     axes: Axes,
-    column: Indices,
-    row: Indices,
+    places: tuple[Indices, Indices],
     values: Array64,
     chosen: NDArray[np.bool_],
-    how: object,
+    how: Callable[[Array64], float],
     colours: str,
-    label: str,
+    norm: Normalize,
 ) -> None:
-    """What `how` makes of the chosen cells' values at each place; white where there is none."""
+    """What `how` makes of the chosen cells' values at each place, (column, row)."""
+    column, row = places
     field = np.full((cells.ROWS, cells.COLUMNS), np.nan)
-    for place in set(zip(row[chosen].tolist(), column[chosen].tolist(), strict=True)):
-        field[place] = how(values[chosen & (row == place[0]) & (column == place[1])])  # type: ignore[operator]
-    image = axes.imshow(field, origin="lower", aspect="auto", cmap=colours)
-    axes.figure.colorbar(image, ax=axes, label=label)
-    axes.set_xticks([0, 6, 12, 18, 24], ["-12", "-6", "0", "6", "$\\infty$"])
-    axes.set_xlabel("$\\log_{10}(d/L)$, one decade a column")
-    axes.set_yticks([-0.5, cells.ROWS - 0.5], ["$10^{-15}E^*$", "10 x full\ncontact"])
-    axes.set_ylabel("pressure, logarithmic", labelpad=-20)
+    for i, j in set(zip(row[chosen].tolist(), column[chosen].tolist(), strict=True)):
+        field[i, j] = how(values[chosen & (row == i) & (column == j)])
+    axes.set_facecolor("#dddddd")
+    image = axes.imshow(field, origin="lower", aspect="auto", cmap=colours, norm=norm)
+    axes.figure.colorbar(image, ax=axes)
+    axes.set_xticks([0, 6, 12, 18, 24], ["$10^{-12}$", "$10^{-6}$", "1", "$10^6$", "$\\infty$"])
+    axes.set_xlabel("$d/L$, one decade a column")
+    axes.set_yticks([-0.5, cells.ROWS - 0.5], ["$10^{-15}E^*$", "10 x $p$ of\nfull contact"], fontsize=7)
+    axes.set_ylabel("$p$, even steps of $\\log p$", labelpad=-24)
 
 
-def _bars(axes: Axes, study: store.StudyFile) -> None:
-    """Shares of the verdicts by shape, method, precision and number of points."""
+def _bars(axes: Axes, study: store.StudyFile, plain: NDArray[np.bool_]) -> None:
+    """Shares of the verdicts by precision, method and number of points, and of what asked for more."""
     groups: list[tuple[str, NDArray[np.bool_]]] = []
-    asked = study.column("asked") > 0
     for name in ("precision", "method"):
         values = study.column(name)
-        groups += [(str(value), values == value) for value in sorted(set(values.tolist()))]
-    points = _numbers(study, "scene.num_points")
-    groups += [(f"N from {low} to {high}", (points >= low) & (points < high)) for low, high in ((4, 64), (64, 2**13))]
-    groups.append(("N from 2^13 to 2^24", points >= 2**13))
-    groups += [("tolerance or accuracy asked", asked)]
+        groups += [(str(value), plain & (values == value)) for value in sorted(set(values[plain].tolist()))]
+    points, method = _numbers(study, "scene.num_points"), study.column("method")
+    for low, high in ((4, 64), (64, 2**13), (2**13, 2**24 + 1)):
+        groups.append((f"{low} to {high - 1} points", plain & (points >= low) & (points < high)))
+    groups.append(("a tolerance asked", ~plain & (method != "to an accuracy")))
+    groups.append(("an accuracy asked", ~plain & (method == "to an accuracy")))
     verdict = study.column("verdict")
     left = np.zeros(len(groups))
     for kind, colour in zip((CERTIFIED, REFUSED, DEFECT), (COLOURS[1], COLOURS[2], COLOURS[3]), strict=True):
-        share = np.array(
-            [100 * float(np.mean(verdict[chosen] == kind)) if chosen.any() else 0.0 for _, chosen in groups]
-        )
+        share = np.array([100 * float(np.mean(verdict[own] == kind)) if own.any() else 0.0 for _, own in groups])
         axes.barh(range(len(groups)), share, left=left, color=colour, label=kind)
         left += share
-    axes.set_yticks(range(len(groups)), [f"{name} ({int(chosen.sum())})" for name, chosen in groups], fontsize=7)
+    axes.set_yticks(range(len(groups)), [f"{name}: {int(own.sum())}" for name, own in groups], fontsize=7)
     axes.set(xlabel="share of the cells [%]", xlim=(0, 100))
     axes.invert_yaxis()
     axes.legend(fontsize=7, ncols=3, loc="lower center", bbox_to_anchor=(0.4, 1.0))

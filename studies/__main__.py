@@ -1,0 +1,26 @@
+"""The entry point of the command line: Ctrl-C while Python imports everything else is no traceback either."""
+
+import os
+import signal
+import sys
+from typing import Any
+
+
+def main() -> int:
+    """Run `linecontact`; returns the exit status."""
+    before = signal.getsignal(signal.SIGINT)
+    if before is signal.default_int_handler:  # else someone wants it ignored
+        signal.signal(signal.SIGINT, _leave)
+    from .cli import main as run
+
+    signal.signal(signal.SIGINT, before)
+    return run()
+
+
+def _leave(*_: Any) -> None:
+    os.write(2, b"linecontact: interrupted\n")
+    os._exit(130)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
