@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -301,3 +302,16 @@ def test_iterations_study(tmp_path):
     counts = {m: study.column("iterations")[study.column("method") == m] for m in ("fire", "mass-weighted-fire")}
     assert counts["fire"][-1] > 1.5 * counts["fire"][0]  # sqrt(4) = 2 expected from 2^12 to 2^14
     assert counts["mass-weighted-fire"][-1] < 1.34 * counts["mass-weighted-fire"][0]
+
+
+@pytest.mark.skipif(not Path("/proc/self/maps").exists(), reason="sees Linux' processes only")
+def test_ctrl_c_during_imports_is_one_line():
+    command = [sys.executable, "-m", "linecontact.studies", "solve"]
+    handled = {"preexec_fn": lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)}
+    with subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True, **handled) as process:
+        while "_multiarray_umath" not in Path(f"/proc/{process.pid}/maps").read_text():
+            assert process.poll() is None
+            time.sleep(0.001)
+        process.send_signal(signal.SIGINT)
+        assert process.communicate()[1] == "linecontact: interrupted\n"
+    assert process.returncode == 130

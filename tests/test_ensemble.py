@@ -9,6 +9,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections import Counter
 from concurrent.futures import BrokenExecutor, Executor, Future
@@ -639,3 +640,18 @@ def test_identity_is_that_of_class_and_fields():
 def test_identity_is_that_of_the_class_whatever_its_fields_are_called():
     one, other = (dataclasses.make_dataclass(name, [("task", int)], frozen=True) for name in ("One", "Other"))
     assert tasks.identity(one(1)) != tasks.identity(other(1))
+
+
+def test_abandoned_processes_leave_quietly(monkeypatch):
+    """A cancelled future made the executor's thread stumble, with a traceback, when its processes ended."""
+    stumbled = []
+    monkeypatch.setattr(threading, "excepthook", stumbled.append)
+    for pause in (0.0, 0.3, 1.5):  # while processes are started, and after
+        executor = executors.Processes(1, None)
+        futures = [executor.submit(time.sleep, 60) for _ in range(3)]
+        thread = executor._executor_manager_thread
+        time.sleep(pause)
+        executors.abandon(executor, futures)
+        thread.join(30)
+        assert not thread.is_alive()
+    assert not stumbled
