@@ -249,7 +249,7 @@ def _lone_half_width(load: float, exponent: float, radius: float, kappa_ratio: f
 
 def _match(system: Callable[[float], _System], load: float, exponent: float, guess: float) -> _System:
     """Root of load(a) = `load` by secants in log-log, where it is nearly a power law; bisection as a safeguard."""
-    low, high = math.log(1e-9), math.log(0.49)
+    low, high = math.log(guess) - 100, math.log(0.49)
     target = math.log(load)
     y, slope = min(math.log(guess), math.log(0.45)), exponent + 1.0
     previous: tuple[float, float] | None = None
