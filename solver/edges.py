@@ -155,8 +155,13 @@ def edge_offset(curve: EdgeCurve, pressures: Array64) -> tuple[Array64, Array64,
     two = np.where(np.isfinite(two), two, 0.5 - curve.shift)
     bounded = np.clip(two, -curve.shift, 1 - curve.shift)
     spread = np.abs(two - bounded)
-    if curve.rows is None:
-        return bounded, bounded, spread
+    if curve.rows is None:  # beside it, from the last but one and the last but two
+        first, second, third = curve.table[:3]
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            ratio = pressures[:, 1] / pressures[:, 2]
+            inner = second - ratio * third
+            inner = inner / (inner - first + ratio * second) - curve.shift
+        return bounded, bounded, np.maximum(spread, np.where(np.isfinite(inner), np.abs(inner - bounded), 1.0))
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         low, middle, high = curve.rows @ pressures.T
         theta = -2 * low / middle
@@ -209,7 +214,10 @@ def find_edges(patches: Patches, pressure: Array64, thickness: float = math.inf,
             theta, spread = np.where(narrow, other, (theta, spread))
     counted = patches.size < COUNTED_BELOW
     outside = np.where(counted, 0.5, -theta)
-    fitted = np.where(spread < _CLOSE, 0.3 * spread, spread) + 0.3 / patches.size + 10.0 / patches.size**2 + layer
+    beyond = np.append(patches.first[1:], patches.first[:1] + patches.num_points) - patches.last - 1
+    narrow_gap = 3.0 / np.stack([np.roll(beyond, 1), beyond]) ** 2
+    fitted = np.where(spread < _CLOSE, 0.3 * spread, spread) + 0.3 / patches.size + 10.0 / patches.size**2
+    fitted += layer + narrow_gap
     fitted = np.where(spread < _ALIKE, np.minimum(fitted, 0.5), np.clip(spread, 0.5, 1.0))
     each = np.where(counted, math.sqrt(0.5), fitted)
     left, right = patches.first - outside[0], patches.last + outside[1]

@@ -168,7 +168,8 @@ def _look_at_area(cell: Cell, solution: Solution, record: Record) -> None:
     edges = 2 * max(1, o.num_patches)
     off, counted = abs(o.contact_area_subgrid - known[0]), abs(o.contact_area - known[0])
     claimed = o.contact_area_error
-    record |= {f"off.{k}": v * n / edges for k, v in {"subgrid": off, "counted": counted, "claimed": claimed}.items()}
+    distances = {"subgrid": off, "counted": counted, "claimed": claimed, "known": known[1]}
+    record |= {f"off.{name}": value * n / edges for name, value in distances.items()}
     if solution.method not in GRID_FREE and (off - counted - known[1]) * n / edges > 1:
         raise DefectError(f"sub-grid edges are off by {off * n:.2g} spacings in all, counted ones by {counted * n:.2g}")
     if off > _CLAIM * claimed + known[1]:
@@ -205,7 +206,7 @@ def _true_area(cell: Cell, solution: Solution) -> tuple[float, float] | None:
 def _on_a_grid(scene: Scene, num_points: int) -> tuple[float, float] | None:
     fine = solve(replace(scene, num_points=num_points, precision="float64"))
     o = fine.observables
-    return (o.contact_area_subgrid, o.contact_area_error) if fine.status is Status.CONVERGED else None
+    return (o.contact_area_subgrid, _CLAIM * o.contact_area_error) if fine.status is Status.CONVERGED else None
 
 
 def _in_other_units(cell: Cell, solution: Solution) -> None:
