@@ -4,6 +4,7 @@ import contextlib
 import io
 import math
 import os
+import re
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -131,11 +132,22 @@ def parse(
             )
     except SystemExit as stop:
         if stop.code:
-            words = " ".join(line.strip("│╭╮╰╯─ ") for line in caught.getvalue().splitlines())
-            words = " ".join(words.split("For full helptext")[0].split())
-            errors.print(f"{prog}: {words}")
+            errors.print(f"{prog}: {_complaint(caught.getvalue())}")
             raise SystemExit(EXIT_BAD_INPUT) from None
         raise
+
+
+def _complaint(panel: str) -> str:
+    """What tyro has to say, without its frame, its headings and the type's inner life."""
+    words = " ".join(line.strip("│╭╮╰╯─ ") for line in panel.splitlines())
+    words = " ".join(words.split("For full helptext")[0].split())
+    words = re.sub(r"^(Value error|Unrecognized options|Invalid choice|Missing argument|Required options) ", "", words)
+    value = re.match(r"""Error parsing --(\S+): .*?(?:from \[|: )('.*?'|".*?")(?=[]\s]).*text: \S+ (\S+)""", words)
+    if not value:
+        return words
+    name, given, kind = value.groups()
+    allowed = {"INT": "an integer", "FLOAT": "a number"}.get(kind.split("|")[-1], kind)
+    return f"{name.replace('-', '_')} is {given}; allowed: {allowed}"
 
 
 def guard(command: Callable[[], int]) -> int:

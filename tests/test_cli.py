@@ -156,6 +156,9 @@ def test_methods_and_grids(method, grids):
         (["plot", __file__], "not one of linecontact's"),
         (["study", "hertz", "--workers", "0"], "workers is 0"),
         (["study", "moon"], "moon"),
+        (["solve", "--num-points", "1e3"], "linecontact: num_points is '1e3'; allowed: an integer\n"),
+        (["solve", "--pressure", "a'b"], "linecontact: pressure is \"a'b\"; allowed: a number\n"),
+        (["study", "hertz", "--workers", "two"], "linecontact: workers is 'two'; allowed: an integer\n"),
         ([], "solve"),
     ],
 )
