@@ -129,7 +129,7 @@ def test_methods_and_grids(method, grids):
     ("arguments", "message"),
     [
         (["solve", "--exponent", "0.5"], "exponent is 0.5"),
-        (["solve", "--exponent", "two"], "--exponent"),
+        (["solve", "--exponent", "two"], "exponent is 'two'; allowed: a number"),
         (["solve", "--thickness", "0"], "thickness is 0.0"),
         (["solve", "--thickness", "nan"], "thickness is nan"),
         (["solve", "--poisson-ratio", "0.6"], "poisson_ratio is 0.6"),
@@ -157,7 +157,7 @@ def test_methods_and_grids(method, grids):
         (["study", "hertz", "--workers", "0"], "workers is 0"),
         (["study", "moon"], "moon"),
         (["solve", "--num-points", "1e3"], "linecontact: num_points is '1e3'; allowed: an integer\n"),
-        (["solve", "--pressure", "a'b"], "linecontact: pressure is \"a'b\"; allowed: a number\n"),
+        (["solve", "--pressure", "a'b"], 'linecontact: pressure is "a\'b"; allowed: a number\n'),
         (["study", "hertz", "--workers", "two"], "linecontact: workers is 'two'; allowed: an integer\n"),
         ([], "solve"),
     ],
