@@ -238,28 +238,34 @@ class Run:
 
         A default tolerance that rounding does not allow becomes the residual that it does allow.
         """
-        good, begin, tries = self._certify(), time.perf_counter(), 0
-        while not good and status is Status.CONVERGED and isinstance(self.state, ActiveSet) and tries < 3:
-            before, residual = self.state.contact_pressure, self.certificate.free_residual
-            self.state.try_harder()
-            status, tries = self.relax(self.state), tries + 1
-            good = self._certify()
-            if not good and self.certificate.free_residual > residual:  # sets decided on rounding
-                self.state.start_from_pressure(before)
-                self._certify()
-                break
+        first, begin = self._certify(), time.perf_counter()
+        status, good = self._insist(status, first)
         for hand_over in (self._to_float64, self._to_fire):
             gave_up = not good and status not in (Status.INTERRUPTED, Status.ITERATION_LIMIT)
             if gave_up and not self._rounded_off() and (self.left > 0 or not self.limited) and (other := hand_over()):
                 status, good = self._go_on(other)
-                tries += 1
-        if tries:
+        if not first:
             self.seconds_more = time.perf_counter() - begin
         if not good and status in (Status.STAGNATED, Status.CONVERGED):
             status = Status.STAGNATED  # the method's own precision cannot see the difference
             if not self.asked and self.certificate.free_residual < min(100 * self._floor(), MEANINGLESS):
                 self.tolerance, good = self.certificate.free_residual, True
         return Status.CONVERGED if good and status in (Status.STAGNATED, Status.ITERATION_LIMIT) else status
+
+    def _insist(self, status: Status, good: bool) -> tuple[Status, bool]:
+        """An active set that misses the certificate tries harder, up to three times."""
+        for _ in range(3):
+            if good or status is not Status.CONVERGED or not isinstance(self.state, ActiveSet):
+                break
+            before, residual = self.state.contact_pressure, self.certificate.free_residual
+            self.state.try_harder()
+            status = self.relax(self.state)
+            good = self._certify()
+            if not good and self.certificate.free_residual > residual:  # sets decided on rounding
+                self.state.start_from_pressure(before)
+                self._certify()
+                break
+        return status, good
 
     def _rounded_off(self) -> bool:
         """Whether rounding is what keeps the residual above the tolerance; no other method knows a way below that."""
@@ -271,11 +277,12 @@ class Run:
         return rounding_floor(self.problem.stiffness, self.state.displacement, precision)
 
     def _to_float64(self) -> Method | None:
-        """The active set in float64 after that in mixed precision."""
-        if not isinstance(self.state, MixedActiveSet):
+        """The active set in float64 after that in mixed precision; or once more, if the search went in circles."""
+        if not isinstance(self.state, ActiveSet) or self.scene.precision == "float32":
             return None
-        residual = self.certificate.free_residual
-        self.choices.append(Choice("precision", "float64", f"mixed ends at a residual of {residual:.1g}"))
+        if isinstance(self.state, MixedActiveSet):
+            residual = self.certificate.free_residual
+            self.choices.append(Choice("precision", "float64", f"mixed ends at a residual of {residual:.1g}"))
         return self._method_on(self.problem, CAUTION * self.tolerance, precision="float64")
 
     def _to_fire(self) -> Method | None:
@@ -293,7 +300,7 @@ class Run:
         state.start(before.displacement)
         self.state = state
         status = self.relax(state)
-        good = self._certify()
+        status, good = self._insist(status, self._certify())
         if not good and not self.certificate.free_residual < residual:
             self.state = before
             self._certify()
