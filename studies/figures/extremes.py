@@ -32,10 +32,10 @@ def draw(path: Path) -> dict[str, Figure]:
     residual = np.maximum(_numbers(study, "certificate.free_residual"), 1e-17)
     double = certified & plain & (study.column("precision") != "float32")
     places = column, row
-    _map(panels[0, 0], places, residual, double, np.max, "viridis", LogNorm(1e-17, 1e-7))
+    _map(panels[0, 0], places, residual, double, np.max, "viridis", LogNorm(1e-12, 1e-3))
     panels[0, 0].set_title("Largest certified residual over $p$, float64 and mixed")
     refused = (verdict != CERTIFIED).astype(np.float64) * 100
-    _map(panels[0, 1], places, refused, plain, np.mean, "magma_r", Normalize(0, 100))
+    _map(panels[0, 1], places, refused, plain, np.mean, "magma_r", Normalize(0, 20))
     panels[0, 1].set_title("Cells refused [%], all precisions")
     iterations = np.maximum(_numbers(study, "iterations"), 1)
     active = certified & plain & (study.column("method") == "active-set")
