@@ -13,11 +13,10 @@ import numpy as np
 from linecontact.solver import Layer, PowerIndenter, Scene, closed_forms, collocation, solve
 from linecontact.solver.relaxation import Progress
 from numpy.typing import NDArray
-from rich import box
 from rich.console import RenderableType
 from rich.table import Table
 
-from . import ensemble, store
+from . import console, ensemble, store
 from .tasks import Record
 
 Array64 = NDArray[np.float64]
@@ -131,9 +130,7 @@ def summary(file: store.StudyFile) -> Table:
     points, exponent, least = (
         file.configuration[name] for name in ("num_points", "exponent", "thinnest_incompressible")
     )
-    table = Table(
-        box=box.SIMPLE,
-        pad_edge=False,
+    table = console.table(
         title=f"{file.kind} (n = {exponent:g}), {points} points, p = {file.configuration['pressure']:g} E*, "
         "against the oracle",
         caption="ok: runs certified; count, sub-grid: largest |error| of a_r in grid spacings, nodes counted and "
@@ -144,7 +141,6 @@ def summary(file: store.StudyFile) -> Table:
         "dimensionless."
         + ("" if exponent % 2 == 0 else " The oracle knows the pressure at a sharp tip to 2 % only.")
         + (f" nu = 0.5: only d/a_r of {least:g} and more." if least else ""),
-        caption_justify="left",
     )
     headings = ("nu", "ok", "count", "sub-\ngrid", "peak\nerr", "y", "y/1st\n- 1", "y/2nd\n- 1")
     for heading in (*headings, "pairs", "s"):

@@ -13,8 +13,10 @@ from typing import Any, TypeVar
 import tyro
 from linecontact.solver import Status
 from linecontact.solver.relaxation import Progress as Report
+from rich import box
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Table
 from rich.text import Text
 
 Parsed = TypeVar("Parsed")
@@ -54,6 +56,11 @@ class Output(Plain):
 
 errors = Plain(stderr=True, highlight=False, soft_wrap=True)
 """Progress and messages; results go to standard output."""
+
+
+def table(**options: Any) -> Table:
+    """A table as all studies close with: no frame, the caption flush left. options: of `rich.table.Table`."""
+    return Table(box=box.SIMPLE, pad_edge=False, caption_justify="left", **options)
 
 
 def exit_status(status: Status) -> int:

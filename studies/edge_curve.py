@@ -14,11 +14,10 @@ from pathlib import Path
 import numpy as np
 from linecontact.solver import Layer, PowerIndenter, Scene, collocation, edges, solve
 from linecontact.solver.relaxation import Progress
-from rich import box
 from rich.console import RenderableType
 from rich.table import Table
 
-from . import ensemble, store
+from . import console, ensemble, store
 from .tasks import Record
 
 KIND = "edge-curve"
@@ -96,13 +95,10 @@ def closing(files: dict[str, store.StudyFile], _: Path) -> Sequence[RenderableTy
 
 def summary(study: store.StudyFile) -> Table:
     """Largest deviations from the closed form, per scene."""
-    table = Table(
-        box=box.SIMPLE,
-        pad_edge=False,
+    table = console.table(
         title=f"Edge offsets against the oracle, {study.configuration['num_points']} points",
         caption="Largest |error| of the edge's place by the closed form, from the last two and the last three nodal "
         "pressures, in grid spacings. All dimensionless.",
-        caption_justify="left",
     )
     for heading in ("n", "d/L", "nu", "places", "two nodes", "three nodes"):
         table.add_column(heading, justify="right", no_wrap=True)

@@ -14,11 +14,10 @@ import numpy as np
 from linecontact.solver import PowerIndenter, RoughIndenter, Scene, closed_forms, solve
 from linecontact.solver.relaxation import Progress
 from linecontact.solver.transforms import Transforms
-from rich import box
 from rich.console import RenderableType
 from rich.table import Table
 
-from . import ensemble, store
+from . import console, ensemble, store
 from .tasks import Record
 
 KIND = "iterations"
@@ -125,14 +124,11 @@ def exact_areas(study: store.StudyFile) -> dict[str, float]:
 def summary(study: store.StudyFile) -> Table:
     """One row per run, with the error it reached."""
     exact = exact_areas(study)
-    table = Table(
-        box=box.SIMPLE,
-        pad_edge=False,
+    table = console.table(
         title="Pairs and seconds to a residual of 1e-8 on the half-space",
         caption="pairs: transform pairs in units of one at that N; count, sub-grid: errors of a_r in grid spacings, of "
         "counted nodes and between sub-grid edges, against the closed form (Hertz) or the finest grid (rough); solve: "
         "solving time, over the points beside it. All but the times dimensionless.",
-        caption_justify="left",
     )
     headings = ("scene", "method", "N", "pairs", "count", "sub-\ngrid", "solve\n(s)", "/N\n(us)")
     for heading in headings:

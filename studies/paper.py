@@ -8,7 +8,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from rich import box
 from rich.console import RenderableType
 from rich.table import Table
 
@@ -86,12 +85,9 @@ def made(files: dict[str, store.StudyFile]) -> str:
 
 def verdicts(found: Sequence[Statement]) -> Table:
     """The statements on the terminal."""
-    table = Table(
-        box=box.SIMPLE,
-        pad_edge=False,
+    table = console.table(
         title="The published study's statements",
         caption="All dimensionless. Remarks: see the report.",
-        caption_justify="left",
     )
     for heading in ("statement", "published", "measured", "verdict"):
         table.add_column(heading)

@@ -18,7 +18,6 @@ from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, Solut
 from linecontact.solver import solve as solve_ours
 from linecontact.solver.relaxation import Progress
 from numpy.typing import NDArray
-from rich import box
 from rich.console import RenderableType
 from rich.table import Table
 
@@ -227,9 +226,7 @@ def summary(study: store.StudyFile) -> Table:
     """One row per scene on the largest grid: agreement, then times."""
     largest = max(run["scene.num_points"] for run in study.runs)
     names, limit = study.configuration["peers"], study.configuration["gap"]
-    table = Table(
-        box=box.SIMPLE,
-        pad_edge=False,
+    table = console.table(
         padding=(0, 1, 0, 0),
         title=f"linecontact beside {' and '.join(names) or 'no peer: none was installed'}, {largest} points",
         caption=f"nodes, peak: largest difference of a peer's nodes in contact and (relative) peak pressure from ours; "
@@ -238,7 +235,6 @@ def summary(study: store.StudyFile) -> Table:
         f"one's loosest tolerance that keeps it within {limit:g}. Seconds of solving on one thread, without set-up; "
         "ratio: the faster peer's over ours. CM: ContactMechanics. d/L = inf: half-space. All but the times "
         "dimensionless.",
-        caption_justify="left",
     )
     short = {"ContactMechanics": "CM"}
     seconds = (f"{short.get(name, name)}\n(s)" for name in ("ours", *names))

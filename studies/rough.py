@@ -18,7 +18,6 @@ from linecontact.solver import Layer, RoughIndenter, Scene, closed_forms, solve
 from linecontact.solver.problem import Problem
 from linecontact.solver.relaxation import Progress
 from numpy.typing import NDArray
-from rich import box
 from rich.console import RenderableType
 from rich.table import Table
 
@@ -232,15 +231,12 @@ def points(file: store.StudyFile) -> Iterator[Point]:
 def summary(file: store.StudyFile) -> Table:
     """The closing table: one row per Hurst exponent and Poisson's ratio."""
     c = file.configuration
-    table = Table(
-        box=box.SIMPLE,
-        pad_edge=False,
+    table = console.table(
         title=f"rough, {c['num_points']} points, p = {c['pressure']:g} E*, {c['realisations']} realisations",
         caption="ok: runs certified at the tolerance; M: mean number of patches from the thickest to the thinnest "
         "layer; y: (kappa_d/kappa_inf)/(d/a_r) at the thinnest, mean and standard error, and over the single patch's "
         "2 sqrt(3) (1-2nu)/(1-nu)^2/kappa_inf; alone: share of realisations with one patch there; s: seconds of "
         "solving in all. Sub-grid areas. Rows with nu = -: the half-space. All but s dimensionless.",
-        caption_justify="left",
     )
     for heading in ("H", "nu", "ok", "M", "y", "y/single", "alone", "s"):
         table.add_column(heading, justify="right", no_wrap=True)

@@ -17,11 +17,10 @@ from pathlib import Path
 import numpy as np
 from linecontact.solver import PowerIndenter
 from linecontact.solver.relaxation import Progress
-from rich import box
 from rich.console import RenderableType
 from rich.table import Table
 
-from .. import ensemble, store
+from .. import console, ensemble, store
 from ..tasks import Record
 from . import cells
 from .verdicts import CERTIFIED, DEFECT, REFUSED, judge
@@ -117,13 +116,10 @@ def closing(files: dict[str, store.StudyFile], _: Path) -> Sequence[RenderableTy
 
 def summary(runs: Sequence[Record]) -> Table:
     """Verdicts by what was asked, and how far the areas are off."""
-    table = Table(
-        box=box.SIMPLE,
-        pad_edge=False,
+    table = console.table(
         title=f"{len(runs)} cells",
         caption="solved: share certified [%]; worst: largest tolerance certified at, over p; 1e-8: share of these at "
         "1e-8 or less [%]; own request: of a tolerance or an accuracy, maybe too much. All else dimensionless.",
-        caption_justify="left",
     )
     for heading in ("", "cells", "certified", "refused", "defects", "solved", "worst", "1e-8"):
         table.add_column(heading, justify="left" if not heading else "right", no_wrap=True)
@@ -153,7 +149,7 @@ def _distinct(runs: Sequence[Record], name: str) -> list[str]:
 
 def reasons(runs: Sequence[Record]) -> Table:
     """What was refused, by the parameter that the reason names."""
-    table = Table(box=box.SIMPLE, pad_edge=False, title="Refused, by the parameter named")
+    table = console.table(title="Refused, by the parameter named")
     for heading in ("parameter", "cells", "own request", "one of them"):
         table.add_column(heading, justify="left" if heading in ("parameter", "one of them") else "right")
     refused = [run for run in runs if run["verdict"] == REFUSED]

@@ -7,11 +7,10 @@ from typing import Any
 
 import numpy as np
 from linecontact.solver import Status
-from rich import box
 from rich.console import RenderableType
 from rich.table import Table
 
-from .. import store
+from .. import console, store
 from .choices import REFUSED
 from .families import FAMILIES, MEASURES, is_rough
 from .front import AXES, NEAR, Point, Run, Worth, front, over_front, points, runs_of, worth
@@ -38,16 +37,13 @@ def paper_choice(study: store.StudyFile, family: str) -> Run | None:
 
 def front_table(study: store.StudyFile, family: str) -> Table:
     """The front of the area of what is chosen by hand, and others beside it."""
-    table = Table(
-        box=box.SIMPLE,
-        pad_edge=False,
+    table = console.table(
         padding=0,
         title=f"{family}: the least time for an error of a_r",
         caption="a_r, kappa, peak, field: relative errors of area, coefficient, largest pressure and (rms) pressure; "
         "s: seconds in all, set-up and certificate included; x: over the least time for such an error of a_r above the "
         "line; N: grid points; mass-w.: mass-weighted FIRE. Areas and kappa are between sub-grid edges unless counted. "
         "All but s dimensionless.",
-        caption_justify="left",
     )
     for heading in ("a_r", "kappa", "peak", "field", "s", "x", "N", "choice"):
         table.add_column(heading, justify="left" if heading == "choice" else "right", no_wrap=True)
