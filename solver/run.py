@@ -224,10 +224,10 @@ class Run:
         from the Winkler foundation's pressure.
         """
         status = self.relax(state)
-        if isinstance(state, Fire) and status is not Status.INTERRUPTED and not state.residual < MEANINGLESS:
-            if self.left <= 0 and self.limited:
-                return state, status
-            self.left = max(self.left, DEFAULT_MAX_ITERATIONS["mass-weighted-fire"])
+        lost = status is not Status.INTERRUPTED and not state.residual < MEANINGLESS
+        if isinstance(state, Fire) and lost and (self.left > 0 or not self.limited):
+            if not self.limited:
+                self.left = max(self.left, DEFAULT_MAX_ITERATIONS["mass-weighted-fire"])
             state = self._method_on(state.problem, state.tolerance)
             state.start_from_pressure(foundation_pressure(state.problem))
             status = self.relax(state)

@@ -76,6 +76,7 @@ class Task:
             **{verdict: verdicts.count(verdict) for verdict in (CERTIFIED, REFUSED, DEFECT)},
             "refused_asked": asked,
             "first_defect": why,
+            "seconds.stretch": time.monotonic() - begin,
             "seconds.longest": longest,
             "bytes.resident": _resident(),
             "open_files": len(os.listdir("/proc/self/fd")),
@@ -109,7 +110,7 @@ def summary(file: store.StudyFile) -> str:
     files = [run["open_files"] for run in runs]
     tenth = max(1, len(runs) // 10)
     first, last = (float(np.median(part)) for part in (resident[:tenth], resident[-tenth:]))
-    hours, longest = len(runs) * file.configuration["seconds"] / 3600, max(run["seconds.longest"] for run in runs)
+    hours, longest = sum(run["seconds.stretch"] for run in runs) / 3600, max(run["seconds.longest"] for run in runs)
     return (
         f"{total} random scenes in {hours:.2g} h: {count[CERTIFIED]} certified, {count[REFUSED]} refused with a reason "
         f"({asked} of them asked for a tolerance or an accuracy of their own), {count[DEFECT]} defects. The longest "

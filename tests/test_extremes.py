@@ -134,8 +134,7 @@ def test_study_and_figure(tmp_path):
     study = extremes.Configuration(6, 0, 0).study()
     options = ensemble.Options(folder=tmp_path, workers=1)
     assert ensemble.command([study], options, tmp_path, extremes.closing, extremes.defects) == 0
-    every = lambda file: ["one"] * len(file.runs)  # noqa: E731
-    assert ensemble.command([study], options, tmp_path, extremes.closing, every) == 4
+    assert ensemble.command([study], options, tmp_path, extremes.closing, lambda file: ["one"]) == 4
     assert [path.name for path in figures.draw(tmp_path / "extremes.h5")] == ["extremes.png", "extremes.pdf"]
 
 
@@ -255,6 +254,10 @@ def test_fire_starts_again_where_it_bounces_off_the_wall():
     solution = solve(scene, method="mass-weighted-fire")
     assert solution.status is Status.CONVERGED
     assert solution.iterations > cold.iteration
+    limit = cold.iteration + 50
+    limited = solve(scene, method="mass-weighted-fire", max_iterations=limit)
+    assert limited.status is Status.ITERATION_LIMIT
+    assert limited.iterations == limit
 
 
 def test_heights_out_of_reach():

@@ -100,10 +100,9 @@ def describe(cell: cells.Cell) -> Record:
 
 def command(options: Options) -> int:
     """Run the study as asked, or what is left of it; returns the exit status, 4 if there is a defect."""
-    configuration, folder = (
-        (QUICK, "results/extremes-quick") if options.quick else (Configuration(), "results/extremes")
-    )
-    return ensemble.command([configuration.study()], options, Path(folder), closing, defects)
+    folder = Path("results/extremes-quick" if options.quick else "results/extremes")
+    study = (QUICK if options.quick else Configuration()).study()
+    return ensemble.command([study], options, folder, closing, defects)
 
 
 def closing(files: dict[str, store.StudyFile], _: Path) -> Sequence[RenderableType]:

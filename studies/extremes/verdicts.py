@@ -1,10 +1,10 @@
 """What becomes of a cell: certified, refused for a reason that it names, or a defect.
 
-Certified is what converged and stands up to a second look that shares nothing with the solver's first: the certificate
-made again from the stored displacement alone, which must give the stored pressure, contact and load; the area, and what
-is claimed of its error, beside a closed form, collocation, or a finer grid where one of these knows it (power profiles
-and roughness in partial contact, to a tenth of a grid spacing); the same to the last bit in other units. What is not
-finite must be what the documentation says is not.
+Certified is what converged and stands up to a second look: the certificate made again from the stored displacement
+alone, in the user's units, which must give the stored pressure, contact and load; the area, and what is claimed of its
+error, beside a closed form, collocation, or a finer grid where one of these knows it (power profiles and roughness in
+partial contact, to a tenth of a grid spacing); and up to `_REFERENCE_TO` points the same to the last bit in other
+units. What is not finite must be what the documentation says is not.
 """
 
 import math
@@ -53,7 +53,7 @@ class DefectError(Exception):
 
 
 def judge(cell: Cell) -> Record:
-    """The record of a cell: verdict, why, and what was found. Never raises, whatever the cell does."""
+    """The record of a cell: verdict, why, and what was found. Nothing but Ctrl-C is raised, whatever the cell does."""
     begin = time.perf_counter()
     record: Record = {"verdict": DEFECT, "why": "", "asked": any(name in cell.options for name in _ASKED)}
     try:

@@ -33,14 +33,14 @@ def draw(path: Path) -> dict[str, Figure]:
     double = certified & plain & (study.column("precision") != "float32")
     places = column, row
     _map(panels[0, 0], places, residual, double, np.max, "viridis", LogNorm(1e-12, 1e-3))
-    panels[0, 0].set_title("Largest certified residual over $p$, float64 and mixed")
+    panels[0, 0].set_title("Largest certified residual over $p$, float64 and mixed", pad=12)
     refused = (verdict != CERTIFIED).astype(np.float64) * 100
     _map(panels[0, 1], places, refused, plain, np.mean, "magma_r", Normalize(0, 20))
-    panels[0, 1].set_title("Cells refused [%], all precisions")
+    panels[0, 1].set_title("Cells refused [%], all precisions", pad=12)
     iterations = np.maximum(_numbers(study, "iterations"), 1)
     active = certified & plain & (study.column("method") == "active-set")
     _map(panels[1, 0], places, iterations, active, np.max, "cividis", LogNorm(1, 1e4))
-    panels[1, 0].set_title("Most iterations of the active set")
+    panels[1, 0].set_title("Most iterations of the active set", pad=12)
     _bars(panels[1, 1], study, plain)
     figure.text(0.01, 0.01, "Maps: default tolerances only; grey: no such cell among those drawn.", fontsize=7)
     return {"": figure}
@@ -112,7 +112,7 @@ def _bars(axes: Axes, study: store.StudyFile, plain: NDArray[np.bool_]) -> None:
 def soak(path: Path) -> dict[str, Figure]:
     """Memory and open files over the time of a soak, and the scenes that were done."""
     study = load(path)
-    hours = (study.column("stretch") + 1) * study.configuration["seconds"] / 3600
+    hours = np.cumsum(study.column("seconds.stretch")) / 3600
     scenes = np.cumsum(sum(study.column(verdict) for verdict in (CERTIFIED, REFUSED, DEFECT)))
     figure, panels = plt.subplots(3, 1, figsize=(5.2, 5.4), sharex=True)
     resident = study.column("bytes.resident") / 2**20
