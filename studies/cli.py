@@ -123,6 +123,17 @@ class Solve:
     """Let --save replace an existing file."""
 
 
+_PROFILE_OPTIONS = {
+    "power": ("exponent", "radius"),
+    "rough": ("hurst", "seed", "roll_off_ratio", "cut_off_ratio", "rms_gradient"),
+    "file": (
+        *("profile_file", "profile_dataset", "profile_convention", "x_unit", "z_unit", "length_unit"),
+        *("resample", "detrend", "window"),
+    ),
+}
+"""Options that belong to one profile only."""
+
+
 @dataclass(frozen=True)
 class Study:
     """Run a study: data, figures and a table in one folder."""
@@ -235,8 +246,10 @@ def check_targets(options: Solve) -> None:
 
 def make_scene(options: Solve) -> Scene:
     """The scene that the options describe."""
-    if options.profile_file and options.profile != "file":
-        raise ValueError(f"profile is {options.profile}; allowed: file, where a profile_file is given")
+    for profile, names in _PROFILE_OPTIONS.items():
+        for name in names if profile != options.profile else ():
+            if (value := getattr(options, name)) != getattr(Solve, name):
+                raise ValueError(f"{name} is {value}; allowed: only with --profile {profile}, not {options.profile}")
     n = 2**18 if options.num_points is None else options.num_points
     period = 1.0 if options.period is None else options.period
     indenter: PowerIndenter | RoughIndenter | MeasuredIndenter = PowerIndenter(options.exponent, options.radius)
