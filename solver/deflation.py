@@ -226,7 +226,7 @@ class PatchDeflation:
             np.fill_diagonal(coarse, within.sum(axis=(1, 2)))
         else:
             coarse[np.diag_indices_from(coarse)] += total
-        self._build, self._factor = patches.count, _inverse_factor(coarse)
+        self._build, self._factor = patches.count, _inverse_factor(coarse, total)
         self._borders = (first[1:] + last[:-1]) / 2
 
     def _part(self, patch: int) -> slice:
@@ -285,12 +285,16 @@ def _unknowns(num_points: int) -> int:
     return max(16, int(8 * num_points ** (1 / 3)))
 
 
-def _inverse_factor(coarse: Array64) -> Array64:
-    """R with R'R = coarse^-1; of its diagonal should patches so close that they touch have spoilt it."""
+def _inverse_factor(coarse: Array64, loads: Array64) -> Array64:
+    """R with R'R = coarse^-1; of its diagonal where patches that nearly touch, or rounding, have spoilt it.
+
+    loads > 0 stand for diagonal entries that rounding has left none of.
+    """
     try:
         return _inverse_triangle(np.asarray(np.linalg.cholesky(coarse), dtype=np.float64))
     except np.linalg.LinAlgError:
-        return np.diag(1 / np.sqrt(np.diag(coarse)))
+        own = np.diag(coarse)
+        return np.diag(1 / np.sqrt(np.where(own > 0, own, loads)))
 
 
 def _inverse_triangle(lower: Array64) -> Array64:

@@ -103,6 +103,12 @@ def test_a_coarse_inverse_serves_the_next_set():
     assert more._factor is not first._factor
 
 
+def test_a_coarse_matrix_that_rounding_has_spoilt():
+    coarse = np.array([[-0.02, 1.0], [1.0, 2.0]])
+    factor = deflation._inverse_factor(coarse, np.array([0.5, 0.7]))
+    assert factor.T @ factor == pytest.approx(np.diag([1 / 0.5, 1 / 2.0]))
+
+
 def scenes():
     """Layers of all kinds; power profiles, random roughness and random walks."""
     layers = st.builds(

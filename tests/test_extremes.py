@@ -382,3 +382,10 @@ def test_collocation_stays_cheap_on_long_contacts(monkeypatch):
 def test_cells_that_were_defects(seed, number):
     record = extremes.Task(seed, number, "small").run(None)
     assert record["verdict"] == verdicts.CERTIFIED, record["why"]
+
+
+@pytest.mark.slow
+def test_a_cell_whose_coarse_matrix_rounding_spoilt():
+    """297 patches, nu = 1/2 - 1e-12: a negative diagonal entry, of which the root was taken."""
+    record = extremes.Task(2, 3_001_090, "middle").run(None)
+    assert record["verdict"] == verdicts.REFUSED, record["why"]
