@@ -246,8 +246,8 @@ def check_targets(options: Solve) -> None:
 
 def make_scene(options: Solve) -> Scene:
     """The scene that the options describe."""
-    for profile, names in _PROFILE_OPTIONS.items():
-        for name in names if profile != options.profile else ():
+    for profile, its_own in _PROFILE_OPTIONS.items():
+        for name in its_own if profile != options.profile else ():
             if (value := getattr(options, name)) != getattr(Solve, name):
                 raise ValueError(f"{name} is {value}; allowed: only with --profile {profile}, not {options.profile}")
     n = 2**18 if options.num_points is None else options.num_points
