@@ -1,4 +1,7 @@
-"""The entry point of the command line: Ctrl-C while Python imports everything else is no traceback either."""
+"""The entry point of the command line: Ctrl-C while Python imports everything else is no traceback either.
+
+A scheduler's SIGTERM is taken like Ctrl-C: what there is gets saved.
+"""
 
 import os
 import signal
@@ -11,6 +14,7 @@ def main() -> int:
     before = signal.getsignal(signal.SIGINT)
     if before is signal.default_int_handler:  # else someone wants it ignored
         signal.signal(signal.SIGINT, _leave)
+        signal.signal(signal.SIGTERM, lambda *_: signal.raise_signal(signal.SIGINT))
     from .cli import main as run
 
     signal.signal(signal.SIGINT, before)

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from linecontact.studies import store
 
-CLI = [sys.executable, "-m", "linecontact.studies.cli"]
+CLI = [sys.executable, "-m", "linecontact.studies"]
 
 
 def run(*arguments, cwd=None, program=CLI):
@@ -185,7 +185,8 @@ def test_iteration_limit_is_status_3_with_the_partial_result(tmp_path):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
-def test_ctrl_c_is_status_130_with_the_partial_result(tmp_path):
+@pytest.mark.parametrize("sign", [signal.SIGINT, signal.SIGTERM])
+def test_ctrl_c_is_status_130_with_the_partial_result(tmp_path, sign):
     file = tmp_path / "run.h5"
     arguments = ["solve", "--num-points", str(2**18), "--method", "fire", "--tolerance", "1e-13", "--save", str(file)]
     process = subprocess.Popen(
@@ -196,7 +197,7 @@ def test_ctrl_c_is_status_130_with_the_partial_result(tmp_path):
     )
     first = process.stderr.readline()  # a line of progress: the solve, which takes minutes, is under way
     assert b"residual" in first
-    process.send_signal(signal.SIGINT)
+    process.send_signal(sign)
     _, stderr = process.communicate(timeout=60)
     assert process.returncode == 130, stderr
     assert store.load_solution(file)[1]["status"] == "interrupted"
@@ -214,7 +215,7 @@ def test_a_full_disk_keeps_the_result_and_leaves_no_file(tmp_path):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
-@pytest.mark.parametrize("sign", [signal.SIGKILL, signal.SIGINT])
+@pytest.mark.parametrize("sign", [signal.SIGKILL, signal.SIGINT, signal.SIGTERM])
 def test_a_killed_study_continues(tmp_path, sign):
     command = [*CLI, "study", "hertz", "--quick", "--folder", str(tmp_path), "--workers", "2"]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE)
@@ -225,6 +226,7 @@ def test_a_killed_study_continues(tmp_path, sign):
     process.send_signal(sign)
     _, stderr = process.communicate(timeout=60)  # the pipes close only when the workers have ended, too
     assert b"Traceback" not in stderr
+    assert b"resource_tracker" not in stderr or sign == signal.SIGKILL
     assert process.returncode == (-9 if sign == signal.SIGKILL else 130)
     kept = {path: path.stat().st_mtime_ns for path in tasks.glob("*.json")}
     assert 1 <= len(kept) < 43
