@@ -18,7 +18,7 @@ from .observables import contact_edges, observe
 from .problem import Problem, foundation_pressure, rounding_floor
 from .relaxation import Method, Progress, Status, relax
 from .scene import Scene
-from .solution import MEANINGLESS, Choice, Solution
+from .solution import MEANINGLESS, MOST_ENERGY, Choice, Solution
 from .transforms import Transforms, save_wisdom
 
 Array64 = NDArray[np.float64]
@@ -74,7 +74,8 @@ def float32_floor(scene: Scene, problem: Problem | None = None) -> float:
 def default_tolerance(scene: Scene, problem: Problem | None = None) -> float:
     """1e-8; in float32 the larger of 1e-4 and four times what rounding leaves (dimensionless).
 
-    Where rounding turns out to leave more, `Solution.tolerance` says how much, up to `MEANINGLESS`.
+    Where rounding turns out to leave more, `Solution.tolerance` says how much, up to `MEANINGLESS`, as long as
+    `MOST_ENERGY` bounds the energy's error.
 
     Raises `ValueError` where rounding in float32 leaves no meaning in the residual.
     """
@@ -248,8 +249,9 @@ class Run:
             self.seconds_more = time.perf_counter() - begin
         if not good and status in (Status.STAGNATED, Status.CONVERGED):
             status = Status.STAGNATED  # the method's own precision cannot see the difference
-            if not self.asked and self.certificate.free_residual < min(100 * self._floor(), MEANINGLESS):
-                self.tolerance, good = self.certificate.free_residual, True
+            residual = self.certificate.free_residual
+            if not self.asked and self._bounded and residual < min(100 * self._floor(), MEANINGLESS):
+                self.tolerance, good = residual, True
         return Status.CONVERGED if good and status in (Status.STAGNATED, Status.ITERATION_LIMIT) else status
 
     def _insist(self, status: Status, good: bool) -> tuple[Status, bool]:
@@ -345,8 +347,12 @@ class Run:
             self.state.start(np.zeros_like(displacement))
             displacement = self.state.displacement
         self.certificate, self.pressure, self.contact = certify(self.problem, displacement)
-        c = self.certificate
-        return c.free_residual <= self.tolerance and math.isfinite(c.energy_error_bound)
+        return self.certificate.free_residual <= self.tolerance and self._bounded
+
+    @property
+    def _bounded(self) -> bool:
+        bound = self.certificate.energy_error_bound
+        return math.isfinite(bound) if self.asked else bound <= MOST_ENERGY
 
 
 def stages(begin: float, ready: float, relaxed: float, end: float) -> dict[str, float]:

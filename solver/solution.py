@@ -20,6 +20,9 @@ Array64 = NDArray[np.float64]
 MEANINGLESS = 0.2
 """Of a residual over the mean pressure; where there is more left, there is no solution."""
 
+MOST_ENERGY = 0.1
+"""Of the bound on the energy's error over the elastic energy, at a tolerance that nobody asked for."""
+
 
 @dataclass(frozen=True)
 class Choice:
@@ -89,6 +92,10 @@ class Solution:
                 known = o.contact_area_error / o.contact_area_subgrid if o.contact_area_subgrid else math.inf
                 above = f"above {known:.2g}, or " if known < 1 else ""
                 return f"accuracy is {self.accuracy:g}; allowed: {above}more num_points than {points}"
+            case _ if residual <= self.tolerance and self.certificate:
+                off = f"the energy may be off by {self.certificate.energy_error_bound:.2g} of itself"
+                allowed = "a smaller one, or precision mixed or float64"
+                return f"tolerance is {self.tolerance:.2g} by default, at which {off}; allowed: {allowed}"
             case _:
                 return lost + looser
 

@@ -384,6 +384,17 @@ def test_cells_that_were_defects(seed, number):
     assert record["verdict"] == verdicts.CERTIFIED, record["why"]
 
 
+def test_a_default_tolerance_at_which_the_energy_is_unknown():
+    """In float32 it was 0.16, the bound on the energy's error 0.13 of the energy; and the result converged."""
+    cell = extremes.Task(2, 12_001_594, "small").cell()
+    solution = solve(cell.scene, **cell.options)
+    assert solution.certificate.free_residual <= solution.tolerance
+    assert solution.status is Status.STAGNATED
+    assert solution.reason.startswith("tolerance is 0.16 by default, at which the energy may be off by 0.13 of itself")
+    assert solve(cell.scene, method="fire", tolerance=solution.tolerance).status is Status.CONVERGED
+    assert solve(replace(cell.scene, precision="mixed")).tolerance == 1e-8
+
+
 @pytest.mark.slow
 def test_a_cell_whose_coarse_matrix_rounding_spoilt():
     """297 patches, nu = 1/2 - 1e-12: a negative diagonal entry, of which the root was taken."""
