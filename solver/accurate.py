@@ -1,5 +1,6 @@
 """A solve to a given accuracy of the contact area: the plan carried out, the smallest model first."""
 
+import math
 import time
 from dataclasses import replace
 
@@ -17,7 +18,7 @@ from .problem import Problem
 from .relaxation import Progress, Status
 from .run import CAUTION, DEFAULT_MAX_ITERATIONS, METHODS, SMALLEST_WARP, Run, check_scene, stages
 from .scene import Layer, Scene
-from .solution import Choice, Solution
+from .solution import MOST_ACCURACY, Choice, Solution
 from .symmetric import EvenActiveSet, is_even
 from .transforms import Transforms, check_settings
 
@@ -29,7 +30,9 @@ class Accurate:
         self, scene: Scene, accuracy: float, threads: int, planning: str, backend: str, progress: Progress | None
     ) -> None:
         self.begin = time.perf_counter()
-        self.accuracy = checks.real("accuracy", accuracy, "1e-9 <= accuracy <= 0.1", 0.99e-9, 0.1)
+        self.accuracy = checks.real(
+            "accuracy", accuracy, "1e-9 <= accuracy <= 0.1", math.nextafter(1e-9, 0), MOST_ACCURACY
+        )
         grid_free = isinstance(getattr(scene, "indenter", None), PowerIndenter)  # most likely
         check_scene(scene, 16 if grid_free else None)
         checks.choice("backend", backend, BACKENDS)

@@ -31,9 +31,9 @@ def integer(name: str, value: object, allowed: str, low: int, high: int, multipl
 
 def choice(name: str, value: object, allowed: tuple[str, ...]) -> str:
     """`value` if it is one of `allowed`, else `ValueError`."""
-    if value not in allowed:
+    if not isinstance(value, str) or value not in allowed:
         raise ValueError(f"{name} is {value!r}; allowed: {', '.join(allowed)}")
-    return str(value)
+    return value
 
 
 def available_memory() -> int | None:

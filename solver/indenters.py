@@ -192,9 +192,11 @@ class MeasuredIndenter:
     def __post_init__(self) -> None:
         allowed = "allowed: at least 4 finite real numbers, not all equal"
         try:
+            if np.ma.getmaskarray(self.heights).any():
+                raise ValueError("masked")
             heights = np.array(self.heights, dtype=np.float64)
         except (TypeError, ValueError):
-            raise ValueError(f"heights are not an array of numbers; {allowed}") from None
+            raise ValueError(f"heights are masked or not an array of numbers; {allowed}") from None
         if heights.ndim != 1 or heights.size < 4:
             raise ValueError(f"heights have shape {heights.shape}; {allowed}")
         bad = np.flatnonzero(~np.isfinite(heights))

@@ -72,7 +72,7 @@ class Scene:
     def __post_init__(self) -> None:
         if not isinstance(self.layer, Layer):
             raise ValueError(f"layer is {self.layer!r}; allowed: a Layer")
-        if not hasattr(self.indenter, "profile"):
+        if not hasattr(self.indenter, "profile") or isinstance(self.indenter, type):
             raise ValueError(
                 f"indenter is {self.indenter!r}; allowed: a PowerIndenter, RoughIndenter or MeasuredIndenter"
             )

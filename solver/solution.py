@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .certificate import Certificate
+from .indenters import MeasuredIndenter
 from .nested import Level
 from .observables import Observables
 from .provenance import package_version, provenance
@@ -16,6 +17,9 @@ from .scene import Scene
 
 Array64 = NDArray[np.float64]
 
+
+MOST_ACCURACY, MOST_TOLERANCE = 0.1, 0.5
+"""That may be asked for."""
 
 MEANINGLESS = 0.2
 """Of a residual over the mean pressure; where there is more left, there is no solution."""
@@ -47,6 +51,7 @@ class Solution:
     handed_over: the active set could not certify its result, and mass-weighted FIRE went on from there.
     certificate: None where there was no discrete problem to solve.
     accuracy: the relative error of a_r asked for, if any, and choices: what was chosen for it, and why.
+    rounded_off: rounding is what keeps the residual above the tolerance.
     levels: the coarser grids, from coarse to fine; empty without nested grids. iterations: on all grids.
     transform_pairs: forward-inverse pairs in units of a pair on the finest grid, short and coarse ones by their length.
     seconds: wall time by stage ('setup', 'solve', 'certificate', 'total') [s].
@@ -71,6 +76,7 @@ class Solution:
     levels: tuple[Level, ...] = field(default_factory=tuple)
     accuracy: float | None = None
     choices: tuple[Choice, ...] = field(default_factory=tuple)
+    rounded_off: bool = False
 
     @property
     def reason(self) -> str:
@@ -90,12 +96,23 @@ class Solution:
             case Status.INACCURATE:
                 o, points = self.observables, self.scene.num_points
                 known = o.contact_area_error / o.contact_area_subgrid if o.contact_area_subgrid else math.inf
-                above = f"above {known:.2g}, or " if known < 1 else ""
-                return f"accuracy is {self.accuracy:g}; allowed: {above}more num_points than {points}"
+                above = f"above {known:.2g}, or " if known < MOST_ACCURACY else ""
+                measured = isinstance(self.scene.indenter, MeasuredIndenter)
+                more = f"a profile of more heights than {points}" if measured else f"more num_points than {points}"
+                return f"accuracy is {self.accuracy:g}; allowed: {above}{more}"
             case _ if residual <= self.tolerance and self.certificate:
                 off = f"the energy may be off by {self.certificate.energy_error_bound:.2g} of itself"
                 allowed = "a smaller one, or precision mixed or float64"
                 return f"tolerance is {self.tolerance:.2g} by default, at which {off}; allowed: {allowed}"
+            case _ if self.rounded_off:
+                precision, other = self.scene.precision, ""
+                if precision == "float32":
+                    other = ", or precision mixed or float64"
+                leaves = f"rounding in {precision} leaves"
+                if residual < MOST_TOLERANCE:
+                    return f"tolerance is {self.tolerance:g}; allowed: above {residual:.2g}, which {leaves}{other}"
+                points = self.scene.num_points
+                return f"num_points is {points}, where {leaves} a residual of {residual:.2g}; allowed: fewer{other}"
             case _:
                 return lost + looser
 

@@ -50,6 +50,10 @@ def solve(
     interrupted raises `KeyboardInterrupt`. Raises `ValueError`.
     """
     begin = time.perf_counter()
+    if not (nested is None or isinstance(nested, bool | np.bool_)):
+        raise ValueError(f"nested is {nested!r}; allowed: True, False or None")
+    if not (progress is None or callable(progress)):
+        raise ValueError(f"progress is {progress!r}; allowed: a function of an iteration and a residual, or None")
     if accuracy is not None:
         checks.choice("below_floor", below_floor, BELOW_FLOOR)
         if below_floor != "refuse":
@@ -61,7 +65,7 @@ def solve(
         return Accurate(scene, accuracy, threads, planning, backend, progress).solve()
     method = checks.choice("method", METHODS[0] if method is None else method, METHODS)
     if max_iterations is not None:
-        max_iterations = checks.integer("max_iterations", max_iterations, "an integer >= 1", 1, 2**53)
+        max_iterations = checks.integer("max_iterations", max_iterations, "an integer from 1 to 2^53", 1, 2**53)
     if nested is None:
         nested = method == METHODS[0] and initial is None
     run = Run(scene, method, tolerance, initial, threads, planning, backend, max_iterations, below_floor, progress)

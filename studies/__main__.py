@@ -14,11 +14,21 @@ def main() -> int:
     before = signal.getsignal(signal.SIGINT)
     if before is signal.default_int_handler:  # else someone wants it ignored
         signal.signal(signal.SIGINT, _leave)
-        signal.signal(signal.SIGTERM, lambda *_: signal.raise_signal(signal.SIGINT))
-    from .cli import main as run
+    signal.signal(signal.SIGTERM, _as_ctrl_c)
+    try:
+        from .cli import main as run
 
-    signal.signal(signal.SIGINT, before)
-    return run()
+        signal.signal(signal.SIGINT, before)
+        return run()
+    except KeyboardInterrupt:  # outside of any command
+        _leave()
+        raise
+
+
+def _as_ctrl_c(*_: Any) -> None:
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # in a script's background
+        raise KeyboardInterrupt
+    signal.raise_signal(signal.SIGINT)
 
 
 def _leave(*_: Any) -> None:

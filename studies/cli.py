@@ -376,7 +376,7 @@ def main(arguments: list[str] | None = None) -> int:
         return console.guard(lambda: run_plot(command))
     if isinstance(command, Info):
         return console.guard(lambda: run_info(command))
-    return console.guard(lambda: run_study(command.study))
+    return console.guard(lambda: run_study(command.study), console.KEPT)
 
 
 if __name__ == "__main__":

@@ -94,7 +94,11 @@ def _dataset(path: str, most: str, name: str | None = None) -> Columns:
             name = names[0]
         if name not in names:
             some = ", ".join(names[:20]) + (", ..." if len(names) > 20 else "")
-            raise RefusedError(f"profile_dataset is {name!r}; allowed in {path}: {some or 'nothing'}")
+            raise RefusedError(
+                f"profile_dataset is {'missing' if name is None else repr(name)}; allowed: {some}, of {path}"
+                if names
+                else f"profile_file {path} holds no dataset; allowed: one of numbers, in the file itself"
+            )
         data = file[name]
         if data.shape is None or data.dtype.kind not in "fiu":
             raise RefusedError(f"profile_dataset is {name!r}, which is not an array of numbers")

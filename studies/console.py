@@ -19,6 +19,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 from rich.text import Text
 
+KEPT = "; finished tasks are kept"
 Parsed = TypeVar("Parsed")
 
 EXIT_BAD_INPUT = 2
@@ -157,8 +158,11 @@ def _complaint(panel: str) -> str:
     return f"{name.replace('-', '_')} is {given}; allowed: {allowed}"
 
 
-def guard(command: Callable[[], int]) -> int:
-    """Run a command; bad input ends in one line and status 2, Ctrl-C in 130, a reader that went away in 141."""
+def guard(command: Callable[[], int], kept: str = "") -> int:
+    """Run a command; bad input ends in one line and status 2, Ctrl-C in 130, a reader that went away in 141.
+
+    kept: what Ctrl-C leaves, to be said.
+    """
     try:
         status = command()
         sys.stdout.flush()
@@ -167,7 +171,7 @@ def guard(command: Callable[[], int]) -> int:
         errors.print(f"linecontact: {' '.join(str(error).split())}")
         return EXIT_BAD_INPUT
     except KeyboardInterrupt:
-        errors.print("linecontact: interrupted; finished work is kept")
+        errors.print(f"linecontact: interrupted{kept}")
         return EXIT_INTERRUPTED
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # the flush at exit must not fail again
@@ -187,4 +191,4 @@ def guard(command: Callable[[], int]) -> int:
 def run(options: type[Parsed], command: Callable[[Parsed], int], prog: str) -> int:
     """Entry point of a study's own script; returns the exit status."""
     parsed = parse(options, None, prog, options.__doc__ or "")
-    return guard(lambda: command(parsed))
+    return guard(lambda: command(parsed), KEPT)

@@ -125,6 +125,8 @@ def _load(options: Options) -> tuple[Array64 | None, Array64, str]:
     """Positions (or None), heights, and where they came from."""
     path, dataset = options.path, options.dataset
     suffix = path.suffix.lower()
+    if dataset is not None and suffix not in (".h5", ".hdf5"):
+        raise ValueError(f"profile_dataset is {dataset}; allowed: none, {path} is not .h5")
     if suffix in (".h5", ".hdf5"):
         return _columns(path, _read_hdf5(path, dataset), f"dataset {dataset or 'only one'} of {_name(path)}")
     if suffix == ".npy":
@@ -160,11 +162,16 @@ def _read_text(path: Path) -> tuple[Array64, int]:
         raise ValueError(f"profile_file {path} holds no table of numbers; allowed: {allowed}")
     if columns > 2:
         raise ValueError(f"profile_file {path} has {columns} columns of numbers; allowed: one or two")
+    while not lines[-1].strip():
+        lines.pop()
+    for i in range(first, len(lines)):
+        if not lines[i].strip():  # what is before may be a header of numbers
+            raise ValueError(f"profile_file {path}, line {i + 1} is empty; allowed: none between numbers")
     try:
-        return np.loadtxt([line for line in lines[first:] if line.strip()], ndmin=2, comments=None), first
+        return np.loadtxt(lines[first:], ndmin=2, comments=None), first
     except ValueError as error:
         for i in range(first, len(lines)):
-            if lines[i].strip() and _numbers(lines[i]) != columns:
+            if _numbers(lines[i]) != columns:
                 raise ValueError(
                     f"profile_file {path}, line {i + 1}: {lines[i].strip()[:40]!r} is not {columns} numbers"
                 ) from None
@@ -253,7 +260,7 @@ def _check_values(path: Path, x: Array64 | None, z: Array64) -> None:
         if bad.size:
             raise ValueError(
                 f"profile_file {path}: x goes from {x[bad[0]]} to {x[bad[0] + 1]} at value {bad[0] + 2}; allowed: "
-                "increasing"
+                "increasing (in text a comma separates columns)"
             )
 
 

@@ -178,7 +178,7 @@ def expecting(where: Path) -> Iterator[None]:
         raise
     except Exception as error:
         reason = f"does not hold what linecontact writes there, {type(error).__name__}: {error}"
-        raise StoreError(f"{where} {reason}; allowed: another one, or --overwrite") from error
+        raise StoreError(f"{where} {reason}; allowed: another one, or to make it anew") from error
 
 
 def _verify(path: Path) -> str:

@@ -287,6 +287,7 @@ def test_an_accuracy_out_of_reach_is_said_to_be():
     [
         ({"accuracy": 0.0}, "accuracy is 0.0"),
         ({"accuracy": 1.0}, "accuracy is 1.0"),
+        ({"accuracy": 9.99e-10}, "accuracy is 9.99e-10; allowed: 1e-9 <="),
         ({"accuracy": math.nan}, "accuracy is nan"),
         ({"accuracy": "fine"}, "accuracy is 'fine'"),
         ({"accuracy": 1e-3, "method": "fire"}, "method is 'fire'; allowed: without accuracy"),

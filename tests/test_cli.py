@@ -185,15 +185,22 @@ def test_iteration_limit_is_status_3_with_the_partial_result(tmp_path):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
-@pytest.mark.parametrize("sign", [signal.SIGINT, signal.SIGTERM])
-def test_ctrl_c_is_status_130_with_the_partial_result(tmp_path, sign):
+@pytest.mark.parametrize(
+    ("sign", "ctrl_c"),
+    [
+        (signal.SIGINT, signal.SIG_DFL),
+        (signal.SIGTERM, signal.SIG_DFL),
+        (signal.SIGTERM, signal.SIG_IGN),  # a shell's background jobs ignore it
+    ],
+)
+def test_ctrl_c_is_status_130_with_the_partial_result(tmp_path, sign, ctrl_c):
     file = tmp_path / "run.h5"
     arguments = ["solve", "--num-points", str(2**18), "--method", "fire", "--tolerance", "1e-13", "--save", str(file)]
     process = subprocess.Popen(
         [*CLI, *arguments],
         stderr=subprocess.PIPE,
         stdout=subprocess.PIPE,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # a shell's background jobs ignore it
+        preexec_fn=lambda: signal.signal(signal.SIGINT, ctrl_c),
     )
     first = process.stderr.readline()  # a line of progress: the solve, which takes minutes, is under way
     assert b"residual" in first
@@ -323,3 +330,14 @@ def test_ctrl_c_during_imports_is_one_line():
         process.send_signal(signal.SIGINT)
         assert process.communicate()[1] == "linecontact: interrupted\n"
     assert process.returncode == 130
+
+
+def test_ctrl_c_outside_of_a_command_is_one_line():
+    program = (
+        "from linecontact.studies import __main__ as entry, cli\n"
+        "def main(): raise KeyboardInterrupt\n"
+        "cli.main = main\n"
+        "entry.main()"
+    )
+    result = run(program=[sys.executable, "-c", program])
+    assert (result.returncode, result.stderr) == (130, "linecontact: interrupted\n")

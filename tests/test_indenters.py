@@ -78,6 +78,7 @@ def test_unresolved_waves_name_the_three_ratios():
         (lambda: MeasuredIndenter(np.ones((16, 2))), "shape"),
         (lambda: MeasuredIndenter(np.append(np.arange(30.0), np.nan)), r"heights\[30\] is nan"),
         (lambda: MeasuredIndenter(["high"] * 32), "not an array of numbers"),
+        (lambda: MeasuredIndenter(np.ma.masked_equal(np.arange(16.0), 3)), "heights are masked"),
         (lambda: Scene(indenter=MeasuredIndenter(np.arange(64.0)), num_points=128), "num_points is 128; allowed: 64"),
     ],
 )

@@ -146,6 +146,11 @@ def text(content):
     return make
 
 
+def no_dataset(folder):
+    h5py.File(folder / "profile.h5", "w").close()
+    return folder / "profile.h5"
+
+
 def empty_dataset(folder):
     with h5py.File(folder / "empty.h5", "w") as file:
         file["line"] = h5py.Empty("f8")
@@ -181,9 +186,12 @@ ROWS = "".join(f"{i} {i % 7}\n" for i in range(40))
         (lambda folder: write(folder, ".npy", [np.append(np.arange(40.0), np.nan)]), {}, "height number 41 is not"),
         (lambda folder: write(folder, ".npy", [np.arange(40.0)]), {}, "straight line"),
         (empty_dataset, {}, "not an array of numbers"),
+        (no_dataset, {}, "holds no dataset"),
+        (lambda folder: write(folder, ".npy", [np.arange(40.0) % 7]), {"dataset": "z"}, "profile_dataset is z"),
+        (text("256\n0.5\n\n" + "1\n2\n" * 20), {}, "line 3 is empty"),
         (lambda folder: write(folder, ".npy", [np.array(["a"] * 20)]), {}, "holds <U1"),
         (lambda folder: write(folder, ".npy", [np.array([{}] * 20)]), {}, "not a plain array"),
-        (lambda folder: write(folder, ".h5", [np.arange(20.0)]), {"dataset": "lime"}, "'lime'; allowed in .*: line"),
+        (lambda folder: write(folder, ".h5", [np.arange(20.0)]), {"dataset": "lime"}, "'lime'; allowed: line, of"),
     ],
 )
 def test_bad_files_are_named(tmp_path, make, options, named):
