@@ -40,7 +40,7 @@ class ActiveSet:
     inner = 0.05
     safety = 0.4  # of the tolerance, where to stop: the free residual is up to twice the pressure's error
     patience = 10**9  # the residual starts anew with every set; `longest` ends the search instead
-    longest = 150  # iterations on one set: rounding keeps the residual up
+    longest = 150  # iterations on one set: rounding keeps the residual up; more where patches share an unknown
     pair_length = 1.0  # of a transform pair, over N
     slack = 0.0  # nodes a patch may still have wrong on the average; for coarse grids
 
@@ -192,7 +192,7 @@ class ActiveSet:
         self._tries += 1
         if not math.isfinite(self.residual):
             self.frozen = True
-        elif self._tries > self.longest:
+        elif self._tries > max(self.longest, self._preconditioner.share):
             self._leave_set()
         elif not self.frozen:
             self._advance_along(r, z)

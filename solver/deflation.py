@@ -229,6 +229,11 @@ class PatchDeflation:
         self._build, self._factor = patches.count, _inverse_factor(coarse, total)
         self._borders = (first[1:] + last[:-1]) / 2
 
+    @property
+    def share(self) -> float:
+        """Patches an unknown."""
+        return self.patches.count / len(self._factor)
+
     def _part(self, patch: int) -> slice:
         start = self.patches.offset[patch]
         return slice(start, start + self.patches.size[patch])

@@ -192,7 +192,7 @@ class MeasuredIndenter:
     def __post_init__(self) -> None:
         allowed = "allowed: at least 4 finite real numbers, not all equal"
         try:
-            if np.ma.getmaskarray(self.heights).any():
+            if np.ma.is_masked(self.heights):
                 raise ValueError("masked")
             heights = np.array(self.heights, dtype=np.float64)
         except (TypeError, ValueError):

@@ -18,7 +18,7 @@ from .observables import contact_edges, observe
 from .problem import Problem, foundation_pressure, rounding_floor
 from .relaxation import Method, Progress, Status, relax
 from .scene import Scene
-from .solution import MEANINGLESS, MOST_ENERGY, MOST_TOLERANCE, Choice, Solution
+from .solution import MEANINGLESS, MOST_ENERGY, Choice, Solution
 from .transforms import Transforms, save_wisdom
 
 Array64 = NDArray[np.float64]
@@ -88,7 +88,7 @@ def default_tolerance(scene: Scene, problem: Problem | None = None) -> float:
 
 
 def _too_many_points(scene: Scene, floor: float) -> str:
-    own = "a tolerance of your own, " if floor < MOST_TOLERANCE else ""
+    own = "a tolerance of your own, " if floor < MEANINGLESS else ""
     return (
         f"num_points is {scene.num_points}, where float32 leaves a residual of about {floor:.1g}; allowed: "
         f"fewer points, precision mixed or float64, {own}or --below-floor mixed"
@@ -105,7 +105,7 @@ def _above_floor(scene: Scene, problem: Problem, tolerance: float | None, below_
             return default_tolerance(scene, problem), scene, ""
         if scene.precision != "float32" or tolerance >= (floor := float32_floor(scene, problem)):
             return tolerance, scene, ""
-        if floor > MOST_TOLERANCE:
+        if floor > MEANINGLESS:
             raise ValueError(_too_many_points(scene, floor))
         raise ValueError(
             f"tolerance is {tolerance!r}; allowed: at least {floor:.1g}, which is what rounding in float32 leaves of "
@@ -144,7 +144,7 @@ class Run:
         if state:  # contact is where u = h exactly
             self.problem = replace(self.problem, height=state.problem.height)
         if tolerance is not None:
-            tolerance = checks.real("tolerance", tolerance, "1e-14 < tolerance <= 0.5", 1e-14, MOST_TOLERANCE)
+            tolerance = checks.real("tolerance", tolerance, "1e-14 < tolerance <= 0.5", 1e-14, 0.5)
         self.asked = tolerance is not None
         self.tolerance, self.scene, changed = _above_floor(scene, self.problem, tolerance, below_floor)
         self.choices = [Choice("precision", "mixed", changed)] if changed else []

@@ -18,7 +18,7 @@ from .scene import Scene
 Array64 = NDArray[np.float64]
 
 
-MOST_ACCURACY, MOST_TOLERANCE = 0.1, 0.5
+MOST_ACCURACY = 0.1
 """That may be asked for."""
 
 MEANINGLESS = 0.2
@@ -82,10 +82,10 @@ class Solution:
     def reason(self) -> str:
         """Why the status is not `CONVERGED`: the parameter that it depends on, and what is allowed. Empty if it is."""
         residual = self.certificate.free_residual if self.certificate else math.inf
-        looser = f", or tolerance above {residual:.2g} (it is {self.tolerance:g})" if residual < MEANINGLESS else ""
-        lost = (
-            f"method is {self.method} in precision {self.scene.precision}, which does not settle here; allowed: another"
-        )
+        points, precision = self.scene.num_points, self.scene.precision
+        looser = ""
+        if self.tolerance < residual < MEANINGLESS:
+            looser = f", or tolerance above {residual:.2g} (it is {self.tolerance:g})"
         match self.status:
             case Status.CONVERGED:
                 return ""
@@ -94,27 +94,27 @@ class Solution:
             case Status.ITERATION_LIMIT:
                 return f"max_iterations is reached after {self.iterations}; allowed: more{looser}"
             case Status.INACCURATE:
-                o, points = self.observables, self.scene.num_points
+                o = self.observables
                 known = o.contact_area_error / o.contact_area_subgrid if o.contact_area_subgrid else math.inf
                 above = f"above {known:.2g}, or " if known < MOST_ACCURACY else ""
-                measured = isinstance(self.scene.indenter, MeasuredIndenter)
-                more = f"a profile of more heights than {points}" if measured else f"more num_points than {points}"
-                return f"accuracy is {self.accuracy:g}; allowed: {above}{more}"
+                heights = " (and heights)" if isinstance(self.scene.indenter, MeasuredIndenter) else ""
+                return f"accuracy is {self.accuracy:g}; allowed: {above}more num_points{heights} than {points}"
+            case _ if self.accuracy:
+                takes = f"takes a residual of {self.tolerance:.2g} and got {residual:.2g}"
+                return f"accuracy is {self.accuracy:g}, which {takes}; allowed: a larger one"
             case _ if residual <= self.tolerance and self.certificate:
                 off = f"the energy may be off by {self.certificate.energy_error_bound:.2g} of itself"
                 allowed = "a smaller one, or precision mixed or float64"
-                return f"tolerance is {self.tolerance:.2g} by default, at which {off}; allowed: {allowed}"
+                return f"tolerance is {self.tolerance:.2g}, at which {off}; allowed: {allowed}"
             case _ if self.rounded_off:
-                precision, other = self.scene.precision, ""
-                if precision == "float32":
-                    other = ", or precision mixed or float64"
+                other = ", or precision mixed or float64" if precision == "float32" else ""
                 leaves = f"rounding in {precision} leaves"
-                if residual < MOST_TOLERANCE:
+                if residual < MEANINGLESS:
                     return f"tolerance is {self.tolerance:g}; allowed: above {residual:.2g}, which {leaves}{other}"
-                points = self.scene.num_points
                 return f"num_points is {points}, where {leaves} a residual of {residual:.2g}; allowed: fewer{other}"
             case _:
-                return lost + looser
+                method = f"method is {self.method} in precision {precision}, which does not settle here"
+                return f"{method}; allowed: another{looser}"
 
     def to_dict(self) -> dict[str, Any]:
         """Everything but the fields that has a meaning, JSON-ready: numbers, text, flat objects; infinite: 'inf'."""

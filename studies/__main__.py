@@ -6,34 +6,37 @@ A scheduler's SIGTERM is taken like Ctrl-C: what there is gets saved.
 import os
 import signal
 import sys
-from typing import Any
+from typing import Any, NoReturn
 
 
 def main() -> int:
     """Run `linecontact`; returns the exit status."""
-    before = signal.getsignal(signal.SIGINT)
-    if before is signal.default_int_handler:  # else someone wants it ignored
+    interrupt, term = signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)
+    if interrupt is signal.default_int_handler:  # else someone wants it ignored
         signal.signal(signal.SIGINT, _leave)
-    signal.signal(signal.SIGTERM, _as_ctrl_c)
+    if term is signal.SIG_DFL:
+        signal.signal(signal.SIGTERM, _leave)
     try:
         from .cli import main as run
 
-        signal.signal(signal.SIGINT, before)
+        if term is signal.SIG_DFL:
+            signal.signal(signal.SIGTERM, _as_ctrl_c)
+        if interrupt is signal.default_int_handler:
+            signal.signal(signal.SIGINT, interrupt)
         return run()
     except KeyboardInterrupt:  # outside of any command
         _leave()
-        raise
+
+
+def _leave(*_: Any) -> NoReturn:
+    os.write(2, b"linecontact: interrupted\n")
+    os._exit(130)
 
 
 def _as_ctrl_c(*_: Any) -> None:
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # in a script's background
         raise KeyboardInterrupt
     signal.raise_signal(signal.SIGINT)
-
-
-def _leave(*_: Any) -> None:
-    os.write(2, b"linecontact: interrupted\n")
-    os._exit(130)
 
 
 if __name__ == "__main__":

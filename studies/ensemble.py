@@ -151,7 +151,9 @@ class Ensemble:
                         self._receive()
                         show(self)
                         if interrupted.is_set():
-                            raise KeyboardInterrupt
+                            break
+                    if interrupted.is_set():  # perhaps while the executor broke
+                        raise KeyboardInterrupt
                 except BaseException:
                     executors.abandon(executor, self._running)
                     raise

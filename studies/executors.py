@@ -111,7 +111,7 @@ class Processes(ProcessPoolExecutor):
     def abandon(self) -> None:
         """End the processes at once."""
         for process in list((self._processes or {}).values()):
-            process.terminate()
+            process.kill()
 
 
 def abandon(executor: Executor, futures: Iterable[Future[Any]]) -> None:
@@ -125,7 +125,8 @@ def abandon(executor: Executor, futures: Iterable[Future[Any]]) -> None:
 
 
 def _start_worker(budget: int | None) -> None:
-    """End with the parent, should it be killed; keep to the budget."""
+    """End with the parent, however that ends, and not before; keep to the budget."""
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)  # a scheduler's, for the parent to act upon
 
     def watch() -> None:
         parent = multiprocessing.parent_process()

@@ -109,6 +109,17 @@ def test_a_coarse_matrix_that_rounding_has_spoilt():
     assert factor.T @ factor == pytest.approx(np.diag([1 / 0.5, 1 / 2.0]))
 
 
+def test_patches_that_share_an_unknown_take_longer(monkeypatch):
+    """They were taken for a set that rounding does not let be solved: 2^21 of them went to FIRE, for hours."""
+    monkeypatch.setattr(deflation, "_unknowns", lambda n: 16)
+    monkeypatch.setattr(ActiveSet, "longest", 20)
+    teeth = MeasuredIndenter(2e-7 * (np.arange(4097) % 2))
+    solution = solve(Scene(Layer(), teeth, 5e-15, num_points=4097))
+    assert solution.status is Status.CONVERGED
+    assert not solution.handed_over
+    assert solution.iterations < 200
+
+
 def scenes():
     """Layers of all kinds; power profiles, random roughness and random walks."""
     layers = st.builds(

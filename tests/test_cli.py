@@ -225,14 +225,16 @@ def test_a_full_disk_keeps_the_result_and_leaves_no_file(tmp_path):
 @pytest.mark.parametrize("sign", [signal.SIGKILL, signal.SIGINT, signal.SIGTERM])
 def test_a_killed_study_continues(tmp_path, sign):
     command = [*CLI, "study", "hertz", "--quick", "--folder", str(tmp_path), "--workers", "2"]
-    process = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE)
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, start_new_session=True)
     file, tasks = tmp_path / "hertz.h5", tmp_path / "tasks"
     while not list(tasks.glob("*.json")):
         assert process.poll() is None
         time.sleep(0.02)
-    process.send_signal(sign)
+    # a terminal and a scheduler signal the workers, too
+    process.send_signal(sign) if sign == signal.SIGKILL else os.killpg(process.pid, sign)
     _, stderr = process.communicate(timeout=60)  # the pipes close only when the workers have ended, too
     assert b"Traceback" not in stderr
+    assert b"died" not in stderr
     assert b"resource_tracker" not in stderr or sign == signal.SIGKILL
     assert process.returncode == (-9 if sign == signal.SIGKILL else 130)
     kept = {path: path.stat().st_mtime_ns for path in tasks.glob("*.json")}

@@ -115,7 +115,7 @@ def _numbers(solution: Solution) -> Record:
     names = ("contact_area", "contact_area_subgrid", "contact_area_error", "num_patches", "iterations")
     kept: Record = {name: record[name] for name in (*names, "transform_pairs", "tolerance", "handed_over")}
     kept["outcome"] = record["status"]
-    told = record["certificate"].keys() & {"free_residual", "energy_error_bound"}  # other models have others
+    told = record["certificate"].keys() & {"free_residual", "energy_error_bound"}  # collocation has none
     return kept | {f"certificate.{name}": record["certificate"][name] for name in sorted(told)}
 
 
@@ -147,7 +147,7 @@ def _look_again(solution: Solution, asked: bool) -> None:
     if not again.free_residual <= 2 * solution.tolerance + rounding:
         claim = f"{solution.tolerance:.2g} is claimed"
         raise DefectError(f"free residual {again.free_residual:.2g} at the second look, {claim}")
-    if not asked and not again.energy_error_bound <= 1.01 * _MOST_ENERGY:
+    if not asked and not again.energy_error_bound <= 1.01 * _MOST_ENERGY:  # units round
         raise DefectError(f"the energy may be off by {again.energy_error_bound:.2g} of itself")
     off = float(np.sqrt(np.mean((pressure / scene.pressure - force) ** 2)))
     if not off <= 1e-9 + rounding:

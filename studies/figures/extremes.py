@@ -94,6 +94,8 @@ def _bars(axes: Axes, study: store.StudyFile, plain: NDArray[np.bool_]) -> None:
         groups += [(str(value), plain & (values == value)) for value in sorted(set(values[plain].tolist()))]
     points, method = _numbers(study, "scene.num_points"), study.column("method")
     for low, high in ((4, 64), (64, 2**13), (2**13, 2**24 + 1)):
+        if points.max() < low:
+            continue
         high = min(high, int(points.max()) + 1)
         groups.append((f"{low} to {high - 1} points", plain & (points >= low) & (points < high)))
     groups.append(("a tolerance asked", ~plain & (method != "to an accuracy")))
