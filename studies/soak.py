@@ -114,7 +114,7 @@ def summary(file: store.StudyFile) -> str:
     return (
         f"{total} random scenes in {hours:.2g} h: {count[CERTIFIED]} certified, {count[REFUSED]} refused with a reason "
         f"({asked} of them asked for a tolerance or an accuracy of their own), {count[DEFECT]} defects. The longest "
-        f"took {longest:.2g} s. Resident memory: {first:.0f} MiB in the first tenth of the time, {last:.0f} MiB in the "
+        f"took {longest:.3g} s. Resident memory: {first:.0f} MiB in the first tenth of the time, {last:.0f} MiB in the "
         f"last (medians), at most {max(resident):.0f} MiB. Open files: {min(files)} to {max(files)}."
     )
 

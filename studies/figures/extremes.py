@@ -121,8 +121,8 @@ def soak(path: Path) -> dict[str, Figure]:
     resident = study.column("bytes.resident") / 2**20
     for axes, values, label in zip(
         panels,
-        (resident, study.column("open_files"), scenes),
-        ("resident memory\n[MiB]", "open files\n(dimensionless)", "scenes so far\n(dimensionless)"),
+        (resident, study.column("open_files"), scenes / 1000),
+        ("resident memory\n[MiB]", "open files\n(dimensionless)", "scenes so far\n[thousands]"),
         strict=True,
     ):
         axes.plot(hours, values, "o-", ms=3, lw=0.8, color=COLOURS[0])
