@@ -231,7 +231,7 @@ class PatchDeflation:
 
     @property
     def share(self) -> float:
-        """Patches an unknown."""
+        """Patches over coarse unknowns (dimensionless): how many share one."""
         return self.patches.count / len(self._factor)
 
     def _part(self, patch: int) -> slice:

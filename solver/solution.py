@@ -19,7 +19,7 @@ Array64 = NDArray[np.float64]
 
 
 MOST_ACCURACY = 0.1
-"""That may be asked for."""
+"""Coarsest relative error of a_r that may be asked for (dimensionless)."""
 
 MEANINGLESS = 0.2
 """Of a residual over the mean pressure; where there is more left, there is no solution."""
@@ -83,6 +83,7 @@ class Solution:
         """Why the status is not `CONVERGED`: the parameter that it depends on, and what is allowed. Empty if it is."""
         residual = self.certificate.free_residual if self.certificate else math.inf
         points, precision = self.scene.num_points, self.scene.precision
+        other = ", or precision mixed or float64" if precision == "float32" else ""
         looser = ""
         if self.tolerance < residual < MEANINGLESS:
             looser = f", or tolerance above {residual:.2g} (it is {self.tolerance:g})"
@@ -104,10 +105,8 @@ class Solution:
                 return f"accuracy is {self.accuracy:g}, which {takes}; allowed: a larger one"
             case _ if residual <= self.tolerance and self.certificate:
                 off = f"the energy may be off by {self.certificate.energy_error_bound:.2g} of itself"
-                allowed = "a smaller one, or precision mixed or float64"
-                return f"tolerance is {self.tolerance:.2g}, at which {off}; allowed: {allowed}"
+                return f"tolerance is {self.tolerance:.2g}, at which {off}; allowed: a smaller one{other}"
             case _ if self.rounded_off:
-                other = ", or precision mixed or float64" if precision == "float32" else ""
                 leaves = f"rounding in {precision} leaves"
                 if residual < MEANINGLESS:
                     return f"tolerance is {self.tolerance:g}; allowed: above {residual:.2g}, which {leaves}{other}"

@@ -127,8 +127,15 @@ _PROFILE_OPTIONS = {
     "power": ("exponent", "radius"),
     "rough": ("hurst", "seed", "roll_off_ratio", "cut_off_ratio", "rms_gradient"),
     "file": (
-        *("profile_file", "profile_dataset", "profile_convention", "x_unit", "z_unit", "length_unit"),
-        *("resample", "detrend", "window"),
+        "profile_file",
+        "profile_dataset",
+        "profile_convention",
+        "x_unit",
+        "z_unit",
+        "length_unit",
+        "resample",
+        "detrend",
+        "window",
     ),
 }
 """Options that belong to one profile only."""

@@ -147,11 +147,11 @@ class Ensemble:
         while self._waiting or self._running:
             with make_executor() as executor, _flag_for_ctrl_c(executor) as interrupted:
                 try:
-                    while (self._waiting or self._running) and self._submit(executor, limit(), show):
+                    while (self._waiting or self._running) and not interrupted.is_set():
+                        if not self._submit(executor, limit(), show):
+                            break
                         self._receive()
                         show(self)
-                        if interrupted.is_set():
-                            break
                     if interrupted.is_set():  # perhaps while the executor broke
                         raise KeyboardInterrupt
                 except BaseException:
