@@ -173,10 +173,11 @@ def areas(runs: Sequence[Record]) -> str:
     )
     share, passed = 100 * float(np.mean(subgrid <= claimed + error)), float(((subgrid - error) / claimed).max())
     return (
-        f"In {len(known)} certified cells the area is known from elsewhere. An edge is off by {np.median(subgrid):.2g} "
-        f"grid spacings between nodes, by {np.median(counted):.2g} where nodes are counted (medians); at most by "
-        f"{subgrid.max():.2g} and {counted.max():.2g}, and nowhere by more than {(subgrid - counted).max():.2g} above "
-        f"counting. The error claimed holds in {share:.1f} % and is passed by a factor of {passed:.1f} at most."
+        f"In {len(known)} cells solved on a grid to a tolerance the area is known from elsewhere. An edge is off by "
+        f"{np.median(subgrid):.2g} grid spacings between nodes, by {np.median(counted):.2g} where nodes are counted "
+        f"(medians); at most by {subgrid.max():.2g} and {counted.max():.2g}, and nowhere by more than "
+        f"{(subgrid - counted).max():.2g} above counting. The error claimed holds in {share:.1f} % and is passed by a "
+        f"factor of {passed:.1f} at most."
     )
 
 
