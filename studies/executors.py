@@ -115,13 +115,15 @@ class Processes(ProcessPoolExecutor):
 
 
 def abandon(executor: Executor, futures: Iterable[Future[Any]]) -> None:
-    """Give up what is running, where that is possible, and waiting."""
+    """Give up what is running, where that is possible, and waiting. Leaving the executor still waits for the processes,
+    which takes no time: a thread of theirs that is left behind can stumble over the interpreter's end.
+    """
     if isinstance(executor, Processes):
         executor.abandon()  # which ends the futures; one that was cancelled besides makes its thread stumble
     else:
         for future in futures:
             future.cancel()
-    executor.shutdown(wait=False)
+        executor.shutdown(wait=False)
 
 
 def _start_worker(budget: int | None) -> None:

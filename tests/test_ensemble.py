@@ -643,15 +643,16 @@ def test_identity_is_that_of_the_class_whatever_its_fields_are_called():
 
 
 def test_abandoned_processes_leave_quietly(monkeypatch):
-    """A cancelled future made the executor's thread stumble, with a traceback, when its processes ended."""
+    """A cancelled future made the executor's thread stumble, with a traceback, when its processes ended; a thread that
+    was still there at the interpreter's end made that stumble.
+    """
     stumbled = []
     monkeypatch.setattr(threading, "excepthook", stumbled.append)
     for pause in (0.0, 0.3, 1.5):  # while processes are started, and after
-        executor = executors.Processes(1, None)
-        futures = [executor.submit(time.sleep, 60) for _ in range(3)]
-        thread = executor._executor_manager_thread
-        time.sleep(pause)
-        executors.abandon(executor, futures)
-        thread.join(30)
+        with executors.Processes(1, None) as executor:
+            futures = [executor.submit(time.sleep, 60) for _ in range(3)]
+            thread = executor._executor_manager_thread
+            time.sleep(pause)
+            executors.abandon(executor, futures)
         assert not thread.is_alive()
     assert not stumbled
