@@ -97,11 +97,21 @@ class InProcess(Executor):
         return future
 
 
+class _Worker(multiprocessing.context.SpawnProcess):
+    def terminate(self) -> None:
+        """What the executor does when another has died; SIGTERM is a scheduler's, for the parent to act upon."""
+        self.kill()
+
+
+class _Context(multiprocessing.context.SpawnContext):
+    Process = _Worker
+
+
 class Processes(ProcessPoolExecutor):
     """Processes of one thread each, that end with this one and fail beyond their budget of memory [bytes]."""
 
     def __init__(self, workers: int, budget: int | None) -> None:
-        super().__init__(workers, multiprocessing.get_context("spawn"), _start_worker, (budget,))
+        super().__init__(workers, _Context(), _start_worker, (budget,))
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
         """As for any executor; this is where processes are started."""
@@ -128,7 +138,6 @@ def abandon(executor: Executor, futures: Iterable[Future[Any]]) -> None:
 
 def _start_worker(budget: int | None) -> None:
     """End with the parent, however that ends, and not before; keep to the budget."""
-    signal.signal(signal.SIGTERM, signal.SIG_IGN)  # a scheduler's, for the parent to act upon
 
     def watch() -> None:
         parent = multiprocessing.parent_process()
@@ -146,11 +155,11 @@ def _start_worker(budget: int | None) -> None:
 
 @contextlib.contextmanager
 def _worker_settings() -> Iterator[None]:
-    """What spawned workers inherit: one BLAS thread each, and Ctrl-C, which waits here, blocked."""
+    """What spawned workers inherit: one BLAS thread each; Ctrl-C and SIGTERM, which wait here, blocked."""
     before = {name: os.environ.get(name) for name in _WORKER_ENVIRONMENT}
     os.environ.update(_WORKER_ENVIRONMENT)
     posix = hasattr(signal, "pthread_sigmask")
-    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT}) if posix else set()
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM}) if posix else set()
     try:
         yield
     finally:

@@ -656,3 +656,24 @@ def test_abandoned_processes_leave_quietly(monkeypatch):
             executors.abandon(executor, futures)
         assert not thread.is_alive()
     assert not stumbled
+
+
+def test_a_scheduler_s_signal_is_not_the_workers_business():
+    """From their first instant on: while they imported, it made them die and their tasks be tried again."""
+    with executors.Processes(1, None) as executor:
+        future = executor.submit(abs, -2)
+        (worker,) = executor._processes
+        for _ in range(20):
+            os.kill(worker, signal.SIGTERM)
+            time.sleep(0.02)
+        assert future.result(PATIENCE) == 2
+
+
+def test_a_worker_s_death_does_not_wait_for_the_others():
+    with executors.Processes(2, None) as executor:
+        future, killed = executor.submit(time.sleep, 20), executor.submit(signal.raise_signal, signal.SIGKILL)
+        workers = list(executor._processes.values())
+        for broken in (future, killed):
+            with pytest.raises(BrokenExecutor):
+                broken.result(PATIENCE)
+    assert [worker.exitcode for worker in workers] == 2 * [-signal.SIGKILL]
