@@ -671,9 +671,10 @@ def test_a_scheduler_s_signal_is_not_the_workers_business():
 
 def test_a_worker_s_death_does_not_wait_for_the_others():
     with executors.Processes(2, None) as executor:
-        future, killed = executor.submit(time.sleep, 20), executor.submit(signal.raise_signal, signal.SIGKILL)
+        futures = [executor.submit(time.sleep, 20), executor.submit(signal.raise_signal, signal.SIGKILL)]
+        futures.append(executor.submit(time.sleep, 20))  # the executor looks after a worker from the next task on
         workers = list(executor._processes.values())
-        for broken in (future, killed):
+        for broken in futures:
             with pytest.raises(BrokenExecutor):
                 broken.result(PATIENCE)
     assert [worker.exitcode for worker in workers] == 2 * [-signal.SIGKILL]
