@@ -538,7 +538,7 @@ def cluster(tmp_path):
     try:
         for line in commands:
             processes.append(begin(line, cwd=tmp_path))
-            assert wait_until(file.exists, processes[0])
+            assert wait_until(lambda: file.exists() and file.read_text().endswith("}"), processes[0])
         yield SimpleNamespace(scheduler=processes[0], address=json.loads(file.read_text())["address"])
     finally:
         for process in processes:
