@@ -147,12 +147,12 @@ class Ensemble:
         while self._waiting or self._running:
             with make_executor() as executor, _flag_for_ctrl_c(executor) as interrupted:
                 try:
-                    while (self._waiting or self._running) and not interrupted.is_set():
+                    while (self._waiting or self._running) and not interrupted.is_set:
                         if not self._submit(executor, limit(), show):
                             break
                         self._receive()
                         show(self)
-                    if interrupted.is_set():  # perhaps while the executor broke
+                    if interrupted.is_set:  # perhaps while the executor broke
                         raise KeyboardInterrupt
                 except BaseException:
                     executors.abandon(executor, self._running)
@@ -225,24 +225,31 @@ def _residual(record: Record) -> float:
     return math.inf if math.isnan(residual) else residual
 
 
+@dataclass
+class _Flag:
+    """Without the lock of a `threading.Event`: a handler that a second signal interrupts would wait for itself."""
+
+    is_set: bool = False
+
+
 @contextlib.contextmanager
-def _flag_for_ctrl_c(executor: Executor) -> Iterator[threading.Event]:
-    """An event that Ctrl-C sets: raised as an exception, it could be lost in an executor's callback. A second one is
+def _flag_for_ctrl_c(executor: Executor) -> Iterator[_Flag]:
+    """A flag that Ctrl-C sets: raised as an exception, it could be lost in an executor's callback. A second one is
     raised, should something hang.
     """
-    event = threading.Event()
+    flag = _Flag()
     if isinstance(executor, executors.InProcess) or threading.current_thread() is not threading.main_thread():
-        yield event
+        yield flag
         return
 
     def interrupt(*_: object) -> None:
-        if event.is_set():
+        if flag.is_set:
             raise KeyboardInterrupt
-        event.set()
+        flag.is_set = True
 
     handler = signal.signal(signal.SIGINT, interrupt)
     try:
-        yield event
+        yield flag
     finally:
         signal.signal(signal.SIGINT, handler)
 

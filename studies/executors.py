@@ -107,20 +107,34 @@ class _Context(multiprocessing.context.SpawnContext):
     Process = _Worker
 
 
+class _Workers(dict[int, Any]):
+    """Processes by their numbers. In Python 3.11 one thread looks through them while another adds one."""
+
+    def values(self) -> Any:
+        return list(super().values())
+
+
 class Processes(ProcessPoolExecutor):
     """Processes of one thread each, that end with this one and fail beyond their budget of memory [bytes]."""
 
     def __init__(self, workers: int, budget: int | None) -> None:
         super().__init__(workers, _Context(), _start_worker, (budget,))
+        self._processes = _Workers()
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
         """As for any executor; this is where processes are started."""
         with _worker_settings():
             return super().submit(fn, *args, **kwargs)
 
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """As for any executor. In Python 3.11 a worker that was being started when another died is still there."""
+        if self._broken:
+            self.abandon()
+        super().shutdown(wait, cancel_futures=cancel_futures)
+
     def abandon(self) -> None:
         """End the processes at once."""
-        for process in list((self._processes or {}).values()):
+        for process in (self._processes or {}).values():
             process.kill()
 
 

@@ -678,3 +678,67 @@ def test_a_worker_s_death_does_not_wait_for_the_others():
             with pytest.raises(BrokenExecutor):
                 broken.result(PATIENCE)
     assert [worker.exitcode for worker in workers] == 2 * [-signal.SIGKILL]
+
+
+def test_a_worker_that_starts_when_another_dies_is_not_left_behind(monkeypatch):
+    """Python 3.11 overlooked it, or waited for it for ever."""
+    start, workers = executors._Worker.start, []
+
+    def slow_start(self):
+        start(self)
+        workers.append(self)
+        if len(workers) == 2:
+            workers[0].kill()
+            workers[0].join(PATIENCE)
+            time.sleep(1)  # for the executor to notice
+
+    monkeypatch.setattr(executors._Worker, "start", slow_start)
+    with executors.Processes(2, None) as executor:
+        futures = [executor.submit(time.sleep, PATIENCE) for _ in range(2)]
+        for broken in futures:
+            with pytest.raises(BrokenExecutor):
+                broken.result(PATIENCE)
+    for worker in workers:
+        worker.join(PATIENCE)
+    assert [worker.exitcode for worker in workers] == 2 * [-signal.SIGKILL]
+
+
+def test_workers_are_looked_through_while_one_is_added():
+    with executors.Processes(2, None) as executor:
+        executor.submit(abs, 1)
+        workers = iter(executor._processes.values())
+        executor._processes[-1] = SimpleNamespace()
+        assert len(list(workers)) == 1
+        del executor._processes[-1]
+
+
+def test_a_signal_that_interrupts_another_s_handler():
+    """It waited for ever for a lock that the other held."""
+
+    def give_up(*_):
+        raise TimeoutError
+
+    def send_another(frame, event, _):
+        nonlocal moment
+        if event in ("call", "return") and moment >= 0:
+            moment -= 1
+            if moment < 0:
+                signal.raise_signal(signal.SIGINT)
+
+    before = signal.signal(signal.SIGALRM, give_up)
+    try:
+        for after in range(12):  # calls and returns
+            signal.alarm(10)
+            with executors.Processes(1, None) as executor, ensemble._flag_for_ctrl_c(executor) as interrupted:
+                moment = after
+                try:
+                    sys.setprofile(send_another)
+                    signal.raise_signal(signal.SIGINT)
+                    sys.setprofile(None)
+                except KeyboardInterrupt:
+                    sys.setprofile(None)
+                assert interrupted.is_set
+    finally:
+        sys.setprofile(None)
+        signal.alarm(0)
+        signal.signal(signal.SIGALRM, before)
