@@ -1,5 +1,6 @@
 """Studies as tasks: through kills, failures, damage, full disks and lost workers nothing is lost, or done twice."""
 
+import contextlib
 import dataclasses
 import hashlib
 import json
@@ -9,7 +10,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import threading
 import time
 from collections import Counter
 from concurrent.futures import BrokenExecutor, Executor, Future
@@ -295,6 +295,37 @@ def test_half_written_files_are_removed_by_the_next_run(folder):
         path.write_bytes(b"half")
     assert command([Square(1)], folder) == 0
     assert not any(path.exists() for path in left)
+
+
+def test_a_signal_that_interrupts_another_s_handler():
+    """It waited for ever for a lock that the other held."""
+
+    def give_up(*_):
+        raise TimeoutError
+
+    def send_another(frame, event, _):
+        nonlocal moment
+        if event in ("call", "return") and moment >= 0:
+            moment -= 1
+            if moment < 0:
+                signal.raise_signal(signal.SIGINT)
+
+    before = signal.signal(signal.SIGALRM, give_up)
+    signal.alarm(10)
+    executor = executors.Processes(1, None)
+    try:
+        for after in range(12):  # calls and returns
+            moment = after
+            with ensemble._flag_for_ctrl_c(executor) as interrupted, contextlib.suppress(KeyboardInterrupt):
+                try:
+                    sys.setprofile(send_another)
+                    signal.raise_signal(signal.SIGINT)
+                finally:
+                    sys.setprofile(None)
+            assert interrupted.is_set
+    finally:
+        signal.alarm(0)
+        signal.signal(signal.SIGALRM, before)
 
 
 # failures
@@ -606,23 +637,6 @@ def test_a_wrong_scheduler_is_one_line_and_status_2(folder, address):
 # names
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"workers": 0}, "workers is 0"),
-        ({"workers": 1025}, "workers is 1025"),
-        ({"memory": -1.0}, r"memory is -1\.0"),
-        ({"memory": 0.0}, r"memory is 0\.0"),
-        ({"memory": float("nan")}, "memory is nan"),
-        ({"memory": 1.0, "workers": 1}, r"memory is 1\.0"),
-        ({"memory": 1.0, "scheduler": "tcp://127.0.0.1:1"}, r"memory is 1\.0"),
-    ],
-)
-def test_bad_options_are_named(options, message):
-    with pytest.raises(ValueError, match=message), executors.choose(**{"workers": 2, **options}):
-        pass
-
-
 def test_identity_is_that_of_class_and_fields():
     assert tasks.identity(Square(1)) == tasks.identity(Square(1, 0.0, "")) == "e38ef90a93574e65"
     different = [
@@ -640,105 +654,3 @@ def test_identity_is_that_of_class_and_fields():
 def test_identity_is_that_of_the_class_whatever_its_fields_are_called():
     one, other = (dataclasses.make_dataclass(name, [("task", int)], frozen=True) for name in ("One", "Other"))
     assert tasks.identity(one(1)) != tasks.identity(other(1))
-
-
-def test_abandoned_processes_leave_quietly(monkeypatch):
-    """A cancelled future made the executor's thread stumble, with a traceback, when its processes ended; a thread that
-    was still there at the interpreter's end made that stumble.
-    """
-    stumbled = []
-    monkeypatch.setattr(threading, "excepthook", stumbled.append)
-    for pause in (0.0, 0.3, 1.5):  # while processes are started, and after
-        with executors.Processes(1, None) as executor:
-            futures = [executor.submit(time.sleep, 60) for _ in range(3)]
-            thread = executor._executor_manager_thread
-            time.sleep(pause)
-            executors.abandon(executor, futures)
-        assert not thread.is_alive()
-    assert not stumbled
-
-
-def test_a_scheduler_s_signal_is_not_the_workers_business():
-    """From their first instant on: while they imported, it made them die and their tasks be tried again."""
-    with executors.Processes(1, None) as executor:
-        future = executor.submit(abs, -2)
-        (worker,) = executor._processes
-        for _ in range(20):
-            os.kill(worker, signal.SIGTERM)
-            time.sleep(0.02)
-        assert future.result(PATIENCE) == 2
-
-
-def test_a_worker_s_death_does_not_wait_for_the_others():
-    with executors.Processes(2, None) as executor:
-        futures = [executor.submit(time.sleep, 20), executor.submit(signal.raise_signal, signal.SIGKILL)]
-        futures.append(executor.submit(time.sleep, 20))  # the executor looks after a worker from the next task on
-        workers = list(executor._processes.values())
-        for broken in futures:
-            with pytest.raises(BrokenExecutor):
-                broken.result(PATIENCE)
-    assert [worker.exitcode for worker in workers] == 2 * [-signal.SIGKILL]
-
-
-def test_a_worker_that_starts_when_another_dies_is_not_left_behind(monkeypatch):
-    """Python 3.11 overlooked it, or waited for it for ever."""
-    start, workers = executors._Worker.start, []
-
-    def slow_start(self):
-        start(self)
-        workers.append(self)
-        if len(workers) == 2:
-            workers[0].kill()
-            workers[0].join(PATIENCE)
-            time.sleep(1)  # for the executor to notice
-
-    monkeypatch.setattr(executors._Worker, "start", slow_start)
-    with executors.Processes(2, None) as executor:
-        futures = [executor.submit(time.sleep, PATIENCE) for _ in range(2)]
-        for broken in futures:
-            with pytest.raises(BrokenExecutor):
-                broken.result(PATIENCE)
-    for worker in workers:
-        worker.join(PATIENCE)
-    assert [worker.exitcode for worker in workers] == 2 * [-signal.SIGKILL]
-
-
-def test_workers_are_looked_through_while_one_is_added():
-    with executors.Processes(2, None) as executor:
-        executor.submit(abs, 1)
-        workers = iter(executor._processes.values())
-        executor._processes[-1] = SimpleNamespace()
-        assert len(list(workers)) == 1
-        del executor._processes[-1]
-
-
-def test_a_signal_that_interrupts_another_s_handler():
-    """It waited for ever for a lock that the other held."""
-
-    def give_up(*_):
-        raise TimeoutError
-
-    def send_another(frame, event, _):
-        nonlocal moment
-        if event in ("call", "return") and moment >= 0:
-            moment -= 1
-            if moment < 0:
-                signal.raise_signal(signal.SIGINT)
-
-    before = signal.signal(signal.SIGALRM, give_up)
-    try:
-        for after in range(12):  # calls and returns
-            signal.alarm(10)
-            with executors.Processes(1, None) as executor, ensemble._flag_for_ctrl_c(executor) as interrupted:
-                moment = after
-                try:
-                    sys.setprofile(send_another)
-                    signal.raise_signal(signal.SIGINT)
-                    sys.setprofile(None)
-                except KeyboardInterrupt:
-                    sys.setprofile(None)
-                assert interrupted.is_set
-    finally:
-        sys.setprofile(None)
-        signal.alarm(0)
-        signal.signal(signal.SIGALRM, before)
