@@ -1,23 +1,38 @@
-"""Scenes, methods, certificates, closed forms and the collocation oracle. Knows no study's files and no plots."""
+"""Scenes, methods, certificates, closed forms and the collocation oracle. Knows no study's files and no plots.
 
-from .certificate import Certificate, certify
-from .indenters import MeasuredIndenter, PowerIndenter, RoughIndenter
-from .observables import Observables
-from .relaxation import Status
-from .run import BELOW_FLOOR, METHODS, default_tolerance
-from .scene import Layer, Scene
+From the scene to the solution: `scene` (with `layers` and `indenters`) is what is pressed against what; `grid` makes
+the discrete problem of it, and measures solutions; `methods` solve the problem on one grid; `strategy` chooses method,
+grids and precision and has the result certified; `solve` is the way in. `reference` is what is known without a grid.
+
+May import: linecontact.kernels.
+"""
+
+from .endings import Reason, Status
+from .grid.certificate import Certificate, certify
+from .grid.observables import Observables
+from .indenters import INDENTERS, Indenter, MeasuredIndenter, PowerIndenter, RoughIndenter
+from .layers import LAYERS, ElasticLayer, Layer
+from .methods import METHODS, Method, MethodKind
+from .scene import Scene
 from .solution import Choice, Solution
 from .solve import solve
+from .strategy.precision import default_tolerance
 
 __all__ = [
-    "BELOW_FLOOR",
+    "INDENTERS",
+    "LAYERS",
     "METHODS",
     "Certificate",
     "Choice",
+    "ElasticLayer",
+    "Indenter",
     "Layer",
     "MeasuredIndenter",
+    "Method",
+    "MethodKind",
     "Observables",
     "PowerIndenter",
+    "Reason",
     "RoughIndenter",
     "Scene",
     "Solution",

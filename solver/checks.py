@@ -2,6 +2,7 @@
 
 import math
 from pathlib import Path
+from typing import Any
 
 
 def real(
@@ -36,8 +37,22 @@ def choice(name: str, value: object, allowed: tuple[str, ...]) -> str:
     return value
 
 
+def offers(name: str, value: object, kind: type[Any], allowed: str) -> None:
+    """Raise `ValueError` unless `value` is an object with everything that the protocol `kind` describes.
+
+    The message names what is missing; `allowed` says what may be given.
+    """
+    described = [member for base in kind.__mro__ for member in (*vars(base), *getattr(base, "__annotations__", ()))]
+    wanted = sorted({member for member in described if not member.startswith("_")})
+    missing = [member for member in wanted if not hasattr(value, member)]
+    if isinstance(value, type) or len(missing) == len(wanted):
+        raise ValueError(f"{name} is {value!r}; allowed: {allowed}")
+    if missing:
+        raise ValueError(f"{name} is {value!r}, which lacks {', '.join(missing)}; allowed: {allowed}")
+
+
 def available_memory() -> int | None:
-    """Free memory of the machine [bytes]; None where there is no telling (not Linux)."""
+    """Free memory of the machine [bytes]; None where the system does not tell (not Linux)."""
     try:
         lines = Path("/proc/meminfo").read_text().splitlines()
         return next(int(line.split()[1]) for line in lines if line.startswith("MemAvailable")) * 1024
@@ -45,6 +60,16 @@ def available_memory() -> int | None:
         return None
 
 
-def assign(instance: object, name: str, value: object) -> None:
-    """Set a checked value on a frozen dataclass while it is being made."""
-    object.__setattr__(instance, name, value)
+def assign(instance: object, **values: object) -> None:
+    """Set checked values on a frozen dataclass while it is being made."""
+    for name, value in values.items():
+        object.__setattr__(instance, name, value)
+
+
+def plain(value: Any) -> Any:
+    """The same value for JSON: tuples as lists, numbers that are not finite as text ('inf', '-inf', 'nan')."""
+    if isinstance(value, dict):
+        return {name: plain(item) for name, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(item) for item in value]
+    return str(value) if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,18 +1,17 @@
 """From a scene to a certified solution."""
 
-import time
-
 import numpy as np
-from numpy.typing import NDArray
 
+from ..kernels import BACKENDS
 from . import checks
-from .accurate import Accurate
-from .relaxation import Progress, Status
-from .run import BELOW_FLOOR, METHODS, Run
+from .arrays import Array64
+from .grid.transforms import check_settings
+from .methods import METHODS, Progress
 from .scene import Scene
 from .solution import Solution
-
-Array64 = NDArray[np.float64]
+from .strategy.effort import Means
+from .strategy.to_accuracy import solve_to_accuracy
+from .strategy.to_tolerance import solve_to_tolerance
 
 
 def solve(
@@ -27,7 +26,6 @@ def solve(
     threads: int = 1,
     planning: str = "estimate",
     backend: str = "warp",
-    below_floor: str = "refuse",
     progress: Progress | None = None,
 ) -> Solution:
     """Solve a scene.
@@ -43,35 +41,26 @@ def solve(
     initial: displacement to start from, shape (N,) [length], for instance a neighbour's solution.
     threads: of FFTW. planning: FFTW's effort, 'estimate', 'measure' or 'patient'; what it finds is kept.
     backend: 'warp', or 'numpy' for the twins.
-    below_floor: a tolerance that float32 cannot reach is refused ('refuse'), or met in mixed precision ('mixed').
     progress: called about ten times a second with (iteration, residual).
 
-    A solve that fails to converge, or is interrupted, returns too: see `Solution.status`; to an accuracy, one that is
-    interrupted raises `KeyboardInterrupt`. Raises `ValueError`.
+    A solve that fails to converge returns, too: see `Solution.status` and `Solution.reason`. So does one that Ctrl-C
+    interrupts while it iterates; before the first iteration `KeyboardInterrupt` is passed on. Raises `ValueError`.
     """
-    begin = time.perf_counter()
+    if not isinstance(scene, Scene):
+        raise ValueError(f"scene is {scene!r}; allowed: a Scene")
     if not (nested is None or isinstance(nested, bool | np.bool_)):
         raise ValueError(f"nested is {nested!r}; allowed: True, False or None")
     if not (progress is None or callable(progress)):
         raise ValueError(f"progress is {progress!r}; allowed: a function of an iteration and a residual, or None")
+    threads, planning = check_settings(threads, planning)
+    means = Means(threads, planning, checks.choice("backend", backend, BACKENDS), progress)
     if accuracy is not None:
-        checks.choice("below_floor", below_floor, BELOW_FLOOR)
-        if below_floor != "refuse":
-            raise ValueError(f"below_floor is {below_floor!r}; allowed: without accuracy only, which chooses precision")
         chosen = {"method": method, "nested": nested, "tolerance": tolerance, "initial": initial}
         for name, value in (chosen | {"max_iterations": max_iterations}).items():
             if value is not None:
                 raise ValueError(f"{name} is {value!r}; allowed: without accuracy only, which chooses it")
-        return Accurate(scene, accuracy, threads, planning, backend, progress).solve()
-    method = checks.choice("method", METHODS[0] if method is None else method, METHODS)
+        return solve_to_accuracy(scene, accuracy, means)
+    kind = METHODS[checks.choice("method", next(iter(METHODS)) if method is None else method, tuple(METHODS))]
     if max_iterations is not None:
         max_iterations = checks.integer("max_iterations", max_iterations, "an integer from 1 to 2^53", 1, 2**53)
-    if nested is None:
-        nested = method == METHODS[0] and initial is None
-    run = Run(scene, method, tolerance, initial, threads, planning, backend, max_iterations, below_floor, progress)
-    ready = time.perf_counter()
-    try:
-        status = run.drive(nested)
-    except KeyboardInterrupt:
-        status = Status.INTERRUPTED
-    return run.solution(run.scene, method, status, (begin, ready))
+    return solve_to_tolerance(scene, kind, nested, tolerance, max_iterations, initial, means)

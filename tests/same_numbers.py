@@ -121,7 +121,7 @@ def compare(before, after):
         for name in sorted(different):
             print(f"scene {number}: {name}: {str(a.get(name))[:150]} -> {str(b.get(name))[:150]}")
         if off:
-            print(f"scene {number}: pressure differs by {off:.1g}: {draw(number)}")
+            print(f"scene {number}: pressure differs by {off:.1g}, method {a.get('method')}, {a.get('points')} points")
     print(f"{bad} of {COUNT} scenes differ; largest relative difference of the pressure {worst:.1g}")
     return int(bad > 0)
 

@@ -1,0 +1,162 @@
+"""Where a contact ends between the nodes: the ends of its patches, and how well they are known.
+
+Near its edge the pressure of a contact is one of the curves of `edge_curves`, so the last two or three nodal pressures
+tell where between two nodes the edge lies.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import Array64, Indices, Mask
+from ..layers import EdgeSymbol
+from .edge_curves import EdgeCurve, edge_curve, edge_function, half_space_curve
+from .patches import Patches
+
+COUNTED_BELOW = 3
+"""Nodes; the nodes of smaller patches are counted."""
+
+_NARROW = 4.0  # layer thicknesses; narrower patches on layers of `_THINNEST` spacings have the half-space's edge
+_THINNEST = 2.5  # grid spacings
+
+# What is claimed for an edge [grid spacings]. The constants were fitted so that the claim holds where the collocation
+# oracle knows the edge (Hertz, sharp and blunt profiles, nu = -0.9 to 1/2, layers of 0.03 spacings to the half-space).
+_OVER_SIZE = 0.3  # over the nodes of the patch; measured 0.1 to 0.25
+_OVER_SIZE_SQUARED = 10.0  # over their square: patches of a few nodes, whose two ends disturb each other
+_OVER_THICKNESS, _OVER_THICKNESS_SQUARED = 0.1, 0.5  # over the layer's thickness [grid spacings]; measured 0.03
+_OVER_GAP_SQUARED = 3.0  # over the square of the nodes between neighbouring patches, whose edges disturb each other
+_OF_SPREAD = 0.3  # of the difference between two estimates of one edge, where it is below `_CLOSE`
+
+_CLOSE, _ALIKE = 0.05, 0.15
+"""Grid spacings by which two estimates of an edge may differ to be as good as equal, and to be of an edge at all."""
+
+
+def edge_offset(curve: EdgeCurve, pressures: Array64) -> tuple[Array64, Array64, Array64]:
+    """theta from the last three nodal pressures, shape (M, 3), last node first; and from the last two. [grid spacings]
+
+    The edge lies theta inside the last contact node (outside for theta < 0); -s <= theta <= 1 - s. The third result is
+    how little the pressures look like an edge: by how far the estimates differ, before they are put into these bounds.
+    """
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        ratio = pressures[:, 0] / pressures[:, 1]
+        two = curve.table[0] - ratio * curve.table[1]
+        two = two / (two + ratio * curve.table[0]) - curve.shift
+    two = np.where(np.isfinite(two), two, 0.5 - curve.shift)
+    bounded = np.clip(two, -curve.shift, 1 - curve.shift)
+    spread = np.abs(two - bounded)
+    if curve.rows is None:  # beside it, from the last but one and the last but two
+        first, second, third = curve.table[:3]
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            ratio = pressures[:, 1] / pressures[:, 2]
+            inner = second - ratio * third
+            inner = inner / (inner - first + ratio * second) - curve.shift
+        return bounded, bounded, np.maximum(spread, np.where(np.isfinite(inner), np.abs(inner - bounded), 1.0))
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        low, middle, high = curve.rows @ pressures.T
+        theta = -2 * low / middle
+        for _ in range(3):  # -theta middle/2 - 3/8 theta^2 high = low
+            theta = -2 * low / (middle + 0.75 * theta * high)
+        spread = np.maximum(spread, np.where(np.isfinite(theta), np.abs(theta - bounded), 1.0))
+    theta = np.clip(np.where(np.isfinite(theta), theta, bounded), -curve.shift, 1 - curve.shift)
+    # two estimates far apart: the patch is too small for a third family
+    return np.where(np.abs(theta - bounded) < _ALIKE, theta, bounded), bounded, spread
+
+
+@dataclass(frozen=True, eq=False)
+class Edges:
+    """The ends of M patches."""
+
+    left: Array64
+    """Left ends, shape (M,) [grid spacings]."""
+    right: Array64
+    """Right ends, shape (M,) [grid spacings]."""
+    error: Array64
+    """Estimated errors of the patches' widths, shape (M,) [grid spacings]."""
+    counted: Mask
+    """Which patches are too small for anything but counting their nodes, shape (M,)."""
+
+    @property
+    def width(self) -> Array64:
+        """Widths, shape (M,) [grid spacings]."""
+        return self.right - self.left
+
+
+def find_edges(patches: Patches, pressure: Array64, symbol: EdgeSymbol) -> Edges:
+    """Sub-grid edges of patches from the pressure, shape (contact nodes,) in compact order [any unit].
+
+    The pressure is first divided by the edge function of the patch's other end. Patches of fewer than three nodes end
+    half a spacing outside their last nodes, as counting has it, and a full contact has no edge at all.
+
+    symbol: the layer on the scale of this grid. The error is an estimate, see the constants of this module; where the
+    pressures do not look like an edge, because the profile bends within a few spacings, it is as large as two estimates
+    of the edge differ; and for patches that are counted it is one spacing.
+    """
+    if patches.full:
+        half = np.array([0.5])  # error: a gap between two nodes would not be seen
+        return Edges(patches.first - half, patches.last + half, np.ones(1), np.zeros(1, dtype=bool))
+    curve, thickness = edge_curve(symbol), symbol.thickness
+    theta, spread = _offsets(curve, patches, pressure)
+    layer = np.full(patches.count, _OVER_THICKNESS / thickness + _OVER_THICKNESS_SQUARED / thickness**2)
+    if curve.thin:
+        narrow = (patches.size < _NARROW * thickness) & (thickness > _THINNEST)
+        layer = np.where(narrow, layer, symbol.error)
+        if narrow.any():
+            other = _offsets(half_space_curve(), patches, pressure)
+            theta, spread = np.where(narrow, other, (theta, spread))
+    counted = patches.size < COUNTED_BELOW
+    outside = np.where(counted, 0.5, -theta)
+    left, right = patches.first - outside[0], patches.last + outside[1]
+    # patches one node apart: not beyond each other
+    overlap = np.maximum(right - np.append(left[1:], left[:1] + patches.num_points), 0.0) / 2
+    error = np.where(counted, math.sqrt(0.5), _claimed(patches, spread, layer))
+    return Edges(left + np.roll(overlap, 1), right - overlap, np.hypot(*error), counted)
+
+
+def _claimed(patches: Patches, spread: Array64, layer: Array64) -> Array64:
+    """Estimated errors of the left and the right ends, shape (2, M) [grid spacings].
+
+    spread: how little the pressures look like an edge, shape (2, M); layer: the layer's share, shape (M,).
+    """
+    beyond = np.append(patches.first[1:], patches.first[:1] + patches.num_points) - patches.last - 1
+    narrow_gap = _OVER_GAP_SQUARED / np.stack([np.roll(beyond, 1), beyond]) ** 2
+    fitted = np.where(spread < _CLOSE, _OF_SPREAD * spread, spread)
+    fitted = fitted + _OVER_SIZE / patches.size + _OVER_SIZE_SQUARED / patches.size**2
+    fitted += layer + narrow_gap
+    return np.where(spread < _ALIKE, np.minimum(fitted, 0.5), np.clip(spread, 0.5, 1.0))
+
+
+def _offsets(curve: EdgeCurve, patches: Patches, pressure: Array64) -> tuple[Array64, Array64]:
+    """theta of left and right ends, and how little they look like edges, shape (2, M) each; see `edge_offset`."""
+    m, inward = patches.count, np.arange(3)
+    steps = np.minimum(inward, patches.size[:, None] - 1)
+    left = pressure[patches.offset[:, None] + steps]
+    right = pressure[(patches.offset + patches.size - 1)[:, None] - steps]
+    ends = np.stack([left, right])
+    away = patches.size[:, None] - 1 - inward
+    theta = np.full((2, m), 0.5 - curve.shift)
+    for _ in range(3):
+        across = np.maximum(edge_function(curve, (theta + curve.shift)[::-1, :, None], away), 1e-3)
+        theta, _, spread = (t.reshape(2, m) for t in edge_offset(curve, (ends / across).reshape(2 * m, 3)))
+    return theta, spread
+
+
+def edge_moves(patches: Patches, pressure: Array64) -> Indices:
+    """Nodes by which a wrong contact is too large (> 0) or too small (< 0) at the ends of its patches, shape (2, M).
+
+    On a wrong set the edge is still A S_j + B (S_j - S_(j-1)), only that beta = -B/A is not between 0 and 1; its whole
+    part is the number of nodes. At most half a patch; 0 for patches of fewer than five nodes.
+    """
+    table = half_space_curve().table
+    limit = np.where(patches.size < 5, 0, patches.size // 2)
+    last = patches.offset + patches.size - 1
+    inner = np.minimum(patches.size - 1, 1)
+    ends, next_to = (
+        pressure[np.stack([patches.offset, last])],
+        pressure[np.stack([patches.offset + inner, last - inner])],
+    )
+    drop = next_to * table[0] - ends * table[1]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        beta = drop / (drop + ends * table[0])
+    beta = np.where(np.isfinite(beta), beta, 0.0)
+    return np.clip(np.floor(beta), -limit, limit).astype(np.int64)

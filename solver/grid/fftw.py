@@ -1,0 +1,24 @@
+"""pyFFTW without SciPy and Dask, which its interfaces would import although nothing here uses them."""
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+
+@contextmanager
+def _hidden(*names: str) -> Iterator[None]:
+    """Modules that are not loaded yet cannot be imported meanwhile."""
+    hidden = [name for name in names if name not in sys.modules]
+    for name in hidden:
+        sys.modules[name] = None  # type: ignore[assignment]
+    try:
+        yield
+    finally:
+        for name in hidden:
+            del sys.modules[name]
+
+
+with _hidden("scipy", "dask"):
+    import pyfftw
+
+__all__ = ["pyfftw"]

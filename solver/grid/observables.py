@@ -1,0 +1,122 @@
+"""What is measured on a solution: area, gradient, reduced pressure, coefficient, approach."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import Array64, Mask
+from ..reference.closed_forms import kappa_half_space
+from ..scene import Scene
+from .edges import Edges, find_edges
+from .patches import Patches
+
+
+@dataclass(frozen=True)
+class Observables:
+    """What is measured on a solution; dimensionless unless a unit is given.
+
+    Areas and kappa come in two ways: by counting nodes, and with every contact edge located between two nodes
+    ("sub-grid", see `edges`).
+    """
+
+    contact_area: float
+    """a_r, nodes in contact over all nodes; a node more or less is 1/N."""
+    rms_gradient_contact: float
+    """g_c, rms of h' over the nodes in contact."""
+    reduced_pressure: float
+    """p* = p/(E* g_c); `inf` where the contact is flat, or a single node whose slope is 0."""
+    kappa: float
+    """a_r/p*."""
+    kappa_ratio: float | None
+    """kappa over kappa_inf(n) of the half-space; None for anything but power profiles."""
+    reduced_thickness: float
+    """d/(a_r L)."""
+    approach: float
+    """Rigid approach since first touch [length]: mean(u) + p/k_W; for a half-space mean(u), by convention."""
+    peak_pressure: float
+    """Largest contact pressure [pressure]."""
+    num_patches: int
+    """Runs of neighbouring contact nodes."""
+    num_counted_patches: int
+    """Patches of fewer than three nodes, whose nodes are counted even in the sub-grid area."""
+    contact_area_subgrid: float
+    """a_r between the sub-grid edges."""
+    contact_area_error: float
+    """Estimated error of the sub-grid a_r: of the edges (1 if a solve ended without a contact), of the unfinished
+    iteration and, with nested grids, of the discretisation."""
+    rms_gradient_subgrid: float
+    """Rms of h' between the sub-grid edges."""
+    kappa_subgrid: float
+    """kappa between the sub-grid edges."""
+    kappa_error: float
+    """Estimated error of `kappa_subgrid`; `inf` where the contact is flat."""
+    contact_area_discretisation_error: float | None = None
+    """A third of the change of a_r from the last coarser grid; None without nested grids."""
+    kappa_discretisation_error: float | None = None
+    """The same for kappa."""
+
+
+def observe(scene: Scene, displacement: Array64, contact_pressure: Array64, contact: Mask) -> Observables:
+    """Observables of a displacement [length] and contact pressure [pressure], both shape (N,)."""
+    squared_slope = scene.indenter.slope(scene.num_points, scene.period) ** 2
+    area = float(contact.mean())
+    gradient = math.sqrt(float(squared_slope[contact].mean())) if area else 0.0
+    reduced = scene.reduced_load / gradient if gradient else math.inf
+    kappa = area / reduced
+    layer, power = scene.layer, scene.indenter.power_law
+    patches, edges = contact_edges(scene, np.where(contact, contact_pressure, 0.0))
+    area_subgrid, gradient_subgrid, kappa_subgrid, sensitivity = subgrid_measures(scene, patches, edges, squared_slope)
+    area_error = math.sqrt(float(edges.error @ edges.error)) / scene.num_points if area else 1.0
+    modulus = layer.foundation_modulus(1.0) * layer.contact_modulus  # [pressure/length]; 0 for a half-space
+    return Observables(
+        contact_area=area,
+        rms_gradient_contact=gradient,
+        reduced_pressure=reduced,
+        kappa=kappa,
+        kappa_ratio=kappa / kappa_half_space(power[0]) if power else None,
+        reduced_thickness=layer.thickness / (area * scene.period) if area else math.inf,
+        approach=float(displacement.mean()) + (scene.pressure / modulus if modulus else 0.0),
+        peak_pressure=float(contact_pressure.max(initial=0.0)),
+        num_patches=patches.count,
+        num_counted_patches=int(edges.counted.sum()),
+        contact_area_subgrid=area_subgrid,
+        contact_area_error=area_error,
+        rms_gradient_subgrid=gradient_subgrid,
+        kappa_subgrid=kappa_subgrid,
+        kappa_error=sensitivity * area_error if area_error else 0.0,
+    )
+
+
+def contact_edges(scene: Scene, pressure: Array64) -> tuple[Patches, Edges]:
+    """Patches and their sub-grid edges, from the contact pressure [any unit], 0 off the contact, shape (N,), any N."""
+    patches = Patches.of(pressure > 0)
+    symbol = scene.layer.edge_symbol(pressure.size, scene.period)
+    return patches, find_edges(patches, pressure[patches.nodes], symbol)
+
+
+def subgrid_measures(
+    scene: Scene, patches: Patches, edges: Edges, squared_slope: Array64
+) -> tuple[float, float, float, float]:
+    """a_r, g_c and kappa between the sub-grid edges, and |d kappa/d a_r| where the edges move (dimensionless).
+
+    squared_slope: h'^2 on the grid of `patches` and `edges`, shape (N,).
+    """
+    num_points, width = squared_slope.size, float(edges.width.sum())
+    if width == 0:
+        return 0.0, 0.0, 0.0, math.inf
+    whole = float(squared_slope[patches.nodes].sum())
+    # the strips between the last nodes' cells and the edges, at the slope in their middle
+    strips = np.concatenate([patches.first - 0.5 - edges.left, edges.right - patches.last - 0.5])
+    middles = np.concatenate([(patches.first - 0.5 + edges.left) / 2, (patches.last + 0.5 + edges.right) / 2])
+    node = np.floor(middles).astype(np.int64)
+    part = middles - node
+    at = (1 - part) * squared_slope[node % num_points] + part * squared_slope[(node + 1) % num_points]
+    mean_square = (whole + float(strips @ at)) / width
+    if not mean_square > 0:
+        return width / num_points, 0.0, 0.0, math.inf
+    gradient = math.sqrt(mean_square)
+    per_area = gradient * scene.layer.contact_modulus / scene.pressure
+    # d(a g) = g da + da (s_e^2 - g^2)/(2 g), s_e the slope at the edge
+    sensitivity = per_area * (1 + abs(float(at.mean()) / mean_square - 1) / 2)
+    return width / num_points, gradient, per_area * width / num_points, sensitivity

@@ -1,0 +1,74 @@
+"""Contact patches: runs of neighbouring contact nodes on the periodic grid."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ..arrays import Array64, Indices, Mask
+
+
+@dataclass(frozen=True, eq=False)
+class Patches:
+    """The M patches of one contact.
+
+    The compact order of contact nodes goes patch by patch; quantities on contact nodes have shape (contact nodes,).
+    """
+
+    num_points: int
+    """N, grid points in the period."""
+    first: Indices
+    """First node of each patch, shape (M,), from 0 to N - 1."""
+    last: Indices
+    """Last node of each patch, shape (M,); it may be N or more and then lies beyond the end of the period."""
+
+    @classmethod
+    def of(cls, contact: Mask) -> "Patches":
+        """Patches of a contact map, shape (N,)."""
+        n = contact.size
+        first = np.flatnonzero(contact[1:] & ~contact[:-1]) + 1
+        last = np.flatnonzero(contact[:-1] & ~contact[1:])
+        if contact.all():
+            return cls(n, np.array([0]), np.array([n - 1]))
+        if contact[0] and not contact[-1]:
+            first = np.append(0, first)
+        elif contact[-1] and not contact[0]:
+            last = np.append(last, n - 1)
+        elif contact[0] and contact[-1]:  # the last patch goes on at node 0
+            last = np.append(last[1:], last[0] + n)
+        return cls(n, first, last)
+
+    @property
+    def count(self) -> int:
+        """Number of patches M."""
+        return self.first.size
+
+    @property
+    def full(self) -> bool:
+        """Whether every node is in contact."""
+        return bool(self.count == 1 and self.size[0] == self.num_points)
+
+    @cached_property
+    def size(self) -> Indices:
+        """Nodes of each patch, shape (M,)."""
+        return self.last - self.first + 1
+
+    @cached_property
+    def offset(self) -> Indices:
+        """Compact index of each patch's first node, shape (M,)."""
+        return np.cumsum(self.size) - self.size
+
+    @cached_property
+    def label(self) -> Indices:
+        """Patch of each contact node, in compact order."""
+        return np.repeat(np.arange(self.count), self.size)
+
+    @cached_property
+    def nodes(self) -> Indices:
+        """Grid index of each contact node, in compact order."""
+        inside = np.arange(int(self.size.sum())) - np.repeat(self.offset - self.first, self.size)
+        return np.where(inside < self.num_points, inside, inside - self.num_points)
+
+    def sums(self, values: Array64) -> Array64:
+        """Sum over each patch of values on contact nodes, shape (M,)."""
+        return np.add.reduceat(values, self.offset)

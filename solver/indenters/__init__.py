@@ -1,0 +1,16 @@
+"""Indenters: what an indenter must offer (`indenter`), and one file for each kind of indenter.
+
+Whoever adds an indenter writes one file here and adds one line to `INDENTERS`.
+
+May import: arrays, checks, layers, reference.
+"""
+
+from .indenter import Indenter
+from .measured import MeasuredIndenter
+from .power import PowerIndenter
+from .rough import RoughIndenter
+
+INDENTERS: dict[str, type[Indenter]] = {kind.name: kind for kind in (PowerIndenter, RoughIndenter, MeasuredIndenter)}
+"""The one list of indenters, by name; the first is the default."""
+
+__all__ = ["INDENTERS", "Indenter", "MeasuredIndenter", "PowerIndenter", "RoughIndenter"]

@@ -1,0 +1,85 @@
+"""What an indenter must offer, and what it may offer besides.
+
+A new indenter is a frozen dataclass that inherits from `Indenter`. It must offer everything without a default here.
+Heights come in units of the period L, so that a shape has no unit of its own.
+"""
+
+from abc import abstractmethod
+from typing import Any, ClassVar, Protocol, Self
+
+import numpy as np
+
+from ..arrays import Array64
+from ..layers import ElasticLayer
+
+
+class Indenter(Protocol):
+    """A rigid, periodic indenter, as the program needs to know it."""
+
+    name: ClassVar[str]
+    """The indenter's name on the command line and in stored results."""
+
+    @abstractmethod
+    def profile(self, num_points: int, period: float) -> Array64:
+        """Heights h(x_i) above the lowest point, shape (num_points,), in units of the period; the lowest is 0.
+
+        On a grid coarser than the scene's it is the same surface without the waves that this grid cannot hold.
+        """
+        raise NotImplementedError
+
+    @abstractmethod
+    def shortest_wave(self, num_points: int) -> int:
+        """How many of the shortest wave of the profile fit into the period, as a grid of `num_points` holds it.
+
+        0 for a smooth profile without a shortest wave, which every grid resolves as far as it resolves anything.
+        """
+        raise NotImplementedError
+
+    @abstractmethod
+    def to_dict(self) -> dict[str, Any]:
+        """Flat, JSON-ready description under the command line's names; 'profile' is the indenter's name."""
+        raise NotImplementedError
+
+    def slope(self, num_points: int, period: float) -> Array64:
+        """Slopes h'(x_i), shape (num_points,), dimensionless; by central differences unless there is better."""
+        h = self.profile(num_points, period)
+        return (np.roll(h, -1) - np.roll(h, 1)) * (num_points / 2)
+
+    def on_grid(self, num_points: int, period: float) -> Self:
+        """The same surface for a scene of `num_points`."""
+        return self
+
+    def in_units(self, length: float) -> Self:
+        """The same surface where one unit of length of before is `length` new ones."""
+        return self
+
+    def check(self, num_points: int) -> None:
+        """Raise `ValueError` if a grid of that many points cannot hold the surface."""
+        return
+
+    def ratios(self, period: float) -> dict[str, float]:
+        """The dimensionless numbers, by name, that must be neither too large nor too small to compute with."""
+        return {}
+
+    def omitted(self, num_points: int) -> float:
+        """Share of the mean square slope in waves that a grid of that many points leaves out (dimensionless)."""
+        return 0.0 if 2 * self.shortest_wave(num_points) < num_points else 1.0
+
+    @property
+    def given_points(self) -> int | None:
+        """Number of points that the heights are given at; None if the surface is known between the points, too."""
+        return None
+
+    @property
+    def power_law(self) -> tuple[float, float] | None:
+        """Exponent n and radius R [length] if this is one power profile h = (R/n) |x/R|^n, the shape of the closed
+        forms and the collocation (`linecontact.solver.reference`); None for any other shape.
+        """
+        return None
+
+    def guessed_half_width(self, reduced_load: float, layer: ElasticLayer, period: float) -> float:
+        """An estimate from above of half the contact's width [L], before anything is solved; 0.5 if nothing is known.
+
+        reduced_load: p/E* (dimensionless).
+        """
+        return 0.5

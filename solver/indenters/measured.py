@@ -1,0 +1,99 @@
+"""A profile that is given point by point, for instance a measured scan."""
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, ClassVar, Self
+
+import numpy as np
+
+from .. import checks
+from ..arrays import Array64, Modes
+from .indenter import Indenter
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredIndenter(Indenter):
+    """Heights given point by point, one for each grid point of the scene, periodic as they stand.
+
+    Coarser grids take the Fourier modes that they hold. The slope is the central difference. Raises `ValueError`.
+    """
+
+    heights: Array64
+    """Heights, shape (N,) [length], in the user's unit; kept shifted so that the lowest is 0."""
+    description: dict[str, Any] = field(default_factory=dict)
+    """What is known of their origin, flat and JSON-ready; it travels with every result."""
+
+    name: ClassVar[str] = "file"
+
+    def __post_init__(self) -> None:
+        allowed = "allowed: at least 4 finite real numbers, not all equal"
+        try:
+            if np.ma.is_masked(self.heights):
+                raise ValueError("masked")
+            heights = np.array(self.heights, dtype=np.float64)
+        except (TypeError, ValueError):
+            raise ValueError(f"heights are masked or not an array of numbers; {allowed}") from None
+        if heights.ndim != 1 or heights.size < 4:
+            raise ValueError(f"heights have shape {heights.shape}; {allowed}")
+        bad = np.flatnonzero(~np.isfinite(heights))
+        if bad.size:
+            raise ValueError(f"heights[{bad[0]}] is {heights[bad[0]]}; {allowed}")
+        heights -= heights.min()
+        if not 0 < heights.max() < math.inf:
+            raise ValueError(f"heights are constant or too far apart; {allowed}")
+        heights.flags.writeable = False
+        checks.assign(self, heights=heights)
+
+    @cached_property
+    def _modes(self) -> Modes:
+        return np.asarray(np.fft.rfft(self.heights) / self.heights.size)
+
+    def profile(self, num_points: int, period: float) -> Array64:
+        """Heights, see `Indenter`."""
+        if num_points == self.heights.size:
+            return self.heights / period
+        modes = np.zeros(num_points // 2 + 1, dtype=np.complex128)
+        held = (min(num_points, self.heights.size) + 1) // 2  # without the Nyquist mode
+        modes[:held] = self._modes[:held]
+        heights = np.fft.irfft(modes, num_points) * num_points
+        return np.asarray(heights - heights.min()) / period
+
+    def shortest_wave(self, num_points: int) -> int:
+        """The shortest wave that the grid holds, see `Indenter`."""
+        return num_points // 2
+
+    def omitted(self, num_points: int) -> float:
+        """See `Indenter`."""
+        if num_points >= self.heights.size:
+            return 0.0
+        power = (np.arange(self._modes.size) * np.abs(self._modes)) ** 2
+        return float(power[(num_points + 1) // 2 :].sum() / power.sum())
+
+    @property
+    def given_points(self) -> int | None:
+        """See `Indenter`."""
+        return self.heights.size
+
+    def on_grid(self, num_points: int, period: float) -> Self:
+        """Resampled by Fourier modes, see `Indenter`."""
+        if num_points == self.heights.size:
+            return self
+        return type(self)(self.profile(num_points, period) * period, self.description)
+
+    def in_units(self, length: float) -> Self:
+        """See `Indenter`."""
+        return type(self)(self.heights * length)
+
+    def ratios(self, period: float) -> dict[str, float]:
+        """See `Indenter`."""
+        return {"largest height/period": float(self.heights.max()) / period}
+
+    def check(self, num_points: int) -> None:
+        """See `Indenter`."""
+        if num_points != self.heights.size:
+            raise ValueError(f"num_points is {num_points}; allowed: {self.heights.size}, the number of heights")
+
+    def to_dict(self) -> dict[str, Any]:
+        """Description, see `Indenter`."""
+        return {"profile": self.name} | self.description

@@ -1,0 +1,83 @@
+"""One asperity, a power of the distance: the published study's sharp, Hertzian and blunt indenters."""
+
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Self
+
+import numpy as np
+
+from .. import checks
+from ..arrays import Array64
+from ..layers import ElasticLayer
+from ..reference.collocation import STEEPEST, guessed_half_width
+from .indenter import Indenter
+
+
+@dataclass(frozen=True)
+class PowerIndenter(Indenter):
+    """Power profile h = (R/n) |x/R|^n, centred in the period.
+
+    Raises `ValueError`.
+    """
+
+    exponent: float = 2.0
+    """n > 1: 1.5 sharp, 2 Hertz, 4 blunt (dimensionless)."""
+    radius: float = 1.0
+    """R > 0 [length]; for n = 2 the radius of curvature."""
+
+    name: ClassVar[str] = "power"
+
+    def __post_init__(self) -> None:
+        checks.assign(
+            self,
+            exponent=checks.real("exponent", self.exponent, "1 < n <= 100", 1, 100),
+            radius=checks.real("radius", self.radius, "a finite length > 0", 0),
+        )
+
+    def profile(self, num_points: int, period: float) -> Array64:
+        """Heights, see `Indenter`."""
+        distance = self._distance(num_points)
+        return distance / self.exponent * self._steepness(distance, period)
+
+    def slope(self, num_points: int, period: float) -> Array64:
+        """Slopes, see `Indenter`; 0 at the lowest point."""
+        centre = np.arange(num_points) - num_points // 2
+        return np.sign(centre) * self._steepness(self._distance(num_points), period)
+
+    def shortest_wave(self, num_points: int) -> int:
+        """None: the profile is smooth, see `Indenter`."""
+        return 0
+
+    def in_units(self, length: float) -> Self:
+        """See `Indenter`."""
+        return replace(self, radius=self.radius * length)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Description, see `Indenter`."""
+        return {"profile": self.name, "exponent": self.exponent, "radius": self.radius}
+
+    def ratios(self, period: float) -> dict[str, float]:
+        """See `Indenter`."""
+        return {"radius/period": self.radius / period}
+
+    @property
+    def power_law(self) -> tuple[float, float] | None:
+        """See `Indenter`."""
+        return self.exponent, self.radius
+
+    def guessed_half_width(self, reduced_load: float, layer: ElasticLayer, period: float) -> float:
+        """The half-space's or the thin layer's, see `Indenter`."""
+        if layer.bonded is None:
+            return 0.5
+        thickness, nu = layer.bonded
+        return guessed_half_width(reduced_load, self.exponent, self.radius / period, thickness / period, nu)
+
+    def _steepness(self, distance: Array64, period: float) -> Array64:
+        """|h'| = (x/R)^(n-1) at x/L; steeper than `STEEPEST` makes no difference, but overflows."""
+        with np.errstate(over="ignore", under="ignore"):
+            slope = (distance * (period / self.radius)) ** (self.exponent - 1)
+        return np.asarray(np.minimum(slope, STEEPEST))
+
+    @staticmethod
+    def _distance(num_points: int) -> Array64:
+        """Distance from the lowest point [L], shape (num_points,)."""
+        return np.abs(np.arange(num_points) - num_points // 2) / num_points

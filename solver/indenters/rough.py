@@ -1,0 +1,106 @@
+"""Randomly rough surfaces of the published study."""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, ClassVar
+
+import numpy as np
+
+from .. import checks
+from ..arrays import Array64, Modes
+from ..layers import ElasticLayer
+from .indenter import Indenter
+
+_KAPPA = 1.75
+"""The published study's area-pressure coefficient of rough surfaces on a half-space (dimensionless)."""
+
+
+@dataclass(frozen=True)
+class RoughIndenter(Indenter):
+    """Self-affine random roughness with independent uniform phases:
+
+        h(q) ~ sqrt(C(q)) exp(2 pi i xi_q),  C(q) ~ [1 + (q/q_r)^2]^-(1/2+H)  for 0 < q <= q_s, 0 beyond,
+
+    scaled to the rms gradient asked for. The phases are drawn mode by mode from the longest wave on, so one seed is one
+    surface on every grid that resolves it.
+
+    Raises `ValueError`.
+    """
+
+    hurst: float = 0.8
+    """Hurst exponent, 0 < H <= 1 (dimensionless)."""
+    seed: int = 0
+    """Integer from 0 to 2^63 - 1: one seed is one surface, on every grid that resolves it."""
+    roll_off_ratio: float = 1 / 8
+    """lambda_r/L <= 1, the wavelength up to which the surface is self-affine (dimensionless)."""
+    cut_off_ratio: float = 1 / 512
+    """lambda_s/lambda_r <= 1, lambda_s the shortest wavelength (dimensionless)."""
+    rms_gradient: float = 1.0
+    """Rms gradient of h over the period, > 0 (dimensionless)."""
+
+    name: ClassVar[str] = "rough"
+
+    def __post_init__(self) -> None:
+        checks.assign(self, hurst=checks.real("hurst", self.hurst, "0 < H <= 1", 0, 1))
+        checks.assign(self, seed=checks.integer("seed", self.seed, "an integer from 0 to 2^63 - 1", 0, 2**63 - 1))
+        for name in ("roll_off_ratio", "cut_off_ratio"):
+            checks.assign(self, **{name: checks.real(name, getattr(self, name), "1e-9 < ratio <= 1", 1e-9, 1)})
+        gradient = checks.real("rms_gradient", self.rms_gradient, "a finite number > 0", 0)
+        checks.assign(self, rms_gradient=gradient)
+
+    def shortest_wave(self, num_points: int) -> int:
+        """k_s, see `Indenter`; the same on every grid."""
+        return math.floor((1 + 1e-9) / self.roll_off_ratio / self.cut_off_ratio)
+
+    @cached_property
+    def _waves(self) -> Modes:
+        """Fourier coefficients of h/L for k = 1 to k_s, shape (k_s,)."""
+        shortest = self.shortest_wave(0)
+        k = np.arange(1, shortest + 1)
+        amplitude = (1 + (k * self.roll_off_ratio) ** 2) ** (-(0.5 + self.hurst) / 2)
+        amplitude *= self.rms_gradient / math.sqrt(2 * float(np.sum((2 * np.pi * k * amplitude) ** 2)))
+        phases = np.random.default_rng(self.seed).random(shortest)
+        return np.asarray(amplitude * np.exp(2j * np.pi * phases), dtype=np.complex128)
+
+    def _modes(self, num_points: int) -> Modes:
+        """Half spectrum of h/L that a grid holds, shape (num_points//2 + 1,)."""
+        half = np.zeros(num_points // 2 + 1, dtype=np.complex128)
+        held = min(self._waves.size, (num_points - 1) // 2)  # the Nyquist mode has no phase
+        half[1 : held + 1] = self._waves[:held]
+        return half
+
+    def profile(self, num_points: int, period: float) -> Array64:
+        """Heights, see `Indenter`."""
+        heights = np.fft.irfft(self._modes(num_points), num_points) * num_points
+        heights -= heights.min()
+        return np.asarray(heights)
+
+    def slope(self, num_points: int, period: float) -> Array64:
+        """Slopes, see `Indenter`, by the exact derivative of every mode."""
+        wave_numbers = 2 * np.pi * np.arange(num_points // 2 + 1)
+        return np.asarray(np.fft.irfft(1j * wave_numbers * self._modes(num_points), num_points) * num_points)
+
+    def ratios(self, period: float) -> dict[str, float]:
+        """See `Indenter`."""
+        return {"rms_gradient": self.rms_gradient}
+
+    def check(self, num_points: int) -> None:
+        """See `Indenter`."""
+        if not 2 * self.shortest_wave(num_points) < num_points:
+            spacing = 1 / num_points / self.roll_off_ratio / self.cut_off_ratio
+            raise ValueError(
+                f"num_points is {num_points}, which does not resolve the surface: lambda_r/L is "
+                f"{self.roll_off_ratio:.4g} (roll_off_ratio), lambda_s/lambda_r is {self.cut_off_ratio:.4g} "
+                f"(cut_off_ratio) and dx/lambda_s is {spacing:.4g}; allowed: dx/lambda_s < 1/2 (1/64 and less for "
+                "a converged area), by more points or larger ratios"
+            )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Description, see `Indenter`."""
+        names = ("hurst", "seed", "roll_off_ratio", "cut_off_ratio", "rms_gradient")
+        return {"profile": self.name} | {name: getattr(self, name) for name in names}
+
+    def guessed_half_width(self, reduced_load: float, layer: ElasticLayer, period: float) -> float:
+        """Twice the half-space's a_r = 1.75 p*, see `Indenter`; a layer's is smaller."""
+        return min(0.5, _KAPPA * reduced_load / self.rms_gradient)

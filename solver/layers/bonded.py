@@ -1,0 +1,211 @@
+"""The published study's layer: elastic, of any thickness and Poisson's ratio, bonded to a rigid base.
+
+Convention: u(x) = sum_k u_k exp(i q_k x) with q_k = 2 pi k/L; the elastic pressure of mode k is K(q_k) u_k.
+
+    K(q) = (E* q/2) f(q d),  f(y) = [(3-4nu) cosh 2y + 2y^2 - 4nu(3-2nu) + 5] / [(3-4nu) sinh 2y - 2y]
+
+(G. Carbone and L. Mangialardi, J. Mech. Phys. Solids 56, 684 (2008); the published study's eq. 4.) As it stands, cosh
+overflows at q d = 355, and the denominator cancels for small q d as nu goes to 1/2. With x = 2y and both parts times
+exp(-x),
+
+    numerator   = (3-4nu) (1 + e^-2x)/2 + (x^2/2 + 5 - 12nu + 8nu^2) e^-x
+    denominator = (2-4nu) (1 - e^-2x)/2 + (sinh x - x) e^-x,
+
+every term is positive; sinh x - x comes from its series where it would cancel.
+"""
+
+import math
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Any, ClassVar, Self
+
+import numpy as np
+
+from .. import checks
+from ..arrays import Array64
+from ..quadrature import gauss_legendre
+from .layer import EdgeSymbol, ElasticLayer
+
+_SERIES_BELOW = 2.0
+_SERIES_TERMS = 13  # (2^2)^13/27! < 1e-20 of the first term
+
+_THINNEST_EDGE = 1e-6  # grid spacings: below, the edge no longer changes
+
+_NEARLY_INCOMPRESSIBLE = 0.497
+"""Poisson's ratio above which the edges of thin layers are less well known, see `_BondedEdge.error`."""
+
+_PRESSES_LIKE_STAND_IN = 0.03
+"""Thickness in grid spacings above which an incompressible layer presses like the nearly incompressible layer that
+stands in for it; below, its pressure goes like (a - x)^2."""
+
+
+def layer_factor(y: Array64, poisson_ratio: float) -> Array64:
+    """f(y), the layer's stiffness over the half-space's, for y = q d > 0 of any size; shape of `y`, dimensionless."""
+    x = 2 * np.asarray(y, dtype=np.float64)
+    nu = poisson_ratio
+    with np.errstate(under="ignore"):
+        e = np.exp(-x)
+        e2 = np.exp(-2 * x)
+        # beyond x = 800 the product is 0 in float64; the clip keeps x^2 from overflowing
+        numerator = (3 - 4 * nu) * (1 + e2) / 2 + (np.minimum(x, 800.0) ** 2 / 2 + (5 - 12 * nu + 8 * nu**2)) * e
+        denominator = (2 - 4 * nu) * -np.expm1(-2 * x) / 2 + _sinh_minus_argument(x, e, e2)
+    return np.asarray(numerator / denominator)
+
+
+def _sinh_minus_argument(x: Array64, e: Array64, e2: Array64) -> Array64:
+    """(sinh x - x) exp(-x)."""
+    small = np.minimum(x, _SERIES_BELOW)
+    series = np.ones_like(small)
+    for m in range(_SERIES_TERMS, 0, -1):
+        series = 1 + small * small / ((2 * m + 2) * (2 * m + 3)) * series
+    return np.where(x < _SERIES_BELOW, small**3 / 6 * series * e, (1 - e2) / 2 - np.minimum(x, 800.0) * e)
+
+
+def stiffness(wave_numbers: Array64, thickness: float, poisson_ratio: float) -> Array64:
+    """K(q) for wave numbers q > 0 of any shape, in the unit of E* q (the published study's eq. 4).
+
+    thickness: d in the unit of 1/q, `inf` for the half-space.
+    """
+    k = wave_numbers / 2
+    return k * layer_factor(wave_numbers * thickness, poisson_ratio) if math.isfinite(thickness) else k
+
+
+def foundation_modulus(thickness: float, poisson_ratio: float) -> float:
+    """Winkler modulus k_W = E* (1-nu)^2/((1-2nu) d), the limit K(0) for nu < 1/2, in units of E* over d's unit.
+
+    0 for the half-space, `inf` for nu = 1/2.
+    """
+    if poisson_ratio == 0.5:
+        return math.inf
+    return (1 - poisson_ratio) ** 2 / ((1 - 2 * poisson_ratio) * thickness)
+
+
+@cache
+def edge_shift(poisson_ratio: float) -> float:
+    """c(nu) of the thin layer's effective half-width a + c d (dimensionless).
+
+    c = -(1/pi) int_0^inf ln[C(s)/C_0(s)]/s^2 ds with the layer's compliance C(q d) = 1/K and its limit C_0 for s -> 0,
+    which is constant for nu < 1/2 and proportional to s^2 for nu = 1/2: the first-order term of the Wiener-Hopf factor
+    of the compliance (V. M. Alexandrov's asymptotics for large a/d).
+    """
+    nu = poisson_ratio
+    # In y = ln s, panel by panel; ds/s^2 = exp(-y) dy. Below `first` the integrand is constant to 1e-6 and rounding
+    # would swamp it; beyond `last` the half-space's C = 2/s leaves an elementary integral.
+    first, last = 1e-3 * (math.sqrt(1 - 2 * nu) if nu < 0.5 else 1.0), 1e4
+    power = 2 if nu == 0.5 else 0
+    limit = 4 / 3 if nu == 0.5 else (1 - 2 * nu) / (1 - nu) ** 2  # C_0 = limit s^power
+    nodes, weights = gauss_legendre(20)
+    edges = np.linspace(math.log(first), math.log(last), 81)
+    width = np.diff(edges)[:, None]
+    s = np.append(np.exp((edges[:-1, None] + width * (nodes + 1) / 2).ravel()), first)
+    logarithm = np.log(2 / (s * layer_factor(s, nu)) / (limit * s**power))
+    middle = np.sum((width * weights / 2).ravel() * logarithm[:-1] / s[:-1])
+    tail = (math.log(2 / (limit * last ** (power + 1))) - (power + 1)) / last
+    return float(-(logarithm[-1] / first + middle + tail) / np.pi)
+
+
+@dataclass(frozen=True)
+class _BondedEdge:
+    """The bonded layer on the scale of a grid, see `EdgeSymbol`.
+
+    For nu = 1/2 the symbol is not regular at q = 0; a nearly incompressible layer stands in, whose foundation begins
+    some 20 spacings from the edge.
+    """
+
+    thickness: float
+    poisson_ratio: float
+
+    @property
+    def _stand_in(self) -> tuple[float, float]:
+        """Thickness [grid spacings] and Poisson's ratio of the layer that is computed with."""
+        thickness = max(self.thickness, _THINNEST_EDGE)
+        most = 0.5 - min(max((thickness / 20) ** 2 / 2, 1e-5), 0.005)
+        return thickness, min(self.poisson_ratio, most)
+
+    @property
+    def shift(self) -> float:
+        thickness, nu = self._stand_in
+        return edge_shift(nu) * thickness
+
+    @property
+    def error(self) -> float:
+        """Measured against the collocation oracle, for contacts of 12 nodes and more."""
+        if self.poisson_ratio < _NEARLY_INCOMPRESSIBLE:
+            return 0.02
+        return 0.06 if self.thickness > _PRESSES_LIKE_STAND_IN else 0.5
+
+    def symbol(self, wave_numbers: Array64) -> Array64:
+        thickness, nu = self._stand_in
+        y = wave_numbers * thickness
+        return np.asarray(y * layer_factor(y, nu) / 2 / foundation_modulus(1.0, nu))
+
+
+@dataclass(frozen=True)
+class Layer(ElasticLayer):
+    """An elastic layer bonded to a rigid base.
+
+    Raises `ValueError`.
+    """
+
+    thickness: float = math.inf
+    """Layer thickness d > 0 [length]; inf is the half-space."""
+    poisson_ratio: float = 0.25
+    """Poisson's ratio, -1 < nu <= 0.5 (dimensionless)."""
+    contact_modulus: float = 1.0
+    """E* = E/(1-nu^2) > 0 [pressure]."""
+
+    name: ClassVar[str] = "bonded"
+
+    def __post_init__(self) -> None:
+        checks.assign(
+            self,
+            thickness=checks.real("thickness", self.thickness, "a length > 0, or inf", 0, infinite=True),
+            poisson_ratio=checks.real("poisson_ratio", self.poisson_ratio, "-1 < nu <= 0.5", -1, 0.5),
+            contact_modulus=checks.real("contact_modulus", self.contact_modulus, "a finite pressure > 0", 0),
+        )
+
+    def stiffness(self, wave_numbers: Array64, period: float) -> Array64:
+        """K(q), see `ElasticLayer`."""
+        return stiffness(wave_numbers, self.thickness / period, self.poisson_ratio)
+
+    def foundation_modulus(self, period: float) -> float:
+        """k_W, see `ElasticLayer`."""
+        return foundation_modulus(self.thickness / period, self.poisson_ratio)
+
+    def edge_symbol(self, num_points: int, period: float) -> EdgeSymbol:
+        """See `ElasticLayer`."""
+        return _BondedEdge(self.thickness / period * num_points, self.poisson_ratio)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Description, see `ElasticLayer`."""
+        return {
+            "layer": self.name,
+            "thickness": self.thickness,
+            "poisson_ratio": self.poisson_ratio,
+            "contact_modulus": self.contact_modulus,
+        }
+
+    def ratios(self, period: float) -> dict[str, float]:
+        """See `ElasticLayer`."""
+        return {"thickness/period": self.thickness / period} if math.isfinite(self.thickness) else {}
+
+    def half_space_difference(self, period: float) -> float:
+        """|f(q d) - 1| at the eight longest waves, see `ElasticLayer`; beyond them it only falls."""
+        if math.isinf(self.thickness):
+            return 0.0
+        waves = 2 * np.pi * np.arange(1.0, 9.0) * (self.thickness / period)
+        return float(np.abs(layer_factor(waves, self.poisson_ratio) - 1).max())
+
+    def as_half_space(self) -> Self:
+        """See `ElasticLayer`."""
+        return replace(self, thickness=math.inf)
+
+    @property
+    def edge_shift(self) -> float | None:
+        """c(nu) d, see `ElasticLayer`."""
+        return edge_shift(self.poisson_ratio) * self.thickness
+
+    @property
+    def bonded(self) -> tuple[float, float] | None:
+        """See `ElasticLayer`."""
+        return self.thickness, self.poisson_ratio

@@ -1,0 +1,98 @@
+"""What a layer must offer, and what it may offer besides so that a solve to an accuracy can take shortcuts.
+
+A new layer is a frozen dataclass that inherits from `ElasticLayer`. It must offer everything without a default here;
+the defaults of the rest say "not known", and then no shortcut is taken.
+"""
+
+from abc import abstractmethod
+from typing import Any, ClassVar, Protocol, Self
+
+from ..arrays import Array64
+
+
+class EdgeSymbol(Protocol):
+    """The layer on the scale of the grid, from which the shape of the pressure at a contact edge follows.
+
+    It must be hashable, because curves that are made from it are kept.
+    """
+
+    @property
+    def thickness(self) -> float:
+        """The layer's length scale [grid spacings]; well above 1 the edge is that of a half-space."""
+
+    @property
+    def shift(self) -> float:
+        """How far the true edge of a contact lies outside of the edge on the foundation [grid spacings]."""
+
+    @property
+    def error(self) -> float:
+        """Error of an edge that is found with this symbol [grid spacings]."""
+
+    def symbol(self, wave_numbers: Array64) -> Array64:
+        """K(q)/K(0) for wave numbers 0 < q <= pi [1/grid spacing], of their shape; regular at q = 0 (dimensionless)."""
+
+    def __hash__(self) -> int: ...
+
+
+class ElasticLayer(Protocol):
+    """An elastic layer on a rigid base, as the program needs to know it."""
+
+    name: ClassVar[str]
+    """The layer's name on the command line and in stored results."""
+
+    contact_modulus: float
+    """E* > 0 [pressure], the modulus with which short waves find a half-space: K(q) = E* q/2."""
+    thickness: float
+    """d > 0 [length], the layer's length scale: much shorter waves find a half-space; `inf` for a half-space."""
+
+    @abstractmethod
+    def stiffness(self, wave_numbers: Array64, period: float) -> Array64:
+        """K(q) of the waves q = `wave_numbers`/L > 0, of their shape, in units of E*/L.
+
+        wave_numbers: q L > 0 of any shape (dimensionless). period: L [length].
+        """
+        raise NotImplementedError
+
+    @abstractmethod
+    def foundation_modulus(self, period: float) -> float:
+        """K(0), the modulus k_W of the Winkler foundation that long waves find, in units of E*/L.
+
+        0 for a half-space, `inf` for an incompressible layer. period: L [length].
+        """
+        raise NotImplementedError
+
+    @abstractmethod
+    def edge_symbol(self, num_points: int, period: float) -> EdgeSymbol:
+        """The layer on the scale of a grid of `num_points` in the period L [length]."""
+        raise NotImplementedError
+
+    @abstractmethod
+    def to_dict(self) -> dict[str, Any]:
+        """Flat, JSON-ready description under the command line's names."""
+        raise NotImplementedError
+
+    def ratios(self, period: float) -> dict[str, float]:
+        """The dimensionless numbers, by name, that must be neither too large nor too small to compute with."""
+        return {}
+
+    # What a solve to an accuracy may use.
+
+    def half_space_difference(self, period: float) -> float:
+        """Largest relative difference of K(q) from a half-space's over all waves in the period L; `inf`: not known."""
+        return float("inf")
+
+    def as_half_space(self) -> Self:
+        """The half-space of the same modulus."""
+        return self
+
+    @property
+    def edge_shift(self) -> float | None:
+        """How far a contact reaches beyond that on the Winkler foundation, to first order [length]; None: not known."""
+        return None
+
+    @property
+    def bonded(self) -> tuple[float, float] | None:
+        """Thickness [length] and Poisson's ratio where this is the bonded layer of the closed forms and the collocation
+        (`linecontact.solver.reference`); None for any other layer.
+        """
+        return None

@@ -1,0 +1,15 @@
+"""Methods: what a method must offer (`method`), the loop that drives each (`relaxation`), and a file for each method.
+
+Whoever adds a method writes one file here and adds one line to `METHODS`.
+
+May import: arrays, checks, endings, grid, linecontact.kernels.
+"""
+
+from . import active_set, fire, mass_weighted_fire
+from .method import Method, MethodKind, Setting
+from .relaxation import Progress, relax
+
+METHODS: dict[str, MethodKind] = {kind.name: kind for kind in (active_set.KIND, mass_weighted_fire.KIND, fire.KIND)}
+"""The one list of methods, by name, fastest first; the first is the default."""
+
+__all__ = ["METHODS", "Method", "MethodKind", "Progress", "Setting", "relax"]

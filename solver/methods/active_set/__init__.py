@@ -1,0 +1,43 @@
+"""The active set: the method that needs fewest transforms, put together from its parts.
+
+`active_set` is the method, `contact_set` what belongs to one set of nodes, `compliance` its operator, `storage` where
+nodes have their values, `preconditioner` with `long_patch` and `greens_function` what makes its iterations few.
+
+May import: arrays, grid, methods.method, linecontact.kernels.
+"""
+
+from ...grid.problem import Problem
+from ...grid.transforms import Transforms
+from ..method import Fallback, MethodKind, Setting
+from .active_set import ActiveSet
+from .compliance import Compliance
+from .greens_function import GreensFunction
+from .storage import Storage, choose
+
+__all__ = ["KIND", "ActiveSet", "begin"]
+
+
+def begin(problem: Problem, setting: Setting, storage: Storage | None = None) -> ActiveSet:
+    """The active set on a grid; storage: of its fields, by default what suits the scene."""
+    storage = storage or choose(problem)
+    green = GreensFunction(problem.stiffness, problem.num_points)
+
+    def compliance(precision: str) -> Compliance:
+        transforms = Transforms(storage.length, precision, setting.threads, setting.planning)
+        return Compliance(green.compliance, storage, transforms, setting.backend)
+
+    directions = compliance(setting.working_precision)
+    responses = compliance("float64") if setting.precision == "mixed" else directions
+    wrong = setting.wrong_nodes_per_patch
+    return ActiveSet(problem, setting.tolerance, green, storage, directions, responses, setting.backend, wrong)
+
+
+KIND = MethodKind(
+    name="active-set",
+    begin=begin,
+    max_iterations=2_000,
+    precisions=("float64", "float32", "mixed"),
+    nested=True,
+    fallbacks=(Fallback("active-set", "float64", not_in=("float32",)), Fallback("mass-weighted-fire")),
+    share=0.6,
+)

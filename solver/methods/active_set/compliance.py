@@ -1,0 +1,33 @@
+"""The operator of the active set: the response of all nodes to a pressure on the contact nodes."""
+
+from ....kernels import record
+from ...arrays import Array64, Indices
+from ...grid.transforms import Transforms
+from .storage import Storage
+
+
+class Compliance:
+    """G = 1/K without the mean mode, applied by one pair of transforms, in the precision of the transforms.
+
+    The symbol, G(q_k), has the shape (N//2 + 1,) [1/K]. The transforms have the storage's length.
+    """
+
+    def __init__(self, symbol: Array64, storage: Storage, transforms: Transforms, backend: str) -> None:
+        self.new_field = transforms.buffer
+        """Makes a field like the target."""
+        self._source, self.target = transforms.buffer(), transforms.buffer()
+        forward, inverse = transforms.forward(self._source), transforms.inverse(self.target)
+        self._parts = forward, record(backend, [storage.multiply(symbol, transforms)]), inverse
+        self._filled: Indices | None = None
+        self.pair_length = storage.length / storage.num_points
+        """Length of its transforms over N (dimensionless)."""
+
+    def apply(self, places: Indices, values: Array64) -> None:
+        """target = G values; values: pressure, 0 at all other places, both of shape (contact nodes,)."""
+        if self._filled is not places:
+            if self._filled is not None:
+                self._source[self._filled] = 0
+            self._filled = places
+        self._source[places] = values
+        for part in self._parts:
+            part()

@@ -1,0 +1,58 @@
+"""What belongs to one set of contact nodes; the active set makes a new one whenever it changes the set."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...arrays import Array64, Indices, Mask
+from ...grid.patches import Patches
+from .preconditioner import PatchDeflation
+from .storage import Storage
+
+
+@dataclass
+class ContactSet:
+    """A set of contact nodes, in the compact order of `Patches`, and conjugate gradients on it."""
+
+    patches: Patches
+    """Its runs of neighbouring nodes."""
+    nodes: Indices
+    """Grid index of each contact node, shape (contact nodes,)."""
+    places: Indices
+    """Where they have their values in the fields, shape (contact nodes,)."""
+    mirrored: Indices | None
+    """Index of each node's mirror image, shape (contact nodes,); None without symmetry."""
+    pressure: Array64
+    """Contact pressure, shape (contact nodes,) [p]; negative where the wall would have to pull."""
+    direction: Array64
+    """Search direction of conjugate gradients, shape (contact nodes,) [p]."""
+    preconditioner: PatchDeflation | None = None
+    """Made when it is needed."""
+    last_product: float = 0.0
+    """Residual times preconditioned residual of the iteration before [p u]; 0: start along the steepest descent."""
+    first_residual: float = math.inf
+    """Residual when the set was new, over p (dimensionless)."""
+    settled: bool = False
+    """No node wanted to join or leave at the accuracy of the last look."""
+    iterations: int = 0
+    """On this set."""
+
+    @classmethod
+    def of(cls, contact: Mask, pressure: Array64, storage: Storage) -> "ContactSet":
+        """The set of a contact map, with the pressure there, shape (N,) each [p]."""
+        patches = Patches.of(contact)
+        nodes = patches.nodes
+        direction = np.zeros(nodes.size)
+        return cls(patches, nodes, storage.places(nodes), storage.mirrored(nodes), pressure[nodes], direction)
+
+    @property
+    def key(self) -> int:
+        """By which a set that comes back is recognised."""
+        return hash((self.patches.first.tobytes(), self.patches.last.tobytes()))
+
+    def precondition(self, residual: Array64) -> Array64:
+        """The preconditioned residual, a pressure; both of shape (contact nodes,)."""
+        assert self.preconditioner is not None
+        z = self.preconditioner.apply(residual)
+        return z if self.mirrored is None else np.asarray(z + z[self.mirrored]) / 2  # rounding would part the halves

@@ -1,0 +1,119 @@
+"""The layer's response in real space: G = 1/K without the mean mode, on one grid.
+
+G is a Toeplitz matrix, so all patches of a contact share one inverse Cholesky factor, and sums of G over two patches
+are differences of its second running sum. Convolutions over a few nodes go by short transforms.
+"""
+
+from functools import cached_property
+
+import numpy as np
+
+from ...arrays import Array64, Indices
+from ...grid.fftw import pyfftw
+
+
+def inverse_cholesky(column: Array64, order: int) -> Array64:
+    """Lower triangular R with (R_m)' R_m = T_m^-1 for every leading block T_m, m <= order, of a Toeplitz matrix T.
+
+    column: first column of the symmetric positive definite T, at least `order` values. Levinson-Durbin recursion.
+    """
+    factor = np.zeros((order, order))
+    column = column[:order]
+    backwards = column[::-1].copy()
+    predictor = np.zeros(order)
+    predictor[0], error = 1.0, float(column[0])
+    factor[0, 0] = 1 / np.sqrt(error)
+    for k in range(1, order):
+        reflection = -float(predictor[:k] @ backwards[order - 1 - k : order - 1]) / error
+        predictor[: k + 1] += reflection * predictor[k::-1]
+        error *= 1 - reflection * reflection
+        np.multiply(predictor[k::-1], 1 / np.sqrt(error), out=factor[k, : k + 1])
+    return factor
+
+
+class GreensFunction:
+    """Real-space G and K of one grid of N points. stiffness: K(q_k), shape (N//2 + 1,) [K]."""
+
+    def __init__(self, stiffness: Array64, num_points: int) -> None:
+        self._stiffness, self.num_points = stiffness, num_points
+        self._factor = np.zeros((0, 0))
+        self._convolutions: dict[int, Convolution] = {}
+
+    @cached_property
+    def compliance(self) -> Array64:
+        """G(q_k) = 1/K(q_k), 0 for the mean mode; shape (N//2 + 1,)."""
+        return np.append(0.0, 1 / self._stiffness[1:])
+
+    @cached_property
+    def response(self) -> Array64:
+        """G in real space, shape (N,): displacement around a node of unit pressure."""
+        return np.fft.irfft(self.compliance, self.num_points)
+
+    @cached_property
+    def _second_sum(self) -> Array64:
+        """T with T(k+1) - 2 T(k) + T(k-1) = G(k), shape (N,)."""
+        sine = np.sin(np.pi * np.arange(self.num_points // 2 + 1) / self.num_points)
+        symbol = np.zeros_like(sine)
+        symbol[1:] = -self.compliance[1:] / (4 * sine[1:] ** 2)
+        return np.fft.irfft(symbol, self.num_points)
+
+    def patch_sums(self, first: Indices, last: Indices) -> Array64:
+        """Z'GZ for Z = 1 on each of M runs of nodes: the sums of G(a - b) over a in one run and b in another.
+
+        first, last: end nodes, shape (..., M). Returns shape (..., M, M).
+        """
+        start, stop = first, last + 1
+
+        def second_sum(a: Indices, b: Indices) -> Array64:
+            return np.take(self._second_sum, a[..., :, None] - b[..., None, :], mode="wrap")
+
+        across = second_sum(stop, start)
+        return np.asarray(across + np.swapaxes(across, -1, -2) - second_sum(start, start) - second_sum(stop, stop))
+
+    @property
+    def transformed(self) -> int:
+        """Points gone through short transforms so far."""
+        return sum(c.count * c.length for c in self._convolutions.values())
+
+    def factor(self, order: int) -> Array64:
+        """`inverse_cholesky` of G [1/K], shape (m, m) with m >= order; kept for the next call."""
+        if self._factor.shape[0] < order:
+            self._factor = inverse_cholesky(self.response, min(64 * -(-order // 64), self.num_points - 1))
+        return self._factor
+
+    def convolution(self, length: int) -> "Convolution":
+        """K and G on a ring of that many nodes; unrestricted for N."""
+        if length not in self._convolutions:
+            if length == self.num_points:
+                rigidity, compliance = self._stiffness, self.compliance
+            else:
+                modes = np.arange(length // 2 + 1)
+                # K at the ring's wave numbers: its tails decay, and a preconditioner may be off; G as it is
+                rigidity = np.interp(
+                    modes * (self.num_points / length), np.arange(self._stiffness.size), self._stiffness
+                )
+                compliance = np.fft.hfft(self.response[modes], length)[: modes.size]
+            self._convolutions[length] = Convolution(rigidity, compliance, length)
+        return self._convolutions[length]
+
+
+class Convolution:
+    """Short transforms of one length, for values on a patch of at most half of it."""
+
+    def __init__(self, rigidity: Array64, compliance: Array64, length: int) -> None:
+        self.rigidity, self.compliance, self.length = rigidity, compliance, length
+        self._real = pyfftw.zeros_aligned(self.length)
+        self._modes = pyfftw.zeros_aligned(rigidity.size, dtype=np.complex128)
+        self._forward = pyfftw.FFTW(self._real, self._modes, flags=["FFTW_ESTIMATE"])
+        self._inverse = pyfftw.FFTW(self._modes, self._real, direction="FFTW_BACKWARD", flags=["FFTW_ESTIMATE"])
+        self.count = 0
+
+    def __call__(self, symbol: Array64, values: Array64) -> Array64:
+        """Circular convolution of zero-padded values with a symbol, shape (length//2 + 1,), at the values' nodes."""
+        self._real[: values.size] = values
+        self._real[values.size :] = 0
+        self._forward.execute()
+        self._modes *= symbol
+        self._inverse.execute()
+        self.count += 1
+        return np.asarray(self._real[: values.size] / self.length)

@@ -1,0 +1,52 @@
+"""Approximate inverse of the response G on a patch too long for a dense factor.
+
+K restricted to the patch, by a short transform, is nearly the inverse: K_bb >= G_bb^-1, and K_bb G_bb has the spectrum
+1 but for one outlier for each edge (3 to 11 on the half-space). Both are deflated with K_bb 1 and K_bb x, which leaves
+1 to 1.4.
+"""
+
+import numpy as np
+
+from ...arrays import Array64
+from ...grid.fftw import pyfftw
+from .greens_function import GreensFunction
+
+
+class LongPatch:
+    """Approximate inverse of G on a patch of m nodes, by short transforms."""
+
+    def __init__(self, green: GreensFunction, size: int) -> None:
+        self.size = size
+        # twice the patch keeps its ends apart
+        self._convolve = convolve = green.convolution(min(2 * pyfftw.next_fast_len(size), green.num_points))
+        self.whole = size == green.num_points
+        if not self.whole:
+            self._basis = np.stack([convolve(convolve.rigidity, x) for x in (np.ones(size), np.linspace(-1, 1, size))])
+            self._image = np.stack([convolve(convolve.compliance, z) for z in self._basis])
+            self._inverse = np.linalg.inv(self._basis @ self._image.T)
+
+    def solve(self, residual: Array64) -> Array64:
+        """About G_bb^-1 residual, shape (m,); symmetric and positive definite."""
+        convolve = self._convolve
+        if self.whole:
+            return convolve(convolve.rigidity, residual)
+        coarse = self._inverse @ (self._basis @ residual)
+        z = convolve(convolve.rigidity, residual - coarse @ self._image)
+        return np.asarray(z + (coarse - self._inverse @ (self._image @ z)) @ self._basis)
+
+    def flat_punch(self) -> Array64:
+        """About G_bb^-1 1, by a few steps of conjugate gradients."""
+        x, r = np.zeros(self.size), np.ones(self.size)
+        d, before = np.zeros(self.size), 1.0
+        for _ in range(4):
+            z = self.solve(r)
+            rz = float(r @ z)
+            d = z + rz / before * d
+            before = rz
+            image = self._convolve(self._convolve.compliance, d)
+            step = rz / float(d @ image)
+            x += step * d
+            r -= step * image
+            if np.abs(r).max() < 0.03:
+                break
+        return x

@@ -1,0 +1,156 @@
+"""Where the values of the nodes stand in a field: all of them in order, or half of them on an even scene.
+
+Even here means h_i = h_(N-1-i): the axes of symmetry lie between nodes, as in a scan joined to its mirror image. The
+half y_j, j = 0 ... n-1, n = N/2, has a cosine transform (DCT-II)
+
+    Y_k = sum_j 2 y_j cos(pi k (2j+1)/N),
+
+which an operator with the even symbol g_k multiplies. FFTW's own cosine transforms take as long as the real transform
+of all N values, so Y is never made: packed as v = (y_0, y_2, y_4, ..., y_5, y_3, y_1) the half has a real transform V_k
+with Y_k - i Y_(n-k) = 2 exp(-i theta) V_k, theta = pi k/N (J. Makhoul, IEEE Trans. ASSP 28, 27 (1980)), and
+
+    V_k <- a V_k + b exp(2 i theta) conj(V_k),   a, b = (g_k +- g_(n-k))/2.
+
+The fields stay packed; contact nodes, patches and their preconditioner are those of the whole.
+"""
+
+from typing import Protocol
+
+import numpy as np
+
+from ....kernels import Call
+from ...arrays import Array, Array64, Indices, Mask
+from ...grid.problem import Problem
+from ...grid.transforms import Transforms
+
+_EVEN_FROM = 2**13
+"""Points; on smaller grids the reordering takes as long as half a transform."""
+
+
+class Storage(Protocol):
+    """What the active set needs to know of its fields."""
+
+    num_points: int
+    """N, nodes in the period."""
+    length: int
+    """Values in a field, which is the length of its transforms."""
+
+    def places(self, nodes: Indices) -> Indices:
+        """Where these nodes have their values, of the same shape."""
+
+    def nodes_at(self, places: Indices) -> Indices:
+        """All nodes that have their values at these places, shape (number of nodes,)."""
+
+    def put(self, field: Array, values: Array64) -> None:
+        """Values of all nodes, shape (N,), into a field of at least `length` values."""
+
+    def get(self, field: Array) -> Array:
+        """The values of all nodes, shape (N,)."""
+
+    def symmetric(self, values: Array64) -> Array64:
+        """Values of all nodes, shape (N,), with the symmetry that the storage relies on."""
+
+    def make_symmetric(self, contact: Mask) -> None:
+        """Give a contact map, shape (N,), that symmetry, in place."""
+
+    def mirrored(self, nodes: Indices) -> Indices | None:
+        """For each contact node the index in `nodes` of its mirror image, of their shape; None without symmetry."""
+
+    def multiply(self, symbol: Array64, transforms: Transforms) -> Call:
+        """The kernel that multiplies the transform of a field by a symbol, shape (N//2 + 1,), in `spectrum`."""
+
+
+class Whole:
+    """Every node in its order."""
+
+    def __init__(self, num_points: int) -> None:
+        self.num_points = self.length = num_points
+
+    def places(self, nodes: Indices) -> Indices:
+        return nodes
+
+    def nodes_at(self, places: Indices) -> Indices:
+        return places
+
+    def put(self, field: Array, values: Array64) -> None:
+        field[: self.num_points] = values
+
+    def get(self, field: Array) -> Array:
+        return field[: self.num_points]
+
+    def symmetric(self, values: Array64) -> Array64:
+        return values
+
+    def make_symmetric(self, contact: Mask) -> None:
+        pass
+
+    def mirrored(self, nodes: Indices) -> Indices | None:
+        return None
+
+    def multiply(self, symbol: Array64, transforms: Transforms) -> Call:
+        coefficient = transforms.doubled(symbol / self.num_points)
+        return Call("spectral_multiply", (coefficient,), (transforms.spectrum,))
+
+
+class Half:
+    """The left half of an even scene, packed as the module's head has it."""
+
+    def __init__(self, num_points: int) -> None:
+        self.num_points, self.length = num_points, num_points // 2
+        half = np.arange(self.length)
+        packed = np.where(half % 2 == 0, half // 2, half.size - 1 - half // 2)
+        self._place = np.concatenate([packed, packed[::-1]])
+        self._node = np.empty_like(half)
+        self._node[packed] = half
+
+    def places(self, nodes: Indices) -> Indices:
+        return self._place[nodes]
+
+    def nodes_at(self, places: Indices) -> Indices:
+        left = self._node[places]
+        return np.concatenate([left, self.num_points - 1 - left])
+
+    def put(self, field: Array, values: Array64) -> None:
+        field[self._place] = values
+
+    def get(self, field: Array) -> Array:
+        return np.asarray(field[self._place])
+
+    def symmetric(self, values: Array64) -> Array64:
+        return np.asarray((values + values[::-1]) / 2)
+
+    def make_symmetric(self, contact: Mask) -> None:
+        contact |= contact[::-1]
+
+    def mirrored(self, nodes: Indices) -> Indices | None:
+        order = np.empty(self.num_points, dtype=np.int64)
+        order[nodes] = np.arange(nodes.size)
+        return order[self.num_points - 1 - nodes]
+
+    def multiply(self, symbol: Array64, transforms: Transforms) -> Call:
+        n = self.length
+        symbol = symbol / n
+        k = np.arange(n // 2 + 1)
+        straight, crossed = (transforms.buffer(n + 2) for _ in range(2))
+        mean, difference = (symbol[k] + symbol[n - k]) / 2, (symbol[k] - symbol[n - k]) / 2
+        turn = difference * np.exp(2j * np.pi * k / self.num_points)
+        straight[: n + 2] = np.stack([mean + turn.real, mean - turn.real], axis=1).ravel()
+        crossed[: n + 2] = np.repeat(turn.imag, 2)
+        return Call("mirror_multiply", (straight, crossed), (transforms.spectrum,))
+
+
+def is_even(height: Array64, reach: float = np.inf) -> bool:
+    """Whether h_i = h_(N-1-i) but for rounding, and N a multiple of 4.
+
+    height: h, shape (N,) [u]; reach: heights beyond it never touch and do not matter [u].
+    """
+    if height.size % 4:
+        return False
+    half = height.size // 2
+    return bool(np.abs(height[:half] - height[: half - 1 : -1]).max() <= 1e-12 * min(np.ptp(height), reach))
+
+
+def choose(problem: Problem) -> Storage:
+    """Half of the nodes where the scene is even and large enough for that to pay."""
+    even = problem.num_points >= _EVEN_FROM and is_even(problem.height, problem.reach)
+    return Half(problem.num_points) if even else Whole(problem.num_points)

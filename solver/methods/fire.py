@@ -1,0 +1,14 @@
+"""Plain FIRE, the published study's method, as a choice; `fire_state` is how it works."""
+
+from .fire_state import Fire
+from .method import MethodKind
+from .rebased_fire import begin_fire
+
+KIND = MethodKind(
+    name="fire",
+    begin=lambda problem, setting: begin_fire(Fire, problem, setting),
+    max_iterations=200_000,
+    precisions=("float64", "float32", "mixed"),
+    starts_again=True,
+    share=0.15,
+)

@@ -1,0 +1,151 @@
+"""What a method must offer: its state on one grid, and what the rest of the program must know of its kind."""
+
+from abc import abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+from ..arrays import Array64
+from ..grid.problem import Problem
+
+
+class Method(Protocol):
+    """The state of a method on one grid, in the problem's units; made by `MethodKind.begin`."""
+
+    problem: Problem
+    """What is solved."""
+    tolerance: float
+    """On the rms free force over the mean pressure, or on the estimate of it that the method has (dimensionless)."""
+
+    @abstractmethod
+    def start(self, displacement: Array64) -> None:
+        """Begin from a displacement, shape (N,) [u]."""
+        raise NotImplementedError
+
+    @abstractmethod
+    def start_from_pressure(self, pressure: Array64) -> None:
+        """Begin from a contact pressure, shape (N,) [p], which is 0 where there is no contact."""
+        raise NotImplementedError
+
+    @abstractmethod
+    def step(self) -> None:
+        """One iteration."""
+        raise NotImplementedError
+
+    @property
+    @abstractmethod
+    def iteration(self) -> int:
+        """Iterations so far."""
+        raise NotImplementedError
+
+    @property
+    @abstractmethod
+    def transform_pairs(self) -> float:
+        """Pairs of a forward and an inverse transform of this grid's length so far; shorter ones by their length."""
+        raise NotImplementedError
+
+    @property
+    @abstractmethod
+    def residual(self) -> float:
+        """The error left, over the mean pressure: the rms free force, or an estimate of the rms error of the contact
+        pressure.
+        """
+        raise NotImplementedError
+
+    @property
+    @abstractmethod
+    def stopped(self) -> bool:
+        """Nothing more to do: converged, or no way on."""
+        raise NotImplementedError
+
+    @property
+    @abstractmethod
+    def displacement(self) -> Array64:
+        """u <= h, shape (N,) [u], in float64."""
+        raise NotImplementedError
+
+    @property
+    @abstractmethod
+    def contact_pressure(self) -> Array64:
+        """sigma >= 0, shape (N,) [p], in float64."""
+        raise NotImplementedError
+
+    @property
+    def patience(self) -> int | None:
+        """Iterations without a new minimum of the residual after which there is no hope; None: it ends by itself."""
+        return 1000
+
+    @property
+    def mixed(self) -> bool:
+        """Whether it works in float32 with residuals in float64."""
+        return False
+
+    @property
+    def even(self) -> bool:
+        """Whether it works on half of the nodes, because the scene is its own mirror image."""
+        return False
+
+    def demand_every_node(self) -> None:
+        """No node may be wrong any more; for a method that was begun with `Setting.wrong_nodes_per_patch`."""
+        return
+
+    def try_harder(self) -> bool:
+        """Aim at a smaller residual, after the certificate found the free residual too large; False: it cannot."""
+        return False
+
+
+@dataclass(frozen=True)
+class Setting:
+    """How a method is to work on one grid."""
+
+    tolerance: float
+    """See `Method.tolerance` (dimensionless)."""
+    precision: str = "float64"
+    """'float64', 'float32' or 'mixed'."""
+    wrong_nodes_per_patch: float = 0.0
+    """Nodes that a patch may have wrong on the average, which saves time on coarse grids (dimensionless)."""
+    threads: int = 1
+    """Threads of FFTW."""
+    planning: str = "estimate"
+    """FFTW's planning effort."""
+    backend: str = "warp"
+    """What runs the kernels: 'warp', or 'numpy' for the twins."""
+
+    @property
+    def working_precision(self) -> str:
+        """Of the transforms inside: 'float64' or 'float32'."""
+        return "float64" if self.precision == "float64" else "float32"
+
+
+@dataclass(frozen=True)
+class Fallback:
+    """A method that takes over where another could not certify its result."""
+
+    method: str
+    """Its name."""
+    precision: str | None = None
+    """The precision that it works in; None: that of the scene."""
+    not_in: tuple[str, ...] = ()
+    """Precisions of the scene in which it would be of no use."""
+
+
+@dataclass(frozen=True)
+class MethodKind:
+    """A method as a choice."""
+
+    name: str
+    """On the command line and in stored results."""
+    begin: Callable[[Problem, Setting], Method]
+    """Makes the state on a grid. It starts at rest, far from contact or wherever the method starts by itself."""
+    max_iterations: int
+    """Limit of iterations where none is given."""
+    precisions: tuple[str, ...] = ("float64",)
+    """Precisions that it can work in."""
+    nested: bool = False
+    """Whether it starts from the solution on coarser grids unless told otherwise."""
+    starts_again: bool = False
+    """Whether it starts once more, from the Winkler foundation's pressure, where it did not settle."""
+    fallbacks: tuple[Fallback, ...] = ()
+    """What takes over, one after the other, where its result cannot be certified."""
+    share: float = 0.1
+    """How often studies of random scenes try it, compared with the other methods (dimensionless)."""

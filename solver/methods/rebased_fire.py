@@ -1,0 +1,140 @@
+"""FIRE in mixed precision: float32 work inside, float64 residuals outside.
+
+In float32 the residual stagnates, because rounding in u comes back multiplied by the stiffest mode. What is rounded
+here is the change only: u = base + scale w with base in float64 and w in float32, and
+
+    r = scale (r_0 - K w),   w <= (h - base)/scale,   r_0 = (1 - K base)/scale.
+
+The change has the original problem's form, with another load and another wall, and its rounding is as small as the
+change is. From time to time the change is added to the base (iterative refinement, J. H. Wilkinson, Rounding Errors in
+Algebraic Processes (1963), chap. 3); velocity and step control go on undisturbed.
+"""
+
+import math
+
+import numpy as np
+
+from ...kernels import layout
+from ..arrays import Array64
+from ..grid.problem import Problem
+from ..grid.transforms import Transforms
+from .fire_state import Fire
+from .method import Method, Setting
+
+_FAR = 1e30  # a wall so far away may be anywhere
+_OVERFLOWING = 1e30  # a residual above is on its way to overflow
+_JOINS_BELOW, _JOINS_AFTER = 0.1, 50  # residual over the scale, and iterations, at which the change joins the base
+_MOST_IN_VAIN = 5  # times in a row that the base's residual did not confirm the change's
+_CONFIRMED = 0.5  # factor by which the base's residual has to fall
+
+
+class RebasedFire(Method):
+    """FIRE, plain or mass-weighted, on the change of a base displacement."""
+
+    mixed = True
+
+    def __init__(self, fire: Fire) -> None:
+        """fire: works in float32, with a load of its own; its u, v, height and load become those of the change."""
+        self.problem, self.tolerance, self.fire = fire.problem, fire.tolerance, fire
+        self._rebasing_pairs = 0
+        self.start(np.zeros(fire.num_points))
+
+    def start(self, displacement: Array64) -> None:
+        """Begin at rest from u, shape (N,) [u], put below the wall."""
+        self._scale = 1.0
+        self._base, self._in_vain, self._best = np.minimum(displacement, self.problem.height), 0, math.inf
+        self.fire.v[:] = 0
+        self._rebase()
+
+    def start_from_pressure(self, pressure: Array64) -> None:
+        """Begin at rest from the displacement under a contact pressure, shape (N,) [p]."""
+        self.start(self.problem.displacement_under(pressure))
+
+    @property
+    def displacement(self) -> Array64:
+        """u, shape (N,) [u], in float64; nodes on the wall stand on it exactly."""
+        n, height = self.fire.num_points, self.problem.height
+        u = self.fire.u[:n]
+        with np.errstate(over="ignore", invalid="ignore"):
+            whole = self._base + self._scale * u
+        return np.where(u >= self.fire.height[:n], height, np.minimum(whole, height))
+
+    @property
+    def contact_pressure(self) -> Array64:
+        """sigma >= 0 on the nodes on the wall, shape (N,) [p]."""
+        return self.problem.wall_pressure(self.displacement)
+
+    @property
+    def transform_pairs(self) -> float:
+        """See `Method`; each time that the change joins the base takes one more."""
+        return self.fire.transform_pairs + self._rebasing_pairs
+
+    @property
+    def iteration(self) -> int:
+        """See `Method`."""
+        return self.fire.iteration
+
+    @property
+    def residual(self) -> float:
+        """See `Method`."""
+        return self.fire.residual * self._scale
+
+    @property
+    def stopped(self) -> bool:
+        """See `Method`."""
+        return self.fire.stopped
+
+    @property
+    def patience(self) -> int | None:
+        """As for FIRE inside."""
+        return self.fire.patience
+
+    def step(self) -> None:
+        """One iteration; now and then the change joins the base, which is another transform pair."""
+        fire = self.fire
+        fire.step()
+        if not fire.residual < _OVERFLOWING:  # diverged
+            fire.state[layout.FROZEN] = 1.0
+        elif fire.stopped or fire.residual < _JOINS_BELOW or fire.iteration - self._since >= _JOINS_AFTER:
+            self._base = self.displacement
+            self._rebase()
+
+    def _rebase(self) -> None:
+        """A change of 0, scaled so that the base's free residual is 1."""
+        fire = self.fire
+        n, s = fire.num_points, fire.state
+        if not np.isfinite(self._base).all():  # the last step went beyond all numbers
+            s[layout.FROZEN], s[layout.RESIDUAL] = 1.0, math.inf
+            return
+        gap = self.problem.height - self._base
+        force = self.problem.net_force(self._base)
+        free = force[(gap > 0) | (force <= 0)]
+        residual = math.sqrt(float(free @ free) / max(1, free.size))
+        self._rebasing_pairs += 1
+        scale = max(residual, 1e-300)
+        with np.errstate(over="ignore", under="ignore", invalid="ignore"):
+            fire.v *= fire.v.dtype.type(self._scale / scale)
+            fire.height[:n] = np.minimum(gap / scale, _FAR)
+            fire.load[:n] = force / scale
+        fire.u[:] = 0
+        fire.stop_at_wall()
+        self._scale, self._since = scale, fire.iteration
+        self._judge(residual)
+
+    def _judge(self, residual: float) -> None:
+        """Stop once the base meets the tolerance, or where only the change's residual does, again and again."""
+        s = self.fire.state
+        if self.stopped:
+            self._in_vain = 0 if residual < _CONFIRMED * self._best else self._in_vain + 1
+            self._best = min(self._best, residual)
+        met = not residual > self.tolerance  # or not a number
+        s[layout.FROZEN] = float(met or self._in_vain > _MOST_IN_VAIN)
+        s[layout.RESIDUAL], s[layout.TOLERANCE] = residual / self._scale, self.tolerance / self._scale
+
+
+def begin_fire(kind: type[Fire], problem: Problem, setting: Setting) -> Method:
+    """FIRE of a kind on a grid; in mixed precision on the change of a displacement in float64."""
+    mixed = setting.precision == "mixed"
+    transforms = Transforms(problem.num_points, setting.working_precision, setting.threads, setting.planning)
+    state = kind(problem, transforms, setting.tolerance, setting.backend, own_load=mixed)
+    return RebasedFire(state) if mixed else state

@@ -1,0 +1,39 @@
+"""The loop that drives every method on one grid."""
+
+import math
+import time
+from collections.abc import Callable
+
+from ..endings import Status
+from .method import Method
+
+Progress = Callable[[int, float], None]
+"""Called with (iteration, residual over the mean pressure)."""
+
+_OVERFLOWING = 1e30  # a residual above is on its way to overflow
+
+
+def relax(state: Method, max_iterations: int, progress: Progress | None = None) -> Status:
+    """Step until the residual meets the tolerance, and say how it ended.
+
+    Other ends: `max_iterations`; no new minimum of the residual for long (the limit of the precision); overflow;
+    Ctrl-C. The state stays usable after each of them.
+    """
+    best, best_at, shown = math.inf, 0, time.monotonic()
+    try:
+        while state.iteration < max_iterations:
+            state.step()
+            if state.stopped:
+                if state.residual <= state.tolerance:
+                    return Status.CONVERGED
+                return Status.STAGNATED if state.residual < _OVERFLOWING else Status.DIVERGED
+            if state.residual < 0.99 * best:
+                best, best_at = state.residual, state.iteration
+            elif state.patience is not None and state.iteration - best_at > state.patience:
+                return Status.STAGNATED
+            if progress and time.monotonic() - shown > 0.1:
+                shown = time.monotonic()
+                progress(state.iteration, state.residual)
+    except KeyboardInterrupt:
+        return Status.INTERRUPTED
+    return Status.ITERATION_LIMIT

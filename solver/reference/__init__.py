@@ -1,0 +1,6 @@
+"""What is known without a grid: closed forms and limits, and the collocation oracle for one asperity.
+
+Every error of the grid methods is measured against these. They know the bonded layer and power profiles only.
+
+May import: arrays, checks, quadrature, layers.
+"""

@@ -1,0 +1,186 @@
+"""The certificate's verdict on what a method found, and what is tried where it is bad."""
+
+import math
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import Array64, Mask
+from ..endings import INTERRUPTED, Cause, Reason, Status
+from ..grid.certificate import Certificate, certify
+from ..grid.problem import Problem, rounding_floor
+from ..methods import METHODS, Method
+from ..solution import MEANINGLESS, MOST_ENERGY, Choice
+from .effort import CAUTION, Effort
+
+_MOST_TRIES = 3  # of a method that can aim at a smaller residual
+_AT_THE_FLOOR, _NEAR_THE_FLOOR, _NOT_FAR = 2, 1000, 100
+"""Times what rounding leaves: a tolerance below the first and a residual below the second mean that rounding is what
+keeps the residual up; a default tolerance gives way to residuals below the third."""
+
+
+@dataclass(frozen=True)
+class Certified:
+    """What was found in the end, with its certificate; nothing here changes any more."""
+
+    state: Method
+    """The method that found it, on the grid of the answer."""
+    status: Status
+    """How the solve ended."""
+    reason: Reason | None
+    """Why it did not converge; None if it did."""
+    tolerance: float
+    """That holds: the one asked for, or what rounding leaves of a default one (dimensionless)."""
+    certificate: Certificate
+    """How wrong the displacement is."""
+    displacement: Array64
+    """u, shape (N,) [u]."""
+    pressure: Array64
+    """Contact pressure by the certificate, shape (N,) [p]."""
+    contact: Mask
+    """Nodes that the wall carries, shape (N,)."""
+    choices: tuple[Choice, ...]
+    """What was chosen on the way, and why."""
+    handed_over: bool
+    """Another method than the one chosen has gone on."""
+    seconds: float
+    """Spent on more iterations [s]."""
+
+
+def certify_or_fall_back(
+    effort: Effort, problem: Problem, state: Method, status: Status, tolerance: float, own_tolerance: bool
+) -> Certified:
+    """Certify a relaxed state; where that fails the method tries harder, and then its fallbacks try.
+
+    problem: of the scene, which the certificate is for; status: how the relaxation ended; own_tolerance: whether the
+    tolerance was asked for. A default one that rounding does not allow becomes the residual that it does allow.
+    """
+    return _Certification(effort, problem, state, tolerance, own_tolerance).run(status)
+
+
+class _Certification:
+    """The state of one certification: the best method so far and its certificate."""
+
+    def __init__(self, effort: Effort, problem: Problem, state: Method, tolerance: float, own_tolerance: bool) -> None:
+        self.effort, self.problem, self.state = effort, problem, state
+        self.tolerance, self.own_tolerance = tolerance, own_tolerance
+        self.choices: list[Choice] = []
+        self.handed_over = False
+
+    def run(self, status: Status) -> Certified:
+        """All that is tried, one after the other."""
+        good = self.certify()
+        begin, first = time.perf_counter(), good
+        status, good = self.insist(status, good)
+        for fallback in self.effort.kind.fallbacks:
+            gave_up = not good and status not in (Status.INTERRUPTED, Status.ITERATION_LIMIT)
+            if not gave_up or self.rounded_off() or not self.effort.may_go_on:
+                break
+            if self.effort.scene.precision not in fallback.not_in:
+                status, good = self.hand_over(fallback.method, fallback.precision)
+        seconds = 0.0 if first else time.perf_counter() - begin
+        if not good and status in (Status.STAGNATED, Status.CONVERGED):
+            status = Status.STAGNATED  # the method's own precision cannot see the difference
+            residual = self.certificate.free_residual
+            if not self.own_tolerance and self.bounded() and residual < min(_NOT_FAR * self.floor(), MEANINGLESS):
+                self.tolerance, good = residual, True
+        if good and status in (Status.STAGNATED, Status.ITERATION_LIMIT):
+            status = Status.CONVERGED
+        return Certified(
+            state=self.state,
+            status=status,
+            reason=self.reason(status),
+            tolerance=self.tolerance,
+            certificate=self.certificate,
+            displacement=self.displacement,
+            pressure=self.pressure,
+            contact=self.contact,
+            choices=tuple(self.choices),
+            handed_over=self.handed_over,
+            seconds=seconds,
+        )
+
+    def certify(self) -> bool:
+        """Make the certificate of the present state; whether it is good enough."""
+        self.displacement = self.state.displacement
+        if not np.isfinite(self.displacement).all():  # diverged beyond all numbers
+            self.state.start(np.zeros_like(self.displacement))
+            self.displacement = self.state.displacement
+        self.certificate, self.pressure, self.contact = certify(self.problem, self.displacement)
+        return self.certificate.free_residual <= self.tolerance and self.bounded()
+
+    def bounded(self) -> bool:
+        """Whether the energy's error is bounded well enough."""
+        bound = self.certificate.energy_error_bound
+        return math.isfinite(bound) if self.own_tolerance else bound <= MOST_ENERGY
+
+    def floor(self) -> float:
+        """What rounding leaves of the free residual in the scene's precision, over p (dimensionless)."""
+        precision = "float32" if self.effort.scene.precision == "float32" else "float64"
+        return rounding_floor(self.problem.stiffness, self.displacement, precision)
+
+    def rounded_off(self) -> bool:
+        """Whether rounding is what keeps the residual above the tolerance; no other method knows a way below that."""
+        floor = self.floor()
+        return self.tolerance < _AT_THE_FLOOR * floor and self.certificate.free_residual < _NEAR_THE_FLOOR * floor
+
+    def insist(self, status: Status, good: bool) -> tuple[Status, bool]:
+        """A method that misses the certificate tries harder, if it can, up to three times."""
+        for _ in range(_MOST_TRIES):
+            residual = self.certificate.free_residual
+            if good or status is not Status.CONVERGED or not self.state.try_harder():
+                break
+            before = self.state.contact_pressure
+            status = self.effort.relax(self.state)
+            good = self.certify()
+            if not good and self.certificate.free_residual > residual:  # sets decided on rounding
+                self.state.start_from_pressure(before)
+                self.certify()
+                break
+        return status, good
+
+    def hand_over(self, method: str, precision: str | None) -> tuple[Status, bool]:
+        """Another method goes on from where this one ended; the better of the two stays."""
+        effort, before, residual = self.effort, self.state, self.certificate.free_residual
+        if method != effort.kind.name:
+            self.handed_over = True
+            effort.allow(METHODS[method].max_iterations)
+        elif before.mixed and precision:
+            self.choices.append(Choice("precision", precision, f"mixed ends at a residual of {residual:.1g}"))
+        self.state = effort.begin(self.problem, CAUTION * self.tolerance, METHODS[method], precision)
+        self.state.start(self.displacement)
+        status = effort.relax(self.state)
+        status, good = self.insist(status, self.certify())
+        if not good and not self.certificate.free_residual < residual:
+            self.state = before
+            self.certify()
+        return status, good
+
+    def reason(self, status: Status) -> Reason | None:
+        """Why the solve ended short of its goal, and what is allowed instead."""
+        residual, tolerance, scene = self.certificate.free_residual, self.tolerance, self.effort.scene
+        other = ", or precision mixed or float64" if scene.precision == "float32" else ""
+        looser = f", or tolerance above {residual:.2g} (it is {tolerance:g})"
+        if not tolerance < residual < MEANINGLESS:
+            looser = ""
+        match status:
+            case Status.CONVERGED:
+                return None
+            case Status.INTERRUPTED:
+                return INTERRUPTED
+            case Status.ITERATION_LIMIT:
+                reached = f"reached after {self.effort.iterations}"
+                return Reason(Cause.ITERATIONS, "max_iterations", reached, f"more{looser}")
+            case _ if residual <= tolerance:
+                off = f"the energy may be off by {self.certificate.energy_error_bound:.2g} of itself"
+                return Reason(Cause.ENERGY, "tolerance", f"{tolerance:.2g}, at which {off}", f"a smaller one{other}")
+            case Status.STAGNATED if self.rounded_off():
+                leaves = f"rounding in {scene.precision} leaves"
+                if residual < MEANINGLESS:
+                    allowed = f"above {residual:.2g}, which {leaves}{other}"
+                    return Reason(Cause.ROUNDING, "tolerance", f"{tolerance:g}", allowed)
+                where = f"{scene.num_points}, where {leaves} a residual of {residual:.2g}"
+                return Reason(Cause.ROUNDING, "num_points", where, f"fewer{other}")
+        what = f"{self.effort.kind.name} in precision {scene.precision}, which does not settle here"
+        return Reason(Cause.METHOD, "method", what, f"another{looser}")

@@ -1,0 +1,94 @@
+"""Nested grids: the one loop from coarse to fine. A solution on a coarse grid is where the next finer one starts.
+
+The loop leaves to others which method works on a grid and when a grid is fine enough.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from ..arrays import Array64
+from ..endings import Status
+from ..grid.edges import Edges
+from ..grid.observables import contact_edges, subgrid_measures
+from ..grid.patches import Patches
+from ..methods import Method
+from ..scene import Scene
+from ..solution import Level
+from .prolongation import prolong
+
+FACTOR = 4
+COARSEST = 512  # at least
+
+
+def grids(num_points: int) -> list[int]:
+    """Grid sizes from coarse to fine, each about four times the one before; the coarser ones are even."""
+    sizes = [num_points]
+    while sizes[0] // FACTOR >= COARSEST:
+        sizes.insert(0, coarser(sizes[0]))
+    return sizes
+
+
+def coarser(num_points: int) -> int:
+    """The next coarser grid."""
+    return 2 * round(num_points / FACTOR / 2)
+
+
+@dataclass(frozen=True, eq=False)
+class Reached:
+    """A method that has been relaxed on one of the grids, and what is measured there when somebody asks for it."""
+
+    scene: Scene
+    """The scene that is solved; its own grid is the finest."""
+    state: Method
+    """The method on this grid."""
+    status: Status
+    """How the relaxation ended."""
+
+    @property
+    def num_points(self) -> int:
+        """Points of this grid."""
+        return self.state.problem.num_points
+
+    @cached_property
+    def pressure(self) -> Array64:
+        """Contact pressure, shape (num_points,) [p]."""
+        return self.state.contact_pressure
+
+    @cached_property
+    def contact(self) -> tuple[Patches, Edges]:
+        """Its patches and their ends."""
+        return contact_edges(self.scene, self.pressure)
+
+    @cached_property
+    def level(self) -> Level:
+        """What this grid gives."""
+        squared_slope = self.scene.indenter.slope(self.num_points, self.scene.period) ** 2
+        area, _, kappa, _ = subgrid_measures(self.scene, *self.contact, squared_slope)
+        return Level(self.num_points, area, kappa, self.state.iteration, round(self.state.transform_pairs, 3))
+
+    def start(self, finer: Method) -> None:
+        """Begin on a finer grid from this solution."""
+        finer.start_from_pressure(prolong(self.scene, self.pressure, *self.contact, finer.problem.num_points))
+
+
+def over_grids(
+    scene: Scene,
+    sizes: Sequence[int],
+    begin: Callable[[int], Method],
+    relax: Callable[[Method], tuple[Method, Status]],
+) -> Iterator[Reached]:
+    """From coarse to fine: every grid as it is reached, the last one if it is interrupted or the caller asks no more.
+
+    sizes: numbers of points; begin: the method on a grid of so many; relax: returns the relaxed state, which may be
+    another one than it got.
+    """
+    reached: Reached | None = None
+    for size in sizes:
+        state = begin(size)
+        if reached:
+            reached.start(state)
+        reached = Reached(scene, *relax(state))
+        yield reached
+        if reached.status is Status.INTERRUPTED:
+            return

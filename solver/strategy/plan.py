@@ -1,0 +1,71 @@
+"""What a scene needs for the accuracy asked for: the smallest sufficient model.
+
+The accuracy is that of the contact area a_r, relative. A quarter of it goes to the model, the rest to grid and
+iteration. What is decided here, before anything is solved, costs well under a millisecond.
+
+Half-space. Its stiffness differs from the layer's by a share e at most. The area then changes by about e, like the load
+would, but near full contact by up to (2/pi) sqrt(e) (a sinusoidal indenter, `closed_forms.westergaard_area`): sqrt(e)
+is claimed. And e is small beside the tolerance, because the certificate stays the layer's.
+
+No shortcut is taken that layer and indenter do not justify: see `ElasticLayer` and `Indenter` for what they may offer.
+"""
+
+import math
+from dataclasses import dataclass
+
+from ..layers import ElasticLayer
+from ..scene import Scene
+from ..solution import Choice
+from .effort import COARSE_TOLERANCE
+from .small_models import LEAST_EDGE
+
+_LONG_ASPERITY = 100.0  # half-widths over thicknesses: beyond, collocation takes longer than a grid,
+_LONGEST_ASPERITY, _FINE = 600.0, 1e-5  # which may not know the area so finely
+_MOST_ASPERITY = 0.49  # half-widths in the period: beyond, neighbours merge
+_MODEL_SHARE = 0.25  # of the accuracy
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What to try."""
+
+    models: tuple[str, ...]
+    """'winkler', 'asperity': smaller models to try, in this order, before the grid."""
+    layer: ElasticLayer
+    """To solve with: the scene's, or a half-space that is as good."""
+    choices: tuple[Choice, ...]
+    """That were made."""
+
+
+def decide(scene: Scene, accuracy: float) -> Plan:
+    """The models worth trying, from what is known without solving anything."""
+    most = min((_MODEL_SHARE * accuracy) ** 2, 0.1 * residual(accuracy))
+    replacement, choices = _half_space(scene, most)
+    layer, thickness, models = scene.layer, scene.layer.thickness / scene.period, []
+    half_width = scene.indenter.guessed_half_width(scene.reduced_load, layer, scene.period)
+    thin = LEAST_EDGE * thickness < 2 * half_width * accuracy and layer.foundation_modulus(scene.period) < math.inf
+    if thin and layer.edge_shift is not None:
+        models.append("winkler")
+    longest = _LONG_ASPERITY if accuracy > _FINE else _LONGEST_ASPERITY
+    if scene.indenter.power_law and layer.bonded and half_width < min(_MOST_ASPERITY, longest * thickness):
+        models.append("asperity")
+    return Plan(tuple(models), replacement, choices)
+
+
+def residual(accuracy: float) -> float:
+    """The tolerance on the free residual that goes with an accuracy."""
+    return min(max(0.2 * accuracy, 1e-10), COARSE_TOLERANCE)
+
+
+def _half_space(scene: Scene, most: float) -> tuple[ElasticLayer, tuple[Choice, ...]]:
+    """The half-space instead of a layer whose stiffness is that, but for a share of `most`."""
+    layer = scene.layer
+    if math.isinf(layer.thickness):
+        return layer, ()
+    difference = layer.half_space_difference(scene.period)
+    reason = f"a half-space's stiffness differs by a share of up to {difference:.1g}"
+    if math.isinf(difference):
+        reason = "by how much a half-space's stiffness differs is not known for this layer"
+    if difference > most:
+        return layer, (Choice("layer", "as it is", reason),)
+    return layer.as_half_space(), (Choice("layer", "half-space", reason, math.sqrt(difference)),)

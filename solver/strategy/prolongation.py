@@ -1,0 +1,63 @@
+"""A contact pressure carried over to a finer grid, where any method starts best.
+
+At the edges of its patches the pressure goes like a square root, which no interpolation follows; divided by the
+universal edge functions of both ends (`edge_curves.edge_function`, at the ends' sub-grid positions) it is smooth. So
+the smooth part is interpolated (cubic) and multiplied by the edge functions of the fine grid. The fine contact set
+comes out right but for a few nodes, and the error of the pressure is that of the coarse grid, not of the interpolation.
+"""
+
+import numpy as np
+
+from ..arrays import Array64, Indices
+from ..grid.edge_curves import EdgeCurve, edge_curve, edge_function, thin_curve
+from ..grid.edges import Edges
+from ..grid.patches import Patches
+from ..scene import Scene
+
+
+def prolong(scene: Scene, pressure: Array64, patches: Patches, ends: Edges, num_points: int) -> Array64:
+    """A contact pressure, shape (N,), on a grid of `num_points`, shape (num_points,); both 0 off the contact [p].
+
+    patches, ends: of that pressure, see `observables.contact_edges`.
+    """
+    factor, layer = num_points / pressure.size, scene.layer
+    fine_curve = edge_curve(layer.edge_symbol(num_points, scene.period))
+    coarse_curve = fine_curve
+    if fine_curve.thin:  # both of one kind
+        coarse_curve = thin_curve(layer.edge_symbol(pressure.size, scene.period))
+    if patches.full:
+        x = np.arange(num_points) / factor
+        return np.asarray(np.interp(x, np.arange(pressure.size + 1), np.append(pressure, pressure[0])))
+    # the nodes whose distance beyond the edge lies between -s and 1 - s
+    first = np.ceil(factor * ends.left - (1 - fine_curve.shift)).astype(np.int64)
+    last = np.maximum(first, np.floor(factor * ends.right + (1 - fine_curve.shift)).astype(np.int64))
+    fine = Patches(num_points, first, last)
+    nodes = np.arange(int(fine.size.sum())) - np.repeat(fine.offset - first, fine.size)
+    p = fine.label
+
+    def edges_at(at: Patches, inside: Indices, scale: float, curve: EdgeCurve) -> Array64:
+        left = np.clip(scale * ends.left - at.first + curve.shift, 0, 1)[at.label]
+        right = np.clip(at.last - scale * ends.right + curve.shift, 0, 1)[at.label]
+        return edge_function(curve, left, inside) * edge_function(curve, right, at.size[at.label] - 1 - inside)
+
+    steps = np.arange(patches.nodes.size) - np.repeat(patches.offset, patches.size)
+    smooth = pressure[patches.nodes] / np.maximum(edges_at(patches, steps, 1.0, coarse_curve), 1e-3)
+    # Lagrange's polynomial through up to four nodes of the patch
+    x = nodes / factor - patches.first[p]
+    count = np.minimum(patches.size, 4)[p]
+    base = np.clip(np.floor(x).astype(np.int64) - 1, 0, patches.size[p] - count)
+    x -= base
+    base += patches.offset[p]
+    values = np.zeros(x.size)
+    for k in range(4):
+        basis = (k < count).astype(np.float64)
+        for m in range(4):
+            if m != k:
+                basis *= np.where(m < count, (x - m) / (k - m), 1.0)
+        values += basis * smooth[np.minimum(base + k, smooth.size - 1)]
+    values *= edges_at(fine, nodes - first[p], factor, fine_curve)
+    values *= factor * pressure.sum() / values.sum()
+    fine_pressure = np.zeros(num_points)
+    # never 0: the node belongs to the contact
+    fine_pressure[nodes % num_points] = np.maximum(values, 1e-12 * pressure.max())
+    return fine_pressure

@@ -1,0 +1,54 @@
+"""The solution, made from what was found; nothing is solved here any more."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..grid.observables import observe
+from ..grid.problem import Problem
+from ..scene import Scene
+from ..solution import Level, Solution
+from .certification import Certified
+from .effort import Effort
+from .errors import discretisation_error, iteration_error
+
+
+def make_solution(
+    scene: Scene, problem: Problem, certified: Certified, levels: Sequence[Level], effort: Effort
+) -> Solution:
+    """The solution of a scene on its grid, without the times that it took.
+
+    scene: as the user gave it, or on the grid of the answer; problem: that was certified; levels: coarser grids.
+    """
+    profile, contact = scene.profile, certified.contact
+    displacement = np.minimum(certified.displacement * problem.length_unit, profile)  # units round
+    displacement[contact] = profile[contact]
+    pressure = certified.pressure * scene.pressure
+    observables = observe(scene, displacement, pressure, contact)
+    observables = discretisation_error(observables, levels)
+    return Solution(
+        scene=scene,
+        method=effort.kind.name,
+        tolerance=certified.tolerance,
+        status=certified.status,
+        displacement=displacement,
+        contact_pressure=pressure,
+        contact=contact,
+        observables=iteration_error(observables, certified.certificate.free_residual),
+        certificate=certified.certificate,
+        iterations=effort.iterations,
+        transform_pairs=effort.points_transformed / scene.num_points,
+        seconds={},
+        threads=effort.means.threads,
+        planning=effort.means.planning,
+        backend=effort.backend_on(scene.num_points),
+        reason=certified.reason,
+        handed_over=certified.handed_over,
+        levels=tuple(levels),
+        choices=certified.choices,
+    )
+
+
+def stages(begin: float, ready: float, relaxed: float, end: float) -> dict[str, float]:
+    """Seconds by stage, from the times at which they ended."""
+    return {"setup": ready - begin, "solve": relaxed - ready, "certificate": end - relaxed, "total": end - begin}

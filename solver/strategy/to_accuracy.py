@@ -1,0 +1,222 @@
+"""A solve to a given accuracy of the contact area: the plan carried out, the smallest model first."""
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from .. import checks
+from ..endings import Cause, Reason, Status
+from ..grid.certificate import certify
+from ..grid.problem import Problem
+from ..methods import METHODS, Method
+from ..scene import Scene
+from ..solution import Choice, Level, Solution
+from .certification import certify_or_fall_back
+from .effort import CAUTION, COARSE_WRONG_NODES, Effort, Means
+from .errors import grid_error, iteration_share
+from .grids import FACTOR, Reached, coarser, grids, over_grids
+from .memory import check_memory
+from .plan import Plan, decide, residual
+from .report import make_solution, stages
+from .small_models import Modelled, asperity, winkler
+
+MOST_ACCURACY = 0.1
+"""Coarsest relative error of a_r that may be asked for (dimensionless)."""
+
+_FEWEST_POINTS = 16  # of a grid below another one
+
+
+def solve_to_accuracy(scene: Scene, accuracy: float, means: Means) -> Solution:
+    """Solve a scene to an accuracy, the relative error of a_r (dimensionless). Raises `ValueError`.
+
+    The first model that is good enough gives the answer; the grid always does, or says that it is not good enough.
+    """
+    begin = time.perf_counter()
+    allowed = "1e-9 <= accuracy <= 0.1"
+    accuracy = checks.real("accuracy", accuracy, allowed, math.nextafter(1e-9, 0), MOST_ACCURACY)
+    check_memory(_FEWEST_POINTS if scene.indenter.power_law else scene.num_points)  # most likely needs no grid
+    if scene.precision != "float64":
+        raise ValueError(f"precision is {scene.precision!r}; allowed: float64, accuracy chooses the precision")
+    task = _Task(scene, accuracy, means, begin, decide(scene, accuracy))
+    for model in task.plan.models:
+        solution = _MODELS[model](task)
+        if solution:
+            return solution
+    return _on_grids(task)
+
+
+@dataclass
+class _Task:
+    """What was asked for, and what has been chosen for it so far."""
+
+    scene: Scene
+    """As the user gave it; its grid is the finest allowed."""
+    accuracy: float
+    """Relative error of a_r asked for (dimensionless)."""
+    means: Means
+    """What to compute with."""
+    begin: float
+    """When the solve began [s]."""
+    plan: Plan
+    """What to try."""
+    choices: list[Choice] = field(default_factory=list)
+    """That were made so far."""
+
+    def __post_init__(self) -> None:
+        self.choices += self.plan.choices
+
+    def chose(self, what: str, chosen: str, reason: str, error: float = 0.0) -> None:
+        """Keep a choice, see `Choice`."""
+        self.choices.append(Choice(what, chosen, reason, error))
+
+    @property
+    def model_error(self) -> float:
+        """Relative error of a_r by the choices made."""
+        return sum(choice.error for choice in self.choices)
+
+    def judged(self, solution: Solution, model_error: float) -> Solution:
+        """With the model's share in the errors, and whether they are what was asked for.
+
+        model_error: of a_r, relative.
+        """
+        o, status, reason = solution.observables, solution.status, solution.reason
+        area = min(o.contact_area_error + model_error * o.contact_area_subgrid, 1.0)
+        o = replace(o, contact_area_error=area, kappa_error=o.kappa_error + 2 * model_error * o.kappa_subgrid)
+        if status is Status.CONVERGED and not area <= self.accuracy * o.contact_area_subgrid:
+            status = Status.INACCURATE
+            known = area / o.contact_area_subgrid if o.contact_area_subgrid else math.inf
+            above = f"above {known:.2g}, or " if known < MOST_ACCURACY else ""
+            heights = " (and heights)" if self.scene.indenter.given_points else ""
+            allowed = f"{above}more num_points{heights} than {solution.scene.num_points}"
+            reason = Reason(Cause.GRID, "accuracy", f"{self.accuracy:g}", allowed)
+        elif status in (Status.STAGNATED, Status.DIVERGED) and solution.certificate:
+            got = solution.certificate.free_residual
+            takes = f"{self.accuracy:g}, which takes a residual of {solution.tolerance:.2g} and got {got:.2g}"
+            reason = Reason(Cause.ROUNDING, "accuracy", takes, "a larger one")
+        solution = replace(solution, observables=o, status=status, reason=reason)
+        return replace(solution, choices=tuple(self.choices), accuracy=self.accuracy)
+
+
+def _asperity(task: _Task) -> Solution | None:
+    """One asperity by collocation; None where that does not get there."""
+    try:
+        found = asperity(task.scene, task.plan.layer, task.accuracy / 2)
+    except ValueError as error:
+        task.chose("collocation", "no", str(error))
+        return None
+    reason = "a power profile is one asperity; error: the change of a_r by the last doubling of the nodes"
+    task.chose("model", "collocation", reason, found.error)
+    task.chose("grid", f"{found.scene.num_points} points", "for the fields only, which are sampled")
+    power = task.scene.indenter.power_law
+    if power and power[0] < 2:
+        task.chose("peak pressure", "by collocation", "rough: at a tip sharper than a parabola 5 to 30 % too low")
+    return _modelled(task, "collocation", found)
+
+
+def _winkler(task: _Task) -> Solution | None:
+    """The Winkler foundation; None where that is not accurate enough."""
+    found = winkler(task.scene)
+    if found.error > task.accuracy:
+        task.chose("Winkler foundation", "no", f"its a_r would be off by a share of {found.error:.1g}")
+        return None
+    task.chose("model", "Winkler foundation", "the layer's edges are narrow", found.error)
+    task.chose("grid", f"{found.scene.num_points} points", "no transform is needed")
+    return _modelled(task, "winkler-foundation", found)
+
+
+_MODELS: dict[str, Callable[[_Task], Solution | None]] = {"winkler": _winkler, "asperity": _asperity}
+
+
+def _modelled(task: _Task, name: str, found: Modelled) -> Solution:
+    """A model's solution; a foundation's on the grid is certified with its own stiffness."""
+    others = sum(choice.error for choice in task.choices if choice.what != "model")
+    certificate, ready = None, time.perf_counter()
+    if found.problem:
+        # on the wall exactly, whatever the units' rounding
+        on_wall = np.where(found.contact, found.problem.height, found.displacement / found.problem.length_unit)
+        certificate = certify(found.problem, on_wall)[0]
+    solution = Solution(
+        scene=found.scene,
+        method=name,
+        tolerance=task.accuracy / 2,
+        status=Status.CONVERGED,
+        displacement=found.displacement,
+        contact_pressure=found.contact_pressure,
+        contact=found.contact,
+        observables=found.observables,
+        certificate=certificate,
+        iterations=0,
+        transform_pairs=0.0,
+        seconds=stages(task.begin, task.begin, ready, time.perf_counter()),
+        threads=task.means.threads,
+        planning=task.means.planning,
+        backend=task.means.backend,
+    )
+    return task.judged(solution, others)
+
+
+def _on_grids(task: _Task) -> Solution:
+    """The first method, from coarse to fine, until the estimated error is small enough.
+
+    Should the certified solution be less accurate than estimated, it goes on from there on the next grid. An
+    interruption returns what the grid at hand has given.
+    """
+    scene, tolerance, ready = replace(task.scene, layer=task.plan.layer), residual(task.accuracy), time.perf_counter()
+    effort = Effort(scene, next(iter(METHODS.values())), task.means)
+    model_error = task.model_error
+    budget = task.accuracy - model_error - iteration_share(tolerance)
+
+    def begin(size: int) -> Method:
+        check_memory(size)
+        problem = Problem.from_scene(scene, size)
+        return effort.begin(problem, CAUTION * tolerance, wrong_nodes_per_patch=COARSE_WRONG_NODES)
+
+    def relax(state: Method) -> tuple[Method, Status]:
+        effort.add_start(state)
+        return state, effort.relax(state)
+
+    sizes, levels = grids(scene.num_points), list[Level]()
+    if len(sizes) == 1 and sizes[0] >= FACTOR * _FEWEST_POINTS:  # without a coarser one there is no telling the error
+        sizes.insert(0, coarser(sizes[0]))
+    chosen_before = tuple(task.choices)
+    for reached in over_grids(scene, sizes, begin, relax):
+        error = grid_error(reached.level, reached.contact[1], levels)
+        last = reached.num_points == scene.num_points or reached.status is Status.INTERRUPTED
+        fine = error <= budget and scene.indenter.omitted(reached.num_points) <= budget / 2
+        if last or fine:
+            task.choices = list(chosen_before)
+            task.chose("model", "grid", "no smaller model will do")
+            why = "the coarsest that is good enough" if error <= budget else "the finest allowed, and not fine enough"
+            task.chose("grid", f"{reached.num_points} points", why, error)
+            solution = task.judged(_finish(task, effort, reached, levels, tolerance, ready), model_error)
+            if last or solution.status is not Status.INACCURATE:
+                return solution
+        levels.append(reached.level)
+    raise AssertionError("the last grid returns")
+
+
+def _finish(
+    task: _Task, effort: Effort, reached: Reached, levels: list[Level], tolerance: float, ready: float
+) -> Solution:
+    """Relax until no node is wrong any more, certify, and say what was chosen."""
+    scene, state, status = task.scene.on_grid(reached.num_points), reached.state, reached.status
+    if status is not Status.INTERRUPTED:
+        state.demand_every_node()
+        status = effort.relax(state)
+    relaxed = time.perf_counter()
+    # the certificate is for the scene's own layer; contact is where u = h exactly
+    problem = replace(Problem.from_scene(scene), height=state.problem.height)
+    certified = certify_or_fall_back(effort, problem, state, status, tolerance, own_tolerance=False)
+    task.chose("method", effort.kind.name, "the fastest on every scene measured")
+    task.chose("precision", "float64", "mixed saves next to nothing where transforms are few")
+    even = state.even
+    task.chose("symmetry", "even" if even else "none", f"h_i {'=' if even else '!='} h_(N-1-i) on this grid")
+    task.chose("tolerance", f"{tolerance:g}", "small beside the accuracy", iteration_share(tolerance))
+    solution = make_solution(scene, problem, certified, levels, effort)
+    if not levels:  # without a coarser grid nothing is known
+        unknown = replace(solution.observables, contact_area_error=1.0, kappa_error=math.inf)
+        solution = replace(solution, observables=unknown)
+    return replace(solution, seconds=stages(task.begin, ready, relaxed + certified.seconds, time.perf_counter()))

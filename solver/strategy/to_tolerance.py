@@ -1,0 +1,143 @@
+"""A solve to a given residual, by a method of one's choice."""
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .. import checks
+from ..arrays import Array64
+from ..endings import Status
+from ..grid.problem import Problem
+from ..grid.transforms import save_wisdom
+from ..methods import Method, MethodKind
+from ..scene import Scene
+from ..solution import Level, Solution
+from .certification import certify_or_fall_back
+from .effort import CAUTION, COARSE_TOLERANCE, COARSE_WRONG_NODES, Effort, Means
+from .grids import Reached, grids, over_grids
+from .memory import check_memory
+from .precision import check_tolerance, default_tolerance
+from .report import make_solution, stages
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """Everything that a solve needs before its first iteration."""
+
+    effort: Effort
+    """The method and its means."""
+    problem: Problem
+    """On the scene's grid."""
+    tolerance: float
+    """On the free residual over p (dimensionless)."""
+    finest: Method
+    """The method on the scene's grid."""
+    sizes: Sequence[int]
+    """The grids to go over, from coarse to fine."""
+
+
+def solve_to_tolerance(
+    scene: Scene,
+    kind: MethodKind,
+    nested: bool | None,
+    tolerance: float | None,
+    max_iterations: int | None,
+    initial: Array64 | None,
+    means: Means,
+) -> Solution:
+    """Solve a scene to a tolerance; arguments as for `solve`. Raises `ValueError`."""
+    begin = time.perf_counter()
+    prepared = _prepare(scene, kind, nested, tolerance, max_iterations, initial, means)
+    effort, problem = prepared.effort, prepared.problem
+    ready = time.perf_counter()
+    reached, levels = _iterate(prepared)
+    relaxed = time.perf_counter()
+    certified = certify_or_fall_back(
+        effort, problem, reached.state, reached.status, prepared.tolerance, tolerance is not None
+    )
+    solution = make_solution(scene, problem, certified, levels, effort)
+    times = stages(begin, ready, relaxed + certified.seconds, time.perf_counter())
+    return replace(solution, seconds=times)
+
+
+def _prepare(
+    scene: Scene,
+    kind: MethodKind,
+    nested: bool | None,
+    tolerance: float | None,
+    max_iterations: int | None,
+    initial: Array64 | None,
+    means: Means,
+) -> Prepared:
+    """Check what was given, discretise the scene, and make the method on its grid."""
+    check_memory(scene.num_points)
+    if scene.precision not in kind.precisions:
+        raise ValueError(f"precision is {scene.precision!r}; allowed: {', '.join(kind.precisions)}, for {kind.name}")
+    if tolerance is not None:
+        tolerance = checks.real("tolerance", tolerance, "1e-14 < tolerance <= 0.5", 1e-14, 0.5)
+    problem = Problem.from_scene(scene)
+    if tolerance is None:
+        tolerance = default_tolerance(scene, problem)
+    else:
+        check_tolerance(scene, problem, tolerance)
+    start = None if initial is None else _displacement(initial, scene, problem)
+    effort = Effort(scene, kind, means, max_iterations)
+    finest = effort.begin(problem, CAUTION * tolerance)
+    if means.planning != "estimate":
+        save_wisdom()
+    if start is not None:
+        finest.start(start)
+    nested = kind.nested and initial is None if nested is None else nested
+    sizes = grids(scene.num_points) if nested and initial is None else [scene.num_points]
+    return Prepared(effort, problem, tolerance, finest, sizes)
+
+
+def _displacement(initial: Array64, scene: Scene, problem: Problem) -> Array64:
+    """A displacement to start from, shape (N,) [length], in the problem's unit; see `solve`. Raises `ValueError`."""
+    displacement = _check_initial(initial, scene.num_points)
+    # on the wall exactly, whatever the units' rounding; and not beyond where any solution is
+    on_wall, reach = displacement >= scene.profile, problem.reach
+    reach *= problem.length_unit
+    inside = np.clip(displacement, -reach, reach) / problem.length_unit
+    return np.where(on_wall, problem.height, inside)
+
+
+def _check_initial(initial: Array64, num_points: int) -> Array64:
+    allowed = f"allowed: an array of {num_points} finite real numbers"
+    try:
+        array = np.asarray(initial)
+        real = array.astype(np.float64) if array.dtype.kind in "fiu" else None
+    except (TypeError, ValueError):
+        real = None
+    if real is None or real.shape != (num_points,):
+        raise ValueError(f"initial has shape {np.shape(initial)}; {allowed}")
+    if not np.isfinite(real).all():
+        raise ValueError(f"initial holds a value that is not finite; {allowed}")
+    return real
+
+
+def _iterate(prepared: Prepared) -> tuple[Reached, list[Level]]:
+    """Go over the grids; the finest one as it is reached, and what the coarser ones gave.
+
+    An interruption on a coarse grid leaves what is known by then on the finest one.
+    """
+    effort, finest = prepared.effort, prepared.finest
+    tolerance = max(COARSE_TOLERANCE, 0.0 if effort.scene.precision == "float32" else prepared.tolerance)
+
+    def begin(size: int) -> Method:
+        if size == effort.scene.num_points:
+            return finest
+        problem = Problem.from_scene(effort.scene, size)
+        return effort.begin(problem, tolerance, wrong_nodes_per_patch=COARSE_WRONG_NODES)
+
+    levels = []
+    for reached in over_grids(effort.scene, prepared.sizes, begin, effort.settle):
+        if reached.num_points < effort.scene.num_points and reached.status is not Status.INTERRUPTED:
+            levels.append(reached.level)
+    if reached.num_points < effort.scene.num_points:
+        if reached.pressure.any():
+            reached.start(finest)
+        reached = Reached(effort.scene, finest, reached.status)
+    return reached, levels
