@@ -1,5 +1,6 @@
 """solve(scene, accuracy=...): the models it chooses, their bounds, and that random scenes get what they asked for."""
 
+import dataclasses
 import json
 import math
 from dataclasses import replace
@@ -14,16 +15,14 @@ from linecontact.solver import (
     Scene,
     Status,
     certify,
-    collocation,
-    models,
-    planner,
     solve,
 )
-from linecontact.solver.active_set import ActiveSet
-from linecontact.solver.problem import Problem
-from linecontact.solver.relaxation import relax
-from linecontact.solver.symmetric import EvenActiveSet, is_even
-from linecontact.solver.transforms import Transforms
+from linecontact.solver.grid.problem import Problem
+from linecontact.solver.methods import METHODS, Setting, active_set, relax
+from linecontact.solver.methods.active_set.active_set import ActiveSet
+from linecontact.solver.methods.active_set.storage import Half, Whole, is_even
+from linecontact.solver.reference import collocation
+from linecontact.solver.strategy import plan, small_models
 
 ROUGH = RoughIndenter(0.8, 3, 1 / 8, 1 / 16)
 
@@ -67,7 +66,7 @@ def test_the_half_space_is_off_by_no_more_than_claimed(nu):
     wave = MeasuredIndenter(0.01 * (1 - np.cos(2 * np.pi * np.arange(1024) / 1024)))
     used = 0
     for thickness in (0.7, 0.9, 1.1, 1.4):
-        replaced, choices = planner._half_space(Scene(Layer(thickness, nu)), 5e-3)
+        replaced, choices = plan._half_space(Scene(Layer(thickness, nu)), 5e-3)
         if replaced.thickness < math.inf:
             continue
         used += 1
@@ -153,7 +152,7 @@ def test_the_foundation_is_off_by_no_more_than_claimed(seed):
     for indenter in (PowerIndenter(rng.uniform(1.5, 4)), RoughIndenter(rng.uniform(0.3, 0.9), seed, 1 / 8, 1 / 4)):
         d = 10 ** rng.uniform(-5, -4)
         scene = Scene(Layer(d, rng.uniform(-0.3, 0.25)), indenter, 10 ** rng.uniform(-1.5, -1), num_points=2**17)
-        found = models.winkler(scene)
+        found = small_models.winkler(scene)
         exact = solve(scene).observables
         off = abs(found.observables.contact_area_subgrid / exact.contact_area_subgrid - 1)
         assert off <= found.error + exact.contact_area_error / exact.contact_area_subgrid
@@ -163,7 +162,7 @@ def test_the_foundation_is_off_by_no_more_than_claimed(seed):
 def test_short_waves_find_the_foundation_too_stiff_or_too_soft():
     rough = RoughIndenter(0.5, 0, 1 / 4, 1 / 256)
     scene = Scene(Layer(4e-4, 0.2), rough, 0.5, num_points=2**14)
-    found, exact = models.winkler(scene), solve(scene).observables.contact_area_subgrid
+    found, exact = small_models.winkler(scene), solve(scene).observables.contact_area_subgrid
     assert abs(found.observables.contact_area_subgrid / exact - 1) <= found.error
     assert found.error > 0.1
 
@@ -186,13 +185,15 @@ def test_even_profiles_are_halved_and_uneven_ones_are_not():
         np.testing.assert_allclose(solution.contact_pressure, full.contact_pressure, atol=20 * 2**7 * 1e-5 * 1e-2)
 
 
+@pytest.mark.parametrize("precision", ["float64", "mixed"])
 @pytest.mark.parametrize("backend", ["warp", "numpy"])
 @pytest.mark.parametrize("num_points", [2**10, 3000, 2**12])
-def test_half_the_length_gives_the_whole_solution(num_points, backend):
+def test_half_the_length_gives_the_whole_solution(num_points, backend, precision):
     problem = Problem.from_scene(Scene(Layer(0.02, 0.4), mirrored(num_points), 2e-2, num_points=num_points))
     assert is_even(problem.height)
-    whole = ActiveSet(problem, Transforms(num_points, "float64"), 1e-10, backend)
-    half = EvenActiveSet(problem, Transforms(num_points // 2, "float64"), 1e-10, backend)
+    setting = Setting(1e-10, precision, backend=backend)
+    whole, half = (active_set.begin(problem, setting, storage(num_points)) for storage in (Whole, Half))
+    assert (whole.even, half.even) == (False, True)
     assert relax(whole, 1000) is relax(half, 1000) is Status.CONVERGED
     np.testing.assert_allclose(half.contact_pressure, whole.contact_pressure, atol=1e-7)
     np.testing.assert_allclose(half.displacement, whole.displacement, atol=1e-12 * np.ptp(problem.height))
@@ -215,7 +216,7 @@ def test_the_grid_is_the_coarsest_that_will_do():
     assert sizes[0] < sizes[-1]
     # a grid that does not hold the surface is never good enough, whatever it finds
     fine = Scene(Layer(0.1), RoughIndenter(0.8, 3, 1 / 8, 1 / 512), 2e-2, num_points=2**16)
-    assert solve(fine, accuracy=0.1).scene.num_points > 2 * fine.indenter.shortest
+    assert solve(fine, accuracy=0.1).scene.num_points > 2 * fine.indenter.shortest_wave(2**16)
 
 
 def test_no_measured_roughness_is_left_out():
@@ -262,15 +263,39 @@ def test_collocation_does_not_outgrow_the_memory():
         collocation.solve_load(0.03, 2.0, 1e5, 1e-7, 0.25)
 
 
-@pytest.mark.parametrize("indenter", [PowerIndenter(), ROUGH])
-def test_an_interrupt_is_passed_on(indenter, monkeypatch):
+@pytest.mark.parametrize("options", [{"accuracy": 1e-2}, {"tolerance": 1e-8}])
+def test_an_interrupted_iteration_returns_what_there_is(options, monkeypatch):
+    """To an accuracy as to a tolerance; and what was interrupted before any iteration passes it on."""
+    step, steps = ActiveSet.step, []
+
     def interrupt(*_):
         raise KeyboardInterrupt
 
+    def interrupted_step(self):
+        steps.append(1)
+        return interrupt() if len(steps) > 5 else step(self)
+
+    monkeypatch.setattr(ActiveSet, "step", interrupted_step)
+    solution = solve(Scene(Layer(0.1), ROUGH, 1e-2, num_points=2**12), **options)
+    assert solution.status is Status.INTERRUPTED
+    assert str(solution.reason) == "it was interrupted"
+    assert solution.contact.any()
+    assert solution.displacement.shape == (solution.scene.num_points,)
     monkeypatch.setattr(collocation._System, "solve", interrupt)
-    monkeypatch.setattr(ActiveSet, "step", interrupt)
     with pytest.raises(KeyboardInterrupt):
-        solve(Scene(Layer(0.1), indenter, 1e-2, num_points=2**12), accuracy=1e-2)
+        solve(Scene(Layer(0.1), PowerIndenter(), 1e-2, num_points=2**12), accuracy=1e-2)
+
+
+def test_an_answer_that_is_less_accurate_than_estimated_goes_on_from_its_grid(monkeypatch):
+    """Claims that turn out too large only after certification: no grid is begun twice."""
+    sizes, real = [], METHODS["active-set"].begin
+    begin = dataclasses.replace(METHODS["active-set"], begin=lambda p, s: sizes.append(p.num_points) or real(p, s))
+    monkeypatch.setitem(METHODS, "active-set", begin)
+    monkeypatch.setattr("linecontact.solver.strategy.to_accuracy.grid_error", lambda *_: 0.0)
+    solution = solve(Scene(Layer(0.1), ROUGH, 2e-2, num_points=2**14), accuracy=2e-3)
+    assert sizes == sorted(set(sizes))
+    assert sizes[-1] == solution.scene.num_points
+    assert len(sizes) > 1
 
 
 def test_an_accuracy_out_of_reach_is_said_to_be():
@@ -294,7 +319,6 @@ def test_an_accuracy_out_of_reach_is_said_to_be():
         ({"accuracy": 1e-3, "tolerance": 1e-3}, "tolerance is 0.001"),
         ({"accuracy": 1e-3, "nested": False}, "nested is False"),
         ({"accuracy": 1e-3, "backend": "cuda"}, "backend is 'cuda'"),
-        ({"accuracy": 1e-3, "below_floor": "mixed"}, "below_floor is 'mixed'; allowed: without accuracy"),
         ({"accuracy": 1e-3, "threads": 0}, "threads is 0"),
     ],
 )

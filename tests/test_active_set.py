@@ -19,14 +19,18 @@ from linecontact.solver import (
     Scene,
     Status,
     certify,
-    deflation,
     solve,
 )
-from linecontact.solver.active_set import ActiveSet
-from linecontact.solver.patches import Patches
-from linecontact.solver.problem import Problem
-from linecontact.solver.stiffness import stiffness
-from linecontact.solver.transforms import Transforms
+from linecontact.solver.grid.patches import Patches
+from linecontact.solver.grid.problem import Problem, half_spectrum
+from linecontact.solver.methods import Setting, active_set
+from linecontact.solver.methods.active_set import preconditioner as deflation
+from linecontact.solver.methods.active_set.active_set import ActiveSet
+from linecontact.solver.methods.active_set.greens_function import GreensFunction, inverse_cholesky
+
+
+def stiffness(num_points, thickness, nu):
+    return half_spectrum(Layer(thickness, nu), num_points, 1.0)
 
 
 def contact_map(n, *runs):
@@ -55,14 +59,14 @@ def test_coarse_matrix_against_the_triple_product(d, nu):
     z = np.zeros((n, patches.count))
     z[patches.nodes, patches.label] = 1
     expected = z.T @ dense(n, d, nu) @ z
-    found = deflation.GreensFunction(stiffness(n, d, nu), n).patch_sums(patches.first, patches.last)
+    found = GreensFunction(stiffness(n, d, nu), n).patch_sums(patches.first, patches.last)
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-13 * np.abs(expected).max())
 
 
 @pytest.mark.parametrize(("d", "nu"), LAYERS)
 def test_one_factor_inverts_every_patch(d, nu):
     green = dense(512, d, nu)
-    factor = deflation.inverse_cholesky(green[0], 100)
+    factor = inverse_cholesky(green[0], 100)
     for m in (1, 2, 17, 100):
         inverse = factor[:m, :m].T @ factor[:m, :m]
         np.testing.assert_allclose(inverse @ green[:m, :m], np.eye(m), atol=1e-9)
@@ -78,7 +82,7 @@ def test_preconditioner(d, nu, unknowns, longest, monkeypatch):
     monkeypatch.setattr(deflation, "_unknowns", lambda n: unknowns)
     patches = Patches.of(PATCHES)
     m = patches.nodes.size
-    preconditioner = deflation.PatchDeflation(deflation.GreensFunction(stiffness(512, d, nu), 512), patches)
+    preconditioner = deflation.PatchDeflation(GreensFunction(stiffness(512, d, nu), 512), patches)
     matrix = np.stack([preconditioner.apply(e) for e in np.eye(m)], axis=1)
     size = np.abs(matrix).max()
     np.testing.assert_allclose(matrix, matrix.T, atol=1e-9 * size)
@@ -91,7 +95,7 @@ def test_preconditioner(d, nu, unknowns, longest, monkeypatch):
 
 
 def test_a_coarse_inverse_serves_the_next_set():
-    green = deflation.GreensFunction(stiffness(512, 0.1, 0.25), 512)
+    green = GreensFunction(stiffness(512, 0.1, 0.25), 512)
     first = deflation.PatchDeflation(green, Patches.of(PATCHES))
     moved = PATCHES.copy()
     moved[[63, 62, 61, 60, 504]] = [False, False, False, False, True]
@@ -112,7 +116,7 @@ def test_a_coarse_matrix_that_rounding_has_spoilt():
 def test_patches_that_share_an_unknown_take_longer(monkeypatch):
     """They were taken for a set that rounding does not let be solved: 2^21 of them went to FIRE, for hours."""
     monkeypatch.setattr(deflation, "_unknowns", lambda n: 16)
-    monkeypatch.setattr(ActiveSet, "longest", 20)
+    monkeypatch.setattr("linecontact.solver.methods.active_set.active_set._MOST_ITERATIONS", 20)
     teeth = MeasuredIndenter(2e-7 * (np.arange(4097) % 2))
     solution = solve(Scene(Layer(), teeth, 5e-15, num_points=4097))
     assert solution.status is Status.CONVERGED
@@ -144,7 +148,7 @@ def scenes():
 @settings(max_examples=30, deadline=None)
 @given(scenes())
 def test_all_methods_agree(scene):
-    solutions = [solve(scene, method=m, nested=n) for m, n in itertools.product(METHODS[:2], (True, False))]
+    solutions = [solve(scene, method=m, nested=n) for m, n in itertools.product(list(METHODS)[:2], (True, False))]
     if isinstance(scene.indenter, PowerIndenter):
         solutions.append(solve(scene, method="fire"))
     problem = Problem.from_scene(scene)
@@ -250,7 +254,7 @@ def test_thousands_of_patches_share_unknowns():
 def test_memory_of_many_patches():
     """The coarse matrix grows with the patches, not with their square."""
     contact = np.random.default_rng(0).random(2**17) < 0.2
-    green = deflation.GreensFunction(stiffness(2**17, 0.1, 0.25), 2**17)
+    green = GreensFunction(stiffness(2**17, 0.1, 0.25), 2**17)
     green.response, green._second_sum  # noqa: B018
     tracemalloc.start()
     preconditioner = deflation.PatchDeflation(green, Patches.of(contact))
@@ -264,7 +268,7 @@ def test_hand_over_is_said(monkeypatch):
     """A search that gives up leaves its last displacement to mass-weighted FIRE."""
 
     def give_up(self):
-        self.frozen = True
+        self.stopped = True
         return True
 
     monkeypatch.setattr(ActiveSet, "_update_set", give_up)
@@ -276,7 +280,7 @@ def test_hand_over_is_said(monkeypatch):
 
 
 def test_hand_over_keeps_the_limit(monkeypatch):
-    monkeypatch.setattr(ActiveSet, "_update_set", lambda self: setattr(self, "frozen", True) or True)
+    monkeypatch.setattr(ActiveSet, "_update_set", lambda self: setattr(self, "stopped", True) or True)
     solution = solve(Scene(Layer(0.1), num_points=2**10), nested=False, max_iterations=9)
     assert solution.status is Status.ITERATION_LIMIT
     assert solution.iterations == 9
@@ -312,22 +316,22 @@ def test_a_loose_tolerance_widens_the_error(method, tolerance):
 def test_sets_that_come_back_are_noticed():
     """Alternating sets: decided on ever more accurate solutions, given up in the end."""
     problem = Problem.from_scene(Scene(num_points=256))
-    state = ActiveSet(problem, Transforms(256, "float64"), 1e-8)
+    state = active_set.begin(problem, Setting(1e-8))
     state.start_cold()
     state.step()
-    state._jumps, state._contact[:], first = 0, False, state._contact.copy()
+    state._moves_left, state._contact[:], first = 0, False, state._contact.copy()
     other = first.copy()
     other[np.flatnonzero(first)[0]] = False
     for turn in range(40):
         state._contact[:] = first if turn % 2 else other
         state._take_set()
-        state._find_response()
-        state._pressure[-1] = -1.0  # always one node to drop
+        state._renew_response()
+        state._now.pressure[-1] = -1.0  # always one node to drop
         state._update_set()
-        if state.frozen:
+        if state.stopped:
             break
-    assert state.frozen
-    assert state._inner < 1e-6
+    assert state.stopped
+    assert state._forcing_term < 1e-6
 
 
 def test_interrupted_on_a_coarse_grid(monkeypatch):

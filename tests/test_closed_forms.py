@@ -3,8 +3,9 @@
 import mpmath
 import numpy as np
 import pytest
-from linecontact.solver import closed_forms as cf
-from linecontact.solver import collocation
+from linecontact.solver.layers.bonded import edge_shift
+from linecontact.solver.reference import closed_forms as cf
+from linecontact.solver.reference import collocation
 
 
 @pytest.mark.parametrize("n", [1.1, 1.5, 2.0, 3.3, 4.0, 20.0])
@@ -65,7 +66,7 @@ def test_edge_shift_against_mpmath(nu):
         s, power = mpmath.mpf(1e4), 3 if nu == 0.5 else 1  # beyond, C = 2/s
         exact -= (integrand(s) * s**2 - power) / s / mpmath.pi
     # the integrand below `first` is taken as constant: 1e-3 of 1e-6 of its size
-    assert cf.edge_shift(nu) == pytest.approx(float(exact), rel=1e-6, abs=1e-6)
+    assert edge_shift(nu) == pytest.approx(float(exact), rel=1e-6, abs=1e-6)
 
 
 @pytest.mark.parametrize("nu", [0.0, 0.25, 0.4, 0.45])
@@ -74,7 +75,7 @@ def test_second_order_of_the_thin_layer(nu):
     errors = []
     for t in (0.02, 0.01):
         _, exact = collocation.solve_reduced_thickness(2e-3, 2.0, 1.0, t, nu)
-        second = cf.thin_layer_kappa_ratio(2.0, nu, t, cf.edge_shift(nu))
+        second = cf.thin_layer_kappa_ratio(2.0, nu, t, edge_shift(nu))
         first = cf.thin_layer_kappa_ratio(2.0, nu, t)
         errors.append(abs(second / exact.kappa_ratio - 1))
         assert errors[-1] < 0.05 * abs(first / exact.kappa_ratio - 1)
@@ -83,5 +84,5 @@ def test_second_order_of_the_thin_layer(nu):
 
 def test_incompressible_thin_layer():
     _, exact = collocation.solve_reduced_thickness(2e-3, 2.0, 1.0, 0.01, 0.5)
-    assert cf.thin_layer_kappa_ratio(2.0, 0.5, 0.01, cf.edge_shift(0.5)) == pytest.approx(exact.kappa_ratio, rel=5e-4)
+    assert cf.thin_layer_kappa_ratio(2.0, 0.5, 0.01, edge_shift(0.5)) == pytest.approx(exact.kappa_ratio, rel=5e-4)
     assert cf.thin_layer_kappa_ratio(2.0, 0.5, 0.01) == pytest.approx(60 * np.pi * 1e-6, rel=1e-12)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from linecontact.solver import closed_forms, collocation
+from linecontact.solver.reference import closed_forms, collocation
 
 
 @pytest.mark.parametrize("load", [1e-6, 2e-3, 5e-2])

@@ -5,17 +5,27 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from linecontact.solver import Layer, MeasuredIndenter, PowerIndenter, Scene, closed_forms, collocation, edges, solve
-from linecontact.solver.nested import grids, prolong
-from linecontact.solver.patches import Patches
+from linecontact.solver import Layer, MeasuredIndenter, PowerIndenter, Scene, solve
+from linecontact.solver.grid import edges
+from linecontact.solver.grid.edge_curves import edge_function, half_space_curve, thin_curve
+from linecontact.solver.grid.patches import Patches
+from linecontact.solver.methods.active_set.ends import edge_moves
+from linecontact.solver.reference import closed_forms, collocation
+from linecontact.solver.strategy.grids import grids
+from linecontact.solver.strategy.prolongation import prolong
 from linecontact.studies import store
 
 STORED = Path(store.__file__).parent / "results" / "edge-curve.h5"
 
 
+def symbol(thickness=math.inf, nu=0.25):
+    """A layer on the scale of the grid; thickness in grid spacings."""
+    return Layer(thickness, nu).edge_symbol(1, 1.0)
+
+
 def test_closed_form_constants():
     """s by the plain sum of its series, and S_j by expanding the factor on a circle: independent of the quadrature."""
-    curve = edges.edge_curve()
+    curve = half_space_curve()
     n = 2**18
     q = np.pi * (np.arange(n) + 0.5) / n
     half = [np.mean(np.log(q / 2 / np.sin(q / 2)) * np.cos(k * q)) for k in range(400)]  # l_k/2
@@ -29,7 +39,7 @@ def test_closed_form_constants():
 
 
 def test_table_joins_the_square_root():
-    curve = edges.edge_curve()
+    curve = half_space_curve()
     far = np.sqrt(np.arange(curve.table.size) + curve.shift)
     np.testing.assert_allclose(curve.table[40:], far[40:], rtol=2e-5)
 
@@ -37,10 +47,10 @@ def test_table_joins_the_square_root():
 def test_exact_edges_are_recovered():
     """Fields made of the edge families themselves: every place between the nodes comes back."""
     beta = np.linspace(0, 1, 11)
-    pressures = np.stack([edges.edge_function(edges.edge_curve(), beta, np.full(11, j)) for j in range(3)], axis=1)
-    three, two, _ = edges.edge_offset(edges.edge_curve(), pressures)
-    np.testing.assert_allclose(two, beta - edges.edge_curve().shift, atol=1e-12)
-    np.testing.assert_allclose(three, beta - edges.edge_curve().shift, atol=1e-12)
+    pressures = np.stack([edge_function(half_space_curve(), beta, np.full(11, j)) for j in range(3)], axis=1)
+    three, two, _ = edges.edge_offset(half_space_curve(), pressures)
+    np.testing.assert_allclose(two, beta - half_space_curve().shift, atol=1e-12)
+    np.testing.assert_allclose(three, beta - half_space_curve().shift, atol=1e-12)
 
 
 def test_stored_measurement_meets_the_closed_form():
@@ -85,10 +95,10 @@ def test_layers_of_few_spacings_have_an_edge_of_their_own(nu, spacings):
 
 def test_the_layer_s_edge_grows_into_the_half_space_s():
     for nu in (0.0, 0.3, 0.45):
-        shifts = [edges.layer_curve(r, nu).shift for r in (1e-3, 1.0, 8.0, 40.0)]
+        shifts = [thin_curve(symbol(r, nu)).shift for r in (1e-3, 1.0, 8.0, 40.0)]
         assert shifts[0] == pytest.approx(1.0, abs=2e-3)  # a Winkler foundation ends where the wall does
         assert sorted(shifts, reverse=True) == shifts
-        assert shifts[-1] == pytest.approx(edges.edge_curve().shift, abs=5e-3)
+        assert shifts[-1] == pytest.approx(half_space_curve().shift, abs=5e-3)
 
 
 @pytest.mark.parametrize("points", [64, 128, 300, 512, 1000, 2**11])
@@ -144,7 +154,7 @@ def test_small_patches_are_counted_and_flagged():
     assert o.num_patches == 3
     assert o.num_counted_patches == 2
     patches = Patches.of(heights == 0)
-    ends = edges.find_edges(patches, np.ones(patches.nodes.size))
+    ends = edges.find_edges(patches, np.ones(patches.nodes.size), symbol())
     np.testing.assert_array_equal(ends.counted, [True, True, False])
     np.testing.assert_allclose(ends.width[:2], [1, 2])
 
@@ -166,7 +176,7 @@ def test_patches_wrap_round():
 
 def finer(pressure, num_points):
     patches = Patches.of(pressure > 0)
-    return prolong(Scene(), pressure, patches, edges.find_edges(patches, pressure[patches.nodes]), num_points)
+    return prolong(Scene(), pressure, patches, edges.find_edges(patches, pressure[patches.nodes], symbol()), num_points)
 
 
 def test_grids_and_prolongation():
@@ -197,6 +207,6 @@ def test_moves_point_to_the_true_edge():
         matrix = compliance[np.abs(nodes[:, None] - nodes)]
         system = np.block([[matrix, np.ones((nodes.size, 1))], [np.ones((1, nodes.size)), np.zeros((1, 1))]])
         pressure = np.linalg.solve(system, np.append(-scene.profile[nodes], 2e-3 * 2**11))[:-1]
-        moves = edges.edge_moves(Patches(2**11, nodes[:1], nodes[-1:]), pressure)
+        moves = edge_moves(Patches(2**11, nodes[:1], nodes[-1:]), pressure)
         assert (np.sign(moves) == np.sign(wrong)).all()
         assert (abs(moves - wrong) <= max(1, abs(wrong) // 3)).all()

@@ -54,7 +54,7 @@ def test_spectrum(hurst):
 def test_the_defaults_are_the_published_surface():
     default = RoughIndenter()
     assert (default.roll_off_ratio, default.cut_off_ratio, default.rms_gradient) == (1 / 8, 1 / 512, 1.0)
-    assert default.shortest == 4096  # dx/lambda_s = 1/64 at 2^18 points
+    assert default.shortest_wave(2**18) == 4096  # dx/lambda_s = 1/64 at 2^18 points
     Scene(indenter=default)
 
 

@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from linecontact.solver import METHODS, Layer, RoughIndenter, Scene, Status, certify, solve
-from linecontact.solver.fire import MassWeightedFire
-from linecontact.solver.problem import Problem
-from linecontact.solver.relaxation import relax
-from linecontact.solver.run import float32_floor
-from linecontact.solver.transforms import Transforms
+from linecontact.solver.grid.problem import Problem
+from linecontact.solver.grid.transforms import Transforms
+from linecontact.solver.methods import relax
+from linecontact.solver.methods.mass_weighted_fire import MassWeightedFire
+from linecontact.solver.strategy.precision import float32_floor
 
 
 def hertz(thickness=math.inf, poisson_ratio=0.25, num_points=2**10, **changes):
@@ -19,24 +19,19 @@ def hertz(thickness=math.inf, poisson_ratio=0.25, num_points=2**10, **changes):
 
 @pytest.mark.parametrize("scene", [hertz(0.1, 0.25, 2**12), hertz(1e-3, 0.5, 2**14), hertz(num_points=2**16)])
 def test_the_floor_of_float32_is_predicted(scene):
-    """FIRE stagnates within a factor of four of it, and a tolerance below it is refused or met in mixed precision."""
-    floor = float32_floor(scene)
+    """FIRE stagnates within a factor of four of it; a tolerance below it is refused, and met in mixed precision."""
+    floor = float32_floor(scene, Problem.from_scene(scene))
     single = replace(scene, precision="float32")
     low = solve(single, method="mass-weighted-fire", tolerance=1.01 * floor, max_iterations=1)
-    state = MassWeightedFire(Problem.from_scene(single), Transforms(scene.num_points, "float32"), 1e-3 * floor)
+    transforms = Transforms(scene.num_points, "float32")
+    state = MassWeightedFire(Problem.from_scene(single), transforms, 1e-3 * floor, "warp")
     relax(state, 1200)
     reached = certify(state.problem, state.displacement)[0].free_residual
     assert 0.25 * floor < reached < 4 * floor
     assert low.choices == ()
     with pytest.raises(ValueError, match=f"tolerance is .*allowed: at least {floor:.1g}"):
         solve(single, tolerance=0.1 * floor)
-    met = solve(single, tolerance=0.1 * floor, below_floor="mixed")
-    assert met.status is Status.CONVERGED
-    assert met.scene.precision == "mixed"
-    assert [choice.what for choice in met.choices] == ["precision"]
-    assert f"{floor:.1g}" in met.choices[0].reason
-    loose = solve(replace(single, num_points=2**20), below_floor="mixed", max_iterations=1)
-    assert loose.scene.precision == ("mixed" if 4 * float32_floor(loose.scene) > 0.2 else "float32")
+    assert solve(replace(scene, precision="mixed"), tolerance=0.1 * floor).status is Status.CONVERGED
 
 
 MIXED_SCENES = [
@@ -65,7 +60,10 @@ def test_mixed_equals_float64_to_its_certificate(method, scene):
 def test_mixed_reaches_what_float32_cannot():
     scene = hertz(num_points=2**12, precision="mixed")
     for method in METHODS:
-        assert solve(scene, method=method, tolerance=1e-3 * float32_floor(scene)).status is Status.CONVERGED
+        assert (
+            solve(scene, method=method, tolerance=1e-3 * float32_floor(scene, Problem.from_scene(scene))).status
+            is Status.CONVERGED
+        )
     hopeless = solve(scene, method="mass-weighted-fire", tolerance=2e-14)
     assert hopeless.status is Status.STAGNATED
     assert hopeless.certificate.free_residual < 1e-10

@@ -7,8 +7,8 @@ import warnings
 import numpy as np
 import pyfftw
 import pytest
-from linecontact.solver import transforms
-from linecontact.solver.transforms import Transforms
+from linecontact.solver.grid import transforms
+from linecontact.solver.grid.transforms import Transforms
 
 
 @pytest.fixture

@@ -78,17 +78,22 @@ def over_grids(
     begin: Callable[[int], Method],
     relax: Callable[[Method], tuple[Method, Status]],
 ) -> Iterator[Reached]:
-    """From coarse to fine: every grid as it is reached, the last one if it is interrupted or the caller asks no more.
+    """From coarse to fine: every grid as it is reached. One that is interrupted is the last one.
 
     sizes: numbers of points; begin: the method on a grid of so many; relax: returns the relaxed state, which may be
-    another one than it got.
+    another one than it got. An interruption before the first grid is reached is passed on.
     """
     reached: Reached | None = None
     for size in sizes:
-        state = begin(size)
-        if reached:
-            reached.start(state)
-        reached = Reached(scene, *relax(state))
+        try:
+            state = begin(size)
+            if reached:
+                reached.start(state)
+            reached = Reached(scene, *relax(state))
+        except KeyboardInterrupt:  # between two grids
+            if not reached:
+                raise
+            reached = Reached(scene, reached.state, Status.INTERRUPTED)
         yield reached
         if reached.status is Status.INTERRUPTED:
             return

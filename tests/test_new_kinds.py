@@ -1,0 +1,246 @@
+"""Whoever extends the program writes one file: a layer, an indenter and a method, each added from this file alone.
+
+They go all the way: `solve`, nested grids, certificate, accuracy, the stored file, the command line and the figure.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import pytest
+from linecontact.solver import (
+    INDENTERS,
+    LAYERS,
+    METHODS,
+    ElasticLayer,
+    Indenter,
+    Layer,
+    Method,
+    MethodKind,
+    PowerIndenter,
+    RoughIndenter,
+    Scene,
+    Status,
+    solve,
+)
+from linecontact.solver.layers.bonded import layer_factor
+
+
+@dataclass(frozen=True)
+class SlidingEdge:
+    """The layer below on the scale of a grid."""
+
+    thickness: float
+    shift: float = 0.0
+    error: float = 0.5  # nobody has measured it
+
+    def symbol(self, wave_numbers):
+        return sliding(wave_numbers * self.thickness)
+
+
+def sliding(y):
+    """K(q) over its limit for q = 0 of a layer that slides on its base without friction, y = q d."""
+    e = np.exp(-2 * y)  # (sinh 2y + 2y)/(cosh 2y - 1), all times it
+    return y / 2 * (-np.expm1(-4 * y) + 4 * y * e) / np.expm1(-2 * y) ** 2
+
+
+@dataclass(frozen=True)
+class SlidingLayer(ElasticLayer):
+    """A layer that rests on its base without friction, given by its K(q); it knows nothing for shortcuts."""
+
+    thickness: float = 0.1
+    """d > 0 [length]."""
+    contact_modulus: float = 1.0
+    """E* > 0 [pressure]."""
+
+    name: ClassVar[str] = "sliding"
+
+    def stiffness(self, wave_numbers, period):
+        return sliding(wave_numbers * self.thickness / period) * self.foundation_modulus(period)
+
+    def foundation_modulus(self, period):
+        return period / self.thickness
+
+    def edge_symbol(self, num_points, period):
+        return SlidingEdge(self.thickness / period * num_points)
+
+    def to_dict(self):
+        return {"layer": self.name, "thickness": self.thickness, "contact_modulus": self.contact_modulus}
+
+
+@dataclass(frozen=True)
+class GivenLayer(SlidingLayer):
+    """The bonded layer with nu = 0.25, but given by K(q) alone."""
+
+    name: ClassVar[str] = "given"
+
+    def stiffness(self, wave_numbers, period):
+        return wave_numbers / 2 * layer_factor(wave_numbers * self.thickness / period, 0.25)
+
+    def foundation_modulus(self, period):
+        return 1.125 * period / self.thickness
+
+
+@dataclass(frozen=True)
+class CosineIndenter(Indenter):
+    """h = D (1 - cos(2 pi m x/L)), m waves in the period."""
+
+    amplitude: float = 0.01
+    """D > 0 [length]."""
+    waves: int = 1
+    """m >= 1."""
+
+    name: ClassVar[str] = "cosine"
+
+    def profile(self, num_points, period):
+        x = np.arange(num_points) / num_points
+        return self.amplitude / period * (1 - np.cos(2 * np.pi * self.waves * x))
+
+    def shortest_wave(self, num_points):
+        return self.waves
+
+    def to_dict(self):
+        return {"profile": self.name, "amplitude": self.amplitude, "waves": self.waves}
+
+
+class ProjectedGradient(Method):
+    """Steepest descent in the free nodes' force, projected onto the wall: the simplest method that there is."""
+
+    iteration = 0
+    transform_pairs = 0.0
+    residual = math.inf
+    stopped = False
+
+    def __init__(self, problem, setting):
+        self.problem, self.tolerance = problem, setting.tolerance
+        self._step = 1 / float(problem.stiffness.max())
+        self.start(np.minimum(problem.height, 0.0))
+
+    def start(self, displacement):
+        self._u = displacement.copy()
+
+    def start_from_pressure(self, pressure):
+        self.start(self.problem.displacement_under(pressure))
+
+    def step(self):
+        force = self.problem.net_force(self._u)
+        free = (self._u < self.problem.height) | (force <= 0)
+        self.residual = float(np.sqrt(np.mean(force[free] ** 2)))
+        self.stopped = self.residual <= self.tolerance
+        if not self.stopped:
+            self._u = np.minimum(self._u + self._step * force, self.problem.height)
+        self.iteration += 1
+        self.transform_pairs += 1
+
+    @property
+    def displacement(self):
+        return self._u
+
+    @property
+    def contact_pressure(self):
+        return self.problem.wall_pressure(self._u)
+
+    @property
+    def patience(self):
+        return None
+
+
+PROJECTED = MethodKind("projected-gradient", ProjectedGradient, max_iterations=20_000, nested=True)
+
+
+@pytest.fixture(autouse=True)
+def new_kinds(monkeypatch):
+    """One line in each list."""
+    monkeypatch.setitem(LAYERS, "sliding", SlidingLayer)
+    monkeypatch.setitem(INDENTERS, "cosine", CosineIndenter)
+    monkeypatch.setitem(METHODS, "projected-gradient", PROJECTED)
+
+
+def test_a_layer_given_by_its_stiffness_is_the_layer():
+    """Known by K(q) alone, to the last bit where layers are thick on the grid's scale."""
+    for indenter, load in ((PowerIndenter(), 2e-3), (RoughIndenter(0.8, 0, 1 / 8, 1 / 16), 1e-2)):
+        given, bonded = (
+            solve(Scene(layer, indenter, load, num_points=2**12)) for layer in (GivenLayer(0.1), Layer(0.1, 0.25))
+        )
+        assert given.status is Status.CONVERGED
+        np.testing.assert_array_equal(given.contact, bonded.contact)
+        np.testing.assert_allclose(given.contact_pressure, bonded.contact_pressure, rtol=1e-6)
+        assert given.levels
+        assert given.observables.contact_area_subgrid == pytest.approx(bonded.observables.contact_area_subgrid)
+        assert given.observables.approach == pytest.approx(bonded.observables.approach)
+
+
+def test_a_thin_layer_has_its_own_edges():
+    """Few grid spacings thick: the symbol is used, and what nobody has measured is claimed to be badly known."""
+    scene = Scene(SlidingLayer(1 / 2**12), num_points=2**12)
+    o = solve(scene).observables
+    fine = solve(Scene(SlidingLayer(1 / 2**12), num_points=2**15)).observables
+    assert abs(o.contact_area_subgrid - fine.contact_area_subgrid) < o.contact_area_error
+    assert o.contact_area_error > 0.5 / 2**12
+
+
+@pytest.mark.parametrize("thickness", [1e-9, 1e-3, 0.1, 100.0])
+def test_no_shortcut_is_taken_that_a_layer_does_not_justify(thickness):
+    """The bonded layer takes one on each of these."""
+    scene = Scene(SlidingLayer(thickness), num_points=2**12)
+    solution = solve(scene, accuracy=5e-2)
+    what = {choice.what: choice.chosen for choice in solution.choices}
+    assert (what["model"], what["layer"]) == ("grid", "as it is")
+    assert solution.status in (Status.CONVERGED, Status.INACCURATE)
+    shortcut = solve(Scene(Layer(thickness), num_points=2**12), accuracy=5e-2)
+    assert {choice.what: choice.chosen for choice in shortcut.choices}["model"] != "grid"
+
+
+def test_an_indenter_is_resolved_only_where_it_says_so():
+    """600 waves: grids of fewer than 1201 points see another surface, and are no answer however sure they seem."""
+    scene = Scene(Layer(), CosineIndenter(1e-5, 600), 1e-3, num_points=2**16)
+    solution = solve(scene, accuracy=0.1)
+    assert solution.scene.num_points > 1200
+    share = 2 * math.asin(math.sqrt(1e-3 / (math.pi * 600 * 1e-5))) / math.pi
+    assert solution.status is Status.INACCURATE or solution.observables.contact_area_subgrid == pytest.approx(
+        share, 0.1
+    )
+    assert "collocation" not in {choice.what for choice in solution.choices}
+
+
+def test_a_cosine_indenter_has_westergaard_s_area():
+    o = solve(Scene(Layer(), CosineIndenter(), 0.01, num_points=2**12)).observables
+    share = 2 * math.asin(math.sqrt(0.01 / (math.pi * 0.01))) / math.pi
+    assert abs(o.contact_area_subgrid - share) < 0.02 / 2**12
+    assert o.kappa_ratio is None
+
+
+@pytest.mark.parametrize("indenter", [PowerIndenter(), CosineIndenter()])
+def test_a_new_method_is_certified_like_any_other(indenter):
+    scene = Scene(Layer(0.01), indenter, 2e-3, num_points=2**11)
+    solution, usual = (solve(scene, method=name, tolerance=1e-6) for name in ("projected-gradient", "active-set"))
+    assert solution.status is Status.CONVERGED
+    assert solution.method == "projected-gradient"
+    assert [level.num_points for level in solution.levels] == [512]
+    assert solution.certificate.free_residual <= 1e-6
+    np.testing.assert_array_equal(solution.contact, usual.contact)
+    limited = solve(scene, method="projected-gradient", tolerance=1e-6, max_iterations=5)
+    assert str(limited.reason).startswith("max_iterations is reached after 5; allowed: more")
+    with pytest.raises(ValueError, match="precision is 'float32'; allowed: float64, for projected-gradient"):
+        solve(Scene(num_points=64, precision="float32"), method="projected-gradient", tolerance=0.4)
+
+
+def test_what_is_missing_is_named():
+    class Half:
+        name = "half"
+
+        def profile(self, num_points, period):
+            return np.zeros(num_points)
+
+    with pytest.raises(ValueError, match=r"indenter is .*, which lacks check, .*shortest_wave.*; allowed: a PowerInd"):
+        Scene(indenter=Half())
+    with pytest.raises(ValueError, match="layer is 3; allowed: a Layer"):
+        Scene(layer=3)
+
+    class Unfinished(ElasticLayer):
+        name = "unfinished"
+        contact_modulus, thickness = 1.0, 0.1
+
+    with pytest.raises(TypeError, match="edge_symbol"):
+        Unfinished()
