@@ -18,7 +18,7 @@ from .certification import certify_or_fall_back
 from .effort import CAUTION, COARSE_TOLERANCE, COARSE_WRONG_NODES, Effort, Means
 from .grids import Reached, grids, over_grids
 from .memory import check_memory
-from .precision import check_tolerance, default_tolerance
+from .precision import FLOOR_POINTS, reachable
 from .report import make_solution, stages
 
 
@@ -36,6 +36,15 @@ class Prepared:
     """The method on the scene's grid."""
     sizes: Sequence[int]
     """The grids to go over, from coarse to fine."""
+
+    def begin(self, num_points: int) -> Method:
+        """The method on one of the grids."""
+        scene = self.effort.scene
+        if num_points == scene.num_points:
+            return self.finest
+        tolerance = max(COARSE_TOLERANCE, 0.0 if scene.precision == "float32" else self.tolerance)
+        problem = Problem.from_scene(scene, num_points)
+        return self.effort.begin(problem, tolerance, wrong_nodes_per_patch=COARSE_WRONG_NODES)
 
 
 def solve_to_tolerance(
@@ -77,11 +86,10 @@ def _prepare(
         raise ValueError(f"precision is {scene.precision!r}; allowed: {', '.join(kind.precisions)}, for {kind.name}")
     if tolerance is not None:
         tolerance = checks.real("tolerance", tolerance, "1e-14 < tolerance <= 0.5", 1e-14, 0.5)
-    problem = Problem.from_scene(scene)
-    if tolerance is None:
-        tolerance = default_tolerance(scene, problem)
-    else:
-        check_tolerance(scene, problem, tolerance)
+    problem = coarse = Problem.from_scene(scene)
+    if scene.precision == "float32" and scene.num_points > FLOOR_POINTS:
+        coarse = Problem.from_scene(scene, FLOOR_POINTS)
+    tolerance = reachable(scene, problem, coarse, tolerance)
     start = None if initial is None else _displacement(initial, scene, problem)
     effort = Effort(scene, kind, means, max_iterations)
     finest = effort.begin(problem, CAUTION * tolerance)
@@ -123,17 +131,8 @@ def _iterate(prepared: Prepared) -> tuple[Reached, list[Level]]:
 
     An interruption on a coarse grid leaves what is known by then on the finest one.
     """
-    effort, finest = prepared.effort, prepared.finest
-    tolerance = max(COARSE_TOLERANCE, 0.0 if effort.scene.precision == "float32" else prepared.tolerance)
-
-    def begin(size: int) -> Method:
-        if size == effort.scene.num_points:
-            return finest
-        problem = Problem.from_scene(effort.scene, size)
-        return effort.begin(problem, tolerance, wrong_nodes_per_patch=COARSE_WRONG_NODES)
-
-    levels = []
-    for reached in over_grids(effort.scene, prepared.sizes, begin, effort.settle):
+    effort, finest, levels = prepared.effort, prepared.finest, []
+    for reached in over_grids(effort.scene, prepared.sizes, prepared.begin, effort.settle):
         if reached.num_points < effort.scene.num_points and reached.status is not Status.INTERRUPTED:
             levels.append(reached.level)
     if reached.num_points < effort.scene.num_points:
