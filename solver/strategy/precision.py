@@ -6,16 +6,22 @@ from ..methods import METHODS, Setting, relax
 from ..scene import Scene
 from ..solution import MEANINGLESS
 
-FLOOR_POINTS = 1024
-"""Points of the solution that tells the size of u."""
+_FLOOR_POINTS = 1024  # of the solution that tells the size of u
 _DEFAULT, _DEFAULT_FLOAT32, _OVER_FLOOR = 1e-8, 1e-4, 4.0
+
+
+def problems(scene: Scene) -> tuple[Problem, Problem]:
+    """The discrete problem of a scene, and for float32 the same on a coarse grid."""
+    coarser = scene.precision == "float32" and scene.num_points > _FLOOR_POINTS
+    made = [Problem.from_scene(scene, n) for n in (scene.num_points, _FLOOR_POINTS)[: 1 + coarser]]
+    return made[0], made[-1]
 
 
 def float32_floor(problem: Problem, coarse: Problem) -> float:
     """The rms free residual over p that rounding in float32 leaves, see `rounding_floor` (dimensionless).
 
-    coarse: the same scene on at most `FLOOR_POINTS` points; the size of u, which hardly depends on the grid, is taken
-    from its solution. Ctrl-C meanwhile is passed on.
+    problem, coarse: see `problems`; the size of u, which hardly depends on the grid, is taken from the solution of the
+    coarse one. Ctrl-C meanwhile is passed on.
     """
     state = next(iter(METHODS.values())).begin(coarse, Setting(1e-3, backend="numpy"))
     if relax(state, 300) is Status.INTERRUPTED:
@@ -32,16 +38,14 @@ def default_tolerance(scene: Scene) -> float:
 
     Raises `ValueError` where rounding in float32 leaves no meaning in the residual.
     """
-    problem = coarse = Problem.from_scene(scene)
-    if scene.precision == "float32" and scene.num_points > FLOOR_POINTS:
-        coarse = Problem.from_scene(scene, FLOOR_POINTS)
+    problem, coarse = problems(scene)
     return reachable(scene, problem, coarse, None)
 
 
 def reachable(scene: Scene, problem: Problem, coarse: Problem, tolerance: float | None) -> float:
     """A tolerance, by default as `default_tolerance` has it; `ValueError` if the scene's precision cannot reach it.
 
-    problem, coarse: as for `float32_floor`.
+    problem, coarse: see `problems`.
     """
     if scene.precision != "float32":
         return _DEFAULT if tolerance is None else tolerance

@@ -18,7 +18,7 @@ from .certification import certify_or_fall_back
 from .effort import CAUTION, COARSE_TOLERANCE, COARSE_WRONG_NODES, Effort, Means
 from .grids import Reached, grids, over_grids
 from .memory import check_memory
-from .precision import FLOOR_POINTS, reachable
+from .precision import problems, reachable
 from .report import make_solution, stages
 
 
@@ -86,9 +86,7 @@ def _prepare(
         raise ValueError(f"precision is {scene.precision!r}; allowed: {', '.join(kind.precisions)}, for {kind.name}")
     if tolerance is not None:
         tolerance = checks.real("tolerance", tolerance, "1e-14 < tolerance <= 0.5", 1e-14, 0.5)
-    problem = coarse = Problem.from_scene(scene)
-    if scene.precision == "float32" and scene.num_points > FLOOR_POINTS:
-        coarse = Problem.from_scene(scene, FLOOR_POINTS)
+    problem, coarse = problems(scene)
     tolerance = reachable(scene, problem, coarse, tolerance)
     start = None if initial is None else _displacement(initial, scene, problem)
     effort = Effort(scene, kind, means, max_iterations)
