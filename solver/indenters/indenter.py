@@ -25,7 +25,6 @@ class Indenter(Protocol):
 
         On a grid coarser than the scene's it is the same surface without the waves that this grid cannot hold.
         """
-        raise NotImplementedError
 
     @abstractmethod
     def shortest_wave(self, num_points: int) -> int:
@@ -33,12 +32,10 @@ class Indenter(Protocol):
 
         0 for a smooth profile without a shortest wave, which every grid resolves as far as it resolves anything.
         """
-        raise NotImplementedError
 
     @abstractmethod
     def to_dict(self) -> dict[str, Any]:
         """Flat, JSON-ready description under the command line's names; 'profile' is the indenter's name."""
-        raise NotImplementedError
 
     def slope(self, num_points: int, period: float) -> Array64:
         """Slopes h'(x_i), shape (num_points,), dimensionless; by central differences unless there is better."""

@@ -50,7 +50,6 @@ class MeasuredIndenter(Indenter):
         return np.asarray(np.fft.rfft(self.heights) / self.heights.size)
 
     def profile(self, num_points: int, period: float) -> Array64:
-        """Heights, see `Indenter`."""
         if num_points == self.heights.size:
             return self.heights / period
         modes = np.zeros(num_points // 2 + 1, dtype=np.complex128)
@@ -64,7 +63,6 @@ class MeasuredIndenter(Indenter):
         return num_points // 2
 
     def omitted(self, num_points: int) -> float:
-        """See `Indenter`."""
         if num_points >= self.heights.size:
             return 0.0
         power = (np.arange(self._modes.size) * np.abs(self._modes)) ** 2
@@ -72,7 +70,6 @@ class MeasuredIndenter(Indenter):
 
     @property
     def given_points(self) -> int | None:
-        """See `Indenter`."""
         return self.heights.size
 
     def on_grid(self, num_points: int, period: float) -> Self:
@@ -82,18 +79,14 @@ class MeasuredIndenter(Indenter):
         return type(self)(self.profile(num_points, period) * period, self.description)
 
     def in_units(self, length: float) -> Self:
-        """See `Indenter`."""
         return type(self)(self.heights * length)
 
     def ratios(self, period: float) -> dict[str, float]:
-        """See `Indenter`."""
         return {"largest height/period": float(self.heights.max()) / period}
 
     def check(self, num_points: int) -> None:
-        """See `Indenter`."""
         if num_points != self.heights.size:
             raise ValueError(f"num_points is {num_points}; allowed: {self.heights.size}, the number of heights")
 
     def to_dict(self) -> dict[str, Any]:
-        """Description, see `Indenter`."""
         return {"profile": self.name} | self.description

@@ -34,7 +34,6 @@ class PowerIndenter(Indenter):
         )
 
     def profile(self, num_points: int, period: float) -> Array64:
-        """Heights, see `Indenter`."""
         distance = self._distance(num_points)
         return distance / self.exponent * self._steepness(distance, period)
 
@@ -48,20 +47,16 @@ class PowerIndenter(Indenter):
         return 0
 
     def in_units(self, length: float) -> Self:
-        """See `Indenter`."""
         return replace(self, radius=self.radius * length)
 
     def to_dict(self) -> dict[str, Any]:
-        """Description, see `Indenter`."""
         return {"profile": self.name, "exponent": self.exponent, "radius": self.radius}
 
     def ratios(self, period: float) -> dict[str, float]:
-        """See `Indenter`."""
         return {"radius/period": self.radius / period}
 
     @property
     def power_law(self) -> tuple[float, float] | None:
-        """See `Indenter`."""
         return self.exponent, self.radius
 
     def guessed_half_width(self, reduced_load: float, layer: ElasticLayer, period: float) -> float:

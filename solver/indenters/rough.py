@@ -71,7 +71,6 @@ class RoughIndenter(Indenter):
         return half
 
     def profile(self, num_points: int, period: float) -> Array64:
-        """Heights, see `Indenter`."""
         heights = np.fft.irfft(self._modes(num_points), num_points) * num_points
         heights -= heights.min()
         return np.asarray(heights)
@@ -82,11 +81,9 @@ class RoughIndenter(Indenter):
         return np.asarray(np.fft.irfft(1j * wave_numbers * self._modes(num_points), num_points) * num_points)
 
     def ratios(self, period: float) -> dict[str, float]:
-        """See `Indenter`."""
         return {"rms_gradient": self.rms_gradient}
 
     def check(self, num_points: int) -> None:
-        """See `Indenter`."""
         if not 2 * self.shortest_wave(num_points) < num_points:
             spacing = 1 / num_points / self.roll_off_ratio / self.cut_off_ratio
             raise ValueError(
@@ -97,7 +94,6 @@ class RoughIndenter(Indenter):
             )
 
     def to_dict(self) -> dict[str, Any]:
-        """Description, see `Indenter`."""
         names = ("hurst", "seed", "roll_off_ratio", "cut_off_ratio", "rms_gradient")
         return {"profile": self.name} | {name: getattr(self, name) for name in names}
 

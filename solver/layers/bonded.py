@@ -165,19 +165,15 @@ class Layer(ElasticLayer):
         )
 
     def stiffness(self, wave_numbers: Array64, period: float) -> Array64:
-        """K(q), see `ElasticLayer`."""
         return stiffness(wave_numbers, self.thickness / period, self.poisson_ratio)
 
     def foundation_modulus(self, period: float) -> float:
-        """k_W, see `ElasticLayer`."""
         return foundation_modulus(self.thickness / period, self.poisson_ratio)
 
     def edge_symbol(self, num_points: int, period: float) -> EdgeSymbol:
-        """See `ElasticLayer`."""
         return _BondedEdge(self.thickness / period * num_points, self.poisson_ratio)
 
     def to_dict(self) -> dict[str, Any]:
-        """Description, see `ElasticLayer`."""
         return {
             "layer": self.name,
             "thickness": self.thickness,
@@ -186,7 +182,6 @@ class Layer(ElasticLayer):
         }
 
     def ratios(self, period: float) -> dict[str, float]:
-        """See `ElasticLayer`."""
         return {"thickness/period": self.thickness / period} if math.isfinite(self.thickness) else {}
 
     def half_space_difference(self, period: float) -> float:
@@ -197,7 +192,6 @@ class Layer(ElasticLayer):
         return float(np.abs(layer_factor(waves, self.poisson_ratio) - 1).max())
 
     def as_half_space(self) -> Self:
-        """See `ElasticLayer`."""
         return replace(self, thickness=math.inf)
 
     @property
@@ -207,5 +201,4 @@ class Layer(ElasticLayer):
 
     @property
     def bonded(self) -> tuple[float, float] | None:
-        """See `ElasticLayer`."""
         return self.thickness, self.poisson_ratio

@@ -51,7 +51,6 @@ class ElasticLayer(Protocol):
 
         wave_numbers: q L > 0 of any shape (dimensionless). period: L [length].
         """
-        raise NotImplementedError
 
     @abstractmethod
     def foundation_modulus(self, period: float) -> float:
@@ -59,17 +58,14 @@ class ElasticLayer(Protocol):
 
         0 for a half-space, `inf` for an incompressible layer. period: L [length].
         """
-        raise NotImplementedError
 
     @abstractmethod
     def edge_symbol(self, num_points: int, period: float) -> EdgeSymbol:
         """The layer on the scale of a grid of `num_points` in the period L [length]."""
-        raise NotImplementedError
 
     @abstractmethod
     def to_dict(self) -> dict[str, Any]:
         """Flat, JSON-ready description under the command line's names."""
-        raise NotImplementedError
 
     def ratios(self, period: float) -> dict[str, float]:
         """The dimensionless numbers, by name, that must be neither too large nor too small to compute with."""

@@ -141,7 +141,6 @@ class Fire(Method):
 
     @property
     def transform_pairs(self) -> float:
-        """See `Method`."""
         return self._pairs
 
     @property

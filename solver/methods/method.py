@@ -20,29 +20,24 @@ class Method(Protocol):
     @abstractmethod
     def start(self, displacement: Array64) -> None:
         """Begin from a displacement, shape (N,) [u]."""
-        raise NotImplementedError
 
     @abstractmethod
     def start_from_pressure(self, pressure: Array64) -> None:
         """Begin from a contact pressure, shape (N,) [p], which is 0 where there is no contact."""
-        raise NotImplementedError
 
     @abstractmethod
     def step(self) -> None:
         """One iteration."""
-        raise NotImplementedError
 
     @property
     @abstractmethod
     def iteration(self) -> int:
         """Iterations so far."""
-        raise NotImplementedError
 
     @property
     @abstractmethod
     def transform_pairs(self) -> float:
         """Pairs of a forward and an inverse transform of this grid's length so far; shorter ones by their length."""
-        raise NotImplementedError
 
     @property
     @abstractmethod
@@ -50,25 +45,21 @@ class Method(Protocol):
         """The error left, over the mean pressure: the rms free force, or an estimate of the rms error of the contact
         pressure.
         """
-        raise NotImplementedError
 
     @property
     @abstractmethod
     def stopped(self) -> bool:
         """Nothing more to do: converged, or no way on."""
-        raise NotImplementedError
 
     @property
     @abstractmethod
     def displacement(self) -> Array64:
         """u <= h, shape (N,) [u], in float64."""
-        raise NotImplementedError
 
     @property
     @abstractmethod
     def contact_pressure(self) -> Array64:
         """sigma >= 0, shape (N,) [p], in float64."""
-        raise NotImplementedError
 
     @property
     def patience(self) -> int | None:

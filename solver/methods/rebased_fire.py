@@ -71,17 +71,14 @@ class RebasedFire(Method):
 
     @property
     def iteration(self) -> int:
-        """See `Method`."""
         return self.fire.iteration
 
     @property
     def residual(self) -> float:
-        """See `Method`."""
         return self.fire.residual * self._scale
 
     @property
     def stopped(self) -> bool:
-        """See `Method`."""
         return self.fire.stopped
 
     @property

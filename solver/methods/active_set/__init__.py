@@ -12,12 +12,12 @@ from ..method import Fallback, MethodKind, Setting
 from .active_set import ActiveSet
 from .compliance import Compliance
 from .greens_function import GreensFunction
-from .storage import Storage, choose
+from .storage import Whole, choose
 
 __all__ = ["KIND", "ActiveSet", "begin"]
 
 
-def begin(problem: Problem, setting: Setting, storage: Storage | None = None) -> ActiveSet:
+def begin(problem: Problem, setting: Setting, storage: Whole | None = None) -> ActiveSet:
     """The active set on a grid; storage: of its fields, by default what suits the scene."""
     storage = storage or choose(problem)
     green = GreensFunction(problem.stiffness, problem.num_points)

@@ -29,7 +29,7 @@ from .contact_set import ContactSet
 from .ends import moved_ends
 from .greens_function import GreensFunction
 from .preconditioner import PatchDeflation
-from .storage import Storage
+from .storage import Whole
 
 _FORCING_TERM = 0.05  # part of a new set's residual at which it is updated
 _TIGHTER, _TIGHTEST = 0.1, 1e-7  # factor of the forcing term when a set comes back, and where the search gives up
@@ -57,7 +57,7 @@ class ActiveSet(Method):
         problem: Problem,
         tolerance: float,
         green: GreensFunction,
-        storage: Storage,
+        storage: Whole,
         directions: Compliance,
         responses: Compliance,
         backend: str,
@@ -93,12 +93,10 @@ class ActiveSet(Method):
 
     @property
     def mixed(self) -> bool:
-        """See `Method`."""
         return self._directions is not self._responses
 
     @property
     def even(self) -> bool:
-        """See `Method`."""
         return self._storage.length < self.problem.num_points
 
     @property
@@ -137,7 +135,6 @@ class ActiveSet(Method):
         return True
 
     def demand_every_node(self) -> None:
-        """See `Method`."""
         self._wrong_nodes_per_patch, self.stopped = 0.0, False
 
     def step(self) -> None:

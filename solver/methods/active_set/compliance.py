@@ -3,7 +3,7 @@
 from ....kernels import record
 from ...arrays import Array64, Indices
 from ...grid.transforms import Transforms
-from .storage import Storage
+from .storage import Whole
 
 
 class Compliance:
@@ -12,7 +12,7 @@ class Compliance:
     The symbol, G(q_k), has the shape (N//2 + 1,) [1/K]. The transforms have the storage's length.
     """
 
-    def __init__(self, symbol: Array64, storage: Storage, transforms: Transforms, backend: str) -> None:
+    def __init__(self, symbol: Array64, storage: Whole, transforms: Transforms, backend: str) -> None:
         self.new_field = transforms.buffer
         """Makes a field like the target."""
         self._source, self.target = transforms.buffer(), transforms.buffer()

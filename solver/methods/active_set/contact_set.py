@@ -8,7 +8,7 @@ import numpy as np
 from ...arrays import Array64, Indices, Mask
 from ...grid.patches import Patches
 from .preconditioner import PatchDeflation
-from .storage import Storage
+from .storage import Whole
 
 
 @dataclass
@@ -39,7 +39,7 @@ class ContactSet:
     """On this set."""
 
     @classmethod
-    def of(cls, contact: Mask, pressure: Array64, storage: Storage) -> "ContactSet":
+    def of(cls, contact: Mask, pressure: Array64, storage: Whole) -> "ContactSet":
         """The set of a contact map, with the pressure there, shape (N,) each [p]."""
         patches = Patches.of(contact)
         nodes = patches.nodes

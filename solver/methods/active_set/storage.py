@@ -14,8 +14,6 @@ with Y_k - i Y_(n-k) = 2 exp(-i theta) V_k, theta = pi k/N (J. Makhoul, IEEE Tra
 The fields stay packed; contact nodes, patches and their preconditioner are those of the whole.
 """
 
-from typing import Protocol
-
 import numpy as np
 
 from ....kernels import Call
@@ -27,76 +25,52 @@ _EVEN_FROM = 2**13
 """Points; on smaller grids the reordering takes as long as half a transform."""
 
 
-class Storage(Protocol):
-    """What the active set needs to know of its fields."""
+class Whole:
+    """Every node in its order; what the active set needs to know of its fields."""
 
-    num_points: int
-    """N, nodes in the period."""
-    length: int
-    """Values in a field, which is the length of its transforms."""
+    def __init__(self, num_points: int) -> None:
+        self.num_points = self.length = num_points
+        """N, and the number of values in a field, which is the length of its transforms."""
 
     def places(self, nodes: Indices) -> Indices:
         """Where these nodes have their values, of the same shape."""
+        return nodes
 
     def nodes_at(self, places: Indices) -> Indices:
         """All nodes that have their values at these places, shape (number of nodes,)."""
+        return places
 
     def put(self, field: Array, values: Array64) -> None:
         """Values of all nodes, shape (N,), into a field of at least `length` values."""
+        field[: self.num_points] = values
 
     def get(self, field: Array) -> Array:
         """The values of all nodes, shape (N,)."""
+        return field[: self.num_points]
 
     def symmetric(self, values: Array64) -> Array64:
         """Values of all nodes, shape (N,), with the symmetry that the storage relies on."""
+        return values
 
     def make_symmetric(self, contact: Mask) -> None:
         """Give a contact map, shape (N,), that symmetry, in place."""
 
     def mirrored(self, nodes: Indices) -> Indices | None:
         """For each contact node the index in `nodes` of its mirror image, of their shape; None without symmetry."""
-
-    def multiply(self, symbol: Array64, transforms: Transforms) -> Call:
-        """The kernel that multiplies the transform of a field by a symbol, shape (N//2 + 1,), in `spectrum`."""
-
-
-class Whole:
-    """Every node in its order."""
-
-    def __init__(self, num_points: int) -> None:
-        self.num_points = self.length = num_points
-
-    def places(self, nodes: Indices) -> Indices:
-        return nodes
-
-    def nodes_at(self, places: Indices) -> Indices:
-        return places
-
-    def put(self, field: Array, values: Array64) -> None:
-        field[: self.num_points] = values
-
-    def get(self, field: Array) -> Array:
-        return field[: self.num_points]
-
-    def symmetric(self, values: Array64) -> Array64:
-        return values
-
-    def make_symmetric(self, contact: Mask) -> None:
-        pass
-
-    def mirrored(self, nodes: Indices) -> Indices | None:
         return None
 
     def multiply(self, symbol: Array64, transforms: Transforms) -> Call:
+        """The kernel that multiplies the transform of a field by a symbol, shape (N//2 + 1,), in `spectrum`."""
         coefficient = transforms.doubled(symbol / self.num_points)
         return Call("spectral_multiply", (coefficient,), (transforms.spectrum,))
 
 
-class Half:
+class Half(Whole):
     """The left half of an even scene, packed as the module's head has it."""
 
     def __init__(self, num_points: int) -> None:
-        self.num_points, self.length = num_points, num_points // 2
+        super().__init__(num_points)
+        self.length = num_points // 2
         half = np.arange(self.length)
         packed = np.where(half % 2 == 0, half // 2, half.size - 1 - half // 2)
         self._place = np.concatenate([packed, packed[::-1]])
@@ -150,7 +124,7 @@ def is_even(height: Array64, reach: float = np.inf) -> bool:
     return bool(np.abs(height[:half] - height[: half - 1 : -1]).max() <= 1e-12 * min(np.ptp(height), reach))
 
 
-def choose(problem: Problem) -> Storage:
+def choose(problem: Problem) -> Whole:
     """Half of the nodes where the scene is even and large enough for that to pay."""
     even = problem.num_points >= _EVEN_FROM and is_even(problem.height, problem.reach)
     return Half(problem.num_points) if even else Whole(problem.num_points)
