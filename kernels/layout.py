@@ -33,7 +33,7 @@ GAIN = 13
 ITERATION = 14
 RESIDUAL = 15
 HELD = 16  # nodes the wall carries, padding included
-FROZEN = 17  # 1 once converged or diverged: a converged u is not changed by the steps that follow
+STOPPED = 17  # 1 once converged or diverged: a converged u is not changed by the steps that follow
 
 STATE_LENGTH = 18
 

@@ -98,7 +98,7 @@ def fire_control(
     s[layout.HELD] = held
     s[layout.RESIDUAL] = residual = np.sqrt(force_sums.sum() / max(s[layout.NUM_POINTS] - held, 1.0))
     if not residual > s[layout.TOLERANCE] or residual > 1e30:
-        s[layout.FROZEN], s[layout.MIX], s[layout.GAIN] = 1.0, 0.0, 0.0
+        s[layout.STOPPED], s[layout.MIX], s[layout.GAIN] = 1.0, 0.0, 0.0
         return
     dt, alpha, mix, gain = s[layout.DT], s[layout.ALPHA], 0.0, 0.0
     if power_sums.sum() > 0:

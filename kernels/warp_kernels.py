@@ -27,7 +27,7 @@ from .layout import (
     F_ALPHA,
     F_DEC,
     F_INC,
-    FROZEN,
+    STOPPED,
     GAIN,
     HELD,
     ITERATION,
@@ -235,9 +235,9 @@ def fire_control(
     residual = wp.sqrt(total(force_sums) / free)
     state[RESIDUAL] = residual
     state[HELD] = held
-    # not (>) also catches NaN: a diverged or converged state is frozen, so that u stays what the residual was of
+    # not (>) also catches NaN: a diverged or converged state is stopped, so that u stays what the residual is of
     if not (residual > state[TOLERANCE]) or residual > wp.float64(1.0e30):
-        state[FROZEN] = one
+        state[STOPPED] = one
         state[MIX] = zero
         state[GAIN] = zero
     else:

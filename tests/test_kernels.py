@@ -195,7 +195,7 @@ def test_control_against_twin(power, force, changes):
         states.append(state)
     np.testing.assert_allclose(states[0], states[1], rtol=1e-12)
     if not 0 < force < 1e100:
-        assert states[0][layout.FROZEN] == 1
+        assert states[0][layout.STOPPED] == 1
         assert states[0][layout.GAIN] == 0
     elif power > 0:
         assert states[0][layout.MIX] > 0

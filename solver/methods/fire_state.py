@@ -156,7 +156,7 @@ class Fire(Method):
     @property
     def stopped(self) -> bool:
         """Converged or diverged: further steps change nothing."""
-        return bool(self.state[layout.FROZEN])
+        return bool(self.state[layout.STOPPED])
 
     @property
     def patience(self) -> int | None:

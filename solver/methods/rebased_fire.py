@@ -91,7 +91,7 @@ class RebasedFire(Method):
         fire = self.fire
         fire.step()
         if not fire.residual < _OVERFLOWING:  # diverged
-            fire.state[layout.FROZEN] = 1.0
+            fire.state[layout.STOPPED] = 1.0
         elif fire.stopped or fire.residual < _JOINS_BELOW or fire.iteration - self._since >= _JOINS_AFTER:
             self._base = self.displacement
             self._rebase()
@@ -101,7 +101,7 @@ class RebasedFire(Method):
         fire = self.fire
         n, s = fire.num_points, fire.state
         if not np.isfinite(self._base).all():  # the last step went beyond all numbers
-            s[layout.FROZEN], s[layout.RESIDUAL] = 1.0, math.inf
+            s[layout.STOPPED], s[layout.RESIDUAL] = 1.0, math.inf
             return
         gap = self.problem.height - self._base
         force = self.problem.net_force(self._base)
@@ -125,7 +125,7 @@ class RebasedFire(Method):
             self._in_vain = 0 if residual < _CONFIRMED * self._best else self._in_vain + 1
             self._best = min(self._best, residual)
         met = not residual > self.tolerance  # or not a number
-        s[layout.FROZEN] = float(met or self._in_vain > _MOST_IN_VAIN)
+        s[layout.STOPPED] = float(met or self._in_vain > _MOST_IN_VAIN)
         s[layout.RESIDUAL], s[layout.TOLERANCE] = residual / self._scale, self.tolerance / self._scale
 
 
