@@ -27,7 +27,6 @@ from .layout import (
     F_ALPHA,
     F_DEC,
     F_INC,
-    STOPPED,
     GAIN,
     HELD,
     ITERATION,
@@ -39,6 +38,7 @@ from .layout import (
     RESIDUAL,
     STEP,
     STIFFEST,
+    STOPPED,
     TOLERANCE,
     TOUCHING,
 )
