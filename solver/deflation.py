@@ -20,9 +20,9 @@ from collections.abc import Iterator
 from functools import cached_property
 
 import numpy as np
-import pyfftw
 from numpy.typing import NDArray
 
+from .fftw import pyfftw
 from .patches import Array64, Indices, Patches
 
 LONGEST_DENSE = 256  # nodes; the factor of longer patches costs more than short transforms

@@ -13,11 +13,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pyfftw
 from numpy.typing import NDArray
 
 from ..kernels import padded_length
 from . import checks
+from .fftw import pyfftw
 
 Array = NDArray[Any]
 
