@@ -1,6 +1,6 @@
-"""pyFFTW without SciPy and Dask, which it imports with its interfaces if they are there, and which take most of a second.
+"""pyFFTW without SciPy and Dask, which it would import for its interfaces to them, and which take most of a second.
 
-Nothing here uses those interfaces. Whoever wants them, or SciPy or Dask for something else, imports them as ever.
+Nothing here uses those interfaces. SciPy and Dask can be imported before or after this as ever.
 """
 
 import sys

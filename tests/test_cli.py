@@ -55,9 +55,8 @@ def test_an_accuracy_is_bought_or_refused():
 
 
 def test_what_float32_cannot_reach_is_met_in_mixed_precision():
-    arguments = "solve", "--precision", "float32", "--num-points", 2**20
-    assert run(*arguments).returncode == 2
-    met = run(*arguments, "--below-floor", "mixed", "--max-iterations", 1, "--json")
+    assert run("solve", "--precision", "float32", "--num-points", 2**20).returncode == 2
+    met = run("solve", "--precision", "mixed", "--num-points", 2**20, "--max-iterations", 1, "--json")
     assert met.returncode == 3, met.stderr
     assert json.loads(met.stdout)["precision"] == "mixed"
 
@@ -336,9 +335,10 @@ def test_ctrl_c_during_imports_is_one_line():
 
 def test_ctrl_c_outside_of_a_command_is_one_line():
     program = (
-        "from linecontact.studies import __main__ as entry, cli\n"
-        "def main(): raise KeyboardInterrupt\n"
-        "cli.main = main\n"
+        "from linecontact.studies import __main__ as entry\n"
+        "from linecontact.studies.command_line import main\n"
+        "def interrupted(): raise KeyboardInterrupt\n"
+        "main.prepare = lambda: interrupted\n"
         "entry.main()"
     )
     result = run(program=[sys.executable, "-c", program])

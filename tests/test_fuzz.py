@@ -17,8 +17,13 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from linecontact.solver import Scene, solve
-from linecontact.studies import cli, confined, console, ensemble, figures, scans, store, tasks
+from linecontact.studies import asperity, confined, console, ensemble, figures, hertz, scans, store, tasks
+from linecontact.studies.command_line import kinds
+from linecontact.studies.command_line import main as cli
+from linecontact.studies.command_line import solve as solve_command
 from linecontact.studies.kernels import compare
+from linecontact.studies.terminal import arguments
+from linecontact.studies.terminal.options import flag
 
 RESULTS = Path(store.__file__).parent / "results"
 HEIGHTS = np.sin(np.arange(40.0))
@@ -131,7 +136,7 @@ def test_what_is_no_file_is_refused_at_once(tmp_path):
 
 
 def ensemble_task():
-    return cli.hertz.asperity.study("hertz", cli.hertz.CONFIGURATION).tasks[0]
+    return asperity.study("hertz", hertz.CONFIGURATION).tasks[0]
 
 
 def external(file):
@@ -335,7 +340,7 @@ def test_records_that_are_none_are_set_aside(tmp_path, body):
 
 def test_records_of_something_else_are_one_line(tmp_path, capfd):
     """They have the tasks' names and right checksums."""
-    study = cli.hertz.asperity.study("hertz", cli.hertz.asperity.quick(cli.hertz.CONFIGURATION))
+    study = asperity.study("hertz", asperity.quick(hertz.CONFIGURATION))
     folder = tasks.TaskFolder(tmp_path / "tasks")
     for task in study.tasks:
         folder.save(task, {"a": [1.0], "status": "\x1b[31m[red]"})
@@ -455,7 +460,8 @@ def test_any_result(tmp_path, images, data):
         figures.draw(path)
 
 
-FLAGS = [f"--{name.replace('_', '-')}" for name in cli.Solve.__dataclass_fields__]
+KINDS = [solve_command.Options, *map(arguments.load, kinds.titles().values())]
+FLAGS = [flag(name) for kind in KINDS for name in kind.__dataclass_fields__]
 STUDY = ["--workers", "--memory", "--scheduler", "--folder", "--quick", "--overwrite"]
 VALUES = st.one_of(
     st.sampled_from(
@@ -500,9 +506,13 @@ VALUES = st.one_of(
 )
 def test_any_arguments(tmp_path, monkeypatch, capfd, command, options, rest):
     """No solve is large, and no study is run."""
-    real = cli.solve
+    real = solve_command.solve
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(cli, "solve", lambda scene, **more: real(scene, **more) if scene.num_points <= 64 else stop())
+
+    def small(scene, **more):
+        return real(scene, **more) if scene.num_points <= 64 else stop()
+
+    monkeypatch.setattr(solve_command, "solve", small)
     monkeypatch.setattr(ensemble, "_compute", lambda *_: stop())
     try:
         status = cli.main([*command, *(word for option in options for word in option), *rest])
