@@ -12,7 +12,7 @@ from linecontact.solver import Layer, PowerIndenter, RoughIndenter
 from linecontact.studies import STUDIES, asperity, ensemble, kernels, scans
 from linecontact.studies.command_line import kinds, main, plot, solve
 from linecontact.studies.terminal import arguments, declarations
-from linecontact.studies.terminal.options import one_of, options
+from linecontact.studies.terminal.options import one_of, options_of
 
 WORDS = {"one": 1, "two": 2}
 
@@ -152,18 +152,18 @@ def test_help_shows_what_is_said_what_is_allowed_and_the_default(capsys):
 def test_types_that_no_option_has_are_refused(hint):
     kind = dataclass(type("Odd", (), {"__annotations__": {"odd": hint}, "odd": None}))
     with pytest.raises(TypeError, match="field odd is of type"):
-        options(kind)
+        options_of(kind)
 
 
 @pytest.mark.parametrize("kind", [Base, Every, Positional, ensemble.Options, asperity.Options, scans.Options])
 def test_the_source_alone_tells_every_field(kind):
     declared = declarations.read(f"{kind.__module__}:{kind.__name__}")
-    assert list(declared.fields) == list(options(kind))
+    assert list(declared.fields) == list(options_of(kind))
 
 
 def test_the_source_tells_what_is_inherited():
     declared = declarations.read("linecontact.studies.kernels:Options")
-    assert list(declared.fields) == list(options(kernels.Options))
+    assert list(declared.fields) == list(options_of(kernels.Options))
     assert declared.fields["workers"] == "More than one disturb each other's times."
     assert declared.fields["folder"].startswith("Where data and figures go")
     assert declared.summary == "Times and bandwidths of every kernel over N, against C and NumPy: data, figures, table."
@@ -178,7 +178,7 @@ def test_what_the_source_does_not_tell_is_none(name):
 def test_every_class_that_is_named_has_options_that_its_source_tells(name):
     kind = arguments.load(name)
     declared = declarations.read(name)
-    assert list(declared.fields) == list(options(kind))
+    assert list(declared.fields) == list(options_of(kind))
     assert declared.summary
 
 
@@ -189,7 +189,7 @@ def test_the_solvers_defaults_are_those_of_the_command_line():
     assert scene == type(scene)()
     rough = solve.make_scene(solve.Options(profile="rough"), given)
     assert rough.indenter == RoughIndenter()
-    assert options(plot.Options)["file"].default is MISSING
+    assert options_of(plot.Options)["file"].default is MISSING
 
 
 def test_a_new_profile_takes_one_line_in_the_list(monkeypatch, capsys):

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from linecontact.solver import provenance
 from linecontact.studies import store
 
 CLI = [sys.executable, "-m", "linecontact.studies"]
@@ -162,6 +163,9 @@ def test_methods_and_grids(method, grids):
         (["solve", "--pressure", "a'b"], 'linecontact: pressure is "a\'b"; allowed: a number\n'),
         (["study", "hertz", "--workers", "two"], "linecontact: workers is 'two'; allowed: an integer\n"),
         ([], "solve"),
+        (["stdy"], "command is 'stdy', perhaps meant as study; allowed: solve, study, plot, info"),
+        (["study", "hertz", "--quik"], "option --quik is unknown, perhaps meant as --quick"),
+        (["solve", "--tolerence", "1"], "option --tolerence is unknown, perhaps meant as --tolerance"),
     ],
 )
 def test_bad_input_is_one_line_and_status_2(arguments, message, tmp_path):
@@ -278,6 +282,11 @@ def test_an_unusable_cache_is_one_line(tmp_path):
     assert result.returncode == 2
     assert "WARP_CACHE_PATH" in result.stderr
     assert result.stderr.count("\n") == 1
+
+
+def test_version():
+    result = run("--version")
+    assert (result.returncode, result.stdout) == (0, f"linecontact {provenance.package_version()}\n")
 
 
 def test_info():

@@ -191,7 +191,11 @@ ROWS = "".join(f"{i} {i % 7}\n" for i in range(40))
         (text("256\n0.5\n\n" + "1\n2\n" * 20), {}, "line 3 is empty"),
         (lambda folder: write(folder, ".npy", [np.array(["a"] * 20)]), {}, "holds <U1"),
         (lambda folder: write(folder, ".npy", [np.array([{}] * 20)]), {}, "not a plain array"),
-        (lambda folder: write(folder, ".h5", [np.arange(20.0)]), {"profile_dataset": "lime"}, "'lime'; allowed: line, of"),
+        (
+            lambda folder: write(folder, ".h5", [np.arange(20.0)]),
+            {"profile_dataset": "lime"},
+            "'lime'; allowed: line, of",
+        ),
     ],
 )
 def test_bad_files_are_named(tmp_path, make, options, named):

@@ -16,13 +16,8 @@ PROG = "linecontact"
 ABOUT = f"""What is pressed against what, how large is the true contact, and how wrong can the answer be?
 
 {PROG} COMMAND --help lists the options of a command, {PROG} --version shows the version."""
-COMMANDS = {
-    "solve": "Solve one scene.",
-    "study": study.ABOUT,
-    "plot": "Draw the figures of a stored solution or study beside its file.",
-    "info": "Versions, threads, caches and devices.",
-}
-"""What --help says of each command; all but study have a module of that name beside this one."""
+COMMANDS = ("solve", "study", "plot", "info")
+"""Each has a module of its name beside this one."""
 
 BAD_INPUT = 2
 """The exit status where the words mean nothing."""
@@ -47,7 +42,7 @@ def _command(words: list[str]) -> Callable[[], int]:
     if words[:1] == ["--version"]:
         print(PROG, _version())
         return lambda: 0
-    name, words = arguments.choose("command", words, COMMANDS, PROG, ABOUT, COMMANDS.__getitem__)
+    name, words = arguments.choose("command", words, COMMANDS, PROG, ABOUT, _summary)
     prog, module, kept = f"{PROG} {name}", f"{__package__}.{name}", ""
     if name == "study":
         name, words = study.choose(words, prog)
@@ -63,6 +58,10 @@ def _command(words: list[str]) -> Callable[[], int]:
     others = [given] if given else []  # what is given of the layer and the profiles
     run = importlib.import_module(module).command
     return lambda: console.guard(lambda: int(run(options, *others)), kept)
+
+
+def _summary(name: str) -> str:
+    return study.ABOUT if name == "study" else declarations.summary(f"{__package__}.{name}:Options")
 
 
 def _check_names(words: Sequence[str], asked: Iterable[str], prog: str) -> None:

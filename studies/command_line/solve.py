@@ -15,7 +15,7 @@ from rich.table import Table
 
 from .. import console, scans, store
 from ..terminal import arguments
-from ..terminal import options as terminal_options
+from ..terminal.options import one_of, options_of
 from . import kinds
 
 _DEFAULTS = {name: parameter.default for name, parameter in inspect.signature(solve).parameters.items()}
@@ -26,7 +26,7 @@ _DEFAULTS = {name: parameter.default for name, parameter in inspect.signature(so
 class Options:
     """Solve one scene. Lengths and pressures in consistent units of your own; the published study's are 1."""
 
-    profile: str = terminal_options.one_of(kinds.PROFILES, "power")
+    profile: str = one_of(kinds.PROFILES, "power")
     """Indenter: h = (R/n) |x/R|^n; self-affine random roughness; or a file."""
     pressure: float = Scene.pressure
     """Mean external pressure p > 0 [pressure]."""
@@ -37,7 +37,7 @@ class Options:
     accuracy: float | None = _DEFAULTS["accuracy"]
     """Relative error wanted of a_r, 1e-9 to 0.1 (dimensionless). Chooses model, grid, method, precision and tolerance,
     which must not be given; num_points is then the most to use."""
-    method: str | None = terminal_options.one_of(METHODS, _DEFAULTS["method"])
+    method: str | None = one_of(METHODS, _DEFAULTS["method"])
     """Method; default: active-set, the fastest."""
     grids: Literal["auto", "nested", "single"] = "auto"
     """Start from the solution on coarser grids; auto: for the active set."""
@@ -45,11 +45,11 @@ class Options:
     """Stop at this rms free residual over p (dimensionless); default 1e-8, in float32 what rounding allows."""
     max_iterations: int | None = _DEFAULTS["max_iterations"]
     """Iteration limit; reaching it gives exit status 3."""
-    precision: str = terminal_options.one_of(PRECISIONS, Scene.precision)
+    precision: str = one_of(PRECISIONS, Scene.precision)
     """Of the iteration; mixed: float32 inside, residuals in float64. The certificate is always float64."""
     threads: int = _DEFAULTS["threads"]
     """Threads of the transforms."""
-    planning: str = terminal_options.one_of(PLANNING, _DEFAULTS["planning"])
+    planning: str = one_of(PLANNING, _DEFAULTS["planning"])
     """FFTW's planning effort; what it finds is kept for later runs."""
     json: bool = False
     """One JSON object on standard output instead of a table."""
@@ -62,7 +62,7 @@ class Options:
 
 
 Given = Mapping[str, Mapping[str, Any]]
-"""The options of the layer and of the profiles that are given, by `kinds.titles` and by name."""
+"""The options of the layer and of the profiles that are given, by the titles of `kinds` and by name."""
 
 
 def command(options: Options, given: Given) -> int:
@@ -94,15 +94,7 @@ def command(options: Options, given: Given) -> int:
         console.errors.print("linecontact: interrupted; to an accuracy there is no partial result, nothing is saved")
         return console.EXIT_INTERRUPTED
     try:
-        if options.json:
-            print(json.dumps(solution.to_dict()), flush=True)
-        else:
-            console.Output().print(solution_table(solution))
-            if solution.choices:
-                console.Output().print(choices_table(solution))
-            steps = solution.scene.to_dict().get("profile_steps")
-            if steps:
-                console.Output().print(f"Profile: {steps}.")
+        show(solution, options.json)
     finally:  # also when the reader of the output has gone away
         if options.save:
             store.save_solution(options.save, solution)
@@ -115,6 +107,19 @@ def command(options: Options, given: Given) -> int:
         kept = f"; the partial result is in {options.save}" if options.save else ""
         console.errors.print(f"linecontact: {solution.status}: {solution.reason}{kept}")
     return status
+
+
+def show(solution: Solution, as_json: bool) -> None:
+    """Print what was found on standard output."""
+    if as_json:
+        print(json.dumps(solution.to_dict()), flush=True)
+        return
+    console.Output().print(solution_table(solution))
+    if solution.choices:
+        console.Output().print(choices_table(solution))
+    steps = solution.scene.to_dict().get("profile_steps")
+    if steps:
+        console.Output().print(f"Profile: {steps}.")
 
 
 def check_targets(options: Options, given: Given) -> None:
@@ -150,9 +155,9 @@ def _made(what: str, table: Mapping[str, str], options: Options, given: Given) -
     """
     chosen = getattr(options, what)
     classes = {name: arguments.load(kind) for name, kind in table.items()}
-    own = terminal_options.options(classes[chosen])
+    own = options_of(classes[chosen])
     for other, kind in classes.items():
-        defaults = {name: option.default for name, option in terminal_options.options(kind).items()}
+        defaults = {name: option.default for name, option in options_of(kind).items()}
         for name, value in given[kinds.title(what, other)].items():
             if name not in own and not hasattr(options, name) and value != defaults[name]:
                 raise ValueError(f"{name} is {value}; allowed: only with --{what} {other}, not {chosen}")

@@ -14,5 +14,4 @@ def choose(words: Sequence[str], prog: str) -> tuple[str, list[str]]:
 
 
 def _summary(name: str) -> str:
-    declared = declarations.read(f"{STUDIES[name]}:Options")
-    return declared.summary if declared else ""
+    return declarations.summary(f"{STUDIES[name]}:Options")

@@ -1,4 +1,4 @@
-"""Words of a command line as dataclasses, whose fields are the options (see `options`).
+"""Words of a command line as dataclasses, whose fields are the options (see `options_of`).
 
 A field without a default of a command's own dataclass is a positional argument. What --help says of a field is read
 from the source, see `declarations`. Words that are wrong raise `ValueError` with one line that names the option, what
@@ -14,7 +14,7 @@ from dataclasses import MISSING
 from typing import Any, TypeVar
 
 from . import declarations
-from .options import Option, flag, options
+from .options import Option, flag, options_of
 
 Kind = TypeVar("Kind")
 
@@ -42,7 +42,7 @@ def given(words: Sequence[str], kinds: Mapping[str, type], prog: str) -> dict[st
         without a default are positional arguments and must be given. A field that several have is one option.
     prog: the command, as it is called.
     """
-    groups = {title: options(kind) for title, kind in kinds.items()}
+    groups = {title: options_of(kind) for title, kind in kinds.items()}
     every = {name: option for group in reversed(groups.values()) for name, option in group.items()}
     required = [name for name, option in next(iter(groups.values())).items() if option.default is MISSING]
     words = _plain(words)

@@ -62,6 +62,12 @@ def read(kind: str) -> Declaration | None:
     return Declaration(re.sub(r"\n\n\n+", "\n\n", text).strip(), fields)
 
 
+def summary(kind: str) -> str:
+    """The first paragraph of a class's docstring; empty if the source does not tell."""
+    declared = read(kind)
+    return declared.summary if declared else ""
+
+
 def _own_fields(node: ast.ClassDef) -> dict[str, str]:
     """The strings below the fields that the class itself declares, by name; empty where there is none."""
     own: dict[str, str] = {}

@@ -64,7 +64,7 @@ def flag(name: str) -> str:
     return f"--{name.replace('_', '-')}"
 
 
-def options(kind: type) -> dict[str, Option]:
+def options_of(kind: type) -> dict[str, Option]:
     """The options that a dataclass stands for, by name and in order. Raises `TypeError` for a field that cannot be."""
     hints = get_type_hints(kind)
     return {entry.name: _option(entry, hints[entry.name]) for entry in fields(kind) if entry.init}
