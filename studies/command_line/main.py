@@ -43,10 +43,10 @@ def _command(words: list[str]) -> Callable[[], int]:
         print(PROG, _version())
         return lambda: 0
     name, words = arguments.choose("command", words, COMMANDS, PROG, ABOUT, _summary)
-    prog, module, kept = f"{PROG} {name}", f"{__package__}.{name}", ""
+    prog, module = f"{PROG} {name}", f"{__package__}.{name}"
     if name == "study":
         name, words = study.choose(words, prog)
-        prog, module, kept = f"{prog} {name}", STUDIES[name], "; finished tasks are kept"
+        prog, module = f"{prog} {name}", STUDIES[name]
     asked = {"": f"{module}:Options"} | (kinds.titles() if name == "solve" else {})
     _check_names(words, asked.values(), prog)
 
@@ -57,6 +57,7 @@ def _command(words: list[str]) -> Callable[[], int]:
     options = classes[""](**given.pop(""))
     others = [given] if given else []  # what is given of the layer and the profiles
     run = importlib.import_module(module).command
+    kept = console.KEPT if module in STUDIES.values() else ""
     return lambda: console.guard(lambda: int(run(options, *others)), kept)
 
 
