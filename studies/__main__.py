@@ -17,8 +17,9 @@ def main() -> int:
     if term is signal.SIG_DFL:
         signal.signal(signal.SIGTERM, _leave)
     try:
-        from .cli import main as run
+        from .command_line.main import prepare
 
+        run = prepare()
         if term is signal.SIG_DFL:
             signal.signal(signal.SIGTERM, _as_ctrl_c)
         if interrupt is signal.default_int_handler:

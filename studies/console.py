@@ -1,16 +1,13 @@
 """What the terminal shows: progress with residual and remaining time, and the exit statuses."""
 
 import contextlib
-import io
 import math
 import os
-import re
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from typing import Any, TypeVar
 
-import tyro
 from linecontact.solver import Status
 from linecontact.solver.relaxation import Progress as Report
 from rich import box
@@ -18,6 +15,9 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 from rich.text import Text
+
+from .terminal import arguments
+from .terminal.text import printable
 
 KEPT = "; finished tasks are kept"
 Parsed = TypeVar("Parsed")
@@ -27,13 +27,6 @@ EXIT_NOT_CONVERGED = 3
 EXIT_FAILED = 4
 EXIT_INTERRUPTED = 130
 EXIT_BROKEN_PIPE = 141
-
-
-def printable(text: str) -> str:
-    """The same without control characters and halves of characters: names and files may hold any."""
-    if text.isprintable():
-        return text
-    return "".join(c if c.isprintable() or c == "\n" else repr(c)[1:-1] for c in text)
 
 
 class Plain(Console):
@@ -128,36 +121,6 @@ def solve_progress(tolerance: float) -> Iterator[Report]:
         yield report
 
 
-def parse(
-    kind: Callable[..., Parsed] | type[Parsed], arguments: Sequence[str] | None, prog: str, description: str
-) -> Parsed:
-    """Command-line arguments as `kind`; bad ones give one line on standard error and exit status 2."""
-    caught = io.StringIO()
-    try:
-        with contextlib.redirect_stderr(caught):
-            return tyro.cli(
-                kind, args=arguments, prog=prog, description=description, config=(tyro.conf.FlagCreatePairsOff,)
-            )
-    except SystemExit as stop:
-        if stop.code:
-            errors.print(f"{prog}: {_complaint(caught.getvalue())}")
-            raise SystemExit(EXIT_BAD_INPUT) from None
-        raise
-
-
-def _complaint(panel: str) -> str:
-    """What tyro has to say, without its frame, its headings and the type's inner life."""
-    words = " ".join(line.strip("│╭╮╰╯─ ") for line in panel.splitlines())
-    words = " ".join(words.split("For full helptext")[0].split())
-    words = re.sub(r"^(Value error|Unrecognized options|Invalid choice|Missing argument|Required options) ", "", words)
-    value = re.match(r"""Error parsing --(\S+): .*?(?:from \[|: )('.*?'|".*?")(?=[]\s]).*text: \S+ (\S+)""", words)
-    if not value:
-        return words
-    name, given, kind = value.groups()
-    allowed = {"INT": "an integer", "FLOAT": "a number"}.get(kind.split("|")[-1], kind)
-    return f"{name.replace('-', '_')} is {given}; allowed: {allowed}"
-
-
 def guard(command: Callable[[], int], kept: str = "") -> int:
     """Run a command; bad input ends in one line and status 2, Ctrl-C in 130, a reader that went away in 141.
 
@@ -190,5 +153,4 @@ def guard(command: Callable[[], int], kept: str = "") -> int:
 
 def run(options: type[Parsed], command: Callable[[Parsed], int], prog: str) -> int:
     """Entry point of a study's own script; returns the exit status."""
-    parsed = parse(options, None, prog, options.__doc__ or "")
-    return guard(lambda: command(parsed), KEPT)
+    return guard(lambda: command(arguments.parse(options, sys.argv[1:], prog)), KEPT)

@@ -37,19 +37,30 @@ Window = Literal["auto", "none", "tukey", "hann", "mirror"]
 
 @dataclass(frozen=True)
 class Options:
-    """How to read a profile file."""
+    """How to read a profile from a file."""
 
-    path: Path
+    profile_file: Path
+    """.npy, .csv, .txt (one column of heights, or x and heights), .h5, or an instrument's format."""
     num_points: int | None = None
+    """Grid points; default: the next power of two."""
     period: float | None = None
-    convention: Literal["gap", "heights"] = "gap"
-    dataset: str | None = None
+    """Period L > 0 [length]; default 1, or the length of a file with positions."""
+    profile_convention: Literal["gap", "heights"] = "gap"
+    """Gap: h as the indenter's distance; heights as a scan has them, peaks up."""
+    profile_dataset: str | None = None
+    """The dataset of an .h5 file that holds several."""
     x_unit: Unit | None = None
+    """Unit of the file's positions; default: the length unit."""
     z_unit: Unit | None = None
+    """Unit of the file's heights; default: the length unit."""
     length_unit: Unit = "m"
+    """What one [length] of the scene is, where x_unit or z_unit is given."""
     resample: bool = False
+    """Treat even a file with as many values as grid points like any other."""
     detrend: Detrend = "auto"
+    """Removal of the tilt; auto: linear, or none for a file taken as it is."""
     window: Window = "auto"
+    """What makes the profile periodic; auto: mirror, or none for a file taken as it is."""
 
 
 def read(options: Options) -> tuple[MeasuredIndenter, float, int]:
@@ -58,7 +69,7 @@ def read(options: Options) -> tuple[MeasuredIndenter, float, int]:
     Raises `ValueError` for a file that is missing, empty, not numbers, constant, not increasing in x, too short, or too
     large: `MAX_VALUES` numbers, `MAX_TEXT` bytes of text.
     """
-    path = options.path
+    path = options.profile_file
     if not os.path.isfile(path):  # Path's own raises for some names
         raise ValueError(f"profile_file is {path}, which is not a file; allowed: .npy, .csv, .txt, .h5, scans")
     try:
@@ -70,7 +81,7 @@ def read(options: Options) -> tuple[MeasuredIndenter, float, int]:
     count = z.size
     as_is, length, n = _choose_grid(options, count)
     steps = [origin]
-    if options.convention == "heights":
+    if options.profile_convention == "heights":
         z = -z
         steps.append("turned over: peaks up become the indenter's lowest points")
     if x is not None and options.period is not None:
@@ -90,7 +101,7 @@ def read(options: Options) -> tuple[MeasuredIndenter, float, int]:
     description = {
         "profile_file": _name(path),
         "profile_values": count,
-        "profile_convention": options.convention,
+        "profile_convention": options.profile_convention,
         "profile_steps": "; ".join([*steps, "shifted to h >= 0"]),
     }
     return MeasuredIndenter(z, description), period, n
@@ -107,7 +118,7 @@ def _choose_grid(options: Options, count: int) -> tuple[bool, int, int]:
     checks.integer("num_points", n, f"an integer from {MIN_POINTS} to {MAX_POINTS}", MIN_POINTS, MAX_POINTS)
     if n > MAX_REFINEMENT * count:
         raise ValueError(
-            f"num_points is {n}; allowed: up to {MAX_REFINEMENT} times the {count} values in {options.path}"
+            f"num_points is {n}; allowed: up to {MAX_REFINEMENT} times the {count} values in {options.profile_file}"
         )
     return as_is, length, n
 
@@ -123,7 +134,7 @@ def _resample(z: Array64, num_points: int, mirrored: bool) -> Array64:
 
 def _load(options: Options) -> tuple[Array64 | None, Array64, str]:
     """Positions (or None), heights, and where they came from."""
-    path, dataset = options.path, options.dataset
+    path, dataset = options.profile_file, options.profile_dataset
     suffix = path.suffix.lower()
     if dataset is not None and suffix not in (".h5", ".hdf5"):
         raise ValueError(f"profile_dataset is {dataset}; allowed: none, {path} is not .h5")
@@ -199,7 +210,7 @@ def _read_hdf5(path: Path, dataset: str | None) -> Any:
 
 def _read_scan(options: Options) -> tuple[Array64 | None, Array64, str]:
     """An instrument's format, through SurfaceTopography, in the scene's unit of length if it names its own."""
-    path = options.path
+    path = options.profile_file
     if importlib.util.find_spec("SurfaceTopography") is None:
         raise ValueError(
             f"profile_file is {path}; allowed: .npy, .csv, .txt, .h5, and with `pip install linecontact[profiles]` the "

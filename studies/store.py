@@ -24,6 +24,7 @@ from linecontact.solver import Solution
 from numpy.typing import NDArray
 
 from . import confined, console
+from .terminal.text import printable
 
 UNITS = {
     "x": "length",
@@ -274,7 +275,7 @@ def _scalar(value: Any) -> Any:
     """Text as the terminal and figures can show it, up to `_MAX_TEXT` characters."""
     value = value.item() if isinstance(value, np.generic) else value
     value = value.decode("utf-8", "replace") if isinstance(value, bytes) else value
-    return console.printable(value[:_MAX_TEXT]) if isinstance(value, str) else value
+    return printable(value[:_MAX_TEXT]) if isinstance(value, str) else value
 
 
 @dataclass

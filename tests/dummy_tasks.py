@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from linecontact.studies import console, ensemble
+from linecontact.studies.terminal.arguments import parse
 
 
 def there(name):
@@ -114,4 +115,4 @@ def command(studies, options):
 
 def main(studies, *arguments):
     """The same as a program of its own; `studies`: Python text."""
-    return command(eval(studies), console.parse(ensemble.Options, arguments, "dummy_tasks", "Dummy studies."))
+    return command(eval(studies), parse(ensemble.Options, arguments, "dummy_tasks"))

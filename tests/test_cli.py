@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from linecontact.solver import provenance
 from linecontact.studies import store
 
 CLI = [sys.executable, "-m", "linecontact.studies"]
@@ -55,9 +56,8 @@ def test_an_accuracy_is_bought_or_refused():
 
 
 def test_what_float32_cannot_reach_is_met_in_mixed_precision():
-    arguments = "solve", "--precision", "float32", "--num-points", 2**20
-    assert run(*arguments).returncode == 2
-    met = run(*arguments, "--below-floor", "mixed", "--max-iterations", 1, "--json")
+    assert run("solve", "--precision", "float32", "--num-points", 2**20).returncode == 2
+    met = run("solve", "--precision", "mixed", "--num-points", 2**20, "--max-iterations", 1, "--json")
     assert met.returncode == 3, met.stderr
     assert json.loads(met.stdout)["precision"] == "mixed"
 
@@ -163,6 +163,9 @@ def test_methods_and_grids(method, grids):
         (["solve", "--pressure", "a'b"], 'linecontact: pressure is "a\'b"; allowed: a number\n'),
         (["study", "hertz", "--workers", "two"], "linecontact: workers is 'two'; allowed: an integer\n"),
         ([], "solve"),
+        (["stdy"], "command is 'stdy', perhaps meant as study; allowed: solve, study, plot, info"),
+        (["study", "hertz", "--quik"], "option --quik is unknown, perhaps meant as --quick"),
+        (["solve", "--tolerence", "1"], "option --tolerence is unknown, perhaps meant as --tolerance"),
     ],
 )
 def test_bad_input_is_one_line_and_status_2(arguments, message, tmp_path):
@@ -281,6 +284,11 @@ def test_an_unusable_cache_is_one_line(tmp_path):
     assert result.stderr.count("\n") == 1
 
 
+def test_version():
+    result = run("--version")
+    assert (result.returncode, result.stdout) == (0, f"linecontact {provenance.package_version()}\n")
+
+
 def test_info():
     result = run("info")
     assert result.returncode == 0, result.stderr
@@ -336,9 +344,10 @@ def test_ctrl_c_during_imports_is_one_line():
 
 def test_ctrl_c_outside_of_a_command_is_one_line():
     program = (
-        "from linecontact.studies import __main__ as entry, cli\n"
-        "def main(): raise KeyboardInterrupt\n"
-        "cli.main = main\n"
+        "from linecontact.studies import __main__ as entry\n"
+        "from linecontact.studies.command_line import main\n"
+        "def interrupted(): raise KeyboardInterrupt\n"
+        "main.prepare = lambda: interrupted\n"
         "entry.main()"
     )
     result = run(program=[sys.executable, "-c", program])

@@ -1,4 +1,4 @@
-"""Files and arguments from anywhere: each ends in a result or in one line, never in a traceback, a hang or a crash.
+"""Files from anywhere: each ends in a result or in one line, never in a traceback, a hang or a crash.
 
 The cases are what longer runs have found; a short run of each kind, with fixed seeds, goes on looking.
 """
@@ -17,7 +17,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from linecontact.solver import Scene, solve
-from linecontact.studies import cli, confined, console, ensemble, figures, scans, store, tasks
+from linecontact.studies import asperity, confined, console, figures, hertz, scans, store, tasks
+from linecontact.studies.command_line import main as cli
 from linecontact.studies.kernels import compare
 
 RESULTS = Path(store.__file__).parent / "results"
@@ -131,7 +132,7 @@ def test_what_is_no_file_is_refused_at_once(tmp_path):
 
 
 def ensemble_task():
-    return cli.hertz.asperity.study("hertz", cli.hertz.CONFIGURATION).tasks[0]
+    return asperity.study("hertz", hertz.CONFIGURATION).tasks[0]
 
 
 def external(file):
@@ -335,7 +336,7 @@ def test_records_that_are_none_are_set_aside(tmp_path, body):
 
 def test_records_of_something_else_are_one_line(tmp_path, capfd):
     """They have the tasks' names and right checksums."""
-    study = cli.hertz.asperity.study("hertz", cli.hertz.asperity.quick(cli.hertz.CONFIGURATION))
+    study = asperity.study("hertz", asperity.quick(hertz.CONFIGURATION))
     folder = tasks.TaskFolder(tmp_path / "tasks")
     for task in study.tasks:
         folder.save(task, {"a": [1.0], "status": "\x1b[31m[red]"})
@@ -453,68 +454,3 @@ def test_any_result(tmp_path, images, data):
     path = sealed(tmp_path / "run.h5", data.draw(mutants(images["iterations"])))
     with contextlib.suppress(store.StoreError):
         figures.draw(path)
-
-
-FLAGS = [f"--{name.replace('_', '-')}" for name in cli.Solve.__dataclass_fields__]
-STUDY = ["--workers", "--memory", "--scheduler", "--folder", "--quick", "--overwrite"]
-VALUES = st.one_of(
-    st.sampled_from(
-        [
-            "nan",
-            "-inf",
-            "-0.0",
-            "1e400",
-            "5e-324",
-            "1_0",
-            "-1",
-            "0",
-            "16",
-            "64",
-            "0.5",
-            "file",
-            "rough",
-            "mixed",
-            "fire",
-            "none",
-            "/dev/zero",
-            "tcp://[",
-            "--",
-            "=",
-            "[/red]",
-        ]
-    ),
-    st.sampled_from(["", "\n", "\x1b[31m", "\udc80", "9" * 400, "a" * 300]),
-    st.floats().map(str),
-    st.integers().map(str),
-    st.text(st.characters(exclude_characters="\0"), max_size=8),
-)
-
-
-@settings(fuzz, max_examples=150)
-@given(
-    st.sampled_from(
-        [["solve", "--num-points", "16"], ["study", "hertz"], ["study", "kernels"], ["plot"], ["info"], []]
-    ),
-    st.lists(st.tuples(st.sampled_from(FLAGS + STUDY + ["--compare", "--threshold"]), VALUES), max_size=3),
-    st.lists(VALUES, max_size=1),
-)
-def test_any_arguments(tmp_path, monkeypatch, capfd, command, options, rest):
-    """No solve is large, and no study is run."""
-    real = cli.solve
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(cli, "solve", lambda scene, **more: real(scene, **more) if scene.num_points <= 64 else stop())
-    monkeypatch.setattr(ensemble, "_compute", lambda *_: stop())
-    try:
-        status = cli.main([*command, *(word for option in options for word in option), *rest])
-    except SystemExit as stopped:
-        status = stopped.code or 0
-    said = capfd.readouterr().err
-    assert status in (0, 2, 3)
-    if status == 2:
-        assert said.count("\n") == 1
-        assert said.startswith("linecontact: ")
-        assert "\x1b" not in said
-
-
-def stop():
-    raise ValueError("not here")

@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from linecontact import kernels
-from linecontact.studies import cli, console, ensemble, figures, store
+from linecontact.studies import console, ensemble, figures, store
 from linecontact.studies import kernels as study
+from linecontact.studies.command_line import main as cli
 from linecontact.studies.kernels import candidates, compare, measure, report
 from linecontact.studies.kernels.specs import SPECS
 

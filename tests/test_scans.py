@@ -48,7 +48,7 @@ def test_formats(tmp_path, heights, suffix):
 
 def test_conventions_and_units(tmp_path, heights):
     path = write(tmp_path, ".txt", [np.arange(64.0), heights])
-    scan, period, _ = read(path, convention="heights", x_unit="um", z_unit="nm", length_unit="mm")
+    scan, period, _ = read(path, profile_convention="heights", x_unit="um", z_unit="nm", length_unit="mm")
     assert period == pytest.approx(64e-3)
     np.testing.assert_allclose(scan.heights, 1e-6 * (heights.max() - heights), atol=1e-18)
     only_z = read(path, z_unit="um", length_unit="m")
@@ -187,11 +187,15 @@ ROWS = "".join(f"{i} {i % 7}\n" for i in range(40))
         (lambda folder: write(folder, ".npy", [np.arange(40.0)]), {}, "straight line"),
         (empty_dataset, {}, "not an array of numbers"),
         (no_dataset, {}, "holds no dataset"),
-        (lambda folder: write(folder, ".npy", [np.arange(40.0) % 7]), {"dataset": "z"}, "profile_dataset is z"),
+        (lambda folder: write(folder, ".npy", [np.arange(40.0) % 7]), {"profile_dataset": "z"}, "profile_dataset is z"),
         (text("256\n0.5\n\n" + "1\n2\n" * 20), {}, "line 3 is empty"),
         (lambda folder: write(folder, ".npy", [np.array(["a"] * 20)]), {}, "holds <U1"),
         (lambda folder: write(folder, ".npy", [np.array([{}] * 20)]), {}, "not a plain array"),
-        (lambda folder: write(folder, ".h5", [np.arange(20.0)]), {"dataset": "lime"}, "'lime'; allowed: line, of"),
+        (
+            lambda folder: write(folder, ".h5", [np.arange(20.0)]),
+            {"profile_dataset": "lime"},
+            "'lime'; allowed: line, of",
+        ),
     ],
 )
 def test_bad_files_are_named(tmp_path, make, options, named):
@@ -236,7 +240,7 @@ def test_a_scan_that_names_its_unit(tmp_path, monkeypatch):
 @pytest.mark.skipif(not REAL.exists(), reason="no instrument files here")
 @pytest.mark.parametrize(("name", "period", "values"), [("dektak-1.csv", 3000.0, 9600), ("opdx-3.txt", 1e-4, 3001)])
 def test_real_scans(name, period, values):
-    indenter, length, n = read(REAL / name, convention="heights")
+    indenter, length, n = read(REAL / name, profile_convention="heights")
     assert indenter.description["profile_values"] == values
     assert length == pytest.approx(period, rel=1e-3)  # mirrored
     assert "taken as even" in indenter.description["profile_steps"]

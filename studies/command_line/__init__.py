@@ -1,0 +1,7 @@
+"""The command line: linecontact solve | study | plot | info, a file for each, and `main`, which knows them all.
+
+Such a file offers `Options`, a dataclass of what the command can be asked for, and `command(options)`, which does it
+and returns the exit status. `main` looks for mistyped options before it imports any of them.
+
+May import: linecontact.kernels, linecontact.solver, linecontact.studies.
+"""

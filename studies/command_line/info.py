@@ -1,0 +1,40 @@
+"""`linecontact info`: what this installation consists of, and where it keeps its caches."""
+
+import os
+import platform
+import sys
+from dataclasses import dataclass
+
+import warp as wp
+from linecontact import kernels
+from linecontact.solver import provenance, transforms
+from linecontact.solver.fftw import pyfftw
+from rich.table import Table
+
+from .. import console
+
+
+@dataclass(frozen=True)
+class Options:
+    """Versions, threads, caches and devices."""
+
+
+def command(_: Options) -> int:
+    """Print it all as a table; returns the exit status."""
+    kernels.load()
+    table = Table(title="linecontact", show_header=False)
+    rows = {
+        **provenance.provenance(),
+        "FFTW": pyfftw.fftw_version,
+        "threads": f"FFTW 1 by default (--threads), Warp 1; {len(os.sched_getaffinity(0))} cores usable"
+        if hasattr(os, "sched_getaffinity")
+        else str(os.cpu_count()),
+        "Warp kernel cache": str(wp.config.kernel_cache_dir),
+        "FFTW wisdom": f"{transforms.wisdom_file()} ({'present' if transforms.wisdom_file().exists() else 'none yet'})",
+        "devices": ", ".join(str(device) for device in wp.get_devices()) + " (only cpu is used)",
+        "interpreter": f"{sys.executable}, {platform.machine()}",
+    }
+    for name, value in rows.items():
+        table.add_row(name, value)
+    console.Output().print(table)
+    return 0

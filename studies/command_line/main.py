@@ -1,0 +1,79 @@
+"""What `linecontact` makes of its arguments: which command is meant, what it is asked for, and then the command.
+
+Nothing that takes time is imported before the names of all options are known to be right.
+"""
+
+import importlib
+import sys
+from collections.abc import Callable, Iterable, Sequence
+from importlib.metadata import PackageNotFoundError, version
+
+from .. import STUDIES
+from ..terminal import arguments, declarations, text
+from . import kinds, study
+
+PROG = "linecontact"
+ABOUT = f"""What is pressed against what, how large is the true contact, and how wrong can the answer be?
+
+{PROG} COMMAND --help lists the options of a command, {PROG} --version shows the version."""
+COMMANDS = ("solve", "study", "plot", "info")
+"""Each has a module of its name beside this one."""
+
+BAD_INPUT = 2
+"""The exit status where the words mean nothing."""
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Do what the command line says; returns the exit status."""
+    return prepare(words)()
+
+
+def prepare(words: Sequence[str] | None = None) -> Callable[[], int]:
+    """Import what the command line asks for. What this returns does it, and returns the exit status."""
+    try:
+        return _command(list(sys.argv[1:] if words is None else words))
+    except ValueError as error:
+        text.complain(error)
+        return lambda: BAD_INPUT
+
+
+def _command(words: list[str]) -> Callable[[], int]:
+    """The command that the words ask for, ready to run. Raises `ValueError`."""
+    if words[:1] == ["--version"]:
+        print(PROG, _version())
+        return lambda: 0
+    name, words = arguments.choose("command", words, COMMANDS, PROG, ABOUT, _summary)
+    prog, module = f"{PROG} {name}", f"{__package__}.{name}"
+    if name == "study":
+        name, words = study.choose(words, prog)
+        prog, module = f"{prog} {name}", STUDIES[name]
+    asked = {"": f"{module}:Options"} | (kinds.titles() if name == "solve" else {})
+    _check_names(words, asked.values(), prog)
+
+    from .. import console  # takes its time, too
+
+    classes = {title: arguments.load(kind) for title, kind in asked.items()}
+    given = arguments.given(words, classes, prog)
+    options = classes[""](**given.pop(""))
+    others = [given] if given else []  # what is given of the layer and the profiles
+    run = importlib.import_module(module).command
+    kept = console.KEPT if module in STUDIES.values() else ""
+    return lambda: console.guard(lambda: int(run(options, *others)), kept)
+
+
+def _summary(name: str) -> str:
+    return study.ABOUT if name == "study" else declarations.summary(f"{__package__}.{name}:Options")
+
+
+def _check_names(words: Sequence[str], asked: Iterable[str], prog: str) -> None:
+    """Refuse mistyped options, as far as the sources alone tell which there are."""
+    declared = [declarations.read(kind) for kind in asked]
+    if all(declared):
+        arguments.check_names(words, [name for one in declared if one for name in one.fields], prog)
+
+
+def _version() -> str:
+    try:
+        return version("linecontact")
+    except PackageNotFoundError:
+        return "unknown"

@@ -1,0 +1,26 @@
+"""`linecontact plot`: the figures of a stored file."""
+
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TextIO
+
+from .. import figures
+from ..terminal.text import printable
+
+
+@dataclass(frozen=True)
+class Options:
+    """Draw the figures of a stored solution or study beside its file."""
+
+    file: Path
+    """An HDF5 file that linecontact wrote."""
+
+
+def command(options: Options, output: TextIO | None = None) -> int:
+    """Draw the figures and print their names, on standard output if nothing else is said; returns the exit status."""
+    with warnings.catch_warnings(action="ignore"):  # of what matplotlib finds odd in a file
+        drawn = figures.draw(options.file)
+    for file in drawn:
+        print(printable(str(file)), file=output)
+    return 0

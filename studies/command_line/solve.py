@@ -1,0 +1,218 @@
+"""`linecontact solve`: one scene, as a table or as JSON, and its file and figure."""
+
+import inspect
+import json
+import sys
+from collections.abc import Mapping
+from dataclasses import MISSING, dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from linecontact.solver import METHODS, Layer, Scene, Solution, solve
+from linecontact.solver.scene import PRECISIONS
+from linecontact.solver.transforms import PLANNING
+from rich.table import Table
+
+from .. import console, scans, store
+from ..terminal import arguments
+from ..terminal.options import one_of, options_of
+from . import kinds
+
+_DEFAULTS = {name: parameter.default for name, parameter in inspect.signature(solve).parameters.items()}
+"""Of the parameters of `solve`."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """Solve one scene. Lengths and pressures in consistent units of your own; the published study's are 1."""
+
+    profile: str = one_of(kinds.PROFILES, "power")
+    """Indenter: h = (R/n) |x/R|^n; self-affine random roughness; or a file."""
+    pressure: float = Scene.pressure
+    """Mean external pressure p > 0 [pressure]."""
+    period: float | None = None
+    """Period L > 0 [length]; default 1, or the length of a file with positions."""
+    num_points: int | None = None
+    """Grid points, at least 4; default 2^18, for a file the next power of two (at most 16 times its values)."""
+    accuracy: float | None = _DEFAULTS["accuracy"]
+    """Relative error wanted of a_r, 1e-9 to 0.1 (dimensionless). Chooses model, grid, method, precision and tolerance,
+    which must not be given; num_points is then the most to use."""
+    method: str | None = one_of(METHODS, _DEFAULTS["method"])
+    """Method; default: active-set, the fastest."""
+    grids: Literal["auto", "nested", "single"] = "auto"
+    """Start from the solution on coarser grids; auto: for the active set."""
+    tolerance: float | None = _DEFAULTS["tolerance"]
+    """Stop at this rms free residual over p (dimensionless); default 1e-8, in float32 what rounding allows."""
+    max_iterations: int | None = _DEFAULTS["max_iterations"]
+    """Iteration limit; reaching it gives exit status 3."""
+    precision: str = one_of(PRECISIONS, Scene.precision)
+    """Of the iteration; mixed: float32 inside, residuals in float64. The certificate is always float64."""
+    threads: int = _DEFAULTS["threads"]
+    """Threads of the transforms."""
+    planning: str = one_of(PLANNING, _DEFAULTS["planning"])
+    """FFTW's planning effort; what it finds is kept for later runs."""
+    json: bool = False
+    """One JSON object on standard output instead of a table."""
+    save: Path | None = None
+    """Write fields and results to this HDF5 file."""
+    plot: bool = False
+    """Draw the figure beside the saved file."""
+    overwrite: bool = False
+    """Let --save replace an existing file."""
+
+
+Given = Mapping[str, Mapping[str, Any]]
+"""The options of the layer and of the profiles that are given, by the titles of `kinds` and by name."""
+
+
+def command(options: Options, given: Given) -> int:
+    """Solve the scene that the options describe, and show what was found; returns the exit status."""
+    if options.save:
+        check_targets(options, given)
+    elif options.plot:
+        raise ValueError("plot is True; allowed: together with --save, the figure is drawn from the file")
+    if options.accuracy is not None and options.grids != "auto":
+        raise ValueError(f"grids is {options.grids}; allowed: auto, with accuracy, which chooses the grid")
+    scene = make_scene(options, given)
+    aim = options.tolerance or (1e-5 if options.accuracy else 1e-4 if options.precision == "float32" else 1e-8)
+    try:
+        with console.solve_progress(aim) as report:
+            solution = solve(
+                scene,
+                accuracy=options.accuracy,
+                method=options.method,
+                nested=None if options.grids == "auto" else options.grids == "nested",
+                tolerance=options.tolerance,
+                max_iterations=options.max_iterations,
+                threads=options.threads,
+                planning=options.planning,
+                progress=report,
+            )
+    except KeyboardInterrupt:
+        if options.accuracy is None:
+            raise
+        console.errors.print("linecontact: interrupted; to an accuracy there is no partial result, nothing is saved")
+        return console.EXIT_INTERRUPTED
+    try:
+        show(solution, options.json)
+    finally:  # also when the reader of the output has gone away
+        if options.save:
+            store.save_solution(options.save, solution)
+    if options.save and options.plot:
+        from . import plot  # Matplotlib takes its time
+
+        plot.command(plot.Options(options.save), sys.stderr if options.json else sys.stdout)
+    status = console.exit_status(solution.status)
+    if status:
+        kept = f"; the partial result is in {options.save}" if options.save else ""
+        console.errors.print(f"linecontact: {solution.status}: {solution.reason}{kept}")
+    return status
+
+
+def show(solution: Solution, as_json: bool) -> None:
+    """Print what was found on standard output."""
+    if as_json:
+        print(json.dumps(solution.to_dict()), flush=True)
+        return
+    console.Output().print(solution_table(solution))
+    if solution.choices:
+        console.Output().print(choices_table(solution))
+    steps = solution.scene.to_dict().get("profile_steps")
+    if steps:
+        console.Output().print(f"Profile: {steps}.")
+
+
+def check_targets(options: Options, given: Given) -> None:
+    """Raise `ValueError` if the file or its figures would replace what they must not."""
+    assert options.save
+    store.check_target(options.save, options.overwrite)
+    profile_file = given[kinds.title("profile", "file")].get("profile_file")
+    if profile_file and options.save.exists() and profile_file.samefile(options.save):
+        raise ValueError(f"save is {options.save}; allowed: another file than the profile's")
+    for suffix in (".png", ".pdf") if options.plot else ():
+        if options.save.suffix == suffix:
+            raise ValueError(f"save is {options.save}; allowed: with --plot not a figure's name")
+        store.check_target(options.save.with_suffix(suffix), options.overwrite)
+
+
+def make_scene(options: Options, given: Given) -> Scene:
+    """The scene that the options describe. Raises `ValueError`."""
+    profile = _made("profile", kinds.PROFILES, options, given)
+    if isinstance(profile, scans.Options):
+        indenter, period, num_points = scans.read(profile)
+        grid: dict[str, Any] = {"period": period, "num_points": num_points}
+    else:
+        indenter = profile
+        grid = {name: getattr(options, name) for name in ("period", "num_points") if getattr(options, name) is not None}
+    layer = Layer(**given["layer"])
+    return Scene(layer=layer, indenter=indenter, pressure=options.pressure, precision=options.precision, **grid)
+
+
+def _made(what: str, table: Mapping[str, str], options: Options, given: Given) -> Any:
+    """The kind of layer or profile that the option `what` chooses from a table, with its own options.
+
+    Raises `ValueError` if one of them is missing, and for those of another kind, unless they have their default.
+    """
+    chosen = getattr(options, what)
+    classes = {name: arguments.load(kind) for name, kind in table.items()}
+    own = options_of(classes[chosen])
+    for other, kind in classes.items():
+        defaults = {name: option.default for name, option in options_of(kind).items()}
+        for name, value in given[kinds.title(what, other)].items():
+            if name not in own and not hasattr(options, name) and value != defaults[name]:
+                raise ValueError(f"{name} is {value}; allowed: only with --{what} {other}, not {chosen}")
+    values = given[kinds.title(what, chosen)]
+    for name, option in own.items():
+        if option.default is MISSING and name not in values:
+            raise ValueError(f"{name} is missing; allowed: {option.allowed}, with --{what} {chosen}")
+    return classes[chosen](**values)
+
+
+def solution_table(solution: Solution) -> Table:
+    """What a solve found, with units."""
+    record = solution.to_dict()
+    handed = ", handed over to mass-weighted-fire" if solution.handed_over else ""
+    table = Table(title=f"{solution.method}{handed}, {record['precision']}: {solution.status}", show_header=True)
+    table.add_column("quantity")
+    table.add_column("value", justify="right")
+    table.add_column("unit")
+    spacing = 1 / solution.scene.num_points
+    rows = [
+        ("contact area a_r (sub-grid edges)", f"{record['contact_area_subgrid']:.10g}", "-"),
+        ("  its error, estimated", record["contact_area_error"], "-" if solution.levels else "- (edges only)"),
+        *(
+            [("contact area a_r (nodes counted)", f"{record['contact_area']:.8g}", f"- (one node: {spacing:.1e})")]
+            if solution.certificate
+            else []
+        ),
+        ("contact patches", record["num_patches"], f"- ({record['num_counted_patches']} of 1 or 2 nodes)"),
+        ("rms gradient in contact g_c", record["rms_gradient_contact"], "-"),
+        ("reduced pressure p* = p/(E* g_c)", record["reduced_pressure"], "-"),
+        ("kappa = a_r/p*", record["kappa"], "-"),
+        ("kappa (sub-grid edges)", record["kappa_subgrid"], "-"),
+        ("  its error, estimated", record["kappa_error"], "-"),
+        *([("kappa over the half-space's", record["kappa_ratio"], "-")] if "kappa_ratio" in record else []),
+        ("reduced thickness d/(a_r L)", record["reduced_thickness"], "-"),
+        ("approach", record["approach"], "length"),
+        ("peak pressure", record["peak_pressure"], "pressure"),
+        ("iterations", record["iterations"], "-"),
+        ("transform pairs", record["transform_pairs"], "-"),
+        *((f"time: {stage}", f"{seconds:.3f}", "s") for stage, seconds in record["seconds"].items()),
+        *((f"certificate: {name.replace('_', ' ')}", value, "-") for name, value in record["certificate"].items()),
+    ]
+    for name, value, unit in rows:
+        table.add_row(name, f"{value:.7g}" if isinstance(value, float) else str(value), unit)
+    return table
+
+
+def choices_table(solution: Solution) -> Table:
+    """What was chosen for the user."""
+    table = Table(
+        title="chosen" + (f" for an accuracy of {solution.accuracy:g}" if solution.accuracy else ""),
+        caption="error: estimate of the relative error of a_r that it brings (dimensionless)",
+    )
+    for heading in ("what", "chosen", "error", "because"):
+        table.add_column(heading)
+    for choice in solution.choices:
+        table.add_row(choice.what, choice.chosen, f"{choice.error:.1g}" if choice.error else "", choice.reason)
+    return table

@@ -1,0 +1,17 @@
+"""`linecontact study`: which study is meant. Its own module does the rest."""
+
+from collections.abc import Sequence
+
+from .. import STUDIES
+from ..terminal import arguments, declarations
+
+ABOUT = "Run a study: data, figures and a table in one folder."
+
+
+def choose(words: Sequence[str], prog: str) -> tuple[str, list[str]]:
+    """The name of the study, and the words after it. Raises `ValueError`."""
+    return arguments.choose("study", words, STUDIES, prog, ABOUT, _summary)
+
+
+def _summary(name: str) -> str:
+    return declarations.summary(f"{STUDIES[name]}:Options")

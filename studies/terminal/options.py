@@ -1,0 +1,85 @@
+"""A dataclass's fields as options of the command line: its defaults are theirs, its types say what is allowed.
+
+A field may be a number, text, a path, a flag (a bool, False by default), one of a few words (`Literal` or `one_of`), a
+tuple of paths, numbers or text, or None where nothing is given.
+"""
+
+import contextlib
+from collections.abc import Iterable
+from dataclasses import MISSING, Field, dataclass, field, fields
+from pathlib import Path
+from types import NoneType, UnionType
+from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
+
+_TYPES = {int: "an integer", float: "a number", str: "text", Path: "a path"}
+"""What a value of each type is called."""
+
+
+def one_of(allowed: Iterable[str], default: Any) -> Any:
+    """A field that takes one of the words of a list, or one of the names in a mapping, which may still grow."""
+    return field(default=default, metadata={"allowed": allowed})
+
+
+@dataclass(frozen=True)
+class Option:
+    """A field of a dataclass as it is given on the command line."""
+
+    name: str
+    """Name of the field."""
+    type: type
+    """Type of one value."""
+    count: int
+    """How many values there are to give; 0 for a flag."""
+    choices: tuple[str, ...]
+    """The words that are allowed; empty where others are."""
+    default: Any
+    """The value if the option is not given; `dataclasses.MISSING` if it must be."""
+
+    @property
+    def allowed(self) -> str:
+        """What is allowed, for messages."""
+        value = ", ".join(self.choices) or _TYPES[self.type]
+        return value if self.count == 1 else f"{self.count} values, each {value}"
+
+    @property
+    def placeholder(self) -> str | tuple[str, ...]:
+        """What stands for the value, or for each of several, in --help."""
+        word = f"{{{','.join(self.choices)}}}" if self.choices else _TYPES[self.type].split()[-1].upper()
+        return word if self.count == 1 else (word,) * self.count
+
+    def value(self, words: str | list[str] | bool) -> Any:
+        """The value that a word stands for, or several; True is a flag that is given. Raises `ValueError`."""
+        if isinstance(words, bool):
+            return words
+        if isinstance(words, list):
+            return tuple(self.value(word) for word in words)
+        if words in self.choices or not self.choices:
+            with contextlib.suppress(ValueError):
+                return self.type(words)
+        raise ValueError(f"{self.name} is {words!r}; allowed: {', '.join(self.choices) or _TYPES[self.type]}")
+
+
+def flag(name: str) -> str:
+    """The name of a field as it is written on the command line."""
+    return f"--{name.replace('_', '-')}"
+
+
+def options_of(kind: type) -> dict[str, Option]:
+    """The options that a dataclass stands for, by name and in order. Raises `TypeError` for a field that cannot be."""
+    hints = get_type_hints(kind)
+    return {entry.name: _option(entry, hints[entry.name]) for entry in fields(kind) if entry.init}
+
+
+def _option(entry: Field[Any], hint: Any) -> Option:
+    parts = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
+    kind, *others = (part for part in parts if part is not NoneType)
+    values = get_args(kind) if get_origin(kind) is tuple else (kind,)
+    default = entry.default if entry.default_factory is MISSING else entry.default_factory()
+    words = get_args(kind) if get_origin(kind) is Literal else ()
+    choices = tuple(entry.metadata.get("allowed", words))
+    value = str if choices else values[0]
+    possible = value in _TYPES or (value is bool and default is False)
+    if not possible or others or len(set(values)) > 1:
+        allowed = "a number, text, a path, words, or a flag that is False by default"
+        raise TypeError(f"field {entry.name} is of type {hint}; allowed for an option: {allowed}")
+    return Option(entry.name, value, 0 if value is bool else len(values), choices, default)

@@ -1,0 +1,241 @@
+"""Arguments of the command line as dataclasses: values, errors, help, and what is known from the source alone."""
+
+import re
+import subprocess
+import sys
+from dataclasses import MISSING, dataclass
+from pathlib import Path
+from typing import ClassVar, Literal, Optional
+
+import pytest
+from linecontact.solver import Layer, PowerIndenter, RoughIndenter
+from linecontact.studies import STUDIES, asperity, ensemble, kernels, scans
+from linecontact.studies.command_line import kinds, main, plot, solve
+from linecontact.studies.terminal import arguments, declarations
+from linecontact.studies.terminal.options import one_of, options_of
+
+WORDS = {"one": 1, "two": 2}
+
+
+@dataclass(frozen=True)
+class Base:
+    """What the others have in common."""
+
+    folder: Path | None = None
+    """Where it goes."""
+    workers: int = 2
+
+
+@dataclass(frozen=True)
+class Every(Base):
+    """Every type of option, 100 % of them.
+
+    More is said here.
+
+    ratio: of two lengths, which is
+        a long story.
+    share: of something
+
+    workers: of the base class, which says nothing.
+    """
+
+    name: ClassVar[str] = "every"
+    ratio: float = 0.5
+    limit: int | None = None
+    optional: Optional[float] = None  # noqa: UP045
+    text: str = "none"
+    quick: bool = False
+    """Be quick."""
+    unit: Literal["m", "mm"] = "m"
+    word: str | None = one_of(WORDS, None)
+    pair: tuple[Path, Path] | None = None
+    share: float = 0.1
+    two_words: float = 1.0
+
+
+@dataclass(frozen=True)
+class Positional:
+    """A command on a file."""
+
+    file: Path
+    level: int = 0
+
+
+@dataclass(frozen=True)
+class Bumpy(PowerIndenter):
+    """An indenter that the command line has not heard of."""
+
+    name: ClassVar[str] = "bumpy"
+    bump: float = 0.5
+    """Height of a bump."""
+
+
+def parse(*words):
+    return arguments.parse(Every, words, "prog")
+
+
+def test_values_of_every_type():
+    assert parse() == Every()
+    words = "--folder f --workers 3 --ratio -1e-3 --limit 1_0 --optional inf --text= --quick --unit mm --word two"
+    expected = Every(Path("f"), 3, -1e-3, 10, float("inf"), "", True, "mm", "two", (Path("a"), Path("b")), 0.1, 2.0)
+    assert parse(*words.split(), "--pair", "a", "b", "--two-words=2") == expected
+    assert parse("--two_words", "2", "--workers", "1", "--workers", "5") == Every(two_words=2.0, workers=5)
+    assert parse("--folder=--odd_name").folder == Path("--odd_name")
+    assert arguments.parse(Positional, ["--level", "-3", "some file"], "prog") == Positional(Path("some file"), -3)
+    assert arguments.parse(Positional, ["--", "--level"], "prog") == Positional(Path("--level"))
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ("--ratio abc", "ratio is 'abc'; allowed: a number"),
+        ("--two_words abc", "two_words is 'abc'; allowed: a number"),
+        ("--limit 1e3", "limit is '1e3'; allowed: an integer"),
+        ("--limit None", "limit is 'None'; allowed: an integer"),
+        ("--unit km", "unit is 'km'; allowed: m, mm"),
+        ("--word three", "word is 'three'; allowed: one, two"),
+        ("--limit", "limit has no value; allowed: an integer"),
+        ("--limit --quick", "limit has no value; allowed: an integer"),
+        ("--pair a", "pair has no value; allowed: 2 values, each a path"),
+        ("--quick=yes", "quick has a value; allowed: --quick alone"),
+        ("yes", "'yes' is no option; allowed: the options of `prog --help`"),
+        ("--ratoi 3", "option --ratoi is unknown, perhaps meant as --ratio; allowed: the options of `prog --help`"),
+        ("--qui", "option --qui is unknown, perhaps meant as --quick; allowed: the options of `prog --help`"),
+        ("--colour=red", "option --colour is unknown; allowed: the options of `prog --help`"),
+        ("--name x", "option --name is unknown; allowed: the options of `prog --help`"),
+        ("-q", "option -q is unknown; allowed: the options of `prog --help`"),
+    ],
+)
+def test_wrong_words_name_the_option_the_value_and_what_is_allowed(words, message):
+    with pytest.raises(ValueError, match=rf"^{re.escape(message)}$"):
+        parse(*words.split())
+
+
+def test_a_positional_argument_must_be_given():
+    with pytest.raises(ValueError, match=r"^file is missing; allowed: a path$"):
+        arguments.parse(Positional, ["--level", "3"], "prog")
+    with pytest.raises(ValueError, match=r"^'b' is no option"):
+        arguments.parse(Positional, ["a", "b"], "prog")
+
+
+def test_only_what_is_given_goes_to_each_of_several_dataclasses():
+    kinds = {"": Base, "every": Every, "positional": Positional}
+    given = arguments.given(["--workers", "4", "--file", "f"], kinds, "prog")
+    assert given == {"": {"workers": 4}, "every": {"workers": 4}, "positional": {"file": Path("f")}}
+
+
+def test_help_shows_what_is_said_what_is_allowed_and_the_default(capsys):
+    with pytest.raises(SystemExit, match=r"^0$"):
+        arguments.given(["--ratio", "abc", "--help"], {"": Every, "more of it": Positional}, "prog study")
+    said = capsys.readouterr().out
+    assert said.startswith(
+        "usage: prog study [OPTIONS]\n\nEvery type of option, 100 % of them.\n\nMore is said here.\n"
+    )
+    lines = " ".join(said.split())
+    for text in (
+        "--folder PATH Where it goes. --workers",
+        "--workers INTEGER (default: 2)",
+        "--ratio NUMBER of two lengths, which is a long story. (default: 0.5)",
+        "--limit INTEGER --optional",
+        "--quick Be quick. --unit {m,mm} (default: m)",
+        "--word {one,two} --pair PATH PATH --share NUMBER of something (default: 0.1)",
+        "more of it: A command on a file. --file PATH --level INTEGER (default: 0)",
+    ):
+        assert text in lines
+    assert "ClassVar" not in said
+    assert "--name" not in said
+
+
+@pytest.mark.parametrize(
+    "hint", [list[str], int | str, dict[str, int], bool | None, tuple[int, str], bytes, tuple[bool, bool]]
+)
+def test_types_that_no_option_has_are_refused(hint):
+    kind = dataclass(type("Odd", (), {"__annotations__": {"odd": hint}, "odd": None}))
+    with pytest.raises(TypeError, match="field odd is of type"):
+        options_of(kind)
+
+
+@pytest.mark.parametrize("kind", [Base, Every, Positional, ensemble.Options, asperity.Options, scans.Options])
+def test_the_source_alone_tells_every_field(kind):
+    declared = declarations.read(f"{kind.__module__}:{kind.__name__}")
+    assert list(declared.fields) == list(options_of(kind))
+
+
+def test_the_source_tells_what_is_inherited():
+    declared = declarations.read("linecontact.studies.kernels:Options")
+    assert list(declared.fields) == list(options_of(kernels.Options))
+    assert declared.fields["workers"] == "More than one disturb each other's times."
+    assert declared.fields["folder"].startswith("Where data and figures go")
+    assert declared.summary == "Times and bandwidths of every kernel over N, against C and NumPy: data, figures, table."
+
+
+@pytest.mark.parametrize("name", ["linecontact.studies.store:Options", "no.such.module:Kind", "sys:Kind"])
+def test_what_the_source_does_not_tell_is_none(name):
+    assert declarations.read(name) is None
+
+
+@pytest.mark.parametrize("name", [*kinds.titles().values(), *(f"{module}:Options" for module in STUDIES.values())])
+def test_every_class_that_is_named_has_options_that_its_source_tells(name):
+    kind = arguments.load(name)
+    declared = declarations.read(name)
+    assert list(declared.fields) == list(options_of(kind))
+    assert declared.summary
+
+
+def test_the_solvers_defaults_are_those_of_the_command_line():
+    given = {title: {} for title in kinds.titles()}
+    scene = solve.make_scene(solve.Options(), given)
+    assert (scene.layer, scene.indenter) == (Layer(), PowerIndenter())
+    assert scene == type(scene)()
+    rough = solve.make_scene(solve.Options(profile="rough"), given)
+    assert rough.indenter == RoughIndenter()
+    assert options_of(plot.Options)["file"].default is MISSING
+
+
+def test_a_new_profile_takes_one_line_in_the_list(monkeypatch, capsys):
+    monkeypatch.setitem(kinds.PROFILES, "bumpy", f"{__name__}:Bumpy")
+    words = "solve --num-points 64 --json --profile"
+    assert main.main([*words.split(), "bumpy", "--bump", "0.3", "--exponent", "4"]) == 0
+    assert '"exponent": 4.0' in capsys.readouterr().out
+    assert main.main([*words.split(), "power", "--bump", "0.3"]) == 2
+    assert capsys.readouterr().err == "linecontact: bump is 0.3; allowed: only with --profile bumpy, not power\n"
+    assert main.main([*words.split(), "power", "--bumb", "0.3"]) == 2
+    assert "option --bumb is unknown, perhaps meant as --bump;" in capsys.readouterr().err
+    with pytest.raises(SystemExit):
+        main.main(["solve", "--help"])
+    assert "--profile {power,rough,file,bumpy}" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("words", "status"),
+    [
+        (["--version"], 0),
+        (["stdy"], 2),
+        (["study", "hetz"], 2),
+        (["study", "--help"], 0),
+        (["solve", "--tolerence", "1"], 2),
+        *((["study", name, "--quik"], 2) for name in STUDIES),
+    ],
+)
+def test_what_needs_nothing_imports_nothing_that_takes_time(words, status):
+    program = (
+        "import sys\n"
+        "from linecontact.studies import __main__ as entry\n"
+        "try: status = entry.main()\n"
+        "except SystemExit as stop: status = stop.code\n"
+        "slow = 'numpy', 'scipy', 'dask', 'matplotlib', 'warp', 'h5py', 'rich', 'pyfftw', 'linecontact.solver'\n"
+        "print(status, [name for name in slow if name in sys.modules])"
+    )
+    result = subprocess.run([sys.executable, "-c", program, *words], capture_output=True, text=True, timeout=60)
+    assert result.stdout.splitlines()[-1] == f"{status} []", result.stderr
+
+
+def test_a_solve_needs_neither_scipy_nor_matplotlib_nor_warp():
+    program = (
+        "import sys\n"
+        "from linecontact.studies.command_line.main import main\n"
+        "status = main(['solve', '--accuracy', '1e-4', '--json'])\n"
+        "print(status, [name for name in ('scipy', 'dask', 'matplotlib', 'warp') if name in sys.modules])"
+    )
+    result = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
+    assert result.stdout.splitlines()[-1] == "0 []", result.stderr
