@@ -6,7 +6,8 @@ python -m linecontact.studies.blunt [--quick] [--folder FOLDER]
 import sys
 from dataclasses import dataclass
 
-from . import asperity, console
+from .power_profiles import study as asperity
+from .terminal import console
 
 CONFIGURATION = asperity.Configuration(exponent=4.0, published_alpha=2.94)
 

@@ -24,24 +24,18 @@ from linecontact.solver import (
 )
 from rich.table import Table
 
-from . import (
-    blunt,
-    console,
-    edge_curve,
-    ensemble,
-    extremes,
-    hertz,
-    iterations,
-    kernels,
-    paper,
-    peers,
-    rough,
-    scans,
-    sharp,
-    soak,
-    store,
-    tradeoff,
-)
+from . import blunt, hertz, rough, sharp
+from .edge_curve import study as edge_curve
+from .extremes import soak
+from .extremes import study as extremes
+from .files import scans, store
+from .iterations import study as iterations
+from .kernel_benchmark import study as kernels
+from .paper import study as paper
+from .peers import study as peers
+from .runner import ensemble
+from .terminal import console
+from .tradeoff import study as tradeoff
 
 
 @dataclass(frozen=True)
@@ -333,10 +327,10 @@ def choices_table(solution: Solution) -> Table:
 
 def run_plot(options: Plot, output: TextIO | None = None) -> int:
     """`linecontact plot`."""
-    from . import figures
+    from .runner import drawing
 
     with warnings.catch_warnings(action="ignore"):  # of what matplotlib finds odd in a file
-        drawn = figures.draw(options.file)
+        drawn = drawing.draw(options.file)
     for file in drawn:
         print(console.printable(str(file)), file=output)
     return 0

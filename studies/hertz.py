@@ -7,7 +7,8 @@ import math
 import sys
 from dataclasses import dataclass
 
-from . import asperity, console
+from .power_profiles import study as asperity
+from .terminal import console
 
 CONFIGURATION = asperity.Configuration(exponent=2.0, published_alpha=3 * math.pi / 4)
 

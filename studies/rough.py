@@ -21,8 +21,10 @@ from numpy.typing import NDArray
 from rich.console import RenderableType
 from rich.table import Table
 
-from . import console, ensemble, store
-from .tasks import Record
+from .files import store
+from .runner import ensemble
+from .runner.tasks import Record
+from .terminal import console
 
 Array64 = NDArray[np.float64]
 

@@ -6,7 +6,8 @@ python -m linecontact.studies.sharp [--quick] [--folder FOLDER]
 import sys
 from dataclasses import dataclass
 
-from . import asperity, console
+from .power_profiles import study as asperity
+from .terminal import console
 
 # thinner incompressible layers would be below a grid spacing, and the residual of 1e-8 below float64's rounding
 CONFIGURATION = asperity.Configuration(exponent=1.5, published_alpha=2.20, thinnest_incompressible=0.02)

@@ -11,7 +11,8 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from linecontact.studies import console, ensemble
+from linecontact.studies.runner import ensemble
+from linecontact.studies.terminal import console
 
 
 def there(name):
@@ -85,7 +86,8 @@ def study(tasks):
 
 def real_studies():
     """A little of the paper at 2^10 points."""
-    from linecontact.studies import asperity, rough
+    from linecontact.studies import rough
+    from linecontact.studies.power_profiles import study as asperity
 
     hertz = asperity.Configuration(
         exponent=2.0,

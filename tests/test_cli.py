@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from linecontact.studies import store
+from linecontact.studies.files import store
 
 CLI = [sys.executable, "-m", "linecontact.studies"]
 

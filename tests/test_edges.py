@@ -8,9 +8,9 @@ import pytest
 from linecontact.solver import Layer, MeasuredIndenter, PowerIndenter, Scene, closed_forms, collocation, edges, solve
 from linecontact.solver.nested import grids, prolong
 from linecontact.solver.patches import Patches
-from linecontact.studies import store
+from linecontact.studies.files import store
 
-STORED = Path(store.__file__).parent / "results" / "edge-curve.h5"
+STORED = Path(store.__file__).parents[1] / "results" / "edge-curve.h5"
 
 
 def test_closed_form_constants():

@@ -19,7 +19,8 @@ from types import SimpleNamespace
 import dummy_tasks
 import pytest
 from dummy_tasks import Kills, Raises, Square
-from linecontact.studies import ensemble, executors, store, tasks
+from linecontact.studies.files import store
+from linecontact.studies.runner import ensemble, executors, tasks
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals and limits of POSIX")
 
@@ -452,7 +453,7 @@ def test_any_flipped_bit_in_a_study_is_noticed(folder):
     check = """
 import sys
 from pathlib import Path
-from linecontact.studies import store
+from linecontact.studies.files import store
 path = Path(sys.argv[1])
 content = path.read_bytes()
 for position in range(0, len(content), 19):

@@ -26,8 +26,10 @@ from linecontact.solver.patches import Patches
 from linecontact.solver.problem import Problem
 from linecontact.solver.relaxation import relax
 from linecontact.solver.transforms import Transforms
-from linecontact.studies import ensemble, extremes, figures, soak, store
-from linecontact.studies.extremes import cells, verdicts
+from linecontact.studies.extremes import cells, soak, verdicts
+from linecontact.studies.extremes import study as extremes
+from linecontact.studies.files import store
+from linecontact.studies.runner import drawing, ensemble
 
 
 def measured(heights, layer=None, pressure=1e-3, **changes):
@@ -135,7 +137,7 @@ def test_study_and_figure(tmp_path):
     options = ensemble.Options(folder=tmp_path, workers=1)
     assert ensemble.command([study], options, tmp_path, extremes.closing, extremes.defects) == 0
     assert ensemble.command([study], options, tmp_path, extremes.closing, lambda file: ["one"]) == 4
-    assert [path.name for path in figures.draw(tmp_path / "extremes.h5")] == ["extremes.png", "extremes.pdf"]
+    assert [path.name for path in drawing.draw(tmp_path / "extremes.h5")] == ["extremes.png", "extremes.pdf"]
 
 
 def test_soak(tmp_path):

@@ -17,10 +17,14 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from linecontact.solver import Scene, solve
-from linecontact.studies import cli, confined, console, ensemble, figures, scans, store, tasks
-from linecontact.studies.kernels import compare
+from linecontact.studies import cli
+from linecontact.studies.files import confined, scans, store
+from linecontact.studies.kernel_benchmark import compare
+from linecontact.studies.power_profiles import study as asperity
+from linecontact.studies.runner import drawing, ensemble, tasks
+from linecontact.studies.terminal import console
 
-RESULTS = Path(store.__file__).parent / "results"
+RESULTS = Path(store.__file__).parents[1] / "results"
 HEIGHTS = np.sin(np.arange(40.0))
 fuzz = settings(
     derandomize=True,
@@ -131,7 +135,7 @@ def test_what_is_no_file_is_refused_at_once(tmp_path):
 
 
 def ensemble_task():
-    return cli.hertz.asperity.study("hertz", cli.hertz.CONFIGURATION).tasks[0]
+    return asperity.study("hertz", cli.hertz.CONFIGURATION).tasks[0]
 
 
 def external(file):
@@ -335,7 +339,7 @@ def test_records_that_are_none_are_set_aside(tmp_path, body):
 
 def test_records_of_something_else_are_one_line(tmp_path, capfd):
     """They have the tasks' names and right checksums."""
-    study = cli.hertz.asperity.study("hertz", cli.hertz.asperity.quick(cli.hertz.CONFIGURATION))
+    study = asperity.study("hertz", asperity.quick(cli.hertz.CONFIGURATION))
     folder = tasks.TaskFolder(tmp_path / "tasks")
     for task in study.tasks:
         folder.save(task, {"a": [1.0], "status": "\x1b[31m[red]"})
@@ -452,7 +456,7 @@ def test_any_hdf5(tmp_path, content):
 def test_any_result(tmp_path, images, data):
     path = sealed(tmp_path / "run.h5", data.draw(mutants(images["iterations"])))
     with contextlib.suppress(store.StoreError):
-        figures.draw(path)
+        drawing.draw(path)
 
 
 FLAGS = [f"--{name.replace('_', '-')}" for name in cli.Solve.__dataclass_fields__]

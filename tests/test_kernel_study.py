@@ -7,10 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from linecontact import kernels
-from linecontact.studies import cli, console, ensemble, figures, store
-from linecontact.studies import kernels as study
-from linecontact.studies.kernels import candidates, compare, measure, report
-from linecontact.studies.kernels.specs import SPECS
+from linecontact.studies import cli
+from linecontact.studies.files import store
+from linecontact.studies.kernel_benchmark import candidates, compare, figures, measure, report, study
+from linecontact.studies.kernel_benchmark.specs import SPECS
+from linecontact.studies.runner import drawing, ensemble
+from linecontact.studies.terminal import console
 
 PRECISIONS = ("float32", "float64")
 HAS_C = bool(candidates.compile_c()[0])
@@ -34,7 +36,7 @@ def measured(folder):
 def test_every_kernel_has_a_spec_that_fits_it():
     candidates.load()
     from linecontact.kernels import warp_kernels
-    from linecontact.studies.kernels import elements
+    from linecontact.studies.kernel_benchmark import elements
 
     assert tuple(SPECS) == kernels.KERNELS
     for name, spec in SPECS.items():
@@ -210,10 +212,10 @@ def test_bad_files_are_refused(measured, tmp_path, capsys):
 
 def test_figures_come_from_the_file_alone(folder, tmp_path):
     (tmp_path / "kernels.h5").write_bytes((folder / "kernels.h5").read_bytes())
-    drawn = figures.draw(tmp_path / "kernels.h5")
+    drawn = drawing.draw(tmp_path / "kernels.h5")
     assert {p.name for p in drawn} == {f"kernels{s}.{e}" for s in ("", "-roofline") for e in ("png", "pdf")}
     file = store.load_study(tmp_path / "kernels.h5")
-    panel = figures.kernels.bandwidth(file).axes[0]
+    panel = figures.bandwidth(file).axes[0]
     runs = [run for run in report.loops(file) if run["precision"] == "float32"]
     line = next(line for line in panel.get_lines() if str(line.get_label()).startswith("Warp, chunks, recorded"))
     assert line.get_ydata()[0] == pytest.approx(np.median([report.bandwidth(run, "warp-graph") for run in runs]))

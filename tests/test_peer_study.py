@@ -7,7 +7,11 @@ import math
 import numpy as np
 import pytest
 from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, solve
-from linecontact.studies import ensemble, figures, peer_solvers, peers, store
+from linecontact.studies.files import store
+from linecontact.studies.peers import figures
+from linecontact.studies.peers import solvers as peer_solvers
+from linecontact.studies.peers import study as peers
+from linecontact.studies.runner import drawing, ensemble
 from matplotlib import pyplot as plt
 from rich.console import Console
 
@@ -158,8 +162,8 @@ def test_a_disagreement_is_shown_and_its_ratio_is_not(made_up):
 def test_the_figure_holds_the_stored_times(made_up, tmp_path):
     path = tmp_path / "peers.h5"
     store.save_study(path, made_up)
-    assert [file.suffix for file in figures.draw(path)] == [".png", ".pdf"]
-    (figure,) = figures.peers.draw(path).values()
+    assert [file.suffix for file in drawing.draw(path)] == [".png", ".pdf"]
+    (figure,) = figures.draw(path).values()
     for axes, name, hollow in zip(figure.axes, ("Hertz", "H=0.8"), (False, True), strict=True):
         lines = [line for line in axes.get_lines() if line.get_linestyle() == "-" and len(line.get_xdata())]
         for line, solver in zip(lines, (peers.OURS, "tamaas"), strict=True):

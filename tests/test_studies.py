@@ -11,11 +11,18 @@ import h5py
 import numpy as np
 import pytest
 from linecontact.solver import Layer, RoughIndenter, Scene, closed_forms, solve
-from linecontact.studies import asperity, ensemble, figures, hertz, paper, rough, statements, store
+from linecontact.studies import hertz, rough
+from linecontact.studies.files import store
+from linecontact.studies.paper import statements
+from linecontact.studies.paper import study as paper
+from linecontact.studies.power_profiles import figures as power_figures
+from linecontact.studies.power_profiles import study as asperity
+from linecontact.studies.rough_surfaces import figures as rough_figures
+from linecontact.studies.runner import drawing, ensemble
 from matplotlib import pyplot as plt
 
 ARRAYS = Path(__file__).with_name("figures.npz")
-RESULTS = Path(store.__file__).parent / "results"
+RESULTS = Path(store.__file__).parents[1] / "results"
 
 
 @pytest.fixture(scope="module")
@@ -112,8 +119,8 @@ def paper_folder(tmp_path_factory):
 def drawn_data(folder):
     """x and y of every line of every figure of the paper, and the points of the error bars, by figure and place."""
     data = {}
-    for kind, drawing in (*((k, figures.asperity) for k in ("sharp", "hertz", "blunt")), ("rough", figures.rough)):
-        for suffix, figure in drawing.draw(folder / f"{kind}.h5").items():
+    for kind, module in (*((k, power_figures) for k in ("sharp", "hertz", "blunt")), ("rough", rough_figures)):
+        for suffix, figure in module.draw(folder / f"{kind}.h5").items():
             for a, axes in enumerate(figure.axes):
                 for b, line in enumerate(axes.get_lines()):
                     xy = np.array([np.asarray(values, dtype=float) for values in line.get_data()])
@@ -142,7 +149,7 @@ def test_figures_hold_the_stored_numbers(paper_folder):
 def test_figures_come_from_the_file_alone(paper_folder, tmp_path):
     for kind in ("sharp", "hertz", "blunt", "rough"):
         (tmp_path / f"{kind}.h5").write_bytes((paper_folder / f"{kind}.h5").read_bytes())
-        drawn = figures.draw(tmp_path / f"{kind}.h5")
+        drawn = drawing.draw(tmp_path / f"{kind}.h5")
         assert all(p.stat().st_size > 5000 for p in drawn)
         suffixes = next(s.figures for s in paper.studies(2**10) if s.kind == kind)
         assert {p.name for p in drawn} == {f"{kind}{s}.{end}" for s in suffixes for end in ("png", "pdf")}

@@ -6,10 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from linecontact.solver import solve
-from linecontact.studies import ensemble, store, tradeoff
+from linecontact.studies.files import store
+from linecontact.studies.runner import ensemble
 from linecontact.studies.tradeoff import choices, families, front, report
+from linecontact.studies.tradeoff import study as tradeoff
 
-STORED = Path(store.__file__).parent / "results" / "tradeoff.h5"
+STORED = Path(store.__file__).parents[1] / "results" / "tradeoff.h5"
 HERTZ, ROUGH = "Hertz, half-space", "rough, half-space"
 
 

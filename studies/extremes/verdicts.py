@@ -28,7 +28,7 @@ from linecontact.solver import (
 )
 from linecontact.solver.problem import Problem, rounding_floor
 
-from ..tasks import Record
+from ..runner.tasks import Record
 from .cells import Cell
 
 CERTIFIED, REFUSED, DEFECT = "certified", "refused", "defect"

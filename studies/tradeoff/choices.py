@@ -17,9 +17,10 @@ from linecontact.solver import Solution, Status, provenance, solve
 from linecontact.solver.relaxation import Progress
 from linecontact.solver.run import COARSE_TOLERANCE
 
-from .. import peers, store
-from ..iterations import pair_seconds
-from ..tasks import Record
+from ..files import store
+from ..iterations.study import pair_seconds
+from ..peers import solvers as peers
+from ..runner.tasks import Record
 from . import families
 
 REFUSED = "refused"

@@ -10,7 +10,7 @@ from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, Statu
 from linecontact.solver.collocation import Asperity
 from numpy.typing import NDArray
 
-from ..tasks import Record
+from ..runner.tasks import Record
 
 Array64 = NDArray[np.float64]
 

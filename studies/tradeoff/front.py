@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
-from .. import store
+from ..files import store
 from .families import FAMILIES
 
 Run = dict[str, Any]

@@ -10,7 +10,8 @@ from linecontact.solver import Status
 from rich.console import RenderableType
 from rich.table import Table
 
-from .. import console, store
+from ..files import store
+from ..terminal import console
 from .choices import REFUSED
 from .families import FAMILIES, MEASURES, is_rough
 from .front import AXES, NEAR, Point, Run, Worth, front, over_front, points, runs_of, worth

@@ -8,8 +8,8 @@ import numpy as np
 from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, Status, collocation, planner, solve
 from linecontact.solver.relaxation import Progress
 
-from .. import store
-from ..tasks import Record
+from ..files import store
+from ..runner.tasks import Record
 from .choices import refused
 
 KINDS = ("power", "rough")

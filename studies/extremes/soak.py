@@ -1,0 +1,126 @@
+"""A soak: random scenes for hours in one process, every answer looked at twice; memory and open files must stay flat.
+
+linecontact study soak [--hours 1] [--folder FOLDER]
+
+The scenes are drawn like the cells of the map (`extremes`), with another seed. One task is a minute of them; a soak
+that was stopped goes on.
+"""
+
+import math
+import os
+import time
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+from linecontact.solver import checks
+from linecontact.solver.relaxation import Progress
+from rich.console import RenderableType
+
+from ..files import store
+from ..runner import ensemble
+from ..runner.tasks import Record
+from . import study as extremes
+from .verdicts import CERTIFIED, DEFECT, REFUSED, judge
+
+KIND = "soak"
+_SEED = 2
+_MOST = 10**6  # scenes a minute
+_MIDDLE = 0.02  # share of scenes with 2^13 points and more
+
+
+@dataclass(frozen=True)
+class Configuration:
+    """stretches: how many; seconds: of each."""
+
+    stretches: int = 60
+    seconds: float = 60.0
+
+    def study(self) -> ensemble.Study:
+        """The tasks."""
+        return ensemble.Study(KIND, asdict(self), [Task(number, self.seconds) for number in range(self.stretches)])
+
+
+@dataclass(frozen=True)
+class Options(ensemble.Options):
+    """Random scenes for hours: every one certified or refused, memory and open files flat. Data, figure, summary."""
+
+    workers: int = 1
+    """More than one share the work, and the memory shown is of the one that did the minute."""
+    hours: float = 1.0
+    """How long [h], 0 to 1000, in whole minutes."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """One stretch."""
+
+    number: int
+    seconds: float
+
+    def run(self, report: Progress | None) -> Record:
+        """How many scenes came to which end, and what the process holds after them."""
+        begin, verdicts, asked, longest, why = time.monotonic(), list[str](), 0, 0.0, ""
+        rng = np.random.default_rng([_SEED, self.number])
+        while time.monotonic() - begin < self.seconds and len(verdicts) < _MOST:
+            size = "middle" if rng.random() < _MIDDLE else "small"
+            record = judge(extremes.Task(_SEED, self.number * _MOST + len(verdicts), size).cell())
+            if record["verdict"] == DEFECT and not why:
+                why = f"scene {len(verdicts)}: {record['why']}"
+            verdicts.append(record["verdict"])
+            asked += bool(record["asked"] and record["verdict"] == REFUSED)
+            longest = max(longest, record["seconds.cell"])
+            if report:
+                report(len(verdicts), math.nan)
+        return {
+            "stretch": self.number,
+            **{verdict: verdicts.count(verdict) for verdict in (CERTIFIED, REFUSED, DEFECT)},
+            "refused_asked": asked,
+            "first_defect": why,
+            "seconds.stretch": time.monotonic() - begin,
+            "seconds.longest": longest,
+            "bytes.resident": _resident(),
+            "open_files": len(os.listdir("/proc/self/fd")),
+            "process": os.getpid(),
+        }
+
+
+def _resident() -> int:
+    """Memory of this process [bytes]."""
+    return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
+def command(options: Options) -> int:
+    """Run the soak, or what is left of it; returns the exit status, 4 if there is a defect."""
+    hours = checks.real("hours", options.hours, "0 < hours <= 1000", 0, 1000)
+    study = Configuration(max(1, round(60 * hours))).study()
+    return ensemble.command([study], options, Path("results/soak"), closing, defects)
+
+
+def closing(files: dict[str, store.StudyFile], _: Path) -> Sequence[RenderableType]:
+    """The summary."""
+    return [summary(file) for file in files.values() if file.runs]
+
+
+def summary(file: store.StudyFile) -> str:
+    """Counts, memory and files, in a few sentences."""
+    runs = file.runs
+    count = {verdict: int(sum(run[verdict] for run in runs)) for verdict in (CERTIFIED, REFUSED, DEFECT)}
+    total, asked = sum(count.values()), int(sum(run["refused_asked"] for run in runs))
+    resident = [run["bytes.resident"] / 2**20 for run in runs]
+    files = [run["open_files"] for run in runs]
+    tenth = max(1, len(runs) // 10)
+    first, last = (float(np.median(part)) for part in (resident[:tenth], resident[-tenth:]))
+    hours, longest = sum(run["seconds.stretch"] for run in runs) / 3600, max(run["seconds.longest"] for run in runs)
+    return (
+        f"{total} random scenes in {hours:.2g} h: {count[CERTIFIED]} certified, {count[REFUSED]} refused with a reason "
+        f"({asked} of them asked for a tolerance or an accuracy of their own), {count[DEFECT]} defects. The longest "
+        f"took {longest:.3g} s. Resident memory: {first:.0f} MiB in the first tenth of the time, {last:.0f} MiB in the "
+        f"last (medians), at most {max(resident):.0f} MiB. Open files: {min(files)} to {max(files)}."
+    )
+
+
+def defects(file: store.StudyFile) -> list[str]:
+    """A line on each stretch that had one."""
+    return [f"stretch {run['stretch']}, {run['first_defect']}" for run in file.runs if run["first_defect"]]

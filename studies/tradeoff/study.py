@@ -1,0 +1,131 @@
+"""What speed costs in accuracy: every choice a solve leaves, its seconds and its errors, and the Pareto fronts.
+
+linecontact study tradeoff [--quick] [--folder FOLDER]
+
+Methods, precisions, tolerances, grids, threads, nested or not; beside them solving to an accuracy, the collocation
+oracle, and the peers that are installed. Smooth scenes are compared with the oracle, rough ones with a certified
+solution on a finer grid than any. Others on the machine disturb all times: trust ratios.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+
+from linecontact.solver.run import METHODS
+from rich.console import RenderableType
+
+from ..files import store
+from ..peers import solvers as peers
+from ..runner import ensemble
+from ..runner.tasks import Task
+from ..terminal import console
+from . import report
+from .choices import Accuracy, Choice, Oracle, Peer, Precisions
+from .families import COARSEST_ROUGH, FAMILIES, is_rough
+from .scenes import KINDS, RandomScene
+
+KIND = "tradeoff"
+PRECISIONS = ("float64", "mixed", "float32")
+TOLERANCES = (1e-3, 1e-5, 1e-8, 1e-10)
+
+_ONE_GRID = (1e-5, 1e-8)  # tolerances without nested grids
+_TIGHTEST_TO = 18  # log2 of the points up to which float64 reaches 1e-10
+_TWO_THREADS_FROM = 16
+_PLAIN_TO = 14  # log2 of the points to which plain FIRE is tried at length
+_HALF_SPACE = "Hertz, half-space"
+
+
+@dataclass(frozen=True)
+class Configuration:
+    """sizes: log2 of the numbers of points; paper: of the published choice, and the most of FIRE's; reference: of what
+    rough surfaces are compared with; accuracies: powers of ten asked for, on rough ones those down to `rough_to`;
+    nodes: of the oracle; scenes: random ones of each of `scenes.KINDS`, on up to 2^scene_points points.
+    """
+
+    sizes: tuple[int, ...] = (8, 10, 12, 14, 16, 18, 20)
+    paper: int = 18
+    reference: int = 22
+    accuracies: tuple[float, ...] = tuple(-k / 2 for k in range(3, 19))
+    rough_to: float = -4.0
+    nodes: tuple[int, ...] = (8, 12, 16, 24, 32, 48, 64, 96, 128, 160)
+    scenes: int = 50
+    scene_points: tuple[int, ...] = (18, 16)
+    peers: tuple[str, ...] = field(default_factory=peers.available)
+
+    def study(self) -> ensemble.Study:
+        """The tasks."""
+        runs = [task for family in FAMILIES for task in self._family(family)]
+        for family in (_HALF_SPACE, "rough, half-space")[: 1 + (self.paper - 2 >= COARSEST_ROUGH)]:
+            runs.append(Precisions(family, "fire", self.paper, None))
+            runs += [Precisions(family, method, self.paper, TOLERANCES[-1]) for method in METHODS[:2]]
+        kinds = tuple(zip(KINDS, self.scene_points, strict=True))
+        runs += [RandomScene(kind, seed, most) for seed in range(self.scenes) for kind, most in kinds]
+        return ensemble.Study(KIND, asdict(self), runs, figures=("", "-field"))
+
+    def _family(self, family: str) -> Iterator[Task]:
+        rough = is_rough(family)
+        reference = self.reference if rough else 0
+        sizes = [size for size in self.sizes if not rough or size >= COARSEST_ROUGH]
+        for size in sizes:
+            for choice in dict.fromkeys(self._choices(family, size)):
+                yield Choice(family, *choice, reference)
+        for power in self.accuracies:
+            if sizes and (not rough or power >= self.rough_to):
+                yield Accuracy(family, float(f"{10**power:.3g}"), sizes[-1], reference)
+        if not rough:
+            yield from (Oracle(family, nodes) for nodes in self.nodes)
+        for peer in self.peers:
+            yield from (Peer(family, peer, size, 1e-8, reference) for size in sizes if 12 <= size <= self.paper)
+
+    def _choices(self, family: str, size: int) -> Iterator[tuple[str, str, float | None, int, int, bool]]:
+        """What is worth the time of trying."""
+        for method in METHODS[: 2 if size <= self.paper else 1]:
+            for precision in PRECISIONS:
+                tolerances = [t for t in TOLERANCES if t > TOLERANCES[-1] or size <= _TIGHTEST_TO]
+                for tolerance in (*tolerances, *((None,) if precision == "float32" else ())):
+                    yield method, precision, tolerance, size, 1, True
+                    if tolerance in _ONE_GRID[: 2 if size < _TIGHTEST_TO else 1] or tolerance is None:
+                        yield method, precision, tolerance, size, 1, False
+        if size >= _TWO_THREADS_FROM:
+            yield "active-set", "float64", 1e-5, size, 2, True
+            if size <= self.paper:
+                yield "mass-weighted-fire", "float64", 1e-5, size, 2, True
+        if size <= _PLAIN_TO:
+            for precision in PRECISIONS:
+                for tolerance in (None,) if precision == "float32" else (1e-3, 1e-5):
+                    yield from (("fire", precision, tolerance, size, 1, nested) for nested in (True, False))
+        elif size <= self.paper:
+            yield from (("fire", "float64", 1e-5, size, 1, nested) for nested in (True, False))
+            yield "fire", "float32", None, size, 1, False
+        if size == self.paper:
+            yield "fire", "float64", 1e-5, size, 1, False
+            if family == _HALF_SPACE:
+                yield "fire", "float64", 1e-8, size, 1, False
+
+
+QUICK = Configuration(
+    sizes=(8, 12), paper=12, reference=16, accuracies=tuple(range(-2, -10, -1)), scenes=10, scene_points=(14, 14)
+)
+
+
+@dataclass(frozen=True)
+class Options(ensemble.Options):
+    """Errors of area, kappa and pressure over seconds for every choice there is: data, figures, tables."""
+
+    workers: int = 1
+    """More than one disturb each other's times."""
+    quick: bool = False
+    """Up to 2^12 points, and 20 random scenes instead of 100."""
+
+
+def command(options: Options) -> int:
+    """Run the study as asked, or what is left of it; returns the exit status."""
+    configuration = QUICK if options.quick else Configuration()
+    folder = Path("results/tradeoff-quick" if options.quick else "results/tradeoff")
+    status = ensemble.command([configuration.study()], options, folder, closing)
+    return 0 if status == console.EXIT_NOT_CONVERGED else status  # a choice that does not converge is a result
+
+
+def closing(files: dict[str, store.StudyFile], _: Path) -> Sequence[RenderableType]:
+    """The tables, and what they come to."""
+    return [part for file in files.values() if file.runs for part in report.parts(file)]
