@@ -28,7 +28,7 @@ from . import blunt, hertz, rough, sharp
 from .edge_curve import study as edge_curve
 from .extremes import soak
 from .extremes import study as extremes
-from .files import scans, store
+from .files import profile_columns, scans, solution_files, writing
 from .iterations import study as iterations
 from .kernel_benchmark import study as kernels
 from .paper import study as paper
@@ -64,11 +64,11 @@ class Solve:
     """File: the dataset of an .h5 file that holds several."""
     profile_convention: Literal["gap", "heights"] = "gap"
     """File: h as the indenter's distance, or heights as a scan has them, peaks up."""
-    x_unit: scans.Unit | None = None
+    x_unit: profile_columns.Unit | None = None
     """File: unit of its positions; default the length unit."""
-    z_unit: scans.Unit | None = None
+    z_unit: profile_columns.Unit | None = None
     """File: unit of its heights; default the length unit."""
-    length_unit: scans.Unit = "m"
+    length_unit: profile_columns.Unit = "m"
     """File: what one [length] of the scene is, where x_unit or z_unit is given."""
     resample: bool = False
     """File: treat even a file with as many values as grid points like any other."""
@@ -223,7 +223,7 @@ def run_solve(options: Solve) -> int:
                 console.Output().print(f"Profile: {steps}.")
     finally:  # also when the reader of the output has gone away
         if options.save:
-            store.save_solution(options.save, solution)
+            solution_files.save_solution(options.save, solution)
     if options.save and options.plot:
         run_plot(Plot(options.save), sys.stderr if options.json else sys.stdout)
     status = console.exit_status(solution.status)
@@ -236,13 +236,13 @@ def run_solve(options: Solve) -> int:
 def check_targets(options: Solve) -> None:
     """Raise `ValueError` if the file or its figures would replace what they must not."""
     assert options.save
-    store.check_target(options.save, options.overwrite)
+    writing.check_target(options.save, options.overwrite)
     if options.profile_file and options.save.exists() and options.profile_file.samefile(options.save):
         raise ValueError(f"save is {options.save}; allowed: another file than the profile's")
     for suffix in (".png", ".pdf") if options.plot else ():
         if options.save.suffix == suffix:
             raise ValueError(f"save is {options.save}; allowed: with --plot not a figure's name")
-        store.check_target(options.save.with_suffix(suffix), options.overwrite)
+        writing.check_target(options.save.with_suffix(suffix), options.overwrite)
 
 
 def make_scene(options: Solve) -> Scene:

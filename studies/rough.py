@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 from rich.console import RenderableType
 from rich.table import Table
 
-from .files import store
+from .files import records
+from .files.study_files import StudyFile
 from .runner import ensemble
 from .runner.tasks import Record
 from .terminal import console
@@ -77,7 +78,7 @@ class Task:
 
     def run(self, report: Progress | None) -> Record:
         """The solution's record."""
-        return store.run_record(solve(self.scene(), method=self.method, tolerance=self.tolerance, progress=report))
+        return records.run_record(solve(self.scene(), method=self.method, tolerance=self.tolerance, progress=report))
 
 
 @dataclass(frozen=True)
@@ -184,13 +185,13 @@ class Point:
     bias: Mean
 
 
-def half_space(file: store.StudyFile, hurst: float, name: str = "kappa_subgrid") -> dict[int, float]:
+def half_space(file: StudyFile, hurst: float, name: str = "kappa_subgrid") -> dict[int, float]:
     """A quantity on the half-space for each surface of one Hurst exponent, by seed."""
     runs = [run for run in file.runs if run["scene.hurst"] == hurst and math.isinf(run["scene.thickness"])]
     return {run["scene.seed"]: run[name] for run in runs}
 
 
-def realisations(file: store.StudyFile) -> dict[tuple[float, float, float], dict[int, Realisation]]:
+def realisations(file: StudyFile) -> dict[tuple[float, float, float], dict[int, Realisation]]:
     """Every surface that is done on a layer and on the half-space: by H, nu and thickness, and by seed."""
     references = {hurst: half_space(file, hurst) for hurst in {run["scene.hurst"] for run in file.runs}}
     found: dict[tuple[float, float, float], dict[int, Realisation]] = {}
@@ -208,7 +209,7 @@ def realisations(file: store.StudyFile) -> dict[tuple[float, float, float], dict
     return found
 
 
-def points(file: store.StudyFile) -> Iterator[Point]:
+def points(file: StudyFile) -> Iterator[Point]:
     """Every point of which at least one realisation is done, from thick to thin."""
     for (hurst, nu, thickness), surfaces in realisations(file).items():
         own, foundation = list(surfaces.values()), (1 - 2 * nu) / (1 - nu) ** 2
@@ -230,7 +231,7 @@ def points(file: store.StudyFile) -> Iterator[Point]:
         )
 
 
-def summary(file: store.StudyFile) -> Table:
+def summary(file: StudyFile) -> Table:
     """The closing table: one row per Hurst exponent and Poisson's ratio."""
     c = file.configuration
     table = console.table(
@@ -267,7 +268,7 @@ def summary(file: store.StudyFile) -> Table:
     return table
 
 
-def _half_space_row(file: store.StudyFile, hurst: float) -> tuple[str, ...]:
+def _half_space_row(file: StudyFile, hurst: float) -> tuple[str, ...]:
     runs = [run for run in file.select("scene.hurst", hurst).runs if math.isinf(run["scene.thickness"])]
     ok = sum(run["status"] == "converged" for run in runs)
     patches = Mean.of(np.array([run["num_patches"] for run in runs]))
@@ -279,7 +280,7 @@ def single_patch(poisson_ratio: float, kappa_inf: float) -> float:
     return 2 * math.sqrt(3) * (1 - 2 * poisson_ratio) / (1 - poisson_ratio) ** 2 / kappa_inf
 
 
-def kappas(file: store.StudyFile) -> str:
+def kappas(file: StudyFile) -> str:
     """kappa_inf with its standard error, for every Hurst exponent."""
     parts = []
     for hurst in file.configuration["hursts"]:
@@ -289,7 +290,7 @@ def kappas(file: store.StudyFile) -> str:
     return f"kappa_inf of the same surfaces (published: {PUBLISHED_KAPPA}), dimensionless: {'; '.join(parts)}."
 
 
-def closing(files: dict[str, store.StudyFile], _: Path) -> Sequence[RenderableType]:
+def closing(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
     """Table and half-space values."""
     return [part for file in files.values() for part in (summary(file), kappas(file))]
 

@@ -5,12 +5,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from linecontact import studies
 from linecontact.solver import Layer, MeasuredIndenter, PowerIndenter, Scene, closed_forms, collocation, edges, solve
 from linecontact.solver.nested import grids, prolong
 from linecontact.solver.patches import Patches
-from linecontact.studies.files import store
+from linecontact.studies.files import study_files
 
-STORED = Path(store.__file__).parents[1] / "results" / "edge-curve.h5"
+STORED = Path(studies.__file__).parent / "results" / "edge-curve.h5"
 
 
 def test_closed_form_constants():
@@ -45,7 +46,7 @@ def test_exact_edges_are_recovered():
 
 def test_stored_measurement_meets_the_closed_form():
     """High-resolution solutions, 2^15 points: the curve is universal and the closed form is it."""
-    study = store.load_study(STORED)
+    study = study_files.load_study(STORED)
     assert study.complete
     assert (study.column("status") == "converged").all()
     assert np.ptp(study.column("offset")) > 0.9  # all places between two nodes

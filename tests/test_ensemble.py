@@ -19,7 +19,7 @@ from types import SimpleNamespace
 import dummy_tasks
 import pytest
 from dummy_tasks import Kills, Raises, Square
-from linecontact.studies.files import store
+from linecontact.studies.files import records, study_files, writing
 from linecontact.studies.runner import ensemble, executors, tasks
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals and limits of POSIX")
@@ -87,7 +87,7 @@ def task_files(folder):
 
 def data(path):
     """Everything in a study's file but times."""
-    file = store.load_study(path)
+    file = study_files.load_study(path)
     assert file.complete
     names = sorted({name for run in file.runs for name in run if not name.startswith("seconds")})
     lines = {(line, name): v.tobytes() for line, columns in file.lines.items() for name, v in columns.items()}
@@ -162,14 +162,14 @@ def test_a_task_in_two_studies_is_done_once(folder):
     studies[1] = dataclasses.replace(studies[1], kind="other")
     assert dummy_tasks.command(studies, ensemble.Options(folder, workers=1)) == 0
     assert begun() == {1: 1, 2: 1, 3: 1}
-    assert [run["number"] for run in store.load_study(folder / "other.h5").runs] == [2, 3]
+    assert [run["number"] for run in study_files.load_study(folder / "other.h5").runs] == [2, 3]
 
 
 def test_another_configuration_is_refused(folder, capsys):
     assert command([Square(1)], folder) == 0
     assert command([Square(2)], folder) == 2
     assert "another study, configuration or version" in capsys.readouterr().err
-    assert store.load_study(folder / "dummy.h5").column("number") == [1]
+    assert study_files.load_study(folder / "dummy.h5").column("number") == [1]
 
 
 # kills
@@ -259,12 +259,12 @@ def saves_killed_at_every_line(folder):
 
 
 def kill_at_line(number):
-    """Kill this process at this line, counted from now on, within the store."""
+    """Kill this process at this line, counted from now on, within the modules that write records."""
     left = number
 
     def trace(frame, event, _):
         nonlocal left
-        if frame.f_code.co_filename in (store.__file__, tasks.__file__):
+        if frame.f_code.co_filename in (writing.__file__, records.__file__, tasks.__file__):
             left -= event == "line"
             if left < 0:
                 os.kill(os.getpid(), signal.SIGKILL)
@@ -342,7 +342,7 @@ def test_tasks_that_kill_their_workers_fail_alone(folder):
             f"linecontact: dummy: task {tasks.identity(task)} failed: its worker process died, killed or out of memory"
         )
         assert line in result.stderr.splitlines()
-    file = store.load_study(folder / "dummy.h5")
+    file = study_files.load_study(folder / "dummy.h5")
     assert [run["number"] for run in file.runs] == [0, 2, 4, 5, 6, 7, 8]
     assert file.failures.keys() == {tasks.identity(Kills(1)), tasks.identity(Kills(3))}
     failed = {path.stem: json.loads(path.read_text())["reason"] for path in (folder / "tasks").glob("*.failed")}
@@ -374,7 +374,7 @@ def test_a_task_that_raises_fails_alone_and_is_tried_again(folder, capsys, worke
         assert f"linecontact: dummy: task {name} failed: ArithmeticError: no square of 1 today\n" in stderr
         assert "Traceback" not in stderr
         assert begun() == {0: 1, 1: attempt, 2: 1}
-        file = store.load_study(folder / "dummy.h5")
+        file = study_files.load_study(folder / "dummy.h5")
         assert not file.complete
         assert file.failures == {name: "ArithmeticError: no square of 1 today"}
         assert [run["number"] for run in file.runs] == [0, 2]
@@ -385,7 +385,7 @@ def test_a_task_that_raises_fails_alone_and_is_tried_again(folder, capsys, worke
     assert command(todo, folder) == 0
     assert not list((folder / "tasks").glob("*.failed"))
     assert begun() == {0: 1, 1: 3, 2: 1}
-    file = store.load_study(folder / "dummy.h5")
+    file = study_files.load_study(folder / "dummy.h5")
     assert file.complete
     assert not file.failures
     assert [run["number"] for run in file.runs] == [0, 1, 2]
@@ -453,7 +453,7 @@ def test_any_flipped_bit_in_a_study_is_noticed(folder):
     check = """
 import sys
 from pathlib import Path
-from linecontact.studies.files import store
+from linecontact.studies.files import study_files, writing
 path = Path(sys.argv[1])
 content = path.read_bytes()
 for position in range(0, len(content), 19):
@@ -461,8 +461,8 @@ for position in range(0, len(content), 19):
     damaged[position] ^= 1 << position % 8
     path.write_bytes(damaged)
     try:
-        store.load_study(path)
-    except store.DamagedError:
+        study_files.load_study(path)
+    except writing.DamagedError:
         continue
     sys.exit(f"byte {position}")
 """

@@ -28,7 +28,8 @@ from linecontact.solver.relaxation import relax
 from linecontact.solver.transforms import Transforms
 from linecontact.studies.extremes import cells, soak, verdicts
 from linecontact.studies.extremes import study as extremes
-from linecontact.studies.files import store
+from linecontact.studies.files import study_files
+from linecontact.studies.files.study_files import StudyFile
 from linecontact.studies.runner import drawing, ensemble
 
 
@@ -45,7 +46,7 @@ def sample():
 
 def test_a_sample_of_the_map(sample):
     assert len(sample) == 500
-    assert not extremes.defects(store.StudyFile("extremes", {}, sample))
+    assert not extremes.defects(StudyFile("extremes", {}, sample))
     plain = [run for run in sample if not run["asked"]]
     solved = sum(run["verdict"] == verdicts.CERTIFIED for run in plain)
     assert solved >= 0.97 * len(plain) > 300
@@ -143,7 +144,7 @@ def test_study_and_figure(tmp_path):
 def test_soak(tmp_path):
     study = soak.Configuration(2, 0.3).study()
     assert ensemble.command([study], ensemble.Options(folder=tmp_path, workers=1), tmp_path, soak.closing) == 0
-    file = store.load_study(tmp_path / "soak.h5")
+    file = study_files.load_study(tmp_path / "soak.h5")
     assert all(run["certified"] > 0 == run["defect"] and run["open_files"] > 2 for run in file.runs)
     assert "0 defects" in soak.summary(file)
     with pytest.raises(ValueError, match="hours is 0"):

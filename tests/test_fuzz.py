@@ -16,15 +16,16 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from linecontact import studies
 from linecontact.solver import Scene, solve
 from linecontact.studies import cli
-from linecontact.studies.files import confined, scans, store
+from linecontact.studies.files import confined, hdf5, profile_columns, scans, solution_files, study_files, writing
 from linecontact.studies.kernel_benchmark import compare
 from linecontact.studies.power_profiles import study as asperity
 from linecontact.studies.runner import drawing, ensemble, tasks
 from linecontact.studies.terminal import console
 
-RESULTS = Path(store.__file__).parents[1] / "results"
+RESULTS = Path(studies.__file__).parent / "results"
 HEIGHTS = np.sin(np.arange(40.0))
 fuzz = settings(
     derandomize=True,
@@ -96,8 +97,8 @@ def test_arrays_in_any_order_are_read(tmp_path):
 
 
 def test_what_is_too_much_is_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr(scans, "MAX_VALUES", 39)
-    monkeypatch.setattr(scans, "MAX_TEXT", 1000)
+    monkeypatch.setattr(profile_columns, "MAX_VALUES", 39)
+    monkeypatch.setattr(profile_columns, "MAX_TEXT", 1000)
     with pytest.raises(ValueError, match="40 numbers; allowed: up to 39"):
         read(tmp_path / "scan.npy", npy(HEIGHTS))
     with pytest.raises(ValueError, match="allowed: 1000 bytes"):
@@ -121,17 +122,17 @@ def test_what_is_no_file_is_refused_at_once(tmp_path):
     for path in (pipe, Path("/dev/zero"), tmp_path, tmp_path / ("a" * 300)):
         with pytest.raises(ValueError, match="not a file"):
             read(path)
-        with pytest.raises(store.StoreError, match="allowed: an HDF5 file"):
-            store.load_study(path)
+        with pytest.raises(writing.StoreError, match="allowed: an HDF5 file"):
+            study_files.load_study(path)
         with pytest.raises(ValueError, match="no regular file"):
             compare.read(path)
     folder = tasks.TaskFolder(tmp_path / "tasks")
     task = ensemble_task()
     os.mkfifo(folder.folder / f"{tasks.identity(task)}.json")
-    with pytest.raises(store.StoreError, match="no regular file"):
+    with pytest.raises(writing.StoreError, match="no regular file"):
         folder.load(task)
-    with pytest.raises(store.StoreError, match="longer than 200 bytes"):
-        store.check_target(tmp_path / ("a" * 201), overwrite=True)
+    with pytest.raises(writing.StoreError, match="longer than 200 bytes"):
+        writing.check_target(tmp_path / ("a" * 201), overwrite=True)
 
 
 def ensemble_task():
@@ -215,7 +216,7 @@ def test_results_are_plain(tmp_path, make):
 
 def sealed(path, image):
     """A result with a right checksum, whatever it holds."""
-    path.write_bytes(store._head(hashlib.sha256(image).hexdigest()) + image)
+    path.write_bytes(hdf5.head(hashlib.sha256(image).hexdigest()) + image)
     return path
 
 
@@ -248,7 +249,7 @@ def test_what_hdf5_does_not_survive_is_one_line(tmp_path, monkeypatch, capfd, ha
 @pytest.fixture(scope="module")
 def images(tmp_path_factory):
     path = tmp_path_factory.mktemp("images") / "run.h5"
-    store.save_solution(path, solve(Scene(num_points=64)))
+    solution_files.save_solution(path, solve(Scene(num_points=64)))
     files = {"solution": path, **{kind: RESULTS / f"{kind}.h5" for kind in ("hertz", "iterations", "kernels")}}
     return {kind: file.read_bytes()[512:] for kind, file in files.items()}
 
@@ -311,12 +312,12 @@ def test_a_sound_result_is_checked_once(tmp_path, monkeypatch, images):
     asked = []
     monkeypatch.setattr(confined, "check_result", asked.append)
     path = sealed(tmp_path / "run.h5", images["iterations"])
-    monkeypatch.setattr(store, "_sound", set())
+    monkeypatch.setattr(hdf5, "_sound", set())
     for _ in range(2):
-        assert len(store.load_study(path).runs) == 21
+        assert len(study_files.load_study(path).runs) == 21
     assert asked == [path]
-    store.save_study(path, store.load_study(path))
-    store.load_study(path)
+    study_files.save_study(path, study_files.load_study(path))
+    study_files.load_study(path)
     assert asked == [path]
 
 
@@ -384,8 +385,8 @@ def test_names_that_are_no_text(tmp_path):
     path = tmp_path / "b\udc80.csv"
     indenter, period, n = read(path, "".join(f"{i} {z}\n" for i, z in enumerate(HEIGHTS)).encode(), num_points=40)
     solution = solve(Scene(indenter=indenter, period=period, num_points=n))
-    store.save_solution(tmp_path / "run\udc80.h5", solution)
-    assert store.load_solution(tmp_path / "run\udc80.h5")[1]["scene.profile_file"] == "b\\x80.csv"
+    solution_files.save_solution(tmp_path / "run\udc80.h5", solution)
+    assert solution_files.load_solution(tmp_path / "run\udc80.h5")[1]["scene.profile_file"] == "b\\x80.csv"
 
 
 def test_too_little_memory_is_one_line(capfd):
@@ -438,7 +439,7 @@ def test_any_array(tmp_path, content):
     refused_or_read(tmp_path / "scan.npy", content)
 
 
-def hdf5():
+def one_dataset():
     with h5py.File("image", "w", driver="core", backing_store=False) as file:
         file.create_dataset("line", data=HEIGHTS, chunks=(16,), compression="gzip", shuffle=True)
         file.flush()
@@ -446,7 +447,7 @@ def hdf5():
 
 
 @settings(fuzz, max_examples=6)
-@given(mutants(hdf5()))
+@given(mutants(one_dataset()))
 def test_any_hdf5(tmp_path, content):
     refused_or_read(tmp_path / "scan.h5", content)
 
@@ -455,7 +456,7 @@ def test_any_hdf5(tmp_path, content):
 @given(st.data())
 def test_any_result(tmp_path, images, data):
     path = sealed(tmp_path / "run.h5", data.draw(mutants(images["iterations"])))
-    with contextlib.suppress(store.StoreError):
+    with contextlib.suppress(writing.StoreError):
         drawing.draw(path)
 
 

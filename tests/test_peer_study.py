@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, solve
-from linecontact.studies.files import store
+from linecontact.studies.files import study_files
 from linecontact.studies.peers import figures
 from linecontact.studies.peers import solvers as peer_solvers
 from linecontact.studies.peers import study as peers
@@ -36,7 +36,7 @@ def alone(tmp_path_factory):
 @pytest.fixture
 def made_up(alone):
     """A peer that agrees in the first half of the scenes, ten times slower, and has 3 nodes more in the others."""
-    study = store.load_study(alone)
+    study = study_files.load_study(alone)
     study.configuration["peers"] = ["tamaas"]
     for k, run in enumerate(list(study.runs)):
         seconds = {f"seconds.{what}": factor * run[f"seconds.{what}"] for what, factor in (("solve", 10), ("total", 5))}
@@ -103,7 +103,7 @@ def test_the_loosest_tolerance_that_keeps_the_gap(monkeypatch):
 
 
 def test_without_peers(alone):
-    study = store.load_study(alone)
+    study = study_files.load_study(alone)
     assert study.complete
     assert study.configuration["peers"] == []
     assert [run["scene.num_points"] for run in study.runs] == [2**10, 2**10, 2**11, 2**11]
@@ -161,7 +161,7 @@ def test_a_disagreement_is_shown_and_its_ratio_is_not(made_up):
 
 def test_the_figure_holds_the_stored_times(made_up, tmp_path):
     path = tmp_path / "peers.h5"
-    store.save_study(path, made_up)
+    study_files.save_study(path, made_up)
     assert [file.suffix for file in drawing.draw(path)] == [".png", ".pdf"]
     (figure,) = figures.draw(path).values()
     for axes, name, hollow in zip(figure.axes, ("Hertz", "H=0.8"), (False, True), strict=True):
@@ -206,7 +206,7 @@ def test_the_study_with_the_peers(tmp_path):
         pytest.importorskip(peer)
     study = peers.Configuration(**(TINY | {"sizes": (10,)}), peers=peer_solvers.PEERS).study()
     assert ensemble.command([study], peers.Options(folder=tmp_path), tmp_path, peers.closing) == 0
-    found = peers.comparisons(store.load_study(study.path(tmp_path)))
+    found = peers.comparisons(study_files.load_study(study.path(tmp_path)))
     assert [sorted(c.peers) for c in found] == [sorted(peer_solvers.PEERS)] * 2
     assert all(c.agrees(peer) for c in found for peer in c.peers)
     assert (tmp_path / "peers.png").stat().st_size > 5000

@@ -5,13 +5,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from linecontact import studies
 from linecontact.solver import solve
-from linecontact.studies.files import store
+from linecontact.studies.files import records, study_files
+from linecontact.studies.files.study_files import StudyFile
 from linecontact.studies.runner import ensemble
 from linecontact.studies.tradeoff import choices, families, front, report
 from linecontact.studies.tradeoff import study as tradeoff
 
-STORED = Path(store.__file__).parents[1] / "results" / "tradeoff.h5"
+STORED = Path(studies.__file__).parent / "results" / "tradeoff.h5"
 HERTZ, ROUGH = "Hertz, half-space", "rough, half-space"
 
 
@@ -24,7 +26,7 @@ def run(method, seconds, error, **more):
 
 
 def made_up(*runs):
-    return store.StudyFile("tradeoff", {"paper": 10, "peers": []}, list(runs))
+    return StudyFile("tradeoff", {"paper": 10, "peers": []}, list(runs))
 
 
 def test_dominated_points_are_out():
@@ -99,13 +101,13 @@ def tiny(tmp_path_factory):
 
 
 def test_a_tiny_study_is_drawn(tiny):
-    study = store.load_study(tiny / "tradeoff.h5")
+    study = study_files.load_study(tiny / "tradeoff.h5")
     assert study.complete
     assert not study.failures
     names = [tiny / f"tradeoff{s}.{end}" for s in ("", "-field") for end in ("png", "pdf")]
     assert all(path.stat().st_size > 5000 for path in names)
     assert {run["kind"] for run in study.runs} == {"choice", "accuracy", "oracle", "precisions", "scene"}
-    assert all(store.unit(name) == "1" for name in study.runs[0] if name.startswith("error."))
+    assert all(records.unit(name) == "1" for name in study.runs[0] if name.startswith("error."))
     for point in front.points(front.runs_of(study, "choice", HERTZ), "a_r"):
         assert point.error < (2 / 256 / 0.1 if point.counted else 0.02)
         assert point.seconds > 0
@@ -116,7 +118,7 @@ def test_a_tiny_study_is_drawn(tiny):
 
 
 def test_refused_tolerances_are_recorded(tiny):
-    study = store.load_study(tiny / "tradeoff.h5")
+    study = study_files.load_study(tiny / "tradeoff.h5")
     refused = [run for run in front.runs_of(study, "choice") if run["status"] == choices.REFUSED]
     assert refused
     assert {run["precision"] for run in refused} == {"float32"}
@@ -142,7 +144,7 @@ def test_a_rough_choice():
 @pytest.mark.parametrize("family", families.FAMILIES)
 def test_the_stored_front_again(family):
     """Twice what the unfinished iteration may leave in the area, 0.25 of the residual (`nested.iteration_share`)."""
-    study = store.load_study(STORED)
+    study = study_files.load_study(STORED)
     best = front.front(front.points(front.runs_of(study, "choice", family), "a_r"))
     cheap = [point.run for point in best if point.run["log2_points"] <= 14]
     assert cheap

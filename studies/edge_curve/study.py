@@ -17,7 +17,8 @@ from linecontact.solver.relaxation import Progress
 from rich.console import RenderableType
 from rich.table import Table
 
-from ..files import store
+from ..files import records
+from ..files.study_files import StudyFile
 from ..runner import ensemble
 from ..runner.tasks import Record
 from ..terminal import console
@@ -76,7 +77,7 @@ class Task:
         nodes = np.flatnonzero(solution.contact)[:3]
         last = solution.contact_pressure[nodes]
         three, two, _ = edges.edge_offset(edges.edge_curve(), last[None, :])
-        return store.run_record(solution) | {
+        return records.run_record(solution) | {
             "place": self.place,
             "ratio": float(last[0] / last[1]),
             "offset": float(n / 2 - exact.half_width * n - nodes[0]),
@@ -90,12 +91,12 @@ def command(options: Options) -> int:
     return ensemble.command([Configuration().study()], options, Path("results/edge-curve"), closing)
 
 
-def closing(files: dict[str, store.StudyFile], _: Path) -> Sequence[RenderableType]:
+def closing(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
     """The table."""
     return [summary(file) for file in files.values()]
 
 
-def summary(study: store.StudyFile) -> Table:
+def summary(study: StudyFile) -> Table:
     """Largest deviations from the closed form, per scene."""
     table = console.table(
         title=f"Edge offsets against the oracle, {study.configuration['num_points']} points",

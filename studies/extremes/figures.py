@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ..figures.style import COLOURS, load
-from ..files import store
+from ..files.study_files import StudyFile
 from . import cells
 from .verdicts import CERTIFIED, DEFECT, REFUSED
 
@@ -46,13 +46,13 @@ def draw(path: Path) -> dict[str, Figure]:
     return {"": figure}
 
 
-def _numbers(study: store.StudyFile, name: str) -> Array64:
+def _numbers(study: StudyFile, name: str) -> Array64:
     """A column with 1 where a run has no number."""
     values = np.array([float(run.get(name, math.nan)) for run in study.runs])
     return np.where(np.isfinite(values), values, 1.0)
 
 
-def _places(study: store.StudyFile) -> tuple[Indices, Indices]:
+def _places(study: StudyFile) -> tuple[Indices, Indices]:
     thickness = np.array([float(run["scene.thickness"]) for run in study.runs])
     with np.errstate(invalid="ignore"):
         decade = np.floor(np.log10(np.where(np.isfinite(thickness), thickness, 1e12))) + 12
@@ -86,7 +86,7 @@ def _map(
     axes.set_ylabel("$p$, even steps of $\\log p$", labelpad=-24)
 
 
-def _bars(axes: Axes, study: store.StudyFile, plain: NDArray[np.bool_]) -> None:
+def _bars(axes: Axes, study: StudyFile, plain: NDArray[np.bool_]) -> None:
     """Shares of the verdicts by precision, method and number of points, and of what asked for more."""
     groups: list[tuple[str, NDArray[np.bool_]]] = []
     for name in ("precision", "method"):

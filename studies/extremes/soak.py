@@ -18,7 +18,7 @@ from linecontact.solver import checks
 from linecontact.solver.relaxation import Progress
 from rich.console import RenderableType
 
-from ..files import store
+from ..files.study_files import StudyFile
 from ..runner import ensemble
 from ..runner.tasks import Record
 from . import study as extremes
@@ -98,12 +98,12 @@ def command(options: Options) -> int:
     return ensemble.command([study], options, Path("results/soak"), closing, defects)
 
 
-def closing(files: dict[str, store.StudyFile], _: Path) -> Sequence[RenderableType]:
+def closing(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
     """The summary."""
     return [summary(file) for file in files.values() if file.runs]
 
 
-def summary(file: store.StudyFile) -> str:
+def summary(file: StudyFile) -> str:
     """Counts, memory and files, in a few sentences."""
     runs = file.runs
     count = {verdict: int(sum(run[verdict] for run in runs)) for verdict in (CERTIFIED, REFUSED, DEFECT)}
@@ -121,6 +121,6 @@ def summary(file: store.StudyFile) -> str:
     )
 
 
-def defects(file: store.StudyFile) -> list[str]:
+def defects(file: StudyFile) -> list[str]:
     """A line on each stretch that had one."""
     return [f"stretch {run['stretch']}, {run['first_defect']}" for run in file.runs if run["first_defect"]]

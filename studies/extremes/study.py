@@ -20,7 +20,7 @@ from linecontact.solver.relaxation import Progress
 from rich.console import RenderableType
 from rich.table import Table
 
-from ..files import store
+from ..files.study_files import StudyFile
 from ..runner import ensemble
 from ..runner.tasks import Record
 from ..terminal import console
@@ -107,7 +107,7 @@ def command(options: Options) -> int:
     return ensemble.command([study], options, folder, closing, defects)
 
 
-def closing(files: dict[str, store.StudyFile], _: Path) -> Sequence[RenderableType]:
+def closing(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
     """Tables of verdicts and of reasons, and what is known of the areas."""
     parts: list[RenderableType] = []
     for file in files.values():
@@ -183,7 +183,7 @@ def areas(runs: Sequence[Record]) -> str:
     )
 
 
-def defects(file: store.StudyFile) -> list[str]:
+def defects(file: StudyFile) -> list[str]:
     """A line on each."""
     return [
         f"{run['shape']}, N {run['scene.num_points']}, d/L {float(run['scene.thickness']):.3g}: {run['why']}"

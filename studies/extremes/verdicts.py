@@ -28,6 +28,7 @@ from linecontact.solver import (
 )
 from linecontact.solver.problem import Problem, rounding_floor
 
+from ..files import records
 from ..runner.tasks import Record
 from .cells import Cell
 
@@ -105,7 +106,7 @@ def _numbers(solution: Solution) -> Record:
     """What is kept of a solution. Raises `DefectError` for a number that is none."""
     record = solution.to_dict()
     for name, value in _walk(record):
-        number = float(value) if value in ("inf", "-inf", "nan") or isinstance(value, float) else 0.0
+        number = float(value) if isinstance(value, (float, str)) and not records.is_text(value) else 0.0
         converged = solution.status is Status.CONVERGED  # else there may be no contact
         if math.isnan(number) or (math.isinf(number) and converged and name not in _INFINITE):
             raise DefectError(f"{name} is {value}")

@@ -7,13 +7,13 @@ import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
-from ..files import store
+from ..files import solution_files
 from .style import COLOURS
 
 
 def draw(path: Path) -> dict[str, Figure]:
     """Profile, displaced surface and contact pressure over x; the contact region enlarged."""
-    fields, attributes = store.load_solution(path)
+    fields, attributes = solution_files.load_solution(path)
     x, pressure = fields["x"], fields["contact_pressure"]
     figure, panels = plt.subplots(2, 1, figsize=(5.2, 4.6), sharex=True)
     panels[0].plot(x, fields["profile"], color="k", lw=0.9, label="indenter $h$")

@@ -4,7 +4,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from ..files import store
+from ..files import study_files, writing
+from ..files.study_files import StudyFile
 
 # Okabe and Ito: safe for colour-blind readers
 COLOURS = ("#0072b2", "#009e73", "#e69f00", "#d55e00", "#cc79a7", "#444444")
@@ -25,7 +26,7 @@ STYLE = {
 }
 
 
-class NothingToDraw(store.StoreError):
+class NothingToDraw(writing.StoreError):
     """A file whose runs are too few for a figure."""
 
 
@@ -40,9 +41,9 @@ def distinct(values: Iterable[Any]) -> list[Any]:
     return found
 
 
-def load(path: Path) -> store.StudyFile:
-    """A study's file with at least one run. Raises `store.StoreError`, for a file without one `NothingToDraw`."""
-    study = store.load_study(path)
+def load(path: Path) -> StudyFile:
+    """A study's file with at least one run. Raises `writing.StoreError`, for a file without one `NothingToDraw`."""
+    study = study_files.load_study(path)
     if not study.runs:
         raise NothingToDraw(f"file {path} holds no finished run yet")
     return study

@@ -13,11 +13,13 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-import h5py
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    import h5py
 
 MEMORY = 4 * 2**30
 """Bytes of data that the process may have, besides the size of the file."""
@@ -86,6 +88,8 @@ def _run(what: str, path: Path, *more: str) -> Columns:
 
 
 def _dataset(path: str, most: str, name: str | None = None) -> Columns:
+    import h5py
+
     with h5py.File(path, "r") as file:
         names: list[str] = []
         # links to elsewhere are not followed
@@ -108,7 +112,7 @@ def _dataset(path: str, most: str, name: str | None = None) -> Columns:
         return Columns(data[()], "")
 
 
-def _check_storage(data: h5py.Dataset, what: str, most: int) -> None:
+def _check_storage(data: "h5py.Dataset", what: str, most: int) -> None:
     """Refuse what is not in the file itself, or more than `most` bytes."""
     if data.is_virtual or data.external:
         raise RefusedError(f"{what}, which is kept in other files; allowed: data in the file itself")
@@ -123,10 +127,12 @@ def _check_storage(data: h5py.Dataset, what: str, most: int) -> None:
 
 def _result(path: str) -> Columns:
     """All must be hard links, numbers and text, and not much larger than the file."""
+    import h5py
+
     most = max(_LEAST, 2 * os.path.getsize(path))
     declared = 0
 
-    def look(group: h5py.Group, depth: int) -> None:
+    def look(group: "h5py.Group", depth: int) -> None:
         nonlocal declared
         _check_attributes(group)
         for name in group:
@@ -151,7 +157,9 @@ def _result(path: str) -> Columns:
     return Columns(np.zeros(0), "")
 
 
-def _check_attributes(item: h5py.Group | h5py.Dataset) -> None:
+def _check_attributes(item: "h5py.Group | h5py.Dataset") -> None:
+    import h5py
+
     for name in item.attrs:
         kind = item.attrs.get_id(name)
         text = h5py.check_string_dtype(kind.dtype) is not None

@@ -1,36 +1,27 @@
-"""Profiles from files: plain columns, HDF5 datasets, instrument formats; and what makes a scan a periodic indenter.
+"""Indenters from profile files: what makes a measured scan a periodic indenter on a grid.
 
 A file with exactly as many values as the grid has points is taken as it is, but for the shift to h >= 0. Any other is
 resampled, and before that, unless told otherwise, freed of its tilt and made periodic. Every step goes into the result.
 """
 
-import importlib.util
-import itertools
 import math
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from linecontact.solver import MeasuredIndenter, checks
 from linecontact.solver.scene import MAX_POINTS, MIN_POINTS
 from numpy.typing import NDArray
 
-from . import confined
+from . import profile_columns
+from .profile_columns import MAX_REFINEMENT, UNITS, Unit
 
 Array64 = NDArray[np.float64]
 
-MAX_REFINEMENT = 16  # grid points over values in the file
-MAX_VALUES = MAX_POINTS // MAX_REFINEMENT  # numbers in a file: enough for the largest grid
-MAX_TEXT = 2**25  # bytes of a text file
-LARGEST = 1e100  # number in a file, and its inverse the smallest range: squares are taken
-_MAX_LINE = 1000  # characters of a line of numbers
-_MAX_HEADER = 1000  # lines before them
 _TAPER = 0.1  # share of the length over which a Tukey window falls, at each end
-_UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "pm": 1e-12, "angstrom": 1e-10, "inch": 0.0254}
 
-Unit = Literal["m", "mm", "um", "nm", "pm", "angstrom", "inch"]
 Detrend = Literal["auto", "none", "mean", "linear"]
 Window = Literal["auto", "none", "tukey", "hann", "mirror"]
 
@@ -40,32 +31,44 @@ class Options:
     """How to read a profile file."""
 
     path: Path
+    """The file: .npy, text of one or two columns, .h5, or an instrument's format."""
     num_points: int | None = None
+    """Grid points; None: the next power of two."""
     period: float | None = None
+    """Period [length] of a file without positions; None: 1."""
     convention: Literal["gap", "heights"] = "gap"
+    """Whether the file holds h, the distance of the indenter, or heights as a scan has them, peaks up."""
     dataset: str | None = None
+    """Name of the dataset in an .h5 file that holds several."""
     x_unit: Unit | None = None
+    """Unit of the positions; None: the scene's unit of length."""
     z_unit: Unit | None = None
+    """Unit of the heights; None: the scene's unit of length."""
     length_unit: Unit = "m"
+    """What one [length] of the scene is, where the file or an option names a unit."""
     resample: bool = False
+    """Whether to treat even a file with as many values as grid points like any other."""
     detrend: Detrend = "auto"
+    """What is removed of the tilt; auto: a line, or nothing from a file that is taken as it is."""
     window: Window = "auto"
+    """What makes the profile periodic; auto: its mirror image, or nothing for a file that is taken as it is."""
 
 
 def read(options: Options) -> tuple[MeasuredIndenter, float, int]:
     """The indenter, the period [the scene's unit of length] and the number of grid points.
 
     Raises `ValueError` for a file that is missing, empty, not numbers, constant, not increasing in x, too short, or too
-    large: `MAX_VALUES` numbers, `MAX_TEXT` bytes of text.
+    large, see `profile_columns`.
     """
     path = options.path
     if not os.path.isfile(path):  # Path's own raises for some names
         raise ValueError(f"profile_file is {path}, which is not a file; allowed: .npy, .csv, .txt, .h5, scans")
+    given = options.x_unit or options.z_unit
     try:
-        x, z, origin = _load(options)
+        x, z, origin = profile_columns.load(path, options.dataset, given, options.length_unit)
     except (OSError, EOFError, UnicodeError) as error:
         raise ValueError(f"profile_file {path} cannot be read: {error}") from None
-    _check_values(path, x, z)
+    profile_columns.check_values(path, x, z)
     x, z = _in_scene_units(x, z, options)
     count = z.size
     as_is, length, n = _choose_grid(options, count)
@@ -88,7 +91,7 @@ def read(options: Options) -> tuple[MeasuredIndenter, float, int]:
         steps.append(f"resampled from {z.size} to {n} points by Fourier modes")
         z = _resample(z, n, mirrored=as_is is False and length == 2 * count)
     description = {
-        "profile_file": _name(path),
+        "profile_file": profile_columns.shown_name(path),
         "profile_values": count,
         "profile_convention": options.convention,
         "profile_steps": "; ".join([*steps, "shifted to h >= 0"]),
@@ -121,158 +124,15 @@ def _resample(z: Array64, num_points: int, mirrored: bool) -> Array64:
     return np.asarray(np.fft.irfft(modes[: held + 1], num_points) * (num_points / z.size))
 
 
-def _load(options: Options) -> tuple[Array64 | None, Array64, str]:
-    """Positions (or None), heights, and where they came from."""
-    path, dataset = options.path, options.dataset
-    suffix = path.suffix.lower()
-    if dataset is not None and suffix not in (".h5", ".hdf5"):
-        raise ValueError(f"profile_dataset is {dataset}; allowed: none, {path} is not .h5")
-    if suffix in (".h5", ".hdf5"):
-        return _columns(path, _read_hdf5(path, dataset), f"dataset {dataset or 'only one'} of {_name(path)}")
-    if suffix == ".npy":
-        try:
-            # a map takes no memory for what a header only claims
-            with np.errstate(over="raise"):
-                array = np.lib.format.open_memmap(path, mode="r")
-        except Exception:  # of the tokenizer, for instance
-            raise ValueError(f"profile_file {path} is damaged or not a plain array; allowed: real numbers") from None
-        return _columns(path, array, f"array of {_name(path)}")
-    if suffix in (".csv", ".txt", ".dat", ".asc", ".tsv"):
-        table, header = _read_text(path)
-        return _columns(path, table, f"columns of {_name(path)}, {header} lines of header left out")
-    return _read_scan(options)
-
-
-def _name(path: Path) -> str:
-    """For records, which are UTF-8, as not all names are."""
-    return os.fsencode(path.name).decode("utf-8", "backslashreplace")
-
-
-def _read_text(path: Path) -> tuple[Array64, int]:
-    """The table in a text file and the number of lines before it: the first two lines in a row of as many numbers."""
-    with path.open("rb") as file:
-        content = file.read(MAX_TEXT + 1)
-    if len(content) > MAX_TEXT:
-        raise ValueError(f"profile_file {path} is too long; allowed: {MAX_TEXT} bytes of text, or .npy or .h5")
-    lines = content.decode("utf-8-sig", errors="replace").replace(",", " ").replace(";", " ").splitlines()
-    counts = map(_numbers, lines[: _MAX_HEADER + 2])
-    first, columns = next(((i, a) for i, (a, b) in enumerate(itertools.pairwise(counts)) if a and a == b), (None, 0))
-    if first is None:
-        allowed = f"one or two columns behind up to {_MAX_HEADER} lines of header"
-        raise ValueError(f"profile_file {path} holds no table of numbers; allowed: {allowed}")
-    if columns > 2:
-        raise ValueError(f"profile_file {path} has {columns} columns of numbers; allowed: one or two")
-    while not lines[-1].strip():
-        lines.pop()
-    for i in range(first, len(lines)):
-        if not lines[i].strip():  # what is before may be a header of numbers
-            raise ValueError(f"profile_file {path}, line {i + 1} is empty; allowed: none between numbers")
-    try:
-        return np.loadtxt(lines[first:], ndmin=2, comments=None), first
-    except ValueError as error:
-        for i in range(first, len(lines)):
-            if _numbers(lines[i]) != columns:
-                raise ValueError(
-                    f"profile_file {path}, line {i + 1}: {lines[i].strip()[:40]!r} is not {columns} numbers"
-                ) from None
-        # what float() reads and NumPy does not, like 1_0
-        raise ValueError(f"profile_file {path}: {error}; allowed: plain numbers") from None
-
-
-def _numbers(line: str) -> int:
-    """How many numbers a line consists of; 0 if there is anything else."""
-    words = line.split() if len(line) <= _MAX_LINE else ["long"]
-    try:
-        for word in words:
-            float(word)
-    except ValueError:
-        return 0
-    return len(words)
-
-
-def _read_hdf5(path: Path, dataset: str | None) -> Any:
-    try:
-        return confined.read_dataset(path, MAX_VALUES, dataset)
-    except confined.BrokenError as error:
-        raise ValueError(f"profile_file {path} is damaged or not HDF5: {error}; allowed: HDF5") from None
-
-
-def _read_scan(options: Options) -> tuple[Array64 | None, Array64, str]:
-    """An instrument's format, through SurfaceTopography, in the scene's unit of length if it names its own."""
-    path = options.path
-    if importlib.util.find_spec("SurfaceTopography") is None:
-        raise ValueError(
-            f"profile_file is {path}; allowed: .npy, .csv, .txt, .h5, and with `pip install linecontact[profiles]` the "
-            "formats that SurfaceTopography reads"
-        )
-    try:
-        (x, z), unit = confined.read_scan(path, MAX_VALUES)
-    except confined.BrokenError as error:
-        raise ValueError(
-            f"profile_file {path} cannot be read by SurfaceTopography: {error}; allowed: a format that it knows"
-        ) from None
-    unit = unit.replace("µ", "u")
-    if unit not in _UNITS and unit:
-        raise ValueError(f"profile_file {path} is in {unit}; allowed: {', '.join(_UNITS)}")
-    given = options.x_unit or options.z_unit
-    if unit and given:
-        raise ValueError(f"x_unit or z_unit is {given}; allowed: none, {path} names its unit, {unit}")
-    origin = f"{_name(path)} by SurfaceTopography, in {unit or 'no unit'}"
-    scale = _UNITS[unit] / _UNITS[options.length_unit] if unit else 1.0
-    return scale * x, scale * z, origin
-
-
-def _columns(path: Path, table: Any, origin: str) -> tuple[Array64 | None, Array64, str]:
-    table = np.asarray(table)
-    if table.dtype.kind not in "fiu":
-        raise ValueError(f"profile_file {path} holds {str(table.dtype)[:40]}; allowed: real numbers")
-    if table.size > MAX_VALUES:
-        raise ValueError(f"profile_file {path} holds {table.size} numbers; allowed: up to {MAX_VALUES}")
-    with np.errstate(over="ignore"):  # of a longer type: infinite, and refused as such
-        table = table.astype(np.float64)
-    if table.ndim == 2 and table.shape[1] == 1:
-        table = table[:, 0]
-    if table.ndim == 1:
-        return None, table, origin
-    if table.ndim == 2 and table.shape[1] == 2:
-        return table[:, 0], table[:, 1], origin
-    raise ValueError(f"profile_file {path} has the shape {table.shape}; allowed: one or two columns")
-
-
-def _check_values(path: Path, x: Array64 | None, z: Array64) -> None:
-    if z.size < 16:
-        raise ValueError(f"profile_file {path} holds {z.size} values; allowed: at least 16")
-    for name, values in (("x", x), ("height", z)):
-        if values is None:
-            continue
-        bad = np.flatnonzero(~(np.abs(values) <= LARGEST))
-        if bad.size:
-            what = "too large" if np.isfinite(values[bad[0]]) else "not finite"
-            allowed = f"finite numbers up to {LARGEST:g}"
-            raise ValueError(f"profile_file {path}: {name} number {bad[0] + 1} is {what}; allowed: {allowed}")
-        if 0 < np.ptp(values) < 1 / LARGEST:
-            reason = f"{name} ranges over {np.ptp(values)}; allowed: {1 / LARGEST:g} and more"
-            raise ValueError(f"profile_file {path}: {reason}")
-    if np.ptp(z) == 0:
-        raise ValueError(f"profile_file {path}: every height is {z[0]}; allowed: a profile that is not constant")
-    if x is not None:
-        bad = np.flatnonzero(np.diff(x) <= 0)
-        if bad.size:
-            raise ValueError(
-                f"profile_file {path}: x goes from {x[bad[0]]} to {x[bad[0] + 1]} at value {bad[0] + 2}; allowed: "
-                "increasing (in text a comma separates columns)"
-            )
-
-
 def _in_scene_units(x: Array64 | None, z: Array64, options: Options) -> tuple[Array64 | None, Array64]:
     """Both axes in the scene's unit of length; without a unit they are taken to be in it."""
-    scene = _UNITS[options.length_unit]
+    scene = UNITS[options.length_unit]
     if options.x_unit and x is None:
         raise ValueError(f"x_unit is {options.x_unit}; allowed: none, the file has no positions (give the period)")
     if options.x_unit and x is not None:
-        x = x * (_UNITS[options.x_unit] / scene)
+        x = x * (UNITS[options.x_unit] / scene)
     if options.z_unit:
-        z = z * (_UNITS[options.z_unit] / scene)
+        z = z * (UNITS[options.z_unit] / scene)
     return x, z
 
 

@@ -17,7 +17,8 @@ from linecontact.solver.transforms import Transforms
 from rich.console import RenderableType
 from rich.table import Table
 
-from ..files import store
+from ..files import records
+from ..files.study_files import StudyFile
 from ..runner import ensemble
 from ..runner.tasks import Record
 from ..terminal import console
@@ -99,7 +100,7 @@ class Task:
         pair = pair_seconds(scene.num_points)
         solution = solve(scene, method=self.method, tolerance=self.tolerance, progress=report)
         pair = (pair + pair_seconds(scene.num_points)) / 2
-        return store.run_record(solution) | {"name": self.name, "seconds.pair": pair}
+        return records.run_record(solution) | {"name": self.name, "seconds.pair": pair}
 
 
 def command(options: Options) -> int:
@@ -108,12 +109,12 @@ def command(options: Options) -> int:
     return ensemble.command([(QUICK if options.quick else Configuration()).study()], options, folder, closing)
 
 
-def closing(files: dict[str, store.StudyFile], _: Path) -> Sequence[RenderableType]:
+def closing(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
     """Table, and the comparison on one line."""
     return [part for file in files.values() if file.complete for part in (summary(file), one_line(file))]
 
 
-def exact_areas(study: store.StudyFile) -> dict[str, float]:
+def exact_areas(study: StudyFile) -> dict[str, float]:
     """a_r of each scene: Hertz in closed form, rough from the finest grid's sub-grid edges."""
     rough = study.select("name", "rough")
     finest = int(np.argmax(rough.column("scene.num_points")))
@@ -123,7 +124,7 @@ def exact_areas(study: store.StudyFile) -> dict[str, float]:
     }
 
 
-def summary(study: store.StudyFile) -> Table:
+def summary(study: StudyFile) -> Table:
     """One row per run, with the error it reached."""
     exact = exact_areas(study)
     table = console.table(
@@ -150,7 +151,7 @@ def summary(study: store.StudyFile) -> Table:
     return table
 
 
-def one_line(study: store.StudyFile) -> str:
+def one_line(study: StudyFile) -> str:
     """What the smallest grid with sub-grid edges does against counting on the largest common one."""
     hertz = study.select("name", "Hertz").select("method", "active-set")
     exact, n = exact_areas(study)["Hertz"], hertz.column("scene.num_points")

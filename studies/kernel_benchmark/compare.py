@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from linecontact.solver import checks
 from rich.table import Table
 
-from ..files import store
+from ..files import hdf5, study_files, writing
 from ..runner.tasks import MAX_BYTES
 from ..terminal import console
 from . import report
@@ -57,10 +57,10 @@ def read(path: Path) -> dict[Key, Timing]:
     """Timings of a stored study, or of its JSON. Raises `ValueError` for anything else."""
     refusal = f"compare: file {path} {{}}; allowed: a study kernels' .h5, or its --json saved to a file"
     if path.suffix == ".h5":
-        if store.file_kind(path) != report.KIND:
+        if hdf5.file_kind(path) != report.KIND:
             raise ValueError(refusal.format("is another study's"))
-        with store.expecting(path):
-            content = report.to_json(store.load_study(path))
+        with writing.expecting(path):
+            content = report.to_json(study_files.load_study(path))
     else:
         if not os.path.isfile(path) or path.stat().st_size > MAX_BYTES:  # a pipe would never end
             raise ValueError(refusal.format(f"is no regular file of up to {MAX_BYTES} bytes"))

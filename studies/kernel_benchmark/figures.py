@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..figures.style import COLOURS, NothingToDraw, distinct, load
-from ..files import store
+from ..files.study_files import StudyFile
 from . import report
 
 _STYLES = {
@@ -31,11 +31,11 @@ def draw(path: Path) -> dict[str, Figure]:
     return {"": bandwidth(study), "-roofline": roofline(study)}
 
 
-def _precisions(study: store.StudyFile) -> list[str]:
+def _precisions(study: StudyFile) -> list[str]:
     return sorted(distinct(str(run["precision"]) for run in report.loops(study)))
 
 
-def bandwidth(study: store.StudyFile) -> Figure:
+def bandwidth(study: StudyFile) -> Figure:
     """Medians over the kernels; of the recorded ones also the least and the largest."""
     precisions, caches = _precisions(study), report.caches(study)
     figure: Figure
@@ -72,7 +72,7 @@ def _line(axes: Axes, runs: Sequence[report.Run], variant: str, label: str, colo
         axes.fill_between(x, [min(v) for v in y], [max(v) for v in y], color=colour, alpha=0.13, lw=0)
 
 
-def roofline(study: store.StudyFile) -> Figure:
+def roofline(study: StudyFile) -> Figure:
     """Recorded kernels beside copies of as large working sets: the memory's roof, for reading and writing alike."""
     precisions = _precisions(study)
     figure: Figure

@@ -12,7 +12,7 @@ from linecontact.solver.problem import Problem
 from linecontact.solver.provenance import provenance
 from linecontact.solver.transforms import Transforms
 
-from ..files import store
+from ..files import records
 from .candidates import Bench, compile_c, load
 
 ITERATION = "iteration"
@@ -116,4 +116,4 @@ def machine() -> Record:
                 caches[f"bytes.cache.L{level}"] = int(size.rstrip("KM")) * {"K": 2**10, "M": 2**20}.get(size[-1], 1)
         except (OSError, ValueError):
             continue
-    return store.flatten({"provenance": provenance()}) | {"compiler": compile_c()[1]} | caches
+    return records.flatten({"provenance": provenance()}) | {"compiler": compile_c()[1]} | caches

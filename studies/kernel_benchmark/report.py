@@ -17,7 +17,7 @@ from rich import box
 from rich.console import RenderableType
 from rich.table import Table
 
-from ..files import store
+from ..files.study_files import StudyFile
 from .candidates import VARIANTS
 from .measure import ITERATION
 
@@ -42,23 +42,23 @@ def bandwidth(run: Run, variant: str) -> float:
     return float(moved) / seconds(run, variant) / 1e9
 
 
-def kernel_runs(study: store.StudyFile) -> list[Run]:
+def kernel_runs(study: StudyFile) -> list[Run]:
     """All but the iteration's."""
     return [run for run in study.runs if run["kernel"] != ITERATION]
 
 
-def loops(study: store.StudyFile) -> list[Run]:
+def loops(study: StudyFile) -> list[Run]:
     """Those with a loop over points: all but FIRE's control, too."""
     return [run for run in kernel_runs(study) if run["flops"]]
 
 
-def caches(study: store.StudyFile) -> dict[str, int]:
+def caches(study: StudyFile) -> dict[str, int]:
     """Bytes of the data caches by name, as far as known."""
     first, prefix = study.runs[0] if study.runs else {}, "bytes.cache."
     return {name.removeprefix(prefix): int(first[name]) for name in first if name.startswith(prefix)}
 
 
-def to_json(study: store.StudyFile) -> Run:
+def to_json(study: StudyFile) -> Run:
     """The file as one JSON-ready object."""
     first: Run = study.runs[0] if study.runs else {}
     return {
@@ -95,7 +95,7 @@ def _result(run: Run, variant: str) -> Run:
     )
 
 
-def parts(study: store.StudyFile) -> Iterator[RenderableType]:
+def parts(study: StudyFile) -> Iterator[RenderableType]:
     """A table for each large size, the iteration's, and what they come to."""
     sizes = sorted({run["log2_points"] for run in loops(study)})
     for size in [size for size in sizes if size >= LARGE] or sizes[-1:]:
@@ -121,7 +121,7 @@ _COLUMNS = (
 )
 
 
-def size_table(study: store.StudyFile, size: int, explained: bool = True) -> Table:
+def size_table(study: StudyFile, size: int, explained: bool = True) -> Table:
     """Every kernel on 2^size points, with what the columns are or without."""
     table = new_table(
         ("kernel", "bits", "us", "ns/\npoint", "GB/s", "roof", "Warp\n/C", "launch\n/C", "elem.\n/C", "NumPy\n/C"),
@@ -158,7 +158,7 @@ def _ratio(ratio: float) -> str:
     return "-" if math.isnan(ratio) else f"{ratio:.2f}" if ratio < 10 else f"{ratio:.1f}"
 
 
-def iteration_table(study: store.StudyFile) -> Table:
+def iteration_table(study: StudyFile) -> Table:
     """Plain FIRE's iteration."""
     table = new_table(
         ("bits", "N", "FFTs\nmin (us)", "FFTs\nmedian (us)", "rest\nmin (us)", "rest\nmedian (us)", "rest/FFTs"),
@@ -176,7 +176,7 @@ def iteration_table(study: store.StudyFile) -> Table:
     return table
 
 
-def lines(study: store.StudyFile) -> Iterator[str]:
+def lines(study: StudyFile) -> Iterator[str]:
     """FIRE's control; which kernels miss the goal; the compiler."""
     control = [run for run in kernel_runs(study) if run["kernel"] == "fire_control"]
     if control:

@@ -18,7 +18,8 @@ from linecontact import kernels
 from linecontact.solver.relaxation import Progress
 from rich.console import RenderableType
 
-from ..files import store
+from ..files import study_files
+from ..files.study_files import StudyFile
 from ..runner import ensemble
 from ..runner.tasks import Record
 from . import compare, measure, report
@@ -100,7 +101,7 @@ def command(options: Options) -> int:
     with contextlib.redirect_stdout(sys.stderr) if options.json else contextlib.nullcontext():
         status = ensemble.command([study], options, folder, _nothing if options.json else closing)
     if options.json:
-        print(json.dumps(report.to_json(store.load_study(study.path(folder)))), flush=True)
+        print(json.dumps(report.to_json(study_files.load_study(study.path(folder)))), flush=True)
     return status
 
 
@@ -108,6 +109,6 @@ def _nothing(*_: object) -> Sequence[RenderableType]:
     return ()
 
 
-def closing(files: dict[str, store.StudyFile], _: Path) -> Sequence[RenderableType]:
+def closing(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
     """The tables, and what they come to."""
     return [part for file in files.values() if file.complete for part in report.parts(file)]

@@ -7,7 +7,7 @@ from pathlib import Path
 from markdown_it import MarkdownIt
 from rich.table import Table
 
-from ..files import store
+from ..files import writing
 from .statements import Statement
 
 _STYLE = """
@@ -63,5 +63,5 @@ def write(folder: Path, text: str) -> tuple[Path, Path]:
     files = folder / "report.md", folder / "report.html"
     for file, content in zip(files, (text.encode(), page.encode()), strict=True):
         if not file.is_file() or file.read_bytes() != content:
-            store.write_bytes(file, content)
+            writing.write_bytes(file, content)
     return files

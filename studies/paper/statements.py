@@ -9,11 +9,11 @@ from linecontact.solver import closed_forms
 from numpy.typing import NDArray
 
 from .. import rough
-from ..files import store
+from ..files.study_files import StudyFile
 from ..power_profiles import study as asperity
 
 Array64 = NDArray[np.float64]
-Files = dict[str, store.StudyFile]
+Files = dict[str, StudyFile]
 Curve = tuple[Array64, Array64, Array64]
 
 
@@ -53,7 +53,7 @@ def statements(files: Files) -> list[Statement]:
     return found
 
 
-def _asperity(file: store.StudyFile) -> Iterator[Statement]:
+def _asperity(file: StudyFile) -> Iterator[Statement]:
     c, name = file.configuration, file.kind
     n, published = c["exponent"], c["published_alpha"]
     run, lone = asperity.half_space(file), closed_forms.kappa_half_space(n)
@@ -94,7 +94,7 @@ def _asperity(file: store.StudyFile) -> Iterator[Statement]:
     yield from _powers(file, thin)
 
 
-def _powers(file: store.StudyFile, thin: dict[float, Curve]) -> Iterator[Statement]:
+def _powers(file: StudyFile, thin: dict[float, Curve]) -> Iterator[Statement]:
     """Local powers of kappa_d in d/a_r between the two thinnest layers: the first Poisson's ratio, and 1/2."""
     c, name = file.configuration, file.kind
     n = c["exponent"]
@@ -120,7 +120,7 @@ def _powers(file: store.StudyFile, thin: dict[float, Curve]) -> Iterator[Stateme
             )
 
 
-def _thin(file: store.StudyFile, poisson_ratio: float) -> Curve:
+def _thin(file: StudyFile, poisson_ratio: float) -> Curve:
     """d/a_r, kappa_d/kappa_inf and the latter's error on layers of one nu, from thin to thick."""
     part = asperity.layers(file).select("scene.poisson_ratio", poisson_ratio)
     part.runs = [run for run in part.runs if run["kappa_subgrid"] > 0]  # 0 for a contact of one node
@@ -151,7 +151,7 @@ def _first_order_spread(thin: dict[float, Curve], poisson_ratios: list[float]) -
     return float(max(plain) / min(plain) - 1)
 
 
-def _rough(file: store.StudyFile) -> Iterator[Statement]:
+def _rough(file: StudyFile) -> Iterator[Statement]:
     nu = file.configuration["poisson_ratios"][0]
     thin = sorted(file.configuration["thicknesses"])[:2]
     layers = rough.realisations(file)

@@ -12,7 +12,7 @@ from rich.console import RenderableType
 from rich.table import Table
 
 from .. import blunt, hertz, rough, sharp
-from ..files import store
+from ..files.study_files import StudyFile
 from ..power_profiles import study as asperity
 from ..runner import ensemble
 from ..terminal import console
@@ -58,7 +58,7 @@ def command(options: Options) -> int:
     return ensemble.command(studies(2**14 if options.quick else None), options, folder, closing)
 
 
-def closing(files: dict[str, store.StudyFile], folder: Path) -> Sequence[RenderableType]:
+def closing(files: dict[str, StudyFile], folder: Path) -> Sequence[RenderableType]:
     """Write the report; show its verdicts."""
     found = statements(files)
     parts = []
@@ -75,7 +75,7 @@ def closing(files: dict[str, store.StudyFile], folder: Path) -> Sequence[Rendera
     return [verdicts(found), f"Report: {', '.join(map(str, written))}"]
 
 
-def made(files: dict[str, store.StudyFile]) -> str:
+def made(files: dict[str, StudyFile]) -> str:
     """What a report was made from."""
     runs = [run for file in files.values() for run in file.runs]
     versions, points = (sorted({str(run[name]) for run in runs}) for name in ("version", "scene.num_points"))

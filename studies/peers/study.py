@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 from rich.console import RenderableType
 from rich.table import Table
 
-from ..files import store
+from ..files import records
+from ..files.study_files import StudyFile
 from ..runner import ensemble, executors
 from ..runner.tasks import Record
 from ..terminal import console
@@ -138,7 +139,7 @@ class Task:
 
         again()  # loads kernels, tables and plans, as a peer's first tolerance does
         solution = fastest(again(), again, lambda s: s.seconds["solve"])
-        return store.run_record(solution), solution.contact_pressure
+        return records.run_record(solution), solution.contact_pressure
 
     def _by_peer(self, scene: Scene, report: Progress | None) -> tuple[Record, Array64]:
         first, tolerance = at_gap(self.solver, scene, self.gap, report)
@@ -158,7 +159,7 @@ class Task:
             "version": result.version,
             "provenance": provenance.provenance(),
         }
-        return store.flatten(record), pressure
+        return records.flatten(record), pressure
 
 
 def command(options: Options) -> int:
@@ -172,7 +173,7 @@ def command(options: Options) -> int:
     return ensemble.command([configuration.study()], options, folder, closing)
 
 
-def closing(files: dict[str, store.StudyFile], _: Path) -> Sequence[RenderableType]:
+def closing(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
     """The table, and what it has no room for."""
     parts: list[RenderableType] = []
     for file in files.values():
@@ -215,7 +216,7 @@ class Comparison:
         return self.peers[self.fastest]["seconds.solve"] / self.ours["seconds.solve"] if self.fastest else math.nan
 
 
-def comparisons(study: store.StudyFile) -> list[Comparison]:
+def comparisons(study: StudyFile) -> list[Comparison]:
     """One for each scene that linecontact has solved, in the study's order."""
     scenes: dict[tuple[Any, ...], dict[str, Record]] = {}
     for run in study.runs:
@@ -224,7 +225,7 @@ def comparisons(study: store.StudyFile) -> list[Comparison]:
     return [Comparison(found.pop(OURS), found) for found in scenes.values() if OURS in found]
 
 
-def summary(study: store.StudyFile) -> Table:
+def summary(study: StudyFile) -> Table:
     """One row per scene on the largest grid: agreement, then times."""
     largest = max(run["scene.num_points"] for run in study.runs)
     names, limit = study.configuration["peers"], study.configuration["gap"]
@@ -265,7 +266,7 @@ def _cells(c: Comparison, names: Sequence[str]) -> list[str]:
     ]
 
 
-def remarks(study: store.StudyFile) -> list[str]:
+def remarks(study: StudyFile) -> list[str]:
     """On the largest grid the ratios with set-up and Hertz's errors; and every disagreement on any grid."""
     n = max(run["scene.num_points"] for run in study.runs)
     found = comparisons(study)

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..figures.style import COLOURS, MARKERS, NothingToDraw, distinct, load
-from ..files import store
+from ..files.study_files import StudyFile
 from . import study as asperity
 
 
@@ -21,7 +21,7 @@ def draw(path: Path) -> dict[str, Figure]:
     return {"": ratio(study), "-accuracy": accuracy(study)}
 
 
-def ratio(study: store.StudyFile) -> Figure:
+def ratio(study: StudyFile) -> Figure:
     """The published Figures 2 to 4: (kappa_d/kappa_inf)/(d/a_r) over d/a_r with limits; below, kappa_d/kappa_inf."""
     figure: Figure
     figure, (axes, below) = plt.subplots(2, 1, figsize=(5.2, 6.2), sharex=True, height_ratios=(5, 3))
@@ -79,7 +79,7 @@ def _limits(axes: Axes, configuration: dict[str, Any], poisson_ratio: float, col
         axes.plot(grid[[0, -1]], [published] * 2, "-.", color=colour, lw=0.5)
 
 
-def _half_space(axes: Axes, below: Axes, study: store.StudyFile, high: float) -> None:
+def _half_space(axes: Axes, below: Axes, study: StudyFile, high: float) -> None:
     """kappa_d = kappa_inf, and what the images in the neighbouring periods leave of it."""
     run = asperity.half_space(study)
     thick = np.geomspace(0.15, high, 20)
@@ -91,7 +91,7 @@ def _half_space(axes: Axes, below: Axes, study: store.StudyFile, high: float) ->
         below.axhline(with_images, color="0.3", ls="--", lw=0.7, label=f"half-space with images: {with_images:.4f}")
 
 
-def accuracy(study: store.StudyFile) -> Figure:
+def accuracy(study: StudyFile) -> Figure:
     """Errors of area (in grid spacings) and peak pressure against the oracle, over d/a_r."""
     figure: Figure
     figure, panels = plt.subplots(3, 1, figsize=(5.2, 6.2), sharex=True)

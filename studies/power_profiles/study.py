@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from rich.console import RenderableType
 from rich.table import Table
 
-from ..files import store
+from ..files import records
+from ..files.study_files import StudyFile
 from ..runner import ensemble
 from ..runner.tasks import Record
 from ..terminal import console
@@ -65,7 +66,7 @@ class Task:
         layer, indenter = Layer(thickness, self.poisson_ratio), PowerIndenter(self.exponent, RADIUS)
         scene = Scene(layer, indenter, self.pressure, num_points=self.num_points)
         solution = solve(scene, method=self.method, tolerance=self.tolerance, progress=report)
-        return store.run_record(solution) | {
+        return records.run_record(solution) | {
             "oracle.contact_area": exact.contact_area,
             "oracle.peak_pressure": exact.peak_pressure,
             "oracle.approach": exact.approach,
@@ -116,18 +117,18 @@ def study(kind: str, c: Configuration) -> ensemble.Study:
     )
 
 
-def layers(file: store.StudyFile) -> store.StudyFile:
+def layers(file: StudyFile) -> StudyFile:
     """The runs on layers only."""
     runs = [run for run in file.runs if math.isfinite(run["scene.thickness"])]
-    return store.StudyFile(file.kind, file.configuration, runs, file.lines, file.failures)
+    return StudyFile(file.kind, file.configuration, runs, file.lines, file.failures)
 
 
-def half_space(file: store.StudyFile) -> Record | None:
+def half_space(file: StudyFile) -> Record | None:
     """The run on the half-space."""
     return next((run for run in file.runs if math.isinf(run["scene.thickness"])), None)
 
 
-def summary(file: store.StudyFile) -> Table:
+def summary(file: StudyFile) -> Table:
     """The closing table: one row per Poisson's ratio, errors against the oracle."""
     points, exponent, least = (
         file.configuration[name] for name in ("num_points", "exponent", "thinnest_incompressible")
@@ -180,14 +181,14 @@ def summary(file: store.StudyFile) -> Table:
     return table
 
 
-def curve(file: store.StudyFile) -> tuple[Array64, Array64]:
+def curve(file: StudyFile) -> tuple[Array64, Array64]:
     """d/a_r and kappa_d/kappa_inf of the runs, between sub-grid edges, shape (runs,) each."""
     thickness, area = file.column("scene.thickness"), file.column("contact_area_subgrid")
     kappa = file.column("kappa_subgrid") / closed_forms.kappa_half_space(file.configuration["exponent"])
     return thickness / area, np.asarray(kappa, dtype=np.float64)
 
 
-def images(file: store.StudyFile) -> str:
+def images(file: StudyFile) -> str:
     """What the images in the neighbouring periods do to the half-space's value."""
     run, c = half_space(file), file.configuration
     if run is None:
@@ -202,7 +203,7 @@ def images(file: store.StudyFile) -> str:
     )
 
 
-def closing(files: dict[str, store.StudyFile], _: Path) -> Sequence[RenderableType]:
+def closing(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
     """Table and a sentence on the half-space, for each study."""
     return [part for file in files.values() for part in (summary(file), images(file))]
 

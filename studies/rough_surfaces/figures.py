@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from .. import rough
 from ..figures.style import COLOURS, MARKERS, NothingToDraw, distinct, load
-from ..files import store
+from ..files.study_files import StudyFile
 
 
 def draw(path: Path) -> dict[str, Figure]:
@@ -19,7 +19,7 @@ def draw(path: Path) -> dict[str, Figure]:
     return {"": ratio(study), "-patches": patches(study), "-area": bias(study)}
 
 
-def _panels(study: store.StudyFile, rows: int) -> tuple[Figure, list[list[Axes]], list[float]]:
+def _panels(study: StudyFile, rows: int) -> tuple[Figure, list[list[Axes]], list[float]]:
     """Rows of panels, one column for each Hurst exponent."""
     hursts = distinct(study.configuration["hursts"])
     width = 1.2 + 3.0 * len(hursts)
@@ -50,7 +50,7 @@ def _plot(axes: Axes, points: list[rough.Point], x: str, y: str, colour: str, ma
     )
 
 
-def _points(study: store.StudyFile) -> list[rough.Point]:
+def _points(study: StudyFile) -> list[rough.Point]:
     points = list(rough.points(study))
     if not points:
         raise NothingToDraw("no surface is done both on a layer and on the half-space yet")
@@ -62,7 +62,7 @@ def _legend(figure: Figure, axes: Axes) -> None:
     figure.legend(*axes.get_legend_handles_labels(), fontsize=8, loc="lower center", ncols=4)
 
 
-def ratio(study: store.StudyFile) -> Figure:
+def ratio(study: StudyFile) -> Figure:
     """(kappa_d/kappa_inf)/(d/a_r) over d/a_r with its limits and Persson's prediction."""
     figure, rows, hursts = _panels(study, 1)
     points = _points(study)
@@ -96,7 +96,7 @@ def ratio(study: store.StudyFile) -> Figure:
     return figure
 
 
-def patches(study: store.StudyFile) -> Figure:
+def patches(study: StudyFile) -> Figure:
     """kappa_d/(d/a_r) over the number of patches, on the value of one patch, and that number."""
     figure, rows, hursts = _panels(study, 2)
     points = _points(study)
@@ -119,7 +119,7 @@ def patches(study: store.StudyFile) -> Figure:
     return figure
 
 
-def bias(study: store.StudyFile) -> Figure:
+def bias(study: StudyFile) -> Figure:
     """What counting nodes adds to the area."""
     figure, rows, hursts = _panels(study, 1)
     points = _points(study)

@@ -15,7 +15,7 @@ from ..edge_curve import figures as edge_curve
 from ..extremes import figures as extremes
 from ..figures import solution
 from ..figures.style import STYLE, NothingToDraw
-from ..files import store
+from ..files import hdf5, writing
 from ..iterations import figures as iterations
 from ..kernel_benchmark import figures as kernels
 from ..peers import figures as peers
@@ -40,17 +40,17 @@ _DRAWINGS: dict[str, Callable[[Path], dict[str, Figure]]] = {
 
 
 def draw(path: Path) -> list[Path]:
-    """Draw everything that a stored file has figures for; returns the files. Raises `store.StoreError`."""
-    kind = store.file_kind(path)
+    """Draw everything that a stored file has figures for; returns the files. Raises `writing.StoreError`."""
+    kind = hdf5.file_kind(path)
     if kind not in _DRAWINGS:
-        raise store.StoreError(f"file {path} is of kind {kind!r}; allowed: {', '.join(_DRAWINGS)}")
+        raise writing.StoreError(f"file {path} is of kind {kind!r}; allowed: {', '.join(_DRAWINGS)}")
     files = []
-    with plt.rc_context(STYLE), store.expecting(path):
+    with plt.rc_context(STYLE), writing.expecting(path):
         for suffix, figure in _DRAWINGS[kind](path).items():
             for extension in ("png", "pdf"):
                 image = io.BytesIO()
                 figure.savefig(image, format=extension)
                 files.append(path.with_name(f"{path.stem}{suffix}.{extension}"))
-                store.write_bytes(files[-1], image.getvalue())
+                writing.write_bytes(files[-1], image.getvalue())
             plt.close(figure)
     return files

@@ -26,7 +26,8 @@ from typing import Any
 from linecontact.solver.relaxation import Progress
 from rich.console import RenderableType
 
-from ..files import store
+from ..files import records, study_files, writing
+from ..files.study_files import StudyFile
 from ..terminal import console
 from . import executors
 from .tasks import Record, Task, TaskFolder, identity, lock
@@ -69,10 +70,10 @@ class Study:
         """The study's file."""
         return folder / f"{self.kind}.h5"
 
-    def collect(self, records: Mapping[Task, Record], failures: Mapping[Task, str]) -> store.StudyFile:
+    def collect(self, records: Mapping[Task, Record], failures: Mapping[Task, str]) -> StudyFile:
         """The study's file as far as it is done."""
         own = set(self.tasks)
-        return store.StudyFile(
+        return StudyFile(
             kind=self.kind,
             configuration=self.configuration,
             runs=[records[task] | {"task": identity(task)} for task in self.runs if task in records],
@@ -90,7 +91,7 @@ def perform(task: Task, report: Progress | None = None) -> Record:
     """What a worker does. A solve that was interrupted raises `KeyboardInterrupt`, anything else `TaskError`."""
     try:
         record = task.run(report)
-        json.dumps(store.plain(record))
+        json.dumps(records.plain(record))
     except Exception as error:
         raise TaskError(" ".join(f"{type(error).__name__}: {error}".split())) from None
     if record.get("status") == "interrupted":
@@ -260,8 +261,8 @@ def command(
     studies: Sequence[Study],
     options: Options,
     folder: Path,
-    closing: Callable[[dict[str, store.StudyFile], Path], Sequence[RenderableType]],
-    defects: Callable[[store.StudyFile], Sequence[str]] = lambda _: (),
+    closing: Callable[[dict[str, StudyFile], Path], Sequence[RenderableType]],
+    defects: Callable[[StudyFile], Sequence[str]] = lambda _: (),
 ) -> int:
     """Run studies into one folder, draw them, and print what `closing` makes of them; returns the exit status.
 
@@ -270,15 +271,15 @@ def command(
     begin = time.monotonic()
     folder = options.folder or folder
     executors.check(options.workers, options.memory, options.scheduler)
-    store.make_folder(folder)
-    store.check_folder(folder)
+    writing.make_folder(folder)
+    writing.check_folder(folder)
     with lock(folder):
         files = {} if options.overwrite else _finished(studies, folder)
         computed = len(files) < len(studies)
         if computed:
             files = _compute(studies, options, folder)
         figures = _draw(studies, files, folder, computed)
-        with store.expecting(folder):
+        with writing.expecting(folder):
             parts = closing(files, folder)
     output = console.Output()
     for part in parts:
@@ -289,9 +290,7 @@ def command(
     return exit_status(files.values(), defects)
 
 
-def exit_status(
-    files: Iterable[store.StudyFile], defects: Callable[[store.StudyFile], Sequence[str]] = lambda _: ()
-) -> int:
+def exit_status(files: Iterable[StudyFile], defects: Callable[[StudyFile], Sequence[str]] = lambda _: ()) -> int:
     """4 if any task failed or there is a defect, 3 if any run is not certified at its tolerance, else 0."""
     status = 0
     for file in files:
@@ -306,12 +305,12 @@ def exit_status(
     return status
 
 
-def _finished(studies: Sequence[Study], folder: Path) -> dict[str, store.StudyFile]:
-    files = {study.kind: store.finished(study.path(folder), study.kind, study.configuration) for study in studies}
+def _finished(studies: Sequence[Study], folder: Path) -> dict[str, StudyFile]:
+    files = {study.kind: study_files.finished(study.path(folder), study.kind, study.configuration) for study in studies}
     return {kind: file for kind, file in files.items() if file}
 
 
-def _compute(studies: Sequence[Study], options: Options, folder: Path) -> dict[str, store.StudyFile]:
+def _compute(studies: Sequence[Study], options: Options, folder: Path) -> dict[str, StudyFile]:
     """All tasks of all studies together; what is done is collected also when the run is cut short."""
     ensemble: Ensemble
 
@@ -320,14 +319,14 @@ def _compute(studies: Sequence[Study], options: Options, folder: Path) -> dict[s
         bar.show(ensemble.share, f"{ensemble}; iteration {iteration}{known}")
 
     with executors.choose(options.workers, options.memory, options.scheduler, report) as pool:
-        with store.expecting(folder):
+        with writing.expecting(folder):
             ensemble = _begin(studies, options, folder)
         with console.Bar(", ".join(study.kind for study in studies)) as bar:
             bar.start = ensemble.share
             try:
                 ensemble.run(pool.make, pool.limit, lambda _: bar.show(ensemble.share, str(ensemble)))
             except BaseException:
-                with contextlib.suppress(store.StoreError):  # a full disk: the tasks' files are there
+                with contextlib.suppress(writing.StoreError):  # a full disk: the tasks' files are there
                     _save(studies, ensemble, folder)
                 raise
     return _save(studies, ensemble, folder)
@@ -337,10 +336,10 @@ def _begin(studies: Sequence[Study], options: Options, folder: Path) -> Ensemble
     """The tasks with what former runs have left of them."""
     results = TaskFolder(folder / "tasks")
     # what a killed process has left unfinished
-    store.remove(*folder.glob(".*.part"), *results.folder.glob(".*.part"))
+    writing.remove(*folder.glob(".*.part"), *results.folder.glob(".*.part"))
     tasks = [task for study in studies for task in study.tasks]
     if options.overwrite:
-        store.remove(*(study.path(folder) for study in studies))
+        writing.remove(*(study.path(folder) for study in studies))
         results.forget(tasks)
     ensemble = Ensemble(tasks, results)
     if ensemble.found:
@@ -348,15 +347,15 @@ def _begin(studies: Sequence[Study], options: Options, folder: Path) -> Ensemble
     return ensemble
 
 
-def _save(studies: Sequence[Study], ensemble: Ensemble, folder: Path) -> dict[str, store.StudyFile]:
-    """Collect and store; what is shown is what was stored."""
-    with store.expecting(folder):
+def _save(studies: Sequence[Study], ensemble: Ensemble, folder: Path) -> dict[str, StudyFile]:
+    """Collect the records and write the files; what is shown is what was written."""
+    with writing.expecting(folder):
         for study in studies:
-            store.save_study(study.path(folder), study.collect(ensemble.records, ensemble.failures))
-    return {study.kind: store.load_study(study.path(folder)) for study in studies}
+            study_files.save_study(study.path(folder), study.collect(ensemble.records, ensemble.failures))
+    return {study.kind: study_files.load_study(study.path(folder)) for study in studies}
 
 
-def _draw(studies: Sequence[Study], files: Mapping[str, store.StudyFile], folder: Path, computed: bool) -> list[Path]:
+def _draw(studies: Sequence[Study], files: Mapping[str, StudyFile], folder: Path, computed: bool) -> list[Path]:
     """Figures of everything that was computed, or that has none yet."""
     drawn: list[Path] = []
     for study in studies:

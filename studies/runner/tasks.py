@@ -15,7 +15,7 @@ from typing import Any, Protocol
 import filelock
 from linecontact.solver.relaxation import Progress
 
-from ..files import store
+from ..files import records, writing
 
 Record = dict[str, Any]
 
@@ -36,12 +36,12 @@ def identity(task: Task) -> str:
     """Hash of a task: 16 hexadecimal digits of the SHA-256 of its class, its fields and the results' version."""
     kind = type(task)
     name = f"{kind.__module__}.{kind.__qualname__}"
-    text = json.dumps([store.RESULTS_VERSION, name, _fields(task)], sort_keys=True)
+    text = json.dumps([records.RESULTS_VERSION, name, _fields(task)], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 def _fields(task: Task) -> Record:
-    return dict(store.plain(asdict(task)))  # type: ignore[call-overload]
+    return dict(records.plain(asdict(task)))  # type: ignore[call-overload]
 
 
 def _record(body: bytes) -> Record | None:
@@ -64,7 +64,7 @@ class TaskFolder:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        store.make_folder(folder)
+        writing.make_folder(folder)
 
     def _path(self, task: Task) -> Path:
         return self.folder / f"{identity(task)}.json"
@@ -75,33 +75,33 @@ class TaskFolder:
         if not path.exists():
             return None
         if not path.is_file() or path.stat().st_size > MAX_BYTES:
-            raise store.StoreError(
+            raise writing.StoreError(
                 f"file {path} is no regular file of up to {MAX_BYTES} bytes; allowed: another --folder"
             )
         try:
             head, _, body = path.read_bytes().partition(b"\n")
         except OSError as error:
-            raise store.StoreError(f"file {path} cannot be read ({error.strerror})") from None
+            raise writing.StoreError(f"file {path} cannot be read ({error.strerror})") from None
         record = _record(body) if hashlib.sha256(body).hexdigest().encode() == head else None
         if record is None:
-            store.set_aside(path)
+            writing.set_aside(path)
         return record
 
     def save(self, task: Task, record: Record) -> None:
         """Keep a record. Raises `StoreError` if that is impossible, on a full disk for instance."""
-        path, body = self._path(task), json.dumps({"task": _fields(task), "record": store.plain(record)}).encode()
-        store.remove(path.with_suffix(".failed"))
-        store.write_bytes(path, hashlib.sha256(body).hexdigest().encode() + b"\n", body)
+        path, body = self._path(task), json.dumps({"task": _fields(task), "record": records.plain(record)}).encode()
+        writing.remove(path.with_suffix(".failed"))
+        writing.write_bytes(path, hashlib.sha256(body).hexdigest().encode() + b"\n", body)
 
     def save_failure(self, task: Task, reason: str) -> None:
         """Keep a reason, for people; the task counts as not done."""
         text = json.dumps({"task": _fields(task), "reason": reason}, indent=1)
-        store.write_bytes(self._path(task).with_suffix(".failed"), text.encode())
+        writing.write_bytes(self._path(task).with_suffix(".failed"), text.encode())
 
     def forget(self, tasks: Iterable[Task]) -> None:
         """Remove the records of these tasks."""
         for task in tasks:
-            store.remove(self._path(task), self._path(task).with_suffix(".failed"))
+            writing.remove(self._path(task), self._path(task).with_suffix(".failed"))
 
 
 @contextlib.contextmanager
@@ -114,11 +114,11 @@ def lock(folder: Path) -> Iterator[None]:
     try:
         guard.acquire(blocking=False)
     except filelock.Timeout:
-        raise store.StoreError(
+        raise writing.StoreError(
             f"folder {folder} is in use by another run; allowed: another --folder, or waiting for that run"
         ) from None
     except OSError as error:
-        raise store.StoreError(f"folder {folder} cannot be written to ({error.strerror})") from None
+        raise writing.StoreError(f"folder {folder} cannot be written to ({error.strerror})") from None
     try:
         yield
     finally:

@@ -17,7 +17,7 @@ from linecontact.solver import Solution, Status, provenance, solve
 from linecontact.solver.relaxation import Progress
 from linecontact.solver.run import COARSE_TOLERANCE
 
-from ..files import store
+from ..files import records
 from ..iterations.study import pair_seconds
 from ..peers import solvers as peers
 from ..runner.tasks import Record
@@ -73,13 +73,13 @@ def _of_solution(solution: Solution, exact: families.Exact) -> Found:
     errors = exact.errors(
         o.contact_area, o.contact_area_subgrid, o.kappa_subgrid, o.peak_pressure, solution.contact_pressure
     )
-    record = {name: v for name, v in store.run_record(solution).items() if not name.startswith("choices.")}
+    record = {name: v for name, v in records.run_record(solution).items() if not name.startswith("choices.")}
     return Found(solution.seconds, errors, record | {"error.reference": exact.error})
 
 
 def refused(family: str, error: ValueError) -> Record:
     """The record of a choice that the solver does not take."""
-    return {"family": family, "status": REFUSED, "reason": str(error)} | store.flatten(
+    return {"family": family, "status": REFUSED, "reason": str(error)} | records.flatten(
         {"provenance": provenance.provenance()}
     )
 

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from ..figures.style import COLOURS, NothingToDraw, load
-from ..files import store
+from ..files.study_files import StudyFile
 from . import front, report
 from .families import FAMILIES
 
@@ -27,7 +27,7 @@ def draw(path: Path) -> dict[str, Figure]:
     return {"": panels(study, "a_r"), "-field": panels(study, "pressure field")}
 
 
-def panels(study: store.StudyFile, what: str) -> Figure:
+def panels(study: StudyFile, what: str) -> Figure:
     """One for each family; what: of `front.FRONTS`."""
     figure: Figure
     figure, grid = plt.subplots(2, 2, figsize=(9.0, 8.2), sharey=True)
@@ -47,7 +47,7 @@ def panels(study: store.StudyFile, what: str) -> Figure:
     return figure
 
 
-def _panel(axes: Axes, study: store.StudyFile, family: str, what: str) -> None:
+def _panel(axes: Axes, study: StudyFile, family: str, what: str) -> None:
     found = front.points(front.runs_of(study, "choice", family), what)
     for method, precision, counted in itertools.product(_METHODS, _PRECISIONS, (True, False)):
         kind = method, precision, counted
@@ -78,7 +78,7 @@ def _line(axes: Axes, found: list[front.Point], style: str, colour: str, width: 
     axes.plot(x, y, style, marker=marker, ms=5, color=colour, lw=width, zorder=4, mec="w" if marker else None, mew=0.5)
 
 
-def _legend(study: store.StudyFile, what: str) -> list[Line2D]:
+def _legend(study: StudyFile, what: str) -> list[Line2D]:
     def entry(label: str, marker: str, colour: str, style: str = "", **more: object) -> Line2D:
         return Line2D([], [], marker=marker, color=colour, ls=style, label=label, **more)  # type: ignore[arg-type]
 

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
-from ..files import store
+from ..files.study_files import StudyFile
 from .families import FAMILIES
 
 Run = dict[str, Any]
@@ -35,7 +35,7 @@ class Point(NamedTuple):
         return self.counted if axis == "counted" else self.run[axis]
 
 
-def runs_of(study: store.StudyFile, kind: str, family: str | None = None) -> list[Run]:
+def runs_of(study: StudyFile, kind: str, family: str | None = None) -> list[Run]:
     """Of one kind of task, and family."""
     return [run for run in study.runs if run["kind"] == kind and family in (None, run["family"])]
 
@@ -89,7 +89,7 @@ class Worth(NamedTuple):
         return self.distance > NEAR
 
 
-def worth(study: store.StudyFile) -> list[Worth]:
+def worth(study: StudyFile) -> list[Worth]:
     """Every value of every axis of the choices by hand, on the fronts of those."""
     rated: list[tuple[float, str, Point]] = []
     areas: list[tuple[list[Point], list[Point]]] = []

@@ -10,14 +10,14 @@ from linecontact.solver import Status
 from rich.console import RenderableType
 from rich.table import Table
 
-from ..files import store
+from ..files.study_files import StudyFile
 from ..terminal import console
 from .choices import REFUSED
 from .families import FAMILIES, MEASURES, is_rough
 from .front import AXES, NEAR, Point, Run, Worth, front, over_front, points, runs_of, worth
 
 
-def parts(study: store.StudyFile) -> Iterator[RenderableType]:
+def parts(study: StudyFile) -> Iterator[RenderableType]:
     """A table for each family, and the sentences."""
     for family in FAMILIES:
         if any(run["status"] == "converged" for run in runs_of(study, "choice", family)):
@@ -29,14 +29,14 @@ def parts(study: store.StudyFile) -> Iterator[RenderableType]:
     yield from not_certified(study)
 
 
-def paper_choice(study: store.StudyFile, family: str) -> Run | None:
+def paper_choice(study: StudyFile, family: str) -> Run | None:
     """The published one: plain FIRE on one grid of 2^18 points, float64."""
     size, mine = study.configuration["paper"], runs_of(study, "choice", family)
     asked = {"method": "fire", "precision": "float64", "nested": False, "log2_points": size, "tolerance.asked": "1e-05"}
     return next((run for run in mine if all(run[name] == value for name, value in asked.items())), None)
 
 
-def front_table(study: store.StudyFile, family: str) -> Table:
+def front_table(study: StudyFile, family: str) -> Table:
     """The front of the area of what is chosen by hand, and others beside it."""
     table = console.table(
         padding=0,
@@ -59,7 +59,7 @@ def front_table(study: store.StudyFile, family: str) -> Table:
     return table
 
 
-def _beside(study: store.StudyFile, family: str) -> list[Point]:
+def _beside(study: StudyFile, family: str) -> list[Point]:
     """The published choice by counting, the peers, and the best of the oracle."""
     paper = paper_choice(study, family)
     chosen = [p for p in points([paper], "a_r") if p.counted] if paper else []
@@ -69,7 +69,7 @@ def _beside(study: store.StudyFile, family: str) -> list[Point]:
     return chosen + front(points(runs_of(study, "oracle", family), "a_r"))[-1:]
 
 
-def _asked(study: store.StudyFile, family: str) -> Iterator[tuple[str, Point]]:
+def _asked(study: StudyFile, family: str) -> Iterator[tuple[str, Point]]:
     """Solving to an accuracy; what gave the same solution is one row, with the fastest of the times."""
     found = [p for p in points(runs_of(study, "accuracy", family), "a_r") if not p.counted]
     for (method, _), group in itertools.groupby(found, key=lambda p: (p.run["method"], p.run["log2_points"])):
@@ -153,7 +153,7 @@ def never_worth(found: Sequence[Worth]) -> Iterator[str]:
             )
 
 
-def published(study: store.StudyFile) -> Iterator[str]:
+def published(study: StudyFile) -> Iterator[str]:
     """What is fastest at the published choice's error; an area to 1e-6 in units of transform pairs."""
     for family in FAMILIES:
         paper = paper_choice(study, family)
@@ -183,7 +183,7 @@ def published(study: store.StudyFile) -> Iterator[str]:
             )
 
 
-def precisions(study: store.StudyFile) -> Iterator[str]:
+def precisions(study: StudyFile) -> Iterator[str]:
     """The times of the precisions, taken in turn."""
     for run in runs_of(study, "precisions"):
         where = f"{_name('method', run['method'])}, {run['family']}, 2^{run['log2_points']:.0f}"
@@ -203,7 +203,7 @@ def precisions(study: store.StudyFile) -> Iterator[str]:
             )
 
 
-def random_scenes(study: store.StudyFile) -> Iterator[str]:
+def random_scenes(study: StudyFile) -> Iterator[str]:
     """How many met what was asked, who did not, and what the claims are worth."""
     runs = runs_of(study, "scene")
     if not runs:
@@ -243,7 +243,7 @@ def _scene(run: Run) -> str:
     )
 
 
-def not_certified(study: store.StudyFile) -> Iterator[str]:
+def not_certified(study: StudyFile) -> Iterator[str]:
     """Choices that were refused, or did not get there."""
     runs = runs_of(study, "choice")
     no = [run for run in runs if run["status"] == REFUSED]

@@ -8,7 +8,7 @@ import numpy as np
 from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, Status, collocation, planner, solve
 from linecontact.solver.relaxation import Progress
 
-from ..files import store
+from ..files import records
 from ..runner.tasks import Record
 from .choices import refused
 
@@ -61,7 +61,7 @@ class RandomScene:
             return own | refused(self.scene_kind, error)
         o = solution.observables
         truth, uncertain = true_area(scene, accuracy, solution.scene.num_points)
-        record = {name: v for name, v in store.run_record(solution).items() if not name.startswith("choices.")}
+        record = {name: v for name, v in records.run_record(solution).items() if not name.startswith("choices.")}
         return (
             record
             | own

@@ -14,7 +14,7 @@ from pathlib import Path
 from linecontact.solver.run import METHODS
 from rich.console import RenderableType
 
-from ..files import store
+from ..files.study_files import StudyFile
 from ..peers import solvers as peers
 from ..runner import ensemble
 from ..runner.tasks import Task
@@ -126,6 +126,6 @@ def command(options: Options) -> int:
     return 0 if status == console.EXIT_NOT_CONVERGED else status  # a choice that does not converge is a result
 
 
-def closing(files: dict[str, store.StudyFile], _: Path) -> Sequence[RenderableType]:
+def closing(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
     """The tables, and what they come to."""
     return [part for file in files.values() if file.runs for part in report.parts(file)]
