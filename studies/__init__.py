@@ -1,0 +1,22 @@
+"""The studies. Four are scripts that run by themselves: hertz.py, sharp.py, blunt.py and rough.py.
+
+Every other study is a folder of its own, with its tasks, its report and its figures. What they share is in terminal/,
+files/, figures/ and runner/. To add a study, write a module that offers STUDY (`runner.study.Study`), Options and
+command, and add its line to `STUDIES`.
+"""
+
+STUDIES = {
+    "hertz": "linecontact.studies.hertz",
+    "sharp": "linecontact.studies.sharp",
+    "blunt": "linecontact.studies.blunt",
+    "rough": "linecontact.studies.rough",
+    "paper": "linecontact.studies.paper.study",
+    "iterations": "linecontact.studies.iterations.study",
+    "edge-curve": "linecontact.studies.edge_curve.study",
+    "kernels": "linecontact.studies.kernel_benchmark.study",
+    "peers": "linecontact.studies.peers.study",
+    "tradeoff": "linecontact.studies.tradeoff.study",
+    "extremes": "linecontact.studies.extremes.study",
+    "soak": "linecontact.studies.extremes.soak",
+}
+"""Every study by its name, with the module that offers it; a module is imported only when its study is needed."""

@@ -28,12 +28,13 @@ from . import blunt, hertz, rough, sharp
 from .edge_curve import study as edge_curve
 from .extremes import soak
 from .extremes import study as extremes
+from .figures.names import FORMATS
 from .files import profile_columns, scans, solution_files, writing
 from .iterations import study as iterations
 from .kernel_benchmark import study as kernels
 from .paper import study as paper
 from .peers import study as peers
-from .runner import ensemble
+from .runner import study as runner
 from .terminal import console
 from .tradeoff import study as tradeoff
 
@@ -239,7 +240,7 @@ def check_targets(options: Solve) -> None:
     writing.check_target(options.save, options.overwrite)
     if options.profile_file and options.save.exists() and options.profile_file.samefile(options.save):
         raise ValueError(f"save is {options.save}; allowed: another file than the profile's")
-    for suffix in (".png", ".pdf") if options.plot else ():
+    for suffix in FORMATS if options.plot else ():
         if options.save.suffix == suffix:
             raise ValueError(f"save is {options.save}; allowed: with --plot not a figure's name")
         writing.check_target(options.save.with_suffix(suffix), options.overwrite)
@@ -336,7 +337,7 @@ def run_plot(options: Plot, output: TextIO | None = None) -> int:
     return 0
 
 
-def run_study(options: ensemble.Options) -> int:
+def run_study(options: runner.Options) -> int:
     """`linecontact study`."""
     modules: tuple[Any, ...] = (hertz, sharp, blunt, rough, paper, iterations, edge_curve)
     modules += (kernels, peers, tradeoff, extremes, soak)

@@ -1,7 +1,6 @@
 """Studies as tasks: through kills, failures, damage, full disks and lost workers nothing is lost, or done twice."""
 
 import contextlib
-import dataclasses
 import hashlib
 import json
 import os
@@ -20,7 +19,7 @@ import dummy_tasks
 import pytest
 from dummy_tasks import Kills, Raises, Square
 from linecontact.studies.files import records, study_files, writing
-from linecontact.studies.runner import ensemble, executors, tasks
+from linecontact.studies.runner import ensemble, executors, study, tasks
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals and limits of POSIX")
 
@@ -31,7 +30,6 @@ PATIENCE = 120  # seconds for what takes a second or two on an idle machine
 def surroundings(tmp_path, monkeypatch):
     """Where the dummies log, for this process and its children; and what children import."""
     (tmp_path / "dummies").mkdir()
-    monkeypatch.setattr(ensemble, "_draw", ensemble._draw)  # the dummies' command replaces it
     monkeypatch.setenv("DUMMY_FOLDER", str(tmp_path / "dummies"))
     path = [str(Path(__file__).parent), *filter(None, [os.environ.get("PYTHONPATH")])]
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join(path))
@@ -46,15 +44,15 @@ def folder(tmp_path):
 
 def command(todo, folder, **options):
     """The study of these tasks in this process; returns the exit status."""
-    return dummy_tasks.command([dummy_tasks.study(todo)], ensemble.Options(folder, **{"workers": 1, **options}))
+    return dummy_tasks.command([dummy_tasks.plan(todo)], study.Options(folder, **{"workers": 1, **options}))
 
 
 def program(todo, folder, *options):
     """The same as a program of its own."""
-    studies = todo if isinstance(todo, str) else f"[study({todo})]"
+    plans = todo if isinstance(todo, str) else f"[plan({todo})]"
     text = "import sys, dummy_tasks; sys.exit(dummy_tasks.main(*sys.argv[1:]))"
     workers = [] if "--workers" in options else ["--workers", "1"]
-    return [sys.executable, "-c", text, studies, "--folder", str(folder), *workers, *options]
+    return [sys.executable, "-c", text, plans, "--folder", str(folder), *workers, *options]
 
 
 def finish(arguments, **options):
@@ -104,10 +102,10 @@ def begun():
 
 def test_two_processes_give_the_same_data_as_one(tmp_path):
     for workers in ("1", "2"):
-        result = finish(program("real_studies()", tmp_path / workers, "--workers", workers))
+        result = finish(program("real_plans()", tmp_path / workers, "--workers", workers))
         assert result.returncode == 0, result.stderr
-    for study in dummy_tasks.real_studies():
-        one, two = (data(study.path(tmp_path / workers)) for workers in ("1", "2"))
+    for plan in dummy_tasks.real_plans():
+        one, two = (data(plan.path(tmp_path / workers)) for workers in ("1", "2"))
         assert one == two
         assert {"task", "contact_area_subgrid", "certificate.free_residual"} < set(one[0])
         assert one[1]
@@ -158,9 +156,8 @@ def test_a_refused_overwrite_removes_nothing(folder):
 
 
 def test_a_task_in_two_studies_is_done_once(folder):
-    studies = [dummy_tasks.study([Square(1), Square(2)]), dummy_tasks.study([Square(2), Square(3)])]
-    studies[1] = dataclasses.replace(studies[1], kind="other")
-    assert dummy_tasks.command(studies, ensemble.Options(folder, workers=1)) == 0
+    plans = [dummy_tasks.plan([Square(1), Square(2)]), dummy_tasks.plan([Square(2), Square(3)], "other")]
+    assert dummy_tasks.command(plans, study.Options(folder, workers=1)) == 0
     assert begun() == {1: 1, 2: 1, 3: 1}
     assert [run["number"] for run in study_files.load_study(folder / "other.h5").runs] == [2, 3]
 
@@ -633,25 +630,3 @@ def test_a_wrong_scheduler_is_one_line_and_status_2(folder, address):
     assert result.returncode == 2, result.stderr
     assert result.stderr.startswith((f"linecontact: scheduler is {address}", f"linecontact: scheduler is '{address}'"))
     assert result.stderr.count("\n") == 1
-
-
-# names
-
-
-def test_identity_is_that_of_class_and_fields():
-    assert tasks.identity(Square(1)) == tasks.identity(Square(1, 0.0, "")) == "e38ef90a93574e65"
-    different = [
-        Square(1),
-        Square(2),
-        Square(1, 0.5),
-        Square(1, float("inf")),
-        Raises(1),
-        Kills(1),
-        Kills(1, once=True),
-    ]
-    assert len({tasks.identity(task) for task in different}) == len(different)
-
-
-def test_identity_is_that_of_the_class_whatever_its_fields_are_called():
-    one, other = (dataclasses.make_dataclass(name, [("task", int)], frozen=True) for name in ("One", "Other"))
-    assert tasks.identity(one(1)) != tasks.identity(other(1))

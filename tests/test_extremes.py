@@ -30,7 +30,8 @@ from linecontact.studies.extremes import cells, soak, verdicts
 from linecontact.studies.extremes import study as extremes
 from linecontact.studies.files import study_files
 from linecontact.studies.files.study_files import StudyFile
-from linecontact.studies.runner import drawing, ensemble
+from linecontact.studies.runner import drawing
+from running import run_plans
 
 
 def measured(heights, layer=None, pressure=1e-3, **changes):
@@ -41,7 +42,7 @@ def measured(heights, layer=None, pressure=1e-3, **changes):
 @pytest.fixture(scope="module")
 def sample():
     """Records of 500 cells of the map."""
-    return [task.run(None) for task in extremes.QUICK.study().runs]
+    return [task.run(None) for task in extremes.QUICK.plan().runs]
 
 
 def test_a_sample_of_the_map(sample):
@@ -134,16 +135,14 @@ def test_the_judge_finds_defects(monkeypatch):
 
 
 def test_study_and_figure(tmp_path):
-    study = extremes.Configuration(6, 0, 0).study()
-    options = ensemble.Options(folder=tmp_path, workers=1)
-    assert ensemble.command([study], options, tmp_path, extremes.closing, extremes.defects) == 0
-    assert ensemble.command([study], options, tmp_path, extremes.closing, lambda file: ["one"]) == 4
+    plan = extremes.Configuration(6, 0, 0).plan()
+    assert run_plans(extremes.STUDY, [plan], tmp_path) == 0
+    assert run_plans(replace(extremes.STUDY, defects=lambda file: ["one"]), [plan], tmp_path) == 4
     assert [path.name for path in drawing.draw(tmp_path / "extremes.h5")] == ["extremes.png", "extremes.pdf"]
 
 
 def test_soak(tmp_path):
-    study = soak.Configuration(2, 0.3).study()
-    assert ensemble.command([study], ensemble.Options(folder=tmp_path, workers=1), tmp_path, soak.closing) == 0
+    assert run_plans(soak.STUDY, [soak.Configuration(2, 0.3).plan()], tmp_path) == 0
     file = study_files.load_study(tmp_path / "soak.h5")
     assert all(run["certified"] > 0 == run["defect"] and run["open_files"] > 2 for run in file.runs)
     assert "0 defects" in soak.summary(file)

@@ -21,8 +21,8 @@ from linecontact.solver import Scene, solve
 from linecontact.studies import cli
 from linecontact.studies.files import confined, hdf5, profile_columns, scans, solution_files, study_files, writing
 from linecontact.studies.kernel_benchmark import compare
-from linecontact.studies.power_profiles import study as asperity
-from linecontact.studies.runner import drawing, ensemble, tasks
+from linecontact.studies.power_profiles import tasks as power_profiles
+from linecontact.studies.runner import drawing, run, tasks
 from linecontact.studies.terminal import console
 
 RESULTS = Path(studies.__file__).parent / "results"
@@ -136,7 +136,7 @@ def test_what_is_no_file_is_refused_at_once(tmp_path):
 
 
 def ensemble_task():
-    return asperity.study("hertz", cli.hertz.CONFIGURATION).tasks[0]
+    return power_profiles.plan("hertz", cli.hertz.CONFIGURATION).tasks[0]
 
 
 def external(file):
@@ -340,9 +340,9 @@ def test_records_that_are_none_are_set_aside(tmp_path, body):
 
 def test_records_of_something_else_are_one_line(tmp_path, capfd):
     """They have the tasks' names and right checksums."""
-    study = asperity.study("hertz", asperity.quick(cli.hertz.CONFIGURATION))
+    plan = power_profiles.plan("hertz", power_profiles.quick(cli.hertz.CONFIGURATION))
     folder = tasks.TaskFolder(tmp_path / "tasks")
-    for task in study.tasks:
+    for task in plan.tasks:
         folder.save(task, {"a": [1.0], "status": "\x1b[31m[red]"})
     assert cli.main(["study", "hertz", "--quick", "--folder", str(tmp_path)]) == 2
     said = capfd.readouterr().err.splitlines()[-1]
@@ -508,7 +508,7 @@ def test_any_arguments(tmp_path, monkeypatch, capfd, command, options, rest):
     real = cli.solve
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(cli, "solve", lambda scene, **more: real(scene, **more) if scene.num_points <= 64 else stop())
-    monkeypatch.setattr(ensemble, "_compute", lambda *_: stop())
+    monkeypatch.setattr(run, "_compute", lambda *_: stop())
     try:
         status = cli.main([*command, *(word for option in options for word in option), *rest])
     except SystemExit as stopped:

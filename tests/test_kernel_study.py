@@ -12,8 +12,9 @@ from linecontact.studies.files import records, study_files
 from linecontact.studies.files.study_files import StudyFile
 from linecontact.studies.kernel_benchmark import candidates, compare, figures, measure, report, study
 from linecontact.studies.kernel_benchmark.specs import SPECS
-from linecontact.studies.runner import drawing, ensemble
+from linecontact.studies.runner import drawing
 from linecontact.studies.terminal import console
+from running import run_plans
 
 PRECISIONS = ("float32", "float64")
 HAS_C = bool(candidates.compile_c()[0])
@@ -24,8 +25,7 @@ def folder(tmp_path_factory):
     """A whole study at 2^10 points: every kernel in both precisions, and the iteration."""
     folder = tmp_path_factory.mktemp("kernels")
     tiny = study.Configuration((10,), (10,), 1e-4)
-    options = ensemble.Options(folder=folder, workers=1)
-    assert ensemble.command([tiny.study()], options, folder, study.closing) == 0
+    assert run_plans(study.STUDY, [tiny.plan()], folder) == 0
     return folder
 
 
@@ -226,6 +226,6 @@ def test_figures_come_from_the_file_alone(folder, tmp_path):
 def test_full_study_covers_what_it_should():
     full = study.Configuration()
     assert full.kernels == tuple(range(10, 23))
-    tasks = full.study().runs
+    tasks = full.plan().runs
     assert {task.kernel for task in tasks} == {*kernels.KERNELS, measure.ITERATION}
-    assert replace(full, kernels=(10,)).study().runs != tasks
+    assert replace(full, kernels=(10,)).plan().runs != tasks

@@ -12,16 +12,18 @@ import numpy as np
 import pytest
 from linecontact import studies
 from linecontact.solver import Layer, RoughIndenter, Scene, closed_forms, solve
-from linecontact.studies import hertz, rough
+from linecontact.studies import hertz
 from linecontact.studies.files import hdf5, records, solution_files, study_files, writing
 from linecontact.studies.files.study_files import StudyFile
 from linecontact.studies.paper import statements
 from linecontact.studies.paper import study as paper
 from linecontact.studies.power_profiles import figures as power_figures
-from linecontact.studies.power_profiles import study as asperity
+from linecontact.studies.power_profiles import report as power_report
 from linecontact.studies.rough_surfaces import figures as rough_figures
-from linecontact.studies.runner import drawing, ensemble
+from linecontact.studies.rough_surfaces import means
+from linecontact.studies.runner import drawing
 from matplotlib import pyplot as plt
+from running import run_plans
 
 ARRAYS = Path(__file__).with_name("figures.npz")
 RESULTS = Path(studies.__file__).parent / "results"
@@ -113,8 +115,7 @@ def test_another_configuration_is_refused(tmp_path):
 def paper_folder(tmp_path_factory):
     """The whole paper at 2^10 points with two surfaces, in this process."""
     folder = tmp_path_factory.mktemp("paper")
-    options = ensemble.Options(folder=folder, workers=1)
-    assert ensemble.command(paper.studies(2**10, 2), options, folder, paper.closing) == 0
+    assert run_plans(paper.STUDY, paper.quick_plans(2**10, 2), folder) == 0
     return folder
 
 
@@ -153,7 +154,7 @@ def test_figures_come_from_the_file_alone(paper_folder, tmp_path):
         (tmp_path / f"{kind}.h5").write_bytes((paper_folder / f"{kind}.h5").read_bytes())
         drawn = drawing.draw(tmp_path / f"{kind}.h5")
         assert all(p.stat().st_size > 5000 for p in drawn)
-        suffixes = next(s.figures for s in paper.studies(2**10) if s.kind == kind)
+        suffixes = next(plan.figures for plan in paper.quick_plans(2**10) if plan.kind == kind)
         assert {p.name for p in drawn} == {f"{kind}{s}.{end}" for s in suffixes for end in ("png", "pdf")}
 
 
@@ -175,7 +176,7 @@ def test_what_is_not_ours_is_left_alone(tmp_path, solution):
 def test_means_over_realisations(paper_folder):
     """Recomputed by hand for one point."""
     file = study_files.load_study(paper_folder / "rough.h5")
-    point = next(p for p in rough.points(file) if (p.hurst, p.poisson_ratio, p.thickness) == (0.8, 0.25, 1e-3))
+    point = next(p for p in means.points(file) if (p.hurst, p.poisson_ratio, p.thickness) == (0.8, 0.25, 1e-3))
     runs = [r for r in file.runs if r["scene.hurst"] == 0.8 and r["scene.poisson_ratio"] == 0.25]
     runs = [r for r in runs if r["scene.thickness"] == 1e-3]
     thick = [r for r in file.runs if r["scene.hurst"] == 0.8 and math.isinf(r["scene.thickness"])]
@@ -261,7 +262,7 @@ def test_full_study_covers_the_published_range():
 
 def test_stored_reference_meets_the_goals():
     """The study's figures in the README are drawn from this file: 2^18 points, every (d, nu)."""
-    study = asperity.layers(study_files.load_study(RESULTS / "hertz.h5"))
+    study = power_report.layers(study_files.load_study(RESULTS / "hertz.h5"))
     full = hertz.CONFIGURATION
     assert study_files.finished(RESULTS / "hertz.h5", "hertz", asdict(full))
     assert len(study.runs) == len(full.poisson_ratios) * len(full.reduced_thicknesses) >= 72
@@ -289,5 +290,5 @@ if __name__ == "__main__":
 
     with tempfile.TemporaryDirectory() as name:
         where = Path(name)
-        ensemble.command(paper.studies(2**10, 2), ensemble.Options(folder=where, workers=1), where, paper.closing)
+        run_plans(paper.STUDY, paper.quick_plans(2**10, 2), where)
         np.savez_compressed(ARRAYS, **drawn_data(where))

@@ -9,9 +9,9 @@ from linecontact import studies
 from linecontact.solver import solve
 from linecontact.studies.files import records, study_files
 from linecontact.studies.files.study_files import StudyFile
-from linecontact.studies.runner import ensemble
 from linecontact.studies.tradeoff import choices, families, front, report
 from linecontact.studies.tradeoff import study as tradeoff
+from running import run_plans
 
 STORED = Path(studies.__file__).parent / "results" / "tradeoff.h5"
 HERTZ, ROUGH = "Hertz, half-space", "rough, half-space"
@@ -92,11 +92,10 @@ def tiny(tmp_path_factory):
     """The study at 2^8 points, which the rough surface does not fit on."""
     folder = tmp_path_factory.mktemp("tradeoff")
     small = tradeoff.Configuration((8,), 8, 13, (-2.0, -6.0), -4.0, (8, 32), 1, (10, 10), ())
-    options = ensemble.Options(folder=folder, workers=1)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(tradeoff, "TOLERANCES", (1e-5, 1e-10))
-        study = small.study()
-    assert ensemble.command([study], options, folder, tradeoff.closing) in (0, 3)
+        plan = small.plan()
+    assert run_plans(tradeoff.STUDY, [plan], folder) == 0
     return folder
 
 

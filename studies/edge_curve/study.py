@@ -10,6 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from linecontact.solver import Layer, PowerIndenter, Scene, collocation, edges, solve
@@ -19,18 +20,24 @@ from rich.table import Table
 
 from ..files import records
 from ..files.study_files import StudyFile
-from ..runner import ensemble
+from ..runner import study
+from ..runner.run import run_study
+from ..runner.study import Plan, Study
 from ..runner.tasks import Record
 from ..terminal import console
 
-KIND = "edge-curve"
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+NAME = "edge-curve"
 
 
 @dataclass(frozen=True)
 class Configuration:
-    """scenes: (exponent, thickness over the period, Poisson's ratio); places: of the edge between nodes, per scene."""
+    """What identifies the study."""
 
     num_points: int = 2**15
+    """Grid points of every solve."""
     scenes: tuple[tuple[float, float, float], ...] = (
         (2.0, math.inf, 0.25),
         (1.5, math.inf, 0.25),
@@ -38,24 +45,29 @@ class Configuration:
         (2.0, 0.05, 0.0),
         (2.0, 0.02, 0.45),
     )
+    """Exponent of the profile, thickness over the period and Poisson's ratio (dimensionless)."""
     places: int = 12
+    """Places of the edge between two nodes, for each scene."""
     tolerance: float = 1e-9
+    """Of the solves: rms free residual over p (dimensionless)."""
 
-    def study(self) -> ensemble.Study:
+    def plan(self) -> Plan:
         """The tasks."""
         places = [place / self.places for place in range(self.places)]
         runs = [Task(self.num_points, *scene, place, self.tolerance) for scene in self.scenes for place in places]
-        return ensemble.Study(KIND, asdict(self), runs)
+        return Plan(NAME, asdict(self), runs)
 
 
 @dataclass(frozen=True)
-class Options(ensemble.Options):
+class Options(study.Options):
     """Measure the universal edge curve on high-resolution solutions: data, figure, table."""
 
 
 @dataclass(frozen=True)
 class Task:
     """One load, with the edge about `place` between two nodes [grid spacings]."""
+
+    kind: ClassVar[str] = "place of an edge"
 
     num_points: int
     exponent: float
@@ -86,28 +98,43 @@ class Task:
         }
 
 
-def command(options: Options) -> int:
-    """Run what is left of the study; returns the exit status."""
-    return ensemble.command([Configuration().study()], options, Path("results/edge-curve"), closing)
-
-
-def closing(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
+def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
     """The table."""
     return [summary(file) for file in files.values()]
 
 
-def summary(study: StudyFile) -> Table:
+def summary(file: StudyFile) -> Table:
     """Largest deviations from the closed form, per scene."""
     table = console.table(
-        title=f"Edge offsets against the oracle, {study.configuration['num_points']} points",
+        title=f"Edge offsets against the oracle, {file.configuration['num_points']} points",
         caption="Largest |error| of the edge's place by the closed form, from the last two and the last three nodal "
         "pressures, in grid spacings. All dimensionless.",
     )
     for heading in ("n", "d/L", "nu", "places", "two nodes", "three nodes"):
         table.add_column(heading, justify="right", no_wrap=True)
     names = ("scene.exponent", "scene.thickness", "scene.poisson_ratio")
-    for scene in dict.fromkeys(tuple(run[name] for name in names) for run in study.runs):
-        runs = [run for run in study.runs if tuple(run[name] for name in names) == scene]
+    for scene in dict.fromkeys(tuple(run[name] for name in names) for run in file.runs):
+        runs = [run for run in file.runs if tuple(run[name] for name in names) == scene]
         worst = [max(abs(run[f"offset.{k}_nodes"] - run["offset"]) for run in runs) for k in ("two", "three")]
         table.add_row(*(f"{float(value):g}" for value in scene), str(len(runs)), *(f"{w:.1e}" for w in worst))
     return table
+
+
+def plans(_: Options) -> Sequence[Plan]:
+    """The tasks."""
+    return [Configuration().plan()]
+
+
+def draw(path: Path) -> "dict[str, Figure]":
+    """The figures of a stored file, by the endings of their names."""
+    from . import figures
+
+    return figures.draw(path)
+
+
+STUDY = Study(name=NAME, options=Options, plans=plans, report=report, draw=draw)
+
+
+def command(options: Options) -> int:
+    """Run the study as asked, or what is left of it; returns the exit status."""
+    return run_study(STUDY, options)

@@ -12,6 +12,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from linecontact.solver import checks
@@ -19,12 +20,17 @@ from linecontact.solver.relaxation import Progress
 from rich.console import RenderableType
 
 from ..files.study_files import StudyFile
-from ..runner import ensemble
+from ..runner import study
+from ..runner.run import run_study
+from ..runner.study import Plan, Study
 from ..runner.tasks import Record
 from . import study as extremes
 from .verdicts import CERTIFIED, DEFECT, REFUSED, judge
 
-KIND = "soak"
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+NAME = "soak"
 _SEED = 2
 _MOST = 10**6  # scenes a minute
 _MIDDLE = 0.02  # share of scenes with 2^13 points and more
@@ -32,18 +38,20 @@ _MIDDLE = 0.02  # share of scenes with 2^13 points and more
 
 @dataclass(frozen=True)
 class Configuration:
-    """stretches: how many; seconds: of each."""
+    """What identifies the soak."""
 
     stretches: int = 60
+    """How many stretches of time, each a task."""
     seconds: float = 60.0
+    """Length of each [s]."""
 
-    def study(self) -> ensemble.Study:
+    def plan(self) -> Plan:
         """The tasks."""
-        return ensemble.Study(KIND, asdict(self), [Task(number, self.seconds) for number in range(self.stretches)])
+        return Plan(NAME, asdict(self), [Task(number, self.seconds) for number in range(self.stretches)])
 
 
 @dataclass(frozen=True)
-class Options(ensemble.Options):
+class Options(study.Options):
     """Random scenes for hours: every one certified or refused, memory and open files flat. Data, figure, summary."""
 
     workers: int = 1
@@ -55,6 +63,8 @@ class Options(ensemble.Options):
 @dataclass(frozen=True)
 class Task:
     """One stretch."""
+
+    kind: ClassVar[str] = "stretch of a soak"
 
     number: int
     seconds: float
@@ -91,14 +101,7 @@ def _resident() -> int:
     return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
 
-def command(options: Options) -> int:
-    """Run the soak, or what is left of it; returns the exit status, 4 if there is a defect."""
-    hours = checks.real("hours", options.hours, "0 < hours <= 1000", 0, 1000)
-    study = Configuration(max(1, round(60 * hours))).study()
-    return ensemble.command([study], options, Path("results/soak"), closing, defects)
-
-
-def closing(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
+def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
     """The summary."""
     return [summary(file) for file in files.values() if file.runs]
 
@@ -124,3 +127,24 @@ def summary(file: StudyFile) -> str:
 def defects(file: StudyFile) -> list[str]:
     """A line on each stretch that had one."""
     return [f"stretch {run['stretch']}, {run['first_defect']}" for run in file.runs if run["first_defect"]]
+
+
+def plans(options: Options) -> Sequence[Plan]:
+    """As many minutes as were asked for."""
+    hours = checks.real("hours", options.hours, "0 < hours <= 1000", 0, 1000)
+    return [Configuration(max(1, round(60 * hours))).plan()]
+
+
+def draw(path: Path) -> "dict[str, Figure]":
+    """The figures of a stored file, by the endings of their names."""
+    from . import figures
+
+    return figures.soak(path)
+
+
+STUDY = Study(name=NAME, options=Options, plans=plans, report=report, draw=draw, defects=defects)
+
+
+def command(options: Options) -> int:
+    """Run the soak, or what is left of it; returns the exit status, 4 if there is a defect."""
+    return run_study(STUDY, options)

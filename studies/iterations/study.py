@@ -9,6 +9,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from linecontact.solver import PowerIndenter, RoughIndenter, Scene, closed_forms, solve
@@ -19,25 +20,35 @@ from rich.table import Table
 
 from ..files import records
 from ..files.study_files import StudyFile
-from ..runner import ensemble
+from ..runner import study
+from ..runner.run import run_study
+from ..runner.study import Plan, Study
 from ..runner.tasks import Record
 from ..terminal import console
 
-KIND = "iterations"
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+NAME = "iterations"
 LOADS = {"Hertz": 2e-3, "rough": 1e-2}
 
 
 @dataclass(frozen=True)
 class Configuration:
-    """log2 of the numbers of points, by scene and method."""
+    """What identifies the study."""
 
     active_hertz: tuple[int, ...] = (12, 14, 16, 18, 20, 22)
+    """log2 of the numbers of points of the active set on the Hertz scene."""
     active_rough: tuple[int, ...] = (12, 14, 16, 18, 20, 22)
+    """log2 of the numbers of points of the active set on the rough scene."""
     mass_weighted: tuple[int, ...] = (12, 14, 16, 18, 20)
+    """log2 of the numbers of points of mass-weighted FIRE on the Hertz scene."""
     plain: tuple[int, ...] = (12, 14, 16, 18)
+    """log2 of the numbers of points of plain FIRE on the Hertz scene."""
     tolerance: float = 1e-8
+    """Of the solves: rms free residual over p (dimensionless)."""
 
-    def study(self) -> ensemble.Study:
+    def plan(self) -> Plan:
         """The tasks."""
         sizes = {
             ("Hertz", "active-set"): self.active_hertz,
@@ -46,14 +57,14 @@ class Configuration:
             ("Hertz", "fire"): self.plain,
         }
         runs = [Task(scene, method, k, self.tolerance) for (scene, method), ks in sizes.items() for k in ks]
-        return ensemble.Study(KIND, asdict(self), runs)
+        return Plan(NAME, asdict(self), runs)
 
 
 QUICK = Configuration((12, 14), (12, 14), (12, 14), (12, 14))
 
 
 @dataclass(frozen=True)
-class Options(ensemble.Options):
+class Options(study.Options):
     """Transform pairs and seconds to a residual of 1e-8 over N, for every method: data, figure, table."""
 
     workers: int = 1
@@ -87,6 +98,8 @@ def pair_seconds(num_points: int, repeats: int = 7) -> float:
 class Task:
     """One solve, timed."""
 
+    kind: ClassVar[str] = "timed solve of the iterations"
+
     name: str
     method: str
     log2_num_points: int
@@ -103,20 +116,14 @@ class Task:
         return records.run_record(solution) | {"name": self.name, "seconds.pair": pair}
 
 
-def command(options: Options) -> int:
-    """Run the study as asked, or what is left of it; returns the exit status."""
-    folder = Path("results/iterations-quick" if options.quick else "results/iterations")
-    return ensemble.command([(QUICK if options.quick else Configuration()).study()], options, folder, closing)
-
-
-def closing(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
+def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
     """Table, and the comparison on one line."""
     return [part for file in files.values() if file.complete for part in (summary(file), one_line(file))]
 
 
-def exact_areas(study: StudyFile) -> dict[str, float]:
+def exact_areas(file: StudyFile) -> dict[str, float]:
     """a_r of each scene: Hertz in closed form, rough from the finest grid's sub-grid edges."""
-    rough = study.select("name", "rough")
+    rough = file.select("name", "rough")
     finest = int(np.argmax(rough.column("scene.num_points")))
     return {
         "Hertz": closed_forms.periodic_half_space_area(2.0, 1.0, LOADS["Hertz"]),
@@ -124,9 +131,9 @@ def exact_areas(study: StudyFile) -> dict[str, float]:
     }
 
 
-def summary(study: StudyFile) -> Table:
+def summary(file: StudyFile) -> Table:
     """One row per run, with the error it reached."""
-    exact = exact_areas(study)
+    exact = exact_areas(file)
     table = console.table(
         title="Pairs and seconds to a residual of 1e-8 on the half-space",
         caption="pairs: transform pairs in units of one at that N; count, sub-grid: errors of a_r in grid spacings, of "
@@ -136,7 +143,7 @@ def summary(study: StudyFile) -> Table:
     headings = ("scene", "method", "N", "pairs", "count", "sub-\ngrid", "solve\n(s)", "/N\n(us)")
     for heading in headings:
         table.add_column(heading, justify="right", no_wrap=True)
-    for run in study.runs:
+    for run in file.runs:
         n, area = run["scene.num_points"], exact[run["name"]]
         table.add_row(
             run["name"],
@@ -151,10 +158,10 @@ def summary(study: StudyFile) -> Table:
     return table
 
 
-def one_line(study: StudyFile) -> str:
+def one_line(file: StudyFile) -> str:
     """What the smallest grid with sub-grid edges does against counting on the largest common one."""
-    hertz = study.select("name", "Hertz").select("method", "active-set")
-    exact, n = exact_areas(study)["Hertz"], hertz.column("scene.num_points")
+    hertz = file.select("name", "Hertz").select("method", "active-set")
+    exact, n = exact_areas(file)["Hertz"], hertz.column("scene.num_points")
     small = hertz.runs[int(np.argmin(n))]
     large = min(hertz.runs, key=lambda run: abs(run["scene.num_points"] - 2**18))
     return (
@@ -163,3 +170,23 @@ def one_line(study: StudyFile) -> str:
         f"N = {large['scene.num_points']}, by {abs(large['contact_area'] - exact):.1e}, and four transform pairs alone "
         f"take {4e3 * large['seconds.pair']:.1f} ms there."
     )
+
+
+def plans(options: Options) -> Sequence[Plan]:
+    """The tasks at full size, or those of the quick study."""
+    return [(QUICK if options.quick else Configuration()).plan()]
+
+
+def draw(path: Path) -> "dict[str, Figure]":
+    """The figures of a stored file, by the endings of their names."""
+    from . import figures
+
+    return figures.draw(path)
+
+
+STUDY = Study(name=NAME, options=Options, plans=plans, report=report, draw=draw)
+
+
+def command(options: Options) -> int:
+    """Run the study as asked, or what is left of it; returns the exit status."""
+    return run_study(STUDY, options)

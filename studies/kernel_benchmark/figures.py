@@ -28,7 +28,7 @@ def draw(path: Path) -> dict[str, Figure]:
     study = load(path)
     if not report.loops(study):
         raise NothingToDraw(f"file {path} holds no kernel with a loop over points yet")
-    return {"": bandwidth(study), "-roofline": roofline(study)}
+    return dict(zip(report.FIGURES, (bandwidth(study), roofline(study)), strict=True))
 
 
 def _precisions(study: StudyFile) -> list[str]:

@@ -22,6 +22,9 @@ from .candidates import VARIANTS
 from .measure import ITERATION
 
 KIND = "kernels"
+"""Name of the study."""
+FIGURES = ("", "-roofline")
+"""Endings of the figures' names."""
 SCHEMA = 1
 LARGE = 18
 """log2 of the points from which the tables show a kernel."""

@@ -11,8 +11,9 @@ import contextlib
 import json
 import sys
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar
 
 from linecontact import kernels
 from linecontact.solver.relaxation import Progress
@@ -20,24 +21,31 @@ from rich.console import RenderableType
 
 from ..files import study_files
 from ..files.study_files import StudyFile
-from ..runner import ensemble
+from ..runner import study
+from ..runner.run import run_study
+from ..runner.study import Plan, Study
 from ..runner.tasks import Record
-from . import compare, measure, report
+from . import compare, measure
+from . import report as tables
 from .candidates import PRECISIONS
 from .specs import SPECS
 
-KIND = report.KIND
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True)
 class Configuration:
-    """log2 of the numbers of points, of the kernels and of the FIRE iteration; seconds: of timing, for each task."""
+    """What identifies the study."""
 
     kernels: tuple[int, ...] = tuple(range(10, 23))
+    """log2 of the numbers of points of the kernels."""
     iteration: tuple[int, ...] = (14, 16, 18, 20, 22)
+    """log2 of the numbers of points of the FIRE iteration."""
     seconds: float = 0.4
+    """Time to measure for, for each task [s]."""
 
-    def study(self) -> ensemble.Study:
+    def plan(self) -> Plan:
         """The tasks. `fire_control` works on float64 sums whatever the precision."""
         runs = [
             Task(kernel, precision, k, self.seconds)
@@ -48,14 +56,14 @@ class Configuration:
         runs += [
             Task(measure.ITERATION, precision, k, self.seconds) for precision in PRECISIONS for k in self.iteration
         ]
-        return ensemble.Study(KIND, asdict(self), runs, figures=("", "-roofline"))
+        return Plan(tables.KIND, asdict(self), runs, figures=tables.FIGURES)
 
 
 QUICK = Configuration((10, 14, 18), (14, 18), 0.2)
 
 
 @dataclass(frozen=True)
-class Options(ensemble.Options):
+class Options(study.Options):
     """Times and bandwidths of every kernel over N, against C and NumPy: data, figures, table."""
 
     workers: int = 1
@@ -74,6 +82,8 @@ class Options(ensemble.Options):
 class Task:
     """One kernel, or the FIRE iteration, in one precision on 2^log2_points points."""
 
+    kind: ClassVar[str] = "times of a kernel"
+
     kernel: str
     precision: str
     log2_points: int
@@ -90,25 +100,36 @@ class Task:
         return names | times | measure.machine()
 
 
+def plans(options: Options) -> Sequence[Plan]:
+    """The tasks at full size, or those of the quick study."""
+    return [(QUICK if options.quick else Configuration()).plan()]
+
+
+def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
+    """The tables, and what they come to."""
+    return [part for file in files.values() if file.complete for part in tables.parts(file)]
+
+
+def draw(path: Path) -> "dict[str, Figure]":
+    """The figures of a stored file, by the endings of their names."""
+    from . import figures
+
+    return figures.draw(path)
+
+
+STUDY = Study(name=tables.KIND, options=Options, plans=plans, report=report, draw=draw)
+
+
 def command(options: Options) -> int:
     """Measure what is left of the study, or compare two files; returns the exit status."""
     if options.compare:
         if options.json:
             raise ValueError("json is True; allowed: without --compare, which prints a table")
         return compare.command(*options.compare, options.threshold)
-    study = (QUICK if options.quick else Configuration()).study()
-    folder = options.folder or Path("results/kernels-quick" if options.quick else "results/kernels")
-    with contextlib.redirect_stdout(sys.stderr) if options.json else contextlib.nullcontext():
-        status = ensemble.command([study], options, folder, _nothing if options.json else closing)
-    if options.json:
-        print(json.dumps(report.to_json(study_files.load_study(study.path(folder)))), flush=True)
+    if not options.json:
+        return run_study(STUDY, options)
+    with contextlib.redirect_stdout(sys.stderr):
+        status = run_study(replace(STUDY, report=lambda *_: ()), options)
+    (plan,) = plans(options)
+    print(json.dumps(tables.to_json(study_files.load_study(plan.path(STUDY.folder(options))))), flush=True)
     return status
-
-
-def _nothing(*_: object) -> Sequence[RenderableType]:
-    return ()
-
-
-def closing(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
-    """The tables, and what they come to."""
-    return [part for file in files.values() if file.complete for part in report.parts(file)]

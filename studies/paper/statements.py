@@ -8,9 +8,9 @@ import numpy as np
 from linecontact.solver import closed_forms
 from numpy.typing import NDArray
 
-from .. import rough
 from ..files.study_files import StudyFile
-from ..power_profiles import study as asperity
+from ..power_profiles import report as power_profiles
+from ..rough_surfaces import means
 
 Array64 = NDArray[np.float64]
 Files = dict[str, StudyFile]
@@ -19,16 +19,18 @@ Curve = tuple[Array64, Array64, Array64]
 
 @dataclass(frozen=True)
 class Statement:
-    """text: what is said; published, measured: with errors where they have any; verdict: what comes of it; remark: why.
-
-    All values are dimensionless.
-    """
+    """A statement of the published study beside what was measured; all values are dimensionless."""
 
     text: str
+    """What is said."""
     published: str
+    """The published value, with its error where it has one."""
     measured: str
+    """The measured value, with its error where it has one."""
     verdict: str
+    """Whether the statement holds."""
     remark: str = ""
+    """Why, or what else is to be known."""
 
 
 def judge(published: float, measured: float, error: float, rounding: float = 0.0) -> str:
@@ -47,16 +49,16 @@ def statements(files: Files) -> list[Statement]:
     found: list[Statement] = []
     for kind in ("hertz", "sharp", "blunt"):
         if kind in files and files[kind].runs:
-            found += _asperity(files[kind])
+            found += _power_profile(files[kind])
     if "rough" in files and files["rough"].runs:
         found += _rough(files["rough"])
     return found
 
 
-def _asperity(file: StudyFile) -> Iterator[Statement]:
+def _power_profile(file: StudyFile) -> Iterator[Statement]:
     c, name = file.configuration, file.kind
     n, published = c["exponent"], c["published_alpha"]
-    run, lone = asperity.half_space(file), closed_forms.kappa_half_space(n)
+    run, lone = power_profiles.half_space(file), closed_forms.kappa_half_space(n)
     if run:
         measured, error = run["kappa_subgrid"] / lone, run["kappa_error"] / lone
         yield Statement(
@@ -122,11 +124,11 @@ def _powers(file: StudyFile, thin: dict[float, Curve]) -> Iterator[Statement]:
 
 def _thin(file: StudyFile, poisson_ratio: float) -> Curve:
     """d/a_r, kappa_d/kappa_inf and the latter's error on layers of one nu, from thin to thick."""
-    part = asperity.layers(file).select("scene.poisson_ratio", poisson_ratio)
+    part = power_profiles.layers(file).select("scene.poisson_ratio", poisson_ratio)
     part.runs = [run for run in part.runs if run["kappa_subgrid"] > 0]  # 0 for a contact of one node
     if not part.runs:
         return np.zeros(0), np.zeros(0), np.zeros(0)
-    t, kappa = asperity.curve(part)
+    t, kappa = power_profiles.curve(part)
     error = part.column("kappa_error") / part.column("kappa_subgrid") * kappa
     order = np.argsort(t)
     return t[order], kappa[order], error[order]
@@ -154,17 +156,17 @@ def _first_order_spread(thin: dict[float, Curve], poisson_ratios: list[float]) -
 def _rough(file: StudyFile) -> Iterator[Statement]:
     nu = file.configuration["poisson_ratios"][0]
     thin = sorted(file.configuration["thicknesses"])[:2]
-    layers = rough.realisations(file)
+    layers = means.realisations(file)
     for hurst in file.configuration["hursts"]:
-        halves = [rough.half_space(file, hurst, name) for name in ("kappa", "kappa_subgrid")]
+        halves = [means.half_space(file, hurst, name) for name in ("kappa", "kappa_subgrid")]
         if not halves[0]:
             continue
-        counted, subgrid = (rough.Mean.of(np.array(list(half.values()))) for half in halves)
+        counted, subgrid = (means.Mean.of(np.array(list(half.values()))) for half in halves)
         yield Statement(
             f"rough, H = {hurst:g}: kappa_inf on the half-space",
-            f"{rough.PUBLISHED_KAPPA}",
+            f"{means.PUBLISHED_KAPPA}",
             f"{counted} counted, {subgrid} between sub-grid edges",
-            judge(rough.PUBLISHED_KAPPA, counted.value, counted.error, 0.005),
+            judge(means.PUBLISHED_KAPPA, counted.value, counted.error, 0.005),
             "Judged as published, by counting nodes, which is biased upwards on rough surfaces.",
         )
         curves = [layers.get((hurst, nu, d), {}) for d in thin]
@@ -183,28 +185,28 @@ def _rough(file: StudyFile) -> Iterator[Statement]:
 
 
 def _rough_alpha(
-    hurst: float, nu: float, thickness: float, surfaces: list[rough.Realisation], kappa_inf: float, patches: float
+    hurst: float, nu: float, thickness: float, surfaces: list[means.Realisation], kappa_inf: float, patches: float
 ) -> Iterator[Statement]:
     """The thin layer's slope where one patch is left, and over all surfaces."""
     foundation = (1 - 2 * nu) / (1 - nu) ** 2
     every, alone = (np.array([r.slope / foundation for r in surfaces if r.patches <= most]) for most in (math.inf, 1))
     if alone.size:
-        one = rough.Mean.of(alone)
+        one = means.Mean.of(alone)
         yield Statement(
             f"rough, H = {hurst:g}: kappa_d/kappa_inf = alpha (1-2nu)/(1-nu)^2 d/a_r on thin layers",
-            f"alpha = 2 pi/3 = {rough.PUBLISHED_ALPHA:.3f}",
+            f"alpha = 2 pi/3 = {means.PUBLISHED_ALPHA:.3f}",
             f"{one} on the {alone.size} of {every.size} surfaces with one patch at d = {thickness:g} L, nu = {nu:g}",
-            judge(rough.PUBLISHED_ALPHA, one.value, one.error, 0.005),
-            f"One parabolic patch has 2 sqrt(3)/kappa_inf = {rough.single_patch(0.0, kappa_inf):.3f}. Over all "
-            f"surfaces, with {patches:.2f} patches on the average: {rough.Mean.of(every)}.",
+            judge(means.PUBLISHED_ALPHA, one.value, one.error, 0.005),
+            f"One parabolic patch has 2 sqrt(3)/kappa_inf = {means.single_patch(0.0, kappa_inf):.3f}. Over all "
+            f"surfaces, with {patches:.2f} patches on the average: {means.Mean.of(every)}.",
         )
 
 
-def _rough_power(curves: list[dict[int, rough.Realisation]], seeds: list[int]) -> rough.Mean:
+def _rough_power(curves: list[dict[int, means.Realisation]], seeds: list[int]) -> means.Mean:
     """Power between the means at two thicknesses, its error by resampling the surfaces (paired bootstrap)."""
     t, kappa = (np.array([[getattr(c[s], name) for s in seeds] for c in curves]) for name in ("reduced", "kappa_ratio"))
     draws = np.random.default_rng(0).integers(len(seeds), size=(400, len(seeds)))
     draws[0] = np.arange(len(seeds))
     powers = np.log(kappa[1][draws].mean(axis=1) / kappa[0][draws].mean(axis=1))
     powers /= np.log(t[1][draws].mean(axis=1) / t[0][draws].mean(axis=1))
-    return rough.Mean(float(powers[0]), float(powers.std()))
+    return means.Mean(float(powers[0]), float(powers.std()))

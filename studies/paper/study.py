@@ -1,37 +1,37 @@
 """The whole published study: Figures 2 to 5, and what holds of what it says.
 
-python -m linecontact.studies.paper [--quick] [--folder FOLDER]
+linecontact study paper [--quick] [--folder FOLDER]
 """
 
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rich.console import RenderableType
 from rich.table import Table
 
 from .. import blunt, hertz, rough, sharp
+from ..files.hdf5 import file_kind
 from ..files.study_files import StudyFile
-from ..power_profiles import study as asperity
-from ..runner import ensemble
+from ..power_profiles import tasks as power_profiles
+from ..rough_surfaces import tasks as rough_surfaces
+from ..runner import study
+from ..runner.run import run_study
+from ..runner.study import Plan
 from ..terminal import console
-from . import report
+from . import markdown
 from .statements import Statement, statements
 
-_CAPTIONS = {
-    "": "Symbols: this study, between sub-grid edges; solid lines: the collocation oracle, which uses no grid.",
-    "-accuracy": "Errors against the oracle.",
-}
-_ROUGH_CAPTIONS = {
-    "": "Means over the realisations, with standard errors.",
-    "-patches": "Above: the slope over the number of patches; one parabolic patch has 2 sqrt(3). Below: that number.",
-    "-area": "What counting nodes adds to the area.",
-}
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_POWER_PROFILES = {"sharp": sharp.CONFIGURATION, "hertz": hertz.CONFIGURATION, "blunt": blunt.CONFIGURATION}
+_STUDIES = {part.name: part for part in (sharp.STUDY, hertz.STUDY, blunt.STUDY, rough.STUDY)}
 
 
 @dataclass(frozen=True)
-class Options(ensemble.Options):
+class Options(study.Options):
     """The whole published study at 2^18 points: sharp, Hertz, blunt, rough; data, figures and a report in one folder.
 
     Run again after an interruption, it continues; run again when finished, it says so.
@@ -41,37 +41,39 @@ class Options(ensemble.Options):
     """2^14 points and 8 realisations, in a minute."""
 
 
-def studies(num_points: int | None = None, realisations: int = rough.QUICK.realisations) -> list[ensemble.Study]:
-    """The four studies at full size, or quick ones at `num_points` with so many rough surfaces."""
-    modules = {"sharp": sharp, "hertz": hertz, "blunt": blunt}
-    if num_points is None:
-        single = [asperity.study(kind, module.CONFIGURATION) for kind, module in modules.items()]
-        return [*single, rough.study(rough.Configuration())]
-    quick = [asperity.study(kind, asperity.quick(m.CONFIGURATION, num_points)) for kind, m in modules.items()]
-    surfaces = replace(rough.QUICK, num_points=num_points, cut_off_ratio=512 / num_points, realisations=realisations)
-    return [*quick, rough.study(surfaces)]
+def plans(options: Options) -> Sequence[Plan]:
+    """The plans of the four studies at full size, or quick ones."""
+    return quick_plans() if options.quick else [part for s in _STUDIES.values() for part in s.plans(s.options())]
 
 
-def command(options: Options) -> int:
-    """Run the studies as asked; returns the exit status."""
-    folder = Path("results/paper-quick" if options.quick else "results/paper")
-    return ensemble.command(studies(2**14 if options.quick else None), options, folder, closing)
+def quick_plans(num_points: int = 2**14, realisations: int = rough_surfaces.QUICK.realisations) -> Sequence[Plan]:
+    """The plans of the four studies at `num_points`, with so many rough surfaces."""
+    single = [power_profiles.plan(name, power_profiles.quick(c, num_points)) for name, c in _POWER_PROFILES.items()]
+    quick = replace(
+        rough_surfaces.QUICK, num_points=num_points, cut_off_ratio=512 / num_points, realisations=realisations
+    )
+    return [*single, rough_surfaces.plan(quick)]
 
 
-def closing(files: dict[str, StudyFile], folder: Path) -> Sequence[RenderableType]:
-    """Write the report; show its verdicts."""
+def draw(path: Path) -> "dict[str, Figure]":
+    """The figures of one of the four files, by the endings of their names."""
+    return _STUDIES[file_kind(path)].draw(path)
+
+
+def report(files: dict[str, StudyFile], folder: Path) -> Sequence[RenderableType]:
+    """Write the report as a file; show its verdicts."""
     found = statements(files)
     parts = []
     for kind, file in files.items():
-        module, captions = (rough, _ROUGH_CAPTIONS) if kind == "rough" else (asperity, _CAPTIONS)
+        captions = (rough_surfaces if kind == "rough" else power_profiles).FIGURES
         parts.append(f"## {kind}")
-        parts += [f"![{kind}{suffix}]({kind}{suffix}.png)\n\n*{caption}*" for suffix, caption in captions.items()]
+        parts += [f"![{kind}{ending}]({kind}{ending}.png)\n\n*{caption}*" for ending, caption in captions.items()]
         parts += [
-            report.from_rich(part) if isinstance(part, Table) else str(part)
-            for part in module.closing({kind: file}, folder)
+            markdown.from_rich(part) if isinstance(part, Table) else str(part)
+            for part in _STUDIES[kind].report({kind: file}, folder)
         ]
     title = "How thickness affects the area-pressure relation"
-    written = report.write(folder, report.markdown(title, made(files), found, parts))
+    written = markdown.write(folder, markdown.page(title, made(files), found, parts))
     return [verdicts(found), f"Report: {', '.join(map(str, written))}"]
 
 
@@ -101,5 +103,9 @@ def verdicts(found: Sequence[Statement]) -> Table:
     return table
 
 
-if __name__ == "__main__":
-    sys.exit(console.run(Options, command, "python -m linecontact.studies.paper"))
+STUDY = study.Study(name="paper", options=Options, plans=plans, report=report, draw=draw)
+
+
+def command(options: Options) -> int:
+    """Run the studies as asked; returns the exit status."""
+    return run_study(STUDY, options)

@@ -9,17 +9,18 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from ..figures.style import COLOURS, MARKERS, NothingToDraw, distinct, load
-from . import study as peers
+from . import report
+from .solvers import OURS
 
 
 def draw(path: Path) -> dict[str, Figure]:
     """Solving time over N for every solver, one panel per family; what differs from ours is hollow."""
     study = load(path)
-    found = peers.comparisons(study)
+    found = report.comparisons(study)
     if not found:
-        raise NothingToDraw(f"file {path} holds no run of {peers.OURS} yet")
+        raise NothingToDraw(f"file {path} holds no run of {OURS} yet")
     families = distinct(c.ours["name"] for c in found)
-    colours = dict(zip((peers.OURS, *study.configuration["peers"]), COLOURS, strict=False))
+    colours = dict(zip((OURS, *study.configuration["peers"]), COLOURS, strict=False))
     thicknesses = sorted(distinct(float(c.ours["scene.thickness"]) for c in found), reverse=True)
     markers = dict(zip(thicknesses, cycle(MARKERS), strict=False))
     figure, panels = plt.subplots(1, len(families), figsize=(8.2, 3.6), sharey=True, squeeze=False)
@@ -28,10 +29,10 @@ def draw(path: Path) -> dict[str, Figure]:
         for thickness, marker in markers.items():
             own = [c for c in found if (c.ours["name"], c.ours["scene.thickness"]) == (family, thickness)]
             for solver, colour in colours.items():
-                runs = [c.ours if solver == peers.OURS else c.peers[solver] for c in own if solver in c.solvers]
+                runs = [c.ours if solver == OURS else c.peers[solver] for c in own if solver in c.solvers]
                 n, seconds = [run["scene.num_points"] for run in runs], [run["seconds.solve"] for run in runs]
                 axes.plot(n, seconds, marker + "-", ms=4.5, lw=0.9, color=colour, mfc="white")
-                same = [solver == peers.OURS or c.agrees(solver) for c in own if solver in c.solvers]
+                same = [solver == OURS or c.agrees(solver) for c in own if solver in c.solvers]
                 axes.plot(n, seconds, marker, ms=4.5, color=colour, markevery=same)
         axes.set(yscale="log", xlabel="grid points $N$", title=family if family == "Hertz" else f"rough, ${family}$")
         axes.set_xscale("log", base=2)

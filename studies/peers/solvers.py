@@ -23,6 +23,8 @@ from linecontact.solver.stiffness import stiffness
 from numpy.typing import NDArray
 
 PEERS = ("tamaas", "ContactMechanics")
+OURS = "linecontact"
+"""Names of the solvers in the records."""
 
 _LOOSEST, _TIGHTEST = 1e-4, 1e-12  # tolerances that are tried
 _MAX_ITERATIONS = 20_000
@@ -32,15 +34,18 @@ Array64 = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class PeerResult:
-    """contact_pressure: shape (N,) [pressure]; seconds: of solving, without set-up [s]; setup_seconds: model, heights
-    and stiffness, without imports [s]; iterations: nan where unknown; version: of the peer.
-    """
+    """What a peer found, and the time it took."""
 
     contact_pressure: Array64
+    """Shape (N,) [pressure]."""
     seconds: float
+    """Time of solving, without set-up [s]."""
     setup_seconds: float
+    """Time of making the model, the heights and the stiffness, without imports [s]."""
     iterations: float
+    """NaN where unknown."""
     version: str
+    """Version of the peer."""
 
 
 def available() -> tuple[str, ...]:

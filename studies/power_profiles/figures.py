@@ -12,13 +12,14 @@ from matplotlib.figure import Figure
 
 from ..figures.style import COLOURS, MARKERS, NothingToDraw, distinct, load
 from ..files.study_files import StudyFile
-from . import study as asperity
+from . import report
+from .tasks import FIGURES
 
 
 def draw(path: Path) -> dict[str, Figure]:
     """kappa over the reduced thickness, and the errors."""
     study = load(path)
-    return {"": ratio(study), "-accuracy": accuracy(study)}
+    return dict(zip(FIGURES, (ratio(study), accuracy(study)), strict=True))
 
 
 def ratio(study: StudyFile) -> Figure:
@@ -26,10 +27,10 @@ def ratio(study: StudyFile) -> Figure:
     figure: Figure
     figure, (axes, below) = plt.subplots(2, 1, figsize=(5.2, 6.2), sharex=True, height_ratios=(5, 3))
     figure.subplots_adjust(bottom=0.08, top=0.95, hspace=0.05)
-    runs, c = asperity.layers(study), study.configuration
+    runs, c = report.layers(study), study.configuration
     if not runs.runs:
         raise NothingToDraw("no layer is done yet")
-    t_all, kappa_all = asperity.curve(runs)
+    t_all, kappa_all = report.curve(runs)
     low, high = t_all.min() / 1.4, t_all.max() * 1.4
     y_all = kappa_all[kappa_all > 0] / t_all[kappa_all > 0]  # 0 for contacts of one node
     if not y_all.size:
@@ -38,7 +39,7 @@ def ratio(study: StudyFile) -> Figure:
         own = runs.select("scene.poisson_ratio", nu)
         if not own.runs:
             continue
-        t, kappa = asperity.curve(own)
+        t, kappa = report.curve(own)
         axes.plot(t, kappa / t, marker, ms=4.5, color=colour, label=rf"$\nu={nu:g}$")
         below.plot(t, kappa, marker, ms=4.5, color=colour)
         line = study.lines.get(f"nu={nu:g}")
@@ -81,7 +82,7 @@ def _limits(axes: Axes, configuration: dict[str, Any], poisson_ratio: float, col
 
 def _half_space(axes: Axes, below: Axes, study: StudyFile, high: float) -> None:
     """kappa_d = kappa_inf, and what the images in the neighbouring periods leave of it."""
-    run = asperity.half_space(study)
+    run = report.half_space(study)
     thick = np.geomspace(0.15, high, 20)
     axes.plot(thick, 1 / thick, "-", color="0.6", lw=0.7, label=r"half-space, $\kappa_d=\kappa_\infty$")
     below.axhline(1, color="0.6", lw=0.7)
@@ -96,7 +97,7 @@ def accuracy(study: StudyFile) -> Figure:
     figure: Figure
     figure, panels = plt.subplots(3, 1, figsize=(5.2, 6.2), sharex=True)
     figure.subplots_adjust(bottom=0.08, top=0.97)
-    study = asperity.layers(study)
+    study = report.layers(study)
     t = study.column("reduced_thickness")
     points = study.configuration["num_points"]
     exact = study.column("oracle.contact_area")

@@ -8,15 +8,16 @@ from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from .. import rough
 from ..figures.style import COLOURS, MARKERS, NothingToDraw, distinct, load
 from ..files.study_files import StudyFile
+from . import means
+from .tasks import FIGURES
 
 
 def draw(path: Path) -> dict[str, Figure]:
     """The published Figure 5, the share of the patches in it, and what counting nodes adds to the area."""
     study = load(path)
-    return {"": ratio(study), "-patches": patches(study), "-area": bias(study)}
+    return dict(zip(FIGURES, (ratio(study), patches(study), bias(study)), strict=True))
 
 
 def _panels(study: StudyFile, rows: int) -> tuple[Figure, list[list[Axes]], list[float]]:
@@ -35,7 +36,7 @@ def _panels(study: StudyFile, rows: int) -> tuple[Figure, list[list[Axes]], list
     return figure, panels.tolist(), hursts
 
 
-def _plot(axes: Axes, points: list[rough.Point], x: str, y: str, colour: str, marker: str, label: str) -> None:
+def _plot(axes: Axes, points: list[means.Point], x: str, y: str, colour: str, marker: str, label: str) -> None:
     horizontal, vertical = ([getattr(p, name) for p in points] for name in (x, y))
     axes.errorbar(
         [m.value for m in horizontal],
@@ -50,8 +51,8 @@ def _plot(axes: Axes, points: list[rough.Point], x: str, y: str, colour: str, ma
     )
 
 
-def _points(study: StudyFile) -> list[rough.Point]:
-    points = list(rough.points(study))
+def _points(study: StudyFile) -> list[means.Point]:
+    points = list(means.points(study))
     if not points:
         raise NothingToDraw("no surface is done both on a layer and on the half-space yet")
     return points
@@ -68,15 +69,15 @@ def ratio(study: StudyFile) -> Figure:
     points = _points(study)
     x = np.array([p.reduced_thickness.value for p in points])
     for axes, hurst in zip(rows[0], hursts, strict=True):
-        kappa = float(np.mean(list(rough.half_space(study, hurst).values())))
+        kappa = float(np.mean(list(means.half_space(study, hurst).values())))
         for nu, colour, marker in zip(
             study.configuration["poisson_ratios"], cycle(COLOURS), cycle(MARKERS), strict=False
         ):
             own = [p for p in points if (p.hurst, p.poisson_ratio) == (hurst, nu)]
             _plot(axes, own, "reduced_thickness", "slope", colour, marker, rf"$\nu={nu:g}$")
             thin = np.array([x.min() / 1.5, 0.05])
-            axes.plot(thin, np.full(2, rough.single_patch(nu, kappa)), "--", color=colour, lw=0.8)
-            published = rough.PUBLISHED_ALPHA * (1 - 2 * nu) / (1 - nu) ** 2
+            axes.plot(thin, np.full(2, means.single_patch(nu, kappa)), "--", color=colour, lw=0.8)
+            published = means.PUBLISHED_ALPHA * (1 - 2 * nu) / (1 - nu) ** 2
             axes.plot(thin, np.full(2, published), "-.", color=colour, lw=0.6)
             line = study.lines.get(f"persson H={hurst:g} nu={nu:g}")
             if line:

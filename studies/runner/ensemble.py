@@ -1,11 +1,11 @@
-"""Studies as lists of independent tasks, run through any `concurrent.futures.Executor`, and nothing is lost.
+"""Independent tasks, run through any `concurrent.futures.Executor`, and nothing is lost.
 
 A task's record is in a file of its own as soon as the task is finished (`tasks.TaskFolder`). Running a study means
 doing the tasks that have no such file, in any order and anywhere, and then collecting the records, in the study's
 order, into one HDF5 file. So a run that was killed goes on where it was, and the data does not depend on who did what
 when, but for rounding.
 
-    records, failures = Ensemble(study.tasks, TaskFolder(path)).run(make_executor)
+    records, failures = Ensemble(plan.tasks, TaskFolder(path)).run(make_executor)
 
 `make_executor` may be any executor's class: with mpi4py.futures.MPIPoolExecutor the tasks run under MPI.
 """
@@ -17,70 +17,16 @@ import signal
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
-from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Any
+from dataclasses import dataclass
 
 from linecontact.solver.relaxation import Progress
-from rich.console import RenderableType
 
-from ..files import records, study_files, writing
-from ..files.study_files import StudyFile
+from ..files.records import plain
 from ..terminal import console
 from . import executors
-from .tasks import Record, Task, TaskFolder, identity, lock
-
-
-@dataclass(frozen=True)
-class Options:
-    """What every study can be asked for."""
-
-    folder: Path | None = None
-    """Where data and figures go; default: results/ and the study's name."""
-    workers: int = executors.usable_cores()
-    """Processes of one thread each, 1 to 1024; with 1 everything happens in this one. Default: the usable cores."""
-    memory: float | None = None
-    """Budget of each worker process [GiB]; default: what is free at the start, shared among them."""
-    scheduler: str | None = None
-    """Address of a Dask scheduler to use instead of processes, like tcp://host:8786."""
-    overwrite: bool = False
-    """Start anew even if there are results."""
-
-
-@dataclass(frozen=True)
-class Study:
-    """kind: name of the study and its file; configuration: what the user chose, JSON-ready; runs: the rows of the file;
-    lines: reference curves by name, whose records are columns; figures: endings of its figures' names.
-    """
-
-    kind: str
-    configuration: dict[str, Any]
-    runs: Sequence[Task]
-    lines: Mapping[str, Task] = field(default_factory=dict)
-    figures: tuple[str, ...] = ("",)
-
-    @property
-    def tasks(self) -> list[Task]:
-        """Everything there is to do."""
-        return [*self.lines.values(), *self.runs]
-
-    def path(self, folder: Path) -> Path:
-        """The study's file."""
-        return folder / f"{self.kind}.h5"
-
-    def collect(self, records: Mapping[Task, Record], failures: Mapping[Task, str]) -> StudyFile:
-        """The study's file as far as it is done."""
-        own = set(self.tasks)
-        return StudyFile(
-            kind=self.kind,
-            configuration=self.configuration,
-            runs=[records[task] | {"task": identity(task)} for task in self.runs if task in records],
-            lines={name: records[task] for name, task in self.lines.items() if task in records},
-            failures={identity(task): reason for task, reason in failures.items() if task in own},
-            complete=own <= records.keys(),
-        )
+from .tasks import Record, Task, TaskFolder, identity
 
 
 class TaskError(Exception):
@@ -91,7 +37,7 @@ def perform(task: Task, report: Progress | None = None) -> Record:
     """What a worker does. A solve that was interrupted raises `KeyboardInterrupt`, anything else `TaskError`."""
     try:
         record = task.run(report)
-        json.dumps(records.plain(record))
+        json.dumps(plain(record))
     except Exception as error:
         raise TaskError(" ".join(f"{type(error).__name__}: {error}".split())) from None
     if record.get("status") == "interrupted":
@@ -105,8 +51,10 @@ class Ensemble:
     Tasks in flight when a worker died come last and one by one, so that the one to blame shows itself.
     """
 
-    deaths = 2  # of its worker, alone, after which a task has failed
-    hopeless = 100  # tasks in a row that lost theirs
+    most_deaths = 2
+    """Deaths of its worker, while the task was alone, after which a task has failed."""
+    most_lost_in_a_row = 100
+    """Tasks in a row that lost their worker, after which the run gives up."""
 
     def __init__(self, tasks: Iterable[Task], folder: TaskFolder) -> None:
         self.tasks, self.folder = list(dict.fromkeys(tasks)), folder
@@ -117,7 +65,7 @@ class Ensemble:
         self._waiting = deque(task for task in self.tasks if task not in self.records)
         self._running: dict[Future[Record], Task] = {}
         self._died: dict[Task, int] = {}
-        self._in_a_row = 0
+        self._lost_in_a_row = 0
         self._begin = time.monotonic()
 
     @property
@@ -191,7 +139,7 @@ class Ensemble:
             except CancelledError as error:  # not by us
                 raise executors.LostError("the scheduler is gone; run again to continue") from error
             except BrokenExecutor:
-                self._mourn(task)
+                self._worker_died(task)
             except TaskError as error:
                 self._fail(task, str(error))
             except Exception as error:  # whatever it is, the others go on
@@ -200,22 +148,22 @@ class Ensemble:
                 self.folder.save(task, record)
                 self.records[task] = record
                 self.worst = max(self.worst, _residual(record))
-                self._in_a_row = 0
+                self._lost_in_a_row = 0
 
-    def _mourn(self, task: Task) -> None:
+    def _worker_died(self, task: Task) -> None:
         """Try it again, alone, unless it was alone already when its worker died."""
         self._died[task] = self._died.get(task, -1) + 1
-        self._in_a_row += 1
-        if self._died[task] < self.deaths:
+        self._lost_in_a_row += 1
+        if self._died[task] < self.most_deaths:
             console.errors.print(
                 f"a worker process died, killed or out of memory; task {identity(task)} is tried again"
             )
             self._waiting.append(task)
         else:
             self._fail(task, "its worker process died, killed or out of memory")
-        if self._in_a_row > self.hopeless:
+        if self._lost_in_a_row > self.most_lost_in_a_row:
             raise executors.LostError(
-                f"{self._in_a_row} tasks in a row lost their worker process; allowed: more memory"
+                f"{self._lost_in_a_row} tasks in a row lost their worker process; allowed: more memory"
             )
 
     def _fail(self, task: Task, reason: str) -> None:
@@ -255,121 +203,3 @@ def _flag_for_ctrl_c(executor: Executor) -> Iterator[_Flag]:
         yield flag
     finally:
         signal.signal(signal.SIGINT, handler)
-
-
-def command(
-    studies: Sequence[Study],
-    options: Options,
-    folder: Path,
-    closing: Callable[[dict[str, StudyFile], Path], Sequence[RenderableType]],
-    defects: Callable[[StudyFile], Sequence[str]] = lambda _: (),
-) -> int:
-    """Run studies into one folder, draw them, and print what `closing` makes of them; returns the exit status.
-
-    defects: what in a study must not be, a line each; as bad as a task that failed.
-    """
-    begin = time.monotonic()
-    folder = options.folder or folder
-    executors.check(options.workers, options.memory, options.scheduler)
-    writing.make_folder(folder)
-    writing.check_folder(folder)
-    with lock(folder):
-        files = {} if options.overwrite else _finished(studies, folder)
-        computed = len(files) < len(studies)
-        if computed:
-            files = _compute(studies, options, folder)
-        figures = _draw(studies, files, folder, computed)
-        with writing.expecting(folder):
-            parts = closing(files, folder)
-    output = console.Output()
-    for part in parts:
-        output.print(part, soft_wrap=isinstance(part, str), highlight=False)
-    output.print(f"{time.monotonic() - begin:.1f} s in all." if computed else "Finished before; nothing computed.")
-    output.print(f"Data: {', '.join(str(study.path(folder)) for study in studies)}", soft_wrap=True)
-    output.print(f"Figures: {', '.join(map(str, figures))}", soft_wrap=True)
-    return exit_status(files.values(), defects)
-
-
-def exit_status(files: Iterable[StudyFile], defects: Callable[[StudyFile], Sequence[str]] = lambda _: ()) -> int:
-    """4 if any task failed or there is a defect, 3 if any run is not certified at its tolerance, else 0."""
-    status = 0
-    for file in files:
-        for task, reason in file.failures.items():
-            console.errors.print(f"linecontact: {file.kind}: task {task} failed: {reason}")
-            status = console.EXIT_FAILED
-        for defect in defects(file):
-            console.errors.print(f"linecontact: {file.kind}: defect: {defect}")
-            status = console.EXIT_FAILED
-        if not status and any(run.get("status", "converged") != "converged" for run in file.runs):
-            status = console.EXIT_NOT_CONVERGED
-    return status
-
-
-def _finished(studies: Sequence[Study], folder: Path) -> dict[str, StudyFile]:
-    files = {study.kind: study_files.finished(study.path(folder), study.kind, study.configuration) for study in studies}
-    return {kind: file for kind, file in files.items() if file}
-
-
-def _compute(studies: Sequence[Study], options: Options, folder: Path) -> dict[str, StudyFile]:
-    """All tasks of all studies together; what is done is collected also when the run is cut short."""
-    ensemble: Ensemble
-
-    def report(iteration: int, residual: float) -> None:
-        known = "" if math.isnan(residual) else f", residual {residual:.1e}"
-        bar.show(ensemble.share, f"{ensemble}; iteration {iteration}{known}")
-
-    with executors.choose(options.workers, options.memory, options.scheduler, report) as pool:
-        with writing.expecting(folder):
-            ensemble = _begin(studies, options, folder)
-        with console.Bar(", ".join(study.kind for study in studies)) as bar:
-            bar.start = ensemble.share
-            try:
-                ensemble.run(pool.make, pool.limit, lambda _: bar.show(ensemble.share, str(ensemble)))
-            except BaseException:
-                with contextlib.suppress(writing.StoreError):  # a full disk: the tasks' files are there
-                    _save(studies, ensemble, folder)
-                raise
-    return _save(studies, ensemble, folder)
-
-
-def _begin(studies: Sequence[Study], options: Options, folder: Path) -> Ensemble:
-    """The tasks with what former runs have left of them."""
-    results = TaskFolder(folder / "tasks")
-    # what a killed process has left unfinished
-    writing.remove(*folder.glob(".*.part"), *results.folder.glob(".*.part"))
-    tasks = [task for study in studies for task in study.tasks]
-    if options.overwrite:
-        writing.remove(*(study.path(folder) for study in studies))
-        results.forget(tasks)
-    ensemble = Ensemble(tasks, results)
-    if ensemble.found:
-        console.errors.print(f"continuing: {ensemble.found} of {len(ensemble.tasks)} tasks are done")
-    return ensemble
-
-
-def _save(studies: Sequence[Study], ensemble: Ensemble, folder: Path) -> dict[str, StudyFile]:
-    """Collect the records and write the files; what is shown is what was written."""
-    with writing.expecting(folder):
-        for study in studies:
-            study_files.save_study(study.path(folder), study.collect(ensemble.records, ensemble.failures))
-    return {study.kind: study_files.load_study(study.path(folder)) for study in studies}
-
-
-def _draw(studies: Sequence[Study], files: Mapping[str, StudyFile], folder: Path, computed: bool) -> list[Path]:
-    """Figures of everything that was computed, or that has none yet."""
-    drawn: list[Path] = []
-    for study in studies:
-        path = study.path(folder)
-        expected = [path.with_name(path.stem + suffix + end) for suffix in study.figures for end in (".png", ".pdf")]
-        written = path.stat().st_mtime_ns
-        there = all(figure.is_file() and figure.stat().st_mtime_ns >= written for figure in expected)
-        if files[study.kind].runs and (computed or not there):
-            from . import drawing  # matplotlib takes its time
-
-            try:
-                expected = drawing.draw(path)
-            except drawing.NothingToDraw as error:
-                console.errors.print(f"{study.kind}: {error}")
-                expected = []
-        drawn += expected
-    return drawn

@@ -10,7 +10,7 @@ import json
 from collections.abc import Iterable, Iterator
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 import filelock
 from linecontact.solver.relaxation import Progress
@@ -26,6 +26,9 @@ MAX_BYTES = 2**26
 class Task(Protocol):
     """A frozen dataclass of plain values on which its record depends, and on nothing else."""
 
+    kind: ClassVar[str]
+    """Name of the class, unique over all studies: part of what identifies a task, wherever its module is."""
+
     def run(self, report: Progress | None) -> Record:
         """The task's record: flat, JSON-ready; lists for curves. Runs in any process."""
 
@@ -33,10 +36,17 @@ class Task(Protocol):
 
 
 def identity(task: Task) -> str:
-    """Hash of a task: 16 hexadecimal digits of the SHA-256 of its class, its fields and the results' version."""
-    kind = type(task)
-    name = f"{kind.__module__}.{kind.__qualname__}"
-    text = json.dumps([records.RESULTS_VERSION, name, _fields(task)], sort_keys=True)
+    """Hash of a task: 16 hexadecimal digits of the SHA-256 of its class's `kind`, its fields and the results' version.
+
+    Raises `ValueError` for a class that has no kind of its own: with an inherited one, two classes would share records.
+    """
+    kind = vars(type(task)).get("kind")
+    if not isinstance(kind, str):
+        raise ValueError(
+            f"task class {type(task).__qualname__} has no kind of its own; allowed: a class with "
+            "`kind: ClassVar[str]`, a name unique over all studies"
+        )
+    text = json.dumps([records.RESULTS_VERSION, kind, _fields(task)], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 

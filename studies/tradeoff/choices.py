@@ -10,7 +10,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from linecontact.solver import Solution, Status, provenance, solve
@@ -88,6 +88,8 @@ def refused(family: str, error: ValueError) -> Record:
 class Choice:
     """A solve with everything chosen by hand. tolerance: None for the default; reference: see `families.exact`."""
 
+    kind: ClassVar[str] = "choice of the trade-off"
+
     family: str
     method: str
     precision: str
@@ -130,6 +132,8 @@ class Choice:
 class Accuracy:
     """Everything chosen by the solver for a relative error of the area; log2_points: of the finest grid allowed."""
 
+    kind: ClassVar[str] = "accuracy of the trade-off"
+
     family: str
     accuracy: float
     log2_points: int
@@ -159,6 +163,8 @@ class Accuracy:
 class Oracle:
     """A smooth scene by collocation at a given number of nodes; the field is sampled, outside of the time."""
 
+    kind: ClassVar[str] = "oracle of the trade-off"
+
     family: str
     num_nodes: int
 
@@ -185,6 +191,8 @@ class Oracle:
 @dataclass(frozen=True)
 class Peer:
     """Another code on the same grid, at a tolerance of its own."""
+
+    kind: ClassVar[str] = "peer of the trade-off"
 
     family: str
     peer: str
@@ -215,6 +223,8 @@ class Precisions:
     """The precisions in turn, on one scene. tolerance: None for the time of an iteration, else that of a solve, and of
     what comes before it on coarser grids, always in float64.
     """
+
+    kind: ClassVar[str] = "precisions of the trade-off"
 
     family: str
     method: str

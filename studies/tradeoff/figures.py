@@ -24,7 +24,7 @@ def draw(path: Path) -> dict[str, Figure]:
     study = load(path)
     if not front.runs_of(study, "choice"):
         raise NothingToDraw(f"file {path} holds no choice yet")
-    return {"": panels(study, "a_r"), "-field": panels(study, "pressure field")}
+    return {ending: panels(study, what) for ending, what in front.FIGURES.items()}
 
 
 def panels(study: StudyFile, what: str) -> Figure:

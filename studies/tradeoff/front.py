@@ -21,6 +21,9 @@ FRONTS = {
 }
 """Errors that compete with each other. Those of kappa go with a_r's; the peak's change sign from grid to grid."""
 
+FIGURES = dict(zip(("", "-field"), FRONTS, strict=True))
+"""Which of the fronts each figure shows, by the ending of its name."""
+
 
 class Point(NamedTuple):
     """A run with one of its errors (relative)."""

@@ -3,6 +3,7 @@
 import math
 import time
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, Status, collocation, planner, solve
@@ -35,7 +36,9 @@ def draw(kind: str, seed: int, log2_points: int) -> tuple[Scene, float]:
 
 @dataclass(frozen=True)
 class RandomScene:
-    """One of them; log2_points: of the finest grid allowed."""
+    """A random scene, solved to an accuracy."""
+
+    kind: ClassVar[str] = "random scene of the trade-off"
 
     scene_kind: str
     seed: int

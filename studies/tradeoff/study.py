@@ -10,21 +10,27 @@ solution on a finer grid than any. Others on the machine disturb all times: trus
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from linecontact.solver.run import METHODS
 from rich.console import RenderableType
 
 from ..files.study_files import StudyFile
 from ..peers import solvers as peers
-from ..runner import ensemble
+from ..runner import study
+from ..runner.run import run_study
+from ..runner.study import Plan, Study
 from ..runner.tasks import Task
-from ..terminal import console
-from . import report
+from . import front
+from . import report as tables
 from .choices import Accuracy, Choice, Oracle, Peer, Precisions
 from .families import COARSEST_ROUGH, FAMILIES, is_rough
 from .scenes import KINDS, RandomScene
 
-KIND = "tradeoff"
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+NAME = "tradeoff"
 PRECISIONS = ("float64", "mixed", "float32")
 TOLERANCES = (1e-3, 1e-5, 1e-8, 1e-10)
 
@@ -37,22 +43,28 @@ _HALF_SPACE = "Hertz, half-space"
 
 @dataclass(frozen=True)
 class Configuration:
-    """sizes: log2 of the numbers of points; paper: of the published choice, and the most of FIRE's; reference: of what
-    rough surfaces are compared with; accuracies: powers of ten asked for, on rough ones those down to `rough_to`;
-    nodes: of the oracle; scenes: random ones of each of `scenes.KINDS`, on up to 2^scene_points points.
-    """
+    """What identifies the study."""
 
     sizes: tuple[int, ...] = (8, 10, 12, 14, 16, 18, 20)
+    """log2 of the numbers of points."""
     paper: int = 18
+    """log2 of the points of the published choice, and the most that FIRE is given."""
     reference: int = 22
+    """log2 of the points of the solution that rough surfaces are compared with."""
     accuracies: tuple[float, ...] = tuple(-k / 2 for k in range(3, 19))
+    """Powers of ten of the accuracies asked for."""
     rough_to: float = -4.0
+    """The least of these powers that is asked for on rough surfaces."""
     nodes: tuple[int, ...] = (8, 12, 16, 24, 32, 48, 64, 96, 128, 160)
+    """Numbers of nodes of the collocation oracle."""
     scenes: int = 50
+    """Random scenes of each of `scenes.KINDS`."""
     scene_points: tuple[int, ...] = (18, 16)
+    """log2 of the most points of a random scene, for each of `scenes.KINDS`."""
     peers: tuple[str, ...] = field(default_factory=peers.available)
+    """Names of the peers that take part."""
 
-    def study(self) -> ensemble.Study:
+    def plan(self) -> Plan:
         """The tasks."""
         runs = [task for family in FAMILIES for task in self._family(family)]
         for family in (_HALF_SPACE, "rough, half-space")[: 1 + (self.paper - 2 >= COARSEST_ROUGH)]:
@@ -60,7 +72,7 @@ class Configuration:
             runs += [Precisions(family, method, self.paper, TOLERANCES[-1]) for method in METHODS[:2]]
         kinds = tuple(zip(KINDS, self.scene_points, strict=True))
         runs += [RandomScene(kind, seed, most) for seed in range(self.scenes) for kind, most in kinds]
-        return ensemble.Study(KIND, asdict(self), runs, figures=("", "-field"))
+        return Plan(NAME, asdict(self), runs, figures=front.FIGURES)
 
     def _family(self, family: str) -> Iterator[Task]:
         rough = is_rough(family)
@@ -109,7 +121,7 @@ QUICK = Configuration(
 
 
 @dataclass(frozen=True)
-class Options(ensemble.Options):
+class Options(study.Options):
     """Errors of area, kappa and pressure over seconds for every choice there is: data, figures, tables."""
 
     workers: int = 1
@@ -118,14 +130,26 @@ class Options(ensemble.Options):
     """Up to 2^12 points, and 20 random scenes instead of 100."""
 
 
+def plans(options: Options) -> Sequence[Plan]:
+    """The tasks at full size, or those of the quick study."""
+    return [(QUICK if options.quick else Configuration()).plan()]
+
+
+def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
+    """The tables, and what they come to."""
+    return [part for file in files.values() if file.runs for part in tables.parts(file)]
+
+
+def draw(path: Path) -> "dict[str, Figure]":
+    """The figures of a stored file, by the endings of their names."""
+    from . import figures
+
+    return figures.draw(path)
+
+
+STUDY = Study(name=NAME, options=Options, plans=plans, report=report, draw=draw, may_not_converge=True)
+
+
 def command(options: Options) -> int:
     """Run the study as asked, or what is left of it; returns the exit status."""
-    configuration = QUICK if options.quick else Configuration()
-    folder = Path("results/tradeoff-quick" if options.quick else "results/tradeoff")
-    status = ensemble.command([configuration.study()], options, folder, closing)
-    return 0 if status == console.EXIT_NOT_CONVERGED else status  # a choice that does not converge is a result
-
-
-def closing(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
-    """The tables, and what they come to."""
-    return [part for file in files.values() if file.runs for part in report.parts(file)]
+    return run_study(STUDY, options)

@@ -42,7 +42,7 @@ _RULE = (
 )
 
 
-def markdown(title: str, made: str, statements: Sequence[Statement], parts: Sequence[str]) -> str:
+def page(title: str, made: str, statements: Sequence[Statement], parts: Sequence[str]) -> str:
     """The report: first what was said and what was found, then the studies one by one. made: by what, from what."""
     rows = [(s.text, s.published, s.measured, f"**{s.verdict}**", s.remark) for s in statements]
     head = table(("statement", "published", "measured", "verdict", "remark"), rows)
@@ -51,17 +51,17 @@ def markdown(title: str, made: str, statements: Sequence[Statement], parts: Sequ
 
 def write(folder: Path, text: str) -> tuple[Path, Path]:
     """report.md and report.html beside the figures that the text shows; nothing is rewritten without need."""
-    page = MarkdownIt("commonmark").enable("table").render(text)
+    shown = MarkdownIt("commonmark").enable("table").render(text)
     title = text.partition("\n")[0].lstrip("# ")
     for image in folder.glob("*.png"):
         data = base64.b64encode(image.read_bytes()).decode()
-        page = page.replace(f'src="{image.name}"', f'src="data:image/png;base64,{data}"')
-    page = (
+        shown = shown.replace(f'src="{image.name}"', f'src="data:image/png;base64,{data}"')
+    shown = (
         f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>{title}</title>\n'
-        f"<style>{_STYLE}</style>\n</head>\n<body>\n{page}</body>\n</html>\n"
+        f"<style>{_STYLE}</style>\n</head>\n<body>\n{shown}</body>\n</html>\n"
     )
     files = folder / "report.md", folder / "report.html"
-    for file, content in zip(files, (text.encode(), page.encode()), strict=True):
+    for file, content in zip(files, (text.encode(), shown.encode()), strict=True):
         if not file.is_file() or file.read_bytes() != content:
             writing.write_bytes(file, content)
     return files
