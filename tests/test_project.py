@@ -8,8 +8,6 @@ import tomllib
 import venv
 from pathlib import Path
 
-import pytest
-
 ROOT = Path(__file__).parent.parent
 FOLDERS = ("kernels", "solver", "studies")
 
@@ -105,12 +103,3 @@ def test_the_lock_file_holds_every_dependency_within_its_bounds():
     entries = [entry for entry in re.split(r"^(?=\w)", text, flags=re.MULTILINE) if "==" in entry]
     assert len(entries) == sum(map(len, locked.values()))
     assert all("--hash=sha256:" in entry for entry in entries)
-
-
-@pytest.mark.parametrize("folder", FOLDERS)
-def test_imports_go_one_way(folder):
-    above = {"kernels": ("solver", "studies"), "solver": ("studies",), "studies": ()}[folder]
-    for file in (ROOT / folder).glob("*.py"):
-        imports = [line for line in file.read_text().splitlines() if re.match(r"\s*(from|import) ", line)]
-        for name in above:
-            assert not [line for line in imports if re.search(rf"\b{name}\b", line)], file
