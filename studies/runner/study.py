@@ -113,9 +113,7 @@ class Study:
             if not callable(getattr(self, name)):
                 raise ValueError(f"{name} of study {self.name} is {getattr(self, name)!r}; allowed: a function")
         if not (isinstance(self.options, type) and issubclass(self.options, Options)):
-            raise ValueError(
-                f"options of study {self.name} is {self.options!r}; allowed: a dataclass made of `Options`"
-            )
+            raise ValueError(f"options of study {self.name} is {self.options!r}; allowed: a subclass of `Options`")
 
     def folder(self, options: Options) -> Path:
         """Where the results go."""
