@@ -4,6 +4,7 @@ import html
 import math
 import shutil
 import subprocess
+import sys
 from dataclasses import asdict
 from pathlib import Path
 
@@ -249,6 +250,17 @@ def test_report_in_a_browser(paper_folder, tmp_path):
     )
     assert "<title>9</title>" in shown.stdout, shown.stderr
     assert shown.stdout.count("<table>") == 5
+
+
+def test_the_studies_that_were_asked_for_run_as_scripts(tmp_path):
+    """From their files, started together; they get as far as looking at their options."""
+    scripts = [Path(studies.__file__).with_name(f"{name}.py") for name in ("hertz", "sharp", "blunt", "rough")]
+    options = {"stderr": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True, "cwd": tmp_path}
+    started = [subprocess.Popen([sys.executable, script, "--workers", "0"], **options) for script in scripts]
+    for process in started:
+        _, said = process.communicate(timeout=120)
+        assert (process.returncode, said.count("\n")) == (2, 1)
+        assert said.startswith("linecontact: workers is 0; allowed: ")
 
 
 def test_full_study_covers_the_published_range():
