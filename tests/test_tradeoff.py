@@ -9,7 +9,7 @@ from linecontact import studies
 from linecontact.solver import solve
 from linecontact.studies.files import records, study_files
 from linecontact.studies.files.study_files import StudyFile
-from linecontact.studies.tradeoff import choices, families, front, report
+from linecontact.studies.tradeoff import choices, families, front, measuring, report
 from linecontact.studies.tradeoff import study as tradeoff
 from running import run_plans
 
@@ -77,7 +77,7 @@ def test_misses_are_listed():
     common = {"kind": "scene", "family": "power", "accuracy": 1e-3, "claimed": 2e-3} | scene
     common |= {"error.reference": 0.0, "seconds.decide": 1e-4, "method": "active-set"}
     runs = [{**common, "seed": k, "status": "converged", "error.area": e} for k, e in enumerate((1e-4, 5e-3, 1e-3))]
-    runs.append({**common, "seed": 3, "status": choices.REFUSED, "reason": "because"})
+    runs.append({**common, "seed": 3, "status": measuring.REFUSED, "reason": "because"})
     first, *misses, last = report.random_scenes(made_up(*runs))
     assert "4 random scenes" in first
     assert "2 meet the accuracy" in first
@@ -118,11 +118,11 @@ def test_a_tiny_study_is_drawn(tiny):
 
 def test_refused_tolerances_are_recorded(tiny):
     study = study_files.load_study(tiny / "tradeoff.h5")
-    refused = [run for run in front.runs_of(study, "choice") if run["status"] == choices.REFUSED]
+    refused = [run for run in front.runs_of(study, "choice") if run["status"] == measuring.REFUSED]
     assert refused
     assert {run["precision"] for run in refused} == {"float32"}
     assert all(run["reason"].startswith("tolerance is") for run in refused)
-    assert not any(point.run["status"] == choices.REFUSED for point in front.points(refused, "a_r"))
+    assert not any(point.run["status"] == measuring.REFUSED for point in front.points(refused, "a_r"))
 
 
 def test_a_rough_choice():

@@ -70,11 +70,17 @@ class Task:
     kind: ClassVar[str] = "place of an edge"
 
     num_points: int
+    """Grid points."""
     exponent: float
+    """n of the profile h = (R/n) |x/R|^n."""
     thickness: float
+    """Of the layer over the period (dimensionless)."""
     poisson_ratio: float
+    """Of the layer (dimensionless)."""
     place: float
+    """About where the edge is between two nodes [grid spacings]."""
     tolerance: float
+    """Rms free residual over p to stop at (dimensionless)."""
 
     def run(self, report: Progress | None) -> Record:
         """The record with the pressures' ratio, the edge's true offset and what the closed form makes of the ratio."""

@@ -33,19 +33,22 @@ _PRIMES = (5, 7, 11, 13, 61, 127, 521, 1021, 2053, 4099, 8191, 16381, 65537, 131
 
 @dataclass(frozen=True)
 class Cell:
-    """scene: in units L = E* = 1; length, stress: the units that it is solved in; options: of `solve`.
-
-    shape: the kind of profile; full_load: p/E* of full contact, about (dimensionless); initial: seed of a displacement
-    from elsewhere to start with, or None.
-    """
+    """One random scene, and how it is to be solved."""
 
     scene: Scene
+    """In units L = E* = 1."""
     shape: str
+    """Name of the kind of profile."""
     full_load: float
+    """About the p/E* of full contact (dimensionless)."""
     length: float
+    """Unit of length that the scene is solved in."""
     stress: float
+    """Unit of pressure that the scene is solved in."""
     options: dict[str, Any]
+    """Options of `solve`."""
     initial: int | None
+    """Seed of a displacement from elsewhere to start with; None for a cold start."""
 
     def in_units(self, length: float, stress: float) -> Scene:
         """The scene with these units of length and pressure."""

@@ -62,12 +62,14 @@ class Options(study.Options):
 
 @dataclass(frozen=True)
 class Task:
-    """One stretch."""
+    """One stretch of time, filled with random scenes."""
 
     kind: ClassVar[str] = "stretch of a soak"
 
     number: int
+    """Which of the stretches."""
     seconds: float
+    """Length [s]."""
 
     def run(self, report: Progress | None) -> Record:
         """How many scenes came to which end, and what the process holds after them."""

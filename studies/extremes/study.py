@@ -63,13 +63,16 @@ class Options(study.Options):
 
 @dataclass(frozen=True)
 class Task:
-    """One cell."""
+    """One cell of the map."""
 
     kind: ClassVar[str] = "cell of the map of extremes"
 
     seed: int
+    """Of all cells."""
     number: int
+    """Which of the cells of its size."""
     size: str
+    """One of `cells.SIZES`."""
 
     def cell(self) -> cells.Cell:
         """The cell, at a place that goes through the whole map as the number grows."""

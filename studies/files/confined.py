@@ -41,10 +41,12 @@ class BrokenError(ValueError):
 
 
 class Columns(NamedTuple):
-    """values: as the file has them; unit: of the file's own, if it names one."""
+    """Numbers that the process has read."""
 
     values: NDArray[Any]
+    """As the file has them."""
     unit: str
+    """The file's own unit, empty if it names none."""
 
 
 def read_dataset(path: Path, most: int, name: str | None) -> NDArray[Any]:

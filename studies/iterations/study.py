@@ -101,9 +101,13 @@ class Task:
     kind: ClassVar[str] = "timed solve of the iterations"
 
     name: str
+    """Of the scene, see `make_scene`."""
     method: str
+    """Of the solve."""
     log2_num_points: int
+    """log2 of the number of grid points."""
     tolerance: float
+    """Rms free residual over p to stop at (dimensionless)."""
 
     def run(self, report: Progress | None) -> Record:
         """The solution's record, with the time of a transform pair taken before and after."""

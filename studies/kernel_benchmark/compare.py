@@ -23,18 +23,23 @@ Key = tuple[str, str, int, str]
 
 
 class Timing(NamedTuple):
-    """Median time of a call [s], and the copy bandwidth beside it [1e9 byte/s]."""
+    """How long a call of a kernel takes, and how fast the machine copied at that time."""
 
     seconds: float
+    """Median time of a call [s]."""
     copy: float
+    """Bandwidth of a copy of as much memory [1e9 byte/s]."""
 
 
 class Ratio(NamedTuple):
-    """raw: later time over earlier; normalised: times the copy bandwidths' ratio, so that a slower machine is none."""
+    """One kernel, precision, size and variant in both measurements."""
 
     key: Key
+    """Kernel, precision, log2 of the points and variant."""
     old: Timing
+    """The earlier measurement."""
     new: Timing
+    """The later measurement."""
 
     @property
     def raw(self) -> float:
@@ -43,7 +48,7 @@ class Ratio(NamedTuple):
 
     @property
     def normalised(self) -> float:
-        """The same in units of what a copy takes (dimensionless)."""
+        """The same in units of the time that a copy takes, so that a slower machine alone changes nothing."""
         return self.raw * self.new.copy / self.old.copy
 
     def verdict(self, threshold: float) -> str:

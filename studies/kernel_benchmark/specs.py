@@ -18,14 +18,13 @@ READS = ("in", "part", "state")
 
 
 class Argument(NamedTuple):
-    """An array of a kernel.
-
-    role: 'in', 'out', 'inout' hold one value per point, 'part' (read) and 'sum' (written) one float64 per chunk,
-    'state' (read) and 'control' (read and written) float64 scalars.
-    """
+    """An array of a kernel."""
 
     name: str
+    """As the kernel calls it."""
     role: str
+    """'in', 'out' and 'inout' hold one value per point, 'part' (read) and 'sum' (written) one float64 per chunk,
+    'state' (read) and 'control' (read and written) float64 scalars."""
 
     @property
     def per_point(self) -> bool:
@@ -72,15 +71,18 @@ _VALUES: dict[str, Callable[[Array, Array], Array]] = {
 
 @dataclass(frozen=True)
 class Spec:
-    """arguments: 'name:role ...' in the kernel's order; flops: per point, comparisons not counted; c: the body of the
-    loop over i in C, where a 'sum' is a scalar; c_scalars: what C reads from the state; state: its values by slot.
-    """
+    """What the benchmark knows of a kernel."""
 
     arguments: str
+    """'name:role ...' in the kernel's order."""
     flops: int
+    """Floating-point operations per point, comparisons not counted."""
     c: str = ""
+    """Body of the loop over i in C, where a 'sum' is a scalar; empty for a kernel without a loop over points."""
     c_scalars: str = ""
+    """What C reads from the state before the loop."""
     state: dict[str, float] = field(default_factory=dict)
+    """Values of the state by the names of their slots."""
 
     @property
     def arrays(self) -> list[Argument]:

@@ -85,9 +85,13 @@ class Task:
     kind: ClassVar[str] = "times of a kernel"
 
     kernel: str
+    """Its name, or `measure.ITERATION`."""
     precision: str
+    """Of the values per point."""
     log2_points: int
+    """log2 of the number of points."""
     seconds: float
+    """Time to measure for [s]."""
 
     def run(self, report: Progress | None) -> Record:
         """Medians and minima by candidate, with the bytes moved and the machine."""

@@ -51,17 +51,24 @@ class Configuration:
 
 @dataclass(frozen=True)
 class Task:
-    """One run: a Poisson's ratio and a reduced thickness, inf for the half-space."""
+    """One solve, with the collocation oracle's numbers beside it."""
 
     kind: ClassVar[str] = "power profile"
 
     exponent: float
+    """n of the profile."""
     num_points: int
+    """Grid points."""
     pressure: float
+    """Mean pressure p/E* (dimensionless)."""
     poisson_ratio: float
+    """Of the layer (dimensionless)."""
     reduced_thickness: float
+    """The wanted d/(a_r L); inf for the half-space."""
     tolerance: float
+    """Rms free residual over p to stop at (dimensionless)."""
     method: str
+    """Of the solve."""
 
     def run(self, report: Progress | None) -> Record:
         """The solution's record with the oracle's numbers beside it."""
@@ -84,9 +91,13 @@ class OracleLine:
     kind: ClassVar[str] = "oracle of a power profile"
 
     exponent: float
+    """n of the profile."""
     pressure: float
+    """Mean pressure p/E* (dimensionless)."""
     poisson_ratio: float
+    """Of the layers (dimensionless)."""
     reduced_thicknesses: tuple[float, ...]
+    """d/(a_r L) of the points of the line."""
 
     def run(self, _: Progress | None) -> Record:
         """Columns of the line."""

@@ -58,19 +58,28 @@ QUICK = Configuration(
 
 @dataclass(frozen=True)
 class Task:
-    """One solve."""
+    """One solve of one rough surface on one layer."""
 
     kind: ClassVar[str] = "rough surface"
 
     num_points: int
+    """Grid points."""
     cut_off_ratio: float
+    """lambda_s/lambda_r (dimensionless)."""
     pressure: float
+    """Mean pressure p/E* (dimensionless)."""
     hurst: float
+    """Hurst exponent H."""
     poisson_ratio: float
+    """Of the layer (dimensionless)."""
     thickness: float
+    """d/L; inf for the half-space."""
     seed: int
+    """Of the surface."""
     tolerance: float
+    """Rms free residual over p to stop at (dimensionless)."""
     method: str
+    """Of the solve."""
 
     def scene(self) -> Scene:
         """The scene to solve."""
@@ -89,7 +98,9 @@ class PerssonLine:
     kind: ClassVar[str] = "Persson's prediction"
 
     task: Task
+    """A task of the ensemble, for everything but the thickness."""
     thicknesses: tuple[float, ...]
+    """d/L of the points of the line."""
 
     def run(self, _: Progress | None) -> Record:
         """Columns of the line; kappa for the rms gradient 1 of the whole surface."""

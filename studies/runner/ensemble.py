@@ -178,9 +178,13 @@ def _residual(record: Record) -> float:
 
 @dataclass
 class _Flag:
-    """Without the lock of a `threading.Event`: a handler that a second signal interrupts would wait for itself."""
+    """Whether Ctrl-C was pressed, without the lock of a `threading.Event`.
+
+    A handler that a second signal interrupts would wait for itself.
+    """
 
     is_set: bool = False
+    """True from the first Ctrl-C on."""
 
 
 @contextlib.contextmanager

@@ -40,10 +40,12 @@ class LostError(ValueError):
 
 @dataclass(frozen=True)
 class Pool:
-    """make: a new executor; limit: how many tasks it should have at a time."""
+    """Where tasks run."""
 
     make: Callable[[], Executor]
+    """Makes a new executor."""
     limit: Callable[[], int]
+    """Tells how many tasks it should have at a time."""
 
 
 @contextlib.contextmanager

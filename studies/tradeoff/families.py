@@ -37,13 +37,18 @@ _NODES, _RESOLUTION = 320, 80.0  # twice those that reach 1e-10
 
 @dataclass(frozen=True)
 class Exact:
-    """What counts as exact (dimensionless, L = E* = 1); pressure: of N -> field, shape (N,); error: of the area."""
+    """What counts as exact; all dimensionless, L = E* = 1."""
 
     contact_area: float
+    """a_r."""
     kappa: float
+    """kappa."""
     peak_pressure: float
+    """Largest contact pressure."""
     pressure: Callable[[int], Array64]
+    """From a number of points N to the contact pressure, shape (N,)."""
     error: float
+    """Relative error that is left in the contact area."""
 
     def errors(self, area_counted: float, area: float, kappa: float, peak: float, pressure: Array64) -> Record:
         """Relative errors, absolute values, by the names of `MEASURES`; pressure: field, shape (N,)."""

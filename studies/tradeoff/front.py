@@ -26,12 +26,16 @@ FIGURES = dict(zip(("", "-field"), FRONTS, strict=True))
 
 
 class Point(NamedTuple):
-    """A run with one of its errors (relative)."""
+    """A run with one of its errors."""
 
     seconds: float
+    """Time in all [s]."""
     error: float
+    """Relative error."""
     counted: bool
+    """Whether it is that of the area by counting nodes."""
     run: Run
+    """The run's record."""
 
     def value(self, axis: str) -> Any:
         """Of what was chosen."""
@@ -73,18 +77,22 @@ def distance(point: Point, best: Sequence[Point]) -> float:
 
 
 class Worth(NamedTuple):
-    """A value of an axis: its least distance from any front, and where; its points on those of the contact area; and
-    how many times as long the same areas take without it, at most, and at which point; inf where nothing else gets
-    there.
-    """
+    """What a value of an axis, one thing that can be chosen, is good for."""
 
     axis: str
+    """One of `AXES`."""
     value: Any
+    """The value."""
     distance: float
+    """Least distance of its points from any front, see `distance`."""
     where: str
+    """Front and family of that least distance, in words."""
     near: list[Point]
+    """Its points on the fronts of the contact area."""
     loss: float
+    """How many times as long the same areas take without it, at most; inf where nothing else gets there."""
     lost: Point
+    """The point at which it takes that long."""
 
     @property
     def never(self) -> bool:

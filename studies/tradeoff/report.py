@@ -12,9 +12,9 @@ from rich.table import Table
 
 from ..files.study_files import StudyFile
 from ..terminal import console
-from .choices import REFUSED
 from .families import FAMILIES, MEASURES, is_rough
 from .front import AXES, NEAR, Point, Run, Worth, front, over_front, points, runs_of, worth
+from .measuring import REFUSED
 
 
 def parts(study: StudyFile) -> Iterator[RenderableType]:

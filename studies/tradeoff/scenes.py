@@ -11,7 +11,7 @@ from linecontact.solver.relaxation import Progress
 
 from ..files import records
 from ..runner.tasks import Record
-from .choices import refused
+from .measuring import refused
 
 KINDS = ("power", "rough")
 
@@ -41,8 +41,11 @@ class RandomScene:
     kind: ClassVar[str] = "random scene of the trade-off"
 
     scene_kind: str
+    """One of `KINDS`."""
     seed: int
+    """Of everything that is drawn."""
     log2_points: int
+    """log2 of the points of the finest grid allowed."""
 
     def run(self, report: Progress | None) -> Record:
         """What was asked, claimed, and true, and the time of the planner alone."""
