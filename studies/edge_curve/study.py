@@ -105,12 +105,12 @@ class Task:
 
 
 def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
-    """The table."""
+    """The table of deviations."""
     return [summary(file) for file in files.values()]
 
 
 def summary(file: StudyFile) -> Table:
-    """Largest deviations from the closed form, per scene."""
+    """A table of the largest deviations from the closed form, one row for each scene."""
     table = console.table(
         title=f"Edge offsets against the oracle, {file.configuration['num_points']} points",
         caption="Largest |error| of the edge's place by the closed form, from the last two and the last three nodal "

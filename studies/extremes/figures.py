@@ -72,7 +72,7 @@ def _map(
     colours: str,
     norm: Normalize,
 ) -> None:
-    """What `how` makes of the chosen cells' values at each place, (column, row)."""
+    """Map the values of the chosen cells: at each place, (column, row), `how` makes one number of them."""
     column, row = places
     field = np.full((cells.ROWS, cells.COLUMNS), np.nan)
     for i, j in set(zip(row[chosen].tolist(), column[chosen].tolist(), strict=True)):

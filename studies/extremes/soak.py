@@ -72,7 +72,7 @@ class Task:
     """Length [s]."""
 
     def run(self, report: Progress | None) -> Record:
-        """How many scenes came to which end, and what the process holds after them."""
+        """How many scenes came to which verdict, and what memory and open files the process holds after them."""
         begin, verdicts, asked, longest, why = time.monotonic(), list[str](), 0, 0.0, ""
         rng = np.random.default_rng([_SEED, self.number])
         while time.monotonic() - begin < self.seconds and len(verdicts) < _MOST:
@@ -127,7 +127,7 @@ def summary(file: StudyFile) -> str:
 
 
 def defects(file: StudyFile) -> list[str]:
-    """A line on each stretch that had one."""
+    """A line on each stretch in which a scene came to a defect."""
     return [f"stretch {run['stretch']}, {run['first_defect']}" for run in file.runs if run["first_defect"]]
 
 

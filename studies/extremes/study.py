@@ -110,7 +110,7 @@ def describe(cell: cells.Cell) -> Record:
 
 
 def defects(file: StudyFile) -> list[str]:
-    """A line on each."""
+    """A line on each cell that is a defect."""
     return [
         f"{run['shape']}, N {run['scene.num_points']}, d/L {float(run['scene.thickness']):.3g}: {run['why']}"
         for run in file.runs

@@ -34,7 +34,7 @@ MOST = 64  # panels, or lines of a legend
 
 
 def distinct(values: Iterable[Any]) -> list[Any]:
-    """Each value once, in their order. Raises `ValueError` for more than a figure can show."""
+    """Each value once, in the order of their first appearance. Raises `ValueError` for more than a figure can show."""
     found = list(dict.fromkeys(values))
     if len(found) > MOST:
         raise ValueError(f"{len(found)} different values; allowed: up to {MOST} in a figure")
@@ -42,7 +42,7 @@ def distinct(values: Iterable[Any]) -> list[Any]:
 
 
 def load(path: Path) -> StudyFile:
-    """A study's file with at least one run. Raises `writing.StoreError`, for a file without one `NothingToDraw`."""
+    """Read a study's file with at least one run. Raises `StoreError`, and `NothingToDraw` for a file without a run."""
     study = study_files.load_study(path)
     if not study.runs:
         raise NothingToDraw(f"file {path} holds no finished run yet")

@@ -50,12 +50,12 @@ class Columns(NamedTuple):
 
 
 def read_dataset(path: Path, most: int, name: str | None) -> NDArray[Any]:
-    """A dataset of up to `most` numbers of an HDF5 file; without a name the only one. Raises like `_run`."""
+    """Read a dataset of up to `most` numbers of an HDF5 file; without a name its only one. Raises like `_run`."""
     return _run("dataset", path, str(most), *([] if name is None else [name])).values
 
 
 def read_scan(path: Path, most: int) -> Columns:
-    """Positions and heights of a line scan, shape (2, N), N up to `most`, and their unit. Raises like `_run`."""
+    """Read positions and heights of a line scan, shape (2, N), N up to `most`, and their unit. Raises like `_run`."""
     return _run("scan", path, str(most))
 
 
@@ -65,7 +65,7 @@ def check_result(path: Path) -> None:
 
 
 def _run(what: str, path: Path, *more: str) -> Columns:
-    """Have it done. Raises `RefusedError` and `BrokenError`."""
+    """Have a file read by a process of its own. Raises `RefusedError` and `BrokenError`."""
     seconds = SECONDS + path.stat().st_size // 2**26
     # -P: nothing is imported from the folder of the file; "::": no plugin is loaded
     command = [sys.executable, "-P", __file__, what, str(seconds), str(path), *more]
@@ -128,7 +128,7 @@ def _check_storage(data: "h5py.Dataset", what: str, most: int) -> None:
 
 
 def _result(path: str) -> Columns:
-    """All must be hard links, numbers and text, and not much larger than the file."""
+    """Read a whole result: all must be hard links, numbers and text, and not much larger than the file."""
     import h5py
 
     most = max(_LEAST, 2 * os.path.getsize(path))
@@ -193,7 +193,7 @@ def _limit(seconds: int, memory: int) -> None:
 
 
 def _main(what: str, seconds: str, *arguments: str) -> None:
-    """Answer with a line of JSON, then the values."""
+    """What the process does: answer on standard output with a line of JSON, then the values."""
     output = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # what libraries print is no answer
     _limit(int(seconds), MEMORY + os.path.getsize(arguments[0]))

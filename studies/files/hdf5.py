@@ -71,7 +71,7 @@ def open_file(path: Path) -> Iterator["h5py.File"]:
 
 
 def _verify(path: Path) -> str:
-    """The checksum, if it fits, before HDF5 sees the file."""
+    """The file's checksum, before HDF5 sees the file. Raises `StoreError` if it does not fit what is stored."""
     try:
         with path.open("rb") as file:
             start = file.read(_HEAD)

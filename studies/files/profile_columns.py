@@ -68,7 +68,10 @@ def shown_name(path: Path) -> str:
 
 
 def _read_text(path: Path) -> tuple[Array64, int]:
-    """The table in a text file and the number of lines before it: the first two lines in a row of as many numbers."""
+    """The table in a text file, and the number of lines of header before it.
+
+    The table begins where two lines in a row hold nothing but numbers, and as many of them.
+    """
     with path.open("rb") as file:
         content = file.read(MAX_TEXT + 1)
     if len(content) > MAX_TEXT:

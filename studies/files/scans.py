@@ -137,7 +137,7 @@ def _in_scene_units(x: Array64 | None, z: Array64, options: Options) -> tuple[Ar
 
 
 def _even(x: Array64, z: Array64, steps: list[str]) -> tuple[Array64, float]:
-    """Heights at even spacing, and the length of the scan, one spacing a value.
+    """Heights at even spacing, and the length of the scan, which is one spacing for each value.
 
     Positions that are even but for their rounding are taken as even.
     """
@@ -154,7 +154,7 @@ def _even(x: Array64, z: Array64, steps: list[str]) -> tuple[Array64, float]:
 
 
 def _make_periodic(z: Array64, spacing: float, options: Options, as_is: bool, steps: list[str]) -> Array64:
-    """Tilt and window, by default a line and the mirror image for everything that is not taken as it is.
+    """Remove the tilt and make the profile periodic, by default with its mirror image, unless it is taken as it is.
 
     The mirror image doubles the length but keeps the roughness; the windows smooth it away at the ends, where a scan
     then touches nearly everywhere.

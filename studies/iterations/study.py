@@ -121,7 +121,7 @@ class Task:
 
 
 def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
-    """Table, and the comparison on one line."""
+    """The table, and the comparison in one sentence."""
     return [part for file in files.values() if file.complete for part in (summary(file), one_line(file))]
 
 

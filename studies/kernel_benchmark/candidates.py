@@ -32,7 +32,7 @@ Candidates = dict[str, Callable[[], None]]
 
 
 def c_source() -> str:
-    """All loops in both precisions; a kernel with sums has a loop per chunk inside."""
+    """The C source of all loops in both precisions; a kernel with sums has an inner loop over each chunk."""
     lines = [f"#define {n} {v}" for n, v in vars(layout).items() if n.isupper()]
     for real in PRECISIONS.values():
         lines += [f"#undef REAL\n#define REAL {real}", *(_function(name, spec, real) for name, spec in SPECS.items())]
@@ -60,7 +60,7 @@ def _function(name: str, spec: Spec, real: str) -> str:
 
 @functools.cache
 def compile_c() -> tuple[list[ctypes.CDLL], str]:
-    """The C loops as one library per build, and the compiler with its flags; the reason where there is none."""
+    """The C loops as one library for each build, and the compiler with its flags; without one, the reason."""
     compiler = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
     if compiler is None:
         return [], "no C compiler (cc, gcc, clang) found"
@@ -85,7 +85,7 @@ def compile_c() -> tuple[list[ctypes.CDLL], str]:
 
 
 def _bind_c(kernel: str, arrays: list[Array], num_points: int, precision: str) -> Candidates:
-    """The fastest build in a short trial; nothing without a compiler."""
+    """The C loop of the build that is fastest in a short trial; nothing without a compiler."""
     bound = [*(ctypes.c_void_p(array.ctypes.data) for array in arrays), ctypes.c_long(num_points)]
     functions = []
     for library in compile_c()[0] if SPECS[kernel].c else []:
@@ -112,7 +112,7 @@ def load() -> None:
 
 
 def _bind_warp(kernel: str, arrays: list[Array], num_points: int) -> Candidates:
-    """Chunked by wp.launch, and one thread per element as a recorded graph."""
+    """The kernel in chunks by wp.launch, and with one thread per element as a recorded graph."""
     import warp as wp
     from linecontact.kernels import warp_kernels
 
@@ -139,7 +139,7 @@ def _bind_warp(kernel: str, arrays: list[Array], num_points: int) -> Candidates:
 class Bench:
     """A kernel's buffers, staggered, with the candidates bound to them, and a copy of as many bytes.
 
-    candidates: by name, 'copy' among them; restore: puts back what the candidates change.
+    `candidates` holds them by name, the copy as 'copy'; `restore` puts back what they change.
     """
 
     def __init__(self, kernel: str, precision: str, num_points: int) -> None:
@@ -165,7 +165,7 @@ class Bench:
         self.restore()  # after the builds' trial
 
     def restore(self) -> None:
-        """The values at the start, in everything that is written."""
+        """Put the first values back into all buffers that are written."""
         for argument, array, values in zip(self.spec.arrays, self.arrays, self._start, strict=True):
             if argument.role not in READS:
                 array[:] = values

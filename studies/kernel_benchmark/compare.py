@@ -52,7 +52,7 @@ class Ratio(NamedTuple):
         return self.raw * self.new.copy / self.old.copy
 
     def verdict(self, threshold: float) -> str:
-        """'slower' or 'faster' where both ratios say so; one alone is the machine or the copy."""
+        """'slower' or 'faster' where both ratios say so: one alone may come from the machine or from the copy."""
         if min(self.raw, self.normalised) > threshold:
             return "slower"
         return "faster" if max(self.raw, self.normalised) < 1 / threshold else ""
@@ -122,7 +122,7 @@ def table(ratios: list[Ratio], threshold: float) -> Table:
 
 
 def command(old: Path, new: Path, threshold: float) -> int:
-    """Print the ratios; 3 if a recorded kernel is slower beyond the threshold. Raises `ValueError`."""
+    """Print the ratios; returns 3 if a recorded kernel is slower beyond the threshold, else 0. Raises `ValueError`."""
     checks.real("threshold", threshold, "a finite number > 1", 1.0)
     before, after = read(old), read(new)
     ratios = [Ratio(key, before[key], after[key]) for key in before if key in after]

@@ -29,11 +29,13 @@ Record = dict[str, Any]
 def time_in_turn(
     candidates: Mapping[str, Callable[[], object]], restore: Callable[[], None], seconds: float
 ) -> dict[str, list[float]]:
-    """Seconds of a call by candidate, one value a round; `seconds`: to spend in all.
+    """Time the candidates in turn: seconds of a call by candidate, one value for each round.
 
-    In turn, so that a change of the machine's speed hits all of them, and in an order that changes from round to round,
-    because who comes after whom matters to the caches. Before each the buffers are restored, so that
-    nothing decays to denormals, and it runs untimed: the caches hold what its own last runs left.
+    seconds: to spend in all.
+
+    They take turns, so that a change of the machine's speed hits all of them, in an order that changes from round to
+    round, because who comes after whom matters to the caches. Before a candidate is timed the buffers are restored, so
+    that nothing decays to denormals, and it runs untimed, so that the caches hold what its own runs leave.
     """
     calls, warm = {}, {}
     for name, run in candidates.items():
@@ -61,9 +63,9 @@ def time_in_turn(
 
 
 def kernel_times(kernel: str, precision: str, num_points: int, seconds: float) -> Record:
-    """Every candidate of a kernel, checked to agree before. Raises `RuntimeError` where one does not.
+    """Times of every candidate of a kernel, checked to agree before. Raises `RuntimeError` where one does not.
 
-    The ratios to C are medians of the rounds' own: what changes from round to round is not in them.
+    The ratios to C are medians of the ratios of single rounds, which slow changes of the machine leave alone.
     """
     load()
     bench = Bench(kernel, precision, num_points)

@@ -35,7 +35,7 @@ Run = dict[str, Any]
 
 
 def seconds(run: Run, variant: str, which: str = "median") -> float:
-    """Of a call; nan where it was not measured."""
+    """Time of a call of a variant [s]; NaN where it was not measured. which: median or min."""
     return float(run.get(f"seconds.{variant}.{which}", math.nan))
 
 
@@ -46,12 +46,12 @@ def bandwidth(run: Run, variant: str) -> float:
 
 
 def kernel_runs(study: StudyFile) -> list[Run]:
-    """All but the iteration's."""
+    """All runs but those of the FIRE iteration."""
     return [run for run in study.runs if run["kernel"] != ITERATION]
 
 
 def loops(study: StudyFile) -> list[Run]:
-    """Those with a loop over points: all but FIRE's control, too."""
+    """The runs of kernels with a loop over points: all but FIRE's control."""
     return [run for run in kernel_runs(study) if run["flops"]]
 
 
@@ -99,7 +99,7 @@ def _result(run: Run, variant: str) -> Run:
 
 
 def parts(study: StudyFile) -> Iterator[RenderableType]:
-    """A table for each large size, the iteration's, and what they come to."""
+    """A table for each large size, one of the iteration, and sentences on what they come to."""
     sizes = sorted({run["log2_points"] for run in loops(study)})
     for size in [size for size in sizes if size >= LARGE] or sizes[-1:]:
         yield size_table(study, size, explained=size == sizes[-1])
@@ -109,7 +109,7 @@ def parts(study: StudyFile) -> Iterator[RenderableType]:
 
 
 def new_table(headings: tuple[str, ...], title: str, caption: str, gap: int = 1) -> Table:
-    """An empty table; `gap`: further blanks between its columns."""
+    """An empty table. gap: further blanks between its columns."""
     table = Table(box=box.SIMPLE_HEAD, padding=(0, gap, 0, 0), title=title, caption=caption, caption_justify="left")
     for heading in headings:
         table.add_column(heading, justify="right", no_wrap=True)
@@ -125,7 +125,7 @@ _COLUMNS = (
 
 
 def size_table(study: StudyFile, size: int, explained: bool = True) -> Table:
-    """Every kernel on 2^size points, with what the columns are or without."""
+    """A table of every kernel on 2^size points. explained: whether its caption says what the columns are."""
     table = new_table(
         ("kernel", "bits", "us", "ns/\npoint", "GB/s", "roof", "Warp\n/C", "launch\n/C", "elem.\n/C", "NumPy\n/C"),
         f"Kernels on 2^{size} points, one thread",
@@ -153,7 +153,7 @@ def microseconds(value: float) -> str:
 
 
 def over_c(run: Run, variant: str) -> float:
-    """Time over C's, both of the same round, median; nan without C."""
+    """Median over the rounds of the time over C's in the same round; NaN without C."""
     return float(run.get(f"over_c.{variant}", math.nan))
 
 
@@ -162,7 +162,7 @@ def _ratio(ratio: float) -> str:
 
 
 def iteration_table(study: StudyFile) -> Table:
-    """Plain FIRE's iteration."""
+    """A table of the parts of plain FIRE's iteration."""
     table = new_table(
         ("bits", "N", "FFTs\nmin (us)", "FFTs\nmedian (us)", "rest\nmin (us)", "rest\nmedian (us)", "rest/FFTs"),
         "An iteration of plain FIRE",
@@ -180,7 +180,7 @@ def iteration_table(study: StudyFile) -> Table:
 
 
 def lines(study: StudyFile) -> Iterator[str]:
-    """FIRE's control; which kernels miss the goal; the compiler."""
+    """Sentences on the time of FIRE's control, on the kernels that miss the goal, and on the compiler."""
     control = [run for run in kernel_runs(study) if run["kernel"] == "fire_control"]
     if control:
         run = max(control, key=lambda run: (run["log2_points"] <= LARGE, run["log2_points"]))

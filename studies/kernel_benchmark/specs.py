@@ -28,27 +28,27 @@ class Argument(NamedTuple):
 
     @property
     def per_point(self) -> bool:
-        """One value per point, in the precision asked for; else float64."""
+        """Whether it holds one value per point, in the precision asked for; all else is float64."""
         return self.role in ("in", "out", "inout")
 
     def size(self, num_points: int) -> int:
-        """Number of values."""
+        """Number of values that it holds."""
         if self.per_point:
             return num_points
         return num_points // CHUNK if self.role in ("part", "sum") else layout.STATE_LENGTH
 
     def dtype(self, precision: str) -> str:
-        """Of the values."""
+        """Type of its values."""
         return precision if self.per_point else "float64"
 
     def size_bytes(self, num_points: int, precision: str) -> int:
-        """Memory it takes; scalars count as none."""
+        """Memory that it takes [byte]; that of scalars is not counted."""
         if self.role in ("state", "control"):
             return 0
         return self.size(num_points) * np.dtype(self.dtype(precision)).itemsize
 
     def make(self, num_points: int, precision: str, rng: np.random.Generator) -> Array:
-        """Values like the solver's: forces of both signs, a third of the nodes on the wall; nothing that decays."""
+        """Make values like the solver's: forces of both signs, a third of the nodes on the wall, no decay."""
         size = self.size(num_points)
         values = rng.standard_normal(size)
         on_wall = rng.random(size) < 0.3
@@ -86,11 +86,11 @@ class Spec:
 
     @property
     def arrays(self) -> list[Argument]:
-        """The arguments, taken apart."""
+        """The arguments, one by one."""
         return [Argument(*text.split(":")) for text in self.arguments.split()]
 
     def traffic(self, num_points: int, precision: str) -> int:
-        """Bytes read and written by a call, each array once or, in place, twice."""
+        """Bytes that a call reads and writes: each array once, and twice what is changed in place."""
         return sum((1 + (a.role == "inout")) * a.size_bytes(num_points, precision) for a in self.arrays)
 
     def working_set(self, num_points: int, precision: str) -> int:
@@ -98,7 +98,7 @@ class Spec:
         return sum(a.size_bytes(num_points, precision) for a in self.arrays)
 
     def make(self, num_points: int, precision: str) -> list[Array]:
-        """Values of every array; outputs that are not read are zeros."""
+        """Make the values of every array; outputs that are not read are zeros."""
         rng = np.random.default_rng(0)
         made = [argument.make(num_points, precision, rng) for argument in self.arrays]
         for argument, values in zip(self.arrays, made, strict=True):

@@ -94,7 +94,7 @@ class Task:
     """Time to measure for [s]."""
 
     def run(self, report: Progress | None) -> Record:
-        """Medians and minima by candidate, with the bytes moved and the machine."""
+        """Medians and minima of the times by candidate, with the bytes moved and what is known of the machine."""
         n = 2**self.log2_points
         if self.kernel == measure.ITERATION:
             times = measure.iteration_times(self.precision, n, self.seconds)

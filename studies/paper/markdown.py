@@ -43,14 +43,17 @@ _RULE = (
 
 
 def page(title: str, made: str, statements: Sequence[Statement], parts: Sequence[str]) -> str:
-    """The report: first what was said and what was found, then the studies one by one. made: by what, from what."""
+    """The report in Markdown: first what was said and what was found, then the studies one by one.
+
+    made: a sentence on what the report was made from. parts: Markdown of the studies.
+    """
     rows = [(s.text, s.published, s.measured, f"**{s.verdict}**", s.remark) for s in statements]
     head = table(("statement", "published", "measured", "verdict", "remark"), rows)
     return "\n\n".join([f"# {title}", made, _RULE, head, *parts]) + "\n"
 
 
 def write(folder: Path, text: str) -> tuple[Path, Path]:
-    """report.md and report.html beside the figures that the text shows; nothing is rewritten without need."""
+    """Write report.md and report.html beside the figures that the text shows, unless they are there already."""
     shown = MarkdownIt("commonmark").enable("table").render(text)
     title = text.partition("\n")[0].lstrip("# ")
     for image in folder.glob("*.png"):

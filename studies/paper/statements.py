@@ -135,8 +135,10 @@ def _thin(file: StudyFile, poisson_ratio: float) -> Curve:
 
 
 def _alpha(exponent: float, poisson_ratio: float, t: Array64, kappa: Array64, error: Array64) -> tuple[float, float]:
-    """alpha and its error: the second order divided out, the third extrapolated from the two thinnest layers, like
-    (d/a_r)^2; what that changes is the error, with the solution's own.
+    """alpha and its error, from the two thinnest layers.
+
+    The second order is divided out; the third is extrapolated like (d/a_r)^2, and what that changes is the error,
+    together with the solution's own.
     """
     nu = poisson_ratio
     second = 1 + 2 * closed_forms.edge_shift(nu) * t[:2]

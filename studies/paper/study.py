@@ -47,7 +47,7 @@ def plans(options: Options) -> Sequence[Plan]:
 
 
 def quick_plans(num_points: int = 2**14, realisations: int = rough_surfaces.QUICK.realisations) -> Sequence[Plan]:
-    """The plans of the four studies at `num_points`, with so many rough surfaces."""
+    """The plans of the four studies at `num_points`, with as many rough surfaces as `realisations`."""
     single = [power_profiles.plan(name, power_profiles.quick(c, num_points)) for name, c in _POWER_PROFILES.items()]
     quick = replace(
         rough_surfaces.QUICK, num_points=num_points, cut_off_ratio=512 / num_points, realisations=realisations
@@ -78,7 +78,7 @@ def report(files: dict[str, StudyFile], folder: Path) -> Sequence[RenderableType
 
 
 def made(files: dict[str, StudyFile]) -> str:
-    """What a report was made from."""
+    """A sentence on what a report was made from."""
     runs = [run for file in files.values() for run in file.runs]
     versions, points = (sorted({str(run[name]) for run in runs}) for name in ("version", "scene.num_points"))
     commits = sorted({str(run["provenance.commit"]) for run in runs})
@@ -91,7 +91,7 @@ def made(files: dict[str, StudyFile]) -> str:
 
 
 def verdicts(found: Sequence[Statement]) -> Table:
-    """The statements on the terminal."""
+    """A table of the statements, for the terminal."""
     table = console.table(
         title="The published study's statements",
         caption="All dimensionless. Remarks: see the report.",

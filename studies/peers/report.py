@@ -21,7 +21,7 @@ HOW = ("counted", "subgrid")
 
 
 def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
-    """The table, and what it has no room for."""
+    """The table, and sentences on what it has no room for."""
     parts: list[RenderableType] = []
     for file in files.values():
         if file.runs:
@@ -49,7 +49,7 @@ class Comparison:
         return run["nodes"] - self.ours["nodes"], run["peak_pressure"] / self.ours["peak_pressure"] - 1
 
     def agrees(self, peer: str) -> bool:
-        """Gaps within the limit, and the same area and peak."""
+        """Whether both gaps are within the limit, and a peer's area and peak pressure are ours."""
         nodes, peak = self.off(peer)
         equal = all(run["gap_rms"] <= run["gap_limit"] for run in (self.ours, self.peers[peer]))
         return equal and abs(nodes) <= max(NODES, NODES_SHARE * self.ours["nodes"]) and abs(peak) <= PEAK
@@ -66,7 +66,7 @@ class Comparison:
 
 
 def comparisons(study: StudyFile) -> list[Comparison]:
-    """One for each scene that linecontact has solved, in the study's order."""
+    """A comparison for each scene that linecontact has solved, in the study's order."""
     scenes: dict[tuple[Any, ...], dict[str, Record]] = {}
     for run in study.runs:
         key = run["name"], run["scene.thickness"], run["scene.num_points"]
@@ -99,7 +99,7 @@ def summary(study: StudyFile) -> Table:
 
 
 def _cells(c: Comparison, names: Sequence[str]) -> list[str]:
-    """A row of the table."""
+    """The cells of a row of the table."""
     off = [c.off(peer) for peer in c.peers]
     return [
         c.ours["name"],
@@ -116,7 +116,7 @@ def _cells(c: Comparison, names: Sequence[str]) -> list[str]:
 
 
 def remarks(study: StudyFile) -> list[str]:
-    """On the largest grid the ratios with set-up and Hertz's errors; and every disagreement on any grid."""
+    """Sentences on the ratios with set-up and on Hertz's errors on the largest grid, and on every disagreement."""
     n = max(run["scene.num_points"] for run in study.runs)
     found = comparisons(study)
     shares = [

@@ -74,7 +74,7 @@ def _stiffness(scene: Scene) -> Array64:
 
 
 class _Count:
-    """Calls, counted, and told about ten times a second."""
+    """Counts its calls, and reports the count about ten times a second."""
 
     def __init__(self, progress: Progress | None) -> None:
         self.calls, self._progress, self._said = 0, progress, time.monotonic()
@@ -169,8 +169,9 @@ def gap_rms(scene: Scene, contact_pressure: Array64) -> float:
 
 
 def at_gap(peer: str, scene: Scene, limit: float, progress: Progress | None = None) -> tuple[PeerResult, float]:
-    """The peer's result at its loosest tolerance, of those a factor of 2 apart, with `gap_rms` within `limit`, and that
-    tolerance (dimensionless); if none is, the tightest one's.
+    """A peer's result at the loosest tolerance with a `gap_rms` within `limit`, and that tolerance (dimensionless).
+
+    Tolerances a factor of 2 apart are tried; if none will do, the result is that at the tightest one.
     """
 
     def attempt(tolerance: float) -> tuple[PeerResult, bool]:

@@ -17,7 +17,7 @@ from .tasks import FIGURES
 
 
 def draw(path: Path) -> dict[str, Figure]:
-    """kappa over the reduced thickness, and the errors."""
+    """kappa over the reduced thickness, and the errors against the oracle."""
     study = load(path)
     return dict(zip(FIGURES, (ratio(study), accuracy(study)), strict=True))
 
@@ -68,7 +68,7 @@ def ratio(study: StudyFile) -> Figure:
 
 
 def _limits(axes: Axes, configuration: dict[str, Any], poisson_ratio: float, colour: str, low: float) -> None:
-    """Thin layers to first and second order, and as published."""
+    """The limits of thin layers to first and second order, and the published one."""
     nu, exponent = poisson_ratio, configuration["exponent"]
     grid = np.geomspace(low, 0.3, 50)
     for shift, style, width in ((0.0, "--", 0.7), (closed_forms.edge_shift(nu), ":", 0.9)):

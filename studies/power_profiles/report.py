@@ -90,7 +90,7 @@ def curve(file: StudyFile) -> tuple[Array64, Array64]:
 
 
 def images(file: StudyFile) -> str:
-    """What the images in the neighbouring periods do to the half-space's value."""
+    """A sentence on what the images in the neighbouring periods do to kappa on the half-space."""
     run, c = half_space(file), file.configuration
     if run is None:
         return ""
@@ -105,5 +105,5 @@ def images(file: StudyFile) -> str:
 
 
 def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
-    """Table and a sentence on the half-space, for each study."""
+    """For each study a table, and a sentence on the half-space."""
     return [part for file in files.values() for part in (summary(file), images(file))]

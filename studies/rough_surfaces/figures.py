@@ -59,7 +59,7 @@ def _points(study: StudyFile) -> list[means.Point]:
 
 
 def _legend(figure: Figure, axes: Axes) -> None:
-    """Below all panels."""
+    """Put the legend below all panels."""
     figure.legend(*axes.get_legend_handles_labels(), fontsize=8, loc="lower center", ncols=4)
 
 

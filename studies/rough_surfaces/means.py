@@ -28,7 +28,7 @@ class Mean:
 
     @classmethod
     def of(cls, values: Array64) -> "Mean":
-        """From one value per realisation."""
+        """The mean of one value per realisation."""
         error = float(np.std(values, ddof=1)) / math.sqrt(values.size) if values.size > 1 else math.nan
         return cls(float(np.mean(values)) if values.size else math.nan, error)
 

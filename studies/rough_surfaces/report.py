@@ -68,5 +68,5 @@ def kappas(file: StudyFile) -> str:
 
 
 def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
-    """Table and half-space values."""
+    """For each file a table, and a sentence on the values on the half-space."""
     return [part for file in files.values() for part in (summary(file), kappas(file))]

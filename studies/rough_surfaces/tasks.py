@@ -93,7 +93,7 @@ class Task:
 
 @dataclass(frozen=True)
 class PerssonLine:
-    """Persson's prediction over the thickness, for the ensemble's spectrum; its gradient is the whole surface's."""
+    """Persson's prediction over the thickness, for the spectrum and the rms gradient of the whole surface."""
 
     kind: ClassVar[str] = "Persson's prediction"
 

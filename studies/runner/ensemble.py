@@ -48,7 +48,7 @@ def perform(task: Task, report: Progress | None = None) -> Record:
 class Ensemble:
     """Tasks with their records, as far as they are done, and the reasons of those that failed.
 
-    Tasks in flight when a worker died come last and one by one, so that the one to blame shows itself.
+    Tasks in flight when a worker died come last and one by one, so that the one that kills its worker shows itself.
     """
 
     most_deaths = 2
@@ -70,7 +70,7 @@ class Ensemble:
 
     @property
     def share(self) -> float:
-        """Done or failed, 0 to 1."""
+        """Share of the tasks that are done or have failed, 0 to 1."""
         return (len(self.records) + len(self.failures)) / max(1, len(self.tasks))
 
     def __str__(self) -> str:
@@ -111,7 +111,7 @@ class Ensemble:
         return self.records, self.failures
 
     def _submit(self, executor: Executor, limit: int, show: Callable[["Ensemble"], None]) -> bool:
-        """Keep the executor busy; False if it is broken."""
+        """Submit tasks up to the limit; False if the executor is broken."""
         while self._waiting:
             task = self._waiting[0]
             alone = task in self._died or any(other in self._died for other in self._running.values())
@@ -131,7 +131,7 @@ class Ensemble:
         return True
 
     def _receive(self) -> None:
-        """Keep what has been finished."""
+        """Keep the records of tasks that have been finished, and the reasons of those that failed."""
         for future in wait(self._running, timeout=0.2, return_when=FIRST_COMPLETED).done:
             task = self._running.pop(future)
             try:
@@ -151,7 +151,7 @@ class Ensemble:
                 self._lost_in_a_row = 0
 
     def _worker_died(self, task: Task) -> None:
-        """Try it again, alone, unless it was alone already when its worker died."""
+        """Try a task again, alone, unless it was alone already when its worker died."""
         self._died[task] = self._died.get(task, -1) + 1
         self._lost_in_a_row += 1
         if self._died[task] < self.most_deaths:
@@ -189,8 +189,9 @@ class _Flag:
 
 @contextlib.contextmanager
 def _flag_for_ctrl_c(executor: Executor) -> Iterator[_Flag]:
-    """A flag that Ctrl-C sets: raised as an exception, it could be lost in an executor's callback. A second one is
-    raised, should something hang.
+    """A flag that Ctrl-C sets; a second Ctrl-C is raised, should something hang.
+
+    Raised as an exception, the first could be lost in an executor's callback.
     """
     flag = _Flag()
     if isinstance(executor, executors.InProcess) or threading.current_thread() is not threading.main_thread():

@@ -101,7 +101,7 @@ class InProcess(Executor):
 
 class _Worker(multiprocessing.context.SpawnProcess):
     def terminate(self) -> None:
-        """What the executor does when another has died; SIGTERM is a scheduler's, for the parent to act upon."""
+        """Kill the worker: the executor calls this when another has died. SIGTERM, which it would send, is blocked."""
         self.kill()
 
 
@@ -129,7 +129,7 @@ class Processes(ProcessPoolExecutor):
             return super().submit(fn, *args, **kwargs)
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """As for any executor. In Python 3.11 a worker that was being started when another died is still there."""
+        """As for any executor. In Python 3.11 a worker that was being started when another died must be ended here."""
         if self._broken:
             self.abandon()
         super().shutdown(wait, cancel_futures=cancel_futures)
@@ -141,8 +141,10 @@ class Processes(ProcessPoolExecutor):
 
 
 def abandon(executor: Executor, futures: Iterable[Future[Any]]) -> None:
-    """Give up what is running, where that is possible, and waiting. Leaving the executor still waits for the processes,
-    which takes no time: a thread of theirs that is left behind can stumble over the interpreter's end.
+    """Give up the tasks that wait, and where that is possible those that are running.
+
+    Leaving the executor still waits for its processes, which takes no time: a thread that is left behind can fail with
+    a traceback at the interpreter's end.
     """
     if isinstance(executor, Processes):
         executor.abandon()  # which ends the futures; one that was cancelled besides makes its thread stumble
@@ -153,7 +155,7 @@ def abandon(executor: Executor, futures: Iterable[Future[Any]]) -> None:
 
 
 def _start_worker(budget: int | None) -> None:
-    """End with the parent, however that ends, and not before; keep to the budget."""
+    """Make this worker end with its parent, however that ends, and keep to its budget of memory [bytes]."""
 
     def watch() -> None:
         parent = multiprocessing.parent_process()
@@ -171,7 +173,10 @@ def _start_worker(budget: int | None) -> None:
 
 @contextlib.contextmanager
 def _worker_settings() -> Iterator[None]:
-    """What spawned workers inherit: one BLAS thread each; Ctrl-C and SIGTERM, which wait here, blocked."""
+    """Set what workers inherit while they are started: one BLAS thread each, and Ctrl-C and SIGTERM blocked.
+
+    In this process both signals wait until then.
+    """
     before = {name: os.environ.get(name) for name in _WORKER_ENVIRONMENT}
     os.environ.update(_WORKER_ENVIRONMENT)
     posix = hasattr(signal, "pthread_sigmask")

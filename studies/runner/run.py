@@ -90,7 +90,7 @@ def _compute(plans: Sequence[Plan], options: Options, folder: Path) -> Files:
 
 
 def _begin(plans: Sequence[Plan], options: Options, folder: Path) -> Ensemble:
-    """The tasks with what former runs have left of them."""
+    """The tasks of all plans, with the records that former runs have left."""
     results = TaskFolder(folder / "tasks")
     # what a killed process has left unfinished
     writing.remove(*folder.glob(".*.part"), *results.folder.glob(".*.part"))

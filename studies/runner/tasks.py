@@ -20,7 +20,7 @@ from ..files import records, writing
 Record = dict[str, Any]
 
 MAX_BYTES = 2**26
-"""Of a task's file."""
+"""Largest size of a task's file."""
 
 
 class Task(Protocol):
@@ -55,7 +55,7 @@ def _fields(task: Task) -> Record:
 
 
 def _record(body: bytes) -> Record | None:
-    """Of a task's JSON; None if it is not flat, or no JSON at all."""
+    """The record in a task's JSON; None if it is not flat, or no JSON at all."""
     try:
         record = json.loads(body)["record"]
     except (ValueError, LookupError, TypeError, RecursionError):
@@ -104,7 +104,7 @@ class TaskFolder:
         writing.write_bytes(path, hashlib.sha256(body).hexdigest().encode() + b"\n", body)
 
     def save_failure(self, task: Task, reason: str) -> None:
-        """Keep a reason, for people; the task counts as not done."""
+        """Keep the reason of a failure, for people to read; the task counts as not done."""
         text = json.dumps({"task": _fields(task), "reason": reason}, indent=1)
         writing.write_bytes(self._path(task).with_suffix(".failed"), text.encode())
 

@@ -217,7 +217,7 @@ class Precisions:
         }
 
     def _solve(self, name: str, report: Progress | None) -> Solution:
-        """One of them."""
+        """Solve in one of the precisions, or on the coarser grids alone."""
         coarser, limited = name == "coarser", self.tolerance is None
         size, precision = self.log2_points - 2 * coarser, "float64" if coarser else name
         solution = solve(

@@ -28,7 +28,7 @@ def draw(path: Path) -> dict[str, Figure]:
 
 
 def panels(study: StudyFile, what: str) -> Figure:
-    """One for each family; what: of `front.FRONTS`."""
+    """A panel for each family. what: one of `front.FRONTS`."""
     figure: Figure
     figure, grid = plt.subplots(2, 2, figsize=(9.0, 8.2), sharey=True)
     figure.subplots_adjust(left=0.075, right=0.985, bottom=0.185, top=0.965, wspace=0.04, hspace=0.16)

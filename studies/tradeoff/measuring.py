@@ -35,7 +35,7 @@ class Found(NamedTuple):
 
 
 def measured(family: str, run: Callable[[int], Found]) -> Record:
-    """The record of a choice; run: solves one of the family's variants."""
+    """The record of a choice. run: solves the variant of the family whose number it is given."""
     warm_up()
     first = run(0)
     if first.seconds["total"] > _SLOW:
@@ -55,7 +55,7 @@ def measured(family: str, run: Callable[[int], Found]) -> Record:
 
 @functools.cache
 def warm_up() -> None:
-    """Kernels, tables and imports, once in a process."""
+    """Load kernels, tables and imports, once in a process."""
     for precision in ("float64", "float32"):
         for method in ("active-set", "mass-weighted-fire", "fire"):
             solve(families.make_scene("Hertz, half-space", 13, precision), method=method, tolerance=0.3)

@@ -30,14 +30,14 @@ def parts(study: StudyFile) -> Iterator[RenderableType]:
 
 
 def paper_choice(study: StudyFile, family: str) -> Run | None:
-    """The published one: plain FIRE on one grid of 2^18 points, float64."""
+    """The run of the published choice: plain FIRE on one grid of 2^18 points, float64."""
     size, mine = study.configuration["paper"], runs_of(study, "choice", family)
     asked = {"method": "fire", "precision": "float64", "nested": False, "log2_points": size, "tolerance.asked": "1e-05"}
     return next((run for run in mine if all(run[name] == value for name, value in asked.items())), None)
 
 
 def front_table(study: StudyFile, family: str) -> Table:
-    """The front of the area of what is chosen by hand, and others beside it."""
+    """A table of the front of the area of what is chosen by hand, and of others beside it."""
     table = console.table(
         padding=0,
         title=f"{family}: the least time for an error of a_r",
@@ -60,7 +60,7 @@ def front_table(study: StudyFile, family: str) -> Table:
 
 
 def _beside(study: StudyFile, family: str) -> list[Point]:
-    """The published choice by counting, the peers, and the best of the oracle."""
+    """The points shown beside the front: the published choice by counting, the peers, and the best of the oracle."""
     paper = paper_choice(study, family)
     chosen = [p for p in points([paper], "a_r") if p.counted] if paper else []
     peers = runs_of(study, "peer", family)
@@ -70,7 +70,7 @@ def _beside(study: StudyFile, family: str) -> list[Point]:
 
 
 def _asked(study: StudyFile, family: str) -> Iterator[tuple[str, Point]]:
-    """Solving to an accuracy; what gave the same solution is one row, with the fastest of the times."""
+    """Rows on solving to an accuracy: one for all accuracies that gave the same solution, with the least time."""
     found = [p for p in points(runs_of(study, "accuracy", family), "a_r") if not p.counted]
     for (method, _), group in itertools.groupby(found, key=lambda p: (p.run["method"], p.run["log2_points"])):
         own = list(group)
@@ -79,7 +79,7 @@ def _asked(study: StudyFile, family: str) -> Iterator[tuple[str, Point]]:
 
 
 def _short(value: float, digits: int = 1) -> str:
-    """A number in few characters."""
+    """A number in a few characters."""
     return "-" if math.isnan(value) else f"{value:.{digits}e}".replace("e-0", "e-").replace("e+00", "")
 
 
@@ -110,7 +110,7 @@ def _choice(point: Point) -> str:
 
 
 def _name(axis: str, value: Any) -> str:
-    """A value in words."""
+    """A value of an axis in words."""
     if axis == "counted":
         return "counting nodes" if value else "sub-grid edges"
     if axis == "nested":
@@ -123,7 +123,7 @@ def _name(axis: str, value: Any) -> str:
 
 
 def never_worth(found: Sequence[Worth]) -> Iterator[str]:
-    """Which values are on no front; of the others, what they are good for."""
+    """Sentences on the values that are on no front, and on what the others are good for."""
     never = [w for w in found if w.never]
     if never:
         texts = [f"{_name(w.axis, w.value)} (off by {w.distance:.3g}: {w.where})" for w in never]
@@ -154,7 +154,7 @@ def never_worth(found: Sequence[Worth]) -> Iterator[str]:
 
 
 def published(study: StudyFile) -> Iterator[str]:
-    """What is fastest at the published choice's error; an area to 1e-6 in units of transform pairs."""
+    """Sentences on what is fastest at the published choice's error, and on the price of an area to 1e-6."""
     for family in FAMILIES:
         paper = paper_choice(study, family)
         if not paper or paper["status"] != "converged":
@@ -184,7 +184,7 @@ def published(study: StudyFile) -> Iterator[str]:
 
 
 def precisions(study: StudyFile) -> Iterator[str]:
-    """The times of the precisions, taken in turn."""
+    """Sentences on the times of the precisions."""
     for run in runs_of(study, "precisions"):
         where = f"{_name('method', run['method'])}, {run['family']}, 2^{run['log2_points']:.0f}"
         double, mixed = run["seconds.float64"], run["seconds.mixed"]
@@ -204,7 +204,7 @@ def precisions(study: StudyFile) -> Iterator[str]:
 
 
 def random_scenes(study: StudyFile) -> Iterator[str]:
-    """How many met what was asked, who did not, and what the claims are worth."""
+    """Sentences on how many random scenes met what was asked, which did not, and what the claims are worth."""
     runs = runs_of(study, "scene")
     if not runs:
         return
@@ -244,7 +244,7 @@ def _scene(run: Run) -> str:
 
 
 def not_certified(study: StudyFile) -> Iterator[str]:
-    """Choices that were refused, or did not get there."""
+    """Sentences on choices that were refused, or did not converge."""
     runs = runs_of(study, "choice")
     no = [run for run in runs if run["status"] == REFUSED]
     if no:

@@ -90,7 +90,7 @@ class Configuration:
             yield from (Peer(family, peer, size, 1e-8, reference) for size in sizes if 12 <= size <= self.paper)
 
     def _choices(self, family: str, size: int) -> Iterator[tuple[str, str, float | None, int, int, bool]]:
-        """What is worth the time of trying."""
+        """Methods, precisions, tolerances, sizes, threads and nested grids that are worth the time of trying."""
         for method in METHODS[: 2 if size <= self.paper else 1]:
             for precision in PRECISIONS:
                 tolerances = [t for t in TOLERANCES if t > TOLERANCES[-1] or size <= _TIGHTEST_TO]
