@@ -1,21 +1,22 @@
-"""The studies, by the names that the command line knows, and the modules that they are in.
+"""The studies. Four are scripts that run by themselves: hertz.py, sharp.py, blunt.py and rough.py.
 
-Such a module offers `Options`, a dataclass of what the study can be asked for, and `command(options)`, which runs it
-and returns the exit status. Only the module of the study that is asked for is imported.
+Every other study is a folder of its own, with its tasks, its report and its figures. What they share is in terminal/,
+files/, figures/ and runner/. To add a study, write a module that offers STUDY (`runner.study.Study`), Options and
+command, and add its line to `STUDIES`.
 """
 
-STUDIES: dict[str, str] = {
+STUDIES = {
     "hertz": "linecontact.studies.hertz",
     "sharp": "linecontact.studies.sharp",
     "blunt": "linecontact.studies.blunt",
     "rough": "linecontact.studies.rough",
-    "paper": "linecontact.studies.paper",
-    "iterations": "linecontact.studies.iterations",
-    "edge-curve": "linecontact.studies.edge_curve",
-    "kernels": "linecontact.studies.kernels",
-    "peers": "linecontact.studies.peers",
-    "tradeoff": "linecontact.studies.tradeoff",
-    "extremes": "linecontact.studies.extremes",
-    "soak": "linecontact.studies.soak",
+    "paper": "linecontact.studies.paper.study",
+    "iterations": "linecontact.studies.iterations.study",
+    "edge-curve": "linecontact.studies.edge_curve.study",
+    "kernels": "linecontact.studies.kernel_benchmark.study",
+    "peers": "linecontact.studies.peers.study",
+    "tradeoff": "linecontact.studies.tradeoff.study",
+    "extremes": "linecontact.studies.extremes.study",
+    "soak": "linecontact.studies.extremes.soak",
 }
-"""One line for each."""
+"""Every study by its name, with the module that offers it; a module is imported only when its study is needed."""

@@ -8,10 +8,13 @@ import math
 import os
 import signal
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import ClassVar
 
-from linecontact.studies import console, ensemble
+from linecontact.studies.runner.run import run_study
+from linecontact.studies.runner.study import Options, Plan, Study
+from linecontact.studies.terminal import console
 from linecontact.studies.terminal.arguments import parse
 
 
@@ -38,6 +41,8 @@ def log():
 class Square:
     """The square of a number after a pause [s], and not before a file named `gate` is there."""
 
+    kind: ClassVar[str] = "square"
+
     number: int
     pause: float = 0.0
     gate: str = ""
@@ -58,6 +63,8 @@ class Square:
 class Raises(Square):
     """Fails until it is mended."""
 
+    kind: ClassVar[str] = "raises"
+
     def run(self, report):
         record = super().run(report)
         if not there("mended"):
@@ -69,6 +76,8 @@ class Raises(Square):
 class Kills(Square):
     """Kills its process, every time or only the first."""
 
+    kind: ClassVar[str] = "kills"
+
     once: bool = False
 
     def run(self, report):
@@ -79,16 +88,20 @@ class Kills(Square):
         return record
 
 
-def study(tasks):
-    """A study that knows no figures."""
-    return ensemble.Study("dummy", {"numbers": [task.number for task in tasks]}, tasks, figures=())
+STUDY = Study(name="dummy", options=Options, plans=lambda _: [], report=lambda *_: [], draw=lambda _: {})
 
 
-def real_studies():
-    """A little of the paper at 2^10 points."""
-    from linecontact.studies import asperity, rough
+def plan(tasks, kind="dummy"):
+    """A plan that knows no figures: matplotlib takes its time, and there is nothing to draw of a dummy."""
+    return Plan(kind, {"numbers": [task.number for task in tasks]}, tasks, figures=())
 
-    hertz = asperity.Configuration(
+
+def real_plans():
+    """A little of the paper at 2^10 points, without figures."""
+    from linecontact.studies.power_profiles import tasks as power_profiles
+    from linecontact.studies.rough_surfaces import tasks as rough_surfaces
+
+    hertz = power_profiles.Configuration(
         exponent=2.0,
         published_alpha=3 * math.pi / 4,
         num_points=2**10,
@@ -96,7 +109,7 @@ def real_studies():
         reduced_thicknesses=(1.0, 0.1),
         line_points=4,
     )
-    surfaces = rough.Configuration(
+    surfaces = rough_surfaces.Configuration(
         num_points=2**10,
         cut_off_ratio=0.5,
         hursts=(0.5,),
@@ -104,15 +117,16 @@ def real_studies():
         thicknesses=(0.1, 1e-3),
         realisations=2,
     )
-    return [asperity.study("hertz", hertz), rough.study(surfaces)]
+    plans = [power_profiles.plan("hertz", hertz), rough_surfaces.plan(surfaces)]
+    return [replace(plan, figures=()) for plan in plans]
 
 
-def command(studies, options):
-    """`ensemble.command` without figures, as a program would end: one line for bad input, and a status."""
-    ensemble._draw = lambda *_: []  # Matplotlib takes its time, and there is nothing to draw of a dummy
-    return console.guard(lambda: ensemble.command(studies, options, Path("results"), lambda *_: []))
+def command(plans, options):
+    """Run these plans as a program would: one line for bad input, and a status."""
+    study = replace(STUDY, plans=lambda _: plans)
+    return console.guard(lambda: run_study(study, options))
 
 
-def main(studies, *arguments):
-    """The same as a program of its own; `studies`: Python text."""
-    return command(eval(studies), parse(ensemble.Options, arguments, "dummy_tasks"))
+def main(plans, *arguments):
+    """The same as a program of its own; `plans`: Python text."""
+    return command(eval(plans), parse(Options, arguments, "dummy_tasks"))

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from linecontact.solver import provenance
-from linecontact.studies import store
+from linecontact.studies.files import solution_files, study_files
 
 CLI = [sys.executable, "-m", "linecontact.studies"]
 
@@ -68,7 +68,7 @@ def test_solve_table_save_and_plot(tmp_path):
     assert result.returncode == 0, result.stderr
     assert "contact area" in result.stdout
     assert "length" in result.stdout
-    _, attributes = store.load_solution(file)
+    _, attributes = solution_files.load_solution(file)
     assert attributes["scene.thickness"] == "inf"
     assert attributes["certificate.free_residual"] <= 1e-8
     again = run("solve", "--num-points", 256, "--save", file)
@@ -102,7 +102,7 @@ def test_a_scan_from_file_to_figure_in_one_command(tmp_path):
     result = run("solve", *options.split(), "--profile-file", tmp_path / "scan.csv", "--save", file, "--plot")
     assert result.returncode == 0, result.stderr
     assert (tmp_path / "run.png").stat().st_size > 5000
-    fields, attributes = store.load_solution(file)
+    fields, attributes = solution_files.load_solution(file)
     assert attributes["scene.period"] == pytest.approx(300)
     assert attributes["scene.num_points"] == 1024
     assert "mirror" in attributes["scene.profile_steps"]
@@ -184,7 +184,7 @@ def test_iteration_limit_is_status_3_with_the_partial_result(tmp_path):
     assert result.returncode == 3
     assert json.loads(result.stdout)["status"] == "iteration limit"
     assert "max_iterations is reached after 2" in result.stderr
-    assert store.load_solution(file)[1]["status"] == "iteration limit"
+    assert solution_files.load_solution(file)[1]["status"] == "iteration limit"
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
@@ -210,7 +210,7 @@ def test_ctrl_c_is_status_130_with_the_partial_result(tmp_path, sign, ctrl_c):
     process.send_signal(sign)
     _, stderr = process.communicate(timeout=60)
     assert process.returncode == 130, stderr
-    assert store.load_solution(file)[1]["status"] == "interrupted"
+    assert solution_files.load_solution(file)[1]["status"] == "interrupted"
 
 
 @pytest.mark.skipif(os.name != "posix", reason="limits of POSIX")
@@ -246,7 +246,7 @@ def test_a_killed_study_continues(tmp_path, sign):
     assert result.returncode == 0, result.stderr
     assert f"{len(kept)} of 43 tasks are done" in result.stderr
     assert all(path.stat().st_mtime_ns == written for path, written in kept.items())  # not computed again
-    finished = store.load_study(file)
+    finished = study_files.load_study(file)
     assert finished.complete
     assert len(finished.runs) == 37
     again = run("study", "hertz", "--quick", "--folder", tmp_path)
@@ -301,7 +301,7 @@ def test_quick_study_as_a_module(tmp_path):
     result = run("--quick", "--folder", tmp_path, program=program)
     assert result.returncode == 0, result.stderr
     assert "6/6" in result.stdout
-    study = store.load_study(tmp_path / "hertz.h5")
+    study = study_files.load_study(tmp_path / "hertz.h5")
     assert study.complete
     assert len(study.runs) == 37
     other = run("study", "hertz", "--folder", tmp_path)
@@ -313,7 +313,7 @@ def test_iterations_study(tmp_path):
     result = run("study", "iterations", "--quick", "--folder", tmp_path)
     assert result.returncode == 0, result.stderr
     assert (tmp_path / "iterations.png").exists()
-    study = store.load_study(tmp_path / "iterations.h5")
+    study = study_files.load_study(tmp_path / "iterations.h5")
     assert study.complete
     lost = study.runs[1]["task"]
     (tmp_path / "iterations.h5").unlink()
@@ -321,7 +321,7 @@ def test_iterations_study(tmp_path):
     again = run("study", "iterations", "--quick", "--folder", tmp_path)
     assert again.returncode == 0, again.stderr
     assert "7 of 8 tasks are done" in again.stderr
-    before, study = study, store.load_study(tmp_path / "iterations.h5")
+    before, study = study, study_files.load_study(tmp_path / "iterations.h5")
     for old, new in zip(before.runs, study.runs, strict=True):
         assert (str(old) == str(new)) == (old["task"] != lost)  # its times differ; nan is not nan
     counts = {m: study.column("iterations")[study.column("method") == m] for m in ("fire", "mass-weighted-fire")}

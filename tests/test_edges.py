@@ -13,9 +13,10 @@ from linecontact.solver.methods.active_set.ends import edge_moves
 from linecontact.solver.reference import closed_forms, collocation
 from linecontact.solver.strategy.grids import grids
 from linecontact.solver.strategy.prolongation import prolong
-from linecontact.studies import store
+from linecontact import studies
+from linecontact.studies.files import study_files
 
-STORED = Path(store.__file__).parent / "results" / "edge-curve.h5"
+STORED = Path(studies.__file__).parent / "results" / "edge-curve.h5"
 
 
 def symbol(thickness=math.inf, nu=0.25):
@@ -55,7 +56,7 @@ def test_exact_edges_are_recovered():
 
 def test_stored_measurement_meets_the_closed_form():
     """High-resolution solutions, 2^15 points: the curve is universal and the closed form is it."""
-    study = store.load_study(STORED)
+    study = study_files.load_study(STORED)
     assert study.complete
     assert (study.column("status") == "converged").all()
     assert np.ptp(study.column("offset")) > 0.9  # all places between two nodes

@@ -8,7 +8,7 @@ from concurrent.futures import BrokenExecutor
 from types import SimpleNamespace
 
 import pytest
-from linecontact.studies import executors
+from linecontact.studies.runner import executors
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
 

@@ -7,11 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from linecontact import kernels
-from linecontact.studies import console, ensemble, figures, store
-from linecontact.studies import kernels as study
-from linecontact.studies.command_line import main as cli
-from linecontact.studies.kernels import candidates, compare, measure, report
-from linecontact.studies.kernels.specs import SPECS
+from linecontact.studies import cli
+from linecontact.studies.files import records, study_files
+from linecontact.studies.files.study_files import StudyFile
+from linecontact.studies.kernel_benchmark import candidates, compare, figures, measure, report, study
+from linecontact.studies.kernel_benchmark.specs import SPECS
+from linecontact.studies.runner import drawing
+from linecontact.studies.terminal import console
+from running import run_plans
 
 PRECISIONS = ("float32", "float64")
 HAS_C = bool(candidates.compile_c()[0])
@@ -22,20 +25,19 @@ def folder(tmp_path_factory):
     """A whole study at 2^10 points: every kernel in both precisions, and the iteration."""
     folder = tmp_path_factory.mktemp("kernels")
     tiny = study.Configuration((10,), (10,), 1e-4)
-    options = ensemble.Options(folder=folder, workers=1)
-    assert ensemble.command([tiny.study()], options, folder, study.closing) == 0
+    assert run_plans(study.STUDY, [tiny.plan()], folder) == 0
     return folder
 
 
 @pytest.fixture(scope="module")
 def measured(folder):
-    return report.to_json(store.load_study(folder / "kernels.h5"))
+    return report.to_json(study_files.load_study(folder / "kernels.h5"))
 
 
 def test_every_kernel_has_a_spec_that_fits_it():
     candidates.load()
     from linecontact.kernels import warp_kernels
-    from linecontact.studies.kernels import elements
+    from linecontact.studies.kernel_benchmark import elements
 
     assert tuple(SPECS) == kernels.KERNELS
     for name, spec in SPECS.items():
@@ -91,11 +93,11 @@ def test_candidates_are_timed_in_turn():
 
 
 def test_records(folder):
-    file = store.load_study(folder / "kernels.h5")
+    file = study_files.load_study(folder / "kernels.h5")
     assert file.complete
     assert len(file.runs) == 2 * (len(kernels.KERNELS) - 1) + 1 + 2
-    assert store.unit("seconds.copy.median") == "s"
-    assert store.unit("bytes.traffic") == "byte"
+    assert records.unit("seconds.copy.median") == "s"
+    assert records.unit("bytes.traffic") == "byte"
     for run in report.loops(file):
         assert not HAS_C or report.over_c(run, "c") == 1
         for variant in (*candidates.VARIANTS[:4], "copy"):
@@ -127,7 +129,7 @@ def test_json_on_the_command_line(folder, capsys, monkeypatch):
 
 
 def test_tables_fit_80_columns(folder, capsys):
-    file = store.load_study(folder / "kernels.h5")
+    file = study_files.load_study(folder / "kernels.h5")
     for part in report.parts(file):
         if not isinstance(part, str):
             console.Output(width=80).print(part)
@@ -143,7 +145,7 @@ def test_without_a_compiler(folder, monkeypatch, found, reason):
     libraries, why = candidates.compile_c.__wrapped__()
     assert not libraries
     assert why.startswith(reason)
-    file = store.load_study(folder / "kernels.h5")
+    file = study_files.load_study(folder / "kernels.h5")
     for run in file.runs:
         run |= {name: np.nan for name in run if name.startswith(("seconds.c.", "over_c."))} | {"compiler": why}
     *_, last = report.parts(file)
@@ -195,7 +197,7 @@ def test_bad_files_are_refused(measured, tmp_path, capsys):
     write(tmp_path / "none.json", {**measured, "results": []})
     write(tmp_path / "zero.json", changed(measured, 0.0))
     write(tmp_path / "other.json", {**measured, "results": [{**row, "log2_points": 11} for row in measured["results"]]})
-    store.save_study(tmp_path / "other.h5", store.StudyFile("hertz", {}, [{"status": "converged"}]))
+    study_files.save_study(tmp_path / "other.h5", StudyFile("hertz", {}, [{"status": "converged"}]))
     names = [path.name for path in tmp_path.iterdir() if path != good]
     assert len(names) == 9
     for name in (*names, "missing.json", "missing.h5"):
@@ -211,10 +213,10 @@ def test_bad_files_are_refused(measured, tmp_path, capsys):
 
 def test_figures_come_from_the_file_alone(folder, tmp_path):
     (tmp_path / "kernels.h5").write_bytes((folder / "kernels.h5").read_bytes())
-    drawn = figures.draw(tmp_path / "kernels.h5")
+    drawn = drawing.draw(tmp_path / "kernels.h5")
     assert {p.name for p in drawn} == {f"kernels{s}.{e}" for s in ("", "-roofline") for e in ("png", "pdf")}
-    file = store.load_study(tmp_path / "kernels.h5")
-    panel = figures.kernels.bandwidth(file).axes[0]
+    file = study_files.load_study(tmp_path / "kernels.h5")
+    panel = figures.bandwidth(file).axes[0]
     runs = [run for run in report.loops(file) if run["precision"] == "float32"]
     line = next(line for line in panel.get_lines() if str(line.get_label()).startswith("Warp, chunks, recorded"))
     assert line.get_ydata()[0] == pytest.approx(np.median([report.bandwidth(run, "warp-graph") for run in runs]))
@@ -224,6 +226,6 @@ def test_figures_come_from_the_file_alone(folder, tmp_path):
 def test_full_study_covers_what_it_should():
     full = study.Configuration()
     assert full.kernels == tuple(range(10, 23))
-    tasks = full.study().runs
+    tasks = full.plan().runs
     assert {task.kernel for task in tasks} == {*kernels.KERNELS, measure.ITERATION}
-    assert replace(full, kernels=(10,)).study().runs != tasks
+    assert replace(full, kernels=(10,)).plan().runs != tasks

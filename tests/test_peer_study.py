@@ -7,9 +7,14 @@ import math
 import numpy as np
 import pytest
 from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, solve
-from linecontact.studies import ensemble, figures, peer_solvers, peers, store
+from linecontact.studies.files import study_files
+from linecontact.studies.peers import figures, report
+from linecontact.studies.peers import solvers as peer_solvers
+from linecontact.studies.peers import study as peers
+from linecontact.studies.runner import drawing
 from matplotlib import pyplot as plt
 from rich.console import Console
+from running import run_plans
 
 TINY = {"sizes": (10, 11), "hertz": (math.inf,), "rough": (0.01,), "hursts": (0.8,)}
 
@@ -24,15 +29,15 @@ def text(part):
 def alone(tmp_path_factory):
     """The study's file where no peer is installed."""
     folder = tmp_path_factory.mktemp("peers")
-    study = peers.Configuration(**TINY, peers=()).study()
-    assert ensemble.command([study], peers.Options(folder=folder), folder, peers.closing) == 0
-    return study.path(folder)
+    plan = peers.Configuration(**TINY, peers=()).plan()
+    assert run_plans(peers.STUDY, [plan], folder) == 0
+    return plan.path(folder)
 
 
 @pytest.fixture
 def made_up(alone):
     """A peer that agrees in the first half of the scenes, ten times slower, and has 3 nodes more in the others."""
-    study = store.load_study(alone)
+    study = study_files.load_study(alone)
     study.configuration["peers"] = ["tamaas"]
     for k, run in enumerate(list(study.runs)):
         seconds = {f"seconds.{what}": factor * run[f"seconds.{what}"] for what, factor in (("solve", 10), ("total", 5))}
@@ -57,23 +62,23 @@ def test_gap_of_a_known_pressure(layer):
     gap = scene.profile + p * wave / stiffness
     gap -= (pressure @ gap) / pressure.sum()
     expected = np.sqrt(np.mean(gap**2)) / scene.profile.std()
-    assert peers.gap_rms(scene, pressure) == pytest.approx(expected, rel=1e-10)
+    assert peer_solvers.gap_rms(scene, pressure) == pytest.approx(expected, rel=1e-10)
 
 
 @pytest.mark.parametrize("scene", [Scene(num_points=1024), Scene(Layer(0.01), num_points=1024)])
 def test_gap_of_a_solution_and_of_what_is_none(scene):
     pressure = solve(scene).contact_pressure
-    assert peers.gap_rms(scene, pressure) < 5e-9
+    assert peer_solvers.gap_rms(scene, pressure) < 5e-9
     rough = pressure * (1 + 1e-4 * np.cos(np.arange(1024)))
-    gaps = [peers.gap_rms(scene, pressure + share * (rough - pressure)) for share in (0.01, 0.1, 1.0)]
-    assert gaps[0] > 1e3 * peers.gap_rms(scene, pressure)
+    gaps = [peer_solvers.gap_rms(scene, pressure + share * (rough - pressure)) for share in (0.01, 0.1, 1.0)]
+    assert gaps[0] > 1e3 * peer_solvers.gap_rms(scene, pressure)
     np.testing.assert_allclose(gaps[1:], [10 * gaps[0], 100 * gaps[0]], rtol=1e-2)  # the gap is linear in the error
     other = Scene(Layer(0.1), num_points=1024)
-    assert peers.gap_rms(other, pressure) > 1e-5  # the layer counts
-    assert peers.gap_rms(scene, 0 * pressure) == math.inf
+    assert peer_solvers.gap_rms(other, pressure) > 1e-5  # the layer counts
+    assert peer_solvers.gap_rms(scene, 0 * pressure) == math.inf
     for bad in (pressure[1:], np.full(1024, np.nan)):
         with pytest.raises(ValueError, match=r"contact_pressure .* allowed: 1024 finite"):
-            peers.gap_rms(scene, bad)
+            peer_solvers.gap_rms(scene, bad)
 
 
 def test_the_loosest_tolerance_that_keeps_the_gap(monkeypatch):
@@ -81,25 +86,25 @@ def test_the_loosest_tolerance_that_keeps_the_gap(monkeypatch):
     scene, floor = Scene(num_points=1024), 0.0
     exact = solve(scene).contact_pressure
     wrong = exact * (1 + np.cos(np.arange(1024)))
-    per_share = peers.gap_rms(scene, exact + 1e-6 * (wrong - exact)) / 1e-6
+    per_share = peer_solvers.gap_rms(scene, exact + 1e-6 * (wrong - exact)) / 1e-6
 
     def solve_badly(peer, scene, tolerance, progress=None):
         share = max(3 * tolerance, floor) / per_share
-        return peers.PeerResult(exact + share * (wrong - exact), tolerance, 0.0, math.nan, "0")
+        return peer_solvers.PeerResult(exact + share * (wrong - exact), tolerance, 0.0, math.nan, "0")
 
     monkeypatch.setattr(peer_solvers, "solve", solve_badly)
     for limit in (1e-6, 1e-7):
-        result, tolerance = peers.at_gap("tamaas", scene, limit)
+        result, tolerance = peer_solvers.at_gap("tamaas", scene, limit)
         assert tolerance == limit / 4  # 3/4 of the limit; twice that is above it
-        assert peers.gap_rms(scene, result.contact_pressure) <= limit
+        assert peer_solvers.gap_rms(scene, result.contact_pressure) <= limit
     floor = 1e-6
-    result, tolerance = peers.at_gap("tamaas", scene, 1e-7)
+    result, tolerance = peer_solvers.at_gap("tamaas", scene, 1e-7)
     assert tolerance < 2e-12
-    assert peers.gap_rms(scene, result.contact_pressure) > 1e-7
+    assert peer_solvers.gap_rms(scene, result.contact_pressure) > 1e-7
 
 
 def test_without_peers(alone):
-    study = store.load_study(alone)
+    study = study_files.load_study(alone)
     assert study.complete
     assert study.configuration["peers"] == []
     assert [run["scene.num_points"] for run in study.runs] == [2**10, 2**10, 2**11, 2**11]
@@ -109,16 +114,16 @@ def test_without_peers(alone):
     assert (np.abs(hertz.column("spacings_off.counted")) < 2).all()
     assert (np.abs(hertz.column("spacings_off.subgrid")) < 0.01).all()
     rows = [
-        line.split() for line in text(peers.summary(study)).splitlines() if line.lstrip().startswith(("Hertz", "H="))
+        line.split() for line in text(report.summary(study)).splitlines() if line.lstrip().startswith(("Hertz", "H="))
     ]
     assert [row[-1] for row in rows] == ["-", "-"]
 
 
 def test_missing_peers_are_named(monkeypatch, capsys):
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
-    monkeypatch.setattr(ensemble, "command", lambda studies, *_: asked.extend(studies) or 0)
+    monkeypatch.setattr(peers, "run_study", lambda study, options: asked.extend(study.plans(options)) or 0)
     asked = []
-    assert peers.available() == ()
+    assert peer_solvers.available() == ()
     assert peers.command(peers.Options(quick=True)) == 0
     assert asked[0].configuration["peers"] == ()
     assert {task.solver for task in asked[0].tasks} == {peers.OURS}
@@ -131,35 +136,35 @@ def test_a_missing_peer_is_refused(monkeypatch):
     monkeypatch.setattr(peer_solvers, "available", lambda: ())
     for peer in ("tamaas", "nobody"):
         with pytest.raises(ValueError, match=rf"peer is '{peer}'; allowed: .*linecontact\[peers\]"):
-            peers.solve(peer, Scene(num_points=64), 1e-8)
+            peer_solvers.solve(peer, Scene(num_points=64), 1e-8)
 
 
 def test_a_disagreement_is_shown_and_its_ratio_is_not(made_up):
-    first, second = (c for c in peers.comparisons(made_up) if c.ours["scene.num_points"] == 2**11)
+    first, second = (c for c in report.comparisons(made_up) if c.ours["scene.num_points"] == 2**11)
     assert first.agrees("tamaas")
     assert not second.agrees("tamaas")
     assert second.off("tamaas") == (3, 0.0)
     assert (first.fastest, second.fastest) == ("tamaas", None)
-    assert peers.remarks(made_up)[0].endswith("ratios are 0.50 to 0.50 times these.")
-    table = text(peers.summary(made_up))
+    assert report.remarks(made_up)[0].endswith("ratios are 0.50 to 0.50 times these.")
+    table = text(report.summary(made_up))
     rows = [line.split() for line in table.splitlines() if line.lstrip().startswith(("Hertz", "H="))]
     assert [(row[3], row[-1]) for row in rows] == [("+0", "10"), ("+3", "differ")]
     assert max(map(len, table.splitlines())) <= 80
-    lines = [line for line in peers.remarks(made_up) if "disagrees" in line]
+    lines = [line for line in report.remarks(made_up) if "disagrees" in line]
     assert len(lines) == 2  # on both grids
     assert all("tamaas disagrees on H=0.8, d/L = 0.01" in line and "+3 nodes" in line for line in lines)
     for name, value in (("peak_pressure", 1.001 * first.ours["peak_pressure"]), ("gap_rms", 1e-8)):
         for which in ("tamaas", peers.OURS):
             runs = {peers.OURS: dict(first.ours), "tamaas": dict(first.peers["tamaas"])}
             runs[which][name] = value
-            assert not peers.Comparison(runs.pop(peers.OURS), runs).agrees("tamaas")
+            assert not report.Comparison(runs.pop(peers.OURS), runs).agrees("tamaas")
 
 
 def test_the_figure_holds_the_stored_times(made_up, tmp_path):
     path = tmp_path / "peers.h5"
-    store.save_study(path, made_up)
-    assert [file.suffix for file in figures.draw(path)] == [".png", ".pdf"]
-    (figure,) = figures.peers.draw(path).values()
+    study_files.save_study(path, made_up)
+    assert [file.suffix for file in drawing.draw(path)] == [".png", ".pdf"]
+    (figure,) = figures.draw(path).values()
     for axes, name, hollow in zip(figure.axes, ("Hertz", "H=0.8"), (False, True), strict=True):
         lines = [line for line in axes.get_lines() if line.get_linestyle() == "-" and len(line.get_xdata())]
         for line, solver in zip(lines, (peers.OURS, "tamaas"), strict=True):
@@ -185,13 +190,13 @@ def test_the_figure_holds_the_stored_times(made_up, tmp_path):
 def test_with_a_peer(peer, scene):
     pytest.importorskip(peer)
     told = []
-    result, tolerance = peers.at_gap(peer, scene, 5e-9, lambda *state: told.append(state))
-    assert peers.gap_rms(scene, result.contact_pressure) <= 5e-9
-    assert peers.gap_rms(scene, peers.solve(peer, scene, 2 * tolerance).contact_pressure) > 5e-9
+    result, tolerance = peer_solvers.at_gap(peer, scene, 5e-9, lambda *state: told.append(state))
+    assert peer_solvers.gap_rms(scene, result.contact_pressure) <= 5e-9
+    assert peer_solvers.gap_rms(scene, peer_solvers.solve(peer, scene, 2 * tolerance).contact_pressure) > 5e-9
     assert result.contact_pressure.mean() == pytest.approx(scene.pressure)
     ours = solve(scene)
     np.testing.assert_array_equal(result.contact_pressure > 0, ours.contact)
-    assert result.contact_pressure.max() == pytest.approx(ours.observables.peak_pressure, rel=peers.PEAK)
+    assert result.contact_pressure.max() == pytest.approx(ours.observables.peak_pressure, rel=report.PEAK)
     assert result.iterations > 5
     assert result.seconds > 0
 
@@ -200,9 +205,9 @@ def test_with_a_peer(peer, scene):
 def test_the_study_with_the_peers(tmp_path):
     for peer in peer_solvers.PEERS:
         pytest.importorskip(peer)
-    study = peers.Configuration(**(TINY | {"sizes": (10,)}), peers=peer_solvers.PEERS).study()
-    assert ensemble.command([study], peers.Options(folder=tmp_path), tmp_path, peers.closing) == 0
-    found = peers.comparisons(store.load_study(study.path(tmp_path)))
+    plan = peers.Configuration(**(TINY | {"sizes": (10,)}), peers=peer_solvers.PEERS).plan()
+    assert run_plans(peers.STUDY, [plan], tmp_path) == 0
+    found = report.comparisons(study_files.load_study(plan.path(tmp_path)))
     assert [sorted(c.peers) for c in found] == [sorted(peer_solvers.PEERS)] * 2
     assert all(c.agrees(peer) for c in found for peer in c.peers)
     assert (tmp_path / "peers.png").stat().st_size > 5000

@@ -6,9 +6,8 @@ import subprocess
 import sys
 import tomllib
 import venv
+import zipfile
 from pathlib import Path
-
-import pytest
 
 ROOT = Path(__file__).parent.parent
 FOLDERS = ("kernels", "solver", "studies")
@@ -41,6 +40,9 @@ def test_wheel(tmp_path):
     """A wheel, installed into a fresh environment that borrows only the dependencies, solves a scene."""
     run(sys.executable, "-m", "pip", "wheel", "--no-deps", "--wheel-dir", tmp_path, ROOT)
     (wheel,) = tmp_path.glob("linecontact-*.whl")
+    modules = {f"linecontact/{file.relative_to(ROOT)}" for folder in FOLDERS for file in (ROOT / folder).rglob("*.py")}
+    with zipfile.ZipFile(wheel) as archive:
+        assert {name for name in archive.namelist() if name.endswith(".py")} == modules
     environment = tmp_path / "venv"
     venv.create(environment)
     python = environment / "bin" / "python"
@@ -105,12 +107,3 @@ def test_the_lock_file_holds_every_dependency_within_its_bounds():
     entries = [entry for entry in re.split(r"^(?=\w)", text, flags=re.MULTILINE) if "==" in entry]
     assert len(entries) == sum(map(len, locked.values()))
     assert all("--hash=sha256:" in entry for entry in entries)
-
-
-@pytest.mark.parametrize("folder", FOLDERS)
-def test_imports_go_one_way(folder):
-    above = {"kernels": ("solver", "studies"), "solver": ("studies",), "studies": ()}[folder]
-    for file in (ROOT / folder).glob("*.py"):
-        imports = [line for line in file.read_text().splitlines() if re.match(r"\s*(from|import) ", line)]
-        for name in above:
-            assert not [line for line in imports if re.search(rf"\b{name}\b", line)], file

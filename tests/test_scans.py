@@ -7,7 +7,7 @@ import h5py
 import numpy as np
 import pytest
 from linecontact.solver import Layer, Scene, Status, solve
-from linecontact.studies import scans
+from linecontact.studies.files import scans
 
 REAL = Path(__file__).parents[2] / "shared" / "data"
 

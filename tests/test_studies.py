@@ -4,18 +4,30 @@ import html
 import math
 import shutil
 import subprocess
+import sys
 from dataclasses import asdict
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
+from linecontact import studies
 from linecontact.solver import Layer, RoughIndenter, Scene, closed_forms, solve
-from linecontact.studies import asperity, ensemble, figures, hertz, paper, rough, statements, store
+from linecontact.studies import hertz
+from linecontact.studies.files import hdf5, records, solution_files, study_files, writing
+from linecontact.studies.files.study_files import StudyFile
+from linecontact.studies.paper import statements
+from linecontact.studies.paper import study as paper
+from linecontact.studies.power_profiles import figures as power_figures
+from linecontact.studies.power_profiles import report as power_report
+from linecontact.studies.rough_surfaces import figures as rough_figures
+from linecontact.studies.rough_surfaces import means
+from linecontact.studies.runner import drawing
 from matplotlib import pyplot as plt
+from running import run_plans
 
 ARRAYS = Path(__file__).with_name("figures.npz")
-RESULTS = Path(store.__file__).parent / "results"
+RESULTS = Path(studies.__file__).parent / "results"
 
 
 @pytest.fixture(scope="module")
@@ -25,15 +37,15 @@ def solution():
 
 def test_solution_round_trip(solution, tmp_path):
     path = tmp_path / "run.h5"
-    store.save_solution(path, solution)
-    fields, attributes = store.load_solution(path)
+    solution_files.save_solution(path, solution)
+    fields, attributes = solution_files.load_solution(path)
     np.testing.assert_array_equal(fields["x"], np.arange(256) / 256)
     np.testing.assert_array_equal(fields["profile"], solution.scene.profile)
     np.testing.assert_array_equal(fields["displacement"], solution.displacement)
     np.testing.assert_array_equal(fields["contact_pressure"], solution.contact_pressure)
-    for name, value in store.flatten(solution.to_dict()).items():
+    for name, value in records.flatten(solution.to_dict()).items():
         assert attributes[name] == value
-    assert store.file_kind(path) == "solution"
+    assert hdf5.file_kind(path) == "solution"
     with h5py.File(path) as file:
         assert file["contact_pressure"].attrs["unit"] == "pressure"
     assert [p.name for p in tmp_path.iterdir()] == ["run.h5"]
@@ -41,36 +53,36 @@ def test_solution_round_trip(solution, tmp_path):
 
 def test_a_failed_write_leaves_the_old_file(solution, tmp_path, monkeypatch):
     path = tmp_path / "run.h5"
-    store.save_solution(path, solution)
+    solution_files.save_solution(path, solution)
     before = path.read_bytes()
-    monkeypatch.setattr(store, "flatten", lambda record: {"bad": object()})
+    monkeypatch.setattr(solution_files, "flatten", lambda record: {"bad": object()})
     with pytest.raises(TypeError):
-        store.save_solution(path, solution)
+        solution_files.save_solution(path, solution)
     assert path.read_bytes() == before
     assert [p.name for p in tmp_path.iterdir()] == ["run.h5"]
 
 
 def test_targets_are_checked_before_the_work(tmp_path):
     (tmp_path / "there.h5").touch()
-    with pytest.raises(store.StoreError, match=r"there\.h5 exists"):
-        store.check_target(tmp_path / "there.h5", overwrite=False)
-    store.check_target(tmp_path / "there.h5", overwrite=True)
-    with pytest.raises(store.StoreError, match="does not exist"):
-        store.check_target(tmp_path / "no" / "run.h5", overwrite=False)
-    with pytest.raises(store.StoreError, match="is a folder"):
-        store.check_target(tmp_path, overwrite=True)
+    with pytest.raises(writing.StoreError, match=r"there\.h5 exists"):
+        writing.check_target(tmp_path / "there.h5", overwrite=False)
+    writing.check_target(tmp_path / "there.h5", overwrite=True)
+    with pytest.raises(writing.StoreError, match="does not exist"):
+        writing.check_target(tmp_path / "no" / "run.h5", overwrite=False)
+    with pytest.raises(writing.StoreError, match="is a folder"):
+        writing.check_target(tmp_path, overwrite=True)
 
 
 @pytest.mark.parametrize("content", [b"", b"not HDF5", None])
 def test_damaged_files_are_named(tmp_path, solution, content):
     path = tmp_path / "run.h5"
     if content is None:
-        store.save_solution(path, solution)
+        solution_files.save_solution(path, solution)
         path.write_bytes(path.read_bytes()[:1000])
     else:
         path.write_bytes(content)
-    for read in (store.file_kind, store.load_study, store.load_solution):
-        with pytest.raises(store.StoreError, match=r"run\.h5"):
+    for read in (hdf5.file_kind, study_files.load_study, solution_files.load_solution):
+        with pytest.raises(writing.StoreError, match=r"run\.h5"):
             read(path)
 
 
@@ -78,10 +90,10 @@ def test_study_round_trip(tmp_path):
     runs = [{"status": "converged", "commit": "12345678", "iterations": 3, "d": 0.5, "t": "inf", "x.ok": True}]
     runs.append({**runs[0], "commit": "1e5", "t": 0.25})
     lines = {"nu=0": {"a": np.arange(3.0)}}
-    study = store.StudyFile("hertz", {"tolerance": 1e-8, "list": [1, 2.5]}, runs, lines)
+    study = StudyFile("hertz", {"tolerance": 1e-8, "list": [1, 2.5]}, runs, lines)
     path = tmp_path / "study.h5"
-    store.save_study(path, study)
-    back = store.load_study(path)
+    study_files.save_study(path, study)
+    back = study_files.load_study(path)
     assert back.runs == [{**runs[0], "t": math.inf}, {**runs[1]}]
     assert back.configuration == study.configuration
     np.testing.assert_array_equal(back.lines["nu=0"]["a"], np.arange(3.0))
@@ -90,30 +102,29 @@ def test_study_round_trip(tmp_path):
 
 def test_another_configuration_is_refused(tmp_path):
     path = tmp_path / "study.h5"
-    store.save_study(
-        path, store.StudyFile("hertz", {"list": (1.0, math.inf)}, [{"status": "converged"}], complete=True)
+    study_files.save_study(
+        path, StudyFile("hertz", {"list": (1.0, math.inf)}, [{"status": "converged"}], complete=True)
     )
-    assert store.finished(path, "hertz", {"list": (1.0, math.inf)}).runs
+    assert study_files.finished(path, "hertz", {"list": (1.0, math.inf)}).runs
     for kind, configuration in (("sharp", {"list": (1.0, math.inf)}), ("hertz", {"list": (1.0, 2.0)})):
-        with pytest.raises(store.StoreError, match="another study, configuration or version"):
-            store.finished(path, kind, configuration)
-    assert store.finished(tmp_path / "none.h5", "hertz", {}) is None
+        with pytest.raises(writing.StoreError, match="another study, configuration or version"):
+            study_files.finished(path, kind, configuration)
+    assert study_files.finished(tmp_path / "none.h5", "hertz", {}) is None
 
 
 @pytest.fixture(scope="module")
 def paper_folder(tmp_path_factory):
     """The whole paper at 2^10 points with two surfaces, in this process."""
     folder = tmp_path_factory.mktemp("paper")
-    options = ensemble.Options(folder=folder, workers=1)
-    assert ensemble.command(paper.studies(2**10, 2), options, folder, paper.closing) == 0
+    assert run_plans(paper.STUDY, paper.quick_plans(2**10, 2), folder) == 0
     return folder
 
 
 def drawn_data(folder):
     """x and y of every line of every figure of the paper, and the points of the error bars, by figure and place."""
     data = {}
-    for kind, drawing in (*((k, figures.asperity) for k in ("sharp", "hertz", "blunt")), ("rough", figures.rough)):
-        for suffix, figure in drawing.draw(folder / f"{kind}.h5").items():
+    for kind, module in (*((k, power_figures) for k in ("sharp", "hertz", "blunt")), ("rough", rough_figures)):
+        for suffix, figure in module.draw(folder / f"{kind}.h5").items():
             for a, axes in enumerate(figure.axes):
                 for b, line in enumerate(axes.get_lines()):
                     xy = np.array([np.asarray(values, dtype=float) for values in line.get_data()])
@@ -131,7 +142,7 @@ def test_figures_hold_the_stored_numbers(paper_folder):
         for name in stored.files:
             errors = ("accuracy" in name) * 2e-4  # differences from the oracle: what the tolerance leaves of them
             np.testing.assert_allclose(drawn[name], stored[name], rtol=1e-5, atol=errors, err_msg=name)
-    study = store.load_study(paper_folder / "hertz.h5")
+    study = study_files.load_study(paper_folder / "hertz.h5")
     run = study.select("scene.poisson_ratio", 0.25).runs[0]
     points = drawn["hertz.0.4"]  # markers and oracle, then two limits and the published one, for each nu
     t = run["scene.thickness"] / run["contact_area_subgrid"]
@@ -142,9 +153,9 @@ def test_figures_hold_the_stored_numbers(paper_folder):
 def test_figures_come_from_the_file_alone(paper_folder, tmp_path):
     for kind in ("sharp", "hertz", "blunt", "rough"):
         (tmp_path / f"{kind}.h5").write_bytes((paper_folder / f"{kind}.h5").read_bytes())
-        drawn = figures.draw(tmp_path / f"{kind}.h5")
+        drawn = drawing.draw(tmp_path / f"{kind}.h5")
         assert all(p.stat().st_size > 5000 for p in drawn)
-        suffixes = next(s.figures for s in paper.studies(2**10) if s.kind == kind)
+        suffixes = next(plan.figures for plan in paper.quick_plans(2**10) if plan.kind == kind)
         assert {p.name for p in drawn} == {f"{kind}{s}.{end}" for s in suffixes for end in ("png", "pdf")}
 
 
@@ -152,21 +163,21 @@ def test_what_is_not_ours_is_left_alone(tmp_path, solution):
     """Another program's file, another kind of linecontact's, and what was set aside before."""
     path = tmp_path / "hertz.h5"
     path.write_bytes(b"somebody's data " * 100)
-    with pytest.raises(store.StoreError, match="not one of linecontact's"):
-        store.finished(path, "hertz", {})
-    store.save_solution(path, solution)
-    with pytest.raises(store.StoreError, match="holds another study"):
-        store.finished(path, "hertz", {})
+    with pytest.raises(writing.StoreError, match="not one of linecontact's"):
+        study_files.finished(path, "hertz", {})
+    solution_files.save_solution(path, solution)
+    with pytest.raises(writing.StoreError, match="holds another study"):
+        study_files.finished(path, "hertz", {})
     for content in (b"", path.read_bytes()[:700]):
         path.write_bytes(content)
-        assert store.finished(path, "hertz", {}) is None
+        assert study_files.finished(path, "hertz", {}) is None
     assert {p.name: p.stat().st_size for p in tmp_path.iterdir()} == {"hertz.h5.damaged": 0, "hertz.h5.damaged.2": 700}
 
 
 def test_means_over_realisations(paper_folder):
     """Recomputed by hand for one point."""
-    file = store.load_study(paper_folder / "rough.h5")
-    point = next(p for p in rough.points(file) if (p.hurst, p.poisson_ratio, p.thickness) == (0.8, 0.25, 1e-3))
+    file = study_files.load_study(paper_folder / "rough.h5")
+    point = next(p for p in means.points(file) if (p.hurst, p.poisson_ratio, p.thickness) == (0.8, 0.25, 1e-3))
     runs = [r for r in file.runs if r["scene.hurst"] == 0.8 and r["scene.poisson_ratio"] == 0.25]
     runs = [r for r in runs if r["scene.thickness"] == 1e-3]
     thick = [r for r in file.runs if r["scene.hurst"] == 0.8 and math.isinf(r["scene.thickness"])]
@@ -203,7 +214,7 @@ def test_verdicts(values, verdict):
 
 
 def test_report(paper_folder):
-    files = {kind: store.load_study(paper_folder / f"{kind}.h5") for kind in ("sharp", "hertz", "blunt", "rough")}
+    files = {kind: study_files.load_study(paper_folder / f"{kind}.h5") for kind in ("sharp", "hertz", "blunt", "rough")}
     found = statements.statements(files)
     text, page = ((paper_folder / name).read_text() for name in ("report.md", "report.html"))
     assert len(found) >= 20
@@ -241,6 +252,17 @@ def test_report_in_a_browser(paper_folder, tmp_path):
     assert shown.stdout.count("<table>") == 5
 
 
+def test_the_studies_that_were_asked_for_run_as_scripts(tmp_path):
+    """From their files, started together; they get as far as looking at their options."""
+    scripts = [Path(studies.__file__).with_name(f"{name}.py") for name in ("hertz", "sharp", "blunt", "rough")]
+    options = {"stderr": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True, "cwd": tmp_path}
+    started = [subprocess.Popen([sys.executable, script, "--workers", "0"], **options) for script in scripts]
+    for process in started:
+        _, said = process.communicate(timeout=120)
+        assert (process.returncode, said.count("\n")) == (2, 1)
+        assert said.startswith("linecontact: workers is 0; allowed: ")
+
+
 def test_full_study_covers_the_published_range():
     full = hertz.CONFIGURATION
     assert full.num_points == 2**18
@@ -252,9 +274,9 @@ def test_full_study_covers_the_published_range():
 
 def test_stored_reference_meets_the_goals():
     """The study's figures in the README are drawn from this file: 2^18 points, every (d, nu)."""
-    study = asperity.layers(store.load_study(RESULTS / "hertz.h5"))
+    study = power_report.layers(study_files.load_study(RESULTS / "hertz.h5"))
     full = hertz.CONFIGURATION
-    assert store.finished(RESULTS / "hertz.h5", "hertz", asdict(full))
+    assert study_files.finished(RESULTS / "hertz.h5", "hertz", asdict(full))
     assert len(study.runs) == len(full.poisson_ratios) * len(full.reduced_thicknesses) >= 72
     assert (study.column("status") == "converged").all()
     assert (study.column("certificate.free_residual") <= 1e-8).all()
@@ -280,5 +302,5 @@ if __name__ == "__main__":
 
     with tempfile.TemporaryDirectory() as name:
         where = Path(name)
-        ensemble.command(paper.studies(2**10, 2), ensemble.Options(folder=where, workers=1), where, paper.closing)
+        run_plans(paper.STUDY, paper.quick_plans(2**10, 2), where)
         np.savez_compressed(ARRAYS, **drawn_data(where))

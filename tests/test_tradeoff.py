@@ -5,11 +5,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from linecontact import studies
 from linecontact.solver import solve
-from linecontact.studies import ensemble, store, tradeoff
-from linecontact.studies.tradeoff import choices, families, front, report
+from linecontact.studies.files import records, study_files
+from linecontact.studies.files.study_files import StudyFile
+from linecontact.studies.tradeoff import choices, families, front, measuring, report
+from linecontact.studies.tradeoff import study as tradeoff
+from running import run_plans
 
-STORED = Path(store.__file__).parent / "results" / "tradeoff.h5"
+STORED = Path(studies.__file__).parent / "results" / "tradeoff.h5"
 HERTZ, ROUGH = "Hertz, half-space", "rough, half-space"
 
 
@@ -22,7 +26,7 @@ def run(method, seconds, error, **more):
 
 
 def made_up(*runs):
-    return store.StudyFile("tradeoff", {"paper": 10, "peers": []}, list(runs))
+    return StudyFile("tradeoff", {"paper": 10, "peers": []}, list(runs))
 
 
 def test_dominated_points_are_out():
@@ -73,7 +77,7 @@ def test_misses_are_listed():
     common = {"kind": "scene", "family": "power", "accuracy": 1e-3, "claimed": 2e-3} | scene
     common |= {"error.reference": 0.0, "seconds.decide": 1e-4, "method": "active-set"}
     runs = [{**common, "seed": k, "status": "converged", "error.area": e} for k, e in enumerate((1e-4, 5e-3, 1e-3))]
-    runs.append({**common, "seed": 3, "status": choices.REFUSED, "reason": "because"})
+    runs.append({**common, "seed": 3, "status": measuring.REFUSED, "reason": "because"})
     first, *misses, last = report.random_scenes(made_up(*runs))
     assert "4 random scenes" in first
     assert "2 meet the accuracy" in first
@@ -88,22 +92,21 @@ def tiny(tmp_path_factory):
     """The study at 2^8 points, which the rough surface does not fit on."""
     folder = tmp_path_factory.mktemp("tradeoff")
     small = tradeoff.Configuration((8,), 8, 13, (-2.0, -6.0), -4.0, (8, 32), 1, (10, 10), ())
-    options = ensemble.Options(folder=folder, workers=1)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(tradeoff, "TOLERANCES", (1e-5, 1e-10))
-        study = small.study()
-    assert ensemble.command([study], options, folder, tradeoff.closing) in (0, 3)
+        plan = small.plan()
+    assert run_plans(tradeoff.STUDY, [plan], folder) == 0
     return folder
 
 
 def test_a_tiny_study_is_drawn(tiny):
-    study = store.load_study(tiny / "tradeoff.h5")
+    study = study_files.load_study(tiny / "tradeoff.h5")
     assert study.complete
     assert not study.failures
     names = [tiny / f"tradeoff{s}.{end}" for s in ("", "-field") for end in ("png", "pdf")]
     assert all(path.stat().st_size > 5000 for path in names)
     assert {run["kind"] for run in study.runs} == {"choice", "accuracy", "oracle", "precisions", "scene"}
-    assert all(store.unit(name) == "1" for name in study.runs[0] if name.startswith("error."))
+    assert all(records.unit(name) == "1" for name in study.runs[0] if name.startswith("error."))
     for point in front.points(front.runs_of(study, "choice", HERTZ), "a_r"):
         assert point.error < (2 / 256 / 0.1 if point.counted else 0.02)
         assert point.seconds > 0
@@ -114,12 +117,12 @@ def test_a_tiny_study_is_drawn(tiny):
 
 
 def test_refused_tolerances_are_recorded(tiny):
-    study = store.load_study(tiny / "tradeoff.h5")
-    refused = [run for run in front.runs_of(study, "choice") if run["status"] == choices.REFUSED]
+    study = study_files.load_study(tiny / "tradeoff.h5")
+    refused = [run for run in front.runs_of(study, "choice") if run["status"] == measuring.REFUSED]
     assert refused
     assert {run["precision"] for run in refused} == {"float32"}
     assert all(run["reason"].startswith("tolerance is") for run in refused)
-    assert not any(point.run["status"] == choices.REFUSED for point in front.points(refused, "a_r"))
+    assert not any(point.run["status"] == measuring.REFUSED for point in front.points(refused, "a_r"))
 
 
 def test_a_rough_choice():
@@ -140,7 +143,7 @@ def test_a_rough_choice():
 @pytest.mark.parametrize("family", families.FAMILIES)
 def test_the_stored_front_again(family):
     """Twice what the unfinished iteration may leave in the area, 0.25 of the residual (`nested.iteration_share`)."""
-    study = store.load_study(STORED)
+    study = study_files.load_study(STORED)
     best = front.front(front.points(front.runs_of(study, "choice", family), "a_r"))
     cheap = [point.run for point in best if point.run["log2_points"] <= 14]
     assert cheap

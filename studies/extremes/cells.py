@@ -33,22 +33,25 @@ _PRIMES = (5, 7, 11, 13, 61, 127, 521, 1021, 2053, 4099, 8191, 16381, 65537, 131
 
 @dataclass(frozen=True)
 class Cell:
-    """scene: in units L = E* = 1; length, stress: the units that it is solved in; options: of `solve`.
-
-    shape: the kind of profile; full_load: p/E* of full contact, about (dimensionless); initial: seed of a displacement
-    from elsewhere to start with, or None.
-    """
+    """One random scene, and how it is to be solved."""
 
     scene: Scene
+    """In units L = E* = 1."""
     shape: str
+    """Name of the kind of profile."""
     full_load: float
+    """About the p/E* of full contact (dimensionless)."""
     length: float
+    """Unit of length that the scene is solved in."""
     stress: float
+    """Unit of pressure that the scene is solved in."""
     options: dict[str, Any]
+    """Options of `solve`."""
     initial: int | None
+    """Seed of a displacement from elsewhere to start with; None for a cold start."""
 
     def in_units(self, length: float, stress: float) -> Scene:
-        """The scene with these units of length and pressure."""
+        """The same scene with these units of length and pressure."""
         scene, layer, indenter = self.scene, self.scene.layer, self.scene.indenter
         if isinstance(indenter, PowerIndenter):
             indenter = replace(indenter, radius=indenter.radius * length)
@@ -59,7 +62,10 @@ class Cell:
 
 
 def draw(seed: int, number: int, column: int, row: int, size: str) -> Cell:
-    """A cell. column < `COLUMNS` and row < `ROWS`: its place on the map; size: one of `SIZES`."""
+    """Draw a cell at a place on the map.
+
+    number: of the stream of random numbers. column, row: the place, below `COLUMNS` and `ROWS`. size: one of `SIZES`.
+    """
     rng = np.random.default_rng([seed, number])
     thickness = math.inf if column == COLUMNS - 1 else float(10 ** (column - 12 + rng.random()))
     layer = Layer(thickness, float(rng.choice(_RATIOS)) if rng.random() < 0.8 else float(rng.uniform(-0.999, 0.5)))
@@ -76,7 +82,7 @@ def draw(seed: int, number: int, column: int, row: int, size: str) -> Cell:
 
 
 def _draw_points(rng: Generator, low: int, high: int) -> int:
-    """Any number, a prime, a power of two, or a power of three."""
+    """A number of grid points: any number, a prime, a power of two, or a power of three."""
     powers = [b**k for b in (2, 3) for k in range(1, 25) if low <= b**k <= high]
     primes = [p for p in _PRIMES if low <= p <= high]
     kind = rng.integers(4)

@@ -28,7 +28,8 @@ from linecontact.solver import (
 )
 from linecontact.solver.problem import Problem, rounding_floor
 
-from ..tasks import Record
+from ..files import records
+from ..runner.tasks import Record
 from .cells import Cell
 
 CERTIFIED, REFUSED, DEFECT = "certified", "refused", "defect"
@@ -67,7 +68,7 @@ def judge(cell: Cell) -> Record:
 
 
 def _judge(cell: Cell, record: Record) -> None:
-    """Fills the record. Raises `DefectError`, or whatever the cell makes the solver raise."""
+    """Fill the record of a cell. Raises `DefectError`, or whatever the cell makes the solver raise."""
     scene = cell.in_units(cell.length, cell.stress)
     try:
         solution = solve(scene, initial=_initial(cell, scene), **cell.options)
@@ -102,10 +103,10 @@ def _initial(cell: Cell, scene: Scene) -> np.ndarray[Any, Any] | None:
 
 
 def _numbers(solution: Solution) -> Record:
-    """What is kept of a solution. Raises `DefectError` for a number that is none."""
+    """What is kept of a solution. Raises `DefectError` for a number that is NaN, or infinite where it must not be."""
     record = solution.to_dict()
     for name, value in _walk(record):
-        number = float(value) if value in ("inf", "-inf", "nan") or isinstance(value, float) else 0.0
+        number = float(value) if isinstance(value, (float, str)) and not records.is_text(value) else 0.0
         converged = solution.status is Status.CONVERGED  # else there may be no contact
         if math.isnan(number) or (math.isinf(number) and converged and name not in _INFINITE):
             raise DefectError(f"{name} is {value}")
@@ -127,7 +128,7 @@ def _walk(record: Record, prefix: str = "") -> list[tuple[str, Any]]:
 
 
 def _look_again(solution: Solution, asked: bool) -> None:
-    """Raises `DefectError` unless the fields alone show that the claim is true."""
+    """Raise `DefectError` unless the fields alone show that the solution is as good as it claims."""
     scene, u, pressure, o = solution.scene, solution.displacement, solution.contact_pressure, solution.observables
     if not 0 < o.contact_area <= 1 or not 0 < o.contact_area_subgrid <= 1 + 1e-12:
         raise DefectError(f"a_r is {o.contact_area}, between the edges {o.contact_area_subgrid}")
@@ -157,7 +158,7 @@ def _look_again(solution: Solution, asked: bool) -> None:
 
 
 def _look_at_area(cell: Cell, solution: Solution, record: Record) -> None:
-    """Adds the distances of both areas from the true one, per edge [grid spacings], where that is known.
+    """Add the distances of both areas from the true one, per edge [grid spacings], where that is known.
 
     Raises `DefectError` if the sub-grid area is worse than counting by more than a spacing an edge, or its error far
     beyond what is claimed, or beyond the accuracy asked.
@@ -211,7 +212,7 @@ def _on_a_grid(scene: Scene, num_points: int) -> tuple[float, float] | None:
 
 
 def _in_other_units(cell: Cell, solution: Solution) -> None:
-    """Raises `DefectError` unless the same scene in other units takes the same iterations to the same numbers."""
+    """Raise `DefectError` unless the same scene in other units takes the same iterations to the same numbers."""
     if cell.initial is not None or cell.scene.num_points > _REFERENCE_TO:
         return
     length, stress = _OTHER_UNITS

@@ -4,7 +4,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from .. import store
+from ..files import study_files, writing
+from ..files.study_files import StudyFile
 
 # Okabe and Ito: safe for colour-blind readers
 COLOURS = ("#0072b2", "#009e73", "#e69f00", "#d55e00", "#cc79a7", "#444444")
@@ -25,7 +26,7 @@ STYLE = {
 }
 
 
-class NothingToDraw(store.StoreError):
+class NothingToDraw(writing.StoreError):
     """A file whose runs are too few for a figure."""
 
 
@@ -33,16 +34,16 @@ MOST = 64  # panels, or lines of a legend
 
 
 def distinct(values: Iterable[Any]) -> list[Any]:
-    """Each value once, in their order. Raises `ValueError` for more than a figure can show."""
+    """Each value once, in the order of their first appearance. Raises `ValueError` for more than a figure can show."""
     found = list(dict.fromkeys(values))
     if len(found) > MOST:
         raise ValueError(f"{len(found)} different values; allowed: up to {MOST} in a figure")
     return found
 
 
-def load(path: Path) -> store.StudyFile:
-    """A study's file with at least one run. Raises `store.StoreError`, for a file without one `NothingToDraw`."""
-    study = store.load_study(path)
+def load(path: Path) -> StudyFile:
+    """Read a study's file with at least one run. Raises `StoreError`, and `NothingToDraw` for a file without a run."""
+    study = study_files.load_study(path)
     if not study.runs:
         raise NothingToDraw(f"file {path} holds no finished run yet")
     return study

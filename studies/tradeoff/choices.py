@@ -1,100 +1,47 @@
-"""What can be chosen, each a task: one solve, timed, with its errors.
+"""What can be chosen, each a task: one solve, timed, with its errors (`measuring`)."""
 
-Times are medians over up to five solves after one that does not count; errors are the rms over these, which are under
-slightly different loads, or of different rough surfaces. A solve of half a second and more is done twice, and both
-count; one of three seconds and more is done once.
-"""
-
-import functools
 import math
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import ClassVar
 
 import numpy as np
-from linecontact.solver import Solution, Status, provenance, solve
+from linecontact.solver import Solution, Status, solve
 from linecontact.solver.relaxation import Progress
 from linecontact.solver.run import COARSE_TOLERANCE
 
-from .. import peers, store
-from ..iterations import pair_seconds
-from ..tasks import Record
+from ..iterations.study import pair_seconds
+from ..peers import solvers as peers
+from ..runner.tasks import Record
 from . import families
+from .measuring import Found, measured, of_solution, refused, warm_up
 
-REFUSED = "refused"
-
-_LONG, _SLOW = 3.0, 0.5  # seconds of a solve that is done once, and twice
-_ENOUGH, _FEWEST = 0.2, 3  # seconds of all repeats of others; repeats at least
 _SAMPLES = 2**12  # of the oracle's field
 _ITERATIONS = 100  # over which a single one is timed
 
 
-class Found(NamedTuple):
-    """One solve: seconds by stage, errors by measure, and the rest of its record."""
-
-    seconds: dict[str, float]
-    errors: Record
-    record: Record
-
-
-def measured(family: str, run: Callable[[int], Found]) -> Record:
-    """The record of a choice; run: solves one of the family's variants."""
-    _warm_up()
-    first = run(0)
-    if first.seconds["total"] > _SLOW:
-        found = [first] if first.seconds["total"] > _LONG else [first, run(1)]
-    else:
-        found = []
-        for variant in families.variants(family):
-            found.append(run(variant))
-            if len(found) >= _FEWEST and sum(f.seconds["total"] for f in found) > _ENOUGH:
-                break
-    seconds = {f"seconds.{k}": float(np.median([f.seconds[k] for f in found])) for k in first.seconds}
-    errors = {f"error.{k}": float(np.sqrt(np.mean([f.errors[k] ** 2 for f in found]))) for k in first.errors}
-    record = found[0].record | seconds | errors | {"family": family, "repeats": len(found)}
-    points = sorted(f.record["scene.num_points"] for f in found if "scene.num_points" in f.record)
-    return record | ({"scene.num_points": points[len(points) // 2]} if points else {})
-
-
-@functools.cache
-def _warm_up() -> None:
-    """Kernels, tables and imports, once in a process."""
-    for precision in ("float64", "float32"):
-        for method in ("active-set", "mass-weighted-fire", "fire"):
-            solve(families.make_scene("Hertz, half-space", 13, precision), method=method, tolerance=0.3)
-
-
-def _of_solution(solution: Solution, exact: families.Exact) -> Found:
-    if solution.status is Status.INTERRUPTED:
-        raise KeyboardInterrupt
-    o = solution.observables
-    errors = exact.errors(
-        o.contact_area, o.contact_area_subgrid, o.kappa_subgrid, o.peak_pressure, solution.contact_pressure
-    )
-    record = {name: v for name, v in store.run_record(solution).items() if not name.startswith("choices.")}
-    return Found(solution.seconds, errors, record | {"error.reference": exact.error})
-
-
-def refused(family: str, error: ValueError) -> Record:
-    """The record of a choice that the solver does not take."""
-    return {"family": family, "status": REFUSED, "reason": str(error)} | store.flatten(
-        {"provenance": provenance.provenance()}
-    )
-
-
 @dataclass(frozen=True)
 class Choice:
-    """A solve with everything chosen by hand. tolerance: None for the default; reference: see `families.exact`."""
+    """A solve with everything chosen by hand."""
+
+    kind: ClassVar[str] = "choice of the trade-off"
 
     family: str
+    """Of scenes, see `families.FAMILIES`."""
     method: str
+    """Of the solve."""
     precision: str
+    """Of the iteration."""
     tolerance: float | None
+    """Rms free residual over p to stop at (dimensionless); None for the default."""
     log2_points: int
+    """log2 of the number of grid points."""
     threads: int
+    """Of the transforms."""
     nested: bool
+    """Whether to start from the solution on coarser grids."""
     reference: int
+    """Points of the reference, see `families.exact`."""
 
     def run(self, report: Progress | None) -> Record:
         """Errors and times; a tolerance that the precision cannot reach is refused."""
@@ -103,7 +50,7 @@ class Choice:
             exact = families.exact(self.family, variant, self.reference)
             scene = families.make_scene(self.family, self.log2_points, self.precision, variant)
             method, nested, tolerance, threads = self.method, self.nested, self.tolerance, self.threads
-            return _of_solution(
+            return of_solution(
                 solve(scene, method=method, nested=nested, tolerance=tolerance, threads=threads, progress=report),
                 exact,
             )
@@ -127,12 +74,18 @@ class Choice:
 
 @dataclass(frozen=True)
 class Accuracy:
-    """Everything chosen by the solver for a relative error of the area; log2_points: of the finest grid allowed."""
+    """A solve with everything chosen by the solver, for a relative error of the area."""
+
+    kind: ClassVar[str] = "accuracy of the trade-off"
 
     family: str
+    """Of scenes, see `families.FAMILIES`."""
     accuracy: float
+    """The relative error asked for (dimensionless)."""
     log2_points: int
+    """log2 of the points of the finest grid allowed."""
     reference: int
+    """Points of the reference, see `families.exact`."""
 
     def run(self, report: Progress | None) -> Record:
         """Errors and times, with the time of a transform pair at 2^18 taken beside them."""
@@ -140,7 +93,7 @@ class Accuracy:
         def run(variant: int) -> Found:
             exact = families.exact(self.family, variant, self.reference)
             scene = families.make_scene(self.family, self.log2_points, variant=variant)
-            found = _of_solution(solve(scene, accuracy=self.accuracy, progress=report), exact)
+            found = of_solution(solve(scene, accuracy=self.accuracy, progress=report), exact)
             if found.record["method"] == "collocation":
                 found.errors["area_counted"] = math.nan  # nothing is counted
             return found
@@ -158,8 +111,12 @@ class Accuracy:
 class Oracle:
     """A smooth scene by collocation at a given number of nodes; the field is sampled, outside of the time."""
 
+    kind: ClassVar[str] = "oracle of the trade-off"
+
     family: str
+    """Of scenes, see `families.FAMILIES`."""
     num_nodes: int
+    """Of the collocation."""
 
     def run(self, _: Progress | None) -> Record:
         """Errors and times."""
@@ -185,11 +142,18 @@ class Oracle:
 class Peer:
     """Another code on the same grid, at a tolerance of its own."""
 
+    kind: ClassVar[str] = "peer of the trade-off"
+
     family: str
+    """Of scenes, see `families.FAMILIES`."""
     peer: str
+    """Its name."""
     log2_points: int
+    """log2 of the number of grid points."""
     tolerance: float
+    """The peer's own (dimensionless)."""
     reference: int
+    """Points of the reference, see `families.exact`."""
 
     def run(self, report: Progress | None) -> Record:
         """Errors and times; contact areas are counted, its set-up is part of the total time."""
@@ -211,19 +175,25 @@ class Peer:
 
 @dataclass(frozen=True)
 class Precisions:
-    """The precisions in turn, on one scene. tolerance: None for the time of an iteration, else that of a solve, and of
-    what comes before it on coarser grids, always in float64.
-    """
+    """The precisions in turn, on one scene."""
+
+    kind: ClassVar[str] = "precisions of the trade-off"
 
     family: str
+    """Of scenes, see `families.FAMILIES`."""
     method: str
+    """Of the solves."""
     log2_points: int
+    """log2 of the number of grid points."""
     tolerance: float | None
+    """None: an iteration is timed. Else a solve to this tolerance, and what comes before it on coarser grids, which are
+    always in float64."""
     rounds: int = 5
+    """How often they take turns."""
 
     def run(self, report: Progress | None) -> Record:
         """Seconds and transform pairs by precision, medians over the rounds, and whether all were certified."""
-        _warm_up()
+        warm_up()
         limited = self.tolerance is None
         names = ("float64", "mixed", "float32") if limited else ("float64", "mixed", "coarser")
         seconds: dict[str, list[float]] = {name: [] for name in names}
@@ -247,7 +217,7 @@ class Precisions:
         }
 
     def _solve(self, name: str, report: Progress | None) -> Solution:
-        """One of them."""
+        """Solve in one of the precisions, or on the coarser grids alone."""
         coarser, limited = name == "coarser", self.tolerance is None
         size, precision = self.log2_points - 2 * coarser, "float64" if coarser else name
         solution = solve(

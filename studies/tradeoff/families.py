@@ -10,7 +10,7 @@ from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, Statu
 from linecontact.solver.collocation import Asperity
 from numpy.typing import NDArray
 
-from ..tasks import Record
+from ..runner.tasks import Record
 
 Array64 = NDArray[np.float64]
 
@@ -37,13 +37,18 @@ _NODES, _RESOLUTION = 320, 80.0  # twice those that reach 1e-10
 
 @dataclass(frozen=True)
 class Exact:
-    """What counts as exact (dimensionless, L = E* = 1); pressure: of N -> field, shape (N,); error: of the area."""
+    """What counts as exact; all dimensionless, L = E* = 1."""
 
     contact_area: float
+    """a_r."""
     kappa: float
+    """kappa."""
     peak_pressure: float
+    """Largest contact pressure."""
     pressure: Callable[[int], Array64]
+    """From a number of points N to the contact pressure, shape (N,)."""
     error: float
+    """Relative error that is left in the contact area."""
 
     def errors(self, area_counted: float, area: float, kappa: float, peak: float, pressure: Array64) -> Record:
         """Relative errors, absolute values, by the names of `MEASURES`; pressure: field, shape (N,)."""
@@ -64,12 +69,15 @@ def is_rough(family: str) -> bool:
 
 
 def variants(family: str) -> range:
-    """Numbers of a family's variants, loads or surfaces: an edge that happens to be next to a node flatters nobody."""
+    """Numbers of a family's variants: slightly different loads, or surfaces.
+
+    With several of them, an edge that happens to lie next to a node makes no choice look better than it is.
+    """
     return range(len(_SEEDS if is_rough(family) else _SHIFTS))
 
 
 def make_scene(family: str, log2_points: int, precision: str = "float64", variant: int = 0) -> Scene:
-    """One of a family's scenes."""
+    """A scene of a family."""
     rough, thickness = FAMILIES[family]
     indenter = RoughIndenter(0.8, _SEEDS[variant], 1 / 8, 1 / 128) if rough else PowerIndenter()
     load = 1e-2 if rough else 2e-3 * _SHIFTS[variant]
@@ -85,7 +93,11 @@ def oracle(family: str, variant: int, num_nodes: int, resolution: float) -> Aspe
 
 @functools.cache
 def exact(family: str, variant: int, reference: int) -> Exact:
-    """The exact solution; reference: log2 of the points where there is no oracle, at a certified residual of 1e-8."""
+    """The exact solution of a family's scene.
+
+    reference: log2 of the points of the grid that stands in for it where there is no oracle, solved to a certified
+    residual of 1e-8.
+    """
     if not is_rough(family):
         found = oracle(family, variant, _NODES, _RESOLUTION)
 

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
-from .. import store
+from ..files.study_files import StudyFile
 from .families import FAMILIES
 
 Run = dict[str, Any]
@@ -21,27 +21,34 @@ FRONTS = {
 }
 """Errors that compete with each other. Those of kappa go with a_r's; the peak's change sign from grid to grid."""
 
+FIGURES = dict(zip(("", "-field"), FRONTS, strict=True))
+"""Which of the fronts each figure shows, by the ending of its name."""
+
 
 class Point(NamedTuple):
-    """A run with one of its errors (relative)."""
+    """A run with one of its errors."""
 
     seconds: float
+    """Time in all [s]."""
     error: float
+    """Relative error."""
     counted: bool
+    """Whether it is that of the area by counting nodes."""
     run: Run
+    """The run's record."""
 
     def value(self, axis: str) -> Any:
-        """Of what was chosen."""
+        """What the run has chosen on an axis."""
         return self.counted if axis == "counted" else self.run[axis]
 
 
-def runs_of(study: store.StudyFile, kind: str, family: str | None = None) -> list[Run]:
-    """Of one kind of task, and family."""
+def runs_of(study: StudyFile, kind: str, family: str | None = None) -> list[Run]:
+    """The runs of one kind of task, and of one family or of all."""
     return [run for run in study.runs if run["kind"] == kind and family in (None, run["family"])]
 
 
 def points(runs: Iterable[Run], what: str) -> list[Point]:
-    """Every certified run with each of its errors, as far as it has them; what: of `FRONTS`."""
+    """Every certified run with each of its errors, as far as it has them. what: one of `FRONTS`."""
     return [
         Point(run["seconds.total"], error, name == "area_counted", run)
         for run in runs
@@ -51,7 +58,7 @@ def points(runs: Iterable[Run], what: str) -> list[Point]:
 
 
 def front(candidates: Iterable[Point]) -> list[Point]:
-    """Fastest first, each with a smaller error than all that are faster; errors within `NEAR` are one."""
+    """The Pareto front, fastest first: each point has a smaller error than all faster ones, by more than `NEAR`."""
     best: list[Point] = []
     for point in sorted(candidates, key=lambda p: (p.seconds, p.error)):
         if not best or point.error * NEAR < best[-1].error:
@@ -60,37 +67,41 @@ def front(candidates: Iterable[Point]) -> list[Point]:
 
 
 def over_front(point: Point, best: Sequence[Point]) -> float:
-    """Its time over the front's at its error; nan beyond the front's least error."""
+    """The time of a point over the front's at its error; NaN beyond the front's least error."""
     return max((point.seconds / p.seconds for p in best if p.error <= NEAR * point.error), default=math.nan)
 
 
 def distance(point: Point, best: Sequence[Point]) -> float:
-    """Factor, in time and error, within which it comes of some point of the front; 1 is on it, or better."""
+    """The factor in time and error within which a point comes near the front; 1 for a point on it, or better."""
     return max(1.0, min(max(point.seconds / p.seconds, point.error / max(p.error, 1e-300)) for p in best))
 
 
 class Worth(NamedTuple):
-    """A value of an axis: its least distance from any front, and where; its points on those of the contact area; and
-    how many times as long the same areas take without it, at most, and at which point; inf where nothing else gets
-    there.
-    """
+    """What a value of an axis, one thing that can be chosen, is good for."""
 
     axis: str
+    """One of `AXES`."""
     value: Any
+    """The value."""
     distance: float
+    """Least distance of its points from any front, see `distance`."""
     where: str
+    """Front and family of that least distance, in words."""
     near: list[Point]
+    """Its points on the fronts of the contact area."""
     loss: float
+    """How many times as long the same areas take without it, at most; inf where nothing else gets there."""
     lost: Point
+    """The point at which it takes that long."""
 
     @property
     def never(self) -> bool:
-        """On no front."""
+        """Whether the value is on no front."""
         return self.distance > NEAR
 
 
-def worth(study: store.StudyFile) -> list[Worth]:
-    """Every value of every axis of the choices by hand, on the fronts of those."""
+def worth(study: StudyFile) -> list[Worth]:
+    """What every value of every axis is worth, on the fronts of the choices by hand."""
     rated: list[tuple[float, str, Point]] = []
     areas: list[tuple[list[Point], list[Point]]] = []
     for family in FAMILIES:
@@ -111,7 +122,7 @@ def worth(study: store.StudyFile) -> list[Worth]:
 
 
 def _loss(axis: str, value: Any, found: Sequence[Point], best: Sequence[Point]) -> tuple[float, Point]:
-    """Largest factor in time, and where, that doing without a value costs; inf where nothing else gets there."""
+    """The largest factor in time that doing without a value costs, and where; inf where nothing else gets there."""
     others = front(point for point in found if point.value(axis) != value)
     losses = [(1.0, best[0])]
     for point in best:

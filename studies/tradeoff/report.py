@@ -10,13 +10,14 @@ from linecontact.solver import Status
 from rich.console import RenderableType
 from rich.table import Table
 
-from .. import console, store
-from .choices import REFUSED
+from ..files.study_files import StudyFile
+from ..terminal import console
 from .families import FAMILIES, MEASURES, is_rough
 from .front import AXES, NEAR, Point, Run, Worth, front, over_front, points, runs_of, worth
+from .measuring import REFUSED
 
 
-def parts(study: store.StudyFile) -> Iterator[RenderableType]:
+def parts(study: StudyFile) -> Iterator[RenderableType]:
     """A table for each family, and the sentences."""
     for family in FAMILIES:
         if any(run["status"] == "converged" for run in runs_of(study, "choice", family)):
@@ -28,15 +29,15 @@ def parts(study: store.StudyFile) -> Iterator[RenderableType]:
     yield from not_certified(study)
 
 
-def paper_choice(study: store.StudyFile, family: str) -> Run | None:
-    """The published one: plain FIRE on one grid of 2^18 points, float64."""
+def paper_choice(study: StudyFile, family: str) -> Run | None:
+    """The run of the published choice: plain FIRE on one grid of 2^18 points, float64."""
     size, mine = study.configuration["paper"], runs_of(study, "choice", family)
     asked = {"method": "fire", "precision": "float64", "nested": False, "log2_points": size, "tolerance.asked": "1e-05"}
     return next((run for run in mine if all(run[name] == value for name, value in asked.items())), None)
 
 
-def front_table(study: store.StudyFile, family: str) -> Table:
-    """The front of the area of what is chosen by hand, and others beside it."""
+def front_table(study: StudyFile, family: str) -> Table:
+    """A table of the front of the area of what is chosen by hand, and of others beside it."""
     table = console.table(
         padding=0,
         title=f"{family}: the least time for an error of a_r",
@@ -58,8 +59,8 @@ def front_table(study: store.StudyFile, family: str) -> Table:
     return table
 
 
-def _beside(study: store.StudyFile, family: str) -> list[Point]:
-    """The published choice by counting, the peers, and the best of the oracle."""
+def _beside(study: StudyFile, family: str) -> list[Point]:
+    """The points shown beside the front: the published choice by counting, the peers, and the best of the oracle."""
     paper = paper_choice(study, family)
     chosen = [p for p in points([paper], "a_r") if p.counted] if paper else []
     peers = runs_of(study, "peer", family)
@@ -68,8 +69,8 @@ def _beside(study: store.StudyFile, family: str) -> list[Point]:
     return chosen + front(points(runs_of(study, "oracle", family), "a_r"))[-1:]
 
 
-def _asked(study: store.StudyFile, family: str) -> Iterator[tuple[str, Point]]:
-    """Solving to an accuracy; what gave the same solution is one row, with the fastest of the times."""
+def _asked(study: StudyFile, family: str) -> Iterator[tuple[str, Point]]:
+    """Rows on solving to an accuracy: one for all accuracies that gave the same solution, with the least time."""
     found = [p for p in points(runs_of(study, "accuracy", family), "a_r") if not p.counted]
     for (method, _), group in itertools.groupby(found, key=lambda p: (p.run["method"], p.run["log2_points"])):
         own = list(group)
@@ -78,7 +79,7 @@ def _asked(study: store.StudyFile, family: str) -> Iterator[tuple[str, Point]]:
 
 
 def _short(value: float, digits: int = 1) -> str:
-    """A number in few characters."""
+    """A number in a few characters."""
     return "-" if math.isnan(value) else f"{value:.{digits}e}".replace("e-0", "e-").replace("e+00", "")
 
 
@@ -109,7 +110,7 @@ def _choice(point: Point) -> str:
 
 
 def _name(axis: str, value: Any) -> str:
-    """A value in words."""
+    """A value of an axis in words."""
     if axis == "counted":
         return "counting nodes" if value else "sub-grid edges"
     if axis == "nested":
@@ -122,7 +123,7 @@ def _name(axis: str, value: Any) -> str:
 
 
 def never_worth(found: Sequence[Worth]) -> Iterator[str]:
-    """Which values are on no front; of the others, what they are good for."""
+    """Sentences on the values that are on no front, and on what the others are good for."""
     never = [w for w in found if w.never]
     if never:
         texts = [f"{_name(w.axis, w.value)} (off by {w.distance:.3g}: {w.where})" for w in never]
@@ -152,8 +153,8 @@ def never_worth(found: Sequence[Worth]) -> Iterator[str]:
             )
 
 
-def published(study: store.StudyFile) -> Iterator[str]:
-    """What is fastest at the published choice's error; an area to 1e-6 in units of transform pairs."""
+def published(study: StudyFile) -> Iterator[str]:
+    """Sentences on what is fastest at the published choice's error, and on the price of an area to 1e-6."""
     for family in FAMILIES:
         paper = paper_choice(study, family)
         if not paper or paper["status"] != "converged":
@@ -182,8 +183,8 @@ def published(study: store.StudyFile) -> Iterator[str]:
             )
 
 
-def precisions(study: store.StudyFile) -> Iterator[str]:
-    """The times of the precisions, taken in turn."""
+def precisions(study: StudyFile) -> Iterator[str]:
+    """Sentences on the times of the precisions."""
     for run in runs_of(study, "precisions"):
         where = f"{_name('method', run['method'])}, {run['family']}, 2^{run['log2_points']:.0f}"
         double, mixed = run["seconds.float64"], run["seconds.mixed"]
@@ -202,8 +203,8 @@ def precisions(study: store.StudyFile) -> Iterator[str]:
             )
 
 
-def random_scenes(study: store.StudyFile) -> Iterator[str]:
-    """How many met what was asked, who did not, and what the claims are worth."""
+def random_scenes(study: StudyFile) -> Iterator[str]:
+    """Sentences on how many random scenes met what was asked, which did not, and what the claims are worth."""
     runs = runs_of(study, "scene")
     if not runs:
         return
@@ -242,8 +243,8 @@ def _scene(run: Run) -> str:
     )
 
 
-def not_certified(study: store.StudyFile) -> Iterator[str]:
-    """Choices that were refused, or did not get there."""
+def not_certified(study: StudyFile) -> Iterator[str]:
+    """Sentences on choices that were refused, or did not converge."""
     runs = runs_of(study, "choice")
     no = [run for run in runs if run["status"] == REFUSED]
     if no:

@@ -3,14 +3,15 @@
 import math
 import time
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, Status, collocation, planner, solve
 from linecontact.solver.relaxation import Progress
 
-from .. import store
-from ..tasks import Record
-from .choices import refused
+from ..files import records
+from ..runner.tasks import Record
+from .measuring import refused
 
 KINDS = ("power", "rough")
 
@@ -35,11 +36,16 @@ def draw(kind: str, seed: int, log2_points: int) -> tuple[Scene, float]:
 
 @dataclass(frozen=True)
 class RandomScene:
-    """One of them; log2_points: of the finest grid allowed."""
+    """A random scene, solved to an accuracy."""
+
+    kind: ClassVar[str] = "random scene of the trade-off"
 
     scene_kind: str
+    """One of `KINDS`."""
     seed: int
+    """Of everything that is drawn."""
     log2_points: int
+    """log2 of the points of the finest grid allowed."""
 
     def run(self, report: Progress | None) -> Record:
         """What was asked, claimed, and true, and the time of the planner alone."""
@@ -61,7 +67,7 @@ class RandomScene:
             return own | refused(self.scene_kind, error)
         o = solution.observables
         truth, uncertain = true_area(scene, accuracy, solution.scene.num_points)
-        record = {name: v for name, v in store.run_record(solution).items() if not name.startswith("choices.")}
+        record = {name: v for name, v in records.run_record(solution).items() if not name.startswith("choices.")}
         return (
             record
             | own

@@ -1,0 +1,216 @@
+"""Files of others, read by a process of its own, with little memory and time, before this one touches them.
+
+HDF5's library crashes or never comes back on some broken files; such a file may also ask for other files, for plugins,
+or for more memory than there is; and the readers of instruments' formats promise nothing. This file is the script of
+that process, too: `python confined.py dataset | result | scan FILE [...]`, which imports no other module of ours.
+"""
+
+import contextlib
+import json
+import math
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    import h5py
+
+MEMORY = 4 * 2**30
+"""Bytes of data that the process may have, besides the size of the file."""
+SECONDS = 6
+"""Of processor time, and one more for each 64 MiB of the file; three times that by the clock."""
+
+_FILTERS = {1: "gzip", 2: "shuffle", 3: "fletcher32", 4: "szip", 5: "nbit", 6: "scaleoffset", 32000: "lzf"}
+_DEPTH = 3  # of groups in a result: lines/name/column
+_LEAST = 2**26  # bytes of a result that are allowed in any case
+_TEXT = 2**20  # bytes of an attribute
+
+
+class RefusedError(ValueError):
+    """A file that asks for what it must not; the message says what."""
+
+
+class BrokenError(ValueError):
+    """A file that its library cannot read; the message says why."""
+
+
+class Columns(NamedTuple):
+    """Numbers that the process has read."""
+
+    values: NDArray[Any]
+    """As the file has them."""
+    unit: str
+    """The file's own unit, empty if it names none."""
+
+
+def read_dataset(path: Path, most: int, name: str | None) -> NDArray[Any]:
+    """Read a dataset of up to `most` numbers of an HDF5 file; without a name its only one. Raises like `_run`."""
+    return _run("dataset", path, str(most), *([] if name is None else [name])).values
+
+
+def read_scan(path: Path, most: int) -> Columns:
+    """Read positions and heights of a line scan, shape (2, N), N up to `most`, and their unit. Raises like `_run`."""
+    return _run("scan", path, str(most))
+
+
+def check_result(path: Path) -> None:
+    """Read all of an HDF5 file of plain datasets, as results are. Raises like `_run`."""
+    _run("result", path)
+
+
+def _run(what: str, path: Path, *more: str) -> Columns:
+    """Have a file read by a process of its own. Raises `RefusedError` and `BrokenError`."""
+    seconds = SECONDS + path.stat().st_size // 2**26
+    # -P: nothing is imported from the folder of the file; "::": no plugin is loaded
+    command = [sys.executable, "-P", __file__, what, str(seconds), str(path), *more]
+    environment = os.environ | {"HDF5_PLUGIN_PRELOAD": "::", "OPENBLAS_NUM_THREADS": "1"}
+    quiet = subprocess.DEVNULL
+    try:
+        done = subprocess.run(
+            command, stdin=quiet, stdout=subprocess.PIPE, stderr=quiet, env=environment, timeout=3 * seconds
+        )
+    except subprocess.TimeoutExpired:
+        raise BrokenError(f"its library did not come back within {3 * seconds} s") from None
+    head = done.stdout[: done.stdout.find(b"\n") + 1]
+    if done.returncode or not head:
+        raise BrokenError(f"its library crashed, or took more than {seconds} s or {MEMORY >> 30} GiB")
+    answer = json.loads(head)
+    if "refused" in answer:
+        raise RefusedError(answer["refused"])
+    if "broken" in answer:
+        raise BrokenError(answer["broken"])
+    values = np.frombuffer(done.stdout, answer["dtype"], offset=len(head))
+    return Columns(values.reshape(answer["shape"]), answer["unit"])
+
+
+def _dataset(path: str, most: str, name: str | None = None) -> Columns:
+    import h5py
+
+    with h5py.File(path, "r") as file:
+        names: list[str] = []
+        # links to elsewhere are not followed
+        file.visititems(lambda key, item: names.append(key) if isinstance(item, h5py.Dataset) else None)
+        if name is None and len(names) == 1:
+            name = names[0]
+        if name not in names:
+            some = ", ".join(names[:20]) + (", ..." if len(names) > 20 else "")
+            raise RefusedError(
+                f"profile_dataset is {'missing' if name is None else repr(name)}; allowed: {some}, of {path}"
+                if names
+                else f"profile_file {path} holds no dataset; allowed: one of numbers, in the file itself"
+            )
+        data = file[name]
+        if data.shape is None or data.dtype.kind not in "fiu":
+            raise RefusedError(f"profile_dataset is {name!r}, which is not an array of numbers")
+        if math.prod(data.shape) > int(most):
+            raise RefusedError(f"profile_dataset is {name!r} of shape {data.shape}; allowed: up to {most} numbers")
+        _check_storage(data, f"profile_dataset is {name!r}", 16 * int(most))
+        return Columns(data[()], "")
+
+
+def _check_storage(data: "h5py.Dataset", what: str, most: int) -> None:
+    """Refuse what is not in the file itself, or more than `most` bytes."""
+    if data.is_virtual or data.external:
+        raise RefusedError(f"{what}, which is kept in other files; allowed: data in the file itself")
+    properties = data.id.get_create_plist()
+    filters = [properties.get_filter(i)[0] for i in range(properties.get_nfilters())]
+    if not set(filters) <= set(_FILTERS):
+        raise RefusedError(f"{what}, packed by filters {filters}; allowed: {', '.join(_FILTERS.values())}")
+    size = max(math.prod(data.shape), math.prod(data.chunks or ())) * data.dtype.itemsize
+    if size > most:
+        raise RefusedError(f"{what} of {size} bytes, chunks included; allowed: up to {most}")
+
+
+def _result(path: str) -> Columns:
+    """Read a whole result: all must be hard links, numbers and text, and not much larger than the file."""
+    import h5py
+
+    most = max(_LEAST, 2 * os.path.getsize(path))
+    declared = 0
+
+    def look(group: "h5py.Group", depth: int) -> None:
+        nonlocal declared
+        _check_attributes(group)
+        for name in group:
+            what = f"{group.name}: {name!r}"
+            if not isinstance(group.get(name, getlink=True), h5py.HardLink):
+                raise RefusedError(f"{what} is a link; allowed: groups and datasets")
+            item = group[name]
+            if isinstance(item, h5py.Group) and depth < _DEPTH:
+                look(item, depth + 1)
+            elif not isinstance(item, h5py.Dataset) or item.shape is None or item.dtype.kind not in "biufS":
+                raise RefusedError(f"{what} is neither numbers nor text; allowed: those, at most {_DEPTH} groups deep")
+            else:
+                declared += math.prod(item.shape) * item.dtype.itemsize
+                _check_storage(item, what, most)
+                if declared > most:
+                    raise RefusedError(f"{what} makes it {declared} bytes; allowed: up to {most}")
+                _check_attributes(item)
+                item[()]
+
+    with h5py.File(path, "r") as file:
+        look(file, 1)
+    return Columns(np.zeros(0), "")
+
+
+def _check_attributes(item: "h5py.Group | h5py.Dataset") -> None:
+    import h5py
+
+    for name in item.attrs:
+        kind = item.attrs.get_id(name)
+        text = h5py.check_string_dtype(kind.dtype) is not None
+        if kind.shape != () or not (text or kind.dtype.kind in "biuf"):
+            raise RefusedError(f"{item.name}: attribute {name!r} is neither a number nor text")
+        if text and len(item.attrs[name]) > _TEXT:
+            raise RefusedError(f"{item.name}: attribute {name!r} is too long; allowed: up to {_TEXT} bytes")
+
+
+def _scan(path: str, most: str) -> Columns:
+    import SurfaceTopography
+
+    scan = SurfaceTopography.read_topography(path)
+    if scan.dim != 1:
+        raise BrokenError("it is a map; allowed: a line scan")
+    if scan.nb_grid_pts[0] > int(most):
+        raise BrokenError(f"it holds {scan.nb_grid_pts[0]} values; allowed: up to {most}")
+    z: NDArray[Any] = np.ma.filled(np.ma.asarray(scan.heights(), float), np.nan)
+    return Columns(np.stack([np.asarray(scan.positions(), float), z]), str(scan.unit or ""))
+
+
+def _limit(seconds: int, memory: int) -> None:
+    with contextlib.suppress(ImportError, ValueError, OSError):  # not POSIX, or a tighter limit already
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
+        resource.setrlimit(resource.RLIMIT_DATA, (memory, memory))
+
+
+def _main(what: str, seconds: str, *arguments: str) -> None:
+    """What the process does: answer on standard output with a line of JSON, then the values."""
+    output = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)  # what libraries print is no answer
+    _limit(int(seconds), MEMORY + os.path.getsize(arguments[0]))
+    tasks: dict[str, Callable[..., Columns]] = {"dataset": _dataset, "result": _result, "scan": _scan}
+    values = np.zeros(0)
+    answer: dict[str, Any]
+    try:
+        values, unit = tasks[what](*arguments)
+        answer = {"unit": unit, "dtype": values.dtype.str, "shape": values.shape}
+    except RefusedError as error:
+        answer = {"refused": str(error)}
+    except Exception as error:  # libraries raise anything
+        answer = {"broken": " ".join(f"{error or type(error).__name__}".split())[:200]}
+    output.write(json.dumps(answer).encode() + b"\n")
+    output.write(values.tobytes())
+    output.close()
+
+
+if __name__ == "__main__":
+    _main(*sys.argv[1:])

@@ -1,0 +1,112 @@
+"""HDF5 files with a checksum: what solution files and study files have in common.
+
+Before the HDF5 part, as its user block, stands the SHA-256 of all that follows. A file is read only if the checksum
+fits and, unless this process has written it, after a process of its own has read it without harm (`confined`): a
+checksum keeps damage away but no malice, and HDF5's library does not survive every file.
+"""
+
+import contextlib
+import hashlib
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..terminal import console
+from . import confined
+from .writing import DamagedError, StoreError, write_bytes
+
+if TYPE_CHECKING:  # h5py is imported where a file is opened: much of the program never opens one
+    import h5py
+
+_HEAD = 512  # bytes of HDF5's user block
+_MAX_TEXT = 10_000  # characters of a stored text that are kept
+
+_sound: set[str] = set()  # checksums of what this process has written or checked
+
+
+@contextlib.contextmanager
+def new_file(path: Path) -> Iterator["h5py.File"]:
+    """An HDF5 file that appears under `path` only when it is complete. Raises `StoreError` if it cannot be written.
+
+    HDF5 builds it in memory, because its library does not survive a full disk.
+    """
+    import h5py
+
+    with h5py.File(path.name, "w", driver="core", backing_store=False) as file:
+        yield file
+        file.flush()
+        image = file.id.get_file_image()
+    digest = hashlib.sha256(image).hexdigest()
+    write_bytes(path, head(digest), image)
+    _sound.add(digest)
+
+
+@contextlib.contextmanager
+def open_file(path: Path) -> Iterator["h5py.File"]:
+    """Read an HDF5 file; raises `StoreError` for a missing or foreign one, `DamagedError` for a damaged one.
+
+    A file is also damaged if the reader does not find in it what it looks for.
+    """
+    if not os.path.isfile(path):  # Path's own raises for some names
+        what = "is no regular file" if os.path.lexists(path) else "does not exist"
+        raise StoreError(f"file {path} {what}; allowed: an HDF5 file")
+    try:
+        digest = _verify(path)
+        if digest not in _sound:
+            confined.check_result(path)
+            _sound.add(digest)
+        import h5py
+
+        with h5py.File(path, "r") as file:
+            yield file
+    except StoreError:
+        raise
+    except Exception as error:
+        reason = f"{type(error).__name__}: {error}"
+        raise DamagedError(f"file {path} is damaged or not one of linecontact's HDF5 files, {reason}") from error
+
+
+def _verify(path: Path) -> str:
+    """The file's checksum, before HDF5 sees the file. Raises `StoreError` if it does not fit what is stored."""
+    try:
+        with path.open("rb") as file:
+            start = file.read(_HEAD)
+            digest = hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError as error:
+        raise StoreError(f"file {path} cannot be read ({error.strerror})") from None
+    if start == head(digest):
+        return digest
+    expected = head("")[:40]
+    alike = sum(a == b for a, b in zip(start, expected, strict=False))
+    if any(start) and alike < min(len(start), len(expected)) - 2:  # zeros or a few flipped bits make no stranger of it
+        raise StoreError(f"file {path} is not one of linecontact's HDF5 files; allowed: another name")
+    raise DamagedError(f"file {path} is damaged: its checksum does not fit")
+
+
+def head(digest: str) -> bytes:
+    """The user block of a file whose HDF5 part has the SHA-256 `digest`."""
+    return f"linecontact, SHA-256 of all but these {_HEAD} bytes: {digest}\n".encode().ljust(_HEAD, b"\0")
+
+
+def file_kind(path: Path) -> str:
+    """'solution' or the study's name. Raises like `open_file`."""
+    with open_file(path) as file:
+        return str(file.attrs["kind"])
+
+
+def column_of_numbers(dataset: "h5py.Dataset") -> NDArray[np.float64]:
+    """The values of a dataset, shape (its length,). Raises `ValueError` if it is no column of numbers."""
+    if dataset.ndim != 1 or dataset.dtype.kind != "f":
+        raise ValueError(f"{dataset.name} is no column of numbers")
+    return np.asarray(dataset[:], dtype=np.float64)
+
+
+def scalar(value: Any) -> Any:
+    """A stored number or text as Python has it; of text no more than the terminal and figures can show."""
+    value = value.item() if isinstance(value, np.generic) else value
+    value = value.decode("utf-8", "replace") if isinstance(value, bytes) else value
+    return console.printable(value[:_MAX_TEXT]) if isinstance(value, str) else value

@@ -1,0 +1,69 @@
+"""Records: what is kept of a solution or a task, as one flat dictionary of numbers and texts that fits into JSON.
+
+JSON has no infinity and no NaN. In a record they are the texts 'inf', '-inf' and 'nan'; `plain` makes these texts, and
+`is_text` tells them from other texts.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from linecontact.solver import Solution
+
+RESULTS_VERSION = 2
+"""To be raised whenever the same task gives other results: they must not be mixed."""
+
+UNITS = {
+    "x": "length",
+    "displacement": "length",
+    "contact_pressure": "pressure",
+    "thickness": "length",
+    "radius": "length",
+    "period": "length",
+    "approach": "length",
+    "peak_pressure": "pressure",
+    "pressure": "pressure",
+    "contact_modulus": "pressure",
+}
+"""Units by the last part of a name; 'seconds.*' is in seconds, 'bytes.*' in bytes, everything else dimensionless."""
+
+_NOT_FINITE = ("inf", "-inf", "nan")
+
+
+def unit(name: str) -> str:
+    """Unit of a stored quantity."""
+    if name == "profile":  # the heights; scene.profile is the indenter's name
+        return "length"
+    if name.startswith("bytes."):
+        return "byte"
+    return "s" if "seconds." in name else UNITS.get(name.rsplit(".", 1)[-1], "1")
+
+
+def flatten(record: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    """Nested dictionaries as one, names joined by dots."""
+    flat: dict[str, Any] = {}
+    for name, value in record.items():
+        if isinstance(value, Mapping):
+            flat |= flatten(value, f"{prefix}{name}.")
+        else:
+            flat[prefix + name] = value
+    return flat
+
+
+def plain(value: Any) -> Any:
+    """The same value for JSON: tuples as lists, infinities and NaN as text."""
+    if isinstance(value, Mapping):
+        return {name: plain(item) for name, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(item) for item in value]
+    return str(value) if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def is_text(value: Any) -> bool:
+    """Whether a value is a text, and not an infinity or NaN that `plain` has made a text of."""
+    return isinstance(value, str) and value not in _NOT_FINITE
+
+
+def run_record(solution: Solution) -> dict[str, Any]:
+    """The flat record of a solution in a study: its JSON without the coarser grids, which differ in number."""
+    return flatten({name: value for name, value in solution.to_dict().items() if name != "levels"})

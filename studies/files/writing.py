@@ -1,0 +1,113 @@
+"""Files and folders written safely: beside the final name first and then renamed, so never left half written.
+
+What cannot be read or written raises `StoreError`, whose message names the file and says what is allowed.
+"""
+
+import contextlib
+import itertools
+import os
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from ..terminal import console
+
+MAX_NAME = 200
+"""Bytes of a file's name: most systems take 255, and the names of other files are made from it."""
+
+_UMASK = os.umask(0)
+os.umask(_UMASK)
+
+
+class StoreError(ValueError):
+    """A file that cannot be read or written as asked; the message names it."""
+
+
+class DamagedError(StoreError):
+    """A file of linecontact that is not what was written."""
+
+
+def make_folder(folder: Path) -> None:
+    """Make `folder` and its parents; raises `StoreError` if that is impossible."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise StoreError(f"folder {folder} cannot be made ({error.strerror}); allowed: a writable place") from None
+
+
+def check_target(path: Path, overwrite: bool) -> None:
+    """Raise `StoreError` before any work if `path` cannot become a new file."""
+    if len(os.fsencode(path.name)) > MAX_NAME:
+        raise StoreError(f"file {path} has a name longer than {MAX_NAME} bytes; allowed: a shorter one")
+    if path.is_dir():
+        raise StoreError(f"file {path} is a folder; allowed: the name of a file")
+    if path.exists() and not path.is_file():
+        raise StoreError(f"file {path} is not a regular file; allowed: the name of a file")
+    if path.exists() and not overwrite:
+        raise StoreError(f"file {path} exists; allowed: a new name, or overwriting it by --overwrite")
+    if not path.parent.is_dir():
+        raise StoreError(f"folder {path.parent} of file {path.name} does not exist; allowed: an existing folder")
+    check_folder(path.parent)
+
+
+def check_folder(folder: Path) -> None:
+    """Raise `StoreError` if nothing can be written there."""
+    try:
+        tempfile.TemporaryFile(dir=folder).close()
+    except OSError as error:
+        reason = f"cannot be written to ({error.strerror})"
+        raise StoreError(f"folder {folder} {reason}; allowed: a writable folder") from None
+
+
+def write_bytes(path: Path, *parts: bytes) -> None:
+    """Write a file beside its final name and rename it; a link is followed. Raises `StoreError`."""
+    path = path.resolve()
+    try:
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
+        temporary = Path(name)
+        try:
+            with os.fdopen(handle, "wb") as target:
+                target.writelines(parts)
+                target.flush()
+                os.fsync(target.fileno())
+            temporary.chmod(0o666 & ~_UMASK)
+            temporary.replace(path)
+        finally:
+            temporary.unlink(missing_ok=True)
+    except OSError as error:
+        raise StoreError(f"file {path} could not be written: {error}") from error
+
+
+def remove(*paths: Path) -> None:
+    """Remove files that may be there. Raises `StoreError` if that is impossible."""
+    for path in paths:
+        try:
+            path.unlink(missing_ok=True)
+        except OSError as error:
+            raise StoreError(f"file {path} cannot be removed ({error.strerror})") from None
+
+
+def set_aside(path: Path) -> None:
+    """Rename a damaged file and say so. Raises `StoreError` if that is impossible."""
+    ends = itertools.chain([".damaged"], (f".damaged.{k}" for k in itertools.count(2)))
+    aside = next(aside for end in ends if not (aside := path.with_name(path.name + end)).exists())
+    try:
+        path.replace(aside)
+    except OSError as error:
+        raise StoreError(f"file {path} is damaged and cannot be set aside ({error.strerror})") from None
+    console.errors.print(f"file {path} is damaged; it is set aside as {aside.name}, its part is done again")
+
+
+@contextlib.contextmanager
+def expecting(where: Path) -> Iterator[None]:
+    """Turn any error inside the block into a `StoreError` that names `where`, the file or folder that was read.
+
+    For blocks that work with what a file holds: a right checksum does not say that its contents make sense.
+    """
+    try:
+        yield
+    except (StoreError, OSError):
+        raise
+    except Exception as error:
+        reason = f"does not hold what linecontact writes there, {type(error).__name__}: {error}"
+        raise StoreError(f"{where} {reason}; allowed: another one, or to make it anew") from error

@@ -1,0 +1,70 @@
+"""The report of the whole paper: Markdown, and one HTML page that holds its figures."""
+
+import base64
+from collections.abc import Sequence
+from pathlib import Path
+
+from markdown_it import MarkdownIt
+from rich.table import Table
+
+from ..files import writing
+from .statements import Statement
+
+_STYLE = """
+body { max-width: 60em; margin: 2em auto; padding: 0 1em; font: 16px/1.5 system-ui, sans-serif; color: #222; }
+img { max-width: 100%; }
+table { border-collapse: collapse; font-size: 14px; margin: 1em 0; display: block; overflow-x: auto; }
+th, td { border-bottom: 1px solid #ccc; padding: 0.25em 0.6em; text-align: left; vertical-align: top; }
+h1, h2 { line-height: 1.2; }
+"""
+
+
+def table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A Markdown table."""
+    lines = [list(headings), ["---"] * len(headings), *rows]
+    cells = [[cell.replace("\n", " ").replace("|", "\\|") for cell in line] for line in lines]
+    return "\n".join(f"| {' | '.join(line)} |" for line in cells)
+
+
+def from_rich(source: Table) -> str:
+    """The Markdown of a table that the terminal shows, title and caption included."""
+    columns = [[str(cell) for cell in column.cells] for column in source.columns]
+    headings = [str(column.header).replace("-\n", "-") for column in source.columns]
+    body = table(headings, list(zip(*columns, strict=True)))
+    title, caption = (str(text or "").replace("*", "\\*") for text in (source.title, source.caption))
+    return f"**{title}**\n\n{body}\n\n{caption}"
+
+
+_RULE = (
+    "All values are dimensionless unless a unit is given. After +-: for single profiles an estimate of the error, for "
+    "rough surfaces the standard error over the surfaces. A statement *holds* if the measured value is within two such "
+    "errors, and half a digit of what was published; it *holds within x* up to 5 %; else it does not hold."
+)
+
+
+def page(title: str, made: str, statements: Sequence[Statement], parts: Sequence[str]) -> str:
+    """The report in Markdown: first what was said and what was found, then the studies one by one.
+
+    made: a sentence on what the report was made from. parts: Markdown of the studies.
+    """
+    rows = [(s.text, s.published, s.measured, f"**{s.verdict}**", s.remark) for s in statements]
+    head = table(("statement", "published", "measured", "verdict", "remark"), rows)
+    return "\n\n".join([f"# {title}", made, _RULE, head, *parts]) + "\n"
+
+
+def write(folder: Path, text: str) -> tuple[Path, Path]:
+    """Write report.md and report.html beside the figures that the text shows, unless they are there already."""
+    shown = MarkdownIt("commonmark").enable("table").render(text)
+    title = text.partition("\n")[0].lstrip("# ")
+    for image in folder.glob("*.png"):
+        data = base64.b64encode(image.read_bytes()).decode()
+        shown = shown.replace(f'src="{image.name}"', f'src="data:image/png;base64,{data}"')
+    shown = (
+        f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>{title}</title>\n'
+        f"<style>{_STYLE}</style>\n</head>\n<body>\n{shown}</body>\n</html>\n"
+    )
+    files = folder / "report.md", folder / "report.html"
+    for file, content in zip(files, (text.encode(), shown.encode()), strict=True):
+        if not file.is_file() or file.read_bytes() != content:
+            writing.write_bytes(file, content)
+    return files

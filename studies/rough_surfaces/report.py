@@ -1,0 +1,72 @@
+"""The report of the study of rough surfaces: a table, and the values on the half-space."""
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from rich.console import RenderableType
+from rich.table import Table
+
+from ..files.study_files import StudyFile
+from ..terminal import console
+from . import means
+
+
+def summary(file: StudyFile) -> Table:
+    """The closing table: one row per Hurst exponent and Poisson's ratio."""
+    c = file.configuration
+    table = console.table(
+        title=f"rough, {c['num_points']} points, p = {c['pressure']:g} E*, {c['realisations']} realisations",
+        caption="ok: runs certified at the tolerance; M: mean number of patches from the thickest to the thinnest "
+        "layer; y: (kappa_d/kappa_inf)/(d/a_r) at the thinnest, mean and standard error, and over the single patch's "
+        "2 sqrt(3) (1-2nu)/(1-nu)^2/kappa_inf; alone: share of realisations with one patch there; s: seconds of "
+        "solving in all. Sub-grid areas. Rows with nu = -: the half-space. All but s dimensionless.",
+    )
+    for heading in ("H", "nu", "ok", "M", "y", "y/single", "alone", "s"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    every = list(means.points(file))
+    for hurst in dict.fromkeys(p.hurst for p in every):
+        kappa = means.Mean.of(np.array(list(means.half_space(file, hurst).values())))
+        table.add_row(f"{hurst:g}", "-", *_half_space_row(file, hurst))
+        for nu in dict.fromkeys(p.poisson_ratio for p in every):
+            own = [p for p in every if (p.hurst, p.poisson_ratio) == (hurst, nu)]
+            if not own:
+                continue
+            runs = file.select("scene.hurst", hurst).select("scene.poisson_ratio", nu)
+            layers = [run for run in runs.runs if math.isfinite(run["scene.thickness"])]
+            thin = min(own, key=lambda p: p.thickness)
+            alone = [run["num_patches"] == 1 for run in layers if run["scene.thickness"] == thin.thickness]
+            table.add_row(
+                f"{hurst:g}",
+                f"{nu:g}",
+                f"{sum(run['status'] == 'converged' for run in layers)}/{len(layers)}",
+                f"{own[0].patches.value:.3g} to {thin.patches.value:.3g}",
+                str(thin.slope),
+                f"{thin.slope.value / means.single_patch(nu, kappa.value):.3g}",
+                f"{np.mean(alone):.2f}",
+                f"{sum(run['seconds.total'] for run in layers):.0f}",
+            )
+    return table
+
+
+def _half_space_row(file: StudyFile, hurst: float) -> tuple[str, ...]:
+    runs = [run for run in file.select("scene.hurst", hurst).runs if math.isinf(run["scene.thickness"])]
+    ok = sum(run["status"] == "converged" for run in runs)
+    patches = means.Mean.of(np.array([run["num_patches"] for run in runs]))
+    return f"{ok}/{len(runs)}", f"{patches.value:.3g}", "", "", "", f"{sum(run['seconds.total'] for run in runs):.0f}"
+
+
+def kappas(file: StudyFile) -> str:
+    """kappa_inf with its standard error, for every Hurst exponent."""
+    parts = []
+    for hurst in file.configuration["hursts"]:
+        values = [np.array(list(means.half_space(file, hurst, name).values())) for name in ("kappa_subgrid", "kappa")]
+        if values[0].size:
+            parts.append(f"H = {hurst:g}: {means.Mean.of(values[0])} (counted {means.Mean.of(values[1])})")
+    return f"kappa_inf of the same surfaces (published: {means.PUBLISHED_KAPPA}), dimensionless: {'; '.join(parts)}."
+
+
+def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
+    """For each file a table, and a sentence on the values on the half-space."""
+    return [part for file in files.values() for part in (summary(file), kappas(file))]

@@ -1,0 +1,19 @@
+"""Draws any stored file: a solution, or a study's file by the drawing that its study carries."""
+
+from pathlib import Path
+
+from .. import STUDIES
+from ..figures import saving, solution
+from ..files import hdf5, solution_files, writing
+from .study import find
+
+
+def draw(path: Path) -> list[Path]:
+    """Draw everything that a stored file has figures for; returns the figures' files. Raises `StoreError`."""
+    kind = hdf5.file_kind(path)
+    if kind == solution_files.KIND:
+        return saving.save(path, solution.draw)
+    if kind not in STUDIES:
+        allowed = ", ".join((*STUDIES, solution_files.KIND))
+        raise writing.StoreError(f"file {path} is of kind {kind!r}; allowed: {allowed}")
+    return saving.save(path, find(kind).draw)

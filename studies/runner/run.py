@@ -1,0 +1,132 @@
+"""Runs a study as its user asked: does its tasks, stores their records, draws the figures and shows the report."""
+
+import contextlib
+import math
+import time
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+
+from ..figures.names import names
+from ..figures.style import NothingToDraw
+from ..files import study_files, writing
+from ..files.study_files import StudyFile
+from ..terminal import console
+from . import executors
+from .ensemble import Ensemble
+from .study import Options, Plan, Study
+from .tasks import TaskFolder, lock
+
+Files = dict[str, StudyFile]
+
+
+def run_study(study: Study, options: Options) -> int:
+    """Run a study into one folder, draw it, and show its report; returns the exit status.
+
+    Raises `ValueError` for options that the study or the executors cannot use, and for a folder that cannot be used.
+    """
+    begin = time.monotonic()
+    plans, folder = study.plans(options), study.folder(options)
+    executors.check(options.workers, options.memory, options.scheduler)
+    writing.make_folder(folder)
+    writing.check_folder(folder)
+    with lock(folder):
+        files = {} if options.overwrite else _finished(plans, folder)
+        computed = len(files) < len(plans)
+        if computed:
+            files = _compute(plans, options, folder)
+        figures = _draw(study, plans, files, folder, computed)
+        with writing.expecting(folder):
+            parts = study.report(files, folder)
+    output = console.Output()
+    for part in parts:
+        output.print(part, soft_wrap=isinstance(part, str), highlight=False)
+    output.print(f"{time.monotonic() - begin:.1f} s in all." if computed else "Finished before; nothing computed.")
+    output.print(f"Data: {', '.join(str(plan.path(folder)) for plan in plans)}", soft_wrap=True)
+    output.print(f"Figures: {', '.join(map(str, figures))}", soft_wrap=True)
+    return _exit_status(study, files.values())
+
+
+def _exit_status(study: Study, files: Iterable[StudyFile]) -> int:
+    """4 if any task failed or there is a defect, 3 if any run is not certified at its tolerance, else 0."""
+    status = 0
+    for file in files:
+        for task, reason in file.failures.items():
+            console.errors.print(f"linecontact: {file.kind}: task {task} failed: {reason}")
+            status = console.EXIT_FAILED
+        for defect in study.defects(file):
+            console.errors.print(f"linecontact: {file.kind}: defect: {defect}")
+            status = console.EXIT_FAILED
+        unconverged = any(run.get("status", "converged") != "converged" for run in file.runs)
+        if unconverged and not status and not study.may_not_converge:
+            status = console.EXIT_NOT_CONVERGED
+    return status
+
+
+def _finished(plans: Sequence[Plan], folder: Path) -> Files:
+    files = {plan.kind: study_files.finished(plan.path(folder), plan.kind, plan.configuration) for plan in plans}
+    return {kind: file for kind, file in files.items() if file}
+
+
+def _compute(plans: Sequence[Plan], options: Options, folder: Path) -> Files:
+    """All tasks of all plans together; what is done is collected also when the run is cut short."""
+    ensemble: Ensemble
+
+    def report(iteration: int, residual: float) -> None:
+        known = "" if math.isnan(residual) else f", residual {residual:.1e}"
+        bar.show(ensemble.share, f"{ensemble}; iteration {iteration}{known}")
+
+    with executors.choose(options.workers, options.memory, options.scheduler, report) as pool:
+        with writing.expecting(folder):
+            ensemble = _begin(plans, options, folder)
+        with console.Bar(", ".join(plan.kind for plan in plans)) as bar:
+            bar.start = ensemble.share
+            try:
+                ensemble.run(pool.make, pool.limit, lambda _: bar.show(ensemble.share, str(ensemble)))
+            except BaseException:
+                with contextlib.suppress(writing.StoreError):  # a full disk: the tasks' files are there
+                    _save(plans, ensemble, folder)
+                raise
+    return _save(plans, ensemble, folder)
+
+
+def _begin(plans: Sequence[Plan], options: Options, folder: Path) -> Ensemble:
+    """The tasks of all plans, with the records that former runs have left."""
+    results = TaskFolder(folder / "tasks")
+    # what a killed process has left unfinished
+    writing.remove(*folder.glob(".*.part"), *results.folder.glob(".*.part"))
+    tasks = [task for plan in plans for task in plan.tasks]
+    if options.overwrite:
+        writing.remove(*(plan.path(folder) for plan in plans))
+        results.forget(tasks)
+    ensemble = Ensemble(tasks, results)
+    if ensemble.found:
+        console.errors.print(f"continuing: {ensemble.found} of {len(ensemble.tasks)} tasks are done")
+    return ensemble
+
+
+def _save(plans: Sequence[Plan], ensemble: Ensemble, folder: Path) -> Files:
+    """Collect the records and write the files; what is shown is what was written."""
+    with writing.expecting(folder):
+        for plan in plans:
+            study_files.save_study(plan.path(folder), plan.collect(ensemble.records, ensemble.failures))
+    return {plan.kind: study_files.load_study(plan.path(folder)) for plan in plans}
+
+
+def _draw(study: Study, plans: Sequence[Plan], files: Mapping[str, StudyFile], folder: Path, new: bool) -> list[Path]:
+    """Figures of everything that was computed anew, or that has none yet; returns the files of all figures."""
+    drawn: list[Path] = []
+    for plan in plans:
+        path = plan.path(folder)
+        figures = names(path, plan.figures)
+        written = path.stat().st_mtime_ns
+        there = all(figure.is_file() and figure.stat().st_mtime_ns >= written for figure in figures)
+        if figures and files[plan.kind].runs and (new or not there):
+            from ..figures import saving  # matplotlib takes its time
+
+            try:
+                figures = saving.save(path, study.draw)
+            except NothingToDraw as error:
+                console.errors.print(f"{plan.kind}: {error}")
+                figures = []
+        drawn += figures
+    return drawn

@@ -1,0 +1,137 @@
+"""What a study must offer, once, in words and types; and how a study is found by its name.
+
+A study's module holds its instance of `Study` as `STUDY`, the class of its options as `Options`, and
+`command(options) -> int`, which runs it, most often by `run.run_study`. Its line in `linecontact.studies.STUDIES` is
+all that the rest of the program needs to know of it.
+"""
+
+import importlib
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rich.console import RenderableType
+
+from .. import STUDIES
+from ..files.study_files import StudyFile
+from . import executors
+from .tasks import Record, Task, identity
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True)
+class Options:
+    """What every study can be asked for."""
+
+    folder: Path | None = None
+    """Where data and figures go; default: results/ and the study's name."""
+    workers: int = executors.usable_cores()
+    """Processes of one thread each, 1 to 1024; with 1 everything happens in this one. Default: the usable cores."""
+    memory: float | None = None
+    """Budget of each worker process [GiB]; default: what is free at the start, shared among them."""
+    scheduler: str | None = None
+    """Address of a Dask scheduler to use instead of processes, like tcp://host:8786."""
+    overwrite: bool = False
+    """Start anew even if there are results."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The tasks whose records make one file, as a study plans them for what the user asked."""
+
+    kind: str
+    """Name of the study that draws the file, and of the file."""
+    configuration: dict[str, Any]
+    """What the user chose, fit for JSON."""
+    runs: Sequence[Task]
+    """Tasks whose records are the rows of the file."""
+    lines: Mapping[str, Task] = field(default_factory=dict)
+    """Tasks that make reference curves, by the curve's name; their records are columns."""
+    figures: Collection[str] = ("",)
+    """Endings of the names of the file's figures; none for a file that is not drawn."""
+
+    @property
+    def tasks(self) -> list[Task]:
+        """Everything there is to do."""
+        return [*self.lines.values(), *self.runs]
+
+    def path(self, folder: Path) -> Path:
+        """The file."""
+        return folder / f"{self.kind}.h5"
+
+    def collect(self, records: Mapping[Task, Record], failures: Mapping[Task, str]) -> StudyFile:
+        """The file's contents as far as the tasks are done."""
+        own = set(self.tasks)
+        return StudyFile(
+            kind=self.kind,
+            configuration=self.configuration,
+            runs=[records[task] | {"task": identity(task)} for task in self.runs if task in records],
+            lines={name: records[task] for name, task in self.lines.items() if task in records},
+            failures={identity(task): reason for task, reason in failures.items() if task in own},
+            complete=own <= records.keys(),
+        )
+
+
+def _no_defects(_: StudyFile) -> Sequence[str]:
+    return ()
+
+
+_REQUIRED: Any = None  # the default of what a study must offer: a study without it is refused in plain words
+
+
+@dataclass(frozen=True, kw_only=True)
+class Study:
+    """What a study must offer. Raises `ValueError` for a study that does not, naming what is missing."""
+
+    name: str = _REQUIRED
+    """On the command line, and of the folder that its results go to."""
+    options: type[Options] = _REQUIRED
+    """What the user can ask for: a frozen dataclass. Its docstring is the help text of the command, and so are those
+    of its fields. With a field `quick` that is true, the default folder ends in -quick."""
+    plans: Callable[[Any], Sequence[Plan]] = _REQUIRED
+    """From the options to the tasks: one plan for each file. Raises `ValueError` for options that make no sense."""
+    report: Callable[[dict[str, StudyFile], Path], Sequence[RenderableType]] = _REQUIRED
+    """From the stored files, by kind, and their folder to what is shown at the end: tables and sentences."""
+    draw: Callable[[Path], "dict[str, Figure]"] = _REQUIRED
+    """From a stored file to its figures, by the endings of their names. It imports matplotlib when it is called."""
+    defects: Callable[[StudyFile], Sequence[str]] = _no_defects
+    """What in a stored file must not be, a line each; any of them makes the exit status that of a failed task."""
+    may_not_converge: bool = False
+    """Whether a run that does not converge is a result like any other, and the exit status 0 all the same."""
+
+    def __post_init__(self) -> None:
+        required = [f.name for f in fields(self) if f.default is _REQUIRED]
+        missing = [name for name in required if getattr(self, name) is None]
+        if missing:
+            raise ValueError(
+                f"study {self.name!r} does not offer {', '.join(missing)}; allowed: a study with {', '.join(required)}"
+            )
+        for name in ("plans", "report", "draw"):
+            if not callable(getattr(self, name)):
+                raise ValueError(f"{name} of study {self.name} is {getattr(self, name)!r}; allowed: a function")
+        if not (isinstance(self.options, type) and issubclass(self.options, Options)):
+            raise ValueError(f"options of study {self.name} is {self.options!r}; allowed: a subclass of `Options`")
+
+    def folder(self, options: Options) -> Path:
+        """Where the results go."""
+        quick = "-quick" if getattr(options, "quick", False) else ""
+        return options.folder or Path("results") / f"{self.name}{quick}"
+
+
+def find(name: str) -> Study:
+    """The study of this name in the list. Raises `ValueError` if there is none, or its module does not offer it."""
+    if name not in STUDIES:
+        raise ValueError(f"study is {name!r}; allowed: {', '.join(STUDIES)}")
+    module = importlib.import_module(STUDIES[name])
+    missing = [what for what in ("STUDY", "Options", "command") if not hasattr(module, what)]
+    if missing:
+        raise ValueError(
+            f"study {name}: module {STUDIES[name]} does not offer {', '.join(missing)}; allowed: a module with STUDY, "
+            "Options and command"
+        )
+    if not isinstance(module.STUDY, Study):
+        raise ValueError(f"study {name}: STUDY of module {STUDIES[name]} is {module.STUDY!r}; allowed: a `Study`")
+    return module.STUDY

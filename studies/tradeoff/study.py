@@ -1,0 +1,155 @@
+"""What speed costs in accuracy: every choice a solve leaves, its seconds and its errors, and the Pareto fronts.
+
+linecontact study tradeoff [--quick] [--folder FOLDER]
+
+Methods, precisions, tolerances, grids, threads, nested or not; beside them solving to an accuracy, the collocation
+oracle, and the peers that are installed. Smooth scenes are compared with the oracle, rough ones with a certified
+solution on a finer grid than any. Others on the machine disturb all times: trust ratios.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from linecontact.solver.run import METHODS
+from rich.console import RenderableType
+
+from ..files.study_files import StudyFile
+from ..peers import solvers as peers
+from ..runner import study
+from ..runner.run import run_study
+from ..runner.study import Plan, Study
+from ..runner.tasks import Task
+from . import front
+from . import report as tables
+from .choices import Accuracy, Choice, Oracle, Peer, Precisions
+from .families import COARSEST_ROUGH, FAMILIES, is_rough
+from .scenes import KINDS, RandomScene
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+NAME = "tradeoff"
+PRECISIONS = ("float64", "mixed", "float32")
+TOLERANCES = (1e-3, 1e-5, 1e-8, 1e-10)
+
+_ONE_GRID = (1e-5, 1e-8)  # tolerances without nested grids
+_TIGHTEST_TO = 18  # log2 of the points up to which float64 reaches 1e-10
+_TWO_THREADS_FROM = 16
+_PLAIN_TO = 14  # log2 of the points to which plain FIRE is tried at length
+_HALF_SPACE = "Hertz, half-space"
+
+
+@dataclass(frozen=True)
+class Configuration:
+    """What identifies the study."""
+
+    sizes: tuple[int, ...] = (8, 10, 12, 14, 16, 18, 20)
+    """log2 of the numbers of points."""
+    paper: int = 18
+    """log2 of the points of the published choice, and the most that FIRE is given."""
+    reference: int = 22
+    """log2 of the points of the solution that rough surfaces are compared with."""
+    accuracies: tuple[float, ...] = tuple(-k / 2 for k in range(3, 19))
+    """Powers of ten of the accuracies asked for."""
+    rough_to: float = -4.0
+    """The least of these powers that is asked for on rough surfaces."""
+    nodes: tuple[int, ...] = (8, 12, 16, 24, 32, 48, 64, 96, 128, 160)
+    """Numbers of nodes of the collocation oracle."""
+    scenes: int = 50
+    """Random scenes of each of `scenes.KINDS`."""
+    scene_points: tuple[int, ...] = (18, 16)
+    """log2 of the most points of a random scene, for each of `scenes.KINDS`."""
+    peers: tuple[str, ...] = field(default_factory=peers.available)
+    """Names of the peers that take part."""
+
+    def plan(self) -> Plan:
+        """The tasks."""
+        runs = [task for family in FAMILIES for task in self._family(family)]
+        for family in (_HALF_SPACE, "rough, half-space")[: 1 + (self.paper - 2 >= COARSEST_ROUGH)]:
+            runs.append(Precisions(family, "fire", self.paper, None))
+            runs += [Precisions(family, method, self.paper, TOLERANCES[-1]) for method in METHODS[:2]]
+        kinds = tuple(zip(KINDS, self.scene_points, strict=True))
+        runs += [RandomScene(kind, seed, most) for seed in range(self.scenes) for kind, most in kinds]
+        return Plan(NAME, asdict(self), runs, figures=front.FIGURES)
+
+    def _family(self, family: str) -> Iterator[Task]:
+        rough = is_rough(family)
+        reference = self.reference if rough else 0
+        sizes = [size for size in self.sizes if not rough or size >= COARSEST_ROUGH]
+        for size in sizes:
+            for choice in dict.fromkeys(self._choices(family, size)):
+                yield Choice(family, *choice, reference)
+        for power in self.accuracies:
+            if sizes and (not rough or power >= self.rough_to):
+                yield Accuracy(family, float(f"{10**power:.3g}"), sizes[-1], reference)
+        if not rough:
+            yield from (Oracle(family, nodes) for nodes in self.nodes)
+        for peer in self.peers:
+            yield from (Peer(family, peer, size, 1e-8, reference) for size in sizes if 12 <= size <= self.paper)
+
+    def _choices(self, family: str, size: int) -> Iterator[tuple[str, str, float | None, int, int, bool]]:
+        """Methods, precisions, tolerances, sizes, threads and nested grids that are worth the time of trying."""
+        for method in METHODS[: 2 if size <= self.paper else 1]:
+            for precision in PRECISIONS:
+                tolerances = [t for t in TOLERANCES if t > TOLERANCES[-1] or size <= _TIGHTEST_TO]
+                for tolerance in (*tolerances, *((None,) if precision == "float32" else ())):
+                    yield method, precision, tolerance, size, 1, True
+                    if tolerance in _ONE_GRID[: 2 if size < _TIGHTEST_TO else 1] or tolerance is None:
+                        yield method, precision, tolerance, size, 1, False
+        if size >= _TWO_THREADS_FROM:
+            yield "active-set", "float64", 1e-5, size, 2, True
+            if size <= self.paper:
+                yield "mass-weighted-fire", "float64", 1e-5, size, 2, True
+        if size <= _PLAIN_TO:
+            for precision in PRECISIONS:
+                for tolerance in (None,) if precision == "float32" else (1e-3, 1e-5):
+                    yield from (("fire", precision, tolerance, size, 1, nested) for nested in (True, False))
+        elif size <= self.paper:
+            yield from (("fire", "float64", 1e-5, size, 1, nested) for nested in (True, False))
+            yield "fire", "float32", None, size, 1, False
+        if size == self.paper:
+            yield "fire", "float64", 1e-5, size, 1, False
+            if family == _HALF_SPACE:
+                yield "fire", "float64", 1e-8, size, 1, False
+
+
+QUICK = Configuration(
+    sizes=(8, 12), paper=12, reference=16, accuracies=tuple(range(-2, -10, -1)), scenes=10, scene_points=(14, 14)
+)
+
+
+@dataclass(frozen=True)
+class Options(study.Options):
+    """Errors of area, kappa and pressure over seconds for every choice there is: data, figures, tables."""
+
+    workers: int = 1
+    """More than one disturb each other's times."""
+    quick: bool = False
+    """Up to 2^12 points, and 20 random scenes instead of 100."""
+
+
+def plans(options: Options) -> Sequence[Plan]:
+    """The tasks at full size, or those of the quick study."""
+    return [(QUICK if options.quick else Configuration()).plan()]
+
+
+def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
+    """The tables, and what they come to."""
+    return [part for file in files.values() if file.runs for part in tables.parts(file)]
+
+
+def draw(path: Path) -> "dict[str, Figure]":
+    """The figures of a stored file, by the endings of their names."""
+    from . import figures
+
+    return figures.draw(path)
+
+
+STUDY = Study(name=NAME, options=Options, plans=plans, report=report, draw=draw, may_not_converge=True)
+
+
+def command(options: Options) -> int:
+    """Run the study as asked, or what is left of it; returns the exit status."""
+    return run_study(STUDY, options)

@@ -1,0 +1,22 @@
+"""What tests of running studies share: where the dummies log, and a folder for a study."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+
+@pytest.fixture
+def dummies(tmp_path, monkeypatch):
+    """Where the dummies log, for this process and its children; and what children import."""
+    (tmp_path / "dummies").mkdir()
+    monkeypatch.setenv("DUMMY_FOLDER", str(tmp_path / "dummies"))
+    path = [str(Path(__file__).parent), *filter(None, [os.environ.get("PYTHONPATH")])]
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join(path))
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):  # they may change the last bit
+        monkeypatch.setenv(name, "1")
+
+
+@pytest.fixture
+def folder(tmp_path):
+    return tmp_path / "study"

@@ -1,0 +1,295 @@
+"""Result files from anywhere: each is read or refused in one line, never a traceback, a hang or a crash.
+
+The cases are what longer runs have found; a short run, with fixed seeds, goes on looking.
+"""
+
+import contextlib
+import hashlib
+import io
+import json
+import os
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from fuzzing import fuzz, mutants
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from linecontact import studies
+from linecontact.solver import Scene, solve
+from linecontact.studies import cli
+from linecontact.studies.files import confined, hdf5, scans, solution_files, study_files, writing
+from linecontact.studies.kernel_benchmark import compare
+from linecontact.studies.power_profiles import tasks as power_profiles
+from linecontact.studies.runner import drawing, tasks
+
+RESULTS = Path(studies.__file__).parent / "results"
+
+
+@pytest.mark.skipif(os.name != "posix", reason="pipes of POSIX")
+def test_what_is_no_file_is_refused_at_once(tmp_path):
+    pipe = tmp_path / "x.json"
+    os.mkfifo(pipe)
+    for path in (pipe, Path("/dev/zero"), tmp_path, tmp_path / ("a" * 300)):
+        with pytest.raises(ValueError, match="not a file"):
+            scans.read(scans.Options(path))
+        with pytest.raises(writing.StoreError, match="allowed: an HDF5 file"):
+            study_files.load_study(path)
+        with pytest.raises(ValueError, match="no regular file"):
+            compare.read(path)
+    folder = tasks.TaskFolder(tmp_path / "tasks")
+    task = ensemble_task()
+    os.mkfifo(folder.folder / f"{tasks.identity(task)}.json")
+    with pytest.raises(writing.StoreError, match="no regular file"):
+        folder.load(task)
+    with pytest.raises(writing.StoreError, match="longer than 200 bytes"):
+        writing.check_target(tmp_path / ("a" * 201), overwrite=True)
+
+
+def ensemble_task():
+    return power_profiles.plan("hertz", cli.hertz.CONFIGURATION).tasks[0]
+
+
+def external(file):
+    file.create_dataset("line", (40,), "f8", external=[("/etc/passwd", 0, 320)])
+
+
+def virtual(file):
+    layout = h5py.VirtualLayout((40,), "f8")
+    layout[:] = h5py.VirtualSource("/other.h5", "line", (40,))
+    file.create_virtual_dataset("line", layout)
+
+
+def unfilled(file):
+    file.create_dataset("line", (2**20, 2**20), "f8")
+
+
+def bomb(file):
+    file.create_dataset("line", (40,), "f8", maxshape=(None,), chunks=(2**28,))
+
+
+def plugin(file):
+    properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    properties.set_chunk((40,))
+    properties.set_filter(31999, h5py.h5z.FLAG_OPTIONAL)
+    space = h5py.h5s.create_simple((40,))
+    h5py.h5d.create(file.id, b"line", h5py.h5t.IEEE_F64LE, space, properties)
+
+
+def objects(file):
+    file.create_dataset("line", (40,), h5py.ref_dtype)
+
+
+def variable(file):
+    file.create_dataset("line", (40,), h5py.vlen_dtype("f8"))
+
+
+def cycle(file):
+    file["runs/again"] = file.create_group("runs")
+
+
+def linked(file):
+    file["runs"] = h5py.ExternalLink("/other.h5", "/runs")
+
+
+def soft(file):
+    file["runs"] = h5py.SoftLink("/runs")
+
+
+def attribute(file):
+    file.attrs["kind"] = np.zeros(1000)
+
+
+def long_text(file):
+    file.attrs["kind"] = "x" * (2**20 + 1)
+
+
+@pytest.mark.parametrize("make", [external, virtual, unfilled, bomb, plugin, objects, variable])
+def test_datasets_that_ask_for_more_are_refused(tmp_path, make):
+    """As a profile and in a result; in this process, which none of these harms."""
+    path = tmp_path / "scan.h5"
+    with h5py.File(path, "w") as file:
+        make(file)
+    with pytest.raises(confined.RefusedError, match="line"):
+        confined._dataset(str(path), str(2**26))
+    with pytest.raises(confined.RefusedError, match="line"):
+        confined._result(str(path))
+
+
+@pytest.mark.parametrize("make", [cycle, linked, soft, attribute, long_text])
+def test_results_are_plain(tmp_path, make):
+    path = tmp_path / "result.h5"
+    with h5py.File(path, "w") as file:
+        make(file)
+    with pytest.raises(confined.RefusedError, match=r"allowed|neither"):
+        confined._result(str(path))
+
+
+def sealed(path, image):
+    """A result with a right checksum, whatever it holds."""
+    path.write_bytes(hdf5.head(hashlib.sha256(image).hexdigest()) + image)
+    return path
+
+
+def endless_heap(image):
+    """The free space of the heap of texts, of no size: HDF5 looks for its end for ever."""
+    heap = image.index(b"GCOL")
+    image[heap + 48 : heap + 56] = bytes(8)
+
+
+def odd_type(image):
+    """Text of variable length that is neither text nor a sequence: HDF5 crashes."""
+    kind = image.index(b"kind\0\0\0\0\x19\x01")
+    image[kind + 9] = 0x9E
+
+
+@pytest.mark.parametrize("harm", [endless_heap, odd_type])
+def test_what_hdf5_does_not_survive_is_one_line(tmp_path, monkeypatch, capfd, harm):
+    monkeypatch.setattr(confined, "SECONDS", 1)
+    with h5py.File("image", "w", driver="core", backing_store=False) as file:
+        file.attrs["kind"] = "solution"
+        file.flush()
+        image = bytearray(file.id.get_file_image())
+    harm(image)
+    assert cli.main(["plot", str(sealed(tmp_path / "run.h5", bytes(image)))]) == 2
+    said = capfd.readouterr().err
+    assert "is damaged" in said
+    assert said.count("\n") == 1
+
+
+@pytest.fixture(scope="module")
+def images(tmp_path_factory):
+    path = tmp_path_factory.mktemp("images") / "run.h5"
+    solution_files.save_solution(path, solve(Scene(num_points=64)))
+    files = {"solution": path, **{kind: RESULTS / f"{kind}.h5" for kind in ("hertz", "iterations", "kernels")}}
+    return {kind: file.read_bytes()[512:] for kind, file in files.items()}
+
+
+def replace(name, values):
+    def edit(file):
+        del file[name]
+        if values is not None:
+            file[name] = values
+
+    return edit
+
+
+def attributes(**values):
+    return lambda file: file.attrs.update({name.replace("__", "."): value for name, value in values.items()})
+
+
+EDITS = [
+    ("solution", replace("x", None)),
+    ("solution", replace("x", np.zeros(3))),
+    ("solution", replace("x", np.array([b"a"] * 64))),
+    ("solution", replace("profile", np.full(64, np.nan))),
+    ("solution", replace("profile", np.zeros((64, 2)))),
+    ("solution", attributes(scene__thickness="thick")),
+    ("solution", attributes(status="$\\frac{$")),
+    ("solution", attributes(status="$" + "{" * 3000 + "$")),
+    ("solution", attributes(kind="hertz")),
+    ("solution", attributes(kind="[red]\x1b[31m")),
+    ("hertz", replace("failures", np.bytes_("[" * 100_000))),
+    ("hertz", replace("failures", np.bytes_("[1]"))),
+    ("hertz", replace("runs/kappa", np.zeros(3))),
+    ("hertz", replace("runs/kappa_subgrid", np.array([b"x"] * 79))),
+    ("hertz", replace("runs/contact_area_subgrid", np.zeros(79))),
+    ("hertz", replace("lines", np.zeros(3))),
+    ("hertz", attributes(configuration="{}")),
+    ("hertz", attributes(configuration='{"num_points": ' + "9" * 5000 + "}")),
+    ("hertz", attributes(configuration="[]")),
+    ("hertz", attributes(complete="no", results_version="new")),
+    ("iterations", replace("runs/name", np.array([str(i).encode() for i in range(1000)]))),
+    ("iterations", attributes(configuration='{"tolerance": "$"}')),
+    ("kernels", replace("runs/flops", None)),
+]
+
+
+@pytest.mark.parametrize(("kind", "edit"), EDITS)
+def test_results_that_hold_something_else_are_one_line(tmp_path, monkeypatch, capfd, images, kind, edit):
+    monkeypatch.setattr(confined, "check_result", lambda path: confined._result(str(path)))
+    content = io.BytesIO(images[kind])
+    with h5py.File(content, "a") as file:
+        edit(file)
+    assert cli.main(["plot", str(sealed(tmp_path / "run.h5", content.getvalue()))]) == 2
+    said = capfd.readouterr().err
+    assert "run.h5" in said
+    assert said.count("\n") == 1
+    assert "\x1b" not in said
+    assert [file.name for file in tmp_path.iterdir()] == ["run.h5"]
+
+
+def test_a_sound_result_is_checked_once(tmp_path, monkeypatch, images):
+    asked = []
+    monkeypatch.setattr(confined, "check_result", asked.append)
+    path = sealed(tmp_path / "run.h5", images["iterations"])
+    monkeypatch.setattr(hdf5, "_sound", set())
+    for _ in range(2):
+        assert len(study_files.load_study(path).runs) == 21
+    assert asked == [path]
+    study_files.save_study(path, study_files.load_study(path))
+    study_files.load_study(path)
+    assert asked == [path]
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        *("[" * 100_000, "{}", '{"record": []}', '{"record": {"a": {"b": 1}}}', '{"record": {"a": null}}', "\xff"),
+        '{"record": {"a": ' + "9" * 30 + "}}",
+        '{"record": {"a": ' + "9" * 5000 + "}}",
+    ],
+)
+def test_records_that_are_none_are_set_aside(tmp_path, body):
+    folder, task = tasks.TaskFolder(tmp_path), ensemble_task()
+    content = body.encode("latin-1")
+    path = tmp_path / f"{tasks.identity(task)}.json"
+    path.write_bytes(hashlib.sha256(content).hexdigest().encode() + b"\n" + content)
+    assert folder.load(task) is None
+    assert path.with_name(f"{path.name}.damaged").exists()
+
+
+def test_records_of_something_else_are_one_line(tmp_path, capfd):
+    """They have the tasks' names and right checksums."""
+    plan = power_profiles.plan("hertz", power_profiles.quick(cli.hertz.CONFIGURATION))
+    folder = tasks.TaskFolder(tmp_path / "tasks")
+    for task in plan.tasks:
+        folder.save(task, {"a": [1.0], "status": "\x1b[31m[red]"})
+    assert cli.main(["study", "hertz", "--quick", "--folder", str(tmp_path)]) == 2
+    said = capfd.readouterr().err.splitlines()[-1]
+    assert "does not hold what linecontact writes there" in said
+
+
+ROW = {"kernel": "a", "precision": "b", "log2_points": 3, "variant": "c", "seconds_median": 1.0}
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["[" * 100_000, "[]", "null", '{"schema": 1}', '{"schema": 1, "results": 3}', '{"schema": 1, "results": [NaN]}']
+    + [json.dumps({"schema": 1, "results": [ROW | {"log2_points": value}]}) for value in (1e400, None, "x", [])]
+    + ['{"schema": 1, "results": [' + "9" * 5000 + "]}"],
+)
+def test_comparisons_with_something_else_are_refused(tmp_path, text):
+    path = tmp_path / "old.json"
+    path.write_text(text)
+    with pytest.raises(ValueError, match="compare: file"):
+        compare.read(path)
+
+
+def test_kernels_of_huge_size_are_no_hang(tmp_path, monkeypatch, images):
+    monkeypatch.setattr(confined, "check_result", lambda path: confined._result(str(path)))
+    content = io.BytesIO(images["kernels"])
+    with h5py.File(content, "a") as file:
+        file["runs/log2_points"][...] = 2**40
+    path = sealed(tmp_path / "old.h5", content.getvalue())
+    with pytest.raises(ValueError, match="compare: file"):
+        compare.read(path)
+
+
+@settings(fuzz, max_examples=6)
+@given(st.data())
+def test_any_result(tmp_path, images, data):
+    path = sealed(tmp_path / "run.h5", data.draw(mutants(images["iterations"])))
+    with contextlib.suppress(writing.StoreError):
+        drawing.draw(path)
