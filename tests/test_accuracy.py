@@ -7,16 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from linecontact.solver import (
-    Layer,
-    MeasuredIndenter,
-    PowerIndenter,
-    RoughIndenter,
-    Scene,
-    Status,
-    certify,
-    solve,
-)
+from linecontact.solver import Layer, MeasuredIndenter, PowerIndenter, RoughIndenter, Scene, Status, certify, solve
 from linecontact.solver.grid.problem import Problem
 from linecontact.solver.methods import METHODS, Setting, active_set, relax
 from linecontact.solver.methods.active_set.active_set import ActiveSet

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from linecontact import studies
 from linecontact.solver import Layer, MeasuredIndenter, PowerIndenter, Scene, solve
 from linecontact.solver.grid import edges
 from linecontact.solver.grid.edge_curves import edge_function, half_space_curve, thin_curve
@@ -13,7 +14,6 @@ from linecontact.solver.methods.active_set.ends import edge_moves
 from linecontact.solver.reference import closed_forms, collocation
 from linecontact.solver.strategy.grids import grids
 from linecontact.solver.strategy.prolongation import prolong
-from linecontact import studies
 from linecontact.studies.files import study_files
 
 STORED = Path(studies.__file__).parent / "results" / "edge-curve.h5"

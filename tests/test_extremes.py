@@ -14,18 +14,17 @@ from linecontact.solver import (
     Scene,
     Status,
     certify,
-    closed_forms,
-    collocation,
-    edges,
     solve,
 )
 from linecontact.solver.accurate import Accurate
-from linecontact.solver.fire import MassWeightedFire
+from linecontact.solver.grid import edges
+from linecontact.solver.grid.patches import Patches
+from linecontact.solver.grid.problem import Problem
+from linecontact.solver.grid.transforms import Transforms
+from linecontact.solver.methods import relax
+from linecontact.solver.methods.mass_weighted_fire import MassWeightedFire
 from linecontact.solver.mixed import MixedActiveSet
-from linecontact.solver.patches import Patches
-from linecontact.solver.problem import Problem
-from linecontact.solver.relaxation import relax
-from linecontact.solver.transforms import Transforms
+from linecontact.solver.reference import closed_forms, collocation
 from linecontact.studies.extremes import study as extremes
 from linecontact.studies.extremes import verdicts
 

@@ -1,10 +1,6 @@
 """Texts from anywhere are shown as they are, and a refusal is all there is to say."""
 
-from fuzzing import fuzz
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from linecontact.studies import cli
-from linecontact.studies.runner import run
+from linecontact.studies.command_line import main as cli
 from linecontact.studies.terminal import console
 
 

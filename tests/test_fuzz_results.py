@@ -18,7 +18,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from linecontact import studies
 from linecontact.solver import Scene, solve
-from linecontact.studies import cli
+from linecontact.studies.command_line import main as cli
 from linecontact.studies.files import confined, hdf5, scans, solution_files, study_files, writing
 from linecontact.studies.kernel_benchmark import compare
 from linecontact.studies.power_profiles import tasks as power_profiles

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from linecontact import kernels
-from linecontact.studies import cli
+from linecontact.studies.command_line import main as cli
 from linecontact.studies.files import records, study_files
 from linecontact.studies.files.study_files import StudyFile
 from linecontact.studies.kernel_benchmark import candidates, compare, figures, measure, report, study

@@ -12,7 +12,8 @@ import h5py
 import numpy as np
 import pytest
 from linecontact import studies
-from linecontact.solver import Layer, RoughIndenter, Scene, closed_forms, solve
+from linecontact.solver import Layer, RoughIndenter, Scene, solve
+from linecontact.solver.reference import closed_forms
 from linecontact.studies import hertz
 from linecontact.studies.files import hdf5, records, solution_files, study_files, writing
 from linecontact.studies.files.study_files import StudyFile

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 
 import warp as wp
 from linecontact import kernels
-from linecontact.solver import provenance, transforms
-from linecontact.solver.fftw import pyfftw
+from linecontact.solver import provenance
+from linecontact.solver.grid import transforms
+from linecontact.solver.grid.fftw import pyfftw
 from rich.table import Table
 
-from .. import console
+from ..terminal import console
 
 
 @dataclass(frozen=True)

@@ -1,24 +1,33 @@
-"""Layers and profiles that `linecontact solve` knows: dataclasses, named as "module:Class", whose fields are options.
+"""Layers and profiles that `linecontact solve` knows: the solver's own lists, whose fields are options."""
 
-Imports nothing: a mistyped option is refused before any of them is imported.
-"""
+from ..terminal import declarations
 
-LAYER = "linecontact.solver.scene:Layer"
-"""The layer: its fields are options without more ado."""
+CHOICES = {"layer": "linecontact.solver.layers:LAYERS", "profile": "linecontact.solver.indenters:INDENTERS"}
+"""What there is to choose, by the name of its option, and the list that it is chosen from."""
 
-PROFILES: dict[str, str] = {
-    "power": "linecontact.solver.indenters:PowerIndenter",
-    "rough": "linecontact.solver.indenters:RoughIndenter",
-    "file": "linecontact.studies.scans:Options",
-}
-"""By what --profile calls them, one line for each: indenters, and how to read one from a file."""
+READER = "linecontact.studies.files.scans:Options"
+"""How heights are read from a file; it stands for the indenter whose heights are given point by point."""
 
 
-def titles() -> dict[str, str]:
+def declared() -> list[str]:
+    """All of them as "module:Class", without importing any."""
+    return [*(kind for listed in CHOICES.values() for kind in declarations.members(listed)), READER]
+
+
+def classes(choice: str) -> dict[str, type]:
+    """The dataclasses that an option chooses from, by name."""
+    from linecontact.solver import INDENTERS, LAYERS, MeasuredIndenter
+
+    from ..files import scans
+
+    return dict(LAYERS) if choice == "layer" else dict(INDENTERS) | {MeasuredIndenter.name: scans.Options}
+
+
+def title(choice: str, name: str) -> str:
+    """The title of the options that belong to one kind."""
+    return f"only with --{choice} {name}"
+
+
+def titled() -> dict[str, type]:
     """All of them, by the titles that their options have in --help."""
-    return {"layer": LAYER, **{title("profile", name): kind for name, kind in PROFILES.items()}}
-
-
-def title(what: str, name: str) -> str:
-    """The title of the options that belong to one kind; what: the option that chooses it by its name."""
-    return f"only with --{what} {name}"
+    return {title(choice, name): kind for choice in CHOICES for name, kind in classes(choice).items()}

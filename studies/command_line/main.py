@@ -1,11 +1,11 @@
 """What `linecontact` makes of its arguments: which command is meant, what it is asked for, and then the command.
 
-Nothing that takes time is imported before the names of all options are known to be right.
+Only the module of the command, or of the study, that is asked for is imported.
 """
 
 import importlib
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from importlib.metadata import PackageNotFoundError, version
 
 from .. import STUDIES
@@ -47,26 +47,29 @@ def _command(words: list[str]) -> Callable[[], int]:
     if name == "study":
         name, words = study.choose(words, prog)
         prog, module = f"{prog} {name}", STUDIES[name]
-    asked = {"": f"{module}:Options"} | (kinds.titles() if name == "solve" else {})
-    _check_names(words, asked.values(), prog)
-
-    from .. import console  # takes its time, too
-
-    classes = {title: arguments.load(kind) for title, kind in asked.items()}
+    _check_names(words, [f"{module}:Options", *(kinds.declared() if name == "solve" else ())], prog)
+    found = importlib.import_module(module)
+    classes = {"": found.Options}
+    if name == "solve":
+        classes |= kinds.titled()
     given = arguments.given(words, classes, prog)
     options = classes[""](**given.pop(""))
     others = [given] if given else []  # what is given of the layer and the profiles
-    run = importlib.import_module(module).command
+
+    from ..terminal import console
+
     kept = console.KEPT if module in STUDIES.values() else ""
-    return lambda: console.guard(lambda: int(run(options, *others)), kept)
+    return lambda: console.guard(lambda: int(found.command(options, *others)), kept)
 
 
 def _summary(name: str) -> str:
     return study.ABOUT if name == "study" else declarations.summary(f"{__package__}.{name}:Options")
 
 
-def _check_names(words: Sequence[str], asked: Iterable[str], prog: str) -> None:
-    """Refuse mistyped options, as far as the sources alone tell which there are."""
+def _check_names(words: Sequence[str], asked: Sequence[str], prog: str) -> None:
+    """Refuse mistyped options before anything is imported, if the sources tell which options there are."""
+    if "linecontact.solver" in sys.modules:
+        return  # then it takes no time to ask the classes themselves
     declared = [declarations.read(kind) for kind in asked]
     if all(declared):
         arguments.check_names(words, [name for one in declared if one for name in one.fields], prog)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TextIO
 
-from .. import figures
+from ..runner import drawing
 from ..terminal.text import printable
 
 
@@ -20,7 +20,7 @@ class Options:
 def command(options: Options, output: TextIO | None = None) -> int:
     """Draw the figures and print their names, on standard output if nothing else is said; returns the exit status."""
     with warnings.catch_warnings(action="ignore"):  # of what matplotlib finds odd in a file
-        drawn = figures.draw(options.file)
+        drawn = drawing.draw(options.file)
     for file in drawn:
         print(printable(str(file)), file=output)
     return 0

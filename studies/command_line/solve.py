@@ -8,13 +8,14 @@ from dataclasses import MISSING, dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from linecontact.solver import METHODS, Layer, Scene, Solution, solve
+from linecontact.solver import INDENTERS, LAYERS, METHODS, MeasuredIndenter, Scene, Solution, solve
+from linecontact.solver.grid.transforms import PLANNING
 from linecontact.solver.scene import PRECISIONS
-from linecontact.solver.transforms import PLANNING
 from rich.table import Table
 
-from .. import console, scans, store
-from ..terminal import arguments
+from ..figures.names import FORMATS
+from ..files import scans, solution_files, writing
+from ..terminal import console
 from ..terminal.options import one_of, options_of
 from . import kinds
 
@@ -26,8 +27,10 @@ _DEFAULTS = {name: parameter.default for name, parameter in inspect.signature(so
 class Options:
     """Solve one scene. Lengths and pressures in consistent units of your own; the published study's are 1."""
 
-    profile: str = one_of(kinds.PROFILES, "power")
-    """Indenter: h = (R/n) |x/R|^n; self-affine random roughness; or a file."""
+    profile: str = one_of(INDENTERS, next(iter(INDENTERS)))
+    """Indenter: power is h = (R/n) |x/R|^n, rough is self-affine random roughness, file is read from a file."""
+    layer: str = one_of(LAYERS, next(iter(LAYERS)))
+    """Layer: bonded to its base."""
     pressure: float = Scene.pressure
     """Mean external pressure p > 0 [pressure]."""
     period: float | None = None
@@ -75,29 +78,23 @@ def command(options: Options, given: Given) -> int:
         raise ValueError(f"grids is {options.grids}; allowed: auto, with accuracy, which chooses the grid")
     scene = make_scene(options, given)
     aim = options.tolerance or (1e-5 if options.accuracy else 1e-4 if options.precision == "float32" else 1e-8)
-    try:
-        with console.solve_progress(aim) as report:
-            solution = solve(
-                scene,
-                accuracy=options.accuracy,
-                method=options.method,
-                nested=None if options.grids == "auto" else options.grids == "nested",
-                tolerance=options.tolerance,
-                max_iterations=options.max_iterations,
-                threads=options.threads,
-                planning=options.planning,
-                progress=report,
-            )
-    except KeyboardInterrupt:
-        if options.accuracy is None:
-            raise
-        console.errors.print("linecontact: interrupted; to an accuracy there is no partial result, nothing is saved")
-        return console.EXIT_INTERRUPTED
+    with console.solve_progress(aim) as report:
+        solution = solve(
+            scene,
+            accuracy=options.accuracy,
+            method=options.method,
+            nested=None if options.grids == "auto" else options.grids == "nested",
+            tolerance=options.tolerance,
+            max_iterations=options.max_iterations,
+            threads=options.threads,
+            planning=options.planning,
+            progress=report,
+        )
     try:
         show(solution, options.json)
     finally:  # also when the reader of the output has gone away
         if options.save:
-            store.save_solution(options.save, solution)
+            solution_files.save_solution(options.save, solution)
     if options.save and options.plot:
         from . import plot  # Matplotlib takes its time
 
@@ -125,36 +122,36 @@ def show(solution: Solution, as_json: bool) -> None:
 def check_targets(options: Options, given: Given) -> None:
     """Raise `ValueError` if the file or its figures would replace what they must not."""
     assert options.save
-    store.check_target(options.save, options.overwrite)
-    profile_file = given[kinds.title("profile", "file")].get("profile_file")
+    writing.check_target(options.save, options.overwrite)
+    profile_file = given[kinds.title("profile", MeasuredIndenter.name)].get("profile_file")
     if profile_file and options.save.exists() and profile_file.samefile(options.save):
         raise ValueError(f"save is {options.save}; allowed: another file than the profile's")
-    for suffix in (".png", ".pdf") if options.plot else ():
+    for suffix in FORMATS if options.plot else ():
         if options.save.suffix == suffix:
             raise ValueError(f"save is {options.save}; allowed: with --plot not a figure's name")
-        store.check_target(options.save.with_suffix(suffix), options.overwrite)
+        writing.check_target(options.save.with_suffix(suffix), options.overwrite)
 
 
 def make_scene(options: Options, given: Given) -> Scene:
     """The scene that the options describe. Raises `ValueError`."""
-    profile = _made("profile", kinds.PROFILES, options, given)
+    profile = _made("profile", options, given)
     if isinstance(profile, scans.Options):
         indenter, period, num_points = scans.read(profile)
         grid: dict[str, Any] = {"period": period, "num_points": num_points}
     else:
         indenter = profile
         grid = {name: getattr(options, name) for name in ("period", "num_points") if getattr(options, name) is not None}
-    layer = Layer(**given["layer"])
+    layer = _made("layer", options, given)
     return Scene(layer=layer, indenter=indenter, pressure=options.pressure, precision=options.precision, **grid)
 
 
-def _made(what: str, table: Mapping[str, str], options: Options, given: Given) -> Any:
-    """The kind of layer or profile that the option `what` chooses from a table, with its own options.
+def _made(what: str, options: Options, given: Given) -> Any:
+    """The layer or the profile that the option `what` chooses, with its own options.
 
     Raises `ValueError` if one of them is missing, and for those of another kind, unless they have their default.
     """
     chosen = getattr(options, what)
-    classes = {name: arguments.load(kind) for name, kind in table.items()}
+    classes = kinds.classes(what)
     own = options_of(classes[chosen])
     for other, kind in classes.items():
         defaults = {name: option.default for name, option in options_of(kind).items()}

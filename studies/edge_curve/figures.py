@@ -4,7 +4,7 @@ from itertools import cycle
 from pathlib import Path
 
 import numpy as np
-from linecontact.solver import edges
+from linecontact.solver.grid import edges
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 

@@ -13,8 +13,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
-from linecontact.solver import Layer, PowerIndenter, Scene, collocation, edges, solve
-from linecontact.solver.relaxation import Progress
+from linecontact.solver import Layer, PowerIndenter, Scene, solve
+from linecontact.solver.grid import edges
+from linecontact.solver.methods import Progress
+from linecontact.solver.reference import collocation
 from rich.console import RenderableType
 from rich.table import Table
 

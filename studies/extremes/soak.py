@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from linecontact.solver import checks
-from linecontact.solver.relaxation import Progress
+from linecontact.solver.methods import Progress
 from rich.console import RenderableType
 
 from ..files.study_files import StudyFile

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
 from linecontact.solver import PowerIndenter
-from linecontact.solver.relaxation import Progress
+from linecontact.solver.methods import Progress
 
 from ..files.study_files import StudyFile
 from ..runner import study

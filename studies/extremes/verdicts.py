@@ -15,18 +15,9 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from linecontact.solver import (
-    PowerIndenter,
-    RoughIndenter,
-    Scene,
-    Solution,
-    Status,
-    certify,
-    closed_forms,
-    collocation,
-    solve,
-)
-from linecontact.solver.problem import Problem, rounding_floor
+from linecontact.solver import PowerIndenter, RoughIndenter, Scene, Solution, Status, certify, solve
+from linecontact.solver.grid.problem import Problem, rounding_floor
+from linecontact.solver.reference import closed_forms, collocation
 
 from ..files import records
 from ..runner.tasks import Record

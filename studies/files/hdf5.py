@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..terminal import console
+from ..terminal.text import printable
 from . import confined
 from .writing import DamagedError, StoreError, write_bytes
 
@@ -109,4 +109,4 @@ def scalar(value: Any) -> Any:
     """A stored number or text as Python has it; of text no more than the terminal and figures can show."""
     value = value.item() if isinstance(value, np.generic) else value
     value = value.decode("utf-8", "replace") if isinstance(value, bytes) else value
-    return console.printable(value[:_MAX_TEXT]) if isinstance(value, str) else value
+    return printable(value[:_MAX_TEXT]) if isinstance(value, str) else value

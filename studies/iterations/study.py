@@ -12,9 +12,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
-from linecontact.solver import PowerIndenter, RoughIndenter, Scene, closed_forms, solve
-from linecontact.solver.relaxation import Progress
-from linecontact.solver.transforms import Transforms
+from linecontact.solver import PowerIndenter, RoughIndenter, Scene, solve
+from linecontact.solver.grid.transforms import Transforms
+from linecontact.solver.methods import Progress
+from linecontact.solver.reference import closed_forms
 from rich.console import RenderableType
 from rich.table import Table
 

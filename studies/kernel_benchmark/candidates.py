@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from linecontact import kernels
 from linecontact.kernels import CHUNK, Call, layout
-from linecontact.solver.transforms import Transforms
+from linecontact.solver.grid.transforms import Transforms
 
 from .specs import READS, SPECS, Array, Spec
 

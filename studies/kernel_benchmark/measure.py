@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 from linecontact.solver import Scene
-from linecontact.solver.fire import Fire
-from linecontact.solver.problem import Problem
+from linecontact.solver.grid.problem import Problem
+from linecontact.solver.grid.transforms import Transforms
+from linecontact.solver.methods.fire_state import Fire
 from linecontact.solver.provenance import provenance
-from linecontact.solver.transforms import Transforms
 
 from ..files import records
 from .candidates import Bench, compile_c, load

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
 from linecontact import kernels
-from linecontact.solver.relaxation import Progress
+from linecontact.solver.methods import Progress
 from rich.console import RenderableType
 
 from ..files import study_files

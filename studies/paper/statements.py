@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from linecontact.solver import closed_forms
+from linecontact.solver.reference import closed_forms
 from numpy.typing import NDArray
 
 from ..files.study_files import StudyFile

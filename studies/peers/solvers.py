@@ -18,7 +18,7 @@ from types import SimpleNamespace
 
 import numpy as np
 from linecontact.solver import Scene
-from linecontact.solver.relaxation import Progress
+from linecontact.solver.methods import Progress
 from linecontact.solver.stiffness import stiffness
 from numpy.typing import NDArray
 

@@ -14,9 +14,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, TypeVar
 
 import numpy as np
-from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, Solution, Status, collocation, provenance
+from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, Solution, Status, provenance
 from linecontact.solver import solve as solve_ours
-from linecontact.solver.relaxation import Progress
+from linecontact.solver.methods import Progress
+from linecontact.solver.reference import collocation
 from numpy.typing import NDArray
 
 from ..files import records

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from linecontact.solver import closed_forms
+from linecontact.solver.reference import closed_forms
 from numpy.typing import NDArray
 from rich.console import RenderableType
 from rich.table import Table

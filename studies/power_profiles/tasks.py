@@ -6,8 +6,9 @@ from dataclasses import asdict, dataclass, replace
 from typing import ClassVar
 
 import numpy as np
-from linecontact.solver import Layer, PowerIndenter, Scene, collocation, solve
-from linecontact.solver.relaxation import Progress
+from linecontact.solver import Layer, PowerIndenter, Scene, solve
+from linecontact.solver.methods import Progress
+from linecontact.solver.reference import collocation
 
 from ..files.records import run_record
 from ..runner.study import Plan

@@ -11,9 +11,10 @@ from dataclasses import asdict, dataclass, replace
 from typing import ClassVar
 
 import numpy as np
-from linecontact.solver import Layer, RoughIndenter, Scene, closed_forms, solve
-from linecontact.solver.problem import Problem
-from linecontact.solver.relaxation import Progress
+from linecontact.solver import Layer, RoughIndenter, Scene, solve
+from linecontact.solver.grid.problem import Problem
+from linecontact.solver.methods import Progress
+from linecontact.solver.reference import closed_forms
 
 from ..files.records import run_record
 from ..runner.study import Plan

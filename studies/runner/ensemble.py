@@ -21,7 +21,7 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
 from dataclasses import dataclass
 
-from linecontact.solver.relaxation import Progress
+from linecontact.solver.methods import Progress
 
 from ..files.records import plain
 from ..terminal import console

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from linecontact.solver import checks
-from linecontact.solver.relaxation import Progress
+from linecontact.solver.methods import Progress
 
 from ..terminal import console
 

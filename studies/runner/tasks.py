@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, ClassVar, Protocol
 
 import filelock
-from linecontact.solver.relaxation import Progress
+from linecontact.solver.methods import Progress
 
 from ..files import records, writing
 

@@ -9,15 +9,15 @@ from collections.abc import Callable, Iterator
 from typing import Any, TypeVar
 
 from linecontact.solver import Status
-from linecontact.solver.relaxation import Progress as Report
+from linecontact.solver.methods import Progress as Report
 from rich import box
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 from rich.text import Text
 
-from .terminal import arguments
-from .terminal.text import printable
+from . import arguments
+from .text import printable
 
 KEPT = "; finished tasks are kept"
 Parsed = TypeVar("Parsed")

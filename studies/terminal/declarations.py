@@ -68,6 +68,20 @@ def summary(kind: str) -> str:
     return declared.summary if declared else ""
 
 
+def members(listed: str) -> list[str]:
+    """The classes in a list of kinds, named as "module:NAME", each as "module:Class".
+
+    In the source the list is made from a tuple of classes.
+    """
+    module, name = listed.split(":")
+    parsed = _parse(module)
+    for node in parsed[0].body if parsed else ():
+        if isinstance(node, ast.AnnAssign) and ast.unparse(node.target) == name and node.value:
+            kinds = next(part for part in ast.walk(node.value) if isinstance(part, ast.Tuple))
+            return [f"{module}:{ast.unparse(kind)}" for kind in kinds.elts]
+    return []
+
+
 def _own_fields(node: ast.ClassDef) -> dict[str, str]:
     """The strings below the fields that the class itself declares, by name; empty where there is none."""
     own: dict[str, str] = {}

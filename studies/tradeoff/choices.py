@@ -7,8 +7,8 @@ from typing import ClassVar
 
 import numpy as np
 from linecontact.solver import Solution, Status, solve
-from linecontact.solver.relaxation import Progress
-from linecontact.solver.run import COARSE_TOLERANCE
+from linecontact.solver.methods import Progress
+from linecontact.solver.strategy.effort import COARSE_TOLERANCE
 
 from ..iterations.study import pair_seconds
 from ..peers import solvers as peers

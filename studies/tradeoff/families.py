@@ -6,8 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, Status, collocation, solve
-from linecontact.solver.collocation import Asperity
+from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, Status, solve
+from linecontact.solver.reference import collocation
+from linecontact.solver.reference.collocation import Asperity
 from numpy.typing import NDArray
 
 from ..runner.tasks import Record

@@ -6,8 +6,10 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, Status, collocation, planner, solve
-from linecontact.solver.relaxation import Progress
+from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, Status, solve
+from linecontact.solver.methods import Progress
+from linecontact.solver.reference import collocation
+from linecontact.solver.strategy import planner
 
 from ..files import records
 from ..runner.tasks import Record

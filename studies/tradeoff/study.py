@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from linecontact.solver.run import METHODS
+from linecontact.solver import METHODS
 from rich.console import RenderableType
 
 from ..files.study_files import StudyFile
