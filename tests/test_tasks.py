@@ -1,6 +1,8 @@
 """What identifies a task: its class's own kind and its fields, wherever its module is."""
 
 import dataclasses
+import hashlib
+import importlib.util
 from typing import ClassVar
 
 import pytest
@@ -37,6 +39,28 @@ def test_a_class_that_moves_keeps_its_records(tmp_path):
     folder.save(Square(3), {"square": 9})
     assert folder.load(Moved(3)) == {"square": 9}
     assert folder.load(Moved(4)) is None
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("hertz", "20e435b94799cb08"),
+        ("rough", "d5b6199a32e1cf7e"),
+        ("iterations", "77e9dc68e00a0a21"),
+        ("edge-curve", "67ed300e00c87247"),
+        ("kernels", "4f8945423d946b18"),
+        ("peers", "8913afb4c16dd64d"),
+        ("tradeoff", "c21f02fee5212af0"),
+        ("extremes", "3ed69bb49e71b0e2"),
+        ("soak", "30c616c43e2fbe09"),
+    ],
+)
+def test_tasks_have_the_names_that_they_always_had(monkeypatch, name, expected):
+    """Those of version 0.1.0 before its modules moved: unfinished runs of that time go on."""
+    monkeypatch.setattr(importlib.util, "find_spec", lambda peer: peer == "tamaas" or None)
+    (plan,) = study.find(name).plans(study.find(name).options())
+    names = " ".join(tasks.identity(task) for task in plan.tasks)
+    assert hashlib.sha256(names.encode()).hexdigest()[:16] == expected
 
 
 def test_a_class_without_a_kind_of_its_own_is_refused():

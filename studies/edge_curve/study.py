@@ -69,7 +69,7 @@ class Options(study.Options):
 class Task:
     """One load, with the edge about `place` between two nodes [grid spacings]."""
 
-    kind: ClassVar[str] = "place of an edge"
+    kind: ClassVar[str] = "linecontact.studies.edge_curve.Task"
 
     num_points: int
     """Grid points."""

@@ -64,7 +64,7 @@ class Options(study.Options):
 class Task:
     """One stretch of time, filled with random scenes."""
 
-    kind: ClassVar[str] = "stretch of a soak"
+    kind: ClassVar[str] = "linecontact.studies.soak.Task"
 
     number: int
     """Which of the stretches."""

@@ -65,7 +65,7 @@ class Options(study.Options):
 class Task:
     """One cell of the map."""
 
-    kind: ClassVar[str] = "cell of the map of extremes"
+    kind: ClassVar[str] = "linecontact.studies.extremes.Task"
 
     seed: int
     """Of all cells."""

@@ -99,7 +99,7 @@ def pair_seconds(num_points: int, repeats: int = 7) -> float:
 class Task:
     """One solve, timed."""
 
-    kind: ClassVar[str] = "timed solve of the iterations"
+    kind: ClassVar[str] = "linecontact.studies.iterations.Task"
 
     name: str
     """Of the scene, see `make_scene`."""

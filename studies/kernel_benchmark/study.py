@@ -82,7 +82,7 @@ class Options(study.Options):
 class Task:
     """One kernel, or the FIRE iteration, in one precision on 2^log2_points points."""
 
-    kind: ClassVar[str] = "times of a kernel"
+    kind: ClassVar[str] = "linecontact.studies.kernels.Task"
 
     kernel: str
     """Its name, or `measure.ITERATION`."""

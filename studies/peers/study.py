@@ -92,7 +92,7 @@ class Options(study.Options):
 class Task:
     """One solver on one scene, timed."""
 
-    kind: ClassVar[str] = "solver beside its peers"
+    kind: ClassVar[str] = "linecontact.studies.peers.Task"
 
     solver: str
     """Name of a peer, or `OURS`."""

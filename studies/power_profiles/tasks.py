@@ -54,7 +54,7 @@ class Configuration:
 class Task:
     """One solve, with the collocation oracle's numbers beside it."""
 
-    kind: ClassVar[str] = "power profile"
+    kind: ClassVar[str] = "linecontact.studies.asperity.Task"
 
     exponent: float
     """n of the profile."""
@@ -89,7 +89,7 @@ class Task:
 class OracleLine:
     """The oracle's kappa_d/kappa_inf over d/a_r, as a line."""
 
-    kind: ClassVar[str] = "oracle of a power profile"
+    kind: ClassVar[str] = "linecontact.studies.asperity.OracleLine"
 
     exponent: float
     """n of the profile."""

@@ -61,7 +61,7 @@ QUICK = Configuration(
 class Task:
     """One solve of one rough surface on one layer."""
 
-    kind: ClassVar[str] = "rough surface"
+    kind: ClassVar[str] = "linecontact.studies.rough.Task"
 
     num_points: int
     """Grid points."""
@@ -96,7 +96,7 @@ class Task:
 class PerssonLine:
     """Persson's prediction over the thickness, for the spectrum and the rms gradient of the whole surface."""
 
-    kind: ClassVar[str] = "Persson's prediction"
+    kind: ClassVar[str] = "linecontact.studies.rough.PerssonLine"
 
     task: Task
     """A task of the ensemble, for everything but the thickness."""

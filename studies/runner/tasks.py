@@ -27,7 +27,10 @@ class Task(Protocol):
     """A frozen dataclass of plain values on which its record depends, and on nothing else."""
 
     kind: ClassVar[str]
-    """Name of the class, unique over all studies: part of what identifies a task, wherever its module is."""
+    """Name of the class, unique over all studies and never changed: part of what identifies a task, wherever its module
+    is. Classes older than this rule keep the name that they had then, which was the path of their module, so that
+    unfinished runs of that time go on.
+    """
 
     def run(self, report: Progress | None) -> Record:
         """The task's record: flat, JSON-ready; lists for curves. Runs in any process."""

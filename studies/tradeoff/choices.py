@@ -24,7 +24,7 @@ _ITERATIONS = 100  # over which a single one is timed
 class Choice:
     """A solve with everything chosen by hand."""
 
-    kind: ClassVar[str] = "choice of the trade-off"
+    kind: ClassVar[str] = "linecontact.studies.tradeoff.choices.Choice"
 
     family: str
     """Of scenes, see `families.FAMILIES`."""
@@ -76,7 +76,7 @@ class Choice:
 class Accuracy:
     """A solve with everything chosen by the solver, for a relative error of the area."""
 
-    kind: ClassVar[str] = "accuracy of the trade-off"
+    kind: ClassVar[str] = "linecontact.studies.tradeoff.choices.Accuracy"
 
     family: str
     """Of scenes, see `families.FAMILIES`."""
@@ -111,7 +111,7 @@ class Accuracy:
 class Oracle:
     """A smooth scene by collocation at a given number of nodes; the field is sampled, outside of the time."""
 
-    kind: ClassVar[str] = "oracle of the trade-off"
+    kind: ClassVar[str] = "linecontact.studies.tradeoff.choices.Oracle"
 
     family: str
     """Of scenes, see `families.FAMILIES`."""
@@ -142,7 +142,7 @@ class Oracle:
 class Peer:
     """Another code on the same grid, at a tolerance of its own."""
 
-    kind: ClassVar[str] = "peer of the trade-off"
+    kind: ClassVar[str] = "linecontact.studies.tradeoff.choices.Peer"
 
     family: str
     """Of scenes, see `families.FAMILIES`."""
@@ -177,7 +177,7 @@ class Peer:
 class Precisions:
     """The precisions in turn, on one scene."""
 
-    kind: ClassVar[str] = "precisions of the trade-off"
+    kind: ClassVar[str] = "linecontact.studies.tradeoff.choices.Precisions"
 
     family: str
     """Of scenes, see `families.FAMILIES`."""

@@ -40,7 +40,7 @@ def draw(kind: str, seed: int, log2_points: int) -> tuple[Scene, float]:
 class RandomScene:
     """A random scene, solved to an accuracy."""
 
-    kind: ClassVar[str] = "random scene of the trade-off"
+    kind: ClassVar[str] = "linecontact.studies.tradeoff.scenes.RandomScene"
 
     scene_kind: str
     """One of `KINDS`."""
