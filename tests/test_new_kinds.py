@@ -4,7 +4,7 @@ They go all the way: `solve`, nested grids, certificate, accuracy, the stored fi
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -64,6 +64,9 @@ class SlidingLayer(ElasticLayer):
 
     def edge_symbol(self, num_points, period):
         return SlidingEdge(self.thickness / period * num_points)
+
+    def in_units(self, length, pressure):
+        return replace(self, thickness=self.thickness * length, contact_modulus=self.contact_modulus * pressure)
 
     def to_dict(self):
         return {"layer": self.name, "thickness": self.thickness, "contact_modulus": self.contact_modulus}
@@ -146,7 +149,7 @@ class ProjectedGradient(Method):
         return None
 
 
-PROJECTED = MethodKind("projected-gradient", ProjectedGradient, max_iterations=20_000, nested=True)
+PROJECTED = MethodKind("projected-gradient", ProjectedGradient, max_iterations=20_000, nested=True, grows=True)
 
 
 @pytest.fixture(autouse=True)

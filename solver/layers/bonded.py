@@ -184,6 +184,9 @@ class Layer(ElasticLayer):
     def ratios(self, period: float) -> dict[str, float]:
         return {"thickness/period": self.thickness / period} if math.isfinite(self.thickness) else {}
 
+    def in_units(self, length: float, pressure: float) -> Self:
+        return replace(self, thickness=self.thickness * length, contact_modulus=self.contact_modulus * pressure)
+
     def half_space_difference(self, period: float) -> float:
         """|f(q d) - 1| at the eight longest waves, see `ElasticLayer`; beyond them it only falls."""
         if math.isinf(self.thickness):

@@ -71,6 +71,10 @@ class ElasticLayer(Protocol):
         """The dimensionless numbers, by name, that must be neither too large nor too small to compute with."""
         return {}
 
+    @abstractmethod
+    def in_units(self, length: float, pressure: float) -> Self:
+        """The same layer where one unit of length, and of pressure, of before are so many new ones."""
+
     # What a solve to an accuracy may use.
 
     def half_space_difference(self, period: float) -> float:

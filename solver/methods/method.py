@@ -134,6 +134,8 @@ class MethodKind:
     """Precisions that it can work in."""
     nested: bool = False
     """Whether it starts from the solution on coarser grids unless told otherwise."""
+    grows: bool = False
+    """Whether its iterations grow with the number of points, so that it takes long on large grids."""
     starts_again: bool = False
     """Whether it starts once more, from the Winkler foundation's pressure, where it did not settle."""
     fallbacks: tuple[Fallback, ...] = ()

@@ -168,7 +168,8 @@ def _made(what: str, options: Options, given: Given) -> Any:
 def solution_table(solution: Solution) -> Table:
     """What a solve found, with units."""
     record = solution.to_dict()
-    handed = ", handed over to mass-weighted-fire" if solution.handed_over else ""
+    fallbacks = METHODS[solution.method].fallbacks if solution.handed_over else ()
+    handed = "".join(f", handed over to {f.method}" for f in fallbacks if f.method != solution.method)
     table = Table(title=f"{solution.method}{handed}, {record['precision']}: {solution.status}", show_header=True)
     table.add_column("quantity")
     table.add_column("value", justify="right")

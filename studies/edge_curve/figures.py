@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 from linecontact.solver.grid import edges
+from linecontact.solver.grid.edge_curves import half_space_curve
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
@@ -15,11 +16,11 @@ def draw(path: Path) -> dict[str, Figure]:
     """The universal edge curve with the measured places, and their distance from it."""
     study = load(path)
     figure, panels = plt.subplots(2, 1, figsize=(5.2, 5.0), sharex=True)
-    ratio = np.linspace(1e-3, edges.edge_curve().table[0] / edges.edge_curve().table[1], 200)
+    curve = half_space_curve()
+    ratio = np.linspace(1e-3, curve.table[0] / curve.table[1], 200)
     pressures = np.stack([ratio, np.ones_like(ratio), np.ones_like(ratio)], axis=1)
-    panels[0].plot(
-        ratio, edges.edge_offset(edges.edge_curve(), pressures)[1], "k-", lw=0.9, label="closed form (Wiener-Hopf)"
-    )
+    offset = edges.edge_offset(curve, pressures)[1]
+    panels[0].plot(ratio, offset, "k-", lw=0.9, label="closed form (Wiener-Hopf)")
     scenes = [tuple(run[f"scene.{n}"] for n in ("exponent", "thickness", "poisson_ratio")) for run in study.runs]
     for scene, colour, marker in zip(distinct(scenes), cycle(COLOURS), cycle(MARKERS), strict=False):
         chosen = np.array([s == scene for s in scenes])

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from linecontact.solver import Layer, PowerIndenter, Scene, solve
 from linecontact.solver.grid import edges
+from linecontact.solver.grid.edge_curves import half_space_curve
 from linecontact.solver.methods import Progress
 from linecontact.solver.reference import collocation
 from rich.console import RenderableType
@@ -96,7 +97,7 @@ class Task:
         solution = solve(scene, tolerance=self.tolerance, progress=report)
         nodes = np.flatnonzero(solution.contact)[:3]
         last = solution.contact_pressure[nodes]
-        three, two, _ = edges.edge_offset(edges.edge_curve(), last[None, :])
+        three, two, _ = edges.edge_offset(half_space_curve(), last[None, :])
         return records.run_record(solution) | {
             "place": self.place,
             "ratio": float(last[0] / last[1]),

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 from linecontact.solver import METHODS, Layer, MeasuredIndenter, PowerIndenter, RoughIndenter, Scene
-from linecontact.solver.stiffness import stiffness
+from linecontact.solver.grid.problem import half_spectrum
 from numpy.typing import NDArray
 
 Array64 = NDArray[np.float64]
@@ -26,6 +26,7 @@ SIZES = {"small": (4, 2**13), "middle": (2**13, 2**18), "large": (2**18, 2**24)}
 """Numbers of grid points by size."""
 
 _RATIOS = (-0.999, -0.9, -0.5, 0.0, 0.1, 0.25, 0.3, 0.4, 0.45, 0.5, *(0.5 - 10.0**-k for k in (2, 3, 4, 6, 9, 12, 15)))
+_MOST_ITERATIONS = 20_000
 _PRECISIONS = ("float64", "float32", "mixed")
 _PROFILES = ("power", "rough", "measured")
 _PRIMES = (5, 7, 11, 13, 61, 127, 521, 1021, 2053, 4099, 8191, 16381, 65537, 131071, 262147, 1048583, 4194319)
@@ -52,12 +53,8 @@ class Cell:
 
     def in_units(self, length: float, stress: float) -> Scene:
         """The same scene with these units of length and pressure."""
-        scene, layer, indenter = self.scene, self.scene.layer, self.scene.indenter
-        if isinstance(indenter, PowerIndenter):
-            indenter = replace(indenter, radius=indenter.radius * length)
-        elif isinstance(indenter, MeasuredIndenter):
-            indenter = MeasuredIndenter(indenter.heights * length)
-        layer = replace(layer, thickness=layer.thickness * length, contact_modulus=stress)
+        scene = self.scene
+        layer, indenter = scene.layer.in_units(length, stress), scene.indenter.in_units(length)
         return replace(scene, layer=layer, indenter=indenter, pressure=scene.pressure * stress, period=length)
 
 
@@ -160,7 +157,7 @@ _HEIGHTS = {
 def _full_load(indenter: PowerIndenter | RoughIndenter | MeasuredIndenter, layer: Layer, num_points: int) -> float:
     """p/E* at which the last node touches, 1e-12 to 1e12 (dimensionless)."""
     heights = np.minimum(indenter.profile(num_points, 1.0), 1e100)
-    rigidity = stiffness(num_points, layer.thickness, layer.poisson_ratio)
+    rigidity = half_spectrum(layer, num_points, 1.0)
     with np.errstate(over="ignore", invalid="ignore"):
         highest = float(np.fft.irfft(rigidity * np.fft.rfft(heights), num_points).max())
     return min(max(highest, 1e-12), 1e12) if math.isfinite(highest) else 1e12
@@ -171,12 +168,14 @@ def _draw_options(rng: Generator, num_points: int) -> tuple[dict[str, Any], str]
     if rng.random() < 0.15:
         return {"accuracy": float(10 ** rng.uniform(-8.9, -1))}, "float64"
     slow = num_points > 2**15
-    method = METHODS[0] if slow else str(rng.choice(METHODS, p=(0.6, 0.25, 0.15)))
+    shares = np.array([kind.share for kind in METHODS.values()])
+    method = next(iter(METHODS)) if slow else str(rng.choice(list(METHODS), p=shares / shares.sum()))
     options: dict[str, Any] = {"method": method}
-    if method == "fire":
-        options["max_iterations"] = 20_000
+    if METHODS[method].max_iterations > _MOST_ITERATIONS:
+        options["max_iterations"] = _MOST_ITERATIONS
     if rng.random() < 0.1:
         options["tolerance"] = float(10 ** rng.uniform(-13.9, -1))
     elif rng.random() < 0.1:
         options["nested"] = bool(rng.integers(2))
-    return options, str(rng.choice(_PRECISIONS, p=(0.6, 0.2, 0.2)))
+    precision = str(rng.choice(_PRECISIONS, p=(0.6, 0.2, 0.2)))
+    return options, precision if precision in METHODS[method].precisions else METHODS[method].precisions[0]

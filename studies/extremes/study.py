@@ -12,7 +12,6 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
-from linecontact.solver import PowerIndenter
 from linecontact.solver.methods import Progress
 
 from ..files.study_files import StudyFile
@@ -90,13 +89,14 @@ def describe(cell: cells.Cell) -> Record:
     """What a cell asks for, in units L = E* = 1."""
     scene, options = cell.scene, cell.options
     indenter = scene.indenter
-    steepness = {"scene.exponent": indenter.exponent} if isinstance(indenter, PowerIndenter) else {}
+    layer = scene.layer.to_dict()
+    steepness = {"scene.exponent": indenter.power_law[0]} if indenter.power_law else {}
     return {
         "shape": cell.shape,
         "highest": float(indenter.profile(scene.num_points, 1.0).max()),
         **steepness,
-        "scene.thickness": scene.layer.thickness,
-        "scene.poisson_ratio": scene.layer.poisson_ratio,
+        "scene.thickness": layer["thickness"],
+        "scene.poisson_ratio": layer["poisson_ratio"],
         "scene.pressure": scene.pressure,
         "scene.num_points": scene.num_points,
         "full_load": cell.full_load,

@@ -15,7 +15,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from linecontact.solver import PowerIndenter, RoughIndenter, Scene, Solution, Status, certify, solve
+from linecontact.solver import Scene, Solution, Status, certify, solve
 from linecontact.solver.grid.problem import Problem, rounding_floor
 from linecontact.solver.reference import closed_forms, collocation
 
@@ -70,7 +70,7 @@ def _judge(cell: Cell, record: Record) -> None:
         raise KeyboardInterrupt
     record |= _numbers(solution)
     if solution.status is not Status.CONVERGED:
-        _refused(record, solution.reason)
+        _refused(record, str(solution.reason))
         return
     _look_again(solution, bool(record["asked"]))
     _look_at_area(cell, solution, record)
@@ -174,26 +174,33 @@ def _look_at_area(cell: Cell, solution: Solution, record: Record) -> None:
 def _true_area(cell: Cell, solution: Solution) -> tuple[float, float] | None:
     """a_r and its error from elsewhere: closed forms, collocation, or a finer grid."""
     scene, o = cell.scene, solution.observables
-    power, thickness, nu = scene.indenter, scene.layer.thickness, scene.layer.poisson_ratio
     if o.contact_area > 0.97:  # the profile's kink at the period's end is another one on every grid
         return None
-    if isinstance(power, PowerIndenter):
-        if thickness > _HALF_SPACE_FROM:
-            return closed_forms.periodic_half_space_area(power.exponent, power.radius, scene.pressure), 1e-9
-        if solution.method in GRID_FREE:
-            return _on_a_grid(scene, _FIELD_POINTS)
-        guess = collocation.guessed_half_width(scene.pressure, power.exponent, power.radius, thickness, nu)
-        if guess < _LONGEST * thickness and power.exponent >= 1.5:
-            try:
-                shape = power.exponent, power.radius, thickness, nu
-                found, error = collocation.solve_to_accuracy(scene.pressure, *shape, 1e-5)
-            except ValueError:
-                return None
-            return found.contact_area, error * found.contact_area
-        return None
-    if isinstance(power, RoughIndenter) and scene.num_points <= _REFERENCE_TO and cell.initial is None:
+    if scene.indenter.power_law and scene.layer.bonded:
+        return _true_area_of_a_power(scene, solution.method)
+    known_between = scene.indenter.given_points is None  # the same surface on a finer grid
+    if known_between and scene.num_points <= _REFERENCE_TO and cell.initial is None:
         return _on_a_grid(scene, _FINER * scene.num_points)
     return None
+
+
+def _true_area_of_a_power(scene: Scene, method: str) -> tuple[float, float] | None:
+    """The same for a power profile on a bonded layer."""
+    assert scene.indenter.power_law is not None
+    assert scene.layer.bonded is not None
+    (exponent, radius), (thickness, nu) = scene.indenter.power_law, scene.layer.bonded
+    if thickness > _HALF_SPACE_FROM:
+        return closed_forms.periodic_half_space_area(exponent, radius, scene.pressure), 1e-9
+    if method in GRID_FREE:
+        return _on_a_grid(scene, _FIELD_POINTS)
+    shape = exponent, radius, thickness, nu
+    if exponent < 1.5 or collocation.guessed_half_width(scene.pressure, *shape) >= _LONGEST * thickness:
+        return None
+    try:
+        found, error = collocation.solve_to_accuracy(scene.pressure, *shape, 1e-5)
+    except ValueError:
+        return None
+    return found.contact_area, error * found.contact_area
 
 
 def _on_a_grid(scene: Scene, num_points: int) -> tuple[float, float] | None:

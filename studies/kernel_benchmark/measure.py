@@ -87,7 +87,7 @@ def kernel_times(kernel: str, precision: str, num_points: int, seconds: float) -
 def iteration_times(precision: str, num_points: int, seconds: float) -> Record:
     """The transforms and everything else in plain FIRE's iteration on a half-space."""
     problem = Problem.from_scene(Scene(num_points=num_points, precision=precision))  # type: ignore[arg-type]
-    state = Fire(problem, Transforms(num_points, precision), 1e-14)
+    state = Fire(problem, Transforms(num_points, precision), 1e-14, "warp")
     times: dict[str, list[float]] = {"FFTs": [], "rest": []}
     end = time.perf_counter() + seconds
     while len(times["rest"]) < _LEAST_ROUNDS + 3 or time.perf_counter() < end:

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from linecontact.solver.layers.bonded import edge_shift
 from linecontact.solver.reference import closed_forms
 from numpy.typing import NDArray
 
@@ -103,7 +104,7 @@ def _powers(file: StudyFile, thin: dict[float, Curve]) -> Iterator[Statement]:
     for nu, (t, kappa, _) in thin.items():
         power = float(np.log(kappa[1] / kappa[0]) / np.log(t[1] / t[0]))
         if nu == c["poisson_ratios"][0]:
-            second = [closed_forms.thin_layer_kappa_ratio(n, nu, s, closed_forms.edge_shift(nu)) for s in t[:2]]
+            second = [closed_forms.thin_layer_kappa_ratio(n, nu, s, edge_shift(nu)) for s in t[:2]]
             expected = math.log(second[1] / second[0]) / math.log(t[1] / t[0])
             yield Statement(
                 f"{name}: kappa_d is proportional to d/a_r on thin layers, nu = {nu:g}",
@@ -141,7 +142,7 @@ def _alpha(exponent: float, poisson_ratio: float, t: Array64, kappa: Array64, er
     together with the solution's own.
     """
     nu = poisson_ratio
-    second = 1 + 2 * closed_forms.edge_shift(nu) * t[:2]
+    second = 1 + 2 * edge_shift(nu) * t[:2]
     if second.min() < 0.5:
         return math.nan, math.inf
     value = kappa[:2] / t[:2] / ((1 - 2 * nu) / (1 - nu) ** 2) * second ** (exponent + 1)

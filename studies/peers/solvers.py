@@ -18,8 +18,8 @@ from types import SimpleNamespace
 
 import numpy as np
 from linecontact.solver import Scene
+from linecontact.solver.grid.problem import half_spectrum
 from linecontact.solver.methods import Progress
-from linecontact.solver.stiffness import stiffness
 from numpy.typing import NDArray
 
 PEERS = ("tamaas", "ContactMechanics")
@@ -69,7 +69,7 @@ def solve(peer: str, scene: Scene, tolerance: float, progress: Progress | None =
 def _stiffness(scene: Scene) -> Array64:
     """K(q_k), shape (N//2 + 1,) [pressure/length]."""
     layer = scene.layer
-    k = stiffness(scene.num_points, layer.thickness / scene.period, layer.poisson_ratio)
+    k = half_spectrum(layer, scene.num_points, scene.period)
     return k * (layer.contact_modulus / scene.period)
 
 

@@ -130,8 +130,8 @@ class Task:
             "gap_limit": self.gap,
         }
         if self.hurst is None:
-            layer = scene.layer
-            exact = collocation.solve_load(scene.pressure, 2.0, 1.0, layer.thickness, layer.poisson_ratio).contact_area
+            assert scene.layer.bonded is not None
+            exact = collocation.solve_load(scene.pressure, 2.0, 1.0, *scene.layer.bonded).contact_area
             areas = nodes / scene.num_points, record.get("contact_area_subgrid", math.nan)
             record |= {
                 f"spacings_off.{how}": (area - exact) * scene.num_points for how, area in zip(HOW, areas, strict=True)

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from linecontact.solver.layers.bonded import edge_shift
 from linecontact.solver.reference import closed_forms
 from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
@@ -71,7 +72,7 @@ def _limits(axes: Axes, configuration: dict[str, Any], poisson_ratio: float, col
     """The limits of thin layers to first and second order, and the published one."""
     nu, exponent = poisson_ratio, configuration["exponent"]
     grid = np.geomspace(low, 0.3, 50)
-    for shift, style, width in ((0.0, "--", 0.7), (closed_forms.edge_shift(nu), ":", 0.9)):
+    for shift, style, width in ((0.0, "--", 0.7), (edge_shift(nu), ":", 0.9)):
         reach = grid[1 + 2 * shift * grid > 0.2]  # beyond, the expansion is none
         limit = [closed_forms.thin_layer_kappa_ratio(exponent, nu, s, shift) / s for s in reach]
         axes.plot(reach, limit, style, color=colour, lw=width)

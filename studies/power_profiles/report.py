@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from linecontact.solver.layers.bonded import edge_shift
 from linecontact.solver.reference import closed_forms
 from numpy.typing import NDArray
 from rich.console import RenderableType
@@ -61,8 +62,7 @@ def summary(file: StudyFile) -> Table:
         t, ratio = curve(part)
         thin = int(np.argmin(t))
         first, second = (
-            closed_forms.thin_layer_kappa_ratio(exponent, nu, t[thin], shift)
-            for shift in (0.0, closed_forms.edge_shift(nu))
+            closed_forms.thin_layer_kappa_ratio(exponent, nu, t[thin], shift) for shift in (0.0, edge_shift(nu))
         )
         area = np.abs(part.column("contact_area") - part.column("oracle.contact_area")) * points
         subgrid = np.abs(part.column("contact_area_subgrid") - part.column("oracle.contact_area")) * points

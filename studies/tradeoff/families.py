@@ -88,8 +88,8 @@ def make_scene(family: str, log2_points: int, precision: str = "float64", varian
 def oracle(family: str, variant: int, num_nodes: int, resolution: float) -> Asperity:
     """A smooth family's scene by collocation; arguments as for `collocation.solve_load`."""
     scene = make_scene(family, 8, variant=variant)
-    layer = scene.layer
-    return collocation.solve_load(scene.pressure, 2.0, 1.0, layer.thickness, layer.poisson_ratio, num_nodes, resolution)
+    assert scene.layer.bonded is not None
+    return collocation.solve_load(scene.pressure, 2.0, 1.0, *scene.layer.bonded, num_nodes, resolution)
 
 
 @functools.cache

@@ -3,17 +3,18 @@
 import itertools
 from pathlib import Path
 
+from linecontact.solver import METHODS
 from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from ..figures.style import COLOURS, NothingToDraw, load
+from ..figures.style import COLOURS, MARKERS, NothingToDraw, load
 from ..files.study_files import StudyFile
 from . import front, report
 from .families import FAMILIES
 
-_METHODS = {"active-set": "o", "mass-weighted-fire": "s", "fire": "^"}
+_METHODS = dict(zip(METHODS, itertools.cycle(MARKERS), strict=False))
 _PRECISIONS = {"float64": COLOURS[0], "mixed": COLOURS[1], "float32": COLOURS[2]}
 _PEERS = "Pv"
 _LEAST = 1e-14  # errors below are drawn there

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from linecontact.solver import Solution, Status, provenance, solve
+from linecontact.solver import METHODS, Solution, Status, provenance, solve
 
 from ..files import records
 from ..runner.tasks import Record
@@ -57,7 +57,7 @@ def measured(family: str, run: Callable[[int], Found]) -> Record:
 def warm_up() -> None:
     """Load kernels, tables and imports, once in a process."""
     for precision in ("float64", "float32"):
-        for method in ("active-set", "mass-weighted-fire", "fire"):
+        for method in (name for name, kind in METHODS.items() if precision in kind.precisions):
             solve(families.make_scene("Hertz, half-space", 13, precision), method=method, tolerance=0.3)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, Status, solve
 from linecontact.solver.methods import Progress
 from linecontact.solver.reference import collocation
-from linecontact.solver.strategy import planner
+from linecontact.solver.strategy import plan
 
 from ..files import records
 from ..runner.tasks import Record
@@ -53,7 +53,7 @@ class RandomScene:
         """What was asked, claimed, and true, and the time of the planner alone."""
         scene, accuracy = draw(self.scene_kind, self.seed, self.log2_points)
         begin = time.perf_counter()
-        planner.decide(scene, accuracy)
+        plan.decide(scene, accuracy)
         decided = time.perf_counter() - begin
         own = {
             "kind": "scene",
@@ -84,16 +84,16 @@ class RandomScene:
 
 def true_area(scene: Scene, accuracy: float, num_points: int) -> tuple[float, float]:
     """a_r by collocation, or on a grid of 4 to 16 times as many points as the solution has; and its own error."""
-    power, layer, load = scene.indenter, scene.layer, scene.pressure
-    if isinstance(power, PowerIndenter):
-        shape = load, power.exponent, 1.0, layer.thickness, layer.poisson_ratio
-        if collocation.guessed_half_width(*shape) < _LONGEST * layer.thickness:
+    power, bonded = scene.indenter.power_law, scene.layer.bonded
+    if power and bonded:
+        shape = scene.pressure, *power, *bonded
+        if collocation.guessed_half_width(*shape) < _LONGEST * scene.layer.thickness:
             try:
                 fine, coarse = (collocation.solve_load(*shape, k * _NODES // 2, k * _RESOLUTION / 2) for k in (2, 1))
                 return fine.contact_area, abs(coarse.contact_area / fine.contact_area - 1)
             except ValueError:  # nearly full contact
                 pass
-    finer = planner.on_grid(scene, max(4 * num_points, min(_FINER * num_points, _MOST)))
+    finer = scene.on_grid(max(4 * num_points, min(_FINER * num_points, _MOST)))
     solution = solve(finer, tolerance=max(1e-3 * accuracy, 1e-8))
     if solution.status is not Status.CONVERGED:
         raise RuntimeError(f"the reference is not certified: {solution.status}")

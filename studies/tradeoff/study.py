@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from linecontact.solver import METHODS
+from linecontact.solver.methods import fire
 from rich.console import RenderableType
 
 from ..files.study_files import StudyFile
@@ -68,8 +69,8 @@ class Configuration:
         """The tasks."""
         runs = [task for family in FAMILIES for task in self._family(family)]
         for family in (_HALF_SPACE, "rough, half-space")[: 1 + (self.paper - 2 >= COARSEST_ROUGH)]:
-            runs.append(Precisions(family, "fire", self.paper, None))
-            runs += [Precisions(family, method, self.paper, TOLERANCES[-1]) for method in METHODS[:2]]
+            runs.append(Precisions(family, fire.KIND.name, self.paper, None))
+            runs += [Precisions(family, method, self.paper, TOLERANCES[-1]) for method in _methods(grow=False)]
         kinds = tuple(zip(KINDS, self.scene_points, strict=True))
         runs += [RandomScene(kind, seed, most) for seed in range(self.scenes) for kind, most in kinds]
         return Plan(NAME, asdict(self), runs, figures=front.FIGURES)
@@ -91,28 +92,32 @@ class Configuration:
 
     def _choices(self, family: str, size: int) -> Iterator[tuple[str, str, float | None, int, int, bool]]:
         """Methods, precisions, tolerances, sizes, threads and nested grids that are worth the time of trying."""
-        for method in METHODS[: 2 if size <= self.paper else 1]:
-            for precision in PRECISIONS:
+        for method in _methods(grow=False)[: None if size <= self.paper else 1]:
+            for precision in (p for p in PRECISIONS if p in METHODS[method].precisions):
                 tolerances = [t for t in TOLERANCES if t > TOLERANCES[-1] or size <= _TIGHTEST_TO]
                 for tolerance in (*tolerances, *((None,) if precision == "float32" else ())):
                     yield method, precision, tolerance, size, 1, True
                     if tolerance in _ONE_GRID[: 2 if size < _TIGHTEST_TO else 1] or tolerance is None:
                         yield method, precision, tolerance, size, 1, False
         if size >= _TWO_THREADS_FROM:
-            yield "active-set", "float64", 1e-5, size, 2, True
-            if size <= self.paper:
-                yield "mass-weighted-fire", "float64", 1e-5, size, 2, True
-        if size <= _PLAIN_TO:
-            for precision in PRECISIONS:
-                for tolerance in (None,) if precision == "float32" else (1e-3, 1e-5):
-                    yield from (("fire", precision, tolerance, size, 1, nested) for nested in (True, False))
-        elif size <= self.paper:
-            yield from (("fire", "float64", 1e-5, size, 1, nested) for nested in (True, False))
-            yield "fire", "float32", None, size, 1, False
+            for method in _methods(grow=False)[: None if size <= self.paper else 1]:
+                yield method, "float64", 1e-5, size, 2, True
+        for method in _methods(grow=True) if size <= self.paper else ():
+            precisions = [p for p in PRECISIONS if p in METHODS[method].precisions]
+            for precision in precisions if size <= _PLAIN_TO else ("float64",):
+                for tolerance in (None,) if precision == "float32" else (1e-3, 1e-5)[size > _PLAIN_TO :]:
+                    yield from ((method, precision, tolerance, size, 1, nested) for nested in (True, False))
+            if size > _PLAIN_TO and "float32" in precisions:
+                yield method, "float32", None, size, 1, False
         if size == self.paper:
-            yield "fire", "float64", 1e-5, size, 1, False
+            yield fire.KIND.name, "float64", 1e-5, size, 1, False
             if family == _HALF_SPACE:
-                yield "fire", "float64", 1e-8, size, 1, False
+                yield fire.KIND.name, "float64", 1e-8, size, 1, False
+
+
+def _methods(grow: bool) -> list[str]:
+    """Names of the methods whose iterations grow with the number of points, or do not."""
+    return [name for name, kind in METHODS.items() if kind.grows is grow]
 
 
 QUICK = Configuration(
