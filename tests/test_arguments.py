@@ -8,12 +8,17 @@ from pathlib import Path
 from typing import ClassVar, Literal, Optional
 
 import pytest
-from linecontact.solver import Layer, PowerIndenter, RoughIndenter
-from linecontact.studies import STUDIES, asperity, ensemble, kernels, scans
+from linecontact.solver import INDENTERS, Layer, PowerIndenter, RoughIndenter
+from linecontact.studies import STUDIES
 from linecontact.studies.command_line import kinds, main, plot, solve
+from linecontact.studies.files import scans
+from linecontact.studies.kernel_benchmark import study as kernels
+from linecontact.studies.power_profiles import study as power_profiles
+from linecontact.studies.runner import study as runner
 from linecontact.studies.terminal import arguments, declarations
 from linecontact.studies.terminal.options import one_of, options_of
 
+WORDED = [name for name in kinds.declared() if not name.endswith("MeasuredIndenter")]  # whose heights are no words
 WORDS = {"one": 1, "two": 2}
 
 
@@ -155,26 +160,26 @@ def test_types_that_no_option_has_are_refused(hint):
         options_of(kind)
 
 
-@pytest.mark.parametrize("kind", [Base, Every, Positional, ensemble.Options, asperity.Options, scans.Options])
+@pytest.mark.parametrize("kind", [Base, Every, Positional, runner.Options, power_profiles.Options, scans.Options])
 def test_the_source_alone_tells_every_field(kind):
     declared = declarations.read(f"{kind.__module__}:{kind.__name__}")
     assert list(declared.fields) == list(options_of(kind))
 
 
 def test_the_source_tells_what_is_inherited():
-    declared = declarations.read("linecontact.studies.kernels:Options")
+    declared = declarations.read("linecontact.studies.kernel_benchmark.study:Options")
     assert list(declared.fields) == list(options_of(kernels.Options))
     assert declared.fields["workers"] == "More than one disturb each other's times."
     assert declared.fields["folder"].startswith("Where data and figures go")
     assert declared.summary == "Times and bandwidths of every kernel over N, against C and NumPy: data, figures, table."
 
 
-@pytest.mark.parametrize("name", ["linecontact.studies.store:Options", "no.such.module:Kind", "sys:Kind"])
+@pytest.mark.parametrize("name", ["linecontact.studies.files.writing:Options", "no.such.module:Kind", "sys:Kind"])
 def test_what_the_source_does_not_tell_is_none(name):
     assert declarations.read(name) is None
 
 
-@pytest.mark.parametrize("name", [*kinds.titles().values(), *(f"{module}:Options" for module in STUDIES.values())])
+@pytest.mark.parametrize("name", [*WORDED, *(f"{module}:Options" for module in STUDIES.values())])
 def test_every_class_that_is_named_has_options_that_its_source_tells(name):
     kind = arguments.load(name)
     declared = declarations.read(name)
@@ -183,7 +188,7 @@ def test_every_class_that_is_named_has_options_that_its_source_tells(name):
 
 
 def test_the_solvers_defaults_are_those_of_the_command_line():
-    given = {title: {} for title in kinds.titles()}
+    given = {title: {} for title in kinds.titled()}
     scene = solve.make_scene(solve.Options(), given)
     assert (scene.layer, scene.indenter) == (Layer(), PowerIndenter())
     assert scene == type(scene)()
@@ -193,7 +198,7 @@ def test_the_solvers_defaults_are_those_of_the_command_line():
 
 
 def test_a_new_profile_takes_one_line_in_the_list(monkeypatch, capsys):
-    monkeypatch.setitem(kinds.PROFILES, "bumpy", f"{__name__}:Bumpy")
+    monkeypatch.setitem(INDENTERS, "bumpy", Bumpy)
     words = "solve --num-points 64 --json --profile"
     assert main.main([*words.split(), "bumpy", "--bump", "0.3", "--exponent", "4"]) == 0
     assert '"exponent": 4.0' in capsys.readouterr().out

@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from linecontact.solver import Scene, Status, solve
+from linecontact.solver import Reason, Scene, Status, solve
+from linecontact.solver.endings import Cause
 from linecontact.studies.extremes import cells, soak, verdicts
 from linecontact.studies.extremes import study as extremes
 from linecontact.studies.files import study_files
@@ -91,7 +92,9 @@ def test_the_judge_finds_defects(monkeypatch):
     good = solve(scene)
     assert ends(ZeroDivisionError("by zero")) == ends(ValueError("bad")) == verdicts.DEFECT
     assert ends(ValueError("pressure is 0; allowed: > 0")) == verdicts.REFUSED
-    assert ends(replace(good, status=Status.STAGNATED)) == verdicts.REFUSED
+    reason = Reason(Cause.METHOD, "method", "fire, which does not settle here", "another")
+    assert ends(replace(good, status=Status.STAGNATED, reason=reason)) == verdicts.REFUSED
+    assert ends(replace(good, status=Status.STAGNATED)) == verdicts.DEFECT
     with pytest.raises(KeyboardInterrupt):
         ends(replace(good, status=Status.INTERRUPTED))
     monkeypatch.undo()

@@ -3,21 +3,15 @@
 A short run with fixed seeds; longer ones were made.
 """
 
-from hypothesis import HealthCheck, given, settings
+from fuzzing import fuzz
+from hypothesis import given, settings
 from hypothesis import strategies as st
-from linecontact.studies import ensemble
 from linecontact.studies.command_line import kinds, solve
 from linecontact.studies.command_line import main as cli
-from linecontact.studies.terminal import arguments
+from linecontact.studies.runner import run
 from linecontact.studies.terminal.options import flag
 
-fuzz = settings(
-    derandomize=True,
-    deadline=None,
-    database=None,
-    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
-)
-KINDS = [solve.Options, *map(arguments.load, kinds.titles().values())]
+KINDS = [solve.Options, *kinds.titled().values()]
 FLAGS = [flag(name) for kind in KINDS for name in kind.__dataclass_fields__]
 STUDY = ["--workers", "--memory", "--scheduler", "--folder", "--quick", "--overwrite"]
 VALUES = st.one_of(
@@ -70,7 +64,7 @@ def test_any_arguments(tmp_path, monkeypatch, capfd, command, options, rest):
         return real(scene, **more) if scene.num_points <= 64 else stop()
 
     monkeypatch.setattr(solve, "solve", small)
-    monkeypatch.setattr(ensemble, "_compute", lambda *_: stop())
+    monkeypatch.setattr(run, "_compute", lambda *_: stop())
     try:
         status = cli.main([*command, *(word for option in options for word in option), *rest])
     except SystemExit as stopped:

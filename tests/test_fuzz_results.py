@@ -18,6 +18,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from linecontact import studies
 from linecontact.solver import Scene, solve
+from linecontact.studies import hertz
 from linecontact.studies.command_line import main as cli
 from linecontact.studies.files import confined, hdf5, scans, solution_files, study_files, writing
 from linecontact.studies.kernel_benchmark import compare
@@ -48,7 +49,7 @@ def test_what_is_no_file_is_refused_at_once(tmp_path):
 
 
 def ensemble_task():
-    return power_profiles.plan("hertz", cli.hertz.CONFIGURATION).tasks[0]
+    return power_profiles.plan("hertz", hertz.CONFIGURATION).tasks[0]
 
 
 def external(file):
@@ -252,7 +253,7 @@ def test_records_that_are_none_are_set_aside(tmp_path, body):
 
 def test_records_of_something_else_are_one_line(tmp_path, capfd):
     """They have the tasks' names and right checksums."""
-    plan = power_profiles.plan("hertz", power_profiles.quick(cli.hertz.CONFIGURATION))
+    plan = power_profiles.plan("hertz", power_profiles.quick(hertz.CONFIGURATION))
     folder = tasks.TaskFolder(tmp_path / "tasks")
     for task in plan.tasks:
         folder.save(task, {"a": [1.0], "status": "\x1b[31m[red]"})

@@ -12,7 +12,8 @@ from typing import ClassVar
 
 import pytest
 from linecontact.solver import Layer, Scene, solve
-from linecontact.studies import STUDIES, cli
+from linecontact.studies import STUDIES
+from linecontact.studies.command_line import main as cli
 from linecontact.studies.files import records, study_files
 from linecontact.studies.runner import study
 from linecontact.studies.runner.run import run_study

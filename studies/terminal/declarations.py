@@ -51,7 +51,7 @@ def read(kind: str) -> Declaration | None:
         if inherited is None:
             return None
         fields |= inherited.fields
-    own = _own_fields(node)
+    own = _own_fields(node) if any("dataclass" in ast.unparse(one) for one in node.decorator_list) else {}
     for entry in _ENTRY.findall(text):
         name, _, said = entry.partition(": ")
         if name in own:

@@ -3,7 +3,7 @@
 `active_set` is the method, `contact_set` what belongs to one set of nodes, `compliance` its operator, `storage` where
 nodes have their values, `preconditioner` with `long_patch` and `greens_function` what makes its iterations few.
 
-May import: arrays, grid, methods.method, linecontact.kernels.
+May import: method, linecontact.solver.arrays, linecontact.solver.grid, linecontact.kernels.
 """
 
 from ...grid.problem import Problem
