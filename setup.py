@@ -1,7 +1,6 @@
-"""Finds the packages: every folder of kernels/, solver/ and studies/ that holds Python, under the name linecontact."""
+"""Finds the packages: linecontact, which is api/, and in it every folder with Python of kernels/, solver/, studies/."""
 
 from setuptools import find_packages, setup
 
-FOLDERS = ("kernels", "solver", "studies")
-
-setup(packages=[f"linecontact.{name}" for name in find_packages(include=[f"{folder}*" for folder in FOLDERS])])
+folders = find_packages(include=["kernels*", "solver*", "studies*"])
+setup(packages=["linecontact", *(f"linecontact.{folder}" for folder in folders)])

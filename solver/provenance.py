@@ -4,23 +4,16 @@ import os
 import platform
 import subprocess
 from functools import cache
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 from pathlib import Path
 
-
-@cache
-def package_version() -> str:
-    """Version of the installed linecontact, 'unknown' if it is not installed."""
-    try:
-        return version("linecontact")
-    except PackageNotFoundError:
-        return "unknown"
+from .. import __version__
 
 
 @cache
 def provenance() -> dict[str, str]:
     """Version, commit (with '+dirty'), library versions, processor and system, all as text."""
-    found = {"version": package_version(), "commit": _commit(), "python": platform.python_version()}
+    found = {"version": __version__, "commit": _commit(), "python": platform.python_version()}
     found |= {name: version(name) for name in ("warp-lang", "numpy", "pyfftw", "h5py")}
     return found | {"processor": _processor(), "cores": str(os.cpu_count()), "system": platform.platform()}
 
@@ -31,15 +24,13 @@ def _commit() -> str:
     if not (folder / ".git").exists():
         return "none"
 
-    def git(*arguments: str) -> str:
-        return subprocess.run(
-            ["git", "-C", str(folder), *arguments], capture_output=True, text=True, check=True, timeout=10
-        ).stdout.strip()
-
+    command = ["git", "-C", str(folder), "status", "--porcelain=v2", "--branch"]
     try:
-        return git("rev-parse", "--short=12", "HEAD") + ("+dirty" if git("status", "--porcelain") else "")
-    except (OSError, subprocess.SubprocessError):
+        said = subprocess.run(command, capture_output=True, text=True, check=True, timeout=10).stdout.splitlines()
+        commit = next(line.split()[-1][:12] for line in said if line.startswith("# branch.oid"))
+    except (OSError, subprocess.SubprocessError, StopIteration):
         return "none"
+    return commit + ("" if all(line.startswith("#") for line in said) else "+dirty")
 
 
 def _processor() -> str:

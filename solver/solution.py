@@ -3,12 +3,13 @@
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
+from .. import __version__
 from . import checks
 from .arrays import Array64, Mask
 from .endings import Reason, Status
 from .grid.certificate import Certificate
 from .grid.observables import Observables
-from .provenance import package_version, provenance
+from .provenance import provenance
 from .scene import Scene
 
 MEANINGLESS = 0.2
@@ -119,7 +120,7 @@ class Solution:
             "planning": self.planning,
             "backend": self.backend,
             "scene": self.scene.to_dict(),
-            "version": package_version(),
+            "version": __version__,
             "provenance": provenance(),
         }
         plain: dict[str, Any] = checks.plain(found)

@@ -30,10 +30,10 @@ def test_types(tmp_path):
     package.mkdir()
     for folder in FOLDERS:
         (package / folder).symlink_to(ROOT / folder, target_is_directory=True)
-    packages = [word for folder in FOLDERS for word in ("-p", f"linecontact.{folder}")]
+    (package / "__init__.py").symlink_to(ROOT / "api" / "__init__.py")
     options = ["--config-file", ROOT / "pyproject.toml", "--namespace-packages", "--explicit-package-bases"]
     environment = {**os.environ, "MYPYPATH": str(tmp_path)}
-    run(sys.executable, "-m", "mypy", *options, *packages, cwd=tmp_path, env=environment)
+    run(sys.executable, "-m", "mypy", *options, "-p", "linecontact", cwd=tmp_path, env=environment)
 
 
 def test_wheel(tmp_path):
@@ -41,6 +41,7 @@ def test_wheel(tmp_path):
     run(sys.executable, "-m", "pip", "wheel", "--no-deps", "--wheel-dir", tmp_path, ROOT)
     (wheel,) = tmp_path.glob("linecontact-*.whl")
     modules = {f"linecontact/{file.relative_to(ROOT)}" for folder in FOLDERS for file in (ROOT / folder).rglob("*.py")}
+    modules.add("linecontact/__init__.py")
     with zipfile.ZipFile(wheel) as archive:
         assert {name for name in archive.namelist() if name.endswith(".py")} == modules
     environment = tmp_path / "venv"
@@ -57,7 +58,7 @@ def test_wheel(tmp_path):
 
 
 def test_readme_example(tmp_path):
-    readme = (ROOT / "README.md").read_text()
+    readme = "".join(page.read_text() for page in (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))))
     blocks = re.findall(r"```python\n(.*?)```", readme, re.DOTALL)
     assert blocks
     assert not re.search(r"@[A-Z]+@", readme)

@@ -6,8 +6,8 @@ Only the module of the command, or of the study, that is asked for is imported.
 import importlib
 import sys
 from collections.abc import Callable, Sequence
-from importlib.metadata import PackageNotFoundError, version
 
+from ... import __version__
 from .. import STUDIES
 from ..terminal import arguments, declarations, text
 from . import kinds, study
@@ -40,7 +40,7 @@ def prepare(words: Sequence[str] | None = None) -> Callable[[], int]:
 def _command(words: list[str]) -> Callable[[], int]:
     """The command that the words ask for, ready to run. Raises `ValueError`."""
     if words[:1] == ["--version"]:
-        print(PROG, _version())
+        print(PROG, __version__)
         return lambda: 0
     name, words = arguments.choose("command", words, COMMANDS, PROG, ABOUT, _summary)
     prog, module = f"{PROG} {name}", f"{__package__}.{name}"
@@ -73,10 +73,3 @@ def _check_names(words: Sequence[str], asked: Sequence[str], prog: str) -> None:
     declared = [declarations.read(kind) for kind in asked]
     if all(declared):
         arguments.check_names(words, [name for one in declared if one for name in one.fields], prog)
-
-
-def _version() -> str:
-    try:
-        return version("linecontact")
-    except PackageNotFoundError:
-        return "unknown"

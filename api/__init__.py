@@ -1,0 +1,60 @@
+"""linecontact: how large is the true contact of a thin elastic layer under a rigid indenter?
+
+    from linecontact import Layer, Scene, solve
+
+The names below are those of `linecontact.solver`, which is imported when the first of them is used.
+"""
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .solver import (
+        Certificate,
+        Layer,
+        MeasuredIndenter,
+        Observables,
+        PowerIndenter,
+        RoughIndenter,
+        Scene,
+        Solution,
+        Status,
+        solve,
+    )
+
+    __version__: str
+
+__all__ = [
+    "Certificate",
+    "Layer",
+    "MeasuredIndenter",
+    "Observables",
+    "PowerIndenter",
+    "RoughIndenter",
+    "Scene",
+    "Solution",
+    "Status",
+    "__version__",
+    "solve",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        return _version()
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(importlib.import_module("linecontact.solver"), name)
+
+
+def __dir__() -> list[str]:
+    return __all__
+
+
+def _version() -> str:
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version("linecontact")
+    except PackageNotFoundError:
+        return "unknown"
