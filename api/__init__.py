@@ -19,8 +19,8 @@ if TYPE_CHECKING:
         Scene,
         Solution,
         Status,
-        solve,
     )
+    from .solver.solve import solve
 
     __version__: str
 

@@ -1,6 +1,7 @@
 """Checks of user input: every error names the parameter, its value and what is allowed."""
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -66,9 +67,13 @@ def assign(instance: object, **values: object) -> None:
         object.__setattr__(instance, name, value)
 
 
+NOT_FINITE = ("inf", "-inf", "nan")
+"""What stands for numbers that are not finite where JSON has no such numbers."""
+
+
 def plain(value: Any) -> Any:
-    """The same value for JSON: tuples as lists, numbers that are not finite as text ('inf', '-inf', 'nan')."""
-    if isinstance(value, dict):
+    """The same value for JSON: tuples as lists, numbers that are not finite as one of `NOT_FINITE`."""
+    if isinstance(value, Mapping):
         return {name: plain(item) for name, item in value.items()}
     if isinstance(value, (list, tuple)):
         return [plain(item) for item in value]

@@ -3,6 +3,7 @@
 They go all the way: `solve`, nested grids, certificate, accuracy, the stored file, the command line and the figure.
 """
 
+import json
 import math
 from dataclasses import dataclass, replace
 from typing import ClassVar
@@ -25,6 +26,11 @@ from linecontact.solver import (
     solve,
 )
 from linecontact.solver.layers.bonded import layer_factor
+from linecontact.studies.command_line import main
+from linecontact.studies.extremes import cells
+from linecontact.studies.files import solution_files
+from linecontact.studies.tradeoff import choices
+from linecontact.studies.tradeoff import study as tradeoff
 
 
 @dataclass(frozen=True)
@@ -247,3 +253,48 @@ def test_what_is_missing_is_named():
 
     with pytest.raises(TypeError, match="edge_symbol"):
         Unfinished()
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ["--layer", "sliding", "--thickness", "0.05"],
+        ["--profile", "cosine", "--amplitude", "0.02", "--waves", "3"],
+        ["--method", "projected-gradient", "--tolerance", "1e-4"],
+        ["--layer", "sliding", "--profile", "cosine", "--accuracy", "0.1"],
+    ],
+)
+def test_the_command_line_knows_them(tmp_path, capsys, options):
+    """From its options to the stored file and the figure."""
+    file = tmp_path / "solution.h5"
+    words = ["solve", "--num-points", "2048", "--pressure", "0.01", *options, "--json", "--save", str(file), "--plot"]
+    assert main.main(words) in (0, 3)
+    record = json.loads(capsys.readouterr().out)
+    assert record["status"] in ("converged", Status.INACCURATE)
+    given = dict(zip(options[::2], options[1::2], strict=True))
+    assert record["scene"]["layer"] == given.get("--layer", "bonded")
+    assert record["scene"]["profile"] == given.get("--profile", "power")
+    if "--amplitude" in given:
+        assert (record["scene"]["amplitude"], record["scene"]["waves"]) == (0.02, 3)
+    fields, attributes = solution_files.load_solution(file)
+    assert attributes["scene.layer"] == record["scene"]["layer"]
+    assert attributes["contact_area_subgrid"] == record["contact_area_subgrid"]
+    assert fields["x"].size == record["scene"]["num_points"]
+    assert file.with_suffix(".png").stat().st_size > 10_000
+
+
+def test_options_of_another_kind_are_refused(capsys):
+    assert main.main(["solve", "--layer", "sliding", "--poisson-ratio", "0.3"]) == 2
+    assert capsys.readouterr().err == (
+        "linecontact: poisson_ratio is 0.3; allowed: only with --layer bonded, not sliding\n"
+    )
+    assert main.main(["solve", "--layer", "slidng"]) == 2
+    assert capsys.readouterr().err.startswith("linecontact: layer is 'slidng'; allowed: bonded, sliding")
+
+
+def test_studies_of_random_scenes_try_a_new_method():
+    """The map of extremes and the trade-off take their methods from the list."""
+    drawn = {cells.draw(0, k, k % cells.COLUMNS, k % cells.ROWS, "small").options.get("method") for k in range(300)}
+    assert set(METHODS) <= drawn
+    tried = {task.method for task in tradeoff.QUICK.plan().runs if isinstance(task, choices.Choice)}
+    assert set(METHODS) <= tried

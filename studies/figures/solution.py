@@ -35,8 +35,8 @@ def draw(path: Path) -> dict[str, Figure]:
 
 
 def _title(attributes: dict[str, Any]) -> str:
-    thickness = float(attributes["scene.thickness"])
-    return (
-        f"d = {thickness:.4g} [length], nu = {attributes['scene.poisson_ratio']:g}, "
-        f"a_r = {attributes['contact_area_subgrid']:.6g}, {attributes['status']}"
+    ratio = attributes.get("scene.poisson_ratio")  # not every layer has one
+    layer = f"d = {float(attributes['scene.thickness']):.4g} [length]" + (
+        f", nu = {ratio:g}" if ratio is not None else ""
     )
+    return f"{layer}, a_r = {attributes['contact_area_subgrid']:.6g}, {attributes['status']}"

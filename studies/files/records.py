@@ -4,11 +4,13 @@ JSON has no infinity and no NaN. In a record they are the texts 'inf', '-inf' an
 `is_text` tells them from other texts.
 """
 
-import math
 from collections.abc import Mapping
 from typing import Any
 
 from linecontact.solver import Solution
+from linecontact.solver.checks import NOT_FINITE, plain
+
+__all__ = ["RESULTS_VERSION", "UNITS", "flatten", "is_text", "plain", "renamed", "run_record", "unit"]
 
 RESULTS_VERSION = 2
 """To be raised whenever the same task gives other results: they must not be mixed."""
@@ -27,7 +29,8 @@ UNITS = {
 }
 """Units by the last part of a name; 'seconds.*' is in seconds, 'bytes.*' in bytes, everything else dimensionless."""
 
-_NOT_FINITE = ("inf", "-inf", "nan")
+_RENAMED = {"certificate.adhesion": "certificate.tensile_violation"}
+"""Names of quantities in older files, and what they are called since."""
 
 
 def unit(name: str) -> str:
@@ -50,18 +53,14 @@ def flatten(record: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
     return flat
 
 
-def plain(value: Any) -> Any:
-    """The same value for JSON: tuples as lists, infinities and NaN as text."""
-    if isinstance(value, Mapping):
-        return {name: plain(item) for name, item in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [plain(item) for item in value]
-    return str(value) if isinstance(value, float) and not math.isfinite(value) else value
+def renamed(record: Mapping[str, Any]) -> dict[str, Any]:
+    """A stored record with the names of today."""
+    return {_RENAMED.get(name, name): value for name, value in record.items()}
 
 
 def is_text(value: Any) -> bool:
     """Whether a value is a text, and not an infinity or NaN that `plain` has made a text of."""
-    return isinstance(value, str) and value not in _NOT_FINITE
+    return isinstance(value, str) and value not in NOT_FINITE
 
 
 def run_record(solution: Solution) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from linecontact.solver import Solution
 from numpy.typing import NDArray
 
 from .hdf5 import column_of_numbers, new_file, open_file, scalar
-from .records import flatten, unit
+from .records import flatten, renamed, unit
 
 KIND = "solution"
 _FIELDS = ("x", "profile", "displacement", "contact_pressure")
@@ -36,4 +36,4 @@ def load_solution(path: Path) -> tuple[dict[str, NDArray[np.float64]], dict[str,
         fields = {name: column_of_numbers(file[name]) for name in _FIELDS}
         if len({values.size for values in fields.values()}) > 1 or fields["x"].size < 2:
             raise ValueError("its fields are of different lengths, or shorter than 2")
-        return fields, {name: scalar(value) for name, value in file.attrs.items()}
+        return fields, renamed({name: scalar(value) for name, value in file.attrs.items()})

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .hdf5 import column_of_numbers, file_kind, new_file, open_file, scalar
-from .records import RESULTS_VERSION, is_text, plain, unit
+from .records import RESULTS_VERSION, is_text, plain, renamed, unit
 from .writing import DamagedError, StoreError, set_aside
 
 if TYPE_CHECKING:
@@ -110,7 +110,7 @@ def _write_column(group: "h5py.Group", name: str, values: Sequence[Any]) -> None
 def load_study(path: Path) -> StudyFile:
     """Read a study file of up to `MAX_RUNS` runs. Raises like `hdf5.open_file`."""
     with open_file(path) as file:
-        columns = {name: _read_column(dataset) for name, dataset in file["runs"].items()}
+        columns = renamed({name: _read_column(dataset) for name, dataset in file["runs"].items()})
         length = len(next(iter(columns.values()))) if columns else 0
         if any(len(values) != length for values in columns.values()):
             raise ValueError("its columns are of different lengths")

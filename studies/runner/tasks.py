@@ -63,7 +63,8 @@ def _record(body: bytes) -> Record | None:
         record = json.loads(body)["record"]
     except (ValueError, LookupError, TypeError, RecursionError):
         return None
-    return record if isinstance(record, dict) and all(map(_flat, record.values())) else None
+    sound = isinstance(record, dict) and all(map(_flat, record.values()))
+    return records.renamed(record) if sound else None
 
 
 def _flat(value: Any) -> bool:
