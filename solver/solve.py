@@ -11,7 +11,7 @@ from .scene import Scene
 from .solution import Solution
 from .strategy.effort import Means
 from .strategy.to_accuracy import solve_to_accuracy
-from .strategy.to_tolerance import solve_to_tolerance
+from .strategy.to_tolerance import Request, solve_to_tolerance
 
 
 def solve(
@@ -63,4 +63,4 @@ def solve(
     kind = METHODS[checks.choice("method", next(iter(METHODS)) if method is None else method, tuple(METHODS))]
     if max_iterations is not None:
         max_iterations = checks.integer("max_iterations", max_iterations, "an integer from 1 to 2^53", 1, 2**53)
-    return solve_to_tolerance(scene, kind, nested, tolerance, max_iterations, initial, means)
+    return solve_to_tolerance(Request(scene, kind, nested, tolerance, max_iterations, initial), means)

@@ -47,40 +47,41 @@ class Prepared:
         return self.effort.begin(problem, tolerance, wrong_nodes_per_patch=COARSE_WRONG_NODES)
 
 
-def solve_to_tolerance(
-    scene: Scene,
-    kind: MethodKind,
-    nested: bool | None,
-    tolerance: float | None,
-    max_iterations: int | None,
-    initial: Array64 | None,
-    means: Means,
-) -> Solution:
-    """Solve a scene to a tolerance; arguments as for `solve`. Raises `ValueError`."""
+@dataclass(frozen=True)
+class Request:
+    """What is asked for, checked as far as that needs no solving."""
+
+    scene: Scene
+    """What to solve."""
+    kind: MethodKind
+    """By which method."""
+    nested: bool | None = None
+    """Whether to start from coarser grids; None: as the method prefers."""
+    tolerance: float | None = None
+    """On the free residual over p (dimensionless); None: by default."""
+    max_iterations: int | None = None
+    """Limit for all grids; None: the method's own."""
+    initial: Array64 | None = None
+    """Displacement to start from, shape (N,) [length]."""
+
+
+def solve_to_tolerance(request: Request, means: Means) -> Solution:
+    """Solve a scene to a tolerance. Raises `ValueError`."""
     begin = time.perf_counter()
-    prepared = _prepare(scene, kind, nested, tolerance, max_iterations, initial, means)
-    effort, problem = prepared.effort, prepared.problem
+    prepared = _prepare(request, means)
+    effort, problem, own = prepared.effort, prepared.problem, request.tolerance is not None
     ready = time.perf_counter()
     reached, levels = _iterate(prepared)
     relaxed = time.perf_counter()
-    certified = certify_or_fall_back(
-        effort, problem, reached.state, reached.status, prepared.tolerance, tolerance is not None
-    )
-    solution = make_solution(scene, problem, certified, levels, effort)
+    certified = certify_or_fall_back(effort, problem, reached.state, reached.status, prepared.tolerance, own)
+    solution = make_solution(request.scene, problem, certified, levels, effort)
     times = stages(begin, ready, relaxed + certified.seconds, time.perf_counter())
     return replace(solution, seconds=times)
 
 
-def _prepare(
-    scene: Scene,
-    kind: MethodKind,
-    nested: bool | None,
-    tolerance: float | None,
-    max_iterations: int | None,
-    initial: Array64 | None,
-    means: Means,
-) -> Prepared:
-    """Check what was given, discretise the scene, and make the method on its grid."""
+def _prepare(request: Request, means: Means) -> Prepared:
+    """Check what was asked for, discretise the scene, and make the method on its grid."""
+    scene, kind, tolerance = request.scene, request.kind, request.tolerance
     check_memory(scene.num_points)
     if scene.precision not in kind.precisions:
         raise ValueError(f"precision is {scene.precision!r}; allowed: {', '.join(kind.precisions)}, for {kind.name}")
@@ -88,15 +89,15 @@ def _prepare(
         tolerance = checks.real("tolerance", tolerance, "1e-14 < tolerance <= 0.5", 1e-14, 0.5)
     problem, coarse = problems(scene)
     tolerance = reachable(scene, problem, coarse, tolerance)
-    start = None if initial is None else _displacement(initial, scene, problem)
-    effort = Effort(scene, kind, means, max_iterations)
+    start = None if request.initial is None else _displacement(request.initial, scene, problem)
+    effort = Effort(scene, kind, means, request.max_iterations)
     finest = effort.begin(problem, CAUTION * tolerance)
     if means.planning != "estimate":
         save_wisdom()
     if start is not None:
         finest.start(start)
-    nested = kind.nested and initial is None if nested is None else nested
-    sizes = grids(scene.num_points) if nested and initial is None else [scene.num_points]
+    nested = kind.nested if request.nested is None else request.nested
+    sizes = grids(scene.num_points) if nested and start is None else [scene.num_points]
     return Prepared(effort, problem, tolerance, finest, sizes)
 
 
