@@ -325,7 +325,7 @@ def test_sets_that_come_back_are_noticed():
     for turn in range(40):
         state._contact[:] = first if turn % 2 else other
         state._take_set()
-        state._renew_response()
+        state._response.renew(state._now)
         state._now.pressure[-1] = -1.0  # always one node to drop
         state._update_set()
         if state.stopped:

@@ -1,7 +1,8 @@
 """The active set: the method that needs fewest transforms, put together from its parts.
 
-`active_set` is the method, `contact_set` what belongs to one set of nodes, `compliance` its operator, `storage` where
-nodes have their values, `preconditioner` with `long_patch` and `greens_function` what makes its iterations few.
+`active_set` is the method, `contact_set` what belongs to one set of nodes, `response` what the surface does under its
+pressure, `compliance` the operator, `storage` where nodes have their values, `preconditioner` with `long_patch` and
+`greens_function` what makes its iterations few.
 
 May import: method, linecontact.solver.arrays, linecontact.solver.grid, linecontact.kernels.
 """
@@ -12,6 +13,7 @@ from ..method import Fallback, MethodKind, Setting
 from .active_set import ActiveSet
 from .compliance import Compliance
 from .greens_function import GreensFunction
+from .response import Response
 from .storage import Whole, choose
 
 __all__ = ["KIND", "ActiveSet", "begin"]
@@ -28,8 +30,8 @@ def begin(problem: Problem, setting: Setting, storage: Whole | None = None) -> A
 
     directions = compliance(setting.working_precision)
     responses = compliance("float64") if setting.precision == "mixed" else directions
-    wrong = setting.wrong_nodes_per_patch
-    return ActiveSet(problem, setting.tolerance, green, storage, directions, responses, setting.backend, wrong)
+    response = Response(problem, storage, directions, responses, setting.backend)
+    return ActiveSet(problem, setting.tolerance, green, storage, response, setting.wrong_nodes_per_patch)
 
 
 KIND = MethodKind(

@@ -51,6 +51,19 @@ class ContactSet:
         """By which a set that comes back is recognised."""
         return hash((self.patches.first.tobytes(), self.patches.last.tobytes()))
 
+    @property
+    def pulling(self) -> Indices:
+        """Nodes on which the wall would have to pull, shape (number of nodes,)."""
+        return self.nodes[self.pressure < 0]
+
+    def turn(self, residual: Array64, preconditioned: Array64) -> Array64:
+        """The next conjugate direction, from the residual [u] and the preconditioned one [p]."""
+        product = float(residual @ preconditioned)
+        share = product / self.last_product if self.last_product else 0.0
+        self.direction = preconditioned + share * self.direction if share else preconditioned
+        self.last_product = product
+        return self.direction
+
     def precondition(self, residual: Array64) -> Array64:
         """The preconditioned residual, a pressure; both of shape (contact nodes,)."""
         assert self.preconditioner is not None
