@@ -42,11 +42,14 @@ _capture_lock = threading.Lock()
 
 
 class Call(NamedTuple):
-    """One launch: the kernel's name and its arrays, inputs before outputs. Outputs may also be read."""
+    """One launch of a kernel."""
 
     kernel: str
+    """Its name, one of `KERNELS`."""
     inputs: tuple[Array, ...]
+    """Arrays that it reads, in the kernel's order."""
     outputs: tuple[Array, ...]
+    """Arrays that it writes, and may also read, in the kernel's order."""
 
 
 @contextmanager

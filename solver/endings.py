@@ -37,6 +37,7 @@ class Reason:
     """Why a solve did not reach its goal, and what is allowed instead."""
 
     cause: Cause
+    """What kept it from there."""
     parameter: str
     """The parameter of `solve` or `Scene` that it depends on."""
     found: str

@@ -319,7 +319,7 @@ def test_sets_that_come_back_are_noticed():
     state = active_set.begin(problem, Setting(1e-8))
     state.start_cold()
     state.step()
-    state._moves_left, state._contact[:], first = 0, False, state._contact.copy()
+    state._search.moves_left, state._contact[:], first = 0, False, state._contact.copy()
     other = first.copy()
     other[np.flatnonzero(first)[0]] = False
     for turn in range(40):
@@ -331,7 +331,7 @@ def test_sets_that_come_back_are_noticed():
         if state.stopped:
             break
     assert state.stopped
-    assert state._forcing_term < 1e-6
+    assert state._search.forcing_term < 1e-6
 
 
 def test_interrupted_on_a_coarse_grid(monkeypatch):

@@ -113,7 +113,9 @@ class _BondedEdge:
     """
 
     thickness: float
+    """Of the layer [grid spacings]."""
     poisson_ratio: float
+    """Of the layer (dimensionless)."""
 
     @property
     def _stand_in(self) -> tuple[float, float]:

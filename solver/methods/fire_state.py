@@ -150,7 +150,6 @@ class Fire(Method):
 
     @property
     def iteration(self) -> int:
-        """Steps taken so far."""
         return int(self.state[layout.ITERATION])
 
     @property

@@ -46,24 +46,30 @@ _MODES = 22.0  # exp(-2 * 22) < 1e-19: largest q d of the layer's sum
 
 @dataclass(frozen=True)
 class Asperity:
-    """Exact solution for one centred power profile, in units L = E* = 1.
-
-    half_width: a; contact_area: a_r = 2a; load: p; peak_pressure: the largest sigma; approach, kappa, kappa_ratio: as
-    in `observables`; reduced_thickness: d/a_r; t, pressure: nodes t_j in (0, 1), shape (M,), and sigma(a t_j), shape
-    (M,); waves: b_k of sigma(a cos theta) = sum_k b_k sin(k theta), k = 1, 3, 5, ..., shape (M,).
-    """
+    """Exact solution for one centred power profile, in units L = E* = 1."""
 
     half_width: float
+    """a."""
     contact_area: float
+    """a_r = 2a."""
     load: float
+    """Mean pressure p."""
     peak_pressure: float
+    """The largest sigma."""
     approach: float
+    """Rigid approach since first touch, see `Observables`."""
     kappa: float
+    """a_r/p*, p* the load over the rms slope in the contact."""
     kappa_ratio: float
+    """kappa over that of the half-space."""
     reduced_thickness: float
+    """d/a_r."""
     t: Array64
+    """Nodes t_j in (0, 1) of the right half of the contact, x = a t, shape (M,)."""
     pressure: Array64
+    """sigma(a t_j), shape (M,)."""
     waves: Array64
+    """b_k of sigma(a cos theta) = sum_k b_k sin(k theta), k = 1, 3, 5, ..., shape (M,)."""
 
     def pressure_at(self, t: Array64) -> Array64:
         """sigma(a t), shape of `t`; 0 for |t| >= 1."""
@@ -79,16 +85,27 @@ class _System:
     """The solved linear system for one half-width; `load` is cheap, `asperity` adds what only a final answer needs."""
 
     half_width: float
+    """a."""
     exponent: float
+    """n of the power profile."""
     radius: float
+    """R of the power profile."""
     thickness: float
+    """d of the layer."""
     poisson_ratio: float
+    """nu of the layer."""
     num_nodes: int
+    """Gauss-Chebyshev nodes on both halves of the contact."""
     period: float
+    """P, the distance of the images that are kept; at most 1."""
     theta: Array64
+    """Angles of the nodes, t = cos(theta), shape (M,)."""
     weights: Array64
+    """Weights of the quadrature, shape (M,)."""
     phi: Array64
+    """The solution, sigma = sqrt(1 - t^2) phi, shape (M,)."""
     modes: tuple[Array64, Array64]
+    """Wave numbers and the layer's extra compliance, see `_layer_modes`."""
 
     @classmethod
     def solve(

@@ -16,6 +16,7 @@ images may have put into the residual comes close to it, and before the end (`re
 """
 
 import math
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -37,6 +38,32 @@ _OVER_FLOOR = 0.3  # of what rounding leaves as free residual: what it leaves as
 _OVER_DRIFT = 3.0  # times the rounding of float32 images: where the response has to be made anew
 _MOST_ITERATIONS = 150  # on one set: then rounding keeps the residual up; more where patches share an unknown
 _FEW_PATCHES, _MOVES = 8, 6  # patches up to which ends are moved by prediction, and how often; more disturb each other
+
+
+@dataclass
+class _Search:
+    """How the search for the set of contact nodes is getting on."""
+
+    forcing_term: float = _FORCING_TERM
+    """Part of a new set's residual at which it is updated (dimensionless)."""
+    moves_left: int = 0
+    """Updates that may still move the ends of patches to where the pressure says that they belong."""
+    earlier: set[int] = field(default_factory=set)
+    """Keys of the sets so far."""
+
+    def may_move_ends(self) -> bool:
+        """Whether this update may; one less may after it."""
+        self.moves_left -= 1
+        return self.moves_left >= 0
+
+    def in_circles(self, key: int) -> bool:
+        """Note a new set; True if sets keep coming back although they are decided on ever more accurate solutions."""
+        came_back = key in self.earlier
+        if came_back:  # decided on too rough a solution, or really going round in circles
+            self.forcing_term *= _TIGHTER
+            self.earlier.clear()
+        self.earlier.add(key)
+        return came_back and self.forcing_term < _TIGHTEST
 
 
 class ActiveSet(Method):
@@ -69,21 +96,19 @@ class ActiveSet(Method):
         self._pressure = np.zeros(problem.num_points)  # of all nodes when the set was new
         self._set: ContactSet | None = None
         self._last_preconditioner: PatchDeflation | None = None
-        self._forcing_term, self._moves_left, self._earlier_sets = _FORCING_TERM, 0, set[int]()
+        self._search = _Search()
 
     @property
     def transform_pairs(self) -> float:
-        """Transform pairs so far, short ones by their length."""
         return self._response.pairs + self._green.transformed / self.problem.num_points
 
     def start(self, displacement: Array64) -> None:
-        """Begin from the wall's force under a displacement, shape (N,) [u]."""
         self.start_from_pressure(self.problem.wall_pressure(displacement))
 
     def start_cold(self) -> None:
         """Begin with the pressure of a Winkler foundation as stiff as the layer's longest wave."""
         self.start_from_pressure(foundation_pressure(self.problem))
-        self._moves_left = _MOVES if self._now.patches.count <= _FEW_PATCHES else 0
+        self._search.moves_left = _MOVES if self._now.patches.count <= _FEW_PATCHES else 0
 
     def start_from_pressure(self, pressure: Array64) -> None:
         """Begin from a contact pressure, shape (N,) [p]; without any, from `start_cold`."""
@@ -91,7 +116,7 @@ class ActiveSet(Method):
             self.start_cold()
             return
         pressure = self._storage.symmetric(pressure)
-        self.stopped, self._forcing_term, self._moves_left, self._earlier_sets = False, _FORCING_TERM, 0, set()
+        self.stopped, self._search = False, _Search()
         self._contact[:] = pressure > 0
         self._pressure[:] = np.where(self._contact, pressure, 0.0)
         self._take_set()
@@ -99,7 +124,6 @@ class ActiveSet(Method):
         self._floor = _OVER_FLOOR * self._response.floor(self._now)
 
     def try_harder(self) -> bool:
-        """Go on to a smaller residual, see `Method`."""
         self._target *= _HARDER
         self._floor *= _HARDER
         self.stopped = False
@@ -132,14 +156,13 @@ class ActiveSet(Method):
     def _updated(self) -> bool:
         """Update the set if it is solved well enough for that; whether it changed. Stops where it is the last one."""
         now, target = self._now, max(self._target, self._floor)
-        if not self.residual <= max(target, 0.0 if now.settled else self._forcing_term * now.first_residual):
+        if not self.residual <= max(target, 0.0 if now.settled else self._search.forcing_term * now.first_residual):
             return False
         if self._update_set():
             self.iteration += 1
             return True
         now.settled = True
-        if self.residual <= target:
-            self.stopped = True
+        self.stopped = self.stopped or self.residual <= target
         return False
 
     def _iterate(self, r: Array64, z: Array64) -> None:
@@ -154,20 +177,9 @@ class ActiveSet(Method):
         if self.stopped and not stuck:
             return
         self.iteration += 1
-        if stuck or not self._advance(now, r, z):
+        if stuck or not self._response.go_along(now, now.turn(r, z)):
             # rounding does not let this set be solved any further; it may be the wrong one
             self.stopped = not self._update_set()
-
-    def _advance(self, now: ContactSet, r: Array64, z: Array64) -> bool:
-        """Go along the next conjugate direction; False if rounding has left no way down."""
-        direction, image = now.turn(r, z), self._response.image(now)
-        curvature = float(direction @ image)
-        if not curvature > 0:
-            return False
-        step = now.last_product / curvature
-        now.pressure += step * direction
-        self._response.advance(step, image)
-        return True
 
     @property
     def _now(self) -> ContactSet:
@@ -186,15 +198,10 @@ class ActiveSet(Method):
         new = self._response.penetrating(now, contact, self._smallest_gap)
         if now.pulling.size + new.size <= self._wrong_nodes_per_patch * now.patches.count:
             return False
-        kept = _change(contact, now, new, self._moves_left > 0)
-        self._moves_left = max(0, self._moves_left - 1)
+        kept = _change(contact, now, new, self._search.may_move_ends())
         self._pressure[now.nodes] = np.where(kept, now.pressure, 0.0)
         self._take_set()
-        if self._now.key in self._earlier_sets:  # decided on too rough a solution, or really going round in circles
-            self._forcing_term *= _TIGHTER
-            self._earlier_sets.clear()
-            self.stopped = self._forcing_term < _TIGHTEST
-        self._earlier_sets.add(self._now.key)
+        self.stopped = self._search.in_circles(self._now.key)
         if not kept.all():
             self._response.renew(self._now)
         return True
@@ -207,10 +214,8 @@ class ActiveSet(Method):
     @property
     def contact_pressure(self) -> Array64:
         """sigma, shape (N,) [p]; 0 before the first set."""
-        pressure = np.zeros(self.problem.num_points)
-        if self._set is not None:
-            pressure[self._set.nodes] = np.maximum(self._set.pressure, 0.0)
-        return pressure
+        n = self.problem.num_points
+        return np.zeros(n) if self._set is None else self._set.pressure_everywhere(n)
 
 
 def _change(contact: Mask, now: ContactSet, new: Indices, move_ends: bool) -> Mask:

@@ -51,6 +51,12 @@ class ContactSet:
         """By which a set that comes back is recognised."""
         return hash((self.patches.first.tobytes(), self.patches.last.tobytes()))
 
+    def pressure_everywhere(self, num_points: int) -> Array64:
+        """The pressure of all nodes, at least 0, shape (num_points,) [p]."""
+        pressure = np.zeros(num_points)
+        pressure[self.nodes] = np.maximum(self.pressure, 0.0)
+        return pressure
+
     @property
     def pulling(self) -> Indices:
         """Nodes on which the wall would have to pull, shape (number of nodes,)."""

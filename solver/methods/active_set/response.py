@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from ....kernels import CHUNK, Call, layout, record
-from ...arrays import Array, Array64, Indices, Mask
+from ...arrays import Array64, Indices, Mask
 from ...grid.problem import Problem, rounding_floor
 from .compliance import Compliance
 from .contact_set import ContactSet
@@ -61,19 +61,21 @@ class Response:
         self._field[:] = self._responses.target
         self.drift = 0.0
 
-    def image(self, now: ContactSet) -> Array:
-        """G times the search direction of a set, on its nodes, shape (contact nodes,) [u]."""
-        self._apply(self._directions, now.places, now.direction)
-        return self._directions.target[now.places]
-
-    def advance(self, step: float, image: Array) -> None:
-        """A step along the direction whose image was made last; image: on the contact nodes."""
-        self._state[layout.STEP] = step
+    def go_along(self, now: ContactSet, direction: Array64) -> bool:
+        """Step along a search direction to where the energy is least; False if rounding has left no way down."""
+        self._apply(self._directions, now.places, direction)
+        image = self._directions.target[now.places]
+        curvature = float(direction @ image)
+        if not curvature > 0:
+            return False
+        self._state[layout.STEP] = step = now.last_product / curvature
+        now.pressure += step * direction
         self._advance()
         if self.mixed:
             change = step * image.astype(np.float64)
             size = math.sqrt(float(change @ change) / self._problem.num_points)
             self.drift = math.hypot(self.drift, self._rounding * size)
+        return True
 
     def _apply(self, compliance: Compliance, places: Indices, values: Array64) -> None:
         compliance.apply(places, values)
