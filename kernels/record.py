@@ -66,14 +66,14 @@ def _silent_stderr() -> Iterator[None]:
 
 
 @functools.cache
-def load() -> None:
-    """Compile every kernel in both precisions as one module, or fetch it from Warp's kernel cache.
+def load() -> dict[str, Any]:
+    """Compile every kernel in both precisions, or fetch it from Warp's kernel cache; Warp's kernels by name.
 
     Raises `ValueError` if the cache cannot be used.
     """
     import warp as wp  # takes as long as everything else together, and often is not needed
 
-    from . import warp_kernels
+    from . import warp_fields, warp_fire
 
     wp.config.log_level = wp.LOG_WARNING
     try:
@@ -81,15 +81,18 @@ def load() -> None:
             wp.init()
     except OSError as error:
         raise ValueError(f"Warp's kernel cache: {error}; allowed: a writable folder, set WARP_CACHE_PATH") from error
-    for kernel in (getattr(warp_kernels, name) for name in KERNELS):
+    kernels = {name: getattr(warp_fields, name, None) or getattr(warp_fire, name) for name in KERNELS}
+    for kernel in kernels.values():
         if kernel.is_generic:
             arguments = {a.label: a.type for a in kernel.adj.args}
             for real in (wp.float32, wp.float64):
                 types = {k: wp.array(dtype=real) if t.dtype is Any else t for k, t in arguments.items()}
                 wp.overload(kernel, types)
     single, double, state = wp.array(dtype=wp.float32), wp.array(dtype=wp.float64), wp.array(dtype=wp.float64)
-    wp.overload(warp_kernels.advance_response, {"change": single, "state": state, "response": double})
-    wp.load_module(warp_kernels, device="cpu")
+    wp.overload(kernels["advance_response"], {"change": single, "state": state, "response": double})
+    for module in (warp_fields, warp_fire):
+        wp.load_module(module, device="cpu")
+    return kernels
 
 
 def record(backend: str, calls: Sequence[Call]) -> Callable[[], None]:
@@ -123,16 +126,14 @@ def _record_numpy(calls: Sequence[Call]) -> Callable[[], None]:
 
 
 def _record_warp(calls: Sequence[Call]) -> Callable[[], None]:
-    load()
+    kernels = load()
     import warp as wp
-
-    from . import warp_kernels
 
     with _capture_lock, wp.ScopedCapture(device="cpu") as capture:
         for call in calls:
             threads = 1 if call.kernel == "fire_control" else call.inputs[0].size // CHUNK
             wp.launch(
-                getattr(warp_kernels, call.kernel),
+                kernels[call.kernel],
                 dim=threads,
                 inputs=[_share(array) for array in call.inputs],
                 outputs=[_share(array) for array in call.outputs],

@@ -233,13 +233,13 @@ def test_every_element_wise_loop_is_vectorised(tmp_path):
         [sys.executable, "-c", program], env=environment, capture_output=True, text=True, timeout=300
     )
     assert result.returncode == 0, result.stderr
-    source = next(tmp_path.rglob("*.cpp")).read_text().splitlines()
+    sources = {path.name: path.read_text().splitlines() for path in tmp_path.rglob("*.cpp")}
     found = {}
-    for line, width in re.findall(
-        r"\.cpp:(\d+):\d+: remark: vectorized loop \(vectorization width: (\d+)", result.stderr
+    for name, line, width in re.findall(
+        r"([^/\s]+\.cpp):(\d+):\d+: remark: vectorized loop \(vectorization width: (\d+)", result.stderr
     ):
         functions = [
-            re.match(r"static void (\w+)_[0-9a-f]{8}_cpu_kernel_forward\(", text) for text in source[: int(line)]
+            re.match(r"static void (\w+)_[0-9a-f]{8}_cpu_kernel_forward\(", text) for text in sources[name][: int(line)]
         ]
         names = [match for match in functions if match]
         if names:

@@ -8,6 +8,7 @@ import tempfile
 import timeit
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from linecontact import kernels
@@ -97,9 +98,9 @@ def _bind_c(kernel: str, arrays: list[Array], num_points: int, precision: str) -
 
 
 @functools.cache
-def load() -> None:
-    """Compile or fetch all Warp kernels, those of one thread per element among them."""
-    kernels.load()
+def load() -> dict[str, Any]:
+    """Compile or fetch all Warp kernels, those of one thread per element among them; the others by name."""
+    loaded = kernels.load()
     import warp as wp
 
     from . import elements
@@ -109,20 +110,20 @@ def load() -> None:
             types = [wp.array(dtype=getattr(wp, a.dtype(precision))) for a in spec.arrays]
             wp.overload(getattr(elements, name), types)
     wp.load_module(elements, device="cpu")
+    return loaded
 
 
 def _bind_warp(kernel: str, arrays: list[Array], num_points: int) -> Candidates:
     """The kernel in chunks by wp.launch, and with one thread per element as a recorded graph."""
     import warp as wp
-    from linecontact.kernels import warp_kernels
 
     from . import elements
 
-    load()
+    loaded = load()
     shared = [wp.array(x, dtype=getattr(wp, x.dtype.name), copy=False, device="cpu") for x in arrays]
     count = sum(a.role in READS for a in SPECS[kernel].arrays)
     inputs, outputs = shared[:count], shared[count:]
-    chunked, threads = getattr(warp_kernels, kernel), num_points // CHUNK if SPECS[kernel].c else 1
+    chunked, threads = loaded[kernel], num_points // CHUNK if SPECS[kernel].c else 1
 
     def launch() -> None:
         wp.launch(chunked, dim=threads, inputs=inputs, outputs=outputs, device="cpu")

@@ -7,7 +7,7 @@ from typing import Any
 
 import warp as wp
 from linecontact.kernels.layout import BOUND, CHUNK, DT, GAIN, LEVEL, MIX, STEP
-from linecontact.kernels.warp_kernels import advance, held
+from linecontact.kernels.warp_fire import advance, held
 
 wp.set_module_options({"enable_backward": False})
 

@@ -1,10 +1,5 @@
-"""Warp kernels of the relaxation, float32 and float64 from one generic source.
-
-Every array is one-dimensional and padded to a multiple of `CHUNK`; one thread works on one chunk. An inner loop whose
-length is a compile-time power of two is what LLVM turns into vector code; a thread per element, a run-time bound or a
-tail test stays scalar. The reassociation flags let it vectorise the sums as well.
-
-A complex half spectrum is passed as its flat real view (re, im, re, im, ...), because Warp has no complex type.
+"""Warp kernels of FIRE and the hard wall, float32 and float64 from one generic source; on their form, see
+`warp_options`.
 
 The unknown u is the displacement towards the indenter, limited by the wall u <= h. Pressures are in units of the mean
 external pressure, so the net force on a node is r = 1 - (K u). A node is *held* where u = h and r > 0 (the wall carries
@@ -12,7 +7,6 @@ it) and *free* elsewhere. Memory traffic is what costs here: whether u = h is re
 leaves at `TOUCHING` on the wall.
 """
 
-import platform
 from typing import Any
 
 import warp as wp
@@ -20,7 +14,6 @@ import warp as wp
 from .layout import (
     ALPHA,
     ALPHA_START,
-    BOUND,
     CHUNK,
     DT,
     DT_MAX,
@@ -30,35 +23,21 @@ from .layout import (
     GAIN,
     HELD,
     ITERATION,
-    LEVEL,
     MIX,
     N_MIN,
     N_POSITIVE,
     NUM_POINTS,
     RESIDUAL,
-    STEP,
     STIFFEST,
     STOPPED,
     TOLERANCE,
     TOUCHING,
 )
+from .warp_options import OPTIONS
 
-# Left alone LLVM takes 512-bit vectors, which some processors split in two, and interleaves long loops too little: at
-# 2^18 points `plain_step` took 20 % longer and most others 5 % (`linecontact study kernels`).
-VECTORS = " -mprefer-vector-width=256 -mllvm -force-vector-interleave=4"
-
-# Module flags replace the global string, so they are appended to it.
-wp.set_module_options(
-    {
-        "enable_backward": False,
-        "cpu_compiler_flags": (wp.config.cpu_compiler_flags or "")
-        + " -mreassociate -fno-signed-zeros -ffp-contract=fast"
-        + (VECTORS if platform.machine() in ("x86_64", "AMD64") else ""),
-    }
-)
+wp.set_module_options(OPTIONS)
 
 CHUNK_LENGTH = wp.constant(CHUNK)
-HALF_CHUNK = wp.constant(CHUNK // 2)
 ON_WALL = wp.constant(TOUCHING)
 
 
@@ -80,28 +59,6 @@ def advance(u: Any, v: Any, a: Any, h: Any, mix: Any, gain: Any, dt: Any):
 def held(r: Any, v: Any):
     """On the wall and pressed against it."""
     return v == type(v)(ON_WALL) and r > type(r)(0.0)
-
-
-@wp.kernel
-def spectral_multiply(coefficient: wp.array[Any], spectrum: wp.array[Any]):
-    """spectrum *= coefficient on the flat real view; the coefficient of a mode stands there twice (re, im)."""
-    start = wp.tid() * CHUNK_LENGTH
-    for j in range(CHUNK_LENGTH):
-        i = start + j
-        spectrum[i] = coefficient[i] * spectrum[i]
-
-
-@wp.kernel
-def mirror_multiply(straight: wp.array[Any], crossed: wp.array[Any], spectrum: wp.array[Any]):
-    """re = straight re + crossed im, im = straight im + crossed re: any real-linear map of a mode with equal entries
-    across, on flat real views; what an even field's operator does to the modes of its packed half."""
-    start = wp.tid() * CHUNK_LENGTH
-    for j in range(HALF_CHUNK):
-        i = start + 2 * j
-        re = spectrum[i]
-        im = spectrum[i + 1]
-        spectrum[i] = straight[i] * re + crossed[i] * im
-        spectrum[i + 1] = straight[i + 1] * im + crossed[i + 1] * re
 
 
 @wp.kernel
@@ -306,40 +263,3 @@ def plain_step(
         ui, vi = advance(u[i], v[i], f, h[i], mix, gain, dt)
         u[i] = ui
         v[i] = vi
-
-
-@wp.kernel
-def advance_response(change: wp.array[Any], state: wp.array[wp.float64], response: wp.array[Any]):
-    """w += step (G d): the response w = G sigma follows a step along the direction d; the gap is h + w - level.
-
-    In mixed precision the change is float32 and the response float64.
-    """
-    start = wp.tid() * CHUNK_LENGTH
-    step = response.dtype(state[STEP])
-    for j in range(CHUNK_LENGTH):
-        i = start + j
-        response[i] = response[i] + step * response.dtype(change[i])
-
-
-@wp.kernel
-def count_below(response: wp.array[Any], h: wp.array[Any], state: wp.array[wp.float64], counts: wp.array[wp.float64]):
-    """Nodes of the chunk where h + w is below the bound."""
-    tid = wp.tid()
-    start = tid * CHUNK_LENGTH
-    bound = h.dtype(state[BOUND])
-    count = h.dtype(0.0)
-    for j in range(CHUNK_LENGTH):
-        i = start + j
-        count += wp.where(h[i] + response[i] < bound, h.dtype(1.0), h.dtype(0.0))
-    counts[tid] = wp.float64(count)
-
-
-@wp.kernel
-def rest_on_wall(response: wp.array[Any], h: wp.array[Any], state: wp.array[wp.float64], u: wp.array[Any]):
-    """u = level - w, projected onto the hard wall u <= h."""
-    start = wp.tid() * CHUNK_LENGTH
-    level = h.dtype(state[LEVEL])
-    for j in range(CHUNK_LENGTH):
-        i = start + j
-        displaced = level - response[i]
-        u[i] = wp.where(displaced < h[i], displaced, h[i])

@@ -1,0 +1,77 @@
+"""Warp kernels on fields and their transforms, float32 and float64 from one generic source; on their form, see
+`warp_options`.
+
+A complex half spectrum is passed as its flat real view (re, im, re, im, ...), because Warp has no complex type. The
+kernels of the active set work on the response w = G sigma; a node's gap is h + w - level.
+"""
+
+from typing import Any
+
+import warp as wp
+
+from .layout import BOUND, CHUNK, LEVEL, STEP
+from .warp_options import OPTIONS
+
+wp.set_module_options(OPTIONS)
+
+CHUNK_LENGTH = wp.constant(CHUNK)
+HALF_CHUNK = wp.constant(CHUNK // 2)
+
+
+@wp.kernel
+def spectral_multiply(coefficient: wp.array[Any], spectrum: wp.array[Any]):
+    """spectrum *= coefficient on the flat real view; the coefficient of a mode stands there twice (re, im)."""
+    start = wp.tid() * CHUNK_LENGTH
+    for j in range(CHUNK_LENGTH):
+        i = start + j
+        spectrum[i] = coefficient[i] * spectrum[i]
+
+
+@wp.kernel
+def mirror_multiply(straight: wp.array[Any], crossed: wp.array[Any], spectrum: wp.array[Any]):
+    """re = straight re + crossed im, im = straight im + crossed re: any real-linear map of a mode with equal entries
+    across, on flat real views; what an even field's operator does to the modes of its packed half."""
+    start = wp.tid() * CHUNK_LENGTH
+    for j in range(HALF_CHUNK):
+        i = start + 2 * j
+        re = spectrum[i]
+        im = spectrum[i + 1]
+        spectrum[i] = straight[i] * re + crossed[i] * im
+        spectrum[i + 1] = straight[i + 1] * im + crossed[i + 1] * re
+
+
+@wp.kernel
+def advance_response(change: wp.array[Any], state: wp.array[wp.float64], response: wp.array[Any]):
+    """w += step (G d): the response w = G sigma follows a step along the direction d; the gap is h + w - level.
+
+    In mixed precision the change is float32 and the response float64.
+    """
+    start = wp.tid() * CHUNK_LENGTH
+    step = response.dtype(state[STEP])
+    for j in range(CHUNK_LENGTH):
+        i = start + j
+        response[i] = response[i] + step * response.dtype(change[i])
+
+
+@wp.kernel
+def count_below(response: wp.array[Any], h: wp.array[Any], state: wp.array[wp.float64], counts: wp.array[wp.float64]):
+    """Nodes of the chunk where h + w is below the bound."""
+    tid = wp.tid()
+    start = tid * CHUNK_LENGTH
+    bound = h.dtype(state[BOUND])
+    count = h.dtype(0.0)
+    for j in range(CHUNK_LENGTH):
+        i = start + j
+        count += wp.where(h[i] + response[i] < bound, h.dtype(1.0), h.dtype(0.0))
+    counts[tid] = wp.float64(count)
+
+
+@wp.kernel
+def rest_on_wall(response: wp.array[Any], h: wp.array[Any], state: wp.array[wp.float64], u: wp.array[Any]):
+    """u = level - w, projected onto the hard wall u <= h."""
+    start = wp.tid() * CHUNK_LENGTH
+    level = h.dtype(state[LEVEL])
+    for j in range(CHUNK_LENGTH):
+        i = start + j
+        displaced = level - response[i]
+        u[i] = wp.where(displaced < h[i], displaced, h[i])
