@@ -33,17 +33,17 @@ class Options:
     profile_file: Path
     """The file: .npy, text of one or two columns, .h5, or an instrument's format."""
     num_points: int | None = None
-    """Grid points; None: the next power of two."""
+    """Grid points; default: the next power of two."""
     period: float | None = None
-    """Period [length] of a file without positions; None: 1."""
+    """Period [length] of a file without positions; default: 1."""
     profile_convention: Literal["gap", "heights"] = "gap"
     """Whether the file holds h, the distance of the indenter, or heights as a scan has them, peaks up."""
     profile_dataset: str | None = None
     """Name of the dataset in an .h5 file that holds several."""
     x_unit: Unit | None = None
-    """Unit of the positions; None: the scene's unit of length."""
+    """Unit of the positions; default: the scene's unit of length."""
     z_unit: Unit | None = None
-    """Unit of the heights; None: the scene's unit of length."""
+    """Unit of the heights; default: the scene's unit of length."""
     length_unit: Unit = "m"
     """What one [length] of the scene is, where the file or an option names a unit."""
     resample: bool = False
