@@ -1,5 +1,6 @@
 """Checks of user input: every error names the parameter, its value and what is allowed."""
 
+import inspect
 import math
 from collections.abc import Mapping
 from pathlib import Path
@@ -45,7 +46,8 @@ def offers(name: str, value: object, kind: type[Any], allowed: str) -> None:
     """
     described = [member for base in kind.__mro__ for member in (*vars(base), *getattr(base, "__annotations__", ()))]
     wanted = sorted({member for member in described if not member.startswith("_")})
-    missing = [member for member in wanted if not hasattr(value, member)]
+    absent = object()  # properties are looked up, not computed
+    missing = [member for member in wanted if inspect.getattr_static(value, member, absent) is absent]
     if isinstance(value, type) or len(missing) == len(wanted):
         raise ValueError(f"{name} is {value!r}; allowed: {allowed}")
     if missing:

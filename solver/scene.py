@@ -17,7 +17,7 @@ from .layers import ElasticLayer, Layer
 PRECISIONS = ("float64", "float32", "mixed")
 MIN_POINTS, MAX_POINTS = 4, 2**30  # Warp indices are int32
 SMALLEST, LARGEST = 1e-60, 1e60
-"""Of the units and ratios of a scene (dimensionless ratios; any unit of length or pressure)."""
+"""Bounds on the units and on the dimensionless ratios of a scene."""
 
 
 @dataclass(frozen=True)

@@ -30,9 +30,9 @@ class Level:
     kappa_subgrid: float
     """kappa between sub-grid edges (dimensionless)."""
     iterations: int
-    """That were needed there."""
+    """Iterations on this grid."""
     transform_pairs: float
-    """That were needed there, in pairs of its own length."""
+    """Transform pairs on this grid, in pairs of its own length."""
 
     def to_dict(self) -> dict[str, float]:
         """JSON-ready, without the number of points."""
@@ -76,7 +76,7 @@ class Solution:
     certificate: Certificate | None
     """How wrong the displacement is; None where there was no discrete problem to solve."""
     iterations: int
-    """On all grids."""
+    """Iterations on all grids together."""
     transform_pairs: float
     """Forward-inverse pairs in units of a pair on the finest grid, short and coarse ones by their length."""
     seconds: dict[str, float]

@@ -5,7 +5,7 @@ import numpy as np
 from ..kernels import BACKENDS
 from . import checks
 from .arrays import Array64
-from .grid.transforms import check_settings
+from .grid.transforms import check_settings, save_wisdom
 from .methods import METHODS, Progress
 from .scene import Scene
 from .solution import Solution
@@ -59,8 +59,16 @@ def solve(
         for name, value in (chosen | {"max_iterations": max_iterations}).items():
             if value is not None:
                 raise ValueError(f"{name} is {value!r}; allowed: without accuracy only, which chooses it")
-        return solve_to_accuracy(scene, accuracy, means)
+        return _keeping_plans(planning, solve_to_accuracy(scene, accuracy, means))
     kind = METHODS[checks.choice("method", next(iter(METHODS)) if method is None else method, tuple(METHODS))]
     if max_iterations is not None:
         max_iterations = checks.integer("max_iterations", max_iterations, "an integer from 1 to 2^53", 1, 2**53)
-    return solve_to_tolerance(Request(scene, kind, nested, tolerance, max_iterations, initial), means)
+    request = Request(scene, kind, nested, tolerance, max_iterations, initial)
+    return _keeping_plans(planning, solve_to_tolerance(request, means))
+
+
+def _keeping_plans(planning: str, solution: Solution) -> Solution:
+    """The solution, after FFTW's plans of all grids have been kept, if finding them took effort."""
+    if planning != "estimate":
+        save_wisdom()
+    return solution

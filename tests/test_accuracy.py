@@ -195,6 +195,8 @@ def test_what_is_even():
     h = np.random.default_rng(0).random(64)
     assert is_even(np.concatenate([h, h[::-1]]))
     assert not is_even(np.concatenate([h, h]))
+    nearly = np.concatenate([h, h[::-1] + 1e-9])
+    assert (is_even(nearly, 1e-8), is_even(nearly, 1e-10)) == (True, False)
     assert not is_even(np.concatenate([h[:63], h[:63][::-1]]))  # not a multiple of 4
     centred = np.abs(np.arange(64) - 32.0) ** 2
     assert not is_even(centred)  # about a node

@@ -41,7 +41,7 @@ _THIN = 8.0  # grid spacings; thicker layers have the half-space's edge, to 0.01
 
 @dataclass(frozen=True)
 class EdgeCurve:
-    """The pressure at an edge, as the module's head has it."""
+    """The pressure at an edge, see the beginning of this file."""
 
     shift: float
     """s [grid spacings]."""

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import Array64, Indices, Mask
+from ..arrays import Array64, Mask
 from ..layers import EdgeSymbol
 from .edge_curves import EdgeCurve, edge_curve, edge_function, half_space_curve
 from .patches import Patches
@@ -139,24 +139,3 @@ def _offsets(curve: EdgeCurve, patches: Patches, pressure: Array64) -> tuple[Arr
         across = np.maximum(edge_function(curve, (theta + curve.shift)[::-1, :, None], away), 1e-3)
         theta, _, spread = (t.reshape(2, m) for t in edge_offset(curve, (ends / across).reshape(2 * m, 3)))
     return theta, spread
-
-
-def edge_moves(patches: Patches, pressure: Array64) -> Indices:
-    """Nodes by which a wrong contact is too large (> 0) or too small (< 0) at the ends of its patches, shape (2, M).
-
-    On a wrong set the edge is still A S_j + B (S_j - S_(j-1)), only that beta = -B/A is not between 0 and 1; its whole
-    part is the number of nodes. At most half a patch; 0 for patches of fewer than five nodes.
-    """
-    table = half_space_curve().table
-    limit = np.where(patches.size < 5, 0, patches.size // 2)
-    last = patches.offset + patches.size - 1
-    inner = np.minimum(patches.size - 1, 1)
-    ends, next_to = (
-        pressure[np.stack([patches.offset, last])],
-        pressure[np.stack([patches.offset + inner, last - inner])],
-    )
-    drop = next_to * table[0] - ends * table[1]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        beta = drop / (drop + ends * table[0])
-    beta = np.where(np.isfinite(beta), beta, 0.0)
-    return np.clip(np.floor(beta), -limit, limit).astype(np.int64)

@@ -1,4 +1,8 @@
-"""pyFFTW without SciPy and Dask, which its interfaces would import although nothing here uses them."""
+"""pyFFTW without SciPy and Dask, which its interfaces would import although nothing here uses them.
+
+They are hidden only while pyFFTW is being imported; afterwards they can be imported as ever. pyFFTW's interfaces for
+them are then missing: who wants those imports pyFFTW first.
+"""
 
 import sys
 from collections.abc import Iterator

@@ -47,7 +47,7 @@ class Indenter(Protocol):
         return self
 
     def in_units(self, length: float) -> Self:
-        """The same surface where one unit of length of before is `length` new ones."""
+        """The same surface in another unit: lengths are multiplied by `length`."""
         return self
 
     def check(self, num_points: int) -> None:

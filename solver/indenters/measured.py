@@ -79,7 +79,7 @@ class MeasuredIndenter(Indenter):
         return type(self)(self.profile(num_points, period) * period, self.description)
 
     def in_units(self, length: float) -> Self:
-        return type(self)(self.heights * length)
+        return type(self)(self.heights * length, self.description)
 
     def ratios(self, period: float) -> dict[str, float]:
         return {"largest height/period": float(self.heights.max()) / period}

@@ -98,5 +98,5 @@ class RoughIndenter(Indenter):
         return {"profile": self.name} | {name: getattr(self, name) for name in names}
 
     def guessed_half_width(self, reduced_load: float, layer: ElasticLayer, period: float) -> float:
-        """Twice the half-space's a_r = 1.75 p*, see `Indenter`; a layer's is smaller."""
+        """Half the width of a single patch of twice the half-space's area a_r = 1.75 p*; a layer's area is smaller."""
         return min(0.5, _KAPPA * reduced_load / self.rms_gradient)

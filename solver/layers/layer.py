@@ -73,17 +73,15 @@ class ElasticLayer(Protocol):
 
     @abstractmethod
     def in_units(self, length: float, pressure: float) -> Self:
-        """The same layer where one unit of length, and of pressure, of before are so many new ones."""
+        """The same layer in other units: lengths are multiplied by `length`, pressures by `pressure`."""
 
     # What a solve to an accuracy may use.
 
-    def half_space_difference(self, period: float) -> float:
-        """Largest relative difference of K(q) from a half-space's over all waves in the period L; `inf`: not known."""
-        return float("inf")
-
-    def as_half_space(self) -> Self:
-        """The half-space of the same modulus."""
-        return self
+    def half_space(self, period: float) -> tuple[Self, float] | None:
+        """The half-space of the same modulus, and the largest relative difference of K(q) from its over all waves in
+        the period L [length]; None: not known.
+        """
+        return None
 
     @property
     def edge_shift(self) -> float | None:

@@ -77,7 +77,9 @@ class Method(Protocol):
         return False
 
     def demand_every_node(self) -> None:
-        """No node may be wrong any more; for a method that was begun with `Setting.wrong_nodes_per_patch`."""
+        """From now on every node must be right; called before the last relaxation on a grid that was begun with
+        `Setting.wrong_nodes_per_patch`.
+        """
         return
 
     def try_harder(self) -> bool:
@@ -127,7 +129,7 @@ class MethodKind:
     name: str
     """On the command line and in stored results."""
     begin: Callable[[Problem, Setting], Method]
-    """Makes the state on a grid. It starts at rest, far from contact or wherever the method starts by itself."""
+    """Makes the method's state on a grid, at its own starting point."""
     max_iterations: int
     """Limit of iterations where none is given."""
     precisions: tuple[str, ...] = ("float64",)

@@ -20,9 +20,9 @@ from ..grid.problem import Problem
 from ..grid.transforms import Transforms
 from .fire_state import Fire
 from .method import Method, Setting
+from .relaxation import OVERFLOWING
 
 _FAR = 1e30  # a wall so far away may be anywhere
-_OVERFLOWING = 1e30  # a residual above is on its way to overflow
 _JOINS_BELOW, _JOINS_AFTER = 0.1, 50  # residual over the scale, and iterations, at which the change joins the base
 _MOST_IN_VAIN = 5  # times in a row that the base's residual did not confirm the change's
 _CONFIRMED = 0.5  # factor by which the base's residual has to fall
@@ -90,7 +90,7 @@ class RebasedFire(Method):
         """One iteration; now and then the change joins the base, which is another transform pair."""
         fire = self.fire
         fire.step()
-        if not fire.residual < _OVERFLOWING:  # diverged
+        if not fire.residual < OVERFLOWING:  # diverged
             fire.state[layout.STOPPED] = 1.0
         elif fire.stopped or fire.residual < _JOINS_BELOW or fire.iteration - self._since >= _JOINS_AFTER:
             self._base = self.displacement

@@ -10,7 +10,8 @@ from .method import Method
 Progress = Callable[[int, float], None]
 """Called with (iteration, residual over the mean pressure)."""
 
-_OVERFLOWING = 1e30  # a residual above is on its way to overflow
+OVERFLOWING = 1e30
+"""Residual over the mean pressure; a larger one is on its way to overflow."""
 
 
 def relax(state: Method, max_iterations: int, progress: Progress | None = None) -> Status:
@@ -26,7 +27,7 @@ def relax(state: Method, max_iterations: int, progress: Progress | None = None) 
             if state.stopped:
                 if state.residual <= state.tolerance:
                     return Status.CONVERGED
-                return Status.STAGNATED if state.residual < _OVERFLOWING else Status.DIVERGED
+                return Status.STAGNATED if state.residual < OVERFLOWING else Status.DIVERGED
             if state.residual < 0.99 * best:
                 best, best_at = state.residual, state.iteration
             elif state.patience is not None and state.iteration - best_at > state.patience:

@@ -15,9 +15,9 @@ from ..solution import MEANINGLESS, MOST_ENERGY, Choice
 from .effort import CAUTION, Effort
 
 _MOST_TRIES = 3  # of a method that can aim at a smaller residual
-_AT_THE_FLOOR, _NEAR_THE_FLOOR, _NOT_FAR = 2, 1000, 100
-"""Times what rounding leaves: a tolerance below the first and a residual below the second mean that rounding is what
-keeps the residual up; a default tolerance gives way to residuals below the third."""
+_AT_THE_FLOOR = 2  # times what rounding leaves: a tolerance below is out of reach,
+_NEAR_THE_FLOOR = 1000  # if the residual is below so many times that
+_NOT_FAR = 100  # times what rounding leaves: a default tolerance gives way to a residual below
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Certified:
     reason: Reason | None
     """Why it did not converge; None if it did."""
     tolerance: float
-    """That holds: the one asked for, or what rounding leaves of a default one (dimensionless)."""
+    """That the certificate meets: the one asked for, or the residual that rounding leaves (dimensionless)."""
     certificate: Certificate
     """How wrong the displacement is."""
     displacement: Array64
@@ -43,9 +43,9 @@ class Certified:
     choices: tuple[Choice, ...]
     """What was chosen on the way, and why."""
     handed_over: bool
-    """Another method than the one chosen has gone on."""
+    """Whether another method than the chosen one went on."""
     seconds: float
-    """Spent on more iterations [s]."""
+    """Time spent after the first certificate on further iterations [s]."""
 
 
 def certify_or_fall_back(
@@ -134,7 +134,7 @@ class _Certification:
             before = self.state.contact_pressure
             status = self.effort.relax(self.state)
             good = self.certify()
-            if not good and self.certificate.free_residual > residual:  # sets decided on rounding
+            if not good and self.certificate.free_residual > residual:  # the set has changed by rounding: go back
                 self.state.start_from_pressure(before)
                 self.certify()
                 break

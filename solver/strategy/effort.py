@@ -12,7 +12,7 @@ SMALLEST_WARP = 2**13
 """Points; on smaller coarse grids recording Warp's launches takes longer than a few passes of the twins."""
 
 COARSE_TOLERANCE, COARSE_WRONG_NODES = 1e-5, 0.1
-"""Residual, and nodes per patch that may be wrong, so that the next grid starts with the right set of nodes."""
+"""On coarse grids: the residual to stop at, and the nodes per patch that may still be wrong (dimensionless)."""
 
 CAUTION = 0.95
 """Share of the tolerance that is the method's: the certificate's own rounding must not turn a solution away."""
@@ -22,7 +22,7 @@ _SECOND_START = 20_000  # iterations for a start from elsewhere
 
 @dataclass(frozen=True)
 class Means:
-    """What a solve computes with."""
+    """Threads, FFTW planning and kernels of a solve."""
 
     threads: int = 1
     """Threads of FFTW."""
@@ -45,7 +45,7 @@ class Effort:
     means: Means
     """What to compute with."""
     max_iterations: int | None = None
-    """Limit for all grids, hand-over included; None: the method's own, which each method has anew."""
+    """Largest number of iterations on all grids and by all methods together; None: each method has its own limit."""
     iterations: int = 0
     """On all grids."""
     points_transformed: float = 0.0
@@ -104,7 +104,7 @@ class Effort:
         return status
 
     def settle(self, state: Method) -> tuple[Method, Status]:
-        """Relax; a method that bounced off the wall, on a thin and nearly incompressible layer, starts elsewhere.
+        """Relax; a method that lost contact, on a thin and nearly incompressible layer, and did not settle starts anew.
 
         Measured with FIRE on 150 of these, nu = 0.4999 to 1/2, d = 1e-9 to 0.03: from u = 0 three did not settle, and
         these did from the Winkler foundation's pressure.
@@ -113,7 +113,10 @@ class Effort:
         lost = status is not Status.INTERRUPTED and not state.residual < MEANINGLESS
         if self.kind.starts_again and lost and self.may_go_on:
             self.allow(_SECOND_START)
-            state = self.begin(state.problem, state.tolerance)
-            state.start_from_pressure(foundation_pressure(state.problem))
-            status = self.relax(state)
+            try:
+                again = self.begin(state.problem, state.tolerance)
+                again.start_from_pressure(foundation_pressure(state.problem))
+            except KeyboardInterrupt:
+                return state, Status.INTERRUPTED
+            return again, self.relax(again)
         return state, status

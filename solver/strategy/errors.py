@@ -14,8 +14,8 @@ from ..solution import Level
 from .grids import FACTOR
 
 
-def _left(value: float, coarser: float) -> float:
-    """What is left of the change from the next coarser grid."""
+def _remaining_change(value: float, coarser: float) -> float:
+    """Estimated error of a value: a third of its change from the next coarser grid."""
     return abs(value - coarser) / (FACTOR - 1)
 
 
@@ -28,7 +28,7 @@ def grid_error(level: Level, edges: Edges, coarser: Sequence[Level]) -> float:
     if not coarser or not area:
         return math.inf
     own = math.sqrt(float(edges.error @ edges.error)) / level.num_points
-    return (_left(area, coarser[-1].contact_area_subgrid) + own) / area
+    return (_remaining_change(area, coarser[-1].contact_area_subgrid) + own) / area
 
 
 def discretisation_error(observables: Observables, levels: Sequence[Level]) -> Observables:
@@ -36,8 +36,8 @@ def discretisation_error(observables: Observables, levels: Sequence[Level]) -> O
     if not levels:
         return observables
     last, o = levels[-1], observables
-    area = _left(o.contact_area_subgrid, last.contact_area_subgrid)
-    kappa = _left(o.kappa_subgrid, last.kappa_subgrid)
+    area = _remaining_change(o.contact_area_subgrid, last.contact_area_subgrid)
+    kappa = _remaining_change(o.kappa_subgrid, last.kappa_subgrid)
     return replace(
         o,
         contact_area_discretisation_error=area,

@@ -18,7 +18,8 @@ from ..solution import Level
 from .prolongation import prolong
 
 FACTOR = 4
-COARSEST = 512  # at least
+COARSEST = 512
+"""Points of the coarsest grid, at least."""
 
 
 def grids(num_points: int) -> list[int]:
@@ -36,7 +37,7 @@ def coarser(num_points: int) -> int:
 
 @dataclass(frozen=True, eq=False)
 class Reached:
-    """A method that has been relaxed on one of the grids, and what is measured there when somebody asks for it."""
+    """A method that has been relaxed on one of the grids, and what is measured there, computed on first use."""
 
     scene: Scene
     """The scene that is solved; its own grid is the finest."""
@@ -77,11 +78,13 @@ def over_grids(
     sizes: Sequence[int],
     begin: Callable[[int], Method],
     relax: Callable[[Method], tuple[Method, Status]],
+    measure_last: bool = False,
 ) -> Iterator[Reached]:
     """From coarse to fine: every grid as it is reached. One that is interrupted is the last one.
 
     sizes: numbers of points; begin: the method on a grid of so many; relax: returns the relaxed state, which may be
-    another one than it got. An interruption before the first grid is reached is passed on.
+    another one than it got; measure_last: whether the level of the finest grid is wanted, too. An interruption before the
+    first grid is reached is passed on; a later one yields the last grid that was reached once more, as interrupted.
     """
     reached: Reached | None = None
     for size in sizes:
@@ -89,8 +92,11 @@ def over_grids(
             state = begin(size)
             if reached:
                 reached.start(state)
-            reached = Reached(scene, *relax(state))
-        except KeyboardInterrupt:  # between two grids
+            relaxed = Reached(scene, *relax(state))
+            if measure_last or size != sizes[-1]:
+                _ = relaxed.level  # computed here, where an interruption is noticed
+            reached = relaxed
+        except KeyboardInterrupt:  # while a grid is prepared or measured
             if not reached:
                 raise
             reached = Reached(scene, reached.state, Status.INTERRUPTED)

@@ -3,8 +3,8 @@
 The accuracy is that of the contact area a_r, relative. A quarter of it goes to the model, the rest to grid and
 iteration. What is decided here, before anything is solved, costs well under a millisecond.
 
-Half-space. Its stiffness differs from the layer's by a share e at most. The area then changes by about e, like the load
-would, but near full contact by up to (2/pi) sqrt(e) (a sinusoidal indenter, `closed_forms.westergaard_area`): sqrt(e)
+Half-space. Its stiffness differs from the layer's by a share e at most. The area then changes by about e, as it
+would for such a change of the load, but near full contact by up to (2/pi) sqrt(e) (a sinusoidal indenter, `closed_forms.westergaard_area`): sqrt(e)
 is claimed. And e is small beside the tolerance, because the certificate stays the layer's.
 
 No shortcut is taken that layer and indenter do not justify: see `ElasticLayer` and `Indenter` for what they may offer.
@@ -19,22 +19,23 @@ from ..solution import Choice
 from .effort import COARSE_TOLERANCE
 from .small_models import LEAST_EDGE
 
-_LONG_ASPERITY = 100.0  # half-widths over thicknesses: beyond, collocation takes longer than a grid,
-_LONGEST_ASPERITY, _FINE = 600.0, 1e-5  # which may not know the area so finely
+_LONG_ASPERITY = 100.0  # half-width over thickness above which collocation takes longer than a grid
+_FINE = 1e-5  # accuracy that a grid may not reach
+_LONGEST_ASPERITY = 600.0  # half-width over thickness above which collocation is not tried even for that
 _MOST_ASPERITY = 0.49  # half-widths in the period: beyond, neighbours merge
 _MODEL_SHARE = 0.25  # of the accuracy
 
 
 @dataclass(frozen=True)
 class Plan:
-    """What to try."""
+    """Which models to try, and on which layer."""
 
     models: tuple[str, ...]
     """'winkler', 'asperity': smaller models to try, in this order, before the grid."""
     layer: ElasticLayer
     """To solve with: the scene's, or a half-space that is as good."""
     choices: tuple[Choice, ...]
-    """That were made."""
+    """What has been chosen so far, and why."""
 
 
 def decide(scene: Scene, accuracy: float) -> Plan:
@@ -58,14 +59,16 @@ def residual(accuracy: float) -> float:
 
 
 def _half_space(scene: Scene, most: float) -> tuple[ElasticLayer, tuple[Choice, ...]]:
-    """The half-space instead of a layer whose stiffness is that, but for a share of `most`."""
+    """The half-space in place of the layer, if their stiffnesses differ by less than `most` (relative)."""
     layer = scene.layer
     if math.isinf(layer.thickness):
         return layer, ()
-    difference = layer.half_space_difference(scene.period)
+    known = layer.half_space(scene.period)
+    if known is None:
+        unknown = "by how much a half-space's stiffness differs is not known for this layer"
+        return layer, (Choice("layer", "as it is", unknown),)
+    half_space, difference = known
     reason = f"a half-space's stiffness differs by a share of up to {difference:.1g}"
-    if math.isinf(difference):
-        reason = "by how much a half-space's stiffness differs is not known for this layer"
     if difference > most:
         return layer, (Choice("layer", "as it is", reason),)
-    return layer.as_half_space(), (Choice("layer", "half-space", reason, math.sqrt(difference)),)
+    return half_space, (Choice("layer", "half-space", reason, math.sqrt(difference)),)

@@ -7,7 +7,8 @@ from ..scene import Scene
 from ..solution import MEANINGLESS
 
 _FLOOR_POINTS = 1024  # of the solution that tells the size of u
-_DEFAULT, _DEFAULT_FLOAT32, _OVER_FLOOR = 1e-8, 1e-4, 4.0
+_DEFAULT, _DEFAULT_FLOAT32 = 1e-8, 1e-4  # tolerances in float64 and mixed precision, and the least in float32
+_OVER_FLOOR = 4.0  # times what rounding leaves: how far the default tolerance in float32 stays above
 
 
 def problems(scene: Scene) -> tuple[Problem, Problem]:

@@ -46,9 +46,9 @@ class Modelled:
     contact: Mask
     """Nodes in contact, shape (N,)."""
     observables: Observables
-    """With errors of the model's own."""
+    """What is measured, with the errors of the model."""
     error: float
-    """Of a_r, relative (dimensionless)."""
+    """Estimated relative error of a_r (dimensionless)."""
     problem: Problem | None = None
     """What was solved on that grid; None where the fields are sampled."""
 

@@ -26,7 +26,8 @@ from .small_models import Modelled, asperity, winkler
 MOST_ACCURACY = 0.1
 """Coarsest relative error of a_r that may be asked for (dimensionless)."""
 
-_FEWEST_POINTS = 16  # of a grid below another one
+_FEWEST_POINTS = 16
+"""Points of the smallest coarser grid."""
 
 
 def solve_to_accuracy(scene: Scene, accuracy: float, means: Means) -> Solution:
@@ -63,7 +64,7 @@ class _Task:
     plan: Plan
     """What to try."""
     choices: list[Choice] = field(default_factory=list)
-    """That were made so far."""
+    """What has been chosen so far, and why."""
 
     def __post_init__(self) -> None:
         self.choices += self.plan.choices
@@ -92,10 +93,10 @@ class _Task:
             heights = " (and heights)" if self.scene.indenter.given_points else ""
             allowed = f"{above}more num_points{heights} than {solution.scene.num_points}"
             reason = Reason(Cause.GRID, "accuracy", f"{self.accuracy:g}", allowed)
-        elif status in (Status.STAGNATED, Status.DIVERGED) and solution.certificate:
+        elif reason and status is not Status.INTERRUPTED and solution.certificate:
             got = solution.certificate.free_residual
             takes = f"{self.accuracy:g}, which takes a residual of {solution.tolerance:.2g} and got {got:.2g}"
-            reason = Reason(Cause.ROUNDING, "accuracy", takes, "a larger one")
+            reason = Reason(reason.cause, "accuracy", takes, "a larger one")
         solution = replace(solution, observables=o, status=status, reason=reason)
         return replace(solution, choices=tuple(self.choices), accuracy=self.accuracy)
 
@@ -176,13 +177,16 @@ def _on_grids(task: _Task) -> Solution:
 
     def relax(state: Method) -> tuple[Method, Status]:
         effort.add_start(state)
+        effort.allow(effort.kind.max_iterations)  # on each grid
         return state, effort.relax(state)
 
     sizes, levels = grids(scene.num_points), list[Level]()
     if len(sizes) == 1 and sizes[0] >= FACTOR * _FEWEST_POINTS:  # without a coarser one there is no telling the error
         sizes.insert(0, coarser(sizes[0]))
     chosen_before = tuple(task.choices)
-    for reached in over_grids(scene, sizes, begin, relax):
+    for reached in over_grids(scene, sizes, begin, relax, measure_last=True):
+        if levels and levels[-1].num_points == reached.num_points:
+            levels.pop()  # interrupted after it was reached
         error = grid_error(reached.level, reached.contact[1], levels)
         last = reached.num_points == scene.num_points or reached.status is Status.INTERRUPTED
         fine = error <= budget and scene.indenter.omitted(reached.num_points) <= budget / 2

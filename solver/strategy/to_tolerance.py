@@ -10,7 +10,6 @@ from .. import checks
 from ..arrays import Array64
 from ..endings import Status
 from ..grid.problem import Problem
-from ..grid.transforms import save_wisdom
 from ..methods import Method, MethodKind
 from ..scene import Scene
 from ..solution import Level, Solution
@@ -31,7 +30,7 @@ class Prepared:
     problem: Problem
     """On the scene's grid."""
     tolerance: float
-    """On the free residual over p (dimensionless)."""
+    """Tolerance on the free residual over p (dimensionless)."""
     finest: Method
     """The method on the scene's grid."""
     sizes: Sequence[int]
@@ -52,9 +51,9 @@ class Request:
     """What is asked for, checked as far as that needs no solving."""
 
     scene: Scene
-    """What to solve."""
+    """The scene to solve."""
     kind: MethodKind
-    """By which method."""
+    """The method that was chosen."""
     nested: bool | None = None
     """Whether to start from coarser grids; None: as the method prefers."""
     tolerance: float | None = None
@@ -92,8 +91,6 @@ def _prepare(request: Request, means: Means) -> Prepared:
     start = None if request.initial is None else _displacement(request.initial, scene, problem)
     effort = Effort(scene, kind, means, request.max_iterations)
     finest = effort.begin(problem, CAUTION * tolerance)
-    if means.planning != "estimate":
-        save_wisdom()
     if start is not None:
         finest.start(start)
     nested = kind.nested if request.nested is None else request.nested

@@ -121,7 +121,8 @@ def _resample(z: Array64, num_points: int, mirrored: bool) -> Array64:
     modes[held:] = 0
     if mirrored:  # the axes stay half-way between two points: the profile stays even
         modes *= np.exp(1j * np.pi * np.arange(modes.size) * (1 / num_points - 1 / z.size))
-    return np.asarray(np.fft.irfft(modes[: held + 1], num_points) * (num_points / z.size))
+    z = np.fft.irfft(modes[: held + 1], num_points) * (num_points / z.size)
+    return np.asarray((z + z[::-1]) / 2 if mirrored else z)  # even to the last bit: then half of the nodes will do
 
 
 def _in_scene_units(x: Array64 | None, z: Array64, options: Options) -> tuple[Array64 | None, Array64]:

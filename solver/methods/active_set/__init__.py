@@ -21,7 +21,7 @@ __all__ = ["KIND", "ActiveSet", "begin"]
 
 def begin(problem: Problem, setting: Setting, storage: Whole | None = None) -> ActiveSet:
     """The active set on a grid; storage: of its fields, by default what suits the scene."""
-    storage = storage or choose(problem)
+    storage = storage or choose(problem, setting.tolerance)
     green = GreensFunction(problem.stiffness, problem.num_points)
 
     def compliance(precision: str) -> Compliance:

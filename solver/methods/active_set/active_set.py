@@ -30,14 +30,15 @@ from .preconditioner import PatchDeflation
 from .response import Response
 from .storage import Whole
 
-_FORCING_TERM = 0.05  # part of a new set's residual at which it is updated
+_FORCING_TERM = 0.05  # residual of a set over that when it was new, at which it is updated
 _TIGHTER, _TIGHTEST = 0.1, 1e-7  # factor of the forcing term when a set comes back, and where the search gives up
-_SAFETY = 0.4  # of the tolerance, where to stop: the free residual is up to twice the pressure's error
-_HARDER = 0.2  # factor of that when the certificate found it too large
-_OVER_FLOOR = 0.3  # of what rounding leaves as free residual: what it leaves as error of the pressure
-_OVER_DRIFT = 3.0  # times the rounding of float32 images: where the response has to be made anew
+_SAFETY = 0.4  # residual to stop at over the tolerance: the free residual is up to twice the pressure's error
+_HARDER = 0.2  # factor of the residual to stop at after the certificate found the free residual too large
+_OVER_FLOOR = 0.3  # error of the pressure over the free residual, both as rounding leaves them
+_OVER_DRIFT = 3.0  # residual over the rounding of float32 images, below which the response has to be made anew
 _MOST_ITERATIONS = 150  # on one set: then rounding keeps the residual up; more where patches share an unknown
-_FEW_PATCHES, _MOVES = 8, 6  # patches up to which ends are moved by prediction, and how often; more disturb each other
+_FEW_PATCHES = 8  # largest number of patches whose ends are predicted on a cold start; more disturb each other
+_MOVES = 6  # updates of a cold start in which they are
 
 
 @dataclass

@@ -30,11 +30,12 @@ class ContactSet:
     preconditioner: PatchDeflation | None = None
     """Made when it is needed."""
     last_product: float = 0.0
-    """Residual times preconditioned residual of the iteration before [p u]; 0: start along the steepest descent."""
+    """Residual times preconditioned residual of the previous iteration [p u]; 0 makes the next step one of steepest
+    descent."""
     first_residual: float = math.inf
     """Residual when the set was new, over p (dimensionless)."""
     settled: bool = False
-    """No node wanted to join or leave at the accuracy of the last look."""
+    """No node wanted to join or leave when the set was last examined."""
     iterations: int = 0
     """On this set."""
 
@@ -74,4 +75,6 @@ class ContactSet:
         """The preconditioned residual, a pressure; both of shape (contact nodes,)."""
         assert self.preconditioner is not None
         z = self.preconditioner.apply(residual)
-        return z if self.mirrored is None else np.asarray(z + z[self.mirrored]) / 2  # rounding would part the halves
+        return (
+            z if self.mirrored is None else np.asarray(z + z[self.mirrored]) / 2
+        )  # keeps both halves equal in spite of rounding

@@ -8,7 +8,7 @@ from ...arrays import Array64, Indices
 from ...grid.edge_curves import half_space_curve
 from ...grid.patches import Patches
 
-_LEAST_NODES = 5  # smaller patches do not tell
+_LEAST_NODES = 5  # nodes of the smallest patch whose ends are predicted
 
 
 def edge_moves(patches: Patches, pressure: Array64) -> Indices:

@@ -25,7 +25,7 @@ from .long_patch import LongPatch
 
 LONGEST_DENSE = 256  # nodes; the factor of longer patches costs more than short transforms
 
-_FEW_PATCHES = 8  # do not make the dense factor worth its while
+_FEW_PATCHES = 8  # up to so many, the dense factor serves only patches of LONGEST_DENSE/4 nodes
 _EXACT_SHARE = 16  # patches of one unknown whose mutual influence is summed up, patch by patch
 
 

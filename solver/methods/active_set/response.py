@@ -91,7 +91,7 @@ class Response:
 
     def penetrating(self, now: ContactSet, contact: Mask, smallest: float) -> Indices:
         """Nodes outside of the contact, shape (N,), that penetrate by more than `smallest` [u]; shape (nodes,)."""
-        # less than the rounding of h + w: a set decided on that would never settle
+        # a smaller penetration would be decided by the rounding of h + w, and the set would never settle
         rounding = 8 * float(np.finfo(self._field.dtype).eps) * float(np.abs(self._field[now.places]).max())
         self._state[layout.BOUND] = bound = self.level(now) - max(smallest, rounding)
         self._count()

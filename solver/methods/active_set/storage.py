@@ -113,18 +113,22 @@ class Half(Whole):
         return Call("mirror_multiply", (straight, crossed), (transforms.spectrum,))
 
 
-def is_even(height: Array64, reach: float = np.inf) -> bool:
-    """Whether h_i = h_(N-1-i) but for rounding, and N a multiple of 4.
+def is_even(height: Array64, most: float = 0.0, reach: float = np.inf) -> bool:
+    """Whether h_i = h_(N-1-i) for all heights h, shape (N,) [u], but for a difference of `most` [u]; N a multiple of 4.
 
-    height: h, shape (N,) [u]; reach: heights beyond it never touch and do not matter [u].
+    reach: heights beyond it never touch and do not matter [u].
     """
     if height.size % 4:
         return False
-    half = height.size // 2
-    return bool(np.abs(height[:half] - height[: half - 1 : -1]).max() <= 1e-12 * min(np.ptp(height), reach))
+    half, height = height.size // 2, np.minimum(height, reach)
+    return bool(np.abs(height[:half] - height[: half - 1 : -1]).max() <= most)
 
 
-def choose(problem: Problem) -> Whole:
-    """Half of the nodes where the scene is even and large enough for that to pay."""
-    even = problem.num_points >= _EVEN_FROM and is_even(problem.height, problem.reach)
+def choose(problem: Problem, tolerance: float) -> Whole:
+    """Half of the nodes where the scene is even and large enough for that to pay.
+
+    The certificate is for the scene as it is. A difference of heights acts as a force of at most twice its size, since
+    K <= 2 in the problem's units, and must be small beside the tolerance.
+    """
+    even = problem.num_points >= _EVEN_FROM and is_even(problem.height, 0.1 * tolerance, problem.reach)
     return Half(problem.num_points) if even else Whole(problem.num_points)
