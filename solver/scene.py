@@ -42,9 +42,10 @@ class Scene:
     The certificate is always float64."""
 
     def __post_init__(self) -> None:
-        checks.offers("layer", self.layer, ElasticLayer, "a Layer")
-        allowed = "a PowerIndenter, RoughIndenter or MeasuredIndenter"
+        checks.offers("layer", self.layer, ElasticLayer, "a Layer, or what `ElasticLayer` describes")
+        allowed = "a PowerIndenter, RoughIndenter or MeasuredIndenter, or what `Indenter` describes"
         checks.offers("indenter", self.indenter, Indenter, allowed)
+        checks.real("thickness", self.layer.thickness, "a length > 0, or inf", 0, infinite=True)
         points = f"an integer from {MIN_POINTS} to {MAX_POINTS}"
         checks.assign(
             self,

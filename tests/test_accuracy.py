@@ -202,6 +202,17 @@ def test_what_is_even():
     assert not is_even(centred)  # about a node
 
 
+@pytest.mark.parametrize("noise", [0.0, 1e-15, 1e-13, 1e-9])
+def test_a_scene_that_is_nearly_even_is_certified_all_the_same(noise):
+    """The certificate is for the scene as it is; half of its nodes are taken only where the rest does not matter."""
+    heights = mirrored(2**14).heights
+    heights = heights + noise * np.ptp(heights) * np.random.default_rng(0).random(heights.size)
+    solution = solve(Scene(Layer(0.1), MeasuredIndenter(heights), 1e-2, num_points=2**14))
+    assert solution.status is Status.CONVERGED
+    assert not solution.handed_over
+    assert solution.transform_pairs < (20 if noise == 0 else 35)
+
+
 def test_the_grid_is_the_coarsest_that_will_do():
     scene = Scene(Layer(0.1), ROUGH, 2e-2, num_points=2**16)
     sizes = [solve(scene, accuracy=accuracy).scene.num_points for accuracy in (2e-2, 2e-3, 1e-4)]

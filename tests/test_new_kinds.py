@@ -255,6 +255,48 @@ def test_what_is_missing_is_named():
         Unfinished()
 
 
+def test_the_command_line_names_what_is_missing(monkeypatch, capsys):
+    @dataclass(frozen=True)
+    class Unfinished(Indenter):
+        """An indenter without a profile."""
+
+        name: ClassVar[str] = "unfinished"
+
+        def shortest_wave(self, num_points):
+            return 1
+
+    monkeypatch.setitem(INDENTERS, "unfinished", Unfinished)
+    assert main.main(["solve", "--profile", "unfinished"]) == 2
+    said = "linecontact: profile unfinished lacks profile, to_dict; allowed: one that offers what it must\n"
+    assert capsys.readouterr().err == said
+
+
+@pytest.mark.parametrize(
+    ("heights", "named"),
+    [
+        (lambda h: np.append(h, 0.0), r"is of type float64 and shape \(1025,\); allowed: 1024 finite heights"),
+        (lambda h: h + 0.5, r"is from 0.5 to 0.52; allowed: 1024 finite heights, the lowest 0"),
+        (lambda h: np.where(h > 0.01, np.nan, h), "is from nan to nan"),
+        (lambda h: h.astype(int), "is of type int64"),
+        (lambda h: None, "is of type object"),
+    ],
+)
+def test_heights_that_are_none_are_refused(monkeypatch, heights, named):
+    profile = CosineIndenter.profile
+    monkeypatch.setattr(CosineIndenter, "profile", lambda self, n, period: heights(profile(self, n, period)))
+    with pytest.raises(ValueError, match=f"profile of indenter cosine {named}"):
+        solve(Scene(indenter=CosineIndenter(), num_points=1024))
+
+
+@pytest.mark.parametrize("stiffness", [-1.0, 0.0, math.nan, math.inf])
+def test_a_stiffness_that_is_none_is_refused(monkeypatch, stiffness):
+    monkeypatch.setattr(SlidingLayer, "stiffness", lambda self, q, period: np.full(q.shape, stiffness))
+    with pytest.raises(ValueError, match=r"stiffness of layer sliding is from .*; allowed: finite numbers > 0"):
+        solve(Scene(SlidingLayer(), num_points=1024))
+    with pytest.raises(ValueError, match="thickness is -1; allowed: a length > 0, or inf"):
+        Scene(SlidingLayer(-1))
+
+
 @pytest.mark.parametrize(
     "options",
     [

@@ -26,10 +26,30 @@ from ..scene import Scene
 _FAR = 1e6  # times the reach
 
 
+def _profile(scene: Scene, num_points: int) -> Array64:
+    """The indenter's heights on a grid, shape (num_points,) [L]. Raises `ValueError` for anything else."""
+    heights = np.asarray(scene.indenter.profile(num_points, scene.period))
+    what = f"profile of indenter {scene.indenter.name}"
+    allowed = f"allowed: {num_points} finite heights, the lowest 0, in units of the period"
+    if heights.shape != (num_points,) or heights.dtype.kind != "f":
+        raise ValueError(f"{what} is of type {heights.dtype} and shape {heights.shape}; {allowed}")
+    lowest, highest = float(heights.min()), float(heights.max())
+    if not abs(lowest) <= 1e-9 * highest < math.inf:
+        raise ValueError(f"{what} is from {lowest:.3g} to {highest:.3g}; {allowed}")
+    return heights
+
+
 def half_spectrum(layer: ElasticLayer, num_points: int, period: float) -> Array64:
-    """K(q_k) of a layer for k = 0 ... N/2, shape (N//2 + 1,), in units of E*/L; 0 for the mean mode."""
+    """K(q_k) of a layer for k = 0 ... N/2, shape (N//2 + 1,), in units of E*/L; 0 for the mean mode.
+
+    Raises `ValueError` for a stiffness that is not positive and finite.
+    """
     stiffness = np.zeros(num_points // 2 + 1)
     stiffness[1:] = layer.stiffness(2 * np.pi * np.arange(1, stiffness.size, dtype=np.float64), period)
+    least, most = float(stiffness[1:].min()), float(stiffness[1:].max())
+    if not 0 < least <= most < math.inf:
+        what = f"stiffness of layer {layer.name}"
+        raise ValueError(f"{what} is from {least:.3g} to {most:.3g}; allowed: finite numbers > 0")
     return stiffness
 
 
@@ -55,7 +75,7 @@ class Problem:
         k /= stiffness_unit
         unit = scene.reduced_load / stiffness_unit
         with np.errstate(over="ignore"):
-            height = scene.indenter.profile(n, scene.period) / unit
+            height = _profile(scene, n) / unit
         return cls(
             stiffness=k,
             height=np.minimum(height, _FAR * _reach(k, n), out=height),

@@ -18,7 +18,7 @@ _KAPPA = 1.75
 
 @dataclass(frozen=True)
 class RoughIndenter(Indenter):
-    """Self-affine random roughness with independent uniform phases:
+    """Self-affine random roughness with independent uniform phases.
 
         h(q) ~ sqrt(C(q)) exp(2 pi i xi_q),  C(q) ~ [1 + (q/q_r)^2]^-(1/2+H)  for 0 < q <= q_s, 0 beyond,
 

@@ -82,9 +82,11 @@ def over_grids(
 ) -> Iterator[Reached]:
     """From coarse to fine: every grid as it is reached. One that is interrupted is the last one.
 
-    sizes: numbers of points; begin: the method on a grid of so many; relax: returns the relaxed state, which may be
-    another one than it got; measure_last: whether the level of the finest grid is wanted, too. An interruption before the
-    first grid is reached is passed on; a later one yields the last grid that was reached once more, as interrupted.
+    sizes: numbers of points. begin: the method on a grid of so many. relax: returns the relaxed state, which may be
+    another one than it got. measure_last: whether the level of the finest grid is wanted, too.
+
+    An interruption before the first grid is reached is passed on; a later one yields the last grid that was reached
+    once more, as interrupted.
     """
     reached: Reached | None = None
     for size in sizes:

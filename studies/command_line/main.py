@@ -48,6 +48,10 @@ def _command(words: list[str]) -> Callable[[], int]:
         name, words = study.choose(words, prog)
         prog, module = f"{prog} {name}", STUDIES[name]
     _check_names(words, [f"{module}:Options", *(kinds.declared() if name == "solve" else ())], prog)
+    if module in STUDIES.values():
+        from ..runner.study import find
+
+        find(name)  # refuses a module that does not offer what it must
     found = importlib.import_module(module)
     classes = {"": found.Options}
     if name == "solve":

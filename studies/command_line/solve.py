@@ -8,7 +8,7 @@ from dataclasses import MISSING, dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from linecontact.solver import INDENTERS, LAYERS, METHODS, MeasuredIndenter, Scene, Solution, solve
+from linecontact.solver import INDENTERS, LAYERS, METHODS, MeasuredIndenter, Scene, Solution, Status, solve
 from linecontact.solver.grid.transforms import PLANNING
 from linecontact.solver.scene import PRECISIONS
 from rich.table import Table
@@ -28,9 +28,9 @@ class Options:
     """Solve one scene. Lengths and pressures in consistent units of your own; the published study's are 1."""
 
     profile: str = one_of(INDENTERS, next(iter(INDENTERS)))
-    """Indenter: power is h = (R/n) |x/R|^n, rough is self-affine random roughness, file is read from a file."""
+    """Indenter; what each one is, and takes, is told below."""
     layer: str = one_of(LAYERS, next(iter(LAYERS)))
-    """Layer: bonded to its base."""
+    """Layer; what each one is, and takes, is told below."""
     pressure: float = Scene.pressure
     """Mean external pressure p > 0 [pressure]."""
     period: float | None = None
@@ -78,18 +78,22 @@ def command(options: Options, given: Given) -> int:
         raise ValueError(f"grids is {options.grids}; allowed: auto, with accuracy, which chooses the grid")
     scene = make_scene(options, given)
     aim = options.tolerance or (1e-5 if options.accuracy else 1e-4 if options.precision == "float32" else 1e-8)
-    with console.solve_progress(aim) as report:
-        solution = solve(
-            scene,
-            accuracy=options.accuracy,
-            method=options.method,
-            nested=None if options.grids == "auto" else options.grids == "nested",
-            tolerance=options.tolerance,
-            max_iterations=options.max_iterations,
-            threads=options.threads,
-            planning=options.planning,
-            progress=report,
-        )
+    try:
+        with console.solve_progress(aim) as report:
+            solution = solve(
+                scene,
+                accuracy=options.accuracy,
+                method=options.method,
+                nested=None if options.grids == "auto" else options.grids == "nested",
+                tolerance=options.tolerance,
+                max_iterations=options.max_iterations,
+                threads=options.threads,
+                planning=options.planning,
+                progress=report,
+            )
+    except KeyboardInterrupt:
+        console.errors.print("linecontact: interrupted before there was a result; nothing is saved")
+        return console.EXIT_INTERRUPTED
     try:
         show(solution, options.json)
     finally:  # also when the reader of the output has gone away
@@ -102,7 +106,8 @@ def command(options: Options, given: Given) -> int:
     status = console.exit_status(solution.status)
     if status:
         kept = f"; the partial result is in {options.save}" if options.save else ""
-        console.errors.print(f"linecontact: {solution.status}: {solution.reason}{kept}")
+        why = "" if solution.status is Status.INTERRUPTED else f": {solution.reason}"
+        console.errors.print(f"linecontact: {solution.status}{why}{kept}")
     return status
 
 
@@ -162,6 +167,8 @@ def _made(what: str, options: Options, given: Given) -> Any:
     for name, option in own.items():
         if option.default is MISSING and name not in values:
             raise ValueError(f"{name} is missing; allowed: {option.allowed}, with --{what} {chosen}")
+    if missing := getattr(classes[chosen], "__abstractmethods__", ()):
+        raise ValueError(f"{what} {chosen} lacks {', '.join(sorted(missing))}; allowed: one that offers what it must")
     return classes[chosen](**values)
 
 

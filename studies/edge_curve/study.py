@@ -3,7 +3,7 @@
 linecontact study edge-curve [--folder FOLDER]
 
 Loads are chosen so that the edge, known from the collocation oracle, takes every place between two nodes. The curve in
-`linecontact.solver.edges` is a closed form; this is the check, on high-resolution solutions, and its error.
+`linecontact.solver.grid.edge_curves` is a closed form; this is the check, on high-resolution solutions, and its error.
 """
 
 import math

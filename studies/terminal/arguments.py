@@ -146,7 +146,9 @@ def _parser(
         declared = _declaration(told[title]) if told else _NOTHING
         if not title:
             parser.description = declared.text
-        section = parser.add_argument_group(title, declared.summary) if title else parser
+        shared = [f"{flag(name)} (default: {option.default})" for name, option in group.items() if name in added]
+        also = f" It takes {', '.join(shared)}, too." if shared and told else ""
+        section = parser.add_argument_group(title, declared.summary + also) if title else parser
         for name, option in group.items():
             if name not in added:
                 _add(section, option, name in required, declared.fields.get(name, ""))

@@ -75,6 +75,6 @@ class ContactSet:
         """The preconditioned residual, a pressure; both of shape (contact nodes,)."""
         assert self.preconditioner is not None
         z = self.preconditioner.apply(residual)
-        return (
-            z if self.mirrored is None else np.asarray(z + z[self.mirrored]) / 2
-        )  # keeps both halves equal in spite of rounding
+        if self.mirrored is None:
+            return z
+        return np.asarray(z + z[self.mirrored]) / 2  # keeps both halves equal in spite of rounding
