@@ -244,7 +244,7 @@ def test_a_foundation_that_touches_at_a_point_is_no_model():
 def test_guess_of_the_half_width(exponent, poisson_ratio):
     """For nu next to 1/2 it was that of a foundation nearly rigid, and collocation took half a minute to fail."""
     thickness = 1e-3
-    guess = collocation.guessed_half_width(1e-4, exponent, 1.0, thickness, poisson_ratio)
+    guess = closed_forms.guessed_half_width(1e-4, exponent, 1.0, thickness, poisson_ratio)
     found = collocation.solve_load(1e-4, exponent, 1.0, thickness, poisson_ratio)
     assert 0.5 < found.half_width / guess < 1.5
 

@@ -8,7 +8,8 @@ import numpy as np
 from .. import checks
 from ..arrays import Array64
 from ..layers import ElasticLayer
-from ..reference.collocation import STEEPEST, guessed_half_width
+from ..reference.closed_forms import guessed_half_width
+from ..reference.collocation import STEEPEST
 from .indenter import Indenter
 
 

@@ -80,6 +80,11 @@ def foundation_modulus(thickness: float, poisson_ratio: float) -> float:
     return (1 - poisson_ratio) ** 2 / ((1 - 2 * poisson_ratio) * thickness)
 
 
+def foundation_compliance(poisson_ratio: float) -> float:
+    """(1-2nu)/(1-nu)^2, the compliance 1/k_W of the Winkler foundation in units of d/E* (dimensionless)."""
+    return (1 - 2 * poisson_ratio) / (1 - poisson_ratio) ** 2
+
+
 @cache
 def edge_shift(poisson_ratio: float) -> float:
     """c(nu) of the thin layer's effective half-width a + c d (dimensionless).
@@ -93,7 +98,7 @@ def edge_shift(poisson_ratio: float) -> float:
     # would swamp it; beyond `last` the half-space's C = 2/s leaves an elementary integral.
     first, last = 1e-3 * (math.sqrt(1 - 2 * nu) if nu < 0.5 else 1.0), 1e4
     power = 2 if nu == 0.5 else 0
-    limit = 4 / 3 if nu == 0.5 else (1 - 2 * nu) / (1 - nu) ** 2  # C_0 = limit s^power
+    limit = 4 / 3 if nu == 0.5 else foundation_compliance(nu)  # C_0 = limit s^power
     nodes, weights = gauss_legendre(20)
     edges = np.linspace(math.log(first), math.log(last), 81)
     width = np.diff(edges)[:, None]

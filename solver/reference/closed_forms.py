@@ -11,6 +11,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ..arrays import Array64
+from ..layers.bonded import foundation_compliance, foundation_modulus
 from ..quadrature import gauss_legendre
 
 _GAUSS = 200
@@ -95,6 +96,20 @@ def incompressible_half_width(reduced_load: float, exponent: float, radius: floa
     return _power(thickness, 3 / (n + 3)) * _power(radius, (n - 1) / (n + 3)) * load
 
 
+def guessed_half_width(load: float, exponent: float, radius: float, thickness: float, poisson_ratio: float) -> float:
+    """Half-width [L]: the half-space's or that of a thin layer, compressible or not (the less stiff), if it is less."""
+    foundation = foundation_half_width(load, exponent, radius, foundation_modulus(thickness, poisson_ratio))
+    thin = max(foundation, incompressible_half_width(load, exponent, radius, thickness))
+    return min(lone_half_width(load, exponent, radius), thin)
+
+
+def lone_half_width(load: float, exponent: float, radius: float, kappa_ratio: float = 1.0) -> float:
+    """Half-width of a lone asperity of the given kappa_d/kappa_inf; 1, the half-space, bounds every layer's."""
+    n = exponent
+    area = kappa_ratio * kappa_half_space(n) * load * math.sqrt(2 * n - 1) / 2
+    return float(area ** (1 / n) * math.exp((n - 1) / n * math.log(radius)))
+
+
 def thin_layer_alpha(exponent: float) -> float:
     """alpha(n) of kappa_d/kappa_inf = alpha (1-2nu)/(1-nu)^2 d/(a_r L), exact for d -> 0 (dimensionless).
 
@@ -119,7 +134,7 @@ def thin_layer_kappa_ratio(
     if poisson_ratio == 0.5:
         limit = 32 * (n + 1) * (n + 3) / math.sqrt(2 * n - 1) / kappa_half_space(n) * reduced_thickness**3
         return float(limit / stretched ** (n + 3))
-    limit = thin_layer_alpha(n) * (1 - 2 * poisson_ratio) / (1 - poisson_ratio) ** 2 * reduced_thickness
+    limit = thin_layer_alpha(n) * foundation_compliance(poisson_ratio) * reduced_thickness
     return float(limit / stretched ** (n + 1))
 
 

@@ -23,10 +23,10 @@ from .. import checks
 from ..arrays import Array64
 from ..layers.bonded import edge_shift, foundation_modulus, stiffness
 from .closed_forms import (
-    foundation_half_width,
-    incompressible_half_width,
+    guessed_half_width,
     kappa_from_area,
     kappa_half_space,
+    lone_half_width,
     thin_layer_kappa_ratio,
 )
 
@@ -236,7 +236,7 @@ def solve_reduced_thickness(
         return _System.solve(a, exponent, radius, 2 * a * reduced_thickness, poisson_ratio, num_nodes, RESOLUTION)
 
     thin = thin_layer_kappa_ratio(exponent, poisson_ratio, reduced_thickness, max(0.0, edge_shift(poisson_ratio)))
-    guess = _lone_half_width(load, exponent, radius, 1 / (1 + 1 / thin))
+    guess = lone_half_width(load, exponent, radius, 1 / (1 + 1 / thin))
     asperity = _match(system, load, exponent, guess).asperity()
     return reduced_thickness * asperity.contact_area, asperity
 
@@ -247,20 +247,6 @@ def _check(load: float, exponent: float, radius: float, poisson_ratio: float, nu
     checks.real("radius", radius, "a finite number > 0", 0)
     checks.real("poisson_ratio", poisson_ratio, "-1 < nu <= 0.5", -1, 0.5)
     checks.integer("num_nodes", num_nodes, "an even integer from 4 to 10000", 4, 10_000, 2)
-
-
-def guessed_half_width(load: float, exponent: float, radius: float, thickness: float, poisson_ratio: float) -> float:
-    """Half-width [L]: the half-space's or that of a thin layer, compressible or not (the less stiff), if it is less."""
-    foundation = foundation_half_width(load, exponent, radius, foundation_modulus(thickness, poisson_ratio))
-    thin = max(foundation, incompressible_half_width(load, exponent, radius, thickness))
-    return min(_lone_half_width(load, exponent, radius), thin)
-
-
-def _lone_half_width(load: float, exponent: float, radius: float, kappa_ratio: float = 1.0) -> float:
-    """Half-width of a lone asperity of the given kappa_d/kappa_inf; 1, the half-space, bounds every layer's."""
-    n = exponent
-    area = kappa_ratio * kappa_half_space(n) * load * math.sqrt(2 * n - 1) / 2
-    return float(area ** (1 / n) * math.exp((n - 1) / n * math.log(radius)))
 
 
 def _match(system: Callable[[float], _System], load: float, exponent: float, guess: float) -> _System:

@@ -194,7 +194,7 @@ def _true_area_of_a_power(scene: Scene, method: str) -> tuple[float, float] | No
     if method in GRID_FREE:
         return _on_a_grid(scene, _FIELD_POINTS)
     shape = exponent, radius, thickness, nu
-    if exponent < 1.5 or collocation.guessed_half_width(scene.pressure, *shape) >= _LONGEST * thickness:
+    if exponent < 1.5 or closed_forms.guessed_half_width(scene.pressure, *shape) >= _LONGEST * thickness:
         return None
     try:
         found, error = collocation.solve_to_accuracy(scene.pressure, *shape, 1e-5)

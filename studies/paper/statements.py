@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from linecontact.solver.layers.bonded import edge_shift
+from linecontact.solver.layers.bonded import edge_shift, foundation_compliance
 from linecontact.solver.reference import closed_forms
 from numpy.typing import NDArray
 
@@ -145,14 +145,14 @@ def _alpha(exponent: float, poisson_ratio: float, t: Array64, kappa: Array64, er
     second = 1 + 2 * edge_shift(nu) * t[:2]
     if second.min() < 0.5:
         return math.nan, math.inf
-    value = kappa[:2] / t[:2] / ((1 - 2 * nu) / (1 - nu) ** 2) * second ** (exponent + 1)
+    value = kappa[:2] / t[:2] / foundation_compliance(nu) * second ** (exponent + 1)
     r = (t[0] / t[1]) ** 2
     extrapolated = (value[0] - r * value[1]) / (1 - r)
     return float(extrapolated), float(abs(value[0] - extrapolated) + extrapolated * error[0] / kappa[0])
 
 
 def _first_order_spread(thin: dict[float, Curve], poisson_ratios: list[float]) -> float:
-    plain = [thin[nu][1][0] / thin[nu][0][0] / ((1 - 2 * nu) / (1 - nu) ** 2) for nu in poisson_ratios]
+    plain = [thin[nu][1][0] / thin[nu][0][0] / foundation_compliance(nu) for nu in poisson_ratios]
     return float(max(plain) / min(plain) - 1)
 
 
@@ -191,7 +191,7 @@ def _rough_alpha(
     hurst: float, nu: float, thickness: float, surfaces: list[means.Realisation], kappa_inf: float, patches: float
 ) -> Iterator[Statement]:
     """The thin layer's slope where one patch is left, and over all surfaces."""
-    foundation = (1 - 2 * nu) / (1 - nu) ** 2
+    foundation = foundation_compliance(nu)
     every, alone = (np.array([r.slope / foundation for r in surfaces if r.patches <= most]) for most in (math.inf, 1))
     if alone.size:
         one = means.Mean.of(alone)

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from linecontact.solver.layers.bonded import edge_shift
+from linecontact.solver.layers.bonded import edge_shift, foundation_compliance
 from linecontact.solver.reference import closed_forms
 from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
@@ -77,7 +77,7 @@ def _limits(axes: Axes, configuration: dict[str, Any], poisson_ratio: float, col
         limit = [closed_forms.thin_layer_kappa_ratio(exponent, nu, s, shift) / s for s in reach]
         axes.plot(reach, limit, style, color=colour, lw=width)
     if nu < 0.5:
-        published = configuration["published_alpha"] * (1 - 2 * nu) / (1 - nu) ** 2
+        published = configuration["published_alpha"] * foundation_compliance(nu)
         axes.plot(grid[[0, -1]], [published] * 2, "-.", color=colour, lw=0.5)
 
 

@@ -4,6 +4,7 @@ from itertools import cycle
 from pathlib import Path
 
 import numpy as np
+from linecontact.solver.layers.bonded import foundation_compliance
 from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -77,7 +78,7 @@ def ratio(study: StudyFile) -> Figure:
             _plot(axes, own, "reduced_thickness", "slope", colour, marker, rf"$\nu={nu:g}$")
             thin = np.array([x.min() / 1.5, 0.05])
             axes.plot(thin, np.full(2, means.single_patch(nu, kappa)), "--", color=colour, lw=0.8)
-            published = means.PUBLISHED_ALPHA * (1 - 2 * nu) / (1 - nu) ** 2
+            published = means.PUBLISHED_ALPHA * foundation_compliance(nu)
             axes.plot(thin, np.full(2, published), "-.", color=colour, lw=0.6)
             line = study.lines.get(f"persson H={hurst:g} nu={nu:g}")
             if line:

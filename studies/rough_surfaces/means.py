@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from linecontact.solver.layers.bonded import foundation_compliance
 from numpy.typing import NDArray
 
 from ..files.study_files import StudyFile
@@ -113,7 +114,7 @@ def realisations(file: StudyFile) -> dict[tuple[float, float, float], dict[int, 
 def points(file: StudyFile) -> Iterator[Point]:
     """Every point of which at least one realisation is done, from thick to thin."""
     for (hurst, nu, thickness), surfaces in realisations(file).items():
-        own, foundation = list(surfaces.values()), (1 - 2 * nu) / (1 - nu) ** 2
+        own, foundation = list(surfaces.values()), foundation_compliance(nu)
 
         def mean(quantity: Callable[[Realisation], float], own: list[Realisation] = own) -> Mean:
             return Mean.of(np.array([quantity(r) for r in own]))
@@ -134,4 +135,4 @@ def points(file: StudyFile) -> Iterator[Point]:
 
 def single_patch(poisson_ratio: float, kappa_inf: float) -> float:
     """(kappa_d/kappa_inf)/(d/a_r) of one parabolic patch on a thin layer: 2 sqrt(3) (1-2nu)/(1-nu)^2/kappa_inf."""
-    return 2 * math.sqrt(3) * (1 - 2 * poisson_ratio) / (1 - poisson_ratio) ** 2 / kappa_inf
+    return 2 * math.sqrt(3) * foundation_compliance(poisson_ratio) / kappa_inf

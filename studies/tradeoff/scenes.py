@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, Status, solve
 from linecontact.solver.methods import Progress
-from linecontact.solver.reference import collocation
+from linecontact.solver.reference import closed_forms, collocation
 from linecontact.solver.strategy import plan
 
 from ..files import records
@@ -87,7 +87,7 @@ def true_area(scene: Scene, accuracy: float, num_points: int) -> tuple[float, fl
     power, bonded = scene.indenter.power_law, scene.layer.bonded
     if power and bonded:
         shape = scene.pressure, *power, *bonded
-        if collocation.guessed_half_width(*shape) < _LONGEST * scene.layer.thickness:
+        if closed_forms.guessed_half_width(*shape) < _LONGEST * scene.layer.thickness:
             try:
                 fine, coarse = (collocation.solve_load(*shape, k * _NODES // 2, k * _RESOLUTION / 2) for k in (2, 1))
                 return fine.contact_area, abs(coarse.contact_area / fine.contact_area - 1)
