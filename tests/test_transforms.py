@@ -2,11 +2,13 @@
 
 import json
 import os
+import sys
 import warnings
 
 import numpy as np
 import pyfftw
 import pytest
+from linecontact.solver import Layer, RoughIndenter, Scene, solve
 from linecontact.solver.grid import transforms
 from linecontact.solver.grid.transforms import Transforms
 
@@ -94,3 +96,14 @@ def test_wisdom_that_is_no_file_is_ignored(cache):
     os.mkfifo(path)
     with pytest.warns(RuntimeWarning, match="is not a file of up to 16 MiB"):
         Transforms(64, "float64")
+
+
+@pytest.mark.parametrize("options", [{"accuracy": 1e-2}, {"tolerance": 1e-4}])
+def test_plans_that_took_effort_are_kept_after_every_solve(monkeypatch, options):
+    kept = []
+    monkeypatch.setattr(sys.modules["linecontact.solver.solve"], "save_wisdom", lambda: kept.append(1))
+    scene = Scene(Layer(0.1), RoughIndenter(0.8, 0, 1 / 4, 1 / 16), 1e-2, num_points=256)
+    solve(scene, **options)
+    assert not kept
+    solve(scene, planning="measure", **options)
+    assert kept == [1]
