@@ -6,12 +6,12 @@ from ..kernels import BACKENDS
 from . import checks
 from .arrays import Array64
 from .grid.transforms import check_settings, save_wisdom
-from .methods import METHODS, Progress
+from .methods import DEFAULT, METHODS, Progress
 from .scene import Scene
 from .solution import Solution
-from .strategy.effort import Means
+from .strategy.effort import Effort, Means
 from .strategy.to_accuracy import solve_to_accuracy
-from .strategy.to_tolerance import Request, solve_to_tolerance
+from .strategy.to_tolerance import solve_to_tolerance
 
 
 def solve(
@@ -33,7 +33,7 @@ def solve(
     accuracy: the relative error wanted of `contact_area_subgrid`, 1e-9 to 0.1 (dimensionless). Model, method, grid and
         tolerance are then chosen for it and must not be given; the scene's grid is the finest allowed, its precision
         must be the default. It concerns a_r alone. See `Solution.choices` and `Status.INACCURATE`.
-    method: one of `METHODS`, by default the first.
+    method: one of `METHODS`, by default `DEFAULT`.
     nested: start from the solution on coarser grids; by default for the active set only, and not with `initial`.
     tolerance: rms net force on free nodes over the mean pressure at which to stop, 1e-14 to 0.5 (dimensionless); by
         default `default_tolerance`, or what rounding leaves if that is more.
@@ -60,11 +60,11 @@ def solve(
             if value is not None:
                 raise ValueError(f"{name} is {value!r}; allowed: without accuracy only, which chooses it")
         return _keeping_plans(planning, solve_to_accuracy(scene, accuracy, means))
-    kind = METHODS[checks.choice("method", next(iter(METHODS)) if method is None else method, tuple(METHODS))]
+    kind = METHODS[checks.choice("method", DEFAULT.name if method is None else method, tuple(METHODS))]
     if max_iterations is not None:
         max_iterations = checks.integer("max_iterations", max_iterations, "an integer from 1 to 2^53", 1, 2**53)
-    request = Request(scene, kind, nested, tolerance, max_iterations, initial)
-    return _keeping_plans(planning, solve_to_tolerance(request, means))
+    effort = Effort(scene, kind, means, max_iterations)
+    return _keeping_plans(planning, solve_to_tolerance(effort, nested, tolerance, initial))
 
 
 def _keeping_plans(planning: str, solution: Solution) -> Solution:

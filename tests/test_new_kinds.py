@@ -155,7 +155,9 @@ class ProjectedGradient(Method):
         return None
 
 
-PROJECTED = MethodKind("projected-gradient", ProjectedGradient, max_iterations=20_000, nested=True, grows=True)
+PROJECTED = MethodKind(
+    "projected-gradient", "projected gradient", ProjectedGradient, max_iterations=20_000, nested=True, grows=True
+)
 
 
 @pytest.fixture(autouse=True)

@@ -10,6 +10,9 @@ from .method import Method, MethodKind, Setting
 from .relaxation import Progress, relax
 
 METHODS: dict[str, MethodKind] = {kind.name: kind for kind in (active_set.KIND, mass_weighted_fire.KIND, fire.KIND)}
-"""The one list of methods, by name, fastest first; the first is the default."""
+"""The one list of methods, by name, fastest first."""
 
-__all__ = ["METHODS", "Method", "MethodKind", "Progress", "Setting", "relax"]
+DEFAULT = next(iter(METHODS.values()))
+"""The method where none is chosen: the fastest on every scene measured."""
+
+__all__ = ["DEFAULT", "METHODS", "Method", "MethodKind", "Progress", "Setting", "relax"]

@@ -128,6 +128,8 @@ class MethodKind:
 
     name: str
     """On the command line and in stored results."""
+    label: str
+    """In sentences and figures."""
     begin: Callable[[Problem, Setting], Method]
     """Makes the method's state on a grid, at its own starting point."""
     max_iterations: int

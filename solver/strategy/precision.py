@@ -2,7 +2,7 @@
 
 from ..endings import Status
 from ..grid.problem import Problem, rounding_floor
-from ..methods import METHODS, Setting, relax
+from ..methods import DEFAULT, Setting, relax
 from ..scene import Scene
 from ..solution import MEANINGLESS
 
@@ -24,7 +24,7 @@ def float32_floor(problem: Problem, coarse: Problem) -> float:
     problem, coarse: see `problems`; the size of u, which hardly depends on the grid, is taken from the solution of the
     coarse one. Ctrl-C meanwhile is passed on.
     """
-    state = next(iter(METHODS.values())).begin(coarse, Setting(1e-3, backend="numpy"))
+    state = DEFAULT.begin(coarse, Setting(1e-3, backend="numpy"))
     if relax(state, 300) is Status.INTERRUPTED:
         raise KeyboardInterrupt
     displacement = state.displacement * (coarse.length_unit / problem.length_unit)

@@ -11,7 +11,7 @@ from .. import checks
 from ..endings import Cause, Reason, Status
 from ..grid.certificate import certify
 from ..grid.problem import Problem
-from ..methods import METHODS, Method
+from ..methods import DEFAULT, Method
 from ..scene import Scene
 from ..solution import Choice, Level, Solution
 from .certification import certify_or_fall_back
@@ -160,13 +160,13 @@ def _modelled(task: _Task, name: str, found: Modelled) -> Solution:
 
 
 def _on_grids(task: _Task) -> Solution:
-    """The first method, from coarse to fine, until the estimated error is small enough.
+    """The default method, from coarse to fine, until the estimated error is small enough.
 
     Should the certified solution be less accurate than estimated, it goes on from there on the next grid. An
     interruption returns what the grid at hand has given.
     """
     scene, tolerance, ready = replace(task.scene, layer=task.plan.layer), residual(task.accuracy), time.perf_counter()
-    effort = Effort(scene, next(iter(METHODS.values())), task.means)
+    effort = Effort(scene, DEFAULT, task.means)
     model_error = task.model_error
     budget = task.accuracy - model_error - iteration_share(tolerance)
 

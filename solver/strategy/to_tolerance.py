@@ -10,11 +10,11 @@ from .. import checks
 from ..arrays import Array64
 from ..endings import Status
 from ..grid.problem import Problem
-from ..methods import Method, MethodKind
+from ..methods import Method
 from ..scene import Scene
 from ..solution import Level, Solution
 from .certification import certify_or_fall_back
-from .effort import CAUTION, COARSE_TOLERANCE, COARSE_WRONG_NODES, Effort, Means
+from .effort import CAUTION, COARSE_TOLERANCE, COARSE_WRONG_NODES, Effort
 from .grids import Reached, grids, over_grids
 from .memory import check_memory
 from .precision import problems, reachable
@@ -46,41 +46,25 @@ class Prepared:
         return self.effort.begin(problem, tolerance, wrong_nodes_per_patch=COARSE_WRONG_NODES)
 
 
-@dataclass(frozen=True)
-class Request:
-    """What is asked for, checked as far as that needs no solving."""
-
-    scene: Scene
-    """The scene to solve."""
-    kind: MethodKind
-    """The method that was chosen."""
-    nested: bool | None = None
-    """Whether to start from coarser grids; None: as the method prefers."""
-    tolerance: float | None = None
-    """On the free residual over p (dimensionless); None: by default."""
-    max_iterations: int | None = None
-    """Limit for all grids; None: the method's own."""
-    initial: Array64 | None = None
-    """Displacement to start from, shape (N,) [length]."""
-
-
-def solve_to_tolerance(request: Request, means: Means) -> Solution:
-    """Solve a scene to a tolerance. Raises `ValueError`."""
+def solve_to_tolerance(
+    effort: Effort, nested: bool | None, tolerance: float | None, initial: Array64 | None
+) -> Solution:
+    """Solve the effort's scene by its method to a tolerance; arguments as in `solve`. Raises `ValueError`."""
     begin = time.perf_counter()
-    prepared = _prepare(request, means)
-    effort, problem, own = prepared.effort, prepared.problem, request.tolerance is not None
+    prepared = _prepare(effort, nested, tolerance, initial)
+    problem, own = prepared.problem, tolerance is not None
     ready = time.perf_counter()
     reached, levels = _iterate(prepared)
     relaxed = time.perf_counter()
     certified = certify_or_fall_back(effort, problem, reached.state, reached.status, prepared.tolerance, own)
-    solution = make_solution(request.scene, problem, certified, levels, effort)
+    solution = make_solution(effort.scene, problem, certified, levels, effort)
     times = stages(begin, ready, relaxed + certified.seconds, time.perf_counter())
     return replace(solution, seconds=times)
 
 
-def _prepare(request: Request, means: Means) -> Prepared:
+def _prepare(effort: Effort, nested: bool | None, tolerance: float | None, initial: Array64 | None) -> Prepared:
     """Check what was asked for, discretise the scene, and make the method on its grid."""
-    scene, kind, tolerance = request.scene, request.kind, request.tolerance
+    scene, kind = effort.scene, effort.kind
     check_memory(scene.num_points)
     if scene.precision not in kind.precisions:
         raise ValueError(f"precision is {scene.precision!r}; allowed: {', '.join(kind.precisions)}, for {kind.name}")
@@ -88,12 +72,11 @@ def _prepare(request: Request, means: Means) -> Prepared:
         tolerance = checks.real("tolerance", tolerance, "1e-14 < tolerance <= 0.5", 1e-14, 0.5)
     problem, coarse = problems(scene)
     tolerance = reachable(scene, problem, coarse, tolerance)
-    start = None if request.initial is None else _displacement(request.initial, scene, problem)
-    effort = Effort(scene, kind, means, request.max_iterations)
+    start = None if initial is None else _displacement(initial, scene, problem)
     finest = effort.begin(problem, CAUTION * tolerance)
     if start is not None:
         finest.start(start)
-    nested = kind.nested if request.nested is None else request.nested
+    nested = kind.nested if nested is None else nested
     sizes = grids(scene.num_points) if nested and start is None else [scene.num_points]
     return Prepared(effort, problem, tolerance, finest, sizes)
 

@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 from linecontact.solver import METHODS, Layer, MeasuredIndenter, PowerIndenter, RoughIndenter, Scene
 from linecontact.solver.grid.problem import half_spectrum
+from linecontact.solver.methods import DEFAULT
+from linecontact.solver.scene import PRECISIONS
 from numpy.typing import NDArray
 
 Array64 = NDArray[np.float64]
@@ -27,7 +29,6 @@ SIZES = {"small": (4, 2**13), "middle": (2**13, 2**18), "large": (2**18, 2**24)}
 
 _RATIOS = (-0.999, -0.9, -0.5, 0.0, 0.1, 0.25, 0.3, 0.4, 0.45, 0.5, *(0.5 - 10.0**-k for k in (2, 3, 4, 6, 9, 12, 15)))
 _MOST_ITERATIONS = 20_000
-_PRECISIONS = ("float64", "float32", "mixed")
 _PROFILES = ("power", "rough", "measured")
 _PRIMES = (5, 7, 11, 13, 61, 127, 521, 1021, 2053, 4099, 8191, 16381, 65537, 131071, 262147, 1048583, 4194319)
 
@@ -169,7 +170,7 @@ def _draw_options(rng: Generator, num_points: int) -> tuple[dict[str, Any], str]
         return {"accuracy": float(10 ** rng.uniform(-8.9, -1))}, "float64"
     slow = num_points > 2**15
     shares = np.array([kind.share for kind in METHODS.values()])
-    method = next(iter(METHODS)) if slow else str(rng.choice(list(METHODS), p=shares / shares.sum()))
+    method = DEFAULT.name if slow else str(rng.choice(list(METHODS), p=shares / shares.sum()))
     options: dict[str, Any] = {"method": method}
     if METHODS[method].max_iterations > _MOST_ITERATIONS:
         options["max_iterations"] = _MOST_ITERATIONS
@@ -177,5 +178,5 @@ def _draw_options(rng: Generator, num_points: int) -> tuple[dict[str, Any], str]
         options["tolerance"] = float(10 ** rng.uniform(-13.9, -1))
     elif rng.random() < 0.1:
         options["nested"] = bool(rng.integers(2))
-    precision = str(rng.choice(_PRECISIONS, p=(0.6, 0.2, 0.2)))
+    precision = str(rng.choice(PRECISIONS, p=(0.6, 0.2, 0.2)))
     return options, precision if precision in METHODS[method].precisions else METHODS[method].precisions[0]

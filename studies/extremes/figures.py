@@ -5,6 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+from linecontact.solver.methods import DEFAULT
 from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm, Normalize
@@ -38,9 +39,9 @@ def draw(path: Path) -> dict[str, Figure]:
     _map(panels[0, 1], places, refused, plain, np.mean, "magma_r", Normalize(0, 20))
     panels[0, 1].set_title("Cells refused [%], all precisions", pad=12)
     iterations = np.maximum(_numbers(study, "iterations"), 1)
-    active = certified & plain & (study.column("method") == "active-set")
+    active = certified & plain & (study.column("method") == DEFAULT.name)
     _map(panels[1, 0], places, iterations, active, np.max, "cividis", LogNorm(1, 1e4))
-    panels[1, 0].set_title("Most iterations of the active set", pad=12)
+    panels[1, 0].set_title(f"Most iterations of the {DEFAULT.label}", pad=12)
     _bars(panels[1, 1], study, plain)
     figure.text(0.01, 0.01, "Maps: default tolerances only; grey: no such cell among those drawn.", fontsize=7)
     return {"": figure}

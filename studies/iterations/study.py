@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from linecontact.solver import PowerIndenter, RoughIndenter, Scene, solve
 from linecontact.solver.grid.transforms import Transforms
-from linecontact.solver.methods import Progress
+from linecontact.solver.methods import DEFAULT, METHODS, Progress
 from linecontact.solver.reference import closed_forms
 from rich.console import RenderableType
 from rich.table import Table
@@ -38,30 +38,26 @@ LOADS = {"Hertz": 2e-3, "rough": 1e-2}
 class Configuration:
     """What identifies the study."""
 
-    active_hertz: tuple[int, ...] = (12, 14, 16, 18, 20, 22)
-    """log2 of the numbers of points of the active set on the Hertz scene."""
-    active_rough: tuple[int, ...] = (12, 14, 16, 18, 20, 22)
-    """log2 of the numbers of points of the active set on the rough scene."""
-    mass_weighted: tuple[int, ...] = (12, 14, 16, 18, 20)
-    """log2 of the numbers of points of mass-weighted FIRE on the Hertz scene."""
-    plain: tuple[int, ...] = (12, 14, 16, 18)
-    """log2 of the numbers of points of plain FIRE on the Hertz scene."""
+    default: tuple[int, ...] = (12, 14, 16, 18, 20, 22)
+    """log2 of the numbers of points of the default method, on both scenes."""
+    others: tuple[int, ...] = (12, 14, 16, 18, 20)
+    """log2 of the numbers of points of the other methods, on the Hertz scene."""
+    growing: tuple[int, ...] = (12, 14, 16, 18)
+    """The same for methods whose iterations grow with the number of points."""
     tolerance: float = 1e-8
     """Of the solves: rms free residual over p (dimensionless)."""
 
     def plan(self) -> Plan:
         """The tasks."""
-        sizes = {
-            ("Hertz", "active-set"): self.active_hertz,
-            ("rough", "active-set"): self.active_rough,
-            ("Hertz", "mass-weighted-fire"): self.mass_weighted,
-            ("Hertz", "fire"): self.plain,
-        }
+        sizes = {(scene, DEFAULT.name): self.default for scene in LOADS}
+        for kind in METHODS.values():
+            if kind is not DEFAULT:
+                sizes["Hertz", kind.name] = self.growing if kind.grows else self.others
         runs = [Task(scene, method, k, self.tolerance) for (scene, method), ks in sizes.items() for k in ks]
         return Plan(NAME, asdict(self), runs)
 
 
-QUICK = Configuration((12, 14), (12, 14), (12, 14), (12, 14))
+QUICK = Configuration((12, 14), (12, 14), (12, 14))
 
 
 @dataclass(frozen=True)
@@ -113,7 +109,7 @@ class Task:
     def run(self, report: Progress | None) -> Record:
         """The solution's record, with the time of a transform pair taken before and after."""
         scene = make_scene(self.name, self.log2_num_points)
-        if self.method == "active-set":
+        if self.method == DEFAULT.name:
             solve(make_scene(self.name, min(self.log2_num_points, 14)))  # kernels, tables and short plans are there
         pair = pair_seconds(scene.num_points)
         solution = solve(scene, method=self.method, tolerance=self.tolerance, progress=report)
@@ -165,7 +161,7 @@ def summary(file: StudyFile) -> Table:
 
 def one_line(file: StudyFile) -> str:
     """What the smallest grid with sub-grid edges does against counting on the largest common one."""
-    hertz = file.select("name", "Hertz").select("method", "active-set")
+    hertz = file.select("name", "Hertz").select("method", DEFAULT.name)
     exact, n = exact_areas(file)["Hertz"], hertz.column("scene.num_points")
     small = hertz.runs[int(np.argmin(n))]
     large = min(hertz.runs, key=lambda run: abs(run["scene.num_points"] - 2**18))

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 from linecontact.solver import Layer, PowerIndenter, Scene, solve
-from linecontact.solver.methods import Progress
+from linecontact.solver.methods import DEFAULT, Progress
 from linecontact.solver.reference import collocation
 
 from ..files.records import run_record
@@ -44,7 +44,7 @@ class Configuration:
     """The least of them for nu = 1/2 (dimensionless)."""
     tolerance: float = 1e-8
     """Of the solves: rms free residual over p (dimensionless)."""
-    method: str = "active-set"
+    method: str = DEFAULT.name
     """Of the solves."""
     line_points: int = 30
     """Points of each of the oracle's lines."""

@@ -13,7 +13,7 @@ from typing import ClassVar
 import numpy as np
 from linecontact.solver import Layer, RoughIndenter, Scene, solve
 from linecontact.solver.grid.problem import Problem
-from linecontact.solver.methods import Progress
+from linecontact.solver.methods import DEFAULT, Progress
 from linecontact.solver.reference import closed_forms
 
 from ..files.records import run_record
@@ -48,7 +48,7 @@ class Configuration:
     """Surfaces for every point."""
     tolerance: float = 1e-8
     """Of the solves: rms free residual over p (dimensionless)."""
-    method: str = "active-set"
+    method: str = DEFAULT.name
     """Of the solves."""
 
 

@@ -84,7 +84,7 @@ def _legend(study: StudyFile, what: str) -> list[Line2D]:
         return Line2D([], [], marker=marker, color=colour, ls=style, label=label, **more)  # type: ignore[arg-type]
 
     size, area = study.configuration["paper"], what == "a_r"
-    methods = [entry("plain FIRE" if name == "fire" else name, marker, "0.5") for name, marker in _METHODS.items()]
+    methods = [entry(METHODS[name].label, marker, "0.5") for name, marker in _METHODS.items()]
     precisions = [entry(name, "o", colour) for name, colour in _PRECISIONS.items()]
     best = [entry("front of all these", "", "k", "-")]
     paper = [entry(f"the published choice: plain FIRE, $2^{{{size}}}$", "*", COLOURS[3], ms=12, mec="k")]

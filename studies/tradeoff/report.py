@@ -6,7 +6,8 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
-from linecontact.solver import Status
+from linecontact.solver import METHODS, Status
+from linecontact.solver.methods import fire
 from rich.console import RenderableType
 from rich.table import Table
 
@@ -32,7 +33,13 @@ def parts(study: StudyFile) -> Iterator[RenderableType]:
 def paper_choice(study: StudyFile, family: str) -> Run | None:
     """The run of the published choice: plain FIRE on one grid of 2^18 points, float64."""
     size, mine = study.configuration["paper"], runs_of(study, "choice", family)
-    asked = {"method": "fire", "precision": "float64", "nested": False, "log2_points": size, "tolerance.asked": "1e-05"}
+    asked = {
+        "method": fire.KIND.name,
+        "precision": "float64",
+        "nested": False,
+        "log2_points": size,
+        "tolerance.asked": "1e-05",
+    }
     return next((run for run in mine if all(run[name] == value for name, value in asked.items())), None)
 
 
@@ -119,7 +126,7 @@ def _name(axis: str, value: Any) -> str:
         return f"{value:.0f} thread{'s' * (value > 1)}"
     if axis == "tolerance.asked":
         return "float32's default tolerance" if value == "default" else f"a tolerance of {value}"
-    return "plain FIRE" if value == "fire" else str(value)
+    return METHODS[value].label if value in METHODS else str(value)
 
 
 def never_worth(found: Sequence[Worth]) -> Iterator[str]:

@@ -36,6 +36,7 @@ def begin(problem: Problem, setting: Setting, storage: Whole | None = None) -> A
 
 KIND = MethodKind(
     name="active-set",
+    label="active set",
     begin=begin,
     max_iterations=2_000,
     precisions=("float64", "float32", "mixed"),
