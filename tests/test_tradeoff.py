@@ -55,10 +55,10 @@ def test_sentences_come_from_the_data():
     assert "counting nodes (off by 10:" in fast
     both = never(run("fire", 1.0, 1e-2), run("active-set", 2.0, 1e-3, precision="mixed"))
     assert "FIRE" not in both
-    assert "active-set" not in both
+    assert "active set" not in both
     without = list(report.never_worth(front.worth(made_up(run("fire", 1.0, 1e-2), run("active-set", 5.0, 1e-3)))))
     assert any(line.startswith("plain FIRE") and "Without: up to 5 times as long" in line for line in without)
-    assert any(line.startswith("active-set") and "some errors are out of reach" in line for line in without)
+    assert any(line.startswith("active set") and "some errors are out of reach" in line for line in without)
     lucky = never(run("fire", 1.0, 1e-2, **{"error.area_counted": 1e-3}))
     assert lucky.startswith("Nothing is never worth it") or "counting" not in lucky
 
