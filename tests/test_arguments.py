@@ -11,10 +11,10 @@ import pytest
 from linecontact.solver import INDENTERS, Layer, PowerIndenter, RoughIndenter
 from linecontact.studies import STUDIES
 from linecontact.studies.command_line import kinds, main, plot, solve
-from linecontact.studies.files import scans
 from linecontact.studies.kernel_benchmark import study as kernels
 from linecontact.studies.power_profiles import study as power_profiles
 from linecontact.studies.runner import study as runner
+from linecontact.studies.scans import reading
 from linecontact.studies.terminal import arguments, declarations
 from linecontact.studies.terminal.options import one_of, options_of
 
@@ -160,7 +160,7 @@ def test_types_that_no_option_has_are_refused(hint):
         options_of(kind)
 
 
-@pytest.mark.parametrize("kind", [Base, Every, Positional, runner.Options, power_profiles.Options, scans.Options])
+@pytest.mark.parametrize("kind", [Base, Every, Positional, runner.Options, power_profiles.Options, reading.Options])
 def test_the_source_alone_tells_every_field(kind):
     declared = declarations.read(f"{kind.__module__}:{kind.__name__}")
     assert list(declared.fields) == list(options_of(kind))

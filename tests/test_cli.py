@@ -98,15 +98,16 @@ def test_a_scan_from_file_to_figure_in_one_command(tmp_path):
     scan = np.stack([0.5 * x, np.sin(x / 20) + 0.1 * np.random.default_rng(0).standard_normal(300)], axis=1)
     np.savetxt(tmp_path / "scan.csv", scan, delimiter=",", header="x um, z nm")
     file = tmp_path / "run.h5"
-    options = "--profile file --profile-convention heights --x-unit um --z-unit nm --length-unit um --pressure 1e-4"
+    options = "--profile file --length-unit um --pressure 1e-4"  # the units stand in the header
     result = run("solve", *options.split(), "--profile-file", tmp_path / "scan.csv", "--save", file, "--plot")
     assert result.returncode == 0, result.stderr
     assert (tmp_path / "run.png").stat().st_size > 5000
     fields, attributes = solution_files.load_solution(file)
     assert attributes["scene.period"] == pytest.approx(300)
-    assert attributes["scene.num_points"] == 1024
+    assert attributes["scene.num_points"] == 4096
     assert "mirror" in attributes["scene.profile_steps"]
     assert "Profile: columns of scan.csv" in result.stdout
+    assert "Read: x in um, z in nm, values taken as heights" in result.stdout
     again = run(
         "solve", *options.split(), "--profile-file", tmp_path / "scan.csv", "--save", tmp_path / "run.png", "--plot"
     )
@@ -147,7 +148,7 @@ def test_methods_and_grids(method, grids):
         (["solve", "--profile-file", __file__], "allowed: only with --profile file, not power"),
         (["solve", "--hurst", "0.3"], "hurst is 0.3; allowed: only with --profile rough, not power"),
         (["solve", "--profile", "rough", "--exponent", "4"], "exponent is 4.0; allowed: only with --profile power"),
-        (["solve", "--profile", "file", "--resample", "--seed", "1"], "seed is 1"),
+        (["solve", "--profile", "file", "--scene-units", "--seed", "1"], "seed is 1"),
         (["solve", "--num-points", "0"], "num_points is 0"),
         (["solve", "--save", "/dev/null", "--overwrite"], "not a regular file"),
         (["solve", "--tolerance", "0"], "tolerance is 0"),

@@ -20,10 +20,11 @@ from linecontact import studies
 from linecontact.solver import Scene, solve
 from linecontact.studies import hertz
 from linecontact.studies.command_line import main as cli
-from linecontact.studies.files import confined, hdf5, scans, solution_files, study_files, writing
+from linecontact.studies.files import confined, hdf5, solution_files, study_files, writing
 from linecontact.studies.kernel_benchmark import compare
 from linecontact.studies.power_profiles import tasks as power_profiles
 from linecontact.studies.runner import drawing, tasks
+from linecontact.studies.scans import reading
 
 RESULTS = Path(studies.__file__).parent / "results"
 
@@ -34,7 +35,7 @@ def test_what_is_no_file_is_refused_at_once(tmp_path):
     os.mkfifo(pipe)
     for path in (pipe, Path("/dev/zero"), tmp_path, tmp_path / ("a" * 300)):
         with pytest.raises(ValueError, match="not a file"):
-            scans.read(scans.Options(path))
+            reading.read(reading.Options(path))
         with pytest.raises(writing.StoreError, match="allowed: an HDF5 file"):
             study_files.load_study(path)
         with pytest.raises(ValueError, match="no regular file"):

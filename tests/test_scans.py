@@ -7,13 +7,26 @@ import h5py
 import numpy as np
 import pytest
 from linecontact.solver import Layer, Scene, Status, solve
-from linecontact.studies.files import scans
+from linecontact.studies.scans.reading import Options, read_scan
+from linecontact.studies.scans.reading import read as read_options
 
 REAL = Path(__file__).parents[2] / "shared" / "data"
 
 
+AS_IT_IS = {"profile_convention": "gap", "detrend": "none", "window": "none"}
+"""The file holds one period of h."""
+
+
 def read(path, **options):
-    return scans.read(scans.Options(path, **options))
+    """In the scene's own unit, unless a test is about units; heights without positions are one unit long."""
+    options = {"scene_units": True} | options
+    if "scan_length" not in options:
+        try:
+            return read_options(Options(path, **options))
+        except ValueError as error:
+            if "scan_length is missing" not in str(error):
+                raise
+    return read_options(Options(path, **{"scan_length": 1.0} | options))
 
 
 @pytest.fixture
@@ -39,7 +52,7 @@ def write(folder, suffix, columns):
 def test_formats(tmp_path, heights, suffix):
     x = 0.5 * np.arange(64)
     for columns, length in (([heights], 1.0), ([x, heights], 32.0)):
-        indenter, period, n = read(write(tmp_path, suffix, columns))
+        indenter, period, n = read(write(tmp_path, suffix, columns), num_points=64, **AS_IT_IS)
         assert (period, n) == (length, 64)
         np.testing.assert_allclose(indenter.heights, heights - heights.min(), atol=1e-18)
         assert indenter.description["profile_values"] == 64
@@ -48,10 +61,11 @@ def test_formats(tmp_path, heights, suffix):
 
 def test_conventions_and_units(tmp_path, heights):
     path = write(tmp_path, ".txt", [np.arange(64.0), heights])
-    scan, period, _ = read(path, profile_convention="heights", x_unit="um", z_unit="nm", length_unit="mm")
+    given = {"x_unit": "um", "z_unit": "nm", "length_unit": "mm", "detrend": "none", "window": "none"}
+    scan, period, _ = read(path, num_points=64, **given)  # heights, peaks up, are the default
     assert period == pytest.approx(64e-3)
     np.testing.assert_allclose(scan.heights, 1e-6 * (heights.max() - heights), atol=1e-18)
-    only_z = read(path, z_unit="um", length_unit="m")
+    only_z = read(path, num_points=64, z_unit="um", length_unit="m", **AS_IT_IS)
     assert only_z[1] == 64
     np.testing.assert_allclose(only_z[0].heights, 1e-6 * (heights - heights.min()), atol=1e-18)
 
@@ -60,70 +74,82 @@ def test_any_number_of_values_and_points(tmp_path):
     """A band-limited profile keeps its heights at odd numbers, whether taken as it is or resampled."""
     x = np.arange(41) / 41
     path = write(tmp_path, ".npy", [np.cos(2 * np.pi * x) + 0.1 * np.sin(8 * np.pi * x)])
-    whole, _, n = read(path, num_points=41)
+    whole, _, n = read(path, num_points=41, **AS_IT_IS)
     assert n == 41
-    fine, _, _ = read(path, num_points=123, detrend="none", window="none")
+    fine, _, _ = read(path, num_points=123, **AS_IT_IS)
     np.testing.assert_allclose(fine.heights[::3] - fine.heights[0], whole.heights - whole.heights[0], atol=1e-13)
     assert solve(Scene(indenter=fine, num_points=123)).status is Status.CONVERGED
 
 
 def test_resampling_keeps_a_band_limited_profile(tmp_path, heights):
     path = write(tmp_path, ".npy", [heights])
-    indenter, _, n = read(path, num_points=256, detrend="none", window="none", period=2.0)
-    assert n == 256
+    indenter, period, n = read(path, num_points=256, scan_length=2.0, **AS_IT_IS)
+    assert (period, n) == (2.0, 256)
     x = np.arange(256) / 256
     exact = 1e-3 * (np.sin(2 * np.pi * x) + 0.3 * np.cos(6 * np.pi * x))
     np.testing.assert_allclose(indenter.heights, exact - exact.min(), atol=1e-15)
     assert "resampled from 64 to 256" in indenter.description["profile_steps"]
-    assert read(path, num_points=256, period=2.0)[1] == 2.0
 
 
 def test_the_highest_wave_of_an_odd_count_survives(tmp_path):
     i = np.arange(101)
     path = write(tmp_path, ".npy", [np.cos(2 * np.pi * 50 * i / 101)])
-    indenter, _, _ = read(path, num_points=202, detrend="none", window="none")
+    indenter, _, _ = read(path, num_points=202, **AS_IT_IS)
     assert np.ptp(indenter.heights) == pytest.approx(2, rel=1e-2)
 
 
 def test_tilt_and_window(tmp_path):
     tilted = 0.01 * np.arange(100.0) + np.random.default_rng(0).standard_normal(100)
     path = write(tmp_path, ".csv", [tilted])
-    assert "mirror" in read(path)[0].description["profile_steps"]  # the default
-    indenter, _, n = read(path, window="tukey")
-    assert n == 128
+    mirrored, period, n = read(path, num_points=200, scan_length=3.0)
+    assert (period, n) == (6.0, 200)  # the mirror image is as long again
+    assert "the period is twice the scan" in mirrored.description["profile_steps"]
+    np.testing.assert_allclose(mirrored.heights, mirrored.heights[::-1], atol=1e-12)
+    indenter, period, n = read(path, window="tukey")
+    assert (period, n) == (1.0, 512)  # at least four points to a value
     steps = indenter.description["profile_steps"]
     assert "tilt of" in steps
-    assert "tukey" in steps
-    assert "resampled from 100 to 128" in steps
-    # the ends meet
+    assert "tukey window: the period is the scan" in steps
+    assert "resampled from 100 to 512" in steps
     h = indenter.heights
-    assert abs(h[0] - h[-1]) < 0.1 * np.ptp(h)
-    hann, _, _ = read(path, window="hann")
-    assert "hann" in hann.description["profile_steps"]
-    mirrored, period, n = read(path, num_points=200, resample=True, window="mirror", period=3.0)
-    assert (period, n) == (3.0, 200)
-    assert read(path, window="mirror")[2] == 256
-    assert read(write(tmp_path, ".txt", [np.arange(100.0), tilted]), window="mirror")[1] == pytest.approx(200)
-    np.testing.assert_allclose(mirrored.heights, mirrored.heights[::-1], atol=1e-12)
-    as_it_is, _, _ = read(path, num_points=100)
+    assert abs(h[0] - h[-1]) < 0.1 * np.ptp(h)  # the ends meet
+    assert "hann" in read(path, window="hann")[0].description["profile_steps"]
+    assert read(write(tmp_path, ".txt", [np.arange(100.0), tilted]))[1] == pytest.approx(200)
+    as_it_is, _, _ = read(path, num_points=100, **AS_IT_IS)
     np.testing.assert_allclose(as_it_is.heights, tilted - tilted.min())
-    asked, _, _ = read(path, num_points=100, detrend="linear")
+    asked, _, _ = read(path, num_points=100, **AS_IT_IS | {"detrend": "linear"})
     slope = np.polyfit(np.arange(100.0), asked.heights, 1)[0]
     assert abs(slope) < 1e-12
 
 
+def test_a_power_of_two_of_values_is_treated_as_any_other(tmp_path):
+    z = np.random.default_rng(2).standard_normal(64) + 0.1 * np.arange(64)
+    found, period, n = read(write(tmp_path, ".npy", [z]), num_points=64)
+    assert (period, n) == (2.0, 64)
+    assert "tilt of" in found.description["profile_steps"]
+
+
+@pytest.mark.parametrize(("values", "accuracy", "points"), [(3001, None, 2**15), (3001, 1e-3, 2**15), (40, 1e-2, 512)])
+def test_the_grid_goes_as_far_as_the_scan(tmp_path, values, accuracy, points):
+    z = np.random.default_rng(3).standard_normal(values)
+    assert read(write(tmp_path, ".npy", [z]), accuracy=accuracy).num_points == points
+
+
 def test_uneven_positions_are_interpolated(tmp_path):
     x = np.sort(np.random.default_rng(1).random(200))
-    indenter, period, _ = read(write(tmp_path, ".txt", [x, (x - 0.5) ** 2]), num_points=200)
+    path = write(tmp_path, ".txt", [x, (x - 0.5) ** 2])
+    indenter, period, _ = read(path, num_points=200, **AS_IT_IS)
     assert "interpolated linearly" in indenter.description["profile_steps"]
     even = np.linspace(x[0], x[-1], 200)
     h = (even - 0.5) ** 2
     np.testing.assert_allclose(indenter.heights, h - h.min(), atol=2e-3)  # gaps of up to 0.03 between positions
     assert period == pytest.approx((x[-1] - x[0]) * 200 / 199)
     rounded = np.round(0.156 * np.arange(200), 1)
-    indenter, period, _ = read(write(tmp_path, ".txt", [rounded, x]), num_points=200)
+    indenter, period, _ = read(write(tmp_path, ".txt", [rounded, x]), num_points=200, **AS_IT_IS)
     assert "taken as even" in indenter.description["profile_steps"]
     assert period == pytest.approx(0.156 * 200, rel=2e-3)
+    shaken = np.arange(200) + 0.4 * np.random.default_rng(4).uniform(-1, 1, 200)  # uneven, not rounded
+    assert "interpolated" in read(write(tmp_path, ".txt", [shaken, x]))[0].description["profile_steps"]
 
 
 def test_headers_and_line_ends(tmp_path):
@@ -131,9 +157,9 @@ def test_headers_and_line_ends(tmp_path):
     rows = "".join(f"{0.1 * i:.1f},{math.sin(i):.5f},,\r\n" for i in range(32))
     path.write_bytes(b"Scan,Standard\r\nStylus,2.5 \xb5m\r\n7\r\nx,z\r\n" + rows.encode() + b"\r\n\r\n")
     path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())  # a byte order mark is no header
-    indenter, period, n = read(path)
-    assert n == 32
-    assert period == pytest.approx(3.2)
+    indenter, period, n = read(path, num_points=64)
+    assert n == 64
+    assert period == pytest.approx(6.4)
     assert "4 lines of header" in indenter.description["profile_steps"]
 
 
@@ -167,21 +193,28 @@ ROWS = "".join(f"{i} {i % 7}\n" for i in range(40))
         (lambda folder: folder, {}, "is not a file"),
         (text(""), {}, "no table of numbers"),
         (text("a b\nc d\n"), {}, "no table of numbers"),
-        (text("1 2 3\n" * 40), {}, "has 3 columns"),
+        (text("1 2 3\n" * 40), {}, "columns is missing: .* has 3 columns of numbers, the first row 1, 2, 3"),
+        (text("1 2 3\n" * 40), {"columns": "1,4"}, "columns is '1,4'; allowed: numbers from 1 to 3"),
+        (text("1 2 3\n" * 40), {"columns": "height"}, "columns is 'height'"),
         (text(ROWS + "41 high\n"), {}, "line 41: '41 high' is not 2 numbers"),
         (text(ROWS + "41\n"), {}, "line 41"),
         (text("1\n2\n"), {}, "holds 2 values; allowed: at least 16"),
         (text("1_0 2\n2_0 3\n" * 20), {}, "allowed: plain numbers"),
         (text("1 5\n2 5\n" * 20), {}, "every height is 5.0"),
         (text(ROWS + "39 1\n"), {}, "x goes from 39.0 to 39.0 at value 41"),
-        (text(ROWS + "38 1\n"), {}, "x goes from 39.0 to 38.0"),
+        (text(ROWS + "38 1\n"), {}, "x goes from 39.0 to 38.0 at value 41; .* columns, like 2,1"),
         (text(ROWS + "41 nan\n"), {}, "height number 41 is not finite"),
         (text(ROWS + "inf 3\n"), {}, "x number 41 is not finite"),
         (text(ROWS), {"num_points": 4096}, "num_points is 4096; allowed: up to 16 times the 40 values"),
-        (text(ROWS), {"period": 3.0}, "period is 3.0; allowed: none"),
+        (text(ROWS), {"period": 3.0}, "period is 3.0; allowed: none with a file, whose scan is the period"),
+        (text(ROWS), {"scan_length": 3.0}, "scan_length is 3.0; allowed: none, .* has positions"),
+        (text(ROWS), {"scene_units": False}, "x_unit and z_unit are missing: .* names no unit of its positions and"),
+        (text(ROWS), {"scene_units": False, "z_unit": "nm"}, "x_unit is missing"),
+        (text("0,5\n1,7\n2,3\n" * 9), {}, "decimal is missing: in '0,5', line 1 of .*; allowed: comma, point"),
+        (text("1.234,5 1\n2.234,5 2\n" * 9), {}, "no table"),
         (text(ROWS), {"num_points": 0}, "num_points is 0"),
         (text(ROWS), {"num_points": -4}, "num_points is -4"),
-        (lambda folder: write(folder, ".npy", [np.arange(40.0) % 7]), {"period": 0.0}, "period is 0.0"),
+        (lambda folder: write(folder, ".npy", [np.arange(40.0) % 7]), {"scan_length": 0.0}, "scan_length is 0.0"),
         (lambda folder: write(folder, ".npy", [np.arange(40.0) % 7]), {"x_unit": "um"}, "x_unit is um"),
         (lambda folder: write(folder, ".npy", [np.append(np.arange(40.0), np.nan)]), {}, "height number 41 is not"),
         (lambda folder: write(folder, ".npy", [np.arange(40.0)]), {}, "straight line"),
@@ -228,23 +261,39 @@ def test_a_scan_that_names_its_unit(tmp_path, monkeypatch):
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))  # of the process that reads
     path = tmp_path / "scan.xyz"
     path.touch()
-    indenter, period, n = read(path, length_unit="mm", window="none")
+    indenter, period, n = read(path, length_unit="mm", window="none", num_points=64)
     assert (period, n) == (pytest.approx(64 * 0.5e-3), 64)
     assert np.ptp(indenter.profile(64, period)) * period == pytest.approx(
         1e-3 * np.ptp(heights), rel=0.1
     )  # tilt removed
-    with pytest.raises(ValueError, match=r"z_unit is nm; allowed: none, .* names its unit, um"):
+    with pytest.raises(ValueError, match=r"z_unit is nm, but .* names um \(its format, 'µm'\); allowed: um, or none"):
         read(path, z_unit="nm")
 
 
+LAYER = Layer(thickness=2e-3, poisson_ratio=0.49, contact_modulus=3e6 / (1 - 0.49**2))
+
+
 @pytest.mark.skipif(not REAL.exists(), reason="no instrument files here")
-@pytest.mark.parametrize(("name", "period", "values"), [("dektak-1.csv", 3000.0, 9600), ("opdx-3.txt", 1e-4, 3001)])
-def test_real_scans(name, period, values):
-    indenter, length, n = read(REAL / name, profile_convention="heights")
-    assert indenter.description["profile_values"] == values
-    assert length == pytest.approx(period, rel=1e-3)  # mirrored
-    assert "taken as even" in indenter.description["profile_steps"]
-    solution = solve(Scene(Layer(), indenter, 1e-4, length, n))
+@pytest.mark.parametrize(
+    ("name", "units", "length", "values", "area"),
+    [
+        ("dektak-1.csv", {}, 1.5e-3, 9600, (0.98957, 3e-4)),
+        ("opdx-3.txt", {"x_unit": "m", "z_unit": "m"}, 5e-5, 3001, (0.8634, 5e-3)),
+    ],
+)
+def test_real_scans(name, units, length, values, area):
+    """A rubber layer of 2 mm under 0.05 MPa; the areas are those of four times as many points."""
+    if not units:
+        scan = read_scan(REAL / name)
+    else:
+        with pytest.raises(ValueError, match="x_unit and z_unit are missing"):
+            read_scan(REAL / name)
+        scan = read_scan(REAL / name, **units)
+    assert scan.indenter.description["profile_values"] == values
+    assert scan.period == pytest.approx(2 * length, rel=1e-3)  # mirrored
+    assert "taken as even" in scan.indenter.description["profile_steps"]
+    solution = solve(Scene(LAYER, scan.indenter, 5e4, scan.period, scan.num_points))
     assert solution.status is Status.CONVERGED
     assert not solution.handed_over
-    assert 0 < solution.observables.contact_area_subgrid < 0.5
+    assert solution.observables.contact_area_subgrid == pytest.approx(area[0], abs=area[1])
+    assert solution.observables.contact_area_error < 5e-3

@@ -3,5 +3,5 @@
 Such a file offers `Options`, a dataclass of what the command can be asked for, and `command(options)`, which does it
 and returns the exit status. `main` looks for mistyped options before it imports any of them.
 
-May import: linecontact.kernels, linecontact.solver, terminal, files, figures, runner.
+May import: linecontact.kernels, linecontact.solver, terminal, files, figures, runner, scans.
 """

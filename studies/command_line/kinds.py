@@ -5,7 +5,7 @@ from ..terminal import declarations
 CHOICES = {"layer": "linecontact.solver.layers:LAYERS", "profile": "linecontact.solver.indenters:INDENTERS"}
 """What there is to choose, by the name of its option, and the list that it is chosen from."""
 
-READER = "linecontact.studies.files.scans:Options"
+READER = "linecontact.studies.scans.reading:Options"
 """How heights are read from a file; it stands for the indenter whose heights are given point by point."""
 
 
@@ -18,9 +18,9 @@ def classes(choice: str) -> dict[str, type]:
     """The dataclasses that an option chooses from, by name."""
     from linecontact.solver import INDENTERS, LAYERS, MeasuredIndenter
 
-    from ..files import scans
+    from ..scans import reading
 
-    return dict(LAYERS) if choice == "layer" else dict(INDENTERS) | {MeasuredIndenter.name: scans.Options}
+    return dict(LAYERS) if choice == "layer" else dict(INDENTERS) | {MeasuredIndenter.name: reading.Options}
 
 
 def title(choice: str, name: str) -> str:

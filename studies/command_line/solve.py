@@ -14,7 +14,8 @@ from linecontact.solver.scene import PRECISIONS
 from rich.table import Table
 
 from ..figures.names import FORMATS
-from ..files import scans, solution_files, writing
+from ..files import solution_files, writing
+from ..scans import reading, summary
 from ..terminal import console
 from ..terminal.options import one_of, options_of
 from . import kinds
@@ -77,6 +78,8 @@ def command(options: Options, given: Given) -> int:
     if options.accuracy is not None and options.grids != "auto":
         raise ValueError(f"grids is {options.grids}; allowed: auto, with accuracy, which chooses the grid")
     scene = make_scene(options, given)
+    if options.profile == MeasuredIndenter.name and not options.json:
+        console.Output().print(summary.table(scene))
     aim = options.tolerance or (1e-5 if options.accuracy else 1e-4 if options.precision == "float32" else 1e-8)
     try:
         with console.solve_progress(aim) as report:
@@ -140,8 +143,8 @@ def check_targets(options: Options, given: Given) -> None:
 def make_scene(options: Options, given: Given) -> Scene:
     """The scene that the options describe. Raises `ValueError`."""
     profile = _made("profile", options, given)
-    if isinstance(profile, scans.Options):
-        indenter, period, num_points = scans.read(profile)
+    if isinstance(profile, reading.Options):
+        indenter, period, num_points = reading.read(profile)
         grid: dict[str, Any] = {"period": period, "num_points": num_points}
     else:
         indenter = profile

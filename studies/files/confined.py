@@ -49,9 +49,9 @@ class Columns(NamedTuple):
     """The file's own unit, empty if it names none."""
 
 
-def read_dataset(path: Path, most: int, name: str | None) -> NDArray[Any]:
+def read_dataset(path: Path, most: int, name: str | None) -> Columns:
     """Read a dataset of up to `most` numbers of an HDF5 file; without a name its only one. Raises like `_run`."""
-    return _run("dataset", path, str(most), *([] if name is None else [name])).values
+    return _run("dataset", path, str(most), *([] if name is None else [name]))
 
 
 def read_scan(path: Path, most: int) -> Columns:
@@ -111,7 +111,8 @@ def _dataset(path: str, most: str, name: str | None = None) -> Columns:
         if math.prod(data.shape) > int(most):
             raise RefusedError(f"profile_dataset is {name!r} of shape {data.shape}; allowed: up to {most} numbers")
         _check_storage(data, f"profile_dataset is {name!r}", 16 * int(most))
-        return Columns(data[()], "")
+        unit = data.attrs.get("unit", data.attrs.get("units", ""))
+        return Columns(data[()], unit if isinstance(unit, str) else "")
 
 
 def _check_storage(data: "h5py.Dataset", what: str, most: int) -> None:

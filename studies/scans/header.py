@@ -1,0 +1,119 @@
+"""What the header of a text says of its columns: which holds positions, which heights, and in which units.
+
+A label is a cell of the lines above the table ("Lateral um", "Height [nm]", "z / mm"). Units also stand in lines of
+their own ("X Unit: um", "x in mm, z in nm"). What is written there is taken at its word; what contradicts itself, or
+names something else than a length, is for the user to decide.
+"""
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from .units import plain, unit_of
+
+Role = Literal["x", "z", "depth", "index", ""]
+
+_WORDS: dict[Role, str] = {
+    "index": r"index|idx|no|nr|n|i|#|points?|samples?|num|number|row",
+    "depth": r"depths?|tiefe",
+    "z": r"z|heights?|profile|raw|topography|elevation|vertical|amplitude|level(?:l?ed)?|filtered|h\u00f6he|hoehe",
+    "x": r"x|lateral|positions?|pos|distance|dist|length|scan|abscissa|horizontal|track|travel|traverse|weg",
+}
+_NUMBER = re.compile(r"[-+]?[\d.,]*\d(?:[eE][-+]?\d+)?(?![A-Za-z])")
+_LINES = 3  # above the table, that may label its columns
+_AXIS = r"(?P<axis>x|lateral|horizontal|positions?|z|heights?|vertical|y)"
+_UNIT = r"(?P<unit>[^\s\"',;.)]+)"
+_STATED = (
+    re.compile(rf"\b(?:{_AXIS}[\s_-]*(?:axis)?[\s_-]*)?(?:units?|einheit)\b[\"'\s]*[:=,;\t]\s*[\"']?{_UNIT}", re.I),
+    re.compile(rf"\b{_AXIS}\s+(?:is\s+|are\s+|given\s+)?in\s+{_UNIT}", re.I),
+    re.compile(rf"\b(?:lengths|coordinates|data|all|columns)\s+(?:\w+\s+)?in\s+{_UNIT}", re.I),
+)
+
+
+@dataclass(frozen=True)
+class Label:
+    """What is written above a column."""
+
+    text: str
+    """As it stands there."""
+    role: Role
+    """What the column holds; empty if the label does not say."""
+    unit: str
+    """Unit of length; empty if the label names none."""
+    unknown: str = ""
+    """What stands where a unit is expected and is no unit of length."""
+
+
+def labels(lines: Sequence[str], delimiter: str | None, count: int) -> list[Label]:
+    """Labels of the `count` columns of a table from the lines above it; empty if there are none."""
+    found: list[Label] = []
+    for line in [line for line in lines if line.strip()][: -_LINES - 1 : -1]:
+        cells = _cells(line, delimiter, count)
+        if not cells or any(_NUMBER.match(cell) for cell in cells):
+            break
+        read = [_label(cell) for cell in cells]
+        found = [_merged(above, below) for above, below in zip(read, found, strict=True)] if found else read
+    return found if any(label.role or label.unit or label.unknown for label in found) else []
+
+
+def stated_units(lines: Sequence[str]) -> Iterator[tuple[str, str, str]]:
+    """Units named by lines of their own: the axis 'x' or 'z', the unit (empty if it is no unit of length), the line."""
+    for line in map(plain, lines):
+        for pattern in _STATED:
+            for match in pattern.finditer(line):
+                named = (match.groupdict().get("axis") or "both").lower()
+                unit = unit_of(match["unit"])
+                if unit is None and pattern is not _STATED[0]:
+                    continue  # "x in each line"
+                along = named[0] in "xlp" or named == "horizontal"
+                for axis in "xz" if named == "both" else "x" if along else "z":
+                    yield axis, unit or "", line.strip()
+
+
+def _cells(line: str, delimiter: str | None, count: int) -> list[str]:
+    """The cells of a line if they are as many as the table has columns, else nothing."""
+    line = plain(line).lstrip("#%").strip()
+    bracketed = re.findall(r"[^\[\](){}]*[\[(][^\])]*[\])]", line)
+    ways = [line.split(delimiter)] if delimiter else [re.split(r"\s{2,}|\t|,|;", line), bracketed, line.split()]
+    for cells in ways if count > 1 else [[line]]:
+        cells = [cell.strip().strip("\"'").strip() for cell in cells]
+        while cells and not cells[-1]:
+            cells.pop()
+        if len(cells) == count and all(cells):
+            return cells
+    return []
+
+
+def _label(text: str) -> Label:
+    """What one cell says."""
+    bracket = re.search(r"[\[({<]\s*(?:in\s+)?([^\])}>]*?)\s*[\])}>]", text)
+    stated = bracket or re.search(r"\s(?:in\s+|/\s*)(\S+)$|(?<=\w)/(\S+)$", text)
+    name, unit, unknown = text, "", ""
+    if stated:
+        word = next(group for group in (*stated.groups(), "") if group is not None)
+        name, unit = text[: stated.start()] + text[stated.end() :], unit_of(word) or ""
+        unknown = "" if unit else word
+    else:
+        *words, last = re.split(r"[\s_,:=.]+", text)
+        alone = unit_of(last, expected=not words)
+        if alone:
+            name, unit = " ".join(words), alone
+    return Label(text, _role(name), unit, unknown)
+
+
+def _role(name: str) -> Role:
+    """What the words of a label say that its column holds; empty if they say two things, or none."""
+    words = [word for word in re.split(r"[\s_,:.\-]+", name.lower()) if word]
+    said = {role for role, pattern in _WORDS.items() if any(re.fullmatch(pattern, word) for word in words)}
+    if len(said) > 1:
+        said -= {"index"}  # "sample position"
+    if "depth" in said:
+        said -= {"z"}
+    return said.pop() if len(said) == 1 else ""
+
+
+def _merged(above: Label, below: Label) -> Label:
+    """One label from two lines, names above units."""
+    text = f"{above.text} {below.text}"
+    return Label(text, above.role or below.role, below.unit or above.unit, below.unknown or above.unknown)

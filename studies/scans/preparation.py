@@ -1,0 +1,105 @@
+"""From the heights of a scan to a periodic profile on a grid. Every step is told in words."""
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array64 = NDArray[np.float64]
+Detrend = Literal["linear", "mean", "none"]
+Window = Literal["mirror", "tukey", "hann", "none"]
+
+_TAPER = 0.1  # share of the length over which a Tukey window falls, at each end
+_ROUNDING = 0.6  # of the positions' last digit: by how much rounding puts them off
+_EVEN = 0.01  # spacings by which positions may be off without that
+_LONGEST_GAP = 0.05  # share of the scan that may be without values
+
+
+@dataclass
+class Profile:
+    """A profile while it is made periodic."""
+
+    z: Array64
+    """Heights or gaps, shape (number of values,) [length]."""
+    length: float
+    """Their number times their spacing [length]."""
+    steps: list[str] = field(default_factory=list)
+    """What has been done, in words."""
+
+    @property
+    def spacing(self) -> float:
+        """Distance of two values [length]."""
+        return self.length / self.z.size
+
+    def detrend(self, how: Detrend) -> None:
+        """Remove the mean, or a straight line by least squares."""
+        if how == "linear":
+            i = np.arange(self.z.size) - (self.z.size - 1) / 2
+            slope = float(i @ self.z) / float(i @ i)
+            self.steps.append(f"tilt of {slope / self.spacing:.4g} removed (least squares)")
+            self.z = self.z - slope * i
+        if how != "none":
+            self.steps.append("mean removed")
+            self.z = self.z - self.z.mean()
+
+    def make_periodic(self, window: Window) -> None:
+        """Let the ends meet, by the mirror image, which doubles the length but keeps the roughness, or by a window.
+
+        A window smooths the ends away, which then touch nearly everywhere and add to the contact area.
+        """
+        if window == "mirror":
+            self.steps.append("made periodic by its mirror image: the period is twice the scan")
+            self.z, self.length = np.concatenate([self.z, self.z[::-1]]), 2 * self.length
+        elif window == "none":
+            self.steps.append("taken as periodic: the last value meets the first")
+        else:
+            taper = 0.5 if window == "hann" else _TAPER
+            z = self.z - self.z.mean()
+            ramp = np.minimum(np.arange(z.size) + 0.5, z.size - 0.5 - np.arange(z.size)) / (taper * z.size)
+            self.z = z * np.sin(np.pi / 2 * np.minimum(ramp, 1.0)) ** 2
+            self.steps.append(
+                f"made periodic by a {window} window: the period is the scan; heights fall to the mean over "
+                f"{taper:g} of it at each end, whose roughness is lost and which may touch nearly everywhere"
+            )
+
+    def resample(self, num_points: int, mirrored: bool) -> None:
+        """The Fourier modes on another number of points; mirrored: keep the axes of a mirror image between two."""
+        count = self.z.size
+        if count == num_points:
+            return
+        self.steps.append(f"resampled from {count} to {num_points} points by Fourier modes")
+        modes = np.fft.rfft(self.z)
+        held = (min(num_points, count) + 1) // 2  # all but an unpaired highest mode
+        modes[held:] = 0
+        if mirrored:
+            modes *= np.exp(1j * np.pi * np.arange(modes.size) * (1 / num_points - 1 / count))
+        z = np.fft.irfft(modes[: held + 1], num_points) * (num_points / count)
+        self.z = (z + z[::-1]) / 2 if mirrored else z  # even to the last bit: then half of the nodes will do
+
+
+def evenly_spaced(x: Array64, z: Array64) -> Profile:
+    """A profile from heights at increasing positions, shape (number of values,) each [length].
+
+    Positions that are even but for the rounding of their digits are taken as even; others are interpolated. The length
+    of the scan is one spacing for each value. Raises `ValueError` for a gap that is too long for that.
+    """
+    x = x - x[0]
+    i = np.arange(x.size) - (x.size - 1) / 2
+    spacing = float(i @ x) / float(i @ i)  # least squares
+    off = float(np.abs(x - x.mean() - spacing * i).max())
+    if off <= max(_EVEN * spacing, _ROUNDING * _last_digit(x)):
+        even = f"positions even to {off / spacing:.2g} of the spacing {spacing:.6g}, taken as even"
+        return Profile(z, spacing * x.size, [even])
+    gap = float(np.diff(x).max())
+    if gap > _LONGEST_GAP * x[-1] and gap > 1.5 * spacing:
+        raise ValueError(f"x has a gap of {gap:.4g}, {gap / x[-1]:.1%} of the scan; allowed: up to {_LONGEST_GAP:.0%}")
+    even_x = np.linspace(0, x[-1], x.size)
+    told = f"interpolated linearly to even spacing, the largest gap {gap / even_x[1]:.3g} spacings"
+    return Profile(np.asarray(np.interp(even_x, x, z)), float(x[-1]) * x.size / (x.size - 1), [told])
+
+
+def _last_digit(x: Array64) -> float:
+    """The value of the last digit of rounded positions, whose distances are multiples of it."""
+    distances = np.unique(np.round(np.diff(x) / x[-1], 12))
+    return float(np.diff(distances).min(initial=distances[0]) * x[-1]) if distances.size > 1 else 0.0

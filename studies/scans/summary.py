@@ -1,0 +1,36 @@
+"""What was understood of a scan, in its own units, with the layer beside it: so that a wrong unit is seen at once."""
+
+from linecontact.solver import Scene
+from rich.table import Table
+
+from .columns import SCENE
+from .units import UNITS
+
+
+def table(scene: Scene) -> Table:
+    """Length, spacing, roughness and period of a scan, and the thickness of the layer."""
+    about = scene.indenter.to_dict()
+    own = about["profile_length_unit"]
+    along = about.get("profile_x_unit", own)
+    heights = about["profile_z_unit"]
+    found = Table(title=f"Scan {about['profile_file']}: {about['profile_values']} values", caption=_caption(about))
+    found.add_column("quantity")
+    found.add_column("value", justify="right")
+    found.add_column("unit")
+
+    def add(name: str, length: float, unit: str) -> None:
+        size = 1.0 if unit == SCENE else UNITS[unit] / UNITS[own]
+        found.add_row(name, f"{length / size:.7g}", "length" if unit == SCENE else unit)
+
+    add("scan length", about["profile_scan_length"], along)
+    add("spacing of the values", about["profile_spacing"], along)
+    add("rms height about the mean line", about["profile_rms_height"], heights)
+    found.add_row("rms slope", f"{about['profile_rms_slope']:.7g}", "-")
+    add("period of the scene", scene.period, along)
+    add("thickness of the layer", scene.layer.thickness, along)
+    return found
+
+
+def _caption(about: dict[str, str]) -> str:
+    x = f"x in {about['profile_x_unit']}" if "profile_x_unit" in about else "no positions"
+    return f"Read: {x}, z in {about['profile_z_unit']}, values taken as {about['profile_convention']}."

@@ -1,0 +1,185 @@
+"""Tables of numbers in text files as instruments write them: any encoding, separator, decimal sign and header."""
+
+import codecs
+import itertools
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .header import Label, labels, stated_units
+
+Array64 = NDArray[np.float64]
+Decimal = Literal["point", "comma"]
+
+MAX_TEXT = 2**25
+"""Bytes of a text file."""
+
+_MAX_LINE = 1000  # characters of a line of numbers
+_MAX_HEADER = 1000  # lines before them
+_SAMPLE = 200  # lines of the table, that tell how it is written
+_AROUND = ' \t"'  # what may stand around a number
+_COMMA = re.compile(r"[-+]?(?:\d+,?\d*|,\d+)(?:[eE][-+]?\d+)?")
+_THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}(?:,\d{3})+")
+_NAMES = {";": "semicolons", "\t": "tabs", ",": "commas", None: "spaces"}
+
+
+@dataclass(frozen=True)
+class Writing:
+    """How the numbers of a line are written."""
+
+    delimiter: str | None
+    """What parts columns; None for spaces."""
+    decimal: Decimal
+    """The decimal sign."""
+
+    def cells(self, line: str) -> list[str]:
+        """The cells of a line, without empty ones at its end."""
+        cells = [cell.strip(_AROUND) for cell in line.split(self.delimiter)] if len(line) <= _MAX_LINE else []
+        while cells and not cells[-1]:
+            cells.pop()
+        return cells
+
+    def numbers(self, line: str) -> int:
+        """How many numbers a line consists of; 0 if there is anything else."""
+        cells = self.cells(line)
+        return len(cells) if all(map(self._is_number, cells)) else 0
+
+    def _is_number(self, cell: str) -> bool:
+        if self.decimal == "comma":
+            return bool(_COMMA.fullmatch(cell))
+        try:
+            float(cell)
+        except ValueError:
+            return False
+        return True
+
+    def plain(self, line: str) -> str:
+        """The line with decimal points and without empty cells at its end, for NumPy."""
+        line = line.replace('"', " ").rstrip(f"{self.delimiter or ''}{_AROUND}")
+        return line.replace(",", ".") if self.decimal == "comma" else line
+
+    def __str__(self) -> str:
+        sign = ", decimal commas" if self.decimal == "comma" else ""
+        return f"{_NAMES[self.delimiter]} between columns{sign}"
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table of numbers, and what its file says of it."""
+
+    values: Array64
+    """The numbers, shape (rows, columns)."""
+    origin: str
+    """How they were found, in words."""
+    labels: Sequence[Label] = ()
+    """What is written above each column; empty if there is nothing."""
+    stated: Sequence[tuple[str, str, str]] = ()
+    """Units that the file names elsewhere, see `header.stated_units`."""
+
+
+def read_text(path: Path, name: str, decimal: Decimal | None) -> Table:
+    """The table in a text file. It begins where two lines in a row hold nothing but numbers, and as many of them.
+
+    name: of the file, for records; decimal: the decimal sign, None for the one that is found. Raises `ValueError`.
+    """
+    lines = _decoded(path).splitlines()
+    while lines and not lines[-1].strip(" \t,;"):
+        lines.pop()
+    writing, first, count = _find(path, lines, decimal)
+    for i in range(first, len(lines)):
+        if not lines[i].strip():  # what is before may be a header of numbers
+            raise ValueError(f"profile_file {path}, line {i + 1} is empty; allowed: none between numbers")
+    try:
+        values = np.loadtxt(map(writing.plain, lines[first:]), delimiter=writing.delimiter, ndmin=2, comments=None)
+    except ValueError as error:
+        for i in range(first, len(lines)):
+            if writing.numbers(lines[i]) != count:
+                raise ValueError(
+                    f"profile_file {path}, line {i + 1}: {lines[i].strip()[:40]!r} is not {count} numbers; allowed: "
+                    f"a number in each of the {count} columns of every line ({writing})"
+                ) from None
+        # what float() reads and NumPy does not, like 1_0
+        raise ValueError(f"profile_file {path}: {error}; allowed: plain numbers") from None
+    head = lines[:first]
+    origin = f"columns of {name}, {writing}, {first} lines of header"
+    return Table(values, origin, labels(head, writing.delimiter, count), tuple(stated_units(head)))
+
+
+def _decoded(path: Path) -> str:
+    """The text of a file: UTF-8, UTF-16 with or without its mark, else Latin-1."""
+    with path.open("rb") as file:
+        content = file.read(MAX_TEXT + 1)
+    if len(content) > MAX_TEXT:
+        raise ValueError(f"profile_file {path} is too long; allowed: {MAX_TEXT} bytes of text, or .npy or .h5")
+    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return content.decode("utf-16", errors="replace")
+    start = content[:1000]
+    for encoding, zeros in (("utf-16-le", start[1::2]), ("utf-16-be", start[0::2])):
+        if zeros and zeros.count(0) > 0.8 * len(zeros) and not len(content) % 2:
+            return content.decode(encoding, errors="replace")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return content.decode("latin-1")
+
+
+@dataclass(frozen=True)
+class _Found:
+    """A table, as one way of writing numbers has it."""
+
+    writing: Writing
+    """The way."""
+    first: int
+    """Its first line."""
+    count: int
+    """Its columns."""
+    run: int
+    """Lines that are rows of it, as far as was looked."""
+
+
+def _find(path: Path, lines: Sequence[str], decimal: Decimal | None) -> tuple[Writing, int, int]:
+    """How the table is written, its first line, and its number of columns. Raises `ValueError` if that is not clear."""
+    points = [Writing(delimiter, "point") for delimiter in (";", "\t", ",", None)]
+    commas = [Writing(delimiter, "comma") for delimiter in (";", "\t", None)]
+    ways = points + commas if decimal is None else commas if decimal == "comma" else points
+    found = [table for table in (_table(lines, writing) for writing in ways) if table]
+    if not found:
+        signs = "" if decimal is None else f", with decimal {decimal}s"
+        allowed = f"columns of numbers behind up to {_MAX_HEADER} lines of header, a number in every cell"
+        raise ValueError(f"profile_file {path} holds no table of numbers{signs}; allowed: {allowed}")
+    longest = max(table.run for table in found)
+    best, *others = [table for table in found if table.run == longest]
+    unclear = any((other.first, other.count) != (best.first, best.count) for other in others)
+    if unclear or (decimal is None and _may_be_thousands(best.writing, lines[best.first :])):
+        raise ValueError(
+            f"decimal is missing: in {lines[best.first].strip()[:40]!r}, line {best.first + 1} of {path}, the comma "
+            "may be a decimal sign or not; allowed: comma, point"
+        )
+    return best.writing, best.first, best.count
+
+
+def _table(lines: Sequence[str], writing: Writing) -> _Found | None:
+    """The table that begins where two lines in a row have as many numbers; None without, or without decimal commas."""
+    counts = [writing.numbers(line) for line in lines[: _MAX_HEADER + _SAMPLE]]
+    starts = (i for i, (a, b) in enumerate(itertools.pairwise(counts[: _MAX_HEADER + 2])) if a and a == b)
+    first = next(starts, None)
+    if first is None:
+        return None
+    count, rows = counts[first], counts[first : first + _SAMPLE]
+    run = next((i for i, other in enumerate(rows) if other != count), len(rows))
+    if writing.decimal == "comma" and not any("," in line for line in lines[first : first + run]):
+        return None
+    return _Found(writing, first, count, run)
+
+
+def _may_be_thousands(writing: Writing, lines: Sequence[str]) -> bool:
+    """Whether all decimal commas could as well part thousands."""
+    if writing.decimal == "point":
+        return False
+    with_comma = [cell for line in lines[:_SAMPLE] for cell in writing.cells(line) if "," in cell]
+    return bool(with_comma) and all(map(_THOUSANDS.fullmatch, with_comma))

@@ -1,0 +1,157 @@
+"""One scan, written in more than sixty ways: each is read rightly, or refused with the remedy; none is misread.
+
+The values are those of a stylus profilometer: positions in steps of 0.156 um, heights of some 10 nm.
+"""
+
+import numpy as np
+import pytest
+from linecontact.studies.scans.reading import read_scan
+
+COUNT, SPACING = 200, 0.156e-6
+HEIGHTS = 1e-8 * (np.random.default_rng(7).standard_normal(COUNT).cumsum() + 30)
+METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "angstrom": 1e-10, "inch": 0.0254}
+
+
+def rows(x="um", z="um", sep=",", decimal=".", order="xz", end="", **more):
+    """The lines of the table; columns in the order of the letters, n is a running number.
+
+    more: offset [m], reverse, digits, keep (the rows that are written).
+    """
+    position = (np.arange(COUNT) * SPACING + more.get("offset", 0.0)) / METRES[x]
+    values = {"x": position, "z": HEIGHTS / METRES[z], "n": np.arange(1, COUNT + 1), "q": np.full(COUNT, 0.5)}
+    table = np.stack([values[letter] for letter in order], axis=1)
+    table = (table[::-1] if more.get("reverse") else table)[more.get("keep", slice(None))]
+    lines = (sep.join(f"{value:.{more.get('digits', 9)}g}" for value in line) + end for line in table)
+    return "\n".join(lines).replace(".", decimal) + "\n"
+
+
+PARAMETERS = (
+    "Scan Parameters\nScan Type,Standard Scan\n"
+    "Stylus,Radius: 2.5 \u00b5m\nLength,1500.0 um\nResolution,0.156 um/sample\n"
+    "\nAnalytical Results\nFunction,Result\nRa,0.00525 um\n\nScan Data\n"
+)
+UNITS = {"x_unit": "um", "z_unit": "um"}
+
+READ = {
+    # units in the label of a column
+    "um": ("Lateral um,Raw um\n" + rows(), {}),
+    "Micrometer": ("Lateral um,Raw Micrometer,\n" + rows(end=",,"), {}),
+    "micro sign": ("x [\u00b5m],z [\u00b5m]\n" + rows(), {}),
+    "Greek mu": ("x [\u03bcm],z [\u03bcm]\n" + rows(), {}),
+    "microns": ("Position (microns),Height (microns)\n" + rows(), {}),
+    "micrometre": ("Distance (micrometre),Height (micrometres)\n" + rows(), {}),
+    "nanometer": ("Distance (um),Height (nanometer)\n" + rows(z="nm"), {}),
+    "in um": ("Position in \u00b5m;H\u00f6he in nm\n" + rows(z="nm", sep=";"), {}),
+    "slash": ("x / mm\tz / nm\n" + rows(x="mm", z="nm", sep="\t"), {}),
+    "slash without spaces": ("x/mm z/nm\n" + rows(x="mm", z="nm", sep=" "), {}),
+    "underscore": ("x_um,z_nm\n" + rows(z="nm"), {}),
+    "inch": ("x (in),z (inch)\n" + rows(x="inch", z="inch"), {}),
+    "inches": ("x (inches),z (um)\n" + rows(x="inch"), {}),
+    "Angstrom": ("Lateral (um),Height (Angstrom)\n" + rows(z="angstrom"), {}),
+    "Angstrom sign": ("Lateral (um),Height (\u00c5)\n" + rows(z="angstrom"), {}),
+    "metres": ("x [m],z [m]\n" + rows(x="m", z="m"), {}),
+    "centimetres": ("x [cm],z [um]\n" + rows(x="cm"), {}),
+    "upper case": ("X(MM),Z(UM)\n" + rows(x="mm"), {}),
+    "quoted": ('"X [um]","Z [um]"\n' + rows(), {}),
+    "braces": ("x {mm};z <nm>\n" + rows(x="mm", z="nm", sep=";"), {}),
+    # units elsewhere
+    "a line of units": ("X,Z\n\u00b5m,nm\n" + rows(z="nm"), {}),
+    "a line of units in brackets": ("Position\tHeight\n[mm]\t[um]\n" + rows(x="mm", sep="\t"), {}),
+    "a comment": ("# x in mm, z in nm\n" + rows(x="mm", z="nm", sep=" "), {}),
+    "lengths in": ("# all lengths in um\n" + rows(sep=" "), {}),
+    "X Unit": ("X Unit: mm\nZ Unit: nm\n\n" + rows(x="mm", z="nm"), {}),
+    "Units": ("Units,um\nPoints,200\nx,z\n" + rows(), {}),
+    "padded labels": ("# x [mm]    z [nm]\n" + rows(x="mm", z="nm", sep="    "), {}),
+    "given": (rows(), UNITS),
+    "given as the file has it": ("x [um],z [um]\n" + rows(), UNITS),
+    "given for one": ("x [mm],z\n" + rows(x="mm", z="nm"), {"z_unit": "nm"}),
+    "the scene's own": (rows(x="m", z="m"), {"scene_units": True}),
+    "a scene in mm": ("x [um],z [nm]\n" + rows(z="nm"), {"length_unit": "mm"}),
+    # encodings
+    "Latin-1": ((PARAMETERS + "Lateral \u00b5m,Raw \u00b5m\n" + rows()).encode("latin-1"), {}),
+    "UTF-16": (("x [\u00b5m],z [\u00b5m]\n" + rows()).encode("utf-16"), {}),
+    "UTF-16, big end first": (b"\xfe\xff" + ("x [\u00b5m],z [\u00b5m]\n" + rows()).encode("utf-16-be"), {}),
+    "UTF-16 without a mark": (("x [um],z [um]\n" + rows()).encode("utf-16-le"), {}),
+    "UTF-8 with a mark": (("x [\u00b5m],z [\u00b5m]\n" + rows()).encode("utf-8-sig"), {}),
+    "decoded once too little": ("x [\u00c2\u00b5m],z [\u00c2\u00b5m]\n" + rows(), {}),
+    "line ends": (("x [um],z [um]\n" + rows()).replace("\n", "\r\n"), {}),
+    "old line ends": (("x [um],z [um]\n" + rows()).replace("\n", "\r"), {}),
+    # separators and decimals
+    "decimal commas, semicolons": ("x [um];z [um]\n" + rows(sep=";", decimal=","), {}),
+    "decimal commas, tabs": ("x [um]\tz [um]\n" + rows(sep="\t", decimal=","), {}),
+    "decimal commas, spaces": ("x [um]  z [um]\n" + rows(sep="  ", decimal=","), {}),
+    "comma and space": ("x [um], z [um]\n" + rows(sep=", "), {}),
+    "trailing empty columns": ("x [um],z [um],,\n" + rows(end=" , ,"), {}),
+    "trailing semicolons": ("x [um];z [um];\n" + rows(sep=";", decimal=",", end=";"), {}),
+    "parameters before": (PARAMETERS + "Lateral um,Raw Micrometer,\n" + rows(end=",,"), {}),
+    "blank lines at the end": ("x [um],z [um]\n" + rows() + "\n\n , \n", {}),
+    # columns
+    "heights first": ("Height [nm],Position [um]\n" + rows(z="nm", order="zx"), {}),
+    "an index between labels": ("Index,X [um],Z [um]\n" + rows(order="nxz"), {}),
+    "an index, asked for": (rows(order="nxz"), {"columns": "2,3", **UNITS}),
+    "heights last": ("X [um],Quality,Height [um]\n" + rows(order="xqz"), {}),
+    "a column of heights": ("Height [nm]\n" + rows(z="nm", order="z"), {"scan_length": COUNT * SPACING}),
+    "an index and heights": ("Point,Height [nm]\n" + rows(z="nm", order="nz"), {"scan_length": COUNT * SPACING}),
+    # positions
+    "reversed": ("x [um],z [um]\n" + rows(reverse=True), {}),
+    "a kilometre away": ("x [um],z [um]\n" + rows(offset=1000.0, digits=16), {}),
+    "a metre before zero": ("x [um],z [um]\n" + rows(offset=-1.0, digits=14), {}),
+    "mm and nm": ("x [mm],z [nm]\n" + rows(x="mm", z="nm"), {}),
+    "a value left out": ("x [um],z [um]\n" + rows(keep=np.r_[:90, 91:COUNT]), {}),
+}
+
+REFUSED = {
+    "no header": (rows(), {}, "x_unit and z_unit are missing"),
+    "no header, one given": (rows(), {"x_unit": "um"}, "z_unit is missing"),
+    "one label without": ("x [um],z\n" + rows(), {}, "z_unit is missing"),
+    "labels without units": ("Lateral,Raw\n" + rows(), {}, "x_unit and z_unit are missing"),
+    "volts": ("x [um],z [V]\n" + rows(), {}, r"z_unit is missing: .* names no unit of length \(the label 'z \[V\]'\)"),
+    "seconds": ("t [s],z [um]\n" + rows(), {}, "x_unit is missing: .* names no unit of length"),
+    "two units": ("Z unit: um\nZ unit: nm\nx [um],z\n" + rows(), {}, "z_unit is missing: .* names um .* and nm"),
+    "the user against the file": ("x [um],z [um]\n" + rows(), {"z_unit": "nm"}, "z_unit is nm, but .* names um"),
+    "three columns": (rows(order="nxz"), UNITS, "columns is missing: .* has 3 columns"),
+    "two of heights": ("Raw [um],Filtered [um]\n" + rows(order="zz"), {}, "columns is missing"),
+    "heights first, no labels": (rows(order="zx"), UNITS, "columns, like 2,1"),
+    "no positions": ("Height [um]\n" + rows(order="z"), {}, "scan_length is missing"),
+    "an index for positions": ("Index,Height [um]\n" + rows(order="nz"), {}, "scan_length is missing"),
+    "its own length": ("x [um],z [um]\n" + rows(), {"scan_length": 1.0}, "scan_length is 1.0; allowed: none"),
+    "decimal or not": ("0,5\n1,7\n2,9\n" * 20, {}, "decimal is missing"),
+    "thousands": ("1,234 5,678\n2,345 6,789\n" * 20, UNITS, "decimal is missing"),
+    "depths": ("x [um],Depth [um]\n" + rows(), {}, "profile_convention is missing"),
+    "a long gap": ("x [um],z [um]\n" + rows(keep=np.r_[:60, 100:COUNT]), {}, "x has a gap of .* of the scan"),
+    "too few digits": ("x [um],z [um]\n" + rows(digits=2), {}, "x goes from"),
+    "not measured": ("x [um],z [um]\n" + rows().replace("\n", "\n31.3,nan\n", 1), {}, "is not finite|x goes from"),
+    "a word for a value": ("x [um],z [um]\n" + rows() + "32,BAD\n", {}, "line 202: '32,BAD' is not 2 numbers"),
+    "an empty cell": ("x [um],z [um]\n" + rows() + "32,\n", {}, "line 202: '32,' is not 2 numbers"),
+    "a period": ("x [um],z [um]\n" + rows(), {"period": 1e-3}, "period is 0.001; allowed: none"),
+}
+
+
+def write(folder, content):
+    path = folder / "scan.csv"
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    return path
+
+
+@pytest.mark.parametrize("name", READ)
+def test_read_rightly(tmp_path, name):
+    content, options = READ[name]
+    kept = {"num_points": COUNT, "detrend": "none", "window": "none"}
+    scan = read_scan(write(tmp_path, content), **kept, **options)
+    length = 1e3 if options.get("length_unit") == "mm" else 1.0  # of the scene
+    whole = name != "a value left out"
+    assert scan.period == pytest.approx(COUNT * SPACING * length, rel=2e-5 if whole else 5e-3)
+    got, expected = scan.indenter.heights / length, HEIGHTS.max() - HEIGHTS
+    error = np.abs(got - expected).max()
+    assert error < (5e-15 if whole else 0.1 * np.ptp(HEIGHTS)), name
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_refused_with_the_remedy(tmp_path, name):
+    content, options, named = REFUSED[name]
+    with pytest.raises(ValueError, match=named):
+        read_scan(write(tmp_path, content), **options)
+
+
+def test_there_are_enough():
+    assert len(READ) + len(REFUSED) >= 80
