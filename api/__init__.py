@@ -2,7 +2,7 @@
 
     from linecontact import Layer, Scene, solve
 
-The names below are those of `linecontact.solver`, which is imported when the first of them is used.
+The names below are imported when the first of them is used.
 """
 
 import importlib
@@ -21,8 +21,17 @@ if TYPE_CHECKING:
         Status,
     )
     from .solver.solve import solve
+    from .studies.files.solution_files import load, save
+    from .studies.scans.reading import read_scan
 
     __version__: str
+
+_ELSEWHERE = {
+    "load": "linecontact.studies.files.solution_files",
+    "read_scan": "linecontact.studies.scans.reading",
+    "save": "linecontact.studies.files.solution_files",
+}
+"""Modules of the names that are not those of `linecontact.solver`."""
 
 __all__ = [
     "Certificate",
@@ -35,6 +44,9 @@ __all__ = [
     "Solution",
     "Status",
     "__version__",
+    "load",
+    "read_scan",
+    "save",
     "solve",
 ]
 
@@ -44,7 +56,7 @@ def __getattr__(name: str) -> Any:
         return _version()
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(importlib.import_module("linecontact.solver"), name)
+    return getattr(importlib.import_module(_ELSEWHERE.get(name, "linecontact.solver")), name)
 
 
 def __dir__() -> list[str]:

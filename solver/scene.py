@@ -24,6 +24,9 @@ SMALLEST, LARGEST = 1e-60, 1e60
 class Scene:
     """A layer, an indenter, the mean external pressure, and the grid they are solved on.
 
+    Everything is the same along a second axis (line contact, plane strain) and periodic along the first. There is
+    neither friction nor adhesion; the layer is linear elastic, and strains and slopes count as small.
+
     Raises `ValueError`.
     """
 

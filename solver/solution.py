@@ -1,14 +1,21 @@
 """What a solve returns."""
 
+import os
 from dataclasses import asdict, dataclass, field
+from functools import cached_property
+from itertools import pairwise
 from typing import Any
+
+import numpy as np
 
 from .. import __version__
 from . import checks
 from .arrays import Array64, Mask
+from .doubts import Doubt, doubts
 from .endings import Reason, Status
 from .grid.certificate import Certificate
 from .grid.observables import Observables
+from .grid.patch_table import PatchTable, patch_table
 from .provenance import provenance
 from .scene import Scene
 
@@ -29,6 +36,8 @@ class Level:
     """a_r between sub-grid edges (dimensionless)."""
     kappa_subgrid: float
     """kappa between sub-grid edges (dimensionless)."""
+    edges_error: float
+    """Estimated error of a_r that its edges leave (dimensionless)."""
     iterations: int
     """Iterations on this grid."""
     transform_pairs: float
@@ -98,6 +107,33 @@ class Solution:
     choices: tuple[Choice, ...] = field(default_factory=tuple)
     """What was chosen for the user, and why."""
 
+    @cached_property
+    def patches(self) -> PatchTable:
+        """The contact patches: their ends, widths, loads and largest pressures."""
+        return patch_table(self.scene, np.where(self.contact, self.contact_pressure, 0.0))
+
+    @cached_property
+    def warnings(self) -> tuple[Doubt, ...]:
+        """What to doubt although the solve converged: its grid, the smallness of strains, what a scan resolves."""
+        areas = [level.contact_area_subgrid for level in self.levels]
+        changes = [abs(finer - coarser) / 3 for coarser, finer in pairwise(areas)]
+        claimed = [change + level.edges_error for change, level in zip(changes, self.levels[1:], strict=True)]
+        return tuple(doubts(self.scene, self.observables, self.patches, claimed))
+
+    @property
+    def contact_width(self) -> float:
+        """Width of the contact, all patches together: a_r between sub-grid edges times the period [length]."""
+        return self.observables.contact_area_subgrid * self.scene.period
+
+    def save(self, path: str | os.PathLike[str], overwrite: bool = False) -> None:
+        """Write everything to an HDF5 file, for `linecontact.load`.
+
+        overwrite: whether an existing file may be replaced. Raises `ValueError` for a file that cannot be written.
+        """
+        import linecontact  # the package's front knows how files are written
+
+        linecontact.save(self, path, overwrite)
+
     def to_dict(self) -> dict[str, Any]:
         """Everything but the fields that has a meaning, JSON-ready: numbers, text, flat objects; infinite: 'inf'."""
         found: dict[str, Any] = {"status": str(self.status)}
@@ -105,6 +141,8 @@ class Solution:
             found["reason"] = str(self.reason)
         found |= {name: value for name, value in asdict(self.observables).items() if value is not None}
         found |= {
+            "contact_width": self.contact_width,
+            "warnings": {str(doubt.concern): doubt.text for doubt in self.warnings},
             "iterations": self.iterations,
             "transform_pairs": round(self.transform_pairs, 3),
             "handed_over": self.handed_over,

@@ -5,6 +5,12 @@ files/, figures/ and runner/. To add a study, write a module that offers STUDY (
 command, and add its line to `STUDIES`.
 """
 
+PUBLISHED = (
+    'Yunong Zhou and Jing Yang, "How Thickness Affects the Area-Pressure Relation in Line Contacts", Tribology '
+    "Letters, issue 4/2022"
+)
+"""The published study: the source of every number that is called published."""
+
 STUDIES = {
     "hertz": "linecontact.studies.hertz",
     "sharp": "linecontact.studies.sharp",

@@ -51,7 +51,7 @@ def test_an_accuracy_is_bought_or_refused():
     short = run("solve", "--profile", "rough", "--cut-off-ratio", 1 / 16, "--num-points", 2048, "--accuracy", 1e-6)
     assert short.returncode == 3
     assert short.stderr.count("\n") == 1
-    assert "accuracy is 1e-06; allowed: above 0.022, or more num_points than 2048" in short.stderr
+    assert "accuracy is 1e-06; allowed: above 0.022, or a finer grid: num_points above 2048" in short.stderr
     assert "chosen for an accuracy of 1e-06" in short.stdout
 
 
@@ -160,9 +160,15 @@ def test_methods_and_grids(method, grids):
         (["plot", __file__], "not one of linecontact's"),
         (["study", "hertz", "--workers", "0"], "workers is 0"),
         (["study", "moon"], "moon"),
-        (["solve", "--num-points", "1e3"], "linecontact: num_points is '1e3'; allowed: an integer\n"),
+        (
+            ["solve", "--num-points", "1e3"],
+            "num_points is '1e3'; allowed: an integer, like 262144 or 2^18\n",
+        ),
         (["solve", "--pressure", "a'b"], 'linecontact: pressure is "a\'b"; allowed: a number\n'),
-        (["study", "hertz", "--workers", "two"], "linecontact: workers is 'two'; allowed: an integer\n"),
+        (
+            ["study", "hertz", "--workers", "two"],
+            "workers is 'two'; allowed: an integer, like 262144 or 2^18\n",
+        ),
         ([], "solve"),
         (["stdy"], "command is 'stdy', perhaps meant as study; allowed: solve, study, plot, info"),
         (["study", "hertz", "--quik"], "option --quik is unknown, perhaps meant as --quick"),

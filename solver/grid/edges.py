@@ -81,6 +81,11 @@ class Edges:
         """Widths, shape (M,) [grid spacings]."""
         return self.right - self.left
 
+    @property
+    def total_error(self) -> float:
+        """Estimated error of the sum of the widths [grid spacings]."""
+        return math.sqrt(float(self.error @ self.error))
+
 
 def find_edges(patches: Patches, pressure: Array64, symbol: EdgeSymbol) -> Edges:
     """Sub-grid edges of patches from the pressure, shape (contact nodes,) in compact order [any unit].

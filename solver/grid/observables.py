@@ -67,7 +67,7 @@ def observe(scene: Scene, displacement: Array64, contact_pressure: Array64, cont
     layer, power = scene.layer, scene.indenter.power_law
     patches, edges = contact_edges(scene, np.where(contact, contact_pressure, 0.0))
     area_subgrid, gradient_subgrid, kappa_subgrid, sensitivity = subgrid_measures(scene, patches, edges, squared_slope)
-    area_error = math.sqrt(float(edges.error @ edges.error)) / scene.num_points if area else 1.0
+    area_error = edges.total_error / scene.num_points if area else 1.0
     modulus = layer.foundation_modulus(1.0) * layer.contact_modulus  # [pressure/length]; 0 for a half-space
     return Observables(
         contact_area=area,

@@ -1,7 +1,7 @@
 """A profile that is given point by point, for instance a measured scan."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, ClassVar, Self
 
@@ -21,6 +21,8 @@ class MeasuredIndenter(Indenter):
 
     heights: Array64
     """Heights, shape (N,) [length], in the user's unit; kept shifted so that the lowest is 0."""
+    measured_points: int | None = None
+    """Values in the period that were measured, where the heights were made from fewer or more; None: all heights."""
     description: dict[str, Any] = field(default_factory=dict)
     """What is known of their origin, flat and JSON-ready; it travels with every result."""
 
@@ -42,6 +44,8 @@ class MeasuredIndenter(Indenter):
         heights -= heights.min()
         if not 0 < heights.max() < math.inf:
             raise ValueError(f"heights are constant or too far apart; {allowed}")
+        if self.measured_points is not None:
+            checks.integer("measured_points", self.measured_points, "an integer from 4 to 2^60", 4, 2**60)
         heights.flags.writeable = False
         checks.assign(self, heights=heights)
 
@@ -59,8 +63,8 @@ class MeasuredIndenter(Indenter):
         return np.asarray(heights - heights.min()) / period
 
     def shortest_wave(self, num_points: int) -> int:
-        """The shortest wave that the grid holds, see `Indenter`."""
-        return num_points // 2
+        """The shortest wave that the values and the grid hold, see `Indenter`."""
+        return min(num_points, self.heights.size, self.measured_points or self.heights.size) // 2
 
     def omitted(self, num_points: int) -> float:
         if num_points >= self.heights.size:
@@ -76,10 +80,11 @@ class MeasuredIndenter(Indenter):
         """Resampled by Fourier modes, see `Indenter`."""
         if num_points == self.heights.size:
             return self
-        return type(self)(self.profile(num_points, period) * period, self.description)
+        measured = self.measured_points or self.heights.size
+        return type(self)(self.profile(num_points, period) * period, measured, self.description)
 
     def in_units(self, length: float) -> Self:
-        return type(self)(self.heights * length, self.description)
+        return replace(self, heights=self.heights * length)
 
     def ratios(self, period: float) -> dict[str, float]:
         return {"largest height/period": float(self.heights.max()) / period}

@@ -31,6 +31,7 @@ _SERIES_TERMS = 13  # (2^2)^13/27! < 1e-20 of the first term
 
 _THINNEST_EDGE = 1e-6  # grid spacings: below, the edge no longer changes
 
+_MODULUS = float(1)  # the default E*, an object of its own: a modulus that is given is another one
 _NEARLY_INCOMPRESSIBLE = 0.497
 """Poisson's ratio above which the edges of thin layers are less well known, see `_BondedEdge.error`."""
 
@@ -158,8 +159,10 @@ class Layer(ElasticLayer):
     """Layer thickness d > 0 [length]; inf is the half-space."""
     poisson_ratio: float = 0.25
     """Poisson's ratio, -1 < nu <= 0.5 (dimensionless)."""
-    contact_modulus: float = 1.0
+    contact_modulus: float = _MODULUS
     """E* = E/(1-nu^2) > 0 [pressure]."""
+    youngs_modulus: float | None = None
+    """E > 0 [pressure], to give instead of E*, which is computed from it (and is what the layer then keeps)."""
 
     name: ClassVar[str] = "bonded"
 
@@ -168,6 +171,16 @@ class Layer(ElasticLayer):
             self,
             thickness=checks.real("thickness", self.thickness, "a length > 0, or inf", 0, infinite=True),
             poisson_ratio=checks.real("poisson_ratio", self.poisson_ratio, "-1 < nu <= 0.5", -1, 0.5),
+        )
+        if self.youngs_modulus is not None:
+            if self.contact_modulus is not _MODULUS:
+                allowed = "one of the two, E* = E/(1-nu^2)"
+                given = f"youngs_modulus is {self.youngs_modulus!r}, and contact_modulus {self.contact_modulus!r}"
+                raise ValueError(f"{given}; allowed: {allowed}")
+            young = checks.real("youngs_modulus", self.youngs_modulus, "a finite pressure > 0", 0)
+            checks.assign(self, contact_modulus=young / (1 - self.poisson_ratio**2), youngs_modulus=None)
+        checks.assign(
+            self,
             contact_modulus=checks.real("contact_modulus", self.contact_modulus, "a finite pressure > 0", 0),
         )
 

@@ -27,7 +27,7 @@ def grid_error(level: Level, edges: Edges, coarser: Sequence[Level]) -> float:
     area = level.contact_area_subgrid
     if not coarser or not area:
         return math.inf
-    own = math.sqrt(float(edges.error @ edges.error)) / level.num_points
+    own = edges.total_error / level.num_points
     return (_remaining_change(area, coarser[-1].contact_area_subgrid) + own) / area
 
 

@@ -66,7 +66,8 @@ class Reached:
         """What this grid gives."""
         squared_slope = self.scene.indenter.slope(self.num_points, self.scene.period) ** 2
         area, _, kappa, _ = subgrid_measures(self.scene, *self.contact, squared_slope)
-        return Level(self.num_points, area, kappa, self.state.iteration, round(self.state.transform_pairs, 3))
+        error = self.contact[1].total_error / self.num_points
+        return Level(self.num_points, area, kappa, error, self.state.iteration, round(self.state.transform_pairs, 3))
 
     def start(self, finer: Method) -> None:
         """Begin on a finer grid from this solution."""

@@ -90,8 +90,8 @@ class _Task:
             status = Status.INACCURATE
             known = area / o.contact_area_subgrid if o.contact_area_subgrid else math.inf
             above = f"above {known:.2g}, or " if known < MOST_ACCURACY else ""
-            heights = " (and heights)" if self.scene.indenter.given_points else ""
-            allowed = f"{above}more num_points{heights} than {solution.scene.num_points}"
+            heights = ", with heights given there" if self.scene.indenter.given_points else ""
+            allowed = f"{above}a finer grid: num_points above {solution.scene.num_points}{heights}"
             reason = Reason(Cause.GRID, "accuracy", f"{self.accuracy:g}", allowed)
         elif reason and status is not Status.INTERRUPTED and solution.certificate:
             got = solution.certificate.free_residual

@@ -26,7 +26,12 @@ _DEFAULTS = {name: parameter.default for name, parameter in inspect.signature(so
 
 @dataclass(frozen=True)
 class Options:
-    """Solve one scene. Lengths and pressures in consistent units of your own; the published study's are 1."""
+    """Solve one scene. Lengths and pressures in consistent units of your own; the published study's are 1.
+
+    What is solved: a linear elastic layer on a rigid base, and a rigid indenter, the same along a second axis (plane
+    strain), periodic along the first; no friction, no adhesion; small strains and slopes. A scan is one line of a
+    surface, which is taken to be the same along the second axis. E* = E/(1 - nu^2).
+    """
 
     profile: str = one_of(INDENTERS, next(iter(INDENTERS)))
     """Indenter; what each one is, and takes, is told below."""
@@ -35,9 +40,9 @@ class Options:
     pressure: float = Scene.pressure
     """Mean external pressure p > 0 [pressure]."""
     period: float | None = None
-    """Period L > 0 [length]; default 1, or the length of a file with positions."""
+    """Period L > 0 [length]; default 1; not for a file, whose scan is the period, or half of it."""
     num_points: int | None = None
-    """Grid points, at least 4; default 2^18, for a file the next power of two (at most 16 times its values)."""
+    """Grid points, at least 4, like 262144 or 2^18; default 2^18, for a file four or more to a value."""
     accuracy: float | None = _DEFAULTS["accuracy"]
     """Relative error wanted of a_r, 1e-9 to 0.1 (dimensionless). Chooses model, grid, method, precision and tolerance,
     which must not be given; num_points is then the most to use."""
@@ -61,8 +66,12 @@ class Options:
     """Write fields and results to this HDF5 file."""
     plot: bool = False
     """Draw the figure beside the saved file."""
+    patches: Path | None = None
+    """Write the contact patches to this CSV file: left and right end, width, nodes, load, largest pressure."""
     overwrite: bool = False
-    """Let --save replace an existing file."""
+    """Let --save and --patches replace an existing file."""
+    strict: bool = False
+    """Give exit status 3 if there is a warning."""
 
 
 Given = Mapping[str, Mapping[str, Any]]
@@ -71,9 +80,8 @@ Given = Mapping[str, Mapping[str, Any]]
 
 def command(options: Options, given: Given) -> int:
     """Solve the scene that the options describe, and show what was found; returns the exit status."""
-    if options.save:
-        check_targets(options, given)
-    elif options.plot:
+    check_targets(options, given)
+    if options.plot and not options.save:
         raise ValueError("plot is True; allowed: together with --save, the figure is drawn from the file")
     if options.accuracy is not None and options.grids != "auto":
         raise ValueError(f"grids is {options.grids}; allowed: auto, with accuracy, which chooses the grid")
@@ -102,11 +110,17 @@ def command(options: Options, given: Given) -> int:
     finally:  # also when the reader of the output has gone away
         if options.save:
             solution_files.save_solution(options.save, solution)
+        if options.patches:
+            solution_files.save_patches(options.patches, solution.patches)
     if options.save and options.plot:
         from . import plot  # Matplotlib takes its time
 
         plot.command(plot.Options(options.save), sys.stderr if options.json else sys.stdout)
     status = console.exit_status(solution.status)
+    if not status and options.strict and solution.warnings:
+        concerns = ", ".join(doubt.concern for doubt in solution.warnings)
+        console.errors.print(f"linecontact: strict, and there are warnings: {concerns}")
+        return console.EXIT_NOT_CONVERGED
     if status:
         kept = f"; the partial result is in {options.save}" if options.save else ""
         why = "" if solution.status is Status.INTERRUPTED else f": {solution.reason}"
@@ -120,6 +134,8 @@ def show(solution: Solution, as_json: bool) -> None:
         print(json.dumps(solution.to_dict()), flush=True)
         return
     console.Output().print(solution_table(solution))
+    for doubt in solution.warnings:
+        console.Output().print(f"Warning, {doubt.concern}: {doubt.text}.", style="bold yellow")
     if solution.choices:
         console.Output().print(choices_table(solution))
     steps = solution.scene.to_dict().get("profile_steps")
@@ -129,12 +145,16 @@ def show(solution: Solution, as_json: bool) -> None:
 
 def check_targets(options: Options, given: Given) -> None:
     """Raise `ValueError` if the file or its figures would replace what they must not."""
-    assert options.save
-    writing.check_target(options.save, options.overwrite)
     profile_file = given[kinds.title("profile", MeasuredIndenter.name)].get("profile_file")
-    if profile_file and options.save.exists() and profile_file.samefile(options.save):
-        raise ValueError(f"save is {options.save}; allowed: another file than the profile's")
-    for suffix in FORMATS if options.plot else ():
+    for name, target in (("save", options.save), ("patches", options.patches)):
+        if target and profile_file and target.exists() and profile_file.samefile(target):
+            raise ValueError(f"{name} is {target}; allowed: another file than the profile's")
+        if target:
+            writing.check_target(target, options.overwrite)
+    if options.save and options.save == options.patches:
+        raise ValueError(f"patches is {options.patches}; allowed: another file than --save")
+    for suffix in FORMATS if options.plot and options.save else ():
+        assert options.save
         if options.save.suffix == suffix:
             raise ValueError(f"save is {options.save}; allowed: with --plot not a figure's name")
         writing.check_target(options.save.with_suffix(suffix), options.overwrite)
@@ -180,14 +200,18 @@ def solution_table(solution: Solution) -> Table:
     record = solution.to_dict()
     fallbacks = METHODS[solution.method].fallbacks if solution.handed_over else ()
     handed = "".join(f", handed over to {f.method}" for f in fallbacks if f.method != solution.method)
-    table = Table(title=f"{solution.method}{handed}, {record['precision']}: {solution.status}", show_header=True)
+    area, error = record["contact_area_subgrid"], record["contact_area_error"]
+    how = "converged on its grid" if solution.status is Status.CONVERGED and solution.certificate else solution.status
+    title = f"{solution.method}{handed}, {record['precision']}: {how}, a_r = {area:.6g} +- {error:.1g}"
+    table = Table(title=title, show_header=True)
     table.add_column("quantity")
     table.add_column("value", justify="right")
     table.add_column("unit")
     spacing = 1 / solution.scene.num_points
     rows = [
         ("contact area a_r (sub-grid edges)", f"{record['contact_area_subgrid']:.10g}", "-"),
-        ("  its error, estimated", record["contact_area_error"], "-" if solution.levels else "- (edges only)"),
+        ("  its error, estimated", error, f"- (absolute{'' if solution.levels else '; edges only'})"),
+        ("contact width a_r L", record["contact_width"], "length"),
         *(
             [("contact area a_r (nodes counted)", f"{record['contact_area']:.8g}", f"- (one node: {spacing:.1e})")]
             if solution.certificate
@@ -198,7 +222,7 @@ def solution_table(solution: Solution) -> Table:
         ("reduced pressure p* = p/(E* g_c)", record["reduced_pressure"], "-"),
         ("kappa = a_r/p*", record["kappa"], "-"),
         ("kappa (sub-grid edges)", record["kappa_subgrid"], "-"),
-        ("  its error, estimated", record["kappa_error"], "-"),
+        ("  its error, estimated", record["kappa_error"], "- (absolute)"),
         *([("kappa over the half-space's", record["kappa_ratio"], "-")] if "kappa_ratio" in record else []),
         ("reduced thickness d/(a_r L)", record["reduced_thickness"], "-"),
         ("approach", record["approach"], "length"),

@@ -29,13 +29,14 @@ _sound: set[str] = set()  # checksums of what this process has written or checke
 
 
 @contextlib.contextmanager
-def new_file(path: Path) -> Iterator["h5py.File"]:
+def new_file(path: str | os.PathLike[str]) -> Iterator["h5py.File"]:
     """An HDF5 file that appears under `path` only when it is complete. Raises `StoreError` if it cannot be written.
 
     HDF5 builds it in memory, because its library does not survive a full disk.
     """
     import h5py
 
+    path = Path(path)
     with h5py.File(path.name, "w", driver="core", backing_store=False) as file:
         yield file
         file.flush()
@@ -46,11 +47,12 @@ def new_file(path: Path) -> Iterator["h5py.File"]:
 
 
 @contextlib.contextmanager
-def open_file(path: Path) -> Iterator["h5py.File"]:
+def open_file(path: str | os.PathLike[str]) -> Iterator["h5py.File"]:
     """Read an HDF5 file; raises `StoreError` for a missing or foreign one, `DamagedError` for a damaged one.
 
     A file is also damaged if the reader does not find in it what it looks for.
     """
+    path = Path(path)
     if not os.path.isfile(path):  # Path's own raises for some names
         what = "is no regular file" if os.path.lexists(path) else "does not exist"
         raise StoreError(f"file {path} {what}; allowed: an HDF5 file")

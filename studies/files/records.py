@@ -23,6 +23,7 @@ UNITS = {
     "radius": "length",
     "period": "length",
     "approach": "length",
+    "contact_width": "length",
     "peak_pressure": "pressure",
     "pressure": "pressure",
     "contact_modulus": "pressure",
@@ -64,5 +65,5 @@ def is_text(value: Any) -> bool:
 
 
 def run_record(solution: Solution) -> dict[str, Any]:
-    """The flat record of a solution in a study: its JSON without the coarser grids, which differ in number."""
-    return flatten({name: value for name, value in solution.to_dict().items() if name != "levels"})
+    """The flat record of a solution in a study: its JSON but for coarser grids and warnings, whose number differs."""
+    return flatten({name: value for name, value in solution.to_dict().items() if name not in ("levels", "warnings")})

@@ -4,18 +4,64 @@ A solution file holds the datasets x, profile, displacement and contact_pressure
 JSON holds as attributes (nested names joined by dots).
 """
 
+import os
+from dataclasses import astuple, dataclass, fields
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from linecontact.solver import Solution
+from linecontact.solver.grid.patch_table import PatchTable
 from numpy.typing import NDArray
 
 from .hdf5 import column_of_numbers, new_file, open_file, scalar
 from .records import flatten, renamed, unit
+from .writing import check_target, write_bytes
+
+Name = str | os.PathLike[str]
 
 KIND = "solution"
 _FIELDS = ("x", "profile", "displacement", "contact_pressure")
+_PATCH_UNITS = {"nodes": "-", "load": "pressure times length", "peak_pressure": "pressure"}
+
+
+@dataclass(frozen=True, eq=False)
+class StoredSolution:
+    """What a solution file holds."""
+
+    x: NDArray[np.float64]
+    """Grid, shape (N,) [length]."""
+    profile: NDArray[np.float64]
+    """Heights of the indenter above its lowest point, shape (N,) [length]."""
+    displacement: NDArray[np.float64]
+    """u, shape (N,) [length]."""
+    contact_pressure: NDArray[np.float64]
+    """sigma, shape (N,) [pressure]."""
+    results: dict[str, Any]
+    """Everything else, by the names of the command line's JSON joined by dots, like 'certificate.free_residual'."""
+
+
+def save(solution: Solution, path: Name, overwrite: bool = False) -> None:
+    """Write a solution to an HDF5 file, which appears under its name only when it is complete.
+
+    overwrite: whether an existing file may be replaced. Raises `ValueError` for a file that cannot be written.
+    """
+    check_target(Path(path), overwrite)
+    save_solution(Path(path), solution)
+
+
+def load(path: Name) -> StoredSolution:
+    """Read a file that `save` or the command line has written. Raises `ValueError` for any other."""
+    fields, results = load_solution(Path(path))
+    return StoredSolution(**fields, results=results)
+
+
+def save_patches(path: Name, patches: PatchTable) -> None:
+    """Write a table of contact patches as CSV, with a line of names and units first."""
+    names = [field.name for field in fields(PatchTable)]
+    head = ",".join(f"{name} [{_PATCH_UNITS.get(name, 'length')}]" for name in names)
+    lines = (",".join(f"{value:.12g}" for value in row) for row in zip(*astuple(patches), strict=True))
+    write_bytes(Path(path), "\n".join([head, *lines, ""]).encode())
 
 
 def save_solution(path: Path, solution: Solution) -> None:

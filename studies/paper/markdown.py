@@ -7,6 +7,7 @@ from pathlib import Path
 from markdown_it import MarkdownIt
 from rich.table import Table
 
+from .. import PUBLISHED
 from ..files import writing
 from .statements import Statement
 
@@ -49,7 +50,8 @@ def page(title: str, made: str, statements: Sequence[Statement], parts: Sequence
     """
     rows = [(s.text, s.published, s.measured, f"**{s.verdict}**", s.remark) for s in statements]
     head = table(("statement", "published", "measured", "verdict", "remark"), rows)
-    return "\n\n".join([f"# {title}", made, _RULE, head, *parts]) + "\n"
+    source = f"Published: {PUBLISHED}."
+    return "\n\n".join([f"# {title}", made, source, _RULE, head, *parts]) + "\n"
 
 
 def write(folder: Path, text: str) -> tuple[Path, Path]:

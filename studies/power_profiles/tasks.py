@@ -18,7 +18,8 @@ RADIUS = 1.0
 """R in units of the period."""
 
 FIGURES: Mapping[str, str] = {
-    "": "Symbols: this study, between sub-grid edges; solid lines: the collocation oracle, which uses no grid.",
+    "": "After Zhou and Yang (2022), Figures 2 to 4. Symbols: this study, between sub-grid edges; solid lines: the "
+    "collocation oracle, which uses no grid.",
     "-accuracy": "Errors against the oracle.",
 }
 """Endings of the figures' names, with captions for a report."""

@@ -21,7 +21,7 @@ from ..runner.study import Plan
 from ..runner.tasks import Record
 
 FIGURES: Mapping[str, str] = {
-    "": "Means over the realisations, with standard errors.",
+    "": "After Zhou and Yang (2022), Figure 5. Means over the realisations, with standard errors.",
     "-patches": "Above: the slope over the number of patches; one parabolic patch has 2 sqrt(3). Below: that number.",
     "-area": "What counting nodes adds to the area.",
 }

@@ -113,7 +113,8 @@ def read(options: Options) -> Scan:
     if np.ptp(profile.z) <= 1e-12 * height:
         raise ValueError(f"profile_file {path} holds a straight line; allowed: a profile that is not")
     profile.make_periodic(options.window)
-    n = _choose_grid(options, count, profile.z.size)
+    measured = profile.z.size
+    n = _choose_grid(options, count, measured)
     profile.resample(n, mirrored=options.window == "mirror")
     known = set(units.values()) - {SCENE}
     description = {
@@ -125,7 +126,7 @@ def read(options: Options) -> Scan:
         **scan,
         "profile_steps": "; ".join([found.origin, *profile.steps, "shifted to h >= 0"]),
     }
-    return Scan(MeasuredIndenter(profile.z, description), profile.length, n)
+    return Scan(MeasuredIndenter(profile.z, measured, description), profile.length, n)
 
 
 def _measured(found: columns.Columns, options: Options) -> tuple[Profile, dict[str, str]]:

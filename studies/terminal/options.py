@@ -11,7 +11,7 @@ from pathlib import Path
 from types import NoneType, UnionType
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
-_TYPES = {int: "an integer", float: "a number", str: "text", Path: "a path"}
+_TYPES = {int: "an integer, like 262144 or 2^18", float: "a number", str: "some text", Path: "a path"}
 """What a value of each type is called."""
 
 
@@ -44,7 +44,7 @@ class Option:
     @property
     def placeholder(self) -> str | tuple[str, ...]:
         """What stands for the value, or for each of several, in --help."""
-        word = f"{{{','.join(self.choices)}}}" if self.choices else _TYPES[self.type].split()[-1].upper()
+        word = f"{{{','.join(self.choices)}}}" if self.choices else _TYPES[self.type].split()[1].strip(",").upper()
         return word if self.count == 1 else (word,) * self.count
 
     def value(self, words: str | list[str] | bool) -> Any:
@@ -55,8 +55,16 @@ class Option:
             return tuple(self.value(word) for word in words)
         if words in self.choices or not self.choices:
             with contextlib.suppress(ValueError):
-                return self.type(words)
+                return _power(words) if self.type is int and "^" in words else self.type(words)
         raise ValueError(f"{self.name} is {words!r}; allowed: {', '.join(self.choices) or _TYPES[self.type]}")
+
+
+def _power(words: str) -> int:
+    """The integer that 2^18 stands for. Raises `ValueError` for any other text."""
+    base, exponent = map(int, words.split("^"))
+    if not (0 < base < 1000 and 0 <= exponent <= 100):
+        raise ValueError("too large, or not an integer")
+    return base**exponent
 
 
 def flag(name: str) -> str:

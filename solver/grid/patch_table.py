@@ -1,0 +1,43 @@
+"""The contact patches of a solution as a table: where each one is, and what it carries."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import Array64
+from ..scene import Scene
+from .observables import contact_edges
+
+
+@dataclass(frozen=True, eq=False)
+class PatchTable:
+    """The M patches of a contact, from left to right; ends lie between nodes where three nodes or more tell them."""
+
+    left: Array64
+    """Left ends, shape (M,) [length]."""
+    right: Array64
+    """Right ends, shape (M,) [length]; beyond the period for a patch that goes on at its beginning."""
+    width: Array64
+    """Widths, shape (M,) [length]; their sum over the period is `contact_area_subgrid`."""
+    nodes: Array64
+    """Contact nodes, shape (M,), dimensionless."""
+    load: Array64
+    """Line loads, shape (M,) [pressure times length]; their sum over the period is the mean pressure."""
+    peak_pressure: Array64
+    """Largest pressures, shape (M,) [pressure]."""
+
+
+def patch_table(scene: Scene, pressure: Array64) -> PatchTable:
+    """The patches of a contact pressure, shape (N,) [pressure], 0 off the contact."""
+    patches, edges = contact_edges(scene, pressure)
+    if not patches.count:
+        return PatchTable(*np.zeros((6, 0)))
+    spacing, inside = scene.period / pressure.size, pressure[patches.nodes]
+    return PatchTable(
+        left=edges.left * spacing,
+        right=edges.right * spacing,
+        width=edges.width * spacing,
+        nodes=patches.size.astype(np.float64),
+        load=patches.sums(inside) * spacing,
+        peak_pressure=np.maximum.reduceat(inside, patches.offset),
+    )
