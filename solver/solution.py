@@ -115,10 +115,16 @@ class Solution:
     @cached_property
     def warnings(self) -> tuple[Doubt, ...]:
         """What to doubt although the solve converged: its grid, the smallness of strains, what a scan resolves."""
-        areas = [level.contact_area_subgrid for level in self.levels]
-        changes = [abs(finer - coarser) / 3 for coarser, finer in pairwise(areas)]
-        claimed = [change + level.edges_error for change, level in zip(changes, self.levels[1:], strict=True)]
-        return tuple(doubts(self.scene, self.observables, self.patches, claimed))
+        return tuple(doubts(self.scene, self.observables, self.patches))
+
+    @property
+    def coarser_claims(self) -> tuple[float, ...]:
+        """Errors of a_r estimated on the coarser grids but for the first, from coarse to fine; this one's may be larger
+        where a_r has changed by more than a coarser grid claimed.
+        """
+        return tuple(
+            abs(b.contact_area_subgrid - a.contact_area_subgrid) / 3 + b.edges_error for a, b in pairwise(self.levels)
+        )
 
     @property
     def contact_width(self) -> float:

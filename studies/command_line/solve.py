@@ -208,9 +208,12 @@ def solution_table(solution: Solution) -> Table:
     table.add_column("value", justify="right")
     table.add_column("unit")
     spacing = 1 / solution.scene.num_points
+    own = "" if solution.levels else "; edges only"
+    if min(solution.coarser_claims, default=error) < error:
+        own = "; a coarser grid claimed less, but a_r has changed since"
     rows = [
         ("contact area a_r (sub-grid edges)", f"{record['contact_area_subgrid']:.10g}", "-"),
-        ("  its error, estimated", error, f"- (absolute{'' if solution.levels else '; edges only'})"),
+        ("  its error, estimated", error, f"- (absolute{own})"),
         ("contact width a_r L", record["contact_width"], "length"),
         *(
             [("contact area a_r (nodes counted)", f"{record['contact_area']:.8g}", f"- (one node: {spacing:.1e})")]
