@@ -67,7 +67,7 @@ class Doubt:
 def doubts(scene: Scene, found: Observables, patches: PatchTable) -> Iterator[Doubt]:
     """What to doubt of a solution."""
     area = found.contact_area_subgrid
-    if not area > 0:
+    if not (area > 0 and patches.nodes.size):
         yield Doubt(Concern.GRID, "nothing is in contact; more num_points, or another start")
         return
     yield from _of_grid(scene, found, patches)

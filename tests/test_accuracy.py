@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from linecontact.solver import Layer, MeasuredIndenter, PowerIndenter, RoughIndenter, Scene, Status, certify, solve
 from linecontact.solver.grid.problem import Problem
-from linecontact.solver.methods import METHODS, Setting, active_set, relax
+from linecontact.solver.methods import DEFAULT, Setting, active_set, relax
 from linecontact.solver.methods.active_set.active_set import ActiveSet
 from linecontact.solver.methods.active_set.storage import Half, Whole, is_even
 from linecontact.solver.reference import collocation
@@ -292,9 +292,9 @@ def test_an_interrupted_iteration_returns_what_there_is(options, monkeypatch):
 
 def test_an_answer_that_is_less_accurate_than_estimated_goes_on_from_its_grid(monkeypatch):
     """Claims that turn out too large only after certification: no grid is begun twice."""
-    sizes, real = [], METHODS["active-set"].begin
-    begin = dataclasses.replace(METHODS["active-set"], begin=lambda p, s: sizes.append(p.num_points) or real(p, s))
-    monkeypatch.setitem(METHODS, "active-set", begin)
+    sizes, real = [], DEFAULT.begin
+    kind = dataclasses.replace(DEFAULT, begin=lambda p, s: sizes.append(p.num_points) or real(p, s))
+    monkeypatch.setattr("linecontact.solver.strategy.to_accuracy.DEFAULT", kind)
     monkeypatch.setattr("linecontact.solver.strategy.to_accuracy.grid_error", lambda *_: 0.0)
     solution = solve(Scene(Layer(0.1), ROUGH, 2e-2, num_points=2**14), accuracy=2e-3)
     assert sizes == sorted(set(sizes))

@@ -44,8 +44,8 @@ def test_a_class_that_moves_keeps_its_records(tmp_path):
 @pytest.mark.parametrize(
     ("name", "expected"),
     [
-        ("hertz", "20e435b94799cb08"),
-        ("rough", "d5b6199a32e1cf7e"),
+        ("hertz", "ea240c6573f21a2f"),
+        ("rough", "9eeb3be07f4b1ec8"),
         ("iterations", "77e9dc68e00a0a21"),
         ("edge-curve", "67ed300e00c87247"),
         ("kernels", "4f8945423d946b18"),
@@ -56,7 +56,10 @@ def test_a_class_that_moves_keeps_its_records(tmp_path):
     ],
 )
 def test_tasks_have_the_names_that_they_always_had(monkeypatch, name, expected):
-    """Those of version 0.1.0 before its modules moved: unfinished runs of that time go on."""
+    """Those of version 0.1.0 before its modules moved: unfinished runs of that time go on.
+
+    But for the lines of hertz and rough: their last digits differed from machine to machine, and are rounded since.
+    """
     monkeypatch.setattr(importlib.util, "find_spec", lambda peer: peer == "tamaas" or None)
     (plan,) = study.find(name).plans(study.find(name).options())
     names = " ".join(tasks.identity(task) for task in plan.tasks)

@@ -123,7 +123,8 @@ def _oracle(
 
 def plan(kind: str, c: Configuration) -> Plan:
     """The tasks of one study."""
-    line = tuple(np.geomspace(c.reduced_thicknesses[0] * 1.3, c.reduced_thicknesses[-1] / 1.3, c.line_points).tolist())
+    thick, thin = c.reduced_thicknesses[0] * 1.3, c.reduced_thicknesses[-1] / 1.3
+    line = tuple(float(f"{t:.12g}") for t in np.geomspace(thick, thin, c.line_points))  # last digits differ by machine
     every = [(nu, t) for nu in c.poisson_ratios for t in c.reduced_thicknesses]
     wanted = [(0.0, math.inf), *((nu, t) for nu, t in every if nu < 0.5 or t >= c.thinnest_incompressible)]
     return Plan(

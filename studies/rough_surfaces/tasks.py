@@ -125,7 +125,8 @@ def plan(c: Configuration) -> Plan:
         return Task(c.num_points, c.cut_off_ratio, c.pressure, hurst, nu, thickness, seed, c.tolerance, c.method)
 
     layers = [(0.0, math.inf), *((nu, d) for nu in c.poisson_ratios for d in c.thicknesses)]
-    line = tuple(np.geomspace(c.thicknesses[0] * 2, c.thicknesses[-1], 40).tolist())
+    thick, thin = c.thicknesses[0] * 2, c.thicknesses[-1]
+    line = tuple(float(f"{d:.12g}") for d in np.geomspace(thick, thin, 40))  # last digits differ by machine
     return Plan(
         kind="rough",
         configuration=asdict(c),

@@ -63,8 +63,8 @@ def _power(words: str) -> int:
     """The integer that 2^18 stands for. Raises `ValueError` for any other text."""
     base, exponent = map(int, words.split("^"))
     if not (0 < base < 1000 and 0 <= exponent <= 100):
-        raise ValueError("too large, or not an integer")
-    return base**exponent
+        raise ValueError(f"{words} is too large, or not an integer")
+    return int(base**exponent)
 
 
 def flag(name: str) -> str:
