@@ -20,15 +20,20 @@ _WORDS: dict[Role, str] = {
     "z": r"z|heights?|profile|raw|topography|elevation|vertical|amplitude|level(?:l?ed)?|filtered|h\u00f6he|hoehe",
     "x": r"x|lateral|positions?|pos|distance|dist|length|scan|abscissa|horizontal|track|travel|traverse|weg",
 }
-_NUMBER = re.compile(r"[-+]?[\d.,]*\d(?:[eE][-+]?\d+)?(?![A-Za-z])")
-_LINES = 3  # above the table, that may label its columns
+_VALUE = re.compile(r"(?:^|[\s:=])[-+]?[\d.,]*\d(?:[eE][-+]?\d+)?\s*(?:$|[\[({<]|[^\W\d]+$)")
+"""A number at the end of a cell, or one with a unit: the value of a parameter, and no label."""
+_LINES = 2  # above the table, that may label its columns: names, and units below them
 _AXIS = r"(?P<axis>x|lateral|horizontal|positions?|z|heights?|vertical|y)"
 _UNIT = r"(?P<unit>[^\s\"',;.)]+)"
+_END = r"(?=\s*(?:$|[,;.)]|and\b))"
+_LINE = r"^[#%*;\"'\s]*"  # the begin of a line
 _STATED = (
-    re.compile(rf"\b(?:{_AXIS}[\s_-]*(?:axis)?[\s_-]*)?(?:units?|einheit)\b[\"'\s]*[:=,;\t]\s*[\"']?{_UNIT}", re.I),
-    re.compile(rf"\b{_AXIS}\s+(?:is\s+|are\s+|given\s+)?in\s+{_UNIT}", re.I),
-    re.compile(rf"\b(?:lengths|coordinates|data|all|columns)\s+(?:\w+\s+)?in\s+{_UNIT}", re.I),
+    re.compile(rf"{_LINE}{_AXIS}[\s_-]*(?:axis[\s_-]*)?(?:units?|einheit)\b[\"'\s]*[:=,;\t]\s*[\"']?{_UNIT}", re.I),
+    re.compile(rf"{_LINE}(?:length\s+|data\s+)?(?:units?|einheit)\b[\"'\s]*[:=,;\t]\s*[\"']?{_UNIT}", re.I),
+    re.compile(rf"(?:{_LINE}|[,;(]\s*|\band\s+){_AXIS}\s+(?:is\s+|are\s+|given\s+)?in\s+{_UNIT}{_END}", re.I),
+    re.compile(rf"{_LINE}(?:all\s+)?(?:lengths|coordinates|data|columns|both)\s+(?:are\s+)?in\s+{_UNIT}{_END}", re.I),
 )
+"""Units that a line of its own names: "X Unit: um", "Units,um", "x in mm, z in nm", "all lengths in um"."""
 
 
 @dataclass(frozen=True)
@@ -48,12 +53,18 @@ class Label:
 def labels(lines: Sequence[str], delimiter: str | None, count: int) -> list[Label]:
     """Labels of the `count` columns of a table from the lines above it; empty if there are none."""
     found: list[Label] = []
-    for line in [line for line in lines if line.strip()][: -_LINES - 1 : -1]:
+    while lines and not lines[-1].strip():
+        lines = lines[:-1]
+    for line in lines[: -_LINES - 1 : -1]:
         cells = _cells(line, delimiter, count)
-        if not cells or any(_NUMBER.match(cell) for cell in cells):
+        if not cells or any(map(_VALUE.search, cells)):
             break
         read = [_label(cell) for cell in cells]
+        if any(label.role and label.unit for label in found):
+            break  # names and units in one line
         found = [_merged(above, below) for above, below in zip(read, found, strict=True)] if found else read
+    if count == 1 and found and found[0].role not in ("z", "depth") and found[0].text != found[0].unit:
+        return []  # the last line of a header of anything
     return found if any(label.role or label.unit or label.unknown for label in found) else []
 
 
@@ -64,7 +75,7 @@ def stated_units(lines: Sequence[str]) -> Iterator[tuple[str, str, str]]:
             for match in pattern.finditer(line):
                 named = (match.groupdict().get("axis") or "both").lower()
                 unit = unit_of(match["unit"])
-                if unit is None and pattern is not _STATED[0]:
+                if unit is None and pattern in _STATED[2:]:
                     continue  # "x in each line"
                 along = named[0] in "xlp" or named == "horizontal"
                 for axis in "xz" if named == "both" else "x" if along else "z":
@@ -116,4 +127,4 @@ def _role(name: str) -> Role:
 def _merged(above: Label, below: Label) -> Label:
     """One label from two lines, names above units."""
     text = f"{above.text} {below.text}"
-    return Label(text, above.role or below.role, below.unit or above.unit, below.unknown or above.unknown)
+    return Label(text, below.role or above.role, below.unit or above.unit, below.unknown or above.unknown)

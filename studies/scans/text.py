@@ -150,7 +150,10 @@ def _find(path: Path, lines: Sequence[str], decimal: Decimal | None) -> tuple[Wr
     found = [table for table in (_table(lines, writing) for writing in ways) if table]
     if not found:
         signs = "" if decimal is None else f", with decimal {decimal}s"
-        allowed = f"columns of numbers behind up to {_MAX_HEADER} lines of header, a number in every cell"
+        allowed = (
+            f"columns of numbers behind up to {_MAX_HEADER} lines of header, a number in every cell, parted by commas, "
+            "semicolons, tabs or spaces"
+        )
         raise ValueError(f"profile_file {path} holds no table of numbers{signs}; allowed: {allowed}")
     longest = max(table.run for table in found)
     best, *others = [table for table in found if table.run == longest]
