@@ -9,6 +9,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import StrEnum
 
+import numpy as np
+
+from .arrays import Array64
 from .grid.observables import Observables
 from .grid.patch_table import PatchTable
 from .scene import Scene
@@ -20,7 +23,7 @@ LARGEST_SLOPE = 0.3
 """Rms slope in the contact: linear elasticity takes tan(t) for t and 1 for sqrt(1 + t^2), 3 and 4 % off there."""
 
 LARGEST_STRAIN = 0.1
-"""Largest pressure over the modulus that resists it, about the strain: what is left out is of the strain's square."""
+"""Largest strain, estimated (dimensionless): what linear elasticity leaves out is of its square."""
 
 NEARLY_FULL = 0.97
 """Contact area beyond which the gaps left have no reference to be compared with (dimensionless)."""
@@ -64,14 +67,14 @@ class Doubt:
     """What was found, and what would help."""
 
 
-def doubts(scene: Scene, found: Observables, patches: PatchTable) -> Iterator[Doubt]:
-    """What to doubt of a solution."""
+def doubts(scene: Scene, found: Observables, patches: PatchTable, displacement: Array64) -> Iterator[Doubt]:
+    """What to doubt of a solution; displacement: u, shape (N,) [length]."""
     area = found.contact_area_subgrid
     if not (area > 0 and patches.nodes.size):
         yield Doubt(Concern.GRID, "nothing is in contact; more num_points, or another start")
         return
     yield from _of_grid(scene, found, patches)
-    yield from _of_elasticity(scene, found, area)
+    yield from _of_elasticity(scene, found, _strain(scene, found, patches, displacement))
     if area > NEARLY_FULL:
         text = f"{area:.4f} of the period is in contact; areas above {NEARLY_FULL} have not been checked against others"
         yield Doubt(Concern.FULL, text)
@@ -100,16 +103,30 @@ def _of_grid(scene: Scene, found: Observables, patches: PatchTable) -> Iterator[
             yield Doubt(Concern.SCAN, f"{text}: roughness that it does not resolve would change the area")
 
 
-def _of_elasticity(scene: Scene, found: Observables, area: float) -> Iterator[Doubt]:
-    """Whether strains and slopes are small, as linear elasticity takes them to be."""
+def _strain(scene: Scene, found: Observables, patches: PatchTable, displacement: Array64) -> float:
+    """The largest strain, estimated (dimensionless).
+
+    Below patches narrower than the layer is thick it is about the pressure over E*. Below wide ones it is the layer's
+    compression over its thickness, or the shear at the base, d/G times the pressure's gradient, by which a nearly
+    incompressible layer is squeezed out sideways.
+    """
     layer = scene.layer
-    modulus = layer.contact_modulus
-    if layer.thickness < area * scene.period / max(1, found.num_patches) / 2:  # thin: confined below the contact
-        modulus = max(modulus, layer.foundation_modulus(1.0) * layer.contact_modulus * layer.thickness)
-    strain = found.peak_pressure / modulus
+    wide = patches.width > 2 * layer.thickness
+    largest = float(patches.peak_pressure[~wide].max(initial=0.0)) / layer.contact_modulus
+    if wide.any():
+        largest = max(largest, float(np.abs(found.approach - displacement).max()) / layer.thickness)
+    if wide.any() and layer.bonded:
+        shear_modulus = layer.contact_modulus * (1 - layer.bonded[1]) / 2
+        gradient = float((2 * patches.peak_pressure[wide] / patches.width[wide]).max())
+        largest = max(largest, gradient * layer.thickness / shear_modulus)
+    return largest
+
+
+def _of_elasticity(scene: Scene, found: Observables, strain: float) -> Iterator[Doubt]:
+    """Whether strains and slopes are small, as linear elasticity takes them to be."""
     if strain > LARGEST_STRAIN:
-        text = f"the largest pressure is {strain:.2g} of the modulus that resists it, E* or that of the confined layer"
-        yield Doubt(Concern.STRAIN, f"{text}: above {LARGEST_STRAIN:g} strains are not small, but taken to be")
+        text = f"strains reach about {strain:.2g}"
+        yield Doubt(Concern.STRAIN, f"{text}: above {LARGEST_STRAIN:g} they are not small, but taken to be")
     slope = found.rms_gradient_subgrid
     if slope > LARGEST_SLOPE:
         text = f"the rms slope in the contact is {slope:.2g}"

@@ -114,8 +114,8 @@ class Solution:
 
     @cached_property
     def warnings(self) -> tuple[Doubt, ...]:
-        """What to doubt although the solve converged: its grid, the smallness of strains, what a scan resolves."""
-        return tuple(doubts(self.scene, self.observables, self.patches))
+        """What to doubt, also if the solve converged: its grid, the smallness of strains, what a scan resolves."""
+        return tuple(doubts(self.scene, self.observables, self.patches, self.displacement))
 
     @property
     def coarser_claims(self) -> tuple[float, ...]:

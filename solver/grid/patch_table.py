@@ -1,4 +1,8 @@
-"""The contact patches of a solution as a table: where each one is, and what it carries."""
+"""The contact patches of a solution as a table: where each one is, and what it carries.
+
+The fields of a smaller model (an answer to an accuracy without a grid) are sampled: its patches are those of the
+samples, and its own area is more accurate.
+"""
 
 from dataclasses import dataclass
 
@@ -11,14 +15,14 @@ from .observables import contact_edges
 
 @dataclass(frozen=True, eq=False)
 class PatchTable:
-    """The M patches of a contact, from left to right; ends lie between nodes where three nodes or more tell them."""
+    """The M patches of a contact; ends lie between nodes where three nodes or more tell them."""
 
     left: Array64
-    """Left ends, shape (M,) [length]."""
+    """Left ends, shape (M,), from 0 to the period [length]."""
     right: Array64
     """Right ends, shape (M,) [length]; beyond the period for a patch that goes on at its beginning."""
     width: Array64
-    """Widths, shape (M,) [length]; their sum over the period is `contact_area_subgrid`."""
+    """Widths, shape (M,) [length]; on a grid their sum over the period is `contact_area_subgrid`."""
     nodes: Array64
     """Contact nodes, shape (M,), dimensionless."""
     load: Array64
@@ -33,9 +37,10 @@ def patch_table(scene: Scene, pressure: Array64) -> PatchTable:
     if not patches.count:
         return PatchTable(*np.zeros((6, 0)))
     spacing, inside = scene.period / pressure.size, pressure[patches.nodes]
+    left = edges.left % pressure.size
     return PatchTable(
-        left=edges.left * spacing,
-        right=edges.right * spacing,
+        left=left * spacing,
+        right=(left + edges.width) * spacing,
         width=edges.width * spacing,
         nodes=patches.size.astype(np.float64),
         load=patches.sums(inside) * spacing,

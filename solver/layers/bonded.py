@@ -178,7 +178,9 @@ class Layer(ElasticLayer):
                 given = f"youngs_modulus is {self.youngs_modulus!r}, and contact_modulus {self.contact_modulus!r}"
                 raise ValueError(f"{given}; allowed: {allowed}")
             young = checks.real("youngs_modulus", self.youngs_modulus, "a finite pressure > 0", 0)
-            checks.assign(self, contact_modulus=young / (1 - self.poisson_ratio**2), youngs_modulus=None)
+            modulus = young / (1 - self.poisson_ratio**2)
+            checks.real("youngs_modulus", modulus, "one whose E* = E/(1-nu^2) is finite", 0)
+            checks.assign(self, contact_modulus=modulus, youngs_modulus=None)
         checks.assign(
             self,
             contact_modulus=checks.real("contact_modulus", self.contact_modulus, "a finite pressure > 0", 0),

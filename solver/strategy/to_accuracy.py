@@ -90,7 +90,7 @@ class _Task:
             status = Status.INACCURATE
             known = area / o.contact_area_subgrid if o.contact_area_subgrid else math.inf
             above = f"above {known:.2g}, or " if known < MOST_ACCURACY else ""
-            heights = ", for a scan at most 16 to a value" if self.scene.indenter.given_points else ""
+            heights = ", with heights given there" if self.scene.indenter.given_points else ""
             allowed = f"{above}a finer grid: num_points above {solution.scene.num_points}{heights}"
             reason = Reason(Cause.GRID, "accuracy", f"{self.accuracy:g}", allowed)
         elif reason and status is not Status.INTERRUPTED and solution.certificate:

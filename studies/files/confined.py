@@ -111,8 +111,9 @@ def _dataset(path: str, most: str, name: str | None = None) -> Columns:
         if math.prod(data.shape) > int(most):
             raise RefusedError(f"profile_dataset is {name!r} of shape {data.shape}; allowed: up to {most} numbers")
         _check_storage(data, f"profile_dataset is {name!r}", 16 * int(most))
-        unit = data.attrs.get("unit", data.attrs.get("units", ""))
-        return Columns(data[()], unit if isinstance(unit, str) else "")
+        unit = np.ravel(data.attrs.get("unit", data.attrs.get("units", "")))
+        words = [one.decode(errors="replace") if isinstance(one, bytes) else str(one) for one in unit]
+        return Columns(data[()], " ".join(words)[:100])
 
 
 def _check_storage(data: "h5py.Dataset", what: str, most: int) -> None:

@@ -52,8 +52,8 @@ def save(solution: Solution, path: Name, overwrite: bool = False) -> None:
 
 def load(path: Name) -> StoredSolution:
     """Read a file that `save` or the command line has written. Raises `ValueError` for any other."""
-    fields, results = load_solution(Path(path))
-    return StoredSolution(**fields, results=results)
+    arrays, results = load_solution(Path(path))
+    return StoredSolution(**arrays, results=results)
 
 
 def save_patches(path: Name, patches: PatchTable) -> None:
@@ -66,12 +66,12 @@ def save_patches(path: Name, patches: PatchTable) -> None:
 
 def save_solution(path: Path, solution: Solution) -> None:
     """Write one solution; an existing file is replaced."""
-    fields = (solution.scene.x, solution.scene.profile, solution.displacement, solution.contact_pressure)
+    arrays = (solution.scene.x, solution.scene.profile, solution.displacement, solution.contact_pressure)
     with new_file(path) as file:
         file.attrs["kind"] = KIND
         for name, value in flatten(solution.to_dict()).items():
             file.attrs[name] = value
-        for name, values in zip(_FIELDS, fields, strict=True):
+        for name, values in zip(_FIELDS, arrays, strict=True):
             dataset = file.create_dataset(name, data=values)
             dataset.attrs["unit"] = unit(name)
 
@@ -79,7 +79,7 @@ def save_solution(path: Path, solution: Solution) -> None:
 def load_solution(path: Path) -> tuple[dict[str, NDArray[np.float64]], dict[str, Any]]:
     """Fields, shape (N,) each, N >= 2, and attributes of a solution file. Raises like `hdf5.open_file`."""
     with open_file(path) as file:
-        fields = {name: column_of_numbers(file[name]) for name in _FIELDS}
-        if len({values.size for values in fields.values()}) > 1 or fields["x"].size < 2:
+        arrays = {name: column_of_numbers(file[name]) for name in _FIELDS}
+        if len({values.size for values in arrays.values()}) > 1 or arrays["x"].size < 2:
             raise ValueError("its fields are of different lengths, or shorter than 2")
-        return fields, renamed({name: scalar(value) for name, value in file.attrs.items()})
+        return arrays, renamed({name: scalar(value) for name, value in file.attrs.items()})

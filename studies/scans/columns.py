@@ -179,10 +179,13 @@ def _places(path: Path, values: Array64, labels: Sequence[Label]) -> tuple[int |
 
 
 def _named(label: Label | None, table: Table, axis: str) -> dict[str, str]:
-    """The units that the label of a column or, without one, the rest of the file names, with where."""
+    """The units that the label of a column and the rest of the file name for it, with where."""
+    named = {unit: f"the line {line[:60]!r}" for of, unit, line in table.stated if of == axis}
     if label and (label.unit or label.unknown):
-        return {label.unit: f"the label {label.text!r}"}
-    return {unit: f"the line {line[:60]!r}" for of, unit, line in table.stated if of == axis}
+        if not label.unit or named.keys() == {""}:  # a line on something else than lengths
+            named = {}
+        named[label.unit] = f"the label {label.text!r}"
+    return named
 
 
 def units(

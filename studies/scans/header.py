@@ -16,24 +16,22 @@ Role = Literal["x", "z", "depth", "index", ""]
 
 _WORDS: dict[Role, str] = {
     "index": r"index|idx|no|nr|n|i|#|points?|samples?|num|number|row",
-    "depth": r"depths?|tiefe",
+    "depth": r"depths?|tiefe|gaps?",
     "z": r"z|heights?|profile|raw|topography|elevation|vertical|amplitude|level(?:l?ed)?|filtered|h\u00f6he|hoehe",
     "x": r"x|lateral|positions?|pos|distance|dist|length|scan|abscissa|horizontal|track|travel|traverse|weg",
 }
 _VALUE = re.compile(r"(?:^|[\s:=])[-+]?[\d.,]*\d(?:[eE][-+]?\d+)?\s*(?:$|[\[({<]|[^\W\d]+$)")
 """A number at the end of a cell, or one with a unit: the value of a parameter, and no label."""
 _LINES = 2  # above the table, that may label its columns: names, and units below them
-_AXIS = r"(?P<axis>x|lateral|horizontal|positions?|z|heights?|vertical|y)"
-_UNIT = r"(?P<unit>[^\s\"',;.)]+)"
-_END = r"(?=\s*(?:$|[,;.)]|and\b))"
-_LINE = r"^[#%*;\"'\s]*"  # the begin of a line
-_STATED = (
-    re.compile(rf"{_LINE}{_AXIS}[\s_-]*(?:axis[\s_-]*)?(?:units?|einheit)\b[\"'\s]*[:=,;\t]\s*[\"']?{_UNIT}", re.I),
-    re.compile(rf"{_LINE}(?:length\s+|data\s+)?(?:units?|einheit)\b[\"'\s]*[:=,;\t]\s*[\"']?{_UNIT}", re.I),
-    re.compile(rf"(?:{_LINE}|[,;(]\s*|\band\s+){_AXIS}\s+(?:is\s+|are\s+|given\s+)?in\s+{_UNIT}{_END}", re.I),
-    re.compile(rf"{_LINE}(?:all\s+)?(?:lengths|coordinates|data|columns|both)\s+(?:are\s+)?in\s+{_UNIT}{_END}", re.I),
+_AXIS = r"x|lateral|horizontal|positions?|z|heights?|vertical"
+_BOTH = r"lengths|coordinates|data|columns|both"
+_UNIT_LINE = re.compile(
+    rf"(?:({_AXIS})[\s_-]*(?:axis[\s_-]*)?|length\s+|data\s+)?(?:units?|einheit)\b[\"'\s]*[:=,;\t](.*)", re.I
 )
-"""Units that a line of its own names: "X Unit: um", "Units,um", "x in mm, z in nm", "all lengths in um"."""
+"""A line that names units: "X Unit: um", "Units,um"."""
+_CLAUSE = re.compile(rf"(?:all\s+)?(?:({_AXIS})|{_BOTH})\s+(?:is\s+|are\s+|given\s+)*in\s+(\S+?)\.?", re.I)
+"""Part of a line that names one: "x in mm", "all lengths in um"."""
+_FACTOR = re.compile(r"(?<=\s)[x*\u00d7]\s*10")
 
 
 @dataclass(frozen=True)
@@ -60,6 +58,11 @@ def labels(lines: Sequence[str], delimiter: str | None, count: int) -> list[Labe
         if not cells or any(map(_VALUE.search, cells)):
             break
         read = [_label(cell) for cell in cells]
+        named = (
+            any(label.unit or label.unknown for label in read) or len({label.role for label in read} - {""}) == count
+        )
+        if delimiter is None and not named:
+            break  # a title of as many words
         if any(label.role and label.unit for label in found):
             break  # names and units in one line
         found = [_merged(above, below) for above, below in zip(read, found, strict=True)] if found else read
@@ -69,17 +72,19 @@ def labels(lines: Sequence[str], delimiter: str | None, count: int) -> list[Labe
 
 
 def stated_units(lines: Sequence[str]) -> Iterator[tuple[str, str, str]]:
-    """Units named by lines of their own: the axis 'x' or 'z', the unit (empty if it is no unit of length), the line."""
+    """Units named by lines of their own: the axis 'x' or 'z', the unit (empty unless it is one of length), the line."""
     for line in map(plain, lines):
-        for pattern in _STATED:
-            for match in pattern.finditer(line):
-                named = (match.groupdict().get("axis") or "both").lower()
-                unit = unit_of(match["unit"])
-                if unit is None and pattern in _STATED[2:]:
-                    continue  # "x in each line"
-                along = named[0] in "xlp" or named == "horizontal"
-                for axis in "xz" if named == "both" else "x" if along else "z":
-                    yield axis, unit or "", line.strip()
+        bare = line.lstrip("#%*;\"' ")
+        if match := _UNIT_LINE.fullmatch(bare):
+            found = [(match[1], set(re.findall(r"[^\s,;=:\"']+", match[2])))]
+        else:
+            clauses = [_CLAUSE.fullmatch(clause.strip()) for clause in re.split(r"[,;]|\band\b", bare)]
+            found = [(clause[1], {clause[2]}) for clause in clauses if clause]
+        for axis, words in found:
+            unit = (unit_of(words.pop()) or "") if len(words) == 1 else ""
+            along = axis and (axis[0].lower() in "xlp" or axis.lower() == "horizontal")
+            for name in "xz" if not axis else "x" if along else "z":
+                yield name, unit, line.strip()
 
 
 def _cells(line: str, delimiter: str | None, count: int) -> list[str]:
@@ -98,7 +103,8 @@ def _cells(line: str, delimiter: str | None, count: int) -> list[str]:
 
 def _label(text: str) -> Label:
     """What one cell says."""
-    bracket = re.search(r"[\[({<]\s*(?:in\s+)?([^\])}>]*?)\s*[\])}>]", text)
+    brackets = list(re.finditer(r"[\[({<]\s*(?:in\s+)?([^\])}>]*?)\s*[\])}>]", text))
+    bracket = next((found for found in reversed(brackets) if unit_of(found[1])), brackets[-1] if brackets else None)
     stated = bracket or re.search(r"\s(?:in\s+|/\s*)(\S+)$|(?<=\w)/(\S+)$", text)
     name, unit, unknown = text, "", ""
     if stated:
@@ -110,7 +116,9 @@ def _label(text: str) -> Label:
         alone = unit_of(last, expected=not words)
         if alone:
             name, unit = " ".join(words), alone
-    return Label(text, _role(name), unit, unknown)
+    if unit and _FACTOR.search(name):
+        unit, unknown = "", text  # "x10 nm"
+    return Label(text, _role(re.sub(r"[\[\](){}<>]", " ", name)), unit, unknown)
 
 
 def _role(name: str) -> Role:
@@ -127,4 +135,7 @@ def _role(name: str) -> Role:
 def _merged(above: Label, below: Label) -> Label:
     """One label from two lines, names above units."""
     text = f"{above.text} {below.text}"
-    return Label(text, below.role or above.role, below.unit or above.unit, below.unknown or above.unknown)
+    role, unit, unknown = below.role or above.role, below.unit or above.unit, below.unknown or above.unknown
+    if above.unit and below.unit and above.unit != below.unit:
+        unit, unknown = "", text
+    return Label(text, role, unit, unknown)

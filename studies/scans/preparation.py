@@ -12,6 +12,7 @@ Window = Literal["mirror", "tukey", "hann", "none"]
 
 _TAPER = 0.1  # share of the length over which a Tukey window falls, at each end
 _ROUNDING = 0.6  # of the positions' last digit: by how much rounding puts them off
+_ROUNDED = 0.9  # spacings that the last digit may be worth: one spacing is a value left out
 _EVEN = 0.01  # spacings by which positions may be off without that
 _LONGEST_GAP = 0.05  # share of the scan that may be without values
 
@@ -81,14 +82,16 @@ class Profile:
 def evenly_spaced(x: Array64, z: Array64) -> Profile:
     """A profile from heights at increasing positions, shape (number of values,) each [length].
 
-    Positions that are even but for the rounding of their digits are taken as even; others are interpolated. The length
+    Positions that are even but for the rounding of their digits, to less than their spacing, are taken as even; others
+    are interpolated. The length
     of the scan is one spacing for each value. Raises `ValueError` for a gap that is too long for that.
     """
     x = x - x[0]
     i = np.arange(x.size) - (x.size - 1) / 2
     spacing = float(i @ x) / float(i @ i)  # least squares
     off = float(np.abs(x - x.mean() - spacing * i).max())
-    if off <= max(_EVEN * spacing, _ROUNDING * _last_digit(x)):
+    digit = _last_digit(x)
+    if off <= max(_EVEN * spacing, _ROUNDING * digit if digit < _ROUNDED * spacing else 0.0):
         even = f"positions even to {off / spacing:.2g} of the spacing {spacing:.6g}, taken as even"
         return Profile(z, spacing * x.size, [even])
     gap = float(np.diff(x).max())

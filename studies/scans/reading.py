@@ -8,7 +8,7 @@ import math
 import os
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
 from linecontact.solver import MeasuredIndenter, checks
@@ -25,6 +25,20 @@ Array64 = NDArray[np.float64]
 
 _POINTS_PER_VALUE, _ENOUGH = 4, 2**18
 """Of the default grid, as long as it has no more points than that: contact edges lie between values."""
+
+
+Convention = Literal["heights", "gap"]
+
+_WORDS = {
+    "x_unit": Unit,
+    "z_unit": Unit,
+    "length_unit": Unit,
+    "decimal": Decimal,
+    "profile_convention": Convention,
+    "detrend": Detrend,
+    "window": Window,
+}
+"""The options that are one of a few words."""
 
 
 @dataclass(frozen=True)
@@ -50,18 +64,33 @@ class Options:
     """Columns of x and z, counted from 1, like 2,3; or of z alone, like 3."""
     decimal: Decimal | None = None
     """Decimal sign of a text, where the file leaves it open."""
-    profile_convention: Literal["heights", "gap"] | None = None
+    profile_convention: Convention | None = None
     """Heights have their peaks up, as a scan has them; gap is h, the distance of the indenter. Default: heights."""
     profile_dataset: str | None = None
     """Name of the dataset in an .h5 file that holds several."""
-    detrend: Detrend = "linear"
-    """What is removed of the tilt."""
+    detrend: Detrend | None = None
+    """What is removed of the tilt; default: linear, but none with --window none."""
     window: Window = "mirror"
     """What makes the profile periodic: its mirror image, a window, or nothing if it is periodic."""
     period: float | None = None
     """Not with a file."""
     accuracy: float | None = None
     """Relative error wanted of a_r (dimensionless); it chooses the grid."""
+
+    def __post_init__(self) -> None:
+        """What the command line makes sure of, for those who come from Python. Raises `ValueError`."""
+        if not isinstance(self.profile_file, Path):
+            raise ValueError(f"profile_file is {self.profile_file!r}; allowed: a path")
+        for name, allowed in _WORDS.items():
+            if getattr(self, name) is not None:
+                checks.choice(name, getattr(self, name), get_args(allowed))
+        if not isinstance(self.scene_units, bool):
+            raise ValueError(f"scene_units is {self.scene_units!r}; allowed: True or False")
+        for name in ("columns", "profile_dataset"):
+            if not isinstance(getattr(self, name), str | None):
+                raise ValueError(f"{name} is {getattr(self, name)!r}; allowed: text, like '2,3'")
+        if self.window is None or self.length_unit is None:
+            raise ValueError("window or length_unit is None; allowed: a word")
 
 
 class Scan(NamedTuple):
@@ -84,11 +113,15 @@ def read_scan(path: str | os.PathLike[str], **options: Any) -> Scan:
     Raises `ValueError` for a file that cannot be read, whose units are not known, or that is no profile; it says what
     to add.
     """
-    allowed = [field.name for field in fields(Options)][1:]
+    allowed = [field.name for field in fields(Options) if field.name not in ("profile_file", "period")]
     for name in options:
-        if name not in allowed:
+        if name not in (*allowed, "period"):
             raise ValueError(f"option is {name!r}; allowed: {', '.join(allowed)}")
-    return read(Options(Path(path), **options))
+    try:
+        file = Path(path)
+    except TypeError:
+        raise ValueError(f"path is {path!r}; allowed: text or a path") from None
+    return read(Options(file, **options))
 
 
 def read(options: Options) -> Scan:
@@ -109,7 +142,7 @@ def read(options: Options) -> Scan:
     count, scan = profile.z.size, _statistics(profile)
     _turn_over(profile, found, options)
     height = np.ptp(profile.z)
-    profile.detrend(options.detrend)
+    profile.detrend(options.detrend or ("none" if options.window == "none" else "linear"))
     if np.ptp(profile.z) <= 1e-12 * height:
         raise ValueError(f"profile_file {path} holds a straight line; allowed: a profile that is not")
     profile.make_periodic(options.window)

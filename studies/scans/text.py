@@ -94,6 +94,12 @@ def read_text(path: Path, name: str, decimal: Decimal | None) -> Table:
     for i in range(first, len(lines)):
         if not lines[i].strip():  # what is before may be a header of numbers
             raise ValueError(f"profile_file {path}, line {i + 1} is empty; allowed: none between numbers")
+    if writing.decimal == "comma" and any("." in line for line in lines[first:]):
+        i = next(i for i in range(first, len(lines)) if "." in lines[i])
+        raise ValueError(
+            f"profile_file {path}, line {i + 1}: {lines[i].strip()[:40]!r} has a point; allowed: decimal commas, as in "
+            "other lines, and nothing that parts thousands"
+        )
     try:
         values = np.loadtxt(map(writing.plain, lines[first:]), delimiter=writing.delimiter, ndmin=2, comments=None)
     except ValueError as error:
