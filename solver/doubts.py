@@ -35,6 +35,7 @@ NEARLY_FULL = 0.97
 _UNRESOLVED_SHARE = 0.2  # of the contact nodes, in patches that are not resolved
 _LIKELY, _LIKELY_IF_SMOOTH = 0.2, 0.09  # likely error of the edges over the one claimed
 _SMOOTH = 1 / 3  # of half a shortest wave: in patches narrower on the average the profile is smooth
+_MOST_OMITTED = 0.001  # share of the mean square slope in waves that the grid leaves out
 _FEWEST_NODES = 3  # of a patch whose ends can be found between nodes
 _WAVE_POINTS = 3  # half a shortest wave on fewer points needs as many more nodes to a patch
 _SHARE_OF_LOAD = 0.05  # on patches as narrow as two values of a scan
@@ -45,6 +46,8 @@ class Concern(StrEnum):
 
     GRID = "grid"
     """So few nodes are in contact that the area is not resolved."""
+    WAVES = "waves"
+    """The grid does not hold all waves of the profile."""
     ERROR = "error"
     """The estimated error of the area is large."""
     STRAIN = "strain"
@@ -89,6 +92,8 @@ def _of_grid(scene: Scene, found: Observables, patches: PatchTable) -> Iterator[
     if few > _UNRESOLVED_SHARE:
         text = f"{few:.0%} of the contact nodes are in patches of fewer than {math.ceil(needed)} nodes"
         yield Doubt(Concern.GRID, f"{text}: the grid does not resolve the area; more num_points")
+    if scene.indenter.omitted(scene.num_points) > _MOST_OMITTED:
+        yield Doubt(Concern.WAVES, "the grid is coarser than the profile and leaves out waves of it; more num_points")
     smooth = waves and patches.nodes.mean() <= _SMOOTH * half_wave
     edges = found.contact_area_error - (found.contact_area_discretisation_error or 0.0)
     if (_LIKELY_IF_SMOOTH if smooth else _LIKELY) * edges > LARGEST_ERROR * area:

@@ -98,7 +98,7 @@ def test_a_scan_from_file_to_figure_in_one_command(tmp_path):
     scan = np.stack([0.5 * x, np.sin(x / 20) + 0.1 * np.random.default_rng(0).standard_normal(300)], axis=1)
     np.savetxt(tmp_path / "scan.csv", scan, delimiter=",", header="x um, z nm")
     file = tmp_path / "run.h5"
-    options = "--profile file --length-unit um --pressure 1e-4"  # the units stand in the header
+    options = "--profile file --length-unit um --pressure 1e-4 --contact-modulus 1"  # the units stand in the header
     result = run("solve", *options.split(), "--profile-file", tmp_path / "scan.csv", "--save", file, "--plot")
     assert result.returncode == 0, result.stderr
     assert (tmp_path / "run.png").stat().st_size > 5000
@@ -114,6 +114,16 @@ def test_a_scan_from_file_to_figure_in_one_command(tmp_path):
     assert again.returncode == 2
     assert "run.png exists" in again.stderr
     assert fields["profile"].max() < 5e-3  # nm to um
+
+
+def test_a_scan_is_not_pressed_by_defaults(tmp_path):
+    np.savetxt(tmp_path / "scan.csv", np.random.default_rng(0).random((20, 1)), header="Height [um]")
+    words = ["solve", "--profile", "file", "--profile-file", tmp_path / "scan.csv", "--scan-length", 1e-4]
+    for more, missing in (((), "contact_modulus"), (("--youngs-modulus", 1), "pressure")):
+        refused = run(*words, *more)
+        assert refused.returncode == 2
+        assert refused.stderr.startswith(f"linecontact: {missing} is missing; allowed: ")
+    assert run(*words, "--youngs-modulus", 1, "--pressure", 1e-3, "--json").returncode == 0
 
 
 @pytest.mark.parametrize("method", ["active-set", "mass-weighted-fire"])

@@ -91,6 +91,13 @@ def test_a_finer_grid_that_claims_more_says_why(capsys):
     assert len(set(said.values())) == 2
 
 
+def test_a_grid_coarser_than_the_scan():
+    """A scan that was resampled to fewer points than it has values: what it lost may have carried the load."""
+    heights = 1e-5 * RoughIndenter(0.8, 0, 1 / 8, 1 / 8).profile(256, 1.0)
+    assert Concern.WAVES in concerns(Scene(indenter=MeasuredIndenter(heights, 1024), pressure=1e-6, num_points=256))
+    assert Concern.WAVES not in concerns(Scene(indenter=MeasuredIndenter(heights), pressure=1e-6, num_points=256))
+
+
 def test_patches_add_up():
     solution = solve(replace(rough(), period=3.0))
     patches, found = solution.patches, solution.observables

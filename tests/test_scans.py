@@ -129,7 +129,7 @@ def test_a_power_of_two_of_values_is_treated_as_any_other(tmp_path):
     assert "tilt of" in found.description["profile_steps"]
 
 
-@pytest.mark.parametrize(("values", "accuracy", "points"), [(3001, None, 2**15), (3001, 1e-3, 2**15), (40, 1e-2, 512)])
+@pytest.mark.parametrize(("values", "accuracy", "points"), [(3001, None, 2**15), (3001, 1e-3, 48000), (40, 1e-2, 640)])
 def test_the_grid_goes_as_far_as_the_scan(tmp_path, values, accuracy, points):
     z = np.random.default_rng(3).standard_normal(values)
     assert read(write(tmp_path, ".npy", [z]), accuracy=accuracy).num_points == points

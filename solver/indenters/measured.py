@@ -67,8 +67,10 @@ class MeasuredIndenter(Indenter):
         return min(num_points, self.heights.size, self.measured_points or self.heights.size) // 2
 
     def omitted(self, num_points: int) -> float:
-        if num_points >= self.heights.size:
+        if num_points >= max(self.heights.size, self.measured_points or 0):
             return 0.0
+        if num_points >= self.heights.size:
+            return 1.0  # what the values held is not known any more
         power = (np.arange(self._modes.size) * np.abs(self._modes)) ** 2
         return float(power[(num_points + 1) // 2 :].sum() / power.sum())
 

@@ -37,8 +37,8 @@ class Options:
     """Indenter; what each one is, and takes, is told below."""
     layer: str = one_of(LAYERS, next(iter(LAYERS)))
     """Layer; what each one is, and takes, is told below."""
-    pressure: float = Scene.pressure
-    """Mean external pressure p > 0 [pressure]."""
+    pressure: float | None = None
+    """Mean external pressure p > 0 [pressure]; default 0.002, but for a file it must be given."""
     period: float | None = None
     """Period L > 0 [length]; default 1; not for a file, whose scan is the period, or half of it."""
     num_points: int | None = None
@@ -165,12 +165,25 @@ def make_scene(options: Options, given: Given) -> Scene:
     profile = _made("profile", options, given)
     if isinstance(profile, reading.Options):
         indenter, period, num_points = reading.read(profile)
+        _check_scales(options, given)
         grid: dict[str, Any] = {"period": period, "num_points": num_points}
     else:
         indenter = profile
         grid = {name: getattr(options, name) for name in ("period", "num_points") if getattr(options, name) is not None}
     layer = _made("layer", options, given)
-    return Scene(layer=layer, indenter=indenter, pressure=options.pressure, precision=options.precision, **grid)
+    if options.pressure is not None:
+        grid["pressure"] = options.pressure
+    return Scene(layer=layer, indenter=indenter, precision=options.precision, **grid)
+
+
+def _check_scales(options: Options, given: Given) -> None:
+    """Raise `ValueError` where a file, whose lengths have units, would meet a pressure or modulus that nobody gave."""
+    own = given[kinds.title("layer", options.layer)]
+    modulus = "contact_modulus" in options_of(kinds.classes("layer")[options.layer])
+    if modulus and not {"contact_modulus", "youngs_modulus"} & own.keys():
+        raise ValueError("contact_modulus is missing; allowed: it or youngs_modulus, in the pressure's unit")
+    if options.pressure is None:
+        raise ValueError("pressure is missing; allowed: the mean pressure, in the modulus's unit")
 
 
 def _made(what: str, options: Options, given: Given) -> Any:

@@ -139,7 +139,7 @@ def _choose(path: Path, table: Table, columns: str | None) -> Columns:
         table.origin + shown,
         _named(labels.get(-1 if x is None else x), table, "x"),
         _named(labels.get(z), table, "z"),
-        bool(table.labels) and table.labels[z].role == "depth",
+        table.is_downwards or (bool(table.labels) and table.labels[z].role == "depth"),
     )
 
 

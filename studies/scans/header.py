@@ -5,6 +5,7 @@ their own ("X Unit: um", "x in mm, z in nm"). What is written there is taken at 
 names something else than a length, is for the user to decide.
 """
 
+import csv
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -16,13 +17,16 @@ Role = Literal["x", "z", "depth", "index", ""]
 
 _WORDS: dict[Role, str] = {
     "index": r"index|idx|no|nr|n|i|#|points?|samples?|num|number|row",
-    "depth": r"depths?|tiefe|gaps?",
     "z": r"z|heights?|profile|raw|topography|elevation|vertical|amplitude|level(?:l?ed)?|filtered|h\u00f6he|hoehe",
     "x": r"x|lateral|positions?|pos|distance|dist|length|scan|abscissa|horizontal|track|travel|traverse|weg",
 }
+_DOWNWARDS = re.compile(r"depth|tiefe|inverted|down\b|\bgaps?\b|^\s*-\s*z\b")
+"""Heights under such a name may grow into the valleys."""
 _VALUE = re.compile(r"(?:^|[\s:=])[-+]?[\d.,]*\d(?:[eE][-+]?\d+)?\s*(?:$|[\[({<]|[^\W\d]+$)")
 """A number at the end of a cell, or one with a unit: the value of a parameter, and no label."""
+_FACTOR = re.compile(r"[*\u00d7]\s*\d|(?<=[\s(])x\s*\d|10\s*\^")
 _LINES = 2  # above the table, that may label its columns: names, and units below them
+_LONGEST = 1000  # characters of a line that is looked at
 _AXIS = r"x|lateral|horizontal|positions?|z|heights?|vertical"
 _BOTH = r"lengths|coordinates|data|columns|both"
 _UNIT_LINE = re.compile(
@@ -31,7 +35,6 @@ _UNIT_LINE = re.compile(
 """A line that names units: "X Unit: um", "Units,um"."""
 _CLAUSE = re.compile(rf"(?:all\s+)?(?:({_AXIS})|{_BOTH})\s+(?:is\s+|are\s+|given\s+)*in\s+(\S+?)\.?", re.I)
 """Part of a line that names one: "x in mm", "all lengths in um"."""
-_FACTOR = re.compile(r"(?<=\s)[x*\u00d7]\s*10")
 
 
 @dataclass(frozen=True)
@@ -47,6 +50,11 @@ class Label:
     unknown: str = ""
     """What stands where a unit is expected and is no unit of length."""
 
+    @property
+    def names_unit(self) -> bool:
+        """Whether it names a unit, of length or not."""
+        return bool(self.unit or self.unknown)
+
 
 def labels(lines: Sequence[str], delimiter: str | None, count: int) -> list[Label]:
     """Labels of the `count` columns of a table from the lines above it; empty if there are none."""
@@ -55,25 +63,25 @@ def labels(lines: Sequence[str], delimiter: str | None, count: int) -> list[Labe
         lines = lines[:-1]
     for line in lines[: -_LINES - 1 : -1]:
         cells = _cells(line, delimiter, count)
-        if not cells or any(map(_VALUE.search, cells)):
+        if not cells or any(map(_VALUE.search, cells)) or any(label.role and label.unit for label in found):
             break
-        read = [_label(cell) for cell in cells]
-        named = (
-            any(label.unit or label.unknown for label in read) or len({label.role for label in read} - {""}) == count
-        )
-        if delimiter is None and not named:
+        read = _row(cells)
+        if delimiter is None and len({label.role for label in read} - {""}) < count and not _any_unit(read):
             break  # a title of as many words
-        if any(label.role and label.unit for label in found):
-            break  # names and units in one line
         found = [_merged(above, below) for above, below in zip(read, found, strict=True)] if found else read
-    if count == 1 and found and found[0].role not in ("z", "depth") and found[0].text != found[0].unit:
+    if count == 1 and found and found[0].role not in ("z", "depth") and not unit_of(found[0].text.strip("[]()<>")):
         return []  # the last line of a header of anything
-    return found if any(label.role or label.unit or label.unknown for label in found) else []
+    return found if any(label.role for label in found) or _any_unit(found) else []
+
+
+def is_downwards(lines: Sequence[str]) -> bool:
+    """Whether a header says anywhere that its heights may grow into the valleys."""
+    return any(re.search(r"\bdepths?\b|tiefe|positive down", plain(line[:_LONGEST]).lower()) for line in lines)
 
 
 def stated_units(lines: Sequence[str]) -> Iterator[tuple[str, str, str]]:
     """Units named by lines of their own: the axis 'x' or 'z', the unit (empty unless it is one of length), the line."""
-    for line in map(plain, lines):
+    for line in (plain(line) for line in lines if len(line) <= _LONGEST):
         bare = line.lstrip("#%*;\"' ")
         if match := _UNIT_LINE.fullmatch(bare):
             found = [(match[1], set(re.findall(r"[^\s,;=:\"']+", match[2])))]
@@ -89,16 +97,35 @@ def stated_units(lines: Sequence[str]) -> Iterator[tuple[str, str, str]]:
 
 def _cells(line: str, delimiter: str | None, count: int) -> list[str]:
     """The cells of a line if they are as many as the table has columns, else nothing."""
+    if len(line) > _LONGEST:
+        return []
     line = plain(line).lstrip("#%").strip()
-    bracketed = re.findall(r"[^\[\](){}]*[\[(][^\])]*[\])]", line)
-    ways = [line.split(delimiter)] if delimiter else [re.split(r"\s{2,}|\t|,|;", line), bracketed, line.split()]
-    for cells in ways if count > 1 else [[line]]:
+    if count == 1:
+        ways = [[line]]
+    elif delimiter:
+        ways = [next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])]
+    else:
+        bracketed = re.findall(r"[^\[\](){}]*[\[(][^\])]*[\])]", line)
+        ways = [re.split(r"\s{2,}|\t|,|;", line), bracketed, line.split()]
+    for cells in ways:
         cells = [cell.strip().strip("\"'").strip() for cell in cells]
         while cells and not cells[-1]:
             cells.pop()
         if len(cells) == count and all(cells):
             return cells
     return []
+
+
+def _row(cells: Sequence[str]) -> list[Label]:
+    """What the cells of one line say: units alone in all of them, or labels."""
+    alone = [unit_of(cell.strip("[](){}<> ")) or "" for cell in cells]
+    if all(alone):
+        return [Label(cell, "", unit) for cell, unit in zip(cells, alone, strict=True)]
+    return [_label(cell) for cell in cells]
+
+
+def _any_unit(row: Sequence[Label]) -> bool:
+    return any(label.names_unit for label in row)
 
 
 def _label(text: str) -> Label:
@@ -109,26 +136,26 @@ def _label(text: str) -> Label:
     name, unit, unknown = text, "", ""
     if stated:
         word = next(group for group in (*stated.groups(), "") if group is not None)
-        name, unit = text[: stated.start()] + text[stated.end() :], unit_of(word) or ""
+        name, unit = f"{text[: stated.start()]} {text[stated.end() :]}", unit_of(word) or ""
         unknown = "" if unit else word
     else:
         *words, last = re.split(r"[\s_,:=.]+", text)
-        alone = unit_of(last, expected=not words)
-        if alone:
+        alone = unit_of(last, expected=False)
+        if alone and _role(" ".join(words)):
             name, unit = " ".join(words), alone
     if unit and _FACTOR.search(name):
         unit, unknown = "", text  # "x10 nm"
-    return Label(text, _role(re.sub(r"[\[\](){}<>]", " ", name)), unit, unknown)
+    return Label(text, _role(name), unit, unknown)
 
 
 def _role(name: str) -> Role:
     """What the words of a label say that its column holds; empty if they say two things, or none."""
-    words = [word for word in re.split(r"[\s_,:.\-]+", name.lower()) if word]
+    if _DOWNWARDS.search(name.lower()):
+        return "depth"
+    words = re.findall(r"[^\s_,:.()\[\]{}<>\-]+", name.lower())
     said = {role for role, pattern in _WORDS.items() if any(re.fullmatch(pattern, word) for word in words)}
     if len(said) > 1:
         said -= {"index"}  # "sample position"
-    if "depth" in said:
-        said -= {"z"}
     return said.pop() if len(said) == 1 else ""
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
-from linecontact.solver import MeasuredIndenter, checks
+from linecontact.solver import ElasticLayer, MeasuredIndenter, Scene, checks
 from linecontact.solver.scene import MAX_POINTS, MIN_POINTS
 from numpy.typing import NDArray
 
@@ -94,7 +94,7 @@ class Options:
 
 
 class Scan(NamedTuple):
-    """A scan as an indenter."""
+    """A scan as an indenter, with the period and the grid that a `Scene` of it needs."""
 
     indenter: MeasuredIndenter
     """The indenter; its `description` holds what is known of the scan."""
@@ -102,6 +102,10 @@ class Scan(NamedTuple):
     """Period of the scene [length]."""
     num_points: int
     """Grid points of the scene."""
+
+    def scene(self, layer: ElasticLayer, pressure: float) -> Scene:
+        """The scan pressed against a layer by a mean pressure [pressure]; lengths in the same unit as the scan's."""
+        return Scene(layer, self.indenter, pressure, self.period, self.num_points)
 
 
 def read_scan(path: str | os.PathLike[str], **options: Any) -> Scan:
@@ -175,6 +179,11 @@ def _measured(found: columns.Columns, options: Options) -> tuple[Profile, dict[s
         return Profile(z * scene[units["z"]], length), described
     if options.scan_length is not None:
         raise ValueError(f"scan_length is {options.scan_length}; allowed: none, {path} has positions")
+    if not (options.x_unit or options.scene_units) and np.array_equal(x, x[0] + np.arange(x.size)) and x[0] in (0, 1):
+        raise ValueError(
+            f"x_unit is missing: {path} has positions {x[0]:g}, {x[1]:g}, {x[2]:g}, ..., which may count the values; "
+            "allowed: their unit, or columns of the heights alone and scan_length"
+        )
     turned = x[-1] < x[0]
     x, z = (x[::-1], z[::-1]) if turned else (x, z)
     columns.check_values(path, x, z)
@@ -217,12 +226,20 @@ def _turn_over(profile: Profile, found: columns.Columns, options: Options) -> No
     """Make h of heights, unless the file holds h."""
     if options.profile_convention is None and found.is_depth:
         raise ValueError(
-            f"profile_convention is missing: {options.profile_file} calls its values depths; allowed: heights, if they "
-            "grow towards the peaks, or gap, if they grow into the valleys"
+            f"profile_convention is missing: {options.profile_file} speaks of depths or gaps; allowed: heights, if its "
+            "values grow towards the peaks, or gap, if they grow into the valleys"
         )
     if options.profile_convention != "gap":
         profile.z = -profile.z
         profile.steps.append("heights turned over: peaks up become the indenter's lowest points")
+
+
+def _is_fast(num_points: int) -> bool:
+    """Whether it is even, and a product of 2, 3 and 5, which transforms take quickly."""
+    for prime in (2, 3, 5) if num_points % 2 == 0 else ():
+        while num_points % prime == 0:
+            num_points //= prime
+    return num_points == 1
 
 
 def _choose_grid(options: Options, values: int, in_period: int) -> int:
@@ -230,7 +247,7 @@ def _choose_grid(options: Options, values: int, in_period: int) -> int:
     most = MAX_REFINEMENT * values
     n = options.num_points
     if n is None and options.accuracy is not None:
-        n = 2 ** math.floor(math.log2(min(most, MAX_POINTS)))
+        n = next(n for n in range(min(most, MAX_POINTS), 0, -1) if _is_fast(n))
     elif n is None:
         fine = min(_POINTS_PER_VALUE * in_period, max(_ENOUGH, in_period))
         n = 2 ** math.ceil(math.log2(fine))

@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from .header import Label, labels, stated_units
+from .header import Label, is_downwards, labels, stated_units
 
 Array64 = NDArray[np.float64]
 Decimal = Literal["point", "comma"]
@@ -80,6 +80,8 @@ class Table:
     """What is written above each column; empty if there is nothing."""
     stated: Sequence[tuple[str, str, str]] = ()
     """Units that the file names elsewhere, see `header.stated_units`."""
+    is_downwards: bool = False
+    """Whether the header says that heights may grow into the valleys."""
 
 
 def read_text(path: Path, name: str, decimal: Decimal | None) -> Table:
@@ -87,7 +89,7 @@ def read_text(path: Path, name: str, decimal: Decimal | None) -> Table:
 
     name: of the file, for records; decimal: the decimal sign, None for the one that is found. Raises `ValueError`.
     """
-    lines = _decoded(path).splitlines()
+    lines = _decoded(path).replace("\r\r\n", "\n").splitlines()
     while lines and not lines[-1].strip(" \t,;"):
         lines.pop()
     writing, first, count = _find(path, lines, decimal)
@@ -112,8 +114,14 @@ def read_text(path: Path, name: str, decimal: Decimal | None) -> Table:
         # what float() reads and NumPy does not, like 1_0
         raise ValueError(f"profile_file {path}: {error}; allowed: plain numbers") from None
     head = lines[:first]
+    cells = writing.cells(head[-1]) if head else []
+    if len(cells) == count and any(writing.numbers(cell) for cell in cells if cell):
+        raise ValueError(
+            f"profile_file {path}, line {first}: {head[-1].strip()[:40]!r} looks like a row of the table below; "
+            f"allowed: {count} numbers there, or an empty line between header and table"
+        )
     origin = f"columns of {name}, {writing}, {first} lines of header"
-    return Table(values, origin, labels(head, writing.delimiter, count), tuple(stated_units(head)))
+    return Table(values, origin, labels(head, writing.delimiter, count), tuple(stated_units(head)), is_downwards(head))
 
 
 def _decoded(path: Path) -> str:
@@ -160,7 +168,8 @@ def _find(path: Path, lines: Sequence[str], decimal: Decimal | None) -> tuple[Wr
             f"columns of numbers behind up to {_MAX_HEADER} lines of header, a number in every cell, parted by commas, "
             "semicolons, tabs or spaces"
         )
-        raise ValueError(f"profile_file {path} holds no table of numbers{signs}; allowed: {allowed}")
+        seen = f"; the last line is {lines[-1].strip()[:40]!r}" if lines else ""
+        raise ValueError(f"profile_file {path} holds no table of numbers{signs}{seen}; allowed: {allowed}")
     longest = max(table.run for table in found)
     best, *others = [table for table in found if table.run == longest]
     unclear = any((other.first, other.count) != (best.first, best.count) for other in others)
