@@ -270,6 +270,40 @@ def test_a_scan_that_names_its_unit(tmp_path, monkeypatch):
         read(path, z_unit="nm")
 
 
+@pytest.mark.parametrize(
+    ("options", "named"),
+    [
+        ({"x_unit": "furlong"}, "x_unit is 'furlong'; allowed: m, cm, mm, um"),
+        ({"length_unit": "ft"}, "length_unit is 'ft'"),
+        ({"length_unit": None}, "length_unit is None"),
+        ({"profile_convention": "gaps"}, "profile_convention is 'gaps'; allowed: heights, gap"),
+        ({"window": "foo"}, "window is 'foo'; allowed: mirror, tukey, hann, none"),
+        ({"detrend": "quad"}, "detrend is 'quad'; allowed: linear, mean, none"),
+        ({"decimal": ","}, "decimal is ','; allowed: point, comma"),
+        ({"scene_units": "yes"}, "scene_units is 'yes'; allowed: True or False"),
+        ({"columns": (1, 2)}, r"columns is \(1, 2\); allowed: text, like '2,3'"),
+        ({"num_points": "2^14"}, "num_points is '2\\^14'; allowed: an integer"),
+        ({"accuracy": "x"}, "accuracy is 'x'"),
+        ({"unit": "um"}, "option is 'unit'; allowed: num_points, x_unit"),
+    ],
+)
+def test_wrong_options_are_named_in_python(tmp_path, options, named):
+    path = write(tmp_path, ".csv", [np.random.default_rng(0).random(32)])
+    with pytest.raises(ValueError, match=named):
+        read_scan(path, **{"scan_length": 1.0, "z_unit": "um"} | options)
+    for wrong in (None, 3, b"scan.csv"):
+        with pytest.raises(ValueError, match=r"path is .*; allowed: text or a path"):
+            read_scan(wrong)
+
+
+def test_the_scene_of_a_scan(tmp_path):
+    path = write(tmp_path, ".csv", [np.random.default_rng(0).random(32)])
+    scan = read_scan(path, scan_length=1e-3, z_unit="nm")
+    scene = scan.scene(Layer(1e-3), 1e-6)
+    assert (scene.period, scene.num_points) == (scan.period, scan.num_points) == (2e-3, 256)
+    assert scene.pressure == 1e-6
+
+
 LAYER = Layer(thickness=2e-3, poisson_ratio=0.49, contact_modulus=3e6 / (1 - 0.49**2))
 
 
@@ -292,7 +326,7 @@ def test_real_scans(name, units, length, values, area):
     assert scan.indenter.description["profile_values"] == values
     assert scan.period == pytest.approx(2 * length, rel=1e-3)  # mirrored
     assert "taken as even" in scan.indenter.description["profile_steps"]
-    solution = solve(Scene(LAYER, scan.indenter, 5e4, scan.period, scan.num_points))
+    solution = solve(scan.scene(LAYER, 5e4))
     assert solution.status is Status.CONVERGED
     assert not solution.handed_over
     assert solution.observables.contact_area_subgrid == pytest.approx(area[0], abs=area[1])

@@ -2,6 +2,7 @@
 
 import inspect
 import json
+import math
 import sys
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass
@@ -214,8 +215,10 @@ def solution_table(solution: Solution) -> Table:
     fallbacks = METHODS[solution.method].fallbacks if solution.handed_over else ()
     handed = "".join(f", handed over to {f.method}" for f in fallbacks if f.method != solution.method)
     area, error = record["contact_area_subgrid"], record["contact_area_error"]
+    relative = error / area if area else math.inf
     how = "converged on its grid" if solution.status is Status.CONVERGED and solution.certificate else solution.status
-    title = f"{solution.method}{handed}, {record['precision']}: {how}, a_r = {area:.6g} +- {error:.1g}"
+    found = f"a_r = {area:.6g} +- {error:.1g} (relative {relative:.1g})"
+    title = f"{solution.method}{handed}, {record['precision']}: {how}, {found}"
     table = Table(title=title, show_header=True)
     table.add_column("quantity")
     table.add_column("value", justify="right")

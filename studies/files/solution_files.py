@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from .hdf5 import column_of_numbers, new_file, open_file, scalar
 from .records import flatten, renamed, unit
-from .writing import check_target, write_bytes
+from .writing import as_path, check_target, write_bytes
 
 Name = str | os.PathLike[str]
 
@@ -46,13 +46,16 @@ def save(solution: Solution, path: Name, overwrite: bool = False) -> None:
 
     overwrite: whether an existing file may be replaced. Raises `ValueError` for a file that cannot be written.
     """
-    check_target(Path(path), overwrite)
-    save_solution(Path(path), solution)
+    if not isinstance(solution, Solution):
+        raise ValueError(f"solution is {str(solution)[:40]!r}; allowed: a Solution")
+    file = as_path("path", path)
+    check_target(file, overwrite)
+    save_solution(file, solution)
 
 
 def load(path: Name) -> StoredSolution:
     """Read a file that `save` or the command line has written. Raises `ValueError` for any other."""
-    arrays, results = load_solution(Path(path))
+    arrays, results = load_solution(as_path("path", path))
     return StoredSolution(**arrays, results=results)
 
 

@@ -27,6 +27,13 @@ class DamagedError(StoreError):
     """A file of linecontact that is not what was written."""
 
 
+def as_path(name: str, path: object) -> Path:
+    """A path from text or a path; raises `StoreError`, which names the parameter, for anything else."""
+    if not isinstance(path, str | os.PathLike):
+        raise StoreError(f"{name} is {str(path)[:40]!r}; allowed: text or a path")
+    return Path(path)
+
+
 def make_folder(folder: Path) -> None:
     """Make `folder` and its parents; raises `StoreError` if that is impossible."""
     try:

@@ -15,6 +15,7 @@ from linecontact.solver import ElasticLayer, MeasuredIndenter, Scene, checks
 from linecontact.solver.scene import MAX_POINTS, MIN_POINTS
 from numpy.typing import NDArray
 
+from ..files.writing import as_path
 from . import columns
 from .columns import MAX_REFINEMENT, SCENE
 from .preparation import Detrend, Profile, Window, evenly_spaced
@@ -89,6 +90,8 @@ class Options:
         for name in ("columns", "profile_dataset"):
             if not isinstance(getattr(self, name), str | None):
                 raise ValueError(f"{name} is {getattr(self, name)!r}; allowed: text, like '2,3'")
+        if self.accuracy is not None:
+            checks.real("accuracy", self.accuracy, "0 < accuracy <= 0.1", 0, 0.1)
         if self.window is None or self.length_unit is None:
             raise ValueError("window or length_unit is None; allowed: a word")
 
@@ -121,11 +124,7 @@ def read_scan(path: str | os.PathLike[str], **options: Any) -> Scan:
     for name in options:
         if name not in (*allowed, "period"):
             raise ValueError(f"option is {name!r}; allowed: {', '.join(allowed)}")
-    try:
-        file = Path(path)
-    except TypeError:
-        raise ValueError(f"path is {path!r}; allowed: text or a path") from None
-    return read(Options(file, **options))
+    return read(Options(as_path("path", path), **options))
 
 
 def read(options: Options) -> Scan:
@@ -251,7 +250,7 @@ def _choose_grid(options: Options, values: int, in_period: int) -> int:
     elif n is None:
         fine = min(_POINTS_PER_VALUE * in_period, max(_ENOUGH, in_period))
         n = 2 ** math.ceil(math.log2(fine))
-    checks.integer("num_points", n, f"an integer from {MIN_POINTS} to {MAX_POINTS}", MIN_POINTS, MAX_POINTS)
+    n = checks.integer("num_points", n, f"an integer from {MIN_POINTS} to {MAX_POINTS}", MIN_POINTS, MAX_POINTS)
     if n > most:
         raise ValueError(
             f"num_points is {n}; allowed: up to {MAX_REFINEMENT} times the {values} values in {options.profile_file}"
