@@ -178,11 +178,7 @@ def _measured(found: columns.Columns, options: Options) -> tuple[Profile, dict[s
         return Profile(z * scene[units["z"]], length), described
     if options.scan_length is not None:
         raise ValueError(f"scan_length is {options.scan_length}; allowed: none, {path} has positions")
-    if not (options.x_unit or options.scene_units) and np.array_equal(x, x[0] + np.arange(x.size)) and x[0] in (0, 1):
-        raise ValueError(
-            f"x_unit is missing: {path} has positions {x[0]:g}, {x[1]:g}, {x[2]:g}, ..., which may count the values; "
-            "allowed: their unit, or columns of the heights alone and scan_length"
-        )
+    _check_no_count(found, options)
     turned = x[-1] < x[0]
     x, z = (x[::-1], z[::-1]) if turned else (x, z)
     columns.check_values(path, x, z)
@@ -193,6 +189,17 @@ def _measured(found: columns.Columns, options: Options) -> tuple[Profile, dict[s
     if turned:
         profile.steps.insert(0, "positions decrease: read from the end")
     return profile, described
+
+
+def _check_no_count(found: columns.Columns, options: Options) -> None:
+    """Raise `ValueError` for positions 0, 1, 2, ... whose unit stands neither at their column nor in an option."""
+    x = found.x
+    asked = options.x_unit or options.scene_units or not any(w.startswith("the line") for w in found.x_units.values())
+    if x is not None and not asked and x[0] in (0, 1) and np.array_equal(x, x[0] + np.arange(x.size)):
+        raise ValueError(
+            f"x_unit is missing: {options.profile_file} has positions {x[0]:g}, {x[0] + 1:g}, ..., which may count the "
+            "values; allowed: their unit, or columns of the heights alone and scan_length"
+        )
 
 
 def _given_length(options: Options, count: int) -> float:
