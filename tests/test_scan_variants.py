@@ -46,6 +46,10 @@ READ = {
     "slash without spaces": ("x/mm z/nm\n" + rows(x="mm", z="nm", sep=" "), {}),
     "a comma within a label": ('"Position, um","Height, nm"\n' + rows(z="nm"), {}),
     "one a micrometre": ("x [um],z [um]\n" + rows(order="nz"), {}),
+    "depths of something else": ("Depth resolution 0.1 nm\nRautiefe Rz;1\nx [um],z [um]\n" + rows(), {}),
+    "a label left out": ('"No.","Distance","Height"\n"","\u00b5m","\u00b5m"\n' + rows(order="nxz"), {}),
+    "a blank label": (" ,Distance (microns),Height (um)\n" + rows(order="nxz"), {}),
+    "whole numbers with labels": ("x [um],z [nm]\n" + "".join(f"{i},{i % 7}\n" for i in range(COUNT)), {}),
     "two returns": (("x [um],z [um]\n" + rows()).replace("\n", "\r\r\n"), {}),
     "two brackets": ("x (lateral) [um],Height (filtered) [nm]\n" + rows(z="nm"), {}),
     "a title of two words": ("x [um]  z [nm]\n".replace("x", "#x") + rows(z="nm", sep="  "), {}),
@@ -135,7 +139,11 @@ REFUSED = {
     ),
     "a label against a line": ("X unit: mm\nZ unit: nm\n\nx [um],z [um]\n" + rows(), {}, "x_unit is missing: .* mm"),
     "two lines of labels": ("x [mm],z [mm]\num,nm\n" + rows(), {}, "x_unit is missing"),
-    "a second axis": ("X unit: mm\nY unit: mm\nX,Y,Z\n" + rows(order="xqz"), {}, "z_unit is missing"),
+    "a second axis": (
+        "X unit: mm\nY unit: mm\nX,Y,Z\n" + rows(order="xqz"),
+        {},
+        "columns is missing: .* 'X', 'Y', 'Z'",
+    ),
     "a factor": ("x [um],Height x10 nm\n" + rows(), {}, "z_unit is missing"),
     "gaps or heights": ("x [um],gap [um]\n" + rows(), {}, "profile_convention is missing"),
     "a point among commas": (
@@ -158,6 +166,26 @@ REFUSED = {
     "an inverted axis": ("x [um],-z [nm]\n" + rows(z="nm"), {}, "profile_convention is missing"),
     "depths, said above": ("Values are depths\nx [um],z [um]\n" + rows(), {}, "profile_convention is missing"),
     "a comma within quotes": ('Position [um],"Depth, nm"\n' + rows(z="nm"), {}, "z_unit is missing|profile_convention"),
+    "a scan along a diagonal": ("x [um],y [um],z [nm]\n" + rows(order="xxz", z="nm"), {}, "columns is missing"),
+    "a title that ends like a unit": ("Title,Profile CM\nx,z\n" + rows(), {}, "x_unit and z_unit are missing"),
+    "a name that ends like a unit": ("File,Raw_CM\n" + rows(), {}, "x_unit and z_unit are missing"),
+    "a title of one column": ("Topography by CM\n" + rows(order="z"), {"scan_length": 1.0}, "z_unit is missing"),
+    "a range": ("Height range [um]\n" + rows(order="z"), {"scan_length": 1.0}, "z_unit is missing"),
+    "two ranges": ("Range X [mm],Range Z [mm]\n" + rows(), {}, "x_unit and z_unit are missing"),
+    "a cutoff": ("Profile\nCutoff (mm)\n" + rows(order="z"), {"scan_length": 1.0}, "z_unit is missing"),
+    "a tolerance": ("Height \u00b15 um\n" + rows(order="z"), {"scan_length": 1.0}, "z_unit is missing"),
+    "a factor before": ("x [um],10*z [nm]\n" + rows(z="nm"), {}, "z_unit is missing"),
+    "a square": ("x [um],z [nm]^2\n" + rows(z="nm"), {}, "z_unit is missing"),
+    "two units in a label": ("x [um],Height [nm] (mm)\n" + rows(z="nm"), {}, "z_unit is missing"),
+    "columns against labels": (
+        "x [um],z [nm]\n" + rows(z="nm"),
+        {"columns": "2,1"},
+        "columns is '2,1', but",
+    ),
+    "heights with a minus": ("x [um],-height [nm]\n" + rows(z="nm"), {}, "profile_convention is missing"),
+    "downwards": ("Z axis points down\nx [um],z [um]\n" + rows(), {}, "profile_convention is missing"),
+    "a count backwards": ("Units: nm\nx,z\n" + rows(order="nz", reverse=True), {}, "x_unit is missing: .* may count"),
+    "a unit of data": ("Data unit: nm\nx,z\n" + rows(), {}, "x_unit and z_unit are missing"),
     "the user against the file": ("x [um],z [um]\n" + rows(), {"z_unit": "nm"}, "z_unit is nm, but .* names um"),
     "three columns": (rows(order="nxz"), UNITS, "columns is missing: .* has 3 columns"),
     "two of heights": ("Raw [um],Filtered [um]\n" + rows(order="zz"), {}, "columns is missing"),
@@ -190,6 +218,10 @@ def test_read_rightly(tmp_path, name):
     scan = read_scan(write(tmp_path, content), **kept, **options)
     length = 1e3 if options.get("length_unit") == "mm" else 1.0  # of the scene
     whole = name != "a value left out"
+    if name == "whole numbers with labels":
+        assert scan.period == pytest.approx(COUNT * 1e-6)
+        assert np.ptp(scan.indenter.heights) == pytest.approx(6e-9)
+        return
     spacing = 1e-6 if name == "one a micrometre" else SPACING
     assert scan.period == pytest.approx(COUNT * spacing * length, rel=2e-5 if whole else 1e-4)
     got, expected = scan.indenter.heights / length, HEIGHTS.max() - HEIGHTS

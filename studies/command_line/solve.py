@@ -180,11 +180,12 @@ def make_scene(options: Options, given: Given) -> Scene:
 def _check_scales(options: Options, given: Given) -> None:
     """Raise `ValueError` where a file, whose lengths have units, would meet a pressure or modulus that nobody gave."""
     own = given[kinds.title("layer", options.layer)]
-    modulus = "contact_modulus" in options_of(kinds.classes("layer")[options.layer])
-    if modulus and not {"contact_modulus", "youngs_modulus"} & own.keys():
-        raise ValueError("contact_modulus is missing; allowed: it or youngs_modulus, in the pressure's unit")
-    if options.pressure is None:
-        raise ValueError("pressure is missing; allowed: the mean pressure, in the modulus's unit")
+    known = {"contact_modulus", "youngs_modulus"} & own.keys()
+    needed = "contact_modulus" in options_of(kinds.classes("layer")[options.layer]) and not known
+    missing = ["contact_modulus (or youngs_modulus)"] * needed + ["pressure"] * (options.pressure is None)
+    if missing:
+        names = f"{' and '.join(missing)} {'are' if len(missing) > 1 else 'is'} missing"
+        raise ValueError(f"{names}; allowed: with a file, whose lengths have units, both must be given, in one unit")
 
 
 def _made(what: str, options: Options, given: Given) -> Any:

@@ -2,6 +2,7 @@
 
 import importlib.util
 import os
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -129,7 +130,7 @@ def _choose(path: Path, table: Table, columns: str | None) -> Columns:
     """The columns of x and z that are asked for, or that the file makes clear. Raises `ValueError` for any other."""
     values = _numbers(path, table.values)
     count = values.shape[1]
-    x, z = _places(path, values, table.labels) if columns is None else _asked(columns, count)
+    x, z = _places(path, values, table.labels) if columns is None else _asked(columns, count, table.labels)
     labels = dict(enumerate(table.labels))
     usual = (x, z) == ((None, 0) if count == 1 else (0, 1)) and count < 3
     shown = "" if usual else f", x from column {_number(x)}, z from column {_number(z)}"
@@ -147,14 +148,20 @@ def _number(place: int | None) -> str:
     return "none" if place is None else str(place + 1)
 
 
-def _asked(columns: str, count: int) -> tuple[int | None, int]:
+def _asked(columns: str, count: int, labels: Sequence[Label]) -> tuple[int | None, int]:
     """The places of x and z from the user's "2,3", or "3" for heights alone."""
     numbers = [int(word) if word.strip().isdecimal() else 0 for word in columns.split(",")]
     if len(numbers) > 2 or len(set(numbers)) < len(numbers) or not all(0 < number <= count for number in numbers):
         raise ValueError(
             f"columns is {columns!r}; allowed: numbers from 1 to {count}, those of x and z like 1,2, or of z alone"
         )
-    return (numbers[0] - 1 if len(numbers) == 2 else None), numbers[-1] - 1
+    x, z = (numbers[0] - 1 if len(numbers) == 2 else None), numbers[-1] - 1
+    if labels and (labels[z].role == "x" or (x is not None and labels[x].role in ("z", "depth"))):
+        texts = ", ".join(repr(label.text) for label in labels)
+        raise ValueError(
+            f"columns is {columns!r}, but the labels are {texts}; allowed: x and z as the labels have them"
+        )
+    return x, z
 
 
 def _places(path: Path, values: Array64, labels: Sequence[Label]) -> tuple[int | None, int]:
@@ -164,7 +171,8 @@ def _places(path: Path, values: Array64, labels: Sequence[Label]) -> tuple[int |
     along, up = ([i for i, role in enumerate(roles) if role in wanted] for wanted in (("x",), ("z", "depth")))
     if count == 1:
         return None, 0
-    if len(along) == len(up) == 1:
+    second = any(re.match(r"y\b", label.text.lower()) for label in labels) and count > 2
+    if len(along) == len(up) == 1 and not second:
         return along[0], up[0]
     if count == 2 and roles[0] == "index" and roles[1] != "x":
         return None, 1

@@ -20,18 +20,27 @@ _WORDS: dict[Role, str] = {
     "z": r"z|heights?|profile|raw|topography|elevation|vertical|amplitude|level(?:l?ed)?|filtered|h\u00f6he|hoehe",
     "x": r"x|lateral|positions?|pos|distance|dist|length|scan|abscissa|horizontal|track|travel|traverse|weg",
 }
-_DOWNWARDS = re.compile(r"depth|tiefe|inverted|down\b|\bgaps?\b|^\s*-\s*z\b")
+_DOWNWARDS = re.compile(
+    r"depth|tiefe|invert|_inv\b|flipped|down|gap|separation|clearance|profond|into|minus|negative"
+    r"|(?:^|[\s(])[-\u2212\u2013]\s*\(?(?:z|h)|\bz\s*-|\*\s*\(?-\s*1"
+)
 """Heights under such a name may grow into the valleys."""
-_VALUE = re.compile(r"(?:^|[\s:=])[-+]?[\d.,]*\d(?:[eE][-+]?\d+)?\s*(?:$|[\[({<]|[^\W\d]+$)")
+_SAID_DOWNWARDS = re.compile(
+    r"\b(?:values|heights|data|z|profile)\b\s*(?:are|is|axis)?\s*:?\s*(?:points\s+)?(?:depths?|inverted|down)"
+    r"|positive\s+(?:down|into)|\binverted\s*[:=]\s*[yt1]|\bgap\s+between"
+)
+_VALUE = re.compile(r"(?:^|[\s:=<>~\u00b1\u2212\u2013-])[-+]?[\d.,]*\d(?:[eE][-+]?\d+)?\s*(?:$|[\[({<]|[^\W\d]+$)")
 """A number at the end of a cell, or one with a unit: the value of a parameter, and no label."""
-_FACTOR = re.compile(r"[*\u00d7]\s*\d|(?<=[\s(])x\s*\d|10\s*\^")
+_PARAMETER = re.compile(
+    r"\b(?:range|resolution|spacing|size|cut-?off|filter|radius|speed|force|pitch|limits?|tolerance|stage|offset|width)\b"
+)
+"""Names of numbers that describe a scan; with a unit they are no label of a column."""
+_NEUTRAL = {"data", "values", "axis", "surface"}
 _LINES = 2  # above the table, that may label its columns: names, and units below them
 _LONGEST = 1000  # characters of a line that is looked at
 _AXIS = r"x|lateral|horizontal|positions?|z|heights?|vertical"
 _BOTH = r"lengths|coordinates|data|columns|both"
-_UNIT_LINE = re.compile(
-    rf"(?:({_AXIS})[\s_-]*(?:axis[\s_-]*)?|length\s+|data\s+)?(?:units?|einheit)\b[\"'\s]*[:=,;\t](.*)", re.I
-)
+_UNIT_LINE = re.compile(rf"(?:({_AXIS})[\s_-]*(?:axis[\s_-]*)?)?(?:units?|einheit)\b[\"'\s]*[:=,;\t](.*)", re.I)
 """A line that names units: "X Unit: um", "Units,um"."""
 _CLAUSE = re.compile(rf"(?:all\s+)?(?:({_AXIS})|{_BOTH})\s+(?:is\s+|are\s+|given\s+)*in\s+(\S+?)\.?", re.I)
 """Part of a line that names one: "x in mm", "all lengths in um"."""
@@ -49,6 +58,8 @@ class Label:
     """Unit of length; empty if the label names none."""
     unknown: str = ""
     """What stands where a unit is expected and is no unit of length."""
+    bare: bool = False
+    """Whether its unit stands without brackets or another sign of one."""
 
     @property
     def names_unit(self) -> bool:
@@ -63,10 +74,11 @@ def labels(lines: Sequence[str], delimiter: str | None, count: int) -> list[Labe
         lines = lines[:-1]
     for line in lines[: -_LINES - 1 : -1]:
         cells = _cells(line, delimiter, count)
-        if not cells or any(map(_VALUE.search, cells)) or any(label.role and label.unit for label in found):
+        values = any(_VALUE.search(cell) or _PARAMETER.search(cell.lower()) for cell in cells)
+        if not cells or values or any(label.role and label.unit for label in found):
             break
         read = _row(cells)
-        if delimiter is None and len({label.role for label in read} - {""}) < count and not _any_unit(read):
+        if delimiter is None and count > 1 and not _any_unit(read):
             break  # a title of as many words
         found = [_merged(above, below) for above, below in zip(read, found, strict=True)] if found else read
     if count == 1 and found and found[0].role not in ("z", "depth") and not unit_of(found[0].text.strip("[]()<>")):
@@ -76,7 +88,7 @@ def labels(lines: Sequence[str], delimiter: str | None, count: int) -> list[Labe
 
 def is_downwards(lines: Sequence[str]) -> bool:
     """Whether a header says anywhere that its heights may grow into the valleys."""
-    return any(re.search(r"\bdepths?\b|tiefe|positive down", plain(line[:_LONGEST]).lower()) for line in lines)
+    return any(_SAID_DOWNWARDS.search(plain(line[:_LONGEST]).lower()) for line in lines)
 
 
 def stated_units(lines: Sequence[str]) -> Iterator[tuple[str, str, str]]:
@@ -111,7 +123,7 @@ def _cells(line: str, delimiter: str | None, count: int) -> list[str]:
         cells = [cell.strip().strip("\"'").strip() for cell in cells]
         while cells and not cells[-1]:
             cells.pop()
-        if len(cells) == count and all(cells):
+        if len(cells) == count and any(cells):
             return cells
     return []
 
@@ -119,9 +131,13 @@ def _cells(line: str, delimiter: str | None, count: int) -> list[str]:
 def _row(cells: Sequence[str]) -> list[Label]:
     """What the cells of one line say: units alone in all of them, or labels."""
     alone = [unit_of(cell.strip("[](){}<> ")) or "" for cell in cells]
-    if all(alone):
+    if all(unit or not cell for cell, unit in zip(cells, alone, strict=True)):
         return [Label(cell, "", unit) for cell, unit in zip(cells, alone, strict=True)]
-    return [_label(cell) for cell in cells]
+    row = [_label(cell) for cell in cells]
+    strangers = any(label.text and not (label.role or label.names_unit) for label in row)
+    if strangers and any(label.bare for label in row):
+        return [Label(cell, "", "") for cell in cells]  # a title, and something that ends like a unit
+    return row
 
 
 def _any_unit(row: Sequence[Label]) -> bool:
@@ -141,11 +157,12 @@ def _label(text: str) -> Label:
     else:
         *words, last = re.split(r"[\s_,:=.]+", text)
         alone = unit_of(last, expected=False)
-        if alone and _role(" ".join(words)):
+        if alone and words and all(word.lower() in _NEUTRAL or _role(word) for word in words):
             name, unit = " ".join(words), alone
-    if unit and _FACTOR.search(name):
-        unit, unknown = "", text  # "x10 nm"
-    return Label(text, _role(name), unit, unknown)
+    others = {unit_of(found[1]) for found in brackets} | {unit_of(word, expected=False) for word in name.split()}
+    if unit and (re.search(r"[\d\u00b2\u00b3^]", name) or others - {None, unit}):
+        unit, unknown = "", text  # a factor, "x10 nm", or two units
+    return Label(text, _role(name), unit, unknown, bool(unit) and not stated)
 
 
 def _role(name: str) -> Role:

@@ -195,9 +195,9 @@ def _check_no_count(found: columns.Columns, options: Options) -> None:
     """Raise `ValueError` for positions 0, 1, 2, ... whose unit stands neither at their column nor in an option."""
     x = found.x
     asked = options.x_unit or options.scene_units or not any(w.startswith("the line") for w in found.x_units.values())
-    if x is not None and not asked and x[0] in (0, 1) and np.array_equal(x, x[0] + np.arange(x.size)):
+    if x is not None and not asked and np.array_equal(x, np.round(x)) and np.ptp(np.diff(x)) == 0:
         raise ValueError(
-            f"x_unit is missing: {options.profile_file} has positions {x[0]:g}, {x[0] + 1:g}, ..., which may count the "
+            f"x_unit is missing: {options.profile_file} has positions {x[0]:g}, {x[1]:g}, ..., which may count the "
             "values; allowed: their unit, or columns of the heights alone and scan_length"
         )
 

@@ -161,7 +161,7 @@ def _find(path: Path, lines: Sequence[str], decimal: Decimal | None) -> tuple[Wr
     points = [Writing(delimiter, "point") for delimiter in (";", "\t", ",", None)]
     commas = [Writing(delimiter, "comma") for delimiter in (";", "\t", None)]
     ways = points + commas if decimal is None else commas if decimal == "comma" else points
-    found = [table for table in (_table(lines, writing) for writing in ways) if table]
+    found = [table for table in (_table(lines, writing, decimal is None) for writing in ways) if table]
     if not found:
         signs = "" if decimal is None else f", with decimal {decimal}s"
         allowed = (
@@ -172,6 +172,9 @@ def _find(path: Path, lines: Sequence[str], decimal: Decimal | None) -> tuple[Wr
         raise ValueError(f"profile_file {path} holds no table of numbers{signs}{seen}; allowed: {allowed}")
     longest = max(table.run for table in found)
     best, *others = [table for table in found if table.run == longest]
+    labelled = next((one for one in (best, *others) if one.writing.delimiter == "," and _has_labels(lines, one)), None)
+    if labelled:  # as many labels between commas as numbers: these part columns
+        return labelled.writing, labelled.first, labelled.count
     unclear = any((other.first, other.count) != (best.first, best.count) for other in others)
     if unclear or (decimal is None and _may_be_thousands(best.writing, lines[best.first :])):
         raise ValueError(
@@ -181,8 +184,15 @@ def _find(path: Path, lines: Sequence[str], decimal: Decimal | None) -> tuple[Wr
     return best.writing, best.first, best.count
 
 
-def _table(lines: Sequence[str], writing: Writing) -> _Found | None:
-    """The table that begins where two lines in a row have as many numbers; None without, or without decimal commas."""
+def _has_labels(lines: Sequence[str], table: _Found) -> bool:
+    return any(label.names_unit for label in labels(lines[: table.first], table.writing.delimiter, table.count))
+
+
+def _table(lines: Sequence[str], writing: Writing, with_sign: bool) -> _Found | None:
+    """The table that begins where two lines in a row have as many numbers; None without one.
+
+    with_sign: whether a table of decimal commas must show one.
+    """
     counts = [writing.numbers(line) for line in lines[: _MAX_HEADER + _SAMPLE]]
     starts = (i for i, (a, b) in enumerate(itertools.pairwise(counts[: _MAX_HEADER + 2])) if a and a == b)
     first = next(starts, None)
@@ -190,7 +200,7 @@ def _table(lines: Sequence[str], writing: Writing) -> _Found | None:
         return None
     count, rows = counts[first], counts[first : first + _SAMPLE]
     run = next((i for i, other in enumerate(rows) if other != count), len(rows))
-    if writing.decimal == "comma" and not any("," in line for line in lines[first : first + run]):
+    if with_sign and writing.decimal == "comma" and not any("," in line for line in lines[first : first + run]):
         return None
     return _Found(writing, first, count, run)
 
