@@ -50,6 +50,8 @@ READ = {
     "a label left out": ('"No.","Distance","Height"\n"","\u00b5m","\u00b5m"\n' + rows(order="nxz"), {}),
     "a blank label": (" ,Distance (microns),Height (um)\n" + rows(order="nxz"), {}),
     "whole numbers with labels": ("x [um],z [nm]\n" + "".join(f"{i},{i % 7}\n" for i in range(COUNT)), {}),
+    "axes with hyphens": ("X-axis [um],Z-axis [nm]\n" + rows(z="nm"), {}),
+    "a name before a height": ("x [um],Sample - height [nm]\n" + rows(z="nm"), {}),
     "two returns": (("x [um],z [um]\n" + rows()).replace("\n", "\r\r\n"), {}),
     "two brackets": ("x (lateral) [um],Height (filtered) [nm]\n" + rows(z="nm"), {}),
     "a title of two words": ("x [um]  z [nm]\n".replace("x", "#x") + rows(z="nm", sep="  "), {}),

@@ -22,7 +22,7 @@ _WORDS: dict[Role, str] = {
 }
 _DOWNWARDS = re.compile(
     r"depth|tiefe|invert|_inv\b|flipped|down|gap|separation|clearance|profond|into|minus|negative"
-    r"|(?:^|[\s(])[-\u2212\u2013]\s*\(?(?:z|h)|\bz\s*-|\*\s*\(?-\s*1"
+    r"|(?:^|\()\s*[-\u2212\u2013]\s*\(?(?:z|h)|\bz\s*-\s*(?:$|[\[(])|\*\s*\(?-\s*1"
 )
 """Heights under such a name may grow into the valleys."""
 _SAID_DOWNWARDS = re.compile(
