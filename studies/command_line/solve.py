@@ -17,6 +17,7 @@ from rich.table import Table
 from ..figures.names import FORMATS
 from ..files import solution_files, writing
 from ..scans import reading, summary
+from ..scans.columns import SCENE
 from ..terminal import console
 from ..terminal.options import one_of, options_of
 from . import kinds
@@ -252,7 +253,9 @@ def solution_table(solution: Solution) -> Table:
         *((f"time: {stage}", f"{seconds:.3f}", "s") for stage, seconds in record["seconds"].items()),
         *((f"certificate: {name.replace('_', ' ')}", value, "-") for name, value in record["certificate"].items()),
     ]
+    known = record["scene"].get("profile_length_unit", SCENE)
     for name, value, unit in rows:
+        unit = known if unit == "length" and known != SCENE else unit
         table.add_row(name, f"{value:.7g}" if isinstance(value, float) else str(value), unit)
     return table
 
