@@ -130,6 +130,20 @@ def test_a_study_that_does_not_offer_what_it_must_is_refused(changes, message):
 
 
 @pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"plans": lambda _: None}, "plans of study layers gave 'None'; allowed: one `Plan` or more"),
+        ({"plans": lambda _: []}, "plans of study layers gave"),
+        ({"report": lambda *_: None}, "report of study layers gave 'None'; allowed: tables and texts, in a list"),
+        ({"report": lambda *_: "done"}, "report of study layers gave 'done'"),
+    ],
+)
+def test_a_study_that_gives_something_else_is_refused(tmp_path, changes, message):
+    with pytest.raises(ValueError, match=message):
+        run_study(Study(**offered(**changes)), Options(folder=tmp_path, workers=1))
+
+
+@pytest.mark.parametrize(
     ("module", "message"),
     [
         ({}, "study layers: module made_up does not offer STUDY, Options, command; allowed: a module with STUDY"),

@@ -25,7 +25,7 @@ def run_study(study: Study, options: Options) -> int:
     Raises `ValueError` for options that the study or the executors cannot use, and for a folder that cannot be used.
     """
     begin = time.monotonic()
-    plans, folder = study.plans(options), study.folder(options)
+    plans, folder = study.planned(options), study.folder(options)
     executors.check(options.workers, options.memory, options.scheduler)
     writing.make_folder(folder)
     writing.check_folder(folder)
@@ -37,6 +37,7 @@ def run_study(study: Study, options: Options) -> int:
         figures = _draw(study, plans, files, folder, computed)
         with writing.expecting(folder):
             parts = study.report(files, folder)
+    study.check_report(parts)
     output = console.Output()
     for part in parts:
         output.print(part, soft_wrap=isinstance(part, str), highlight=False)

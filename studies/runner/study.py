@@ -115,6 +115,22 @@ class Study:
         if not (isinstance(self.options, type) and issubclass(self.options, Options)):
             raise ValueError(f"options of study {self.name} is {self.options!r}; allowed: a subclass of `Options`")
 
+    def planned(self, options: Options) -> Sequence[Plan]:
+        """The tasks. Raises `ValueError` if the study gives something else, or none."""
+        plans = self.plans(options)
+        if not isinstance(plans, Sequence) or not plans or not all(isinstance(plan, Plan) for plan in plans):
+            raise ValueError(
+                f"plans of study {self.name} gave {str(plans)[:40]!r}; allowed: one `Plan` or more, in a list"
+            )
+        return plans
+
+    def check_report(self, parts: object) -> None:
+        """Raise `ValueError` if these are not what `report` is to give."""
+        if isinstance(parts, str) or not isinstance(parts, Sequence):
+            raise ValueError(
+                f"report of study {self.name} gave {str(parts)[:40]!r}; allowed: tables and texts, in a list"
+            )
+
     def folder(self, options: Options) -> Path:
         """Where the results go."""
         quick = "-quick" if getattr(options, "quick", False) else ""
