@@ -3,7 +3,6 @@
 import os
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -116,15 +115,6 @@ class Solution:
     def warnings(self) -> tuple[Doubt, ...]:
         """What to doubt, also if the solve converged: its grid, the smallness of strains, what a scan resolves."""
         return tuple(doubts(self.scene, self.observables, self.patches, self.displacement))
-
-    @property
-    def coarser_claims(self) -> tuple[float, ...]:
-        """Errors of a_r estimated on the coarser grids but for the first, from coarse to fine; this one's may be larger
-        where a_r has changed by more than a coarser grid claimed.
-        """
-        return tuple(
-            abs(b.contact_area_subgrid - a.contact_area_subgrid) / 3 + b.edges_error for a, b in pairwise(self.levels)
-        )
 
     @property
     def contact_width(self) -> float:

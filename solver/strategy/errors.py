@@ -8,7 +8,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from ..grid.edges import Edges
 from ..grid.observables import Observables
 from ..solution import Level
 from .grids import FACTOR
@@ -19,16 +18,20 @@ def _remaining_change(value: float, coarser: float) -> float:
     return abs(value - coarser) / (FACTOR - 1)
 
 
-def grid_error(level: Level, edges: Edges, coarser: Sequence[Level]) -> float:
-    """Estimated relative error of a_r on a grid, of its edges and of the discretisation; `inf` on the first grid.
+def claimed_error(level: Level, coarser: Sequence[Level]) -> float:
+    """Estimated error of a_r on a grid, of its edges and of the discretisation (dimensionless); `inf` on the first one.
 
-    edges: of the contact there; coarser: the grids before it.
+    coarser: the grids before it, from coarse to fine.
     """
-    area = level.contact_area_subgrid
-    if not coarser or not area:
+    if not coarser:
         return math.inf
-    own = edges.total_error / level.num_points
-    return (_remaining_change(area, coarser[-1].contact_area_subgrid) + own) / area
+    return _remaining_change(level.contact_area_subgrid, coarser[-1].contact_area_subgrid) + level.edges_error
+
+
+def grid_error(level: Level, coarser: Sequence[Level]) -> float:
+    """As `claimed_error`, relative; `inf` without a contact."""
+    area = level.contact_area_subgrid
+    return claimed_error(level, coarser) / area if area else math.inf
 
 
 def discretisation_error(observables: Observables, levels: Sequence[Level]) -> Observables:

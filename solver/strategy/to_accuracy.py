@@ -187,7 +187,7 @@ def _on_grids(task: _Task) -> Solution:
     for reached in over_grids(scene, sizes, begin, relax, measure_last=True):
         if levels and levels[-1].num_points == reached.num_points:
             levels.pop()  # interrupted after it was reached
-        error = grid_error(reached.level, reached.contact[1], levels)
+        error = grid_error(reached.level, levels)
         last = reached.num_points == scene.num_points or reached.status is Status.INTERRUPTED
         fine = error <= budget and scene.indenter.omitted(reached.num_points) <= budget / 2
         if last or fine:

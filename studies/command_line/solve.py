@@ -12,6 +12,7 @@ from typing import Any, Literal
 from linecontact.solver import INDENTERS, LAYERS, METHODS, MeasuredIndenter, Scene, Solution, Status, solve
 from linecontact.solver.grid.transforms import PLANNING
 from linecontact.solver.scene import PRECISIONS
+from linecontact.solver.strategy.errors import claimed_error
 from rich.table import Table
 
 from ..figures.names import FORMATS
@@ -227,7 +228,8 @@ def solution_table(solution: Solution) -> Table:
     table.add_column("unit")
     spacing = 1 / solution.scene.num_points
     own = "" if solution.levels else "; edges only"
-    if min(solution.coarser_claims, default=error) < error:
+    levels = solution.levels
+    if min((claimed_error(level, levels[:i]) for i, level in enumerate(levels)), default=error) < error:
         own = "; a coarser grid claimed less, but a_r has changed since"
     rows = [
         ("contact area a_r (sub-grid edges)", f"{record['contact_area_subgrid']:.10g}", "-"),
