@@ -10,13 +10,13 @@ import numpy as np
 from .. import __version__
 from . import checks
 from .arrays import Array64, Mask
-from .doubts import Doubt, doubts
 from .endings import Reason, Status
 from .grid.certificate import Certificate
 from .grid.observables import Observables
 from .grid.patch_table import PatchTable, patch_table
 from .provenance import provenance
 from .scene import Scene
+from .warnings import SolutionWarning, find_warnings
 
 MEANINGLESS = 0.2
 """Residual over the mean pressure; where there is more left, there is no solution (dimensionless)."""
@@ -112,9 +112,9 @@ class Solution:
         return patch_table(self.scene, np.where(self.contact, self.contact_pressure, 0.0))
 
     @cached_property
-    def warnings(self) -> tuple[Doubt, ...]:
+    def warnings(self) -> tuple[SolutionWarning, ...]:
         """What to doubt, also if the solve converged: its grid, the smallness of strains, what a scan resolves."""
-        return tuple(doubts(self.scene, self.observables, self.patches, self.displacement))
+        return tuple(find_warnings(self.scene, self.observables, self.patches, self.displacement))
 
     @property
     def contact_width(self) -> float:
@@ -132,17 +132,21 @@ class Solution:
 
     def to_dict(self) -> dict[str, Any]:
         """Everything but the fields that has a meaning, JSON-ready: numbers, text, flat objects; infinite: 'inf'."""
+        levels = {str(level.num_points): level.to_dict() for level in self.levels}
+        warnings = {str(warning.kind): warning.text for warning in self.warnings}
+        return self.to_record() | {"levels": checks.plain(levels), "warnings": warnings}
+
+    def to_record(self) -> dict[str, Any]:
+        """As `to_dict`, but for the coarser grids and the warnings, whose number differs from solution to solution."""
         found: dict[str, Any] = {"status": str(self.status)}
         if self.reason:
             found["reason"] = str(self.reason)
         found |= {name: value for name, value in asdict(self.observables).items() if value is not None}
         found |= {
             "contact_width": self.contact_width,
-            "warnings": {str(doubt.concern): doubt.text for doubt in self.warnings},
             "iterations": self.iterations,
             "transform_pairs": round(self.transform_pairs, 3),
             "handed_over": self.handed_over,
-            "levels": {str(level.num_points): level.to_dict() for level in self.levels},
             **({"accuracy": self.accuracy} if self.accuracy else {}),
             "choices": {c.what: {"chosen": c.chosen, "reason": c.reason, "error": c.error} for c in self.choices},
             "seconds": dict(self.seconds),

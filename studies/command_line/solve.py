@@ -121,8 +121,8 @@ def command(options: Options, given: Given) -> int:
         plot.command(plot.Options(options.save), sys.stderr if options.json else sys.stdout)
     status = console.exit_status(solution.status)
     if not status and options.strict and solution.warnings:
-        concerns = ", ".join(doubt.concern for doubt in solution.warnings)
-        console.errors.print(f"linecontact: strict, and there are warnings: {concerns}")
+        named = ", ".join(warning.kind for warning in solution.warnings)
+        console.errors.print(f"linecontact: strict, and there are warnings: {named}")
         return console.EXIT_NOT_CONVERGED
     if status:
         kept = f"; the partial result is in {options.save}" if options.save else ""
@@ -137,8 +137,8 @@ def show(solution: Solution, as_json: bool) -> None:
         print(json.dumps(solution.to_dict()), flush=True)
         return
     console.Output().print(solution_table(solution))
-    for doubt in solution.warnings:
-        console.Output().print(f"Warning, {doubt.concern}: {doubt.text}.", style="bold yellow")
+    for warning in solution.warnings:
+        console.Output().print(f"Warning, {warning.kind}: {warning.text}.", style="bold yellow")
     if solution.choices:
         console.Output().print(choices_table(solution))
     steps = solution.scene.to_dict().get("profile_steps")

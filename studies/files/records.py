@@ -65,5 +65,5 @@ def is_text(value: Any) -> bool:
 
 
 def run_record(solution: Solution) -> dict[str, Any]:
-    """The flat record of a solution in a study: its JSON but for coarser grids and warnings, whose number differs."""
-    return flatten({name: value for name, value in solution.to_dict().items() if name not in ("levels", "warnings")})
+    """The flat record of a solution in a study, see `Solution.to_record`."""
+    return flatten(solution.to_record())

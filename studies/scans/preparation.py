@@ -83,8 +83,8 @@ def evenly_spaced(x: Array64, z: Array64) -> Profile:
     """A profile from heights at increasing positions, shape (number of values,) each [length].
 
     Positions that are even but for the rounding of their digits, to less than their spacing, are taken as even; others
-    are interpolated. The length
-    of the scan is one spacing for each value. Raises `ValueError` for a gap that is too long for that.
+    are interpolated. The length of the scan is one spacing for each value. Raises `ValueError` for a gap that is too
+    long for that.
     """
     x = x - x[0]
     i = np.arange(x.size) - (x.size - 1) / 2

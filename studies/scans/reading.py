@@ -83,7 +83,7 @@ class Options:
         if not isinstance(self.profile_file, Path):
             raise ValueError(f"profile_file is {self.profile_file!r}; allowed: a path")
         for name, allowed in _WORDS.items():
-            if getattr(self, name) is not None:
+            if getattr(self, name) is not None or name in ("length_unit", "window"):
                 checks.choice(name, getattr(self, name), get_args(allowed))
         if not isinstance(self.scene_units, bool):
             raise ValueError(f"scene_units is {self.scene_units!r}; allowed: True or False")
@@ -92,8 +92,6 @@ class Options:
                 raise ValueError(f"{name} is {getattr(self, name)!r}; allowed: text, like '2,3'")
         if self.accuracy is not None:
             checks.real("accuracy", self.accuracy, "0 < accuracy <= 0.1", 0, 0.1)
-        if self.window is None or self.length_unit is None:
-            raise ValueError("window or length_unit is None; allowed: a word")
 
 
 class Scan(NamedTuple):

@@ -92,7 +92,8 @@ def read_text(path: Path, name: str, decimal: Decimal | None) -> Table:
     lines = _decoded(path).replace("\r\r\n", "\n").splitlines()
     while lines and not lines[-1].strip(" \t,;"):
         lines.pop()
-    writing, first, count = _find(path, lines, decimal)
+    found = _find(path, lines, decimal)
+    writing, first, count = found.writing, found.first, found.count
     for i in range(first, len(lines)):
         if not lines[i].strip():  # what is before may be a header of numbers
             raise ValueError(f"profile_file {path}, line {i + 1} is empty; allowed: none between numbers")
@@ -156,8 +157,8 @@ class _Found:
     """Lines that are rows of it, as far as was looked."""
 
 
-def _find(path: Path, lines: Sequence[str], decimal: Decimal | None) -> tuple[Writing, int, int]:
-    """How the table is written, its first line, and its number of columns. Raises `ValueError` if that is not clear."""
+def _find(path: Path, lines: Sequence[str], decimal: Decimal | None) -> _Found:
+    """Where the table is, and how it is written. Raises `ValueError` if that is not clear."""
     points = [Writing(delimiter, "point") for delimiter in (";", "\t", ",", None)]
     commas = [Writing(delimiter, "comma") for delimiter in (";", "\t", None)]
     ways = points + commas if decimal is None else commas if decimal == "comma" else points
@@ -174,14 +175,14 @@ def _find(path: Path, lines: Sequence[str], decimal: Decimal | None) -> tuple[Wr
     best, *others = [table for table in found if table.run == longest]
     labelled = next((one for one in (best, *others) if one.writing.delimiter == "," and _has_labels(lines, one)), None)
     if labelled:  # as many labels between commas as numbers: these part columns
-        return labelled.writing, labelled.first, labelled.count
+        return labelled
     unclear = any((other.first, other.count) != (best.first, best.count) for other in others)
     if unclear or (decimal is None and _may_be_thousands(best.writing, lines[best.first :])):
         raise ValueError(
             f"decimal is missing: in {lines[best.first].strip()[:40]!r}, line {best.first + 1} of {path}, the comma "
             "may be a decimal sign or not; allowed: comma, point"
         )
-    return best.writing, best.first, best.count
+    return best
 
 
 def _has_labels(lines: Sequence[str], table: _Found) -> bool:

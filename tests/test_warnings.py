@@ -9,13 +9,13 @@ import linecontact
 import numpy as np
 import pytest
 from linecontact.solver import Layer, MeasuredIndenter, PowerIndenter, RoughIndenter, Scene, Status, solve
-from linecontact.solver.doubts import Concern
 from linecontact.solver.strategy.errors import claimed_error
+from linecontact.solver.warnings import WarningKind
 from linecontact.studies.command_line import main
 
 
-def concerns(scene, **options):
-    return [doubt.concern for doubt in solve(scene, **options).warnings]
+def kinds(scene, **options):
+    return [warning.kind for warning in solve(scene, **options).warnings]
 
 
 def rough(**changes):
@@ -24,16 +24,16 @@ def rough(**changes):
 
 
 def test_a_resolved_contact_needs_no_warning():
-    assert concerns(Scene(num_points=2**12)) == []
-    assert concerns(rough()) == []
+    assert kinds(Scene(num_points=2**12)) == []
+    assert kinds(rough()) == []
 
 
-def test_each_concern_has_its_scene():
-    assert Concern.GRID in concerns(Scene(num_points=64, pressure=1e-8))  # one node
-    assert Concern.ERROR in concerns(Scene(num_points=64, pressure=1e-4))
-    assert Concern.SLOPE in concerns(replace(rough(rms_gradient=1.0), pressure=1e-2))
-    assert Concern.STRAIN in concerns(Scene(pressure=0.2, num_points=2**10))
-    assert Concern.FULL in concerns(replace(rough(), pressure=0.02))
+def test_each_kind_has_its_scene():
+    assert WarningKind.GRID in kinds(Scene(num_points=64, pressure=1e-8))  # one node
+    assert WarningKind.ERROR in kinds(Scene(num_points=64, pressure=1e-4))
+    assert WarningKind.SLOPE in kinds(replace(rough(rms_gradient=1.0), pressure=1e-2))
+    assert WarningKind.STRAIN in kinds(Scene(pressure=0.2, num_points=2**10))
+    assert WarningKind.FULL in kinds(replace(rough(), pressure=0.02))
 
 
 @pytest.mark.parametrize("nu", [0.25, 0.45, 0.49, 0.499, 0.5])
@@ -42,13 +42,13 @@ def test_strains_of_thin_layers(nu):
     for load in np.geomspace(1e-3, 30, 8):
         scene = Scene(Layer(0.01, nu), PowerIndenter(), load, num_points=2**10)
         solution = solve(scene)
-        warned = Concern.STRAIN in [doubt.concern for doubt in solution.warnings]
+        warned = WarningKind.STRAIN in [warning.kind for warning in solution.warnings]
         compression = (solution.observables.approach - solution.displacement[scene.num_points // 2]) / 0.01
         assert warned or compression < 0.1
         assert not warned or compression > 0.01  # a hundredth, with ten times as much shear
     confined = solve(Scene(Layer(0.01, 0.4999), PowerIndenter(radius=1000.0), 0.2, num_points=2**12))
     assert confined.observables.peak_pressure > 0.5
-    assert Concern.STRAIN not in [doubt.concern for doubt in confined.warnings]
+    assert WarningKind.STRAIN not in [warning.kind for warning in confined.warnings]
 
 
 def test_what_a_scan_does_not_resolve():
@@ -58,8 +58,8 @@ def test_what_a_scan_does_not_resolve():
     modes[:128] = np.fft.rfft(values)[:128]
     heights = 1e-5 * np.fft.irfft(modes, 2048) * 8
     scene = Scene(indenter=MeasuredIndenter(heights, 256), pressure=2e-4, num_points=2048)
-    assert Concern.SCAN in concerns(scene)
-    assert Concern.SCAN not in concerns(replace(scene, indenter=MeasuredIndenter(heights, 2048)))
+    assert WarningKind.SCAN in kinds(scene)
+    assert WarningKind.SCAN not in kinds(replace(scene, indenter=MeasuredIndenter(heights, 2048)))
 
 
 def test_a_finer_grid_that_claims_more_says_why(capsys):
@@ -90,8 +90,8 @@ def test_a_finer_grid_that_claims_more_says_why(capsys):
 def test_a_grid_coarser_than_the_scan():
     """A scan that was resampled to fewer points than it has values: what it lost may have carried the load."""
     heights = 1e-5 * RoughIndenter(0.8, 0, 1 / 8, 1 / 8).profile(256, 1.0)
-    assert Concern.WAVES in concerns(Scene(indenter=MeasuredIndenter(heights, 1024), pressure=1e-6, num_points=256))
-    assert Concern.WAVES not in concerns(Scene(indenter=MeasuredIndenter(heights), pressure=1e-6, num_points=256))
+    assert WarningKind.WAVES in kinds(Scene(indenter=MeasuredIndenter(heights, 1024), pressure=1e-6, num_points=256))
+    assert WarningKind.WAVES not in kinds(Scene(indenter=MeasuredIndenter(heights), pressure=1e-6, num_points=256))
 
 
 def test_patches_add_up():
@@ -222,7 +222,7 @@ def test_areas_that_are_off_carry_a_warning():
         if not found.status == fine.status == Status.CONVERGED:
             continue
         error = abs(found.observables.contact_area_subgrid / fine.observables.contact_area_subgrid - 1)
-        warned = {doubt.concern for doubt in found.warnings} & {Concern.GRID, Concern.ERROR}
+        warned = {warning.kind for warning in found.warnings} & {WarningKind.GRID, WarningKind.ERROR}
         if error > 0.05 or error < 0.01:
             (off if error > 0.05 else good).append(bool(warned))
     print(

@@ -41,7 +41,7 @@ _WAVE_POINTS = 3  # half a shortest wave on fewer points needs as many more node
 _SHARE_OF_LOAD = 0.05  # on patches as narrow as two values of a scan
 
 
-class Concern(StrEnum):
+class WarningKind(StrEnum):
     """What a warning is about."""
 
     GRID = "grid"
@@ -61,29 +61,31 @@ class Concern(StrEnum):
 
 
 @dataclass(frozen=True)
-class Doubt:
+class SolutionWarning:
     """A warning that comes with a solution."""
 
-    concern: Concern
+    kind: WarningKind
     """What it is about."""
     text: str
     """What was found, and what would help."""
 
 
-def doubts(scene: Scene, found: Observables, patches: PatchTable, displacement: Array64) -> Iterator[Doubt]:
+def find_warnings(
+    scene: Scene, found: Observables, patches: PatchTable, displacement: Array64
+) -> Iterator[SolutionWarning]:
     """What to doubt of a solution; displacement: u, shape (N,) [length]."""
     area = found.contact_area_subgrid
     if not (area > 0 and patches.nodes.size):
-        yield Doubt(Concern.GRID, "nothing is in contact; more num_points, or another start")
+        yield SolutionWarning(WarningKind.GRID, "nothing is in contact; more num_points, or another start")
         return
     yield from _of_grid(scene, found, patches)
     yield from _of_elasticity(scene, found, _strain(scene, found, patches, displacement))
     if area > NEARLY_FULL:
         text = f"{area:.4f} of the period is in contact; areas above {NEARLY_FULL} have not been checked against others"
-        yield Doubt(Concern.FULL, text)
+        yield SolutionWarning(WarningKind.FULL, text)
 
 
-def _of_grid(scene: Scene, found: Observables, patches: PatchTable) -> Iterator[Doubt]:
+def _of_grid(scene: Scene, found: Observables, patches: PatchTable) -> Iterator[SolutionWarning]:
     """Whether the patches are resolved by the grid, and by the values of a scan."""
     area, waves = found.contact_area_subgrid, scene.indenter.shortest_wave(scene.num_points)
     half_wave = scene.num_points / (2 * waves) if waves else math.inf  # grid points
@@ -91,21 +93,23 @@ def _of_grid(scene: Scene, found: Observables, patches: PatchTable) -> Iterator[
     few = float(patches.nodes[patches.nodes < needed].sum() / patches.nodes.sum())
     if few > _UNRESOLVED_SHARE:
         text = f"{few:.0%} of the contact nodes are in patches of fewer than {math.ceil(needed)} nodes"
-        yield Doubt(Concern.GRID, f"{text}: the grid does not resolve the area; more num_points")
+        yield SolutionWarning(WarningKind.GRID, f"{text}: the grid does not resolve the area; more num_points")
     if scene.indenter.omitted(scene.num_points) > _MOST_OMITTED:
-        yield Doubt(Concern.WAVES, "the grid is coarser than the profile and leaves out waves of it; more num_points")
+        yield SolutionWarning(
+            WarningKind.WAVES, "the grid is coarser than the profile and leaves out waves of it; more num_points"
+        )
     smooth = waves and patches.nodes.mean() <= _SMOOTH * half_wave
     edges = found.contact_area_error - (found.contact_area_discretisation_error or 0.0)
     if (_LIKELY_IF_SMOOTH if smooth else _LIKELY) * edges > LARGEST_ERROR * area:
         claimed = found.contact_area_error / area
         text = f"the area is likely off by more than {LARGEST_ERROR:.0%}, and may be by {claimed:.2g} of itself"
-        yield Doubt(Concern.ERROR, f"{text}: few nodes tell where its edges are; more num_points")
+        yield SolutionWarning(WarningKind.ERROR, f"{text}: few nodes tell where its edges are; more num_points")
     if scene.indenter.given_points and waves:
         narrow = patches.width < scene.period / waves
         share = float(patches.load[narrow].sum() / patches.load.sum())
         if share > _SHARE_OF_LOAD:
             text = f"{share:.0%} of the load is carried by patches as narrow as two values of the scan"
-            yield Doubt(Concern.SCAN, f"{text}: roughness that it does not resolve would change the area")
+            yield SolutionWarning(WarningKind.SCAN, f"{text}: roughness that it does not resolve would change the area")
 
 
 def _strain(scene: Scene, found: Observables, patches: PatchTable, displacement: Array64) -> float:
@@ -127,12 +131,16 @@ def _strain(scene: Scene, found: Observables, patches: PatchTable, displacement:
     return largest
 
 
-def _of_elasticity(scene: Scene, found: Observables, strain: float) -> Iterator[Doubt]:
+def _of_elasticity(scene: Scene, found: Observables, strain: float) -> Iterator[SolutionWarning]:
     """Whether strains and slopes are small, as linear elasticity takes them to be."""
     if strain > LARGEST_STRAIN:
         text = f"strains reach about {strain:.2g}"
-        yield Doubt(Concern.STRAIN, f"{text}: above {LARGEST_STRAIN:g} they are not small, but taken to be")
+        yield SolutionWarning(
+            WarningKind.STRAIN, f"{text}: above {LARGEST_STRAIN:g} they are not small, but taken to be"
+        )
     slope = found.rms_gradient_subgrid
     if slope > LARGEST_SLOPE:
         text = f"the rms slope in the contact is {slope:.2g}"
-        yield Doubt(Concern.SLOPE, f"{text}: above {LARGEST_SLOPE:g} slopes are not small, but taken to be")
+        yield SolutionWarning(
+            WarningKind.SLOPE, f"{text}: above {LARGEST_SLOPE:g} slopes are not small, but taken to be"
+        )
