@@ -3,5 +3,6 @@
 from . import layout
 from .layout import CHUNK, padded_length
 from .record import BACKENDS, KERNELS, Call, load, record
+from .sequences import sequence
 
-__all__ = ["BACKENDS", "CHUNK", "KERNELS", "Call", "layout", "load", "padded_length", "record"]
+__all__ = ["BACKENDS", "CHUNK", "KERNELS", "Call", "layout", "load", "padded_length", "record", "sequence"]

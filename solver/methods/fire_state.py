@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...kernels import CHUNK, Call, layout, record
+from ...kernels import CHUNK, Call, layout, record, sequence
 from ..arrays import Array, Array64
 from ..grid.problem import Problem
 from ..grid.transforms import Transforms
@@ -104,28 +104,21 @@ class Fire(Method):
         dt = s[layout.DT] or self.parameters.dt_start * s[layout.DT_MAX]
         s[layout.DT] = min(dt, s[layout.DT_MAX])
 
-    def _sums(self, count: int) -> list[Array64]:
-        """Arrays for sums over chunks of points."""
-        return [np.zeros(self.u.size // CHUNK) for _ in range(count)]
+    def _arrays(self, **more: Array) -> dict[str, Array]:
+        """The arrays of a step by the names that the sequences of kernels have for them."""
+        sums = (f"{name}_sums" for name in ("force", "held", "power", "velocity", "acceleration"))
+        found: dict[str, Array] = {name: np.zeros(self.u.size // CHUNK) for name in sums}
+        return found | {"elastic": self.work, "h": self.height, "state": self.state, "u": self.u, "v": self.v} | more
 
     def _prepare(self, own_load: bool) -> None:
         """What differs between the methods: further buffers, recorded kernels, the first dt."""
-        first, held, power, velocity = sums = self._sums(4)
         if own_load:
             self.force, self.load = self.transforms.buffer(), self.transforms.buffer()
             self.load[:] = 1
-            self._move = self._replay(
-                Call("net_force", (self.load, self.work, self.v), (self.force, first, held)),
-                Call("search_sums", (self.force, self.v), (self.force, power, velocity, first)),
-                Call("fire_control", (*sums, first), (self.state,)),
-                Call("fire_step", (self.force, self.height, self.state), (self.u, self.v)),
-            )
+            arrays = self._arrays(force=self.force, load=self.load)
+            self._move = self._replay(*sequence("loaded_move", arrays))
         else:
-            self._move = self._replay(
-                Call("plain_sums", (self.work, self.v), tuple(sums)),
-                Call("fire_control", (first, held, power, velocity, first), (self.state,)),  # a = F
-                Call("plain_step", (self.work, self.height, self.state), (self.u, self.v)),
-            )
+            self._move = self._replay(*sequence("plain_move", self._arrays()))
         self._limit_step(float(self.problem.stiffness.max()))
 
     @property

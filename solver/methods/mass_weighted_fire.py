@@ -18,7 +18,7 @@ import math
 
 import numpy as np
 
-from ...kernels import Call
+from ...kernels import Call, sequence
 from .fire_state import Fire, FireParameters
 from .method import MethodKind
 from .rebased_fire import begin_fire
@@ -48,14 +48,11 @@ class MassWeightedFire(Fire):
         self._apply_inverse_mass = self._operator(self.force, 1 / mass)
         self._probe_stiffness = (self.transforms.forward(self.probe), *self._apply_stiffness[1:])
         self._probe_inverse_mass = (self.transforms.forward(self.probe), *self._apply_inverse_mass[1:])
-        force, held, power, velocity, acceleration = sums = self._sums(5)
-        self._squares = acceleration  # free for the probe, between two steps
-        self._find_force = self._replay(Call("net_force", (self.load, self.work, self.v), (self.force, force, held)))
-        self._move = self._replay(
-            Call("search_sums", (self.force, self.v), (self.work, power, velocity, acceleration)),
-            Call("fire_control", tuple(sums), (self.state,)),
-            Call("fire_step", (self.work, self.height, self.state), (self.u, self.v)),
-        )
+        arrays = self._arrays(force=self.force, load=self.load, acceleration=self.work)
+        self._squares = arrays["acceleration_sums"]  # free for the probe, between two steps
+        sums = arrays["force_sums"], arrays["held_sums"]
+        self._find_force = self._replay(Call("net_force", (self.load, self.work, self.v), (self.force, *sums)))
+        self._move = self._replay(*sequence("mass_weighted_move", arrays))
         self._restrict = self._replay(Call("restrict_to_free", (self.force, self.work), (self.probe, self._squares)))
 
     def step(self) -> None:

@@ -1,0 +1,64 @@
+"""The sequences of kernels that the methods launch between two transforms, by name.
+
+A line of a sequence is a kernel with the names of its inputs and, behind the arrow, of its outputs, in the kernel's
+order. Sums have one value per chunk.
+"""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from .record import Array, Call
+
+SUMS = "force_sums held_sums power_sums velocity_sums"
+
+SEQUENCES = {
+    "plain_move": (
+        f"plain_sums: elastic v -> {SUMS}",
+        f"fire_control: {SUMS} force_sums -> state",  # the force is the acceleration
+        "plain_step: elastic h state -> u v",
+    ),
+    "loaded_move": (
+        "net_force: load elastic v -> force force_sums held_sums",
+        "search_sums: force v -> force power_sums velocity_sums force_sums",
+        f"fire_control: {SUMS} force_sums -> state",
+        "fire_step: force h state -> u v",
+    ),
+    "mass_weighted_move": (
+        "search_sums: force v -> acceleration power_sums velocity_sums acceleration_sums",
+        f"fire_control: {SUMS} acceleration_sums -> state",
+        "fire_step: acceleration h state -> u v",
+    ),
+}
+"""Plain FIRE's step from K u; the same with a load that differs from node to node; mass-weighted FIRE's step from the
+force and the acceleration."""
+
+
+class Line(NamedTuple):
+    """A line of a sequence."""
+
+    kernel: str
+    """Its name."""
+    inputs: tuple[str, ...]
+    """Names of the arrays that it reads."""
+    outputs: tuple[str, ...]
+    """Names of the arrays that it writes, and may also read."""
+
+
+def lines(name: str) -> list[Line]:
+    """The lines of a sequence."""
+    return [parse(text) for text in SEQUENCES[name]]
+
+
+def parse(text: str) -> Line:
+    """The line that a text like "fire_step: acceleration h state -> u v" stands for."""
+    kernel, _, names = text.partition(":")
+    inputs, _, outputs = names.partition("->")
+    return Line(kernel, tuple(inputs.split()), tuple(outputs.split()))
+
+
+def sequence(name: str, arrays: Mapping[str, Array]) -> list[Call]:
+    """The launches of a sequence on arrays, by the names that its lines give them."""
+    return [
+        Call(line.kernel, tuple(arrays[n] for n in line.inputs), tuple(arrays[n] for n in line.outputs))
+        for line in lines(name)
+    ]
