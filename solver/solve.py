@@ -5,13 +5,14 @@ import numpy as np
 from ..kernels import BACKENDS
 from . import checks
 from .arrays import Array64
-from .grid.transforms import check_settings, save_wisdom
 from .methods import DEFAULT, METHODS, Progress
 from .scene import Scene
 from .solution import Solution
 from .strategy.effort import Effort, Means
 from .strategy.to_accuracy import solve_to_accuracy
 from .strategy.to_tolerance import solve_to_tolerance
+from .transforms import wisdom
+from .transforms.planned import check_settings
 
 
 def solve(
@@ -70,5 +71,5 @@ def solve(
 def _keeping_plans(planning: str, solution: Solution) -> Solution:
     """The solution, after FFTW's plans of all grids have been kept, if finding them took effort."""
     if planning != "estimate":
-        save_wisdom()
+        wisdom.save()
     return solution

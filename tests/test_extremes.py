@@ -21,12 +21,12 @@ from linecontact.solver.endings import Cause
 from linecontact.solver.grid import edges
 from linecontact.solver.grid.patches import Patches
 from linecontact.solver.grid.problem import Problem
-from linecontact.solver.grid.transforms import Transforms
 from linecontact.solver.methods import relax
 from linecontact.solver.methods.active_set.active_set import ActiveSet
 from linecontact.solver.methods.mass_weighted_fire import MassWeightedFire
 from linecontact.solver.reference import closed_forms, collocation
 from linecontact.solver.strategy import to_accuracy
+from linecontact.solver.transforms.planned import Transforms
 from linecontact.studies.extremes import study as extremes
 from linecontact.studies.extremes import verdicts
 

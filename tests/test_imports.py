@@ -1,7 +1,7 @@
 """Who imports whom, read from the source of all folders and sub-folders: from upper floors to lower, in no circle.
 
 Imports inside functions count like all others. A sub-folder of solver/ or studies/ says in the docstring of its
-`__init__` what it may import, in a line of its own:
+`__init__` what it may import, in a sentence of its own, on new lines:
 
     May import: linecontact.kernels, linecontact.solver, terminal, files.
 
@@ -84,7 +84,7 @@ def circle(graph):
 
 def permissions(package, modules):
     """What a sub-folder may import, as full names; None if it does not say."""
-    line = re.search(r"^May import: (.+?)\.$", ast.get_docstring(modules[package]) or "", re.MULTILINE)
+    line = re.search(r"^May import: (.+?)\.$", ast.get_docstring(modules[package]) or "", re.MULTILINE | re.DOTALL)
     if line is None:
         return None
     above = package.rpartition(".")[0]

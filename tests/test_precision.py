@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from linecontact.solver import METHODS, Layer, RoughIndenter, Scene, Status, certify, solve
 from linecontact.solver.grid.problem import Problem
-from linecontact.solver.grid.transforms import Transforms
 from linecontact.solver.methods import relax
 from linecontact.solver.methods.mass_weighted_fire import MassWeightedFire
 from linecontact.solver.strategy.precision import float32_floor
+from linecontact.solver.transforms.planned import Transforms
 
 
 def hertz(thickness=math.inf, poisson_ratio=0.25, num_points=2**10, **changes):

@@ -1,23 +1,24 @@
-"""Transforms over shared buffers, and the wisdom file."""
+"""Transforms over shared buffers, short ones, plain ones, the wisdom file; and that there are no others."""
 
+import ast
 import json
 import os
-import sys
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pyfftw
 import pytest
 from linecontact.solver import Layer, RoughIndenter, Scene, solve
-from linecontact.solver.grid import transforms
-from linecontact.solver.grid.transforms import Transforms
+from linecontact.solver.transforms import plain, wisdom
+from linecontact.solver.transforms.planned import Pair, Transforms, fast_length
 
 
 @pytest.fixture
 def cache(tmp_path, monkeypatch):
     """An empty cache folder, and a process that has not looked for wisdom yet."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    monkeypatch.setattr(transforms, "_wisdom_loaded", False)
+    monkeypatch.setattr(wisdom, "_loaded", False)
     return tmp_path
 
 
@@ -41,19 +42,95 @@ def test_round_trip_against_numpy(precision, n):
     assert source.size % 1024 == 0
 
 
+@pytest.mark.parametrize("n", [1, 2, 7, 60, 128])
+def test_a_short_pair_against_numpy(n):
+    pair = Pair(n)
+    values = np.random.default_rng(0).standard_normal(n)
+    pair.real[:] = values
+    pair.forward()
+    np.testing.assert_allclose(pair.modes, np.fft.rfft(values), atol=1e-13 * n)
+    pair.inverse()
+    np.testing.assert_allclose(pair.real / n, values, atol=1e-13)
+
+
+@pytest.mark.parametrize("n", [7, 60])
+def test_plain_transforms_against_their_sums(n):
+    values, i, k = np.random.default_rng(0).standard_normal(n), np.arange(n), np.arange(n // 2 + 1)
+    modes = plain.rfft(values)
+    np.testing.assert_allclose(modes, np.exp(-2j * np.pi * np.outer(k, i) / n) @ values, atol=1e-12)
+    np.testing.assert_allclose(plain.irfft(modes, n), values, atol=1e-13)
+    np.testing.assert_allclose(plain.hfft(modes.conj(), n) / n, values, atol=1e-13)
+
+
+def test_fast_lengths_are_the_least_with_small_factors():
+    assert [fast_length(n) for n in (1, 7, 17, 97, 1009)] == [1, 7, 18, 98, 1024]  # 1014 = 2 x 3 x 13^2 is not
+
+
+ROOT = Path(__file__).parent.parent
+ON_THEIR_OWN = ("solver/grid/certificate.py", "studies/peers/solvers.py")
+"""Checks, which are to share no code with what they check."""
+
+
+def transforms_by_hand(source):
+    """Lines on which a module uses a library's Fourier transforms."""
+    found = set()
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import | ast.ImportFrom):
+            base = "." + (getattr(node, "module", None) or "")
+            names = [f"{base}.{alias.name}." for alias in node.names]
+        elif isinstance(node, ast.Attribute):
+            names = [f".{ast.unparse(node)}."]
+        else:
+            continue
+        if any(part in name for name in names for part in (".fft.", ".pyfftw.")):
+            found.add(node.lineno)
+    return sorted(found)
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "np.fft.rfft(x)",
+        "import numpy.fft",
+        "from numpy import fft",
+        "from numpy.fft import rfft as transform",
+        "import scipy.fft",
+        "import pyfftw",
+        "from ..transforms.fftw import pyfftw",
+        "pyfftw.FFTW(a, b)",
+        "def f():\n    from pyfftw.interfaces import numpy_fft",
+    ],
+)
+def test_transforms_by_hand_are_found(source):
+    assert transforms_by_hand(source)
+    assert not transforms_by_hand("from ..transforms.plain import rfft\nversion('pyfftw')\nrfft(x)\nplain.irfft(x, n)")
+
+
+def test_all_transforms_go_through_one_room():
+    by_hand = {
+        file.relative_to(ROOT).as_posix()
+        for folder in ("solver", "studies")
+        for file in (ROOT / folder).rglob("*.py")
+        if transforms_by_hand(file.read_text())
+    }
+    room = {name for name in by_hand if name.startswith("solver/transforms/")}
+    assert room
+    assert by_hand - room == set(ON_THEIR_OWN)
+
+
 def test_wisdom_is_kept_and_read(cache):
-    assert not transforms.wisdom_file().exists()
-    planner = transforms.Transforms(64, "float64", planning="measure")
+    assert not wisdom.wisdom_file().exists()
+    planner = Transforms(64, "float64", planning="measure")
     planner.forward(planner.buffer())
-    transforms.save_wisdom()
-    stored = json.loads(transforms.wisdom_file().read_text())
+    wisdom.save()
+    stored = json.loads(wisdom.wisdom_file().read_text())
     assert set(stored) == {"double", "single", "long double"}
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        transforms._wisdom_loaded = False
+        wisdom._loaded = False
         pyfftw.forget_wisdom()
         empty = len(pyfftw.export_wisdom()[0])
-        transforms.load_wisdom()
+        wisdom.load()
     assert len(pyfftw.export_wisdom()[0]) > empty
 
 
@@ -62,19 +139,19 @@ def test_wisdom_is_kept_and_read(cache):
     [b"", b"{}", b"\xff\xfe", b'{"double": 3}', b'["x"]', b'{"double": "a", "single": "b", "long double": "c"}'],
 )
 def test_broken_wisdom_is_ignored_with_a_warning(cache, content):
-    path = transforms.wisdom_file()
+    path = wisdom.wisdom_file()
     path.parent.mkdir(parents=True)
     path.write_bytes(content)
     with pytest.warns(RuntimeWarning, match="ignored"):
         Transforms(64, "float64")
-    transforms.save_wisdom()
+    wisdom.save()
     assert set(json.loads(path.read_text())) == {"double", "single", "long double"}
 
 
 def test_unwritable_cache_only_warns(cache):
     (cache / "linecontact").write_text("a file where the folder should be")
     with pytest.warns(RuntimeWarning, match="could not be kept"):
-        transforms.save_wisdom()
+        wisdom.save()
 
 
 def test_a_user_without_a_home_only_gets_a_warning(cache, monkeypatch):
@@ -82,16 +159,16 @@ def test_a_user_without_a_home_only_gets_a_warning(cache, monkeypatch):
         raise RuntimeError("Could not determine home directory.")
 
     monkeypatch.delenv("XDG_CACHE_HOME")
-    monkeypatch.setattr(transforms.Path, "home", homeless)
+    monkeypatch.setattr(wisdom.Path, "home", homeless)
     with pytest.warns(RuntimeWarning, match="ignored"):
-        transforms.load_wisdom()
+        wisdom.load()
     with pytest.warns(RuntimeWarning, match="could not be kept"):
-        transforms.save_wisdom()
+        wisdom.save()
 
 
 def test_wisdom_that_is_no_file_is_ignored(cache):
     """A pipe was waited for, and anything read whole."""
-    path = transforms.wisdom_file()
+    path = wisdom.wisdom_file()
     path.parent.mkdir(parents=True)
     os.mkfifo(path)
     with pytest.warns(RuntimeWarning, match="is not a file of up to 16 MiB"):
@@ -101,7 +178,7 @@ def test_wisdom_that_is_no_file_is_ignored(cache):
 @pytest.mark.parametrize("options", [{"accuracy": 1e-2}, {"tolerance": 1e-4}])
 def test_plans_that_took_effort_are_kept_after_every_solve(monkeypatch, options):
     kept = []
-    monkeypatch.setattr(sys.modules["linecontact.solver.solve"], "save_wisdom", lambda: kept.append(1))
+    monkeypatch.setattr(wisdom, "save", lambda: kept.append(1))
     scene = Scene(Layer(0.1), RoughIndenter(0.8, 0, 1 / 4, 1 / 16), 1e-2, num_points=256)
     solve(scene, **options)
     assert not kept

@@ -1,7 +1,7 @@
 """The certificate: how wrong a displacement can be, recomputed in float64 from u alone.
 
-No method shares this code: it transforms with `numpy.fft` and decides by itself which nodes are in contact. All numbers
-are dimensionless.
+No method shares this code: it transforms with `numpy.fft`, not through `transforms` as they do, and decides by itself
+which nodes are in contact. All numbers are dimensionless.
 
 The bound. Let r = p - K u, F the free nodes, C the nodes in contact (u = h, r > 0). For every admissible v <= h, with
 e = v - u and e <= 0 on C, the energy Pi = V - p L mean(u) obeys

@@ -1,8 +1,8 @@
 """The discrete, dimensionless problem behind a scene.
 
 The elastic pressure of mode k of the displacement, u(x) = sum_k u_k exp(i q_k x) with q_k = 2 pi k/L, is K(q_k) u_k.
-`numpy.fft` and FFTW's unnormalised transforms agree with it up to the factor 1/N on the way back. Only k = 0 ... N/2
-are kept (half spectrum). The mean mode has K = 0: the mean pressure is p by force balance, so area and pressure do not
+All transforms of `transforms` agree with it up to the factor 1/N on the way back. Only k = 0 ... N/2 are kept (half
+spectrum). The mean mode has K = 0: the mean pressure is p by force balance, so area and pressure do not
 depend on the layer's mean compression, which `observables` adds to the approach.
 
 Lengths along x are in units of the period L, pressures in units of the mean external pressure p, displacements and
@@ -22,6 +22,7 @@ import numpy as np
 from ..arrays import Array64
 from ..layers import ElasticLayer
 from ..scene import Scene
+from ..transforms.plain import irfft, rfft
 
 _FAR = 1e6  # times the reach
 
@@ -94,7 +95,7 @@ class Problem:
 
     def net_force(self, displacement: Array64) -> Array64:
         """r = 1 - K u, shape (N,) [p], of a displacement [u]."""
-        return np.asarray(1 - np.fft.irfft(self.stiffness * np.fft.rfft(displacement), self.num_points))
+        return np.asarray(1 - irfft(self.stiffness * rfft(displacement), self.num_points))
 
     def wall_pressure(self, displacement: Array64) -> Array64:
         """sigma >= 0 where a displacement, shape (N,) [u], touches the wall, 0 elsewhere; shape (N,) [p]."""
@@ -102,10 +103,10 @@ class Problem:
 
     def displacement_under(self, pressure: Array64) -> Array64:
         """The displacement u <= h, shape (N,) [u], under a contact pressure [p]; on the wall where that acts."""
-        modes = np.fft.rfft(pressure)
+        modes = rfft(pressure)
         modes[0] = 0
         modes[1:] /= self.stiffness[1:]
-        gap = self.height + np.fft.irfft(modes, self.num_points)
+        gap = self.height + irfft(modes, self.num_points)
         gap -= (pressure @ gap) / pressure.sum()
         return np.where(pressure > 0, self.height, self.height - np.maximum(gap, 0.0))
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from .. import checks
 from ..arrays import Array64, Modes
+from ..transforms.plain import irfft, rfft
 from .indenter import Indenter
 
 
@@ -51,7 +52,7 @@ class MeasuredIndenter(Indenter):
 
     @cached_property
     def _modes(self) -> Modes:
-        return np.asarray(np.fft.rfft(self.heights) / self.heights.size)
+        return np.asarray(rfft(self.heights) / self.heights.size)
 
     def profile(self, num_points: int, period: float) -> Array64:
         if num_points == self.heights.size:
@@ -59,7 +60,7 @@ class MeasuredIndenter(Indenter):
         modes = np.zeros(num_points // 2 + 1, dtype=np.complex128)
         held = (min(num_points, self.heights.size) + 1) // 2  # without the Nyquist mode
         modes[:held] = self._modes[:held]
-        heights = np.fft.irfft(modes, num_points) * num_points
+        heights = irfft(modes, num_points) * num_points
         return np.asarray(heights - heights.min()) / period
 
     def shortest_wave(self, num_points: int) -> int:

@@ -10,6 +10,7 @@ import numpy as np
 from .. import checks
 from ..arrays import Array64, Modes
 from ..layers import ElasticLayer
+from ..transforms.plain import irfft
 from .indenter import Indenter
 
 _KAPPA = 1.75
@@ -71,14 +72,14 @@ class RoughIndenter(Indenter):
         return half
 
     def profile(self, num_points: int, period: float) -> Array64:
-        heights = np.fft.irfft(self._modes(num_points), num_points) * num_points
+        heights = irfft(self._modes(num_points), num_points) * num_points
         heights -= heights.min()
         return np.asarray(heights)
 
     def slope(self, num_points: int, period: float) -> Array64:
         """Slopes, see `Indenter`, by the exact derivative of every mode."""
         wave_numbers = 2 * np.pi * np.arange(num_points // 2 + 1)
-        return np.asarray(np.fft.irfft(1j * wave_numbers * self._modes(num_points), num_points) * num_points)
+        return np.asarray(irfft(1j * wave_numbers * self._modes(num_points), num_points) * num_points)
 
     def ratios(self, period: float) -> dict[str, float]:
         return {"rms_gradient": self.rms_gradient}

@@ -2,7 +2,7 @@
 
 Whoever adds a method writes one file here and adds one line to `METHODS`.
 
-May import: arrays, checks, endings, grid, linecontact.kernels.
+May import: arrays, checks, endings, transforms, grid, linecontact.kernels.
 """
 
 from . import active_set, fire, mass_weighted_fire

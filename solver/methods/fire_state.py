@@ -17,7 +17,7 @@ import numpy as np
 from ...kernels import CHUNK, Call, layout, record, sequence
 from ..arrays import Array, Array64
 from ..grid.problem import Problem
-from ..grid.transforms import Transforms
+from ..transforms.planned import Transforms
 from .method import Method
 
 Operator = tuple[Callable[[], None], ...]

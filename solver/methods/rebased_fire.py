@@ -17,7 +17,7 @@ import numpy as np
 from ...kernels import layout
 from ..arrays import Array64
 from ..grid.problem import Problem
-from ..grid.transforms import Transforms
+from ..transforms.planned import Transforms
 from .fire_state import Fire
 from .method import Method, Setting
 from .relaxation import OVERFLOWING

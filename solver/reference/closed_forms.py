@@ -13,6 +13,7 @@ import numpy as np
 from ..arrays import Array64
 from ..layers.bonded import foundation_compliance, foundation_modulus
 from ..quadrature import gauss_legendre
+from ..transforms.plain import irfft, rfft
 
 _GAUSS = 200
 
@@ -144,8 +145,8 @@ def persson_area(reduced_load: float, stiffness: Array64, height: Array64) -> fl
     erf(p/(sqrt(2) s)), s the rms pressure in full contact. reduced_load: p/E*; stiffness: K(q_k), shape (N//2 + 1,)
     [E*/L], its mean mode without effect; height: h, shape (N,) [L].
     """
-    modes = np.fft.rfft(height - height.mean())
-    pressure = np.fft.irfft(stiffness * modes, height.size)
+    modes = rfft(height - height.mean())
+    pressure = irfft(stiffness * modes, height.size)
     return math.erf(reduced_load / math.sqrt(2 * float(np.mean(pressure**2))))
 
 

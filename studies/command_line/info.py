@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import warp as wp
 from linecontact import kernels
 from linecontact.solver import provenance
-from linecontact.solver.grid import transforms
-from linecontact.solver.grid.fftw import pyfftw
+from linecontact.solver.transforms import planned, wisdom
 from rich.table import Table
 
 from ..terminal import console
@@ -26,12 +25,12 @@ def command(_: Options) -> int:
     table = Table(title="linecontact", show_header=False)
     rows = {
         **provenance.provenance(),
-        "FFTW": pyfftw.fftw_version,
+        "FFTW": planned.library(),
         "threads": f"FFTW 1 by default (--threads), Warp 1; {len(os.sched_getaffinity(0))} cores usable"
         if hasattr(os, "sched_getaffinity")
         else str(os.cpu_count()),
         "Warp kernel cache": str(wp.config.kernel_cache_dir),
-        "FFTW wisdom": f"{transforms.wisdom_file()} ({'present' if transforms.wisdom_file().exists() else 'none yet'})",
+        "FFTW wisdom": f"{wisdom.wisdom_file()} ({'present' if wisdom.wisdom_file().exists() else 'none yet'})",
         "devices": ", ".join(str(device) for device in wp.get_devices()) + " (only cpu is used)",
         "interpreter": f"{sys.executable}, {platform.machine()}",
     }

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any, Literal
 
 from linecontact.solver import INDENTERS, LAYERS, METHODS, MeasuredIndenter, Scene, Solution, Status, solve
-from linecontact.solver.grid.transforms import PLANNING
 from linecontact.solver.scene import PRECISIONS
 from linecontact.solver.strategy.errors import claimed_error
+from linecontact.solver.transforms.planned import PLANNING
 from rich.table import Table
 
 from ..figures.names import FORMATS

@@ -13,6 +13,7 @@ from linecontact.solver import METHODS, Layer, MeasuredIndenter, PowerIndenter, 
 from linecontact.solver.grid.problem import half_spectrum
 from linecontact.solver.methods import DEFAULT
 from linecontact.solver.scene import PRECISIONS
+from linecontact.solver.transforms.plain import irfft, rfft
 from numpy.typing import NDArray
 
 Array64 = NDArray[np.float64]
@@ -160,7 +161,7 @@ def _full_load(indenter: PowerIndenter | RoughIndenter | MeasuredIndenter, layer
     heights = np.minimum(indenter.profile(num_points, 1.0), 1e100)
     rigidity = half_spectrum(layer, num_points, 1.0)
     with np.errstate(over="ignore", invalid="ignore"):
-        highest = float(np.fft.irfft(rigidity * np.fft.rfft(heights), num_points).max())
+        highest = float(irfft(rigidity * rfft(heights), num_points).max())
     return min(max(highest, 1e-12), 1e12) if math.isfinite(highest) else 1e12
 
 

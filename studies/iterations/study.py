@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from linecontact.solver import PowerIndenter, RoughIndenter, Scene, solve
-from linecontact.solver.grid.transforms import Transforms
 from linecontact.solver.methods import DEFAULT, METHODS, Progress
 from linecontact.solver.reference import closed_forms
+from linecontact.solver.transforms.planned import Transforms
 from rich.console import RenderableType
 from rich.table import Table
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from linecontact import kernels
 from linecontact.kernels import CHUNK, Call, layout
-from linecontact.solver.grid.transforms import Transforms
+from linecontact.solver.transforms.planned import Transforms
 
 from .specs import READS, SPECS, Array, Spec
 

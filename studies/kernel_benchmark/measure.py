@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from linecontact.solver import Scene
 from linecontact.solver.grid.problem import Problem
-from linecontact.solver.grid.transforms import Transforms
 from linecontact.solver.methods.fire_state import Fire
 from linecontact.solver.provenance import provenance
+from linecontact.solver.transforms.planned import Transforms
 
 from ..files import records
 from .candidates import Bench, compile_c, load

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
+from linecontact.solver.transforms.plain import irfft, rfft
 from numpy.typing import NDArray
 
 Array64 = NDArray[np.float64]
@@ -70,12 +71,12 @@ class Profile:
         if count == num_points:
             return
         self.steps.append(f"resampled from {count} to {num_points} points by Fourier modes")
-        modes = np.fft.rfft(self.z)
+        modes = rfft(self.z)
         held = (min(num_points, count) + 1) // 2  # all but an unpaired highest mode
         modes[held:] = 0
         if mirrored:
             modes *= np.exp(1j * np.pi * np.arange(modes.size) * (1 / num_points - 1 / count))
-        z = np.fft.irfft(modes[: held + 1], num_points) * (num_points / count)
+        z = irfft(modes[: held + 1], num_points) * (num_points / count)
         self.z = (z + z[::-1]) / 2 if mirrored else z  # even to the last bit: then half of the nodes will do
 
 

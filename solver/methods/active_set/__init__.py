@@ -4,11 +4,12 @@
 pressure, `compliance` the operator, `storage` where nodes have their values, `preconditioner` with `long_patch` and
 `greens_function` what makes its iterations few.
 
-May import: method, linecontact.solver.arrays, linecontact.solver.grid, linecontact.kernels.
+May import: method, linecontact.solver.arrays, linecontact.solver.transforms, linecontact.solver.grid,
+linecontact.kernels.
 """
 
 from ...grid.problem import Problem
-from ...grid.transforms import Transforms
+from ...transforms.planned import Transforms
 from ..method import Fallback, MethodKind, Setting
 from .active_set import ActiveSet
 from .compliance import Compliance

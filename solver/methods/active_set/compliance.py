@@ -2,7 +2,7 @@
 
 from ....kernels import record
 from ...arrays import Array64, Indices
-from ...grid.transforms import Transforms
+from ...transforms.planned import Transforms
 from .storage import Whole
 
 

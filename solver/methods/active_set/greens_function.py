@@ -9,7 +9,8 @@ from functools import cached_property
 import numpy as np
 
 from ...arrays import Array64, Indices
-from ...grid.fftw import pyfftw
+from ...transforms.plain import hfft, irfft
+from ...transforms.planned import Pair
 
 
 def inverse_cholesky(column: Array64, order: int) -> Array64:
@@ -47,7 +48,7 @@ class GreensFunction:
     @cached_property
     def response(self) -> Array64:
         """G in real space, shape (N,): displacement around a node of unit pressure."""
-        return np.fft.irfft(self.compliance, self.num_points)
+        return irfft(self.compliance, self.num_points)
 
     @cached_property
     def _second_sum(self) -> Array64:
@@ -55,7 +56,7 @@ class GreensFunction:
         sine = np.sin(np.pi * np.arange(self.num_points // 2 + 1) / self.num_points)
         symbol = np.zeros_like(sine)
         symbol[1:] = -self.compliance[1:] / (4 * sine[1:] ** 2)
-        return np.fft.irfft(symbol, self.num_points)
+        return irfft(symbol, self.num_points)
 
     def patch_sums(self, first: Indices, last: Indices) -> Array64:
         """Z'GZ for Z = 1 on each of M runs of nodes: the sums of G(a - b) over a in one run and b in another.
@@ -92,7 +93,7 @@ class GreensFunction:
                 rigidity = np.interp(
                     modes * (self.num_points / length), np.arange(self._stiffness.size), self._stiffness
                 )
-                compliance = np.fft.hfft(self.response[modes], length)[: modes.size]
+                compliance = hfft(self.response[modes], length)[: modes.size]
             self._convolutions[length] = Convolution(rigidity, compliance, length)
         return self._convolutions[length]
 
@@ -102,18 +103,16 @@ class Convolution:
 
     def __init__(self, rigidity: Array64, compliance: Array64, length: int) -> None:
         self.rigidity, self.compliance, self.length = rigidity, compliance, length
-        self._real = pyfftw.zeros_aligned(self.length)
-        self._modes = pyfftw.zeros_aligned(rigidity.size, dtype=np.complex128)
-        self._forward = pyfftw.FFTW(self._real, self._modes, flags=["FFTW_ESTIMATE"])
-        self._inverse = pyfftw.FFTW(self._modes, self._real, direction="FFTW_BACKWARD", flags=["FFTW_ESTIMATE"])
+        self._pair = Pair(length)
         self.count = 0
 
     def __call__(self, symbol: Array64, values: Array64) -> Array64:
         """Circular convolution of zero-padded values with a symbol, shape (length//2 + 1,), at the values' nodes."""
-        self._real[: values.size] = values
-        self._real[values.size :] = 0
-        self._forward.execute()
-        self._modes *= symbol
-        self._inverse.execute()
+        pair = self._pair
+        pair.real[: values.size] = values
+        pair.real[values.size :] = 0
+        pair.forward()
+        pair.modes *= symbol
+        pair.inverse()
         self.count += 1
-        return np.asarray(self._real[: values.size] / self.length)
+        return np.asarray(pair.real[: values.size] / self.length)

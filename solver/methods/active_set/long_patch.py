@@ -8,7 +8,7 @@ K restricted to the patch, by a short transform, is nearly the inverse: K_bb >= 
 import numpy as np
 
 from ...arrays import Array64
-from ...grid.fftw import pyfftw
+from ...transforms.planned import fast_length
 from .greens_function import GreensFunction
 
 
@@ -18,7 +18,7 @@ class LongPatch:
     def __init__(self, green: GreensFunction, size: int) -> None:
         self.size = size
         # twice the patch keeps its ends apart
-        self._convolve = convolve = green.convolution(min(2 * pyfftw.next_fast_len(size), green.num_points))
+        self._convolve = convolve = green.convolution(min(2 * fast_length(size), green.num_points))
         self.whole = size == green.num_points
         if not self.whole:
             self._basis = np.stack([convolve(convolve.rigidity, x) for x in (np.ones(size), np.linspace(-1, 1, size))])

@@ -19,7 +19,7 @@ import numpy as np
 from ....kernels import Call
 from ...arrays import Array, Array64, Indices, Mask
 from ...grid.problem import Problem
-from ...grid.transforms import Transforms
+from ...transforms.planned import Transforms
 
 _EVEN_FROM = 2**13
 """Points; on smaller grids the reordering takes as long as half a transform."""

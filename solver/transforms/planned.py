@@ -1,31 +1,23 @@
-"""Real transforms by pyFFTW over buffers that the kernels share, and FFTW's wisdom kept in the user's cache folder.
+"""Real transforms planned by FFTW: over buffers that the kernels share, and short ones for convolutions.
 
 Convention: forward sum_i x_i exp(-2 pi i k i/N), k = 0 ... N/2; the inverse is unnormalised (a factor N), so the
 coefficients multiplied in between carry 1/N.
 """
 
-import json
-import os
-import tempfile
-import warnings
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 
 from ...kernels import padded_length
 from .. import checks
-from ..arrays import Array
+from ..arrays import Array, Array64, Modes
+from . import wisdom
 from .fftw import pyfftw
 
 PLANNING = ("estimate", "measure", "patient")
 """Planning effort. 'estimate' plans at once, and takes what wisdom holds of an earlier, greater effort."""
 
 _STAGGER = 1024  # bytes: buffers that start at equal page offsets slow each other down
-
-_MOST_WISDOM = 2**24  # bytes; a plan takes some hundred
-
-_wisdom_loaded = False
 
 
 class Transforms:
@@ -45,7 +37,7 @@ class Transforms:
         length = 2 * (num_points // 2 + 1)
         self.spectrum = self.buffer(length)
         self._modes = self.spectrum[:length].view(np.result_type(self.real, np.complex64))
-        load_wisdom()
+        wisdom.load()
 
     def buffer(self, length: int | None = None) -> Array:
         """A padded, aligned, staggered array for `length` (default N) values: zeros."""
@@ -79,67 +71,34 @@ class Transforms:
         return execute
 
 
+class Pair:
+    """Forward and inverse transform of one short length, in float64 and planned at once.
+
+    length: n >= 1. real: buffer of n values; modes: of their half spectrum, n//2 + 1 complex numbers.
+    """
+
+    def __init__(self, length: int) -> None:
+        self.real: Array64 = pyfftw.zeros_aligned(length)
+        self.modes: Modes = pyfftw.zeros_aligned(length // 2 + 1, dtype=np.complex128)
+        forward = pyfftw.FFTW(self.real, self.modes, flags=["FFTW_ESTIMATE"])
+        inverse = pyfftw.FFTW(self.modes, self.real, direction="FFTW_BACKWARD", flags=["FFTW_ESTIMATE"])
+        self.forward: Callable[[], None] = forward.execute
+        """real -> modes."""
+        self.inverse: Callable[[], None] = inverse.execute
+        """modes -> real, times n; leaves the modes."""
+
+
+def fast_length(length: int) -> int:
+    """The least length from this one on that FFTW transforms quickly: factors up to 7, and 11 or 13 once."""
+    return int(pyfftw.next_fast_len(length))
+
+
+def library() -> str:
+    """The library that plans, with its version."""
+    return str(pyfftw.fftw_version)
+
+
 def check_settings(threads: int, planning: str) -> tuple[int, str]:
     """Both, if they are allowed. Raises `ValueError`."""
     allowed = checks.integer("threads", threads, "an integer from 1 to 1024", 1, 1024)
     return allowed, checks.choice("planning", planning, PLANNING)
-
-
-def cache_folder() -> Path:
-    """The user's cache folder for linecontact ($XDG_CACHE_HOME/linecontact, default ~/.cache/linecontact)."""
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "linecontact"
-
-
-def wisdom_file() -> Path:
-    """Where FFTW's wisdom is kept (JSON: one string per FFTW precision)."""
-    return cache_folder() / "fftw-wisdom.json"
-
-
-def load_wisdom() -> None:
-    """Import the stored wisdom once per process; a broken file is ignored with a `RuntimeWarning`."""
-    global _wisdom_loaded
-    if not _wisdom_loaded:
-        _wisdom_loaded = True
-        _import_wisdom()
-
-
-def _import_wisdom() -> None:
-    try:
-        path = wisdom_file()
-        if not path.exists():
-            return
-        if not path.is_file() or path.stat().st_size > _MOST_WISDOM:
-            raise OSError(f"{path} is not a file of up to {_MOST_WISDOM >> 20} MiB")
-        text = path.read_text("ascii")
-    except (OSError, UnicodeDecodeError, RuntimeError) as error:  # RuntimeError: a user without a home
-        warnings.warn(f"FFTW wisdom is ignored: {error}", RuntimeWarning, stacklevel=3)
-        return
-    try:
-        stored = json.loads(text)
-        parts = tuple(stored[name].encode("ascii") for name in ("double", "single", "long double"))
-        done = all(pyfftw.import_wisdom(parts))
-    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
-        done = False
-    if not done:
-        warnings.warn(f"FFTW wisdom in {path} is broken and ignored", RuntimeWarning, stacklevel=3)
-
-
-def save_wisdom() -> None:
-    """Add this process's wisdom to the stored one; the file is replaced in one step, trouble only warns."""
-    temporary = None
-    try:
-        path = wisdom_file()
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", RuntimeWarning)
-            _import_wisdom()
-        double, single, long_double = (part.decode("ascii") for part in pyfftw.export_wisdom())
-        text = json.dumps({"double": double, "single": single, "long double": long_double})
-        with tempfile.NamedTemporaryFile("w", dir=path.parent, prefix=path.name, delete=False) as file:
-            temporary = Path(file.name)
-            file.write(text)
-        temporary.replace(path)
-    except (OSError, RuntimeError) as error:
-        if temporary:
-            temporary.unlink(missing_ok=True)
-        warnings.warn(f"FFTW wisdom could not be kept: {error}", RuntimeWarning, stacklevel=2)

@@ -1,0 +1,7 @@
+"""Every Fourier transform of the program, but for the checks that share no code with it: a faster one is put in here.
+
+`planned` has the transforms that are planned once and done often, `plain` those of plain arrays now and then, `wisdom`
+what FFTW has learnt of this machine, `fftw` the library itself.
+
+May import: arrays, checks, linecontact.kernels.
+"""

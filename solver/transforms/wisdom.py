@@ -1,0 +1,73 @@
+"""FFTW's wisdom, kept in the user's cache folder: what planning with effort found is not looked for again."""
+
+import json
+import os
+import tempfile
+import warnings
+from pathlib import Path
+
+from .fftw import pyfftw
+
+_MOST = 2**24  # bytes; a plan takes some hundred
+
+_loaded = False
+
+
+def cache_folder() -> Path:
+    """The user's cache folder for linecontact ($XDG_CACHE_HOME/linecontact, default ~/.cache/linecontact)."""
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "linecontact"
+
+
+def wisdom_file() -> Path:
+    """Where FFTW's wisdom is kept (JSON: one string per FFTW precision)."""
+    return cache_folder() / "fftw-wisdom.json"
+
+
+def load() -> None:
+    """Import the stored wisdom once per process; a broken file is ignored with a `RuntimeWarning`."""
+    global _loaded
+    if not _loaded:
+        _loaded = True
+        _import()
+
+
+def _import() -> None:
+    try:
+        path = wisdom_file()
+        if not path.exists():
+            return
+        if not path.is_file() or path.stat().st_size > _MOST:
+            raise OSError(f"{path} is not a file of up to {_MOST >> 20} MiB")
+        text = path.read_text("ascii")
+    except (OSError, UnicodeDecodeError, RuntimeError) as error:  # RuntimeError: a user without a home
+        warnings.warn(f"FFTW wisdom is ignored: {error}", RuntimeWarning, stacklevel=3)
+        return
+    try:
+        stored = json.loads(text)
+        parts = tuple(stored[name].encode("ascii") for name in ("double", "single", "long double"))
+        done = all(pyfftw.import_wisdom(parts))
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        done = False
+    if not done:
+        warnings.warn(f"FFTW wisdom in {path} is broken and ignored", RuntimeWarning, stacklevel=3)
+
+
+def save() -> None:
+    """Add this process's wisdom to the stored one; the file is replaced in one step, trouble only warns."""
+    temporary = None
+    try:
+        path = wisdom_file()
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RuntimeWarning)
+            _import()
+        double, single, long_double = (part.decode("ascii") for part in pyfftw.export_wisdom())
+        text = json.dumps({"double": double, "single": single, "long double": long_double})
+        with tempfile.NamedTemporaryFile("w", dir=path.parent, prefix=path.name, delete=False) as file:
+            temporary = Path(file.name)
+            file.write(text)
+        temporary.replace(path)
+    except (OSError, RuntimeError) as error:
+        if temporary:
+            temporary.unlink(missing_ok=True)
+        warnings.warn(f"FFTW wisdom could not be kept: {error}", RuntimeWarning, stacklevel=2)
