@@ -11,7 +11,6 @@ from .solution import Solution
 from .strategy.effort import Effort, Means
 from .strategy.to_accuracy import solve_to_accuracy
 from .strategy.to_tolerance import solve_to_tolerance
-from .transforms import wisdom
 from .transforms.planned import check_settings
 
 
@@ -40,7 +39,7 @@ def solve(
         default `default_tolerance`, or what rounding leaves if that is more.
     max_iterations: at least 1, all grids, hand-over included; default by method.
     initial: displacement to start from, shape (N,) [length], for instance a neighbour's solution.
-    threads: of FFTW. planning: FFTW's effort, 'estimate', 'measure' or 'patient'; what it finds is kept.
+    threads: of FFTW. planning: FFTW's effort, 'estimate', 'measure' or 'patient'; what it finds is kept at once.
     backend: 'warp', or 'numpy' for the twins.
     progress: called about ten times a second with (iteration, residual).
 
@@ -60,16 +59,9 @@ def solve(
         for name, value in (chosen | {"max_iterations": max_iterations}).items():
             if value is not None:
                 raise ValueError(f"{name} is {value!r}; allowed: without accuracy only, which chooses it")
-        return _keeping_plans(planning, solve_to_accuracy(scene, accuracy, means))
+        return solve_to_accuracy(scene, accuracy, means)
     kind = METHODS[checks.choice("method", DEFAULT.name if method is None else method, tuple(METHODS))]
     if max_iterations is not None:
         max_iterations = checks.integer("max_iterations", max_iterations, "an integer from 1 to 2^53", 1, 2**53)
     effort = Effort(scene, kind, means, max_iterations)
-    return _keeping_plans(planning, solve_to_tolerance(effort, nested, tolerance, initial))
-
-
-def _keeping_plans(planning: str, solution: Solution) -> Solution:
-    """The solution, after FFTW's plans of all grids have been kept, if finding them took effort."""
-    if planning != "estimate":
-        wisdom.save()
-    return solution
+    return solve_to_tolerance(effort, nested, tolerance, initial)

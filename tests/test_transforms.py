@@ -3,6 +3,8 @@
 import ast
 import json
 import os
+import subprocess
+import sys
 import warnings
 from pathlib import Path
 
@@ -19,7 +21,9 @@ def cache(tmp_path, monkeypatch):
     """An empty cache folder, and a process that has not looked for wisdom yet."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     monkeypatch.setattr(wisdom, "_loaded", False)
-    return tmp_path
+    pyfftw.forget_wisdom()
+    yield tmp_path
+    pyfftw.forget_wisdom()
 
 
 @pytest.mark.parametrize("precision", ["float32", "float64"])
@@ -122,7 +126,6 @@ def test_wisdom_is_kept_and_read(cache):
     assert not wisdom.wisdom_file().exists()
     planner = Transforms(64, "float64", planning="measure")
     planner.forward(planner.buffer())
-    wisdom.save()
     stored = json.loads(wisdom.wisdom_file().read_text())
     assert set(stored) == {"double", "single", "long double"}
     with warnings.catch_warnings():
@@ -175,12 +178,111 @@ def test_wisdom_that_is_no_file_is_ignored(cache):
         Transforms(64, "float64")
 
 
-@pytest.mark.parametrize("options", [{"accuracy": 1e-2}, {"tolerance": 1e-4}])
-def test_plans_that_took_effort_are_kept_after_every_solve(monkeypatch, options):
-    kept = []
-    monkeypatch.setattr(wisdom, "save", lambda: kept.append(1))
-    scene = Scene(Layer(0.1), RoughIndenter(0.8, 0, 1 / 4, 1 / 16), 1e-2, num_points=256)
-    solve(scene, **options)
-    assert not kept
-    solve(scene, planning="measure", **options)
-    assert kept == [1]
+def begin_anew():
+    """Know as little of wisdom as a new process."""
+    wisdom._loaded = False
+    pyfftw.forget_wisdom()
+
+
+def plan_both(precision="float64", planning="measure", threads=1):
+    """Plans that wisdom held, and new ones, of a forward and an inverse transform."""
+    transforms = Transforms(64, precision, threads, planning)
+    transforms.forward(transforms.buffer())
+    transforms.inverse(transforms.buffer())
+    return transforms.known, transforms.planned
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.parametrize("precision", ["float32", "float64"])
+def test_a_plan_is_made_once(cache, precision, threads):
+    assert plan_both(precision, "estimate", threads) == (0, 2)
+    assert not wisdom.wisdom_file().exists()
+    assert plan_both(precision, "measure", threads) == (0, 2)
+    for planning in ("measure", "estimate"):
+        begin_anew()
+        before = wisdom.wisdom_file().stat()
+        assert plan_both(precision, planning, threads) == (2, 0)
+        after = wisdom.wisdom_file().stat()
+        assert (before.st_ino, before.st_mtime_ns) == (after.st_ino, after.st_mtime_ns)
+    assert plan_both(precision, "patient", threads) == (0, 2)
+    begin_anew()
+    assert plan_both(precision, "measure", threads) == (2, 0)
+
+
+def test_what_others_have_stored_is_left_in_the_file(cache):
+    assert plan_both("float32") == (0, 2)
+    pyfftw.forget_wisdom()  # as a process that began before the file was there
+    assert plan_both("float64") == (0, 2)
+    begin_anew()
+    assert plan_both("float32") == plan_both("float64") == (2, 0)
+    assert [path.name for path in wisdom.cache_folder().iterdir()] == [wisdom.wisdom_file().name]
+
+
+@pytest.fixture
+def solve_counted(monkeypatch):
+    """`solve` of a scene on nested grids; returns how many measured plans wisdom held, and how many are new."""
+    made, begin = [], Transforms.__init__
+
+    def noted(self, *arguments, **options):
+        begin(self, *arguments, **options)
+        made.append(self)
+
+    def counted(precision="float64", **options):
+        made.clear()
+        scene = Scene(Layer(0.1), RoughIndenter(0.8, 0, 1 / 4, 1 / 16), 1e-2, num_points=2**12, precision=precision)
+        solve(scene, **options)
+        measured = [each for each in made if each.planning == "measure"]
+        return sum(each.known for each in measured), sum(each.planned for each in measured)
+
+    monkeypatch.setattr(Transforms, "__init__", noted)
+    return counted
+
+
+@pytest.mark.parametrize(
+    "options",
+    [{}, {"precision": "mixed"}, {"precision": "float32", "threads": 2}, {"accuracy": 1e-2}],
+    ids=lambda options: "-".join(map(str, options.values())) or "default",
+)
+def test_a_second_solve_plans_nothing(cache, solve_counted, options):
+    options = {"planning": "measure", **options}
+    known, planned = solve_counted(**options)
+    assert planned >= 4  # there and back on two grids at least
+    begin_anew()
+    before = wisdom.wisdom_file().stat()
+    assert solve_counted(**options) == (known + planned, 0)
+    assert wisdom.wisdom_file().stat().st_ino == before.st_ino
+
+
+@pytest.mark.parametrize("finished", [2, 3])
+def test_interrupted_planning_keeps_every_plan_that_was_finished(cache, solve_counted, monkeypatch, finished):
+    """Ctrl-C before the third plan, and while FFTW measures it, which cannot be stopped."""
+    fftw, plans = pyfftw.FFTW, []
+
+    def interrupted(*arguments, flags, **options):
+        if "FFTW_WISDOM_ONLY" in flags or "FFTW_MEASURE" not in flags:
+            return fftw(*arguments, flags=flags, **options)
+        if len(plans) == finished:
+            raise KeyboardInterrupt
+        plans.append(fftw(*arguments, flags=flags, **options))
+        if len(plans) == 3:
+            raise KeyboardInterrupt
+        return plans[-1]
+
+    monkeypatch.setattr(pyfftw, "FFTW", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        solve_counted(planning="measure")
+    monkeypatch.setattr(pyfftw, "FFTW", fftw)
+    begin_anew()
+    assert solve_counted(planning="measure") == (finished, 4 - finished)  # 4: there and back on two grids
+
+
+def test_a_second_process_plans_nothing(cache):
+    program = (
+        "from linecontact.solver.transforms.planned import Transforms\n"
+        "for length in (64, 256):\n"
+        "    t = Transforms(length, 'float64', planning='measure')\n"
+        "    t.forward(t.buffer()), t.inverse(t.buffer())\n"
+        "    print(t.known, t.planned)\n"
+    )
+    printed = [subprocess.run([sys.executable, "-c", program], capture_output=True, text=True) for _ in range(2)]
+    assert [(each.stdout.split(), each.stderr) for each in printed] == [(["0", "2"] * 2, ""), (["2", "0"] * 2, "")]

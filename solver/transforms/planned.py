@@ -5,6 +5,7 @@ coefficients multiplied in between carry 1/N.
 """
 
 from collections.abc import Callable
+from contextlib import suppress
 
 import numpy as np
 
@@ -25,6 +26,7 @@ class Transforms:
 
     num_points: N; precision: 'float64' or 'float32'; threads: of FFTW, >= 1; planning: one of `PLANNING`.
     spectrum: flat real view of the half spectrum (re, im, ...), 2 (N//2 + 1) values and zeros up to a padded length.
+    known, planned: plans so far that FFTW's wisdom held, from measuring at some time, and those that were made anew.
 
     Raises `ValueError`.
     """
@@ -33,7 +35,7 @@ class Transforms:
         self.threads, self.planning = check_settings(threads, planning)
         self.num_points = num_points
         self.real = np.dtype(precision)
-        self._count = 0
+        self.known = self.planned = self._count = 0
         length = 2 * (num_points // 2 + 1)
         self.spectrum = self.buffer(length)
         self._modes = self.spectrum[:length].view(np.result_type(self.real, np.complex64))
@@ -63,12 +65,28 @@ class Transforms:
         return self._plan(self._modes, target[: self.num_points], "FFTW_BACKWARD")
 
     def _plan(self, source: Array, target: Array, direction: str) -> Callable[[], None]:
-        flags = [f"FFTW_{self.planning.upper()}"]
-        if direction == "FFTW_BACKWARD":
-            flags.append("FFTW_DESTROY_INPUT")
-        plan = pyfftw.FFTW(source, target, direction=direction, threads=self.threads, flags=flags)
-        execute: Callable[[], None] = plan.execute
-        return execute
+        """The plan that wisdom holds, or else a new one, which is kept at once if finding it took effort."""
+
+        def plan(effort: str, *more: str) -> Callable[[], None]:
+            flags = [f"FFTW_{effort.upper()}", *more]
+            if direction == "FFTW_BACKWARD":
+                flags.append("FFTW_DESTROY_INPUT")
+            made = pyfftw.FFTW(source, target, direction=direction, threads=self.threads, flags=flags)
+            execute: Callable[[], None] = made.execute
+            return execute
+
+        estimated = self.planning == "estimate"
+        with suppress(RuntimeError):  # wisdom does not hold it
+            known = plan("measure" if estimated else self.planning, "FFTW_WISDOM_ONLY")
+            self.known += 1
+            return known
+        self.planned += 1
+        if estimated:
+            return plan("estimate")
+        try:
+            return plan(self.planning)
+        finally:
+            wisdom.save()  # after Ctrl-C, too, which waits until FFTW has finished
 
 
 class Pair:

@@ -54,7 +54,6 @@ def _import() -> None:
 
 def save() -> None:
     """Add this process's wisdom to the stored one; the file is replaced in one step, trouble only warns."""
-    temporary = None
     try:
         path = wisdom_file()
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -63,11 +62,9 @@ def save() -> None:
             _import()
         double, single, long_double = (part.decode("ascii") for part in pyfftw.export_wisdom())
         text = json.dumps({"double": double, "single": single, "long double": long_double})
-        with tempfile.NamedTemporaryFile("w", dir=path.parent, prefix=path.name, delete=False) as file:
-            temporary = Path(file.name)
-            file.write(text)
-        temporary.replace(path)
+        with tempfile.TemporaryDirectory(dir=path.parent, prefix=path.name) as folder:
+            new = Path(folder) / path.name
+            new.write_text(text, "ascii")
+            new.replace(path)
     except (OSError, RuntimeError) as error:
-        if temporary:
-            temporary.unlink(missing_ok=True)
         warnings.warn(f"FFTW wisdom could not be kept: {error}", RuntimeWarning, stacklevel=2)
