@@ -8,35 +8,20 @@ length is a multiple of `CHUNK` (sums: one value per chunk). Warp works on the s
 """
 
 import functools
-import os
 import threading
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import numpy_twin
+from .compiled import load
 from .layout import CHUNK
 
 Array = NDArray[Any]
 
 BACKENDS = ("warp", "numpy")
-KERNELS = (
-    "spectral_multiply",
-    "mirror_multiply",
-    "net_force",
-    "search_sums",
-    "restrict_to_free",
-    "fire_control",
-    "fire_step",
-    "plain_sums",
-    "plain_step",
-    "advance_response",
-    "count_below",
-    "rest_on_wall",
-)
 
 _capture_lock = threading.Lock()
 
@@ -50,49 +35,6 @@ class Call(NamedTuple):
     """Arrays that it reads, in the kernel's order."""
     outputs: tuple[Array, ...]
     """Arrays that it writes, and may also read, in the kernel's order."""
-
-
-@contextmanager
-def _silent_stderr() -> Iterator[None]:
-    """Warp's native code reports a missing CUDA driver on file descriptor 2, whatever its log level."""
-    saved = os.dup(2)
-    with open(os.devnull, "w") as null:
-        os.dup2(null.fileno(), 2)
-        try:
-            yield
-        finally:
-            os.dup2(saved, 2)
-            os.close(saved)
-
-
-@functools.cache
-def load() -> dict[str, Any]:
-    """Compile every kernel in both precisions, or fetch it from Warp's kernel cache; Warp's kernels by name.
-
-    Raises `ValueError` if the cache cannot be used.
-    """
-    import warp as wp  # takes as long as everything else together, and often is not needed
-
-    from . import warp_fields, warp_fire
-
-    wp.config.log_level = wp.LOG_WARNING
-    try:
-        with _silent_stderr():
-            wp.init()
-    except OSError as error:
-        raise ValueError(f"Warp's kernel cache: {error}; allowed: a writable folder, set WARP_CACHE_PATH") from error
-    kernels = {name: getattr(warp_fields, name, None) or getattr(warp_fire, name) for name in KERNELS}
-    for kernel in kernels.values():
-        if kernel.is_generic:
-            arguments = {a.label: a.type for a in kernel.adj.args}
-            for real in (wp.float32, wp.float64):
-                types = {k: wp.array(dtype=real) if t.dtype is Any else t for k, t in arguments.items()}
-                wp.overload(kernel, types)
-    single, double, state = wp.array(dtype=wp.float32), wp.array(dtype=wp.float64), wp.array(dtype=wp.float64)
-    wp.overload(kernels["advance_response"], {"change": single, "state": state, "response": double})
-    for module in (warp_fields, warp_fire):
-        wp.load_module(module, device="cpu")
-    return kernels
 
 
 def record(backend: str, calls: Sequence[Call]) -> Callable[[], None]:
@@ -135,16 +77,16 @@ def _record_warp(calls: Sequence[Call]) -> Callable[[], None]:
             wp.launch(
                 kernels[call.kernel],
                 dim=threads,
-                inputs=[_share(array) for array in call.inputs],
-                outputs=[_share(array) for array in call.outputs],
+                inputs=[share(array) for array in call.inputs],
+                outputs=[share(array) for array in call.outputs],
                 device="cpu",
             )
     graph = capture.graph
     return lambda: wp.capture_launch(graph)
 
 
-def _share(array: Array) -> Any:
-    """The same memory as a Warp array."""
+def share(array: Array) -> Any:
+    """The same memory as a Warp array. array: one-dimensional and contiguous, float32 or float64."""
     import warp as wp
 
     return wp.array(array, dtype=wp.float32 if array.dtype == np.float32 else wp.float64, copy=False, device="cpu")

@@ -1,11 +1,19 @@
-"""Two measurements of the kernels, as ratios of the later's times over the earlier's."""
+"""What changed from one measurement to another, judged on ratios that were taken in the same round.
+
+A time changes with whatever else the machine does; its ratio to C's in the same round much less. What is left scatters
+from repetition to repetition (`cells.Scatter`), and between two processes, whose memory lies elsewhere, a little more:
+that is estimated from the changes of all rows, most of which nobody made (median of the absolute deviations).
+"""
 
 import json
 import math
 import os
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from statistics import NormalDist
+from typing import Any
 
+import numpy as np
 from linecontact.solver import checks
 from rich.table import Table
 
@@ -13,54 +21,57 @@ from ..files import hdf5, study_files, writing
 from ..runner.tasks import MAX_BYTES
 from ..terminal import console
 from . import report
-from .candidates import VARIANTS
+from .cells import Cell, Key, Scatter, cells
 
 EXIT_SLOWER = 3
-JUDGED = "warp-graph"
-"""The variant that the solver runs, which decides on the exit status."""
-
-Key = tuple[str, str, int, str]
-
-
-class Timing(NamedTuple):
-    """How long a call of a kernel takes, and how fast the machine copied at that time."""
-
-    seconds: float
-    """Median time of a call [s]."""
-    copy: float
-    """Bandwidth of a copy of as much memory [1e9 byte/s]."""
+JUDGED = "warp"
+"""The variant that the program runs, which decides on the exit status."""
+ROWS, BENCHMARKS_ = 0.002, 0.001
+"""Probability that a row which did not change is marked, and that any benchmark of a comparison is."""
 
 
-class Ratio(NamedTuple):
-    """One kernel, precision, size and variant in both measurements."""
+@dataclass(frozen=True)
+class Change:
+    """One benchmark, precision, size and variant in both measurements."""
 
     key: Key
-    """Kernel, precision, log2 of the points and variant."""
-    old: Timing
-    """The earlier measurement."""
-    new: Timing
-    """The later measurement."""
+    """What was measured."""
+    variant: str
+    """And how."""
+    old: float
+    """Ratio to the yardstick in the earlier measurement (dimensionless)."""
+    new: float
+    """In the later one."""
+    error: float
+    """Standard error of the logarithm of the change, from the repetitions."""
 
     @property
-    def raw(self) -> float:
-        """Later over earlier time (dimensionless)."""
-        return self.new.seconds / self.old.seconds
-
-    @property
-    def normalised(self) -> float:
-        """The same in units of the time that a copy takes, so that a slower machine alone changes nothing."""
-        return self.raw * self.new.copy / self.old.copy
-
-    def verdict(self, threshold: float) -> str:
-        """'slower' or 'faster' where both ratios say so: one alone may come from the machine or from the copy."""
-        if min(self.raw, self.normalised) > threshold:
-            return "slower"
-        return "faster" if max(self.raw, self.normalised) < 1 / threshold else ""
+    def log(self) -> float:
+        """Logarithm of the later ratio over the earlier one."""
+        return math.log(self.new / self.old)
 
 
-def read(path: Path) -> dict[Key, Timing]:
-    """Timings of a stored study, or of its JSON. Raises `ValueError` for anything else."""
-    refusal = f"compare: file {path} {{}}; allowed: a study kernels' .h5, or its --json saved to a file"
+@dataclass(frozen=True)
+class Measurement:
+    """A stored measurement."""
+
+    identity: dict[str, str]
+    """What its times depend on."""
+    commit: str
+    """Of the checkout, with '+dirty'."""
+    cells: dict[Key, Cell]
+    """Repetitions by what was measured."""
+
+
+def read(path: Path) -> Measurement:
+    """A stored study, its JSON, or the newest of the studies in a folder. Raises `ValueError` for anything else."""
+    allowed = "a study kernels' .h5, its --json saved to a file, or a folder that holds such .h5"
+    refusal = f"compare: {path} {{}}; allowed: {allowed}"
+    if path.is_dir():
+        files = sorted(path.rglob(f"{report.KIND}.h5"), key=lambda file: file.stat().st_mtime)
+        if not files:
+            raise ValueError(refusal.format(f"holds no {report.KIND}.h5"))
+        path = files[-1]
     if path.suffix == ".h5":
         if hdf5.file_kind(path) != report.KIND:
             raise ValueError(refusal.format("is another study's"))
@@ -76,66 +87,134 @@ def read(path: Path) -> dict[Key, Timing]:
         except (ValueError, RecursionError):
             raise ValueError(refusal.format("is not JSON")) from None
     try:
-        return _timings(content)
-    except (LookupError, TypeError, ValueError, ArithmeticError) as error:
+        return _measurement(content)
+    except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
         raise ValueError(refusal.format(f"does not follow schema {report.SCHEMA} ({error!r})")) from None
 
 
-def _timings(content: Any) -> dict[Key, Timing]:
+def _measurement(content: Any) -> Measurement:
     if content["schema"] != report.SCHEMA:
         raise ValueError(f"schema is {content['schema']!r}")
-    found = {}
-    for row in content["results"]:
-        key = (str(row["kernel"]), str(row["precision"]), int(row["log2_points"]), str(row["variant"]))
-        timing = Timing(float(row["seconds_median"]), float(row["copy_bandwidth_gb_per_s"]))
-        if not all(0 < value < math.inf for value in timing) or row["variant"] not in VARIANTS or key in found:
-            raise ValueError(f"bad or double row {', '.join(map(str, key))}")
-        found[key] = timing
+    found = cells(content["runs"])
+    for cell in found.values():
+        for variant in cell.variants:
+            if not all(0 < value < math.inf for value in (cell.seconds(variant), cell.ratio(variant))):
+                raise ValueError(f"bad row {', '.join(map(str, cell.key))} {variant}")
     if not found:
         raise ValueError("no results")
+    identity = {str(name): str(value) for name, value in content["configuration"]["identity"].items()}
+    return Measurement(identity, str(content["runs"][0].get("provenance.commit", "none")), found)
+
+
+def changes(old: Measurement, new: Measurement) -> list[Change]:
+    """What both have measured, against the same yardstick."""
+    found = []
+    variants = dict.fromkeys(v for cell in new.cells.values() for v in cell.variants)
+    for variant in variants:
+        scatters = [Scatter(one.cells.values(), variant) for one in (old, new)]
+        for key, cell in new.cells.items():
+            before = old.cells.get(key)
+            yardsticks = {one.runs[0]["yardstick"] for one in (cell, before) if one}
+            if before is None or len(yardsticks) > 1 or variant in yardsticks:
+                continue
+            ratios = before.ratio(variant), cell.ratio(variant)
+            errors = [s.error(one, variant) for s, one in zip(scatters, (before, cell), strict=True)]
+            if all(ratio > 0 for ratio in ratios) and not math.isnan(sum(errors)):
+                found.append(Change(key, variant, *ratios, math.hypot(*errors)))
     return found
 
 
-def table(ratios: list[Ratio], threshold: float) -> Table:
-    """One row per kernel, precision, size and variant."""
-    shown = report.new_table(
-        ("kernel", "bits", "N", "variant", "old\n(us)", "new\n(us)", "ratio", "norm.", ""),
-        "Times of the later measurement over the earlier's",
-        f"Medians; norm.: times the copy bandwidths' ratio; marked where both are beyond {threshold:g} or its inverse. "
-        "Ratios dimensionless.",
-        gap=0,
+def between(found: list[Change]) -> float:
+    """Standard deviation of the logarithms of changes that nobody made, beyond what the repetitions explain."""
+    logs = np.array([change.log for change in found])
+    seen = 1.4826 * float(np.median(np.abs(logs - np.median(logs)))) if logs.size else 0.0
+    explained = float(np.median([change.error for change in found])) if found else 0.0
+    return math.sqrt(max(0.0, seen**2 - explained**2))
+
+
+def verdict(log: float, error: float, threshold: float, chance: float) -> str:
+    """'slower' or 'faster' for a change beyond the threshold that chance makes rarely; empty for any other."""
+    limit = max(math.log(threshold), NormalDist().inv_cdf(1 - chance / 2) * error)
+    return "" if abs(log) <= limit else "slower" if log > 0 else "faster"
+
+
+def judge(found: list[Change], threshold: float) -> dict[tuple[str, str], tuple[float, float, str]]:
+    """Benchmarks over all their sizes, by name and precision: mean change, its standard error and the verdict."""
+    own = [change for change in found if change.variant == JUDGED]
+    names = dict.fromkeys((change.key.benchmark, change.key.precision) for change in own)
+    extra, judged = between(own), {}
+    for name in names:
+        rows = [change for change in own if (change.key.benchmark, change.key.precision) == name]
+        mean = float(np.mean([change.log for change in rows]))
+        error = math.sqrt(sum(change.error**2 + extra**2 for change in rows)) / len(rows)
+        judged[name] = math.exp(mean), error, verdict(mean, error, threshold, BENCHMARKS_ / len(names))
+    return judged
+
+
+def differences(old: Measurement, new: Measurement) -> list[str]:
+    """What else differs between the two, in sentences; the machine first."""
+    names = {"processor": "processors", "caches": "caches", "instructions": "instruction sets"}
+    names |= {"compiler": "C compilers", "flags": "flags", "chunk": "chunks"}
+    names |= {n: f"versions of {n}" for n in (*old.identity, *new.identity) if n not in (*names, "source", "target")}
+    said = []
+    for name, text in names.items():
+        before, after = (one.identity.get(name, "unknown") for one in (old, new))
+        if before != after:
+            said.append(f"Different {text}: {before}; then {after}.")
+    sources = [f"{one.identity.get('source', 'unknown')} (commit {one.commit})" for one in (old, new)]
+    return [*said, f"Source: {sources[0]}; then {sources[1]}."]
+
+
+def benchmark_table(judged: dict[tuple[str, str], tuple[float, float, str]]) -> Table:
+    """A row for every benchmark and precision."""
+    caption = (
+        "Change: later over earlier ratio to C, geometric mean over all sizes (dimensionless), and its 95 % interval."
     )
-    for ratio in ratios:
-        kernel, precision, size, variant = ratio.key
-        times = (report.microseconds(timing.seconds) for timing in (ratio.old, ratio.new))
-        shown.add_row(
-            kernel,
-            precision.removeprefix("float"),
-            f"2^{size}",
-            variant,
-            *times,
-            f"{ratio.raw:.2f}",
-            f"{ratio.normalised:.2f}",
-            ratio.verdict(threshold),
-        )
+    shown = report.new_table(("", "real", "change", "+-", ""), "Warp, later over earlier", caption)
+    for (name, precision), (ratio, error, said) in judged.items():
+        numbers = f"{ratio:.3f}", f"{1.96 * error * ratio:.3f}"
+        shown.add_row(name, precision.removeprefix("float"), *numbers, said)
+    return shown
+
+
+def row_table(marked: list[tuple[Change, str]]) -> Table:
+    """The rows that changed."""
+    caption = "Ratios to C, or of transforms to FFTW's estimate, in the same round (dimensionless)."
+    shown = report.new_table(("", "real", "N", "variant", "old", "new", "change", ""), "Rows that changed", caption)
+    for change, said in marked:
+        name, precision, size = change.key
+        ratios = (f"{ratio:.3g}" for ratio in (change.old, change.new))
+        new = f"{change.new / change.old:.2f}"
+        shown.add_row(name, precision.removeprefix("float"), report.power(size), change.variant, *ratios, new, said)
     return shown
 
 
 def command(old: Path, new: Path, threshold: float) -> int:
-    """Print the ratios; returns 3 if a recorded kernel is slower beyond the threshold, else 0. Raises `ValueError`."""
-    checks.real("threshold", threshold, "a finite number > 1", 1.0)
+    """Print what changed; returns 3 if a benchmark is slower over all its sizes, else 0. Raises `ValueError`."""
+    checks.real("threshold", threshold, "a number > 1 and <= 10", 1.0, 10.0)
     before, after = read(old), read(new)
-    ratios = [Ratio(key, before[key], after[key]) for key in before if key in after]
-    if not ratios:
-        raise ValueError(f"compare: files {old} and {new} have no row in common; allowed: such with the same sizes")
+    found = changes(before, after)
+    if not found:
+        raise ValueError(f"compare: {old} and {new} have no row in common; allowed: such with the same sizes")
     output = console.Output()
-    output.print(table(ratios, threshold))
-    alone = len(before.keys() ^ after.keys())
-    slower = [r for r in ratios if r.verdict(threshold) == "slower"]
-    judged = [r for r in slower if r.key[-1] == JUDGED]
+    for line in differences(before, after):
+        output.print(line, highlight=False, soft_wrap=True)
+    judged = judge(found, threshold)
+    if judged:
+        output.print(benchmark_table(judged))
+    marked = []
+    for variant in dict.fromkeys(change.variant for change in found):
+        own = [change for change in found if change.variant == variant]
+        extra = between(own)
+        verdicts = [verdict(c.log, math.hypot(c.error, extra), threshold, ROWS) for c in own]
+        marked += [(change, said) for change, said in zip(own, verdicts, strict=True) if said]
+    if marked:
+        output.print(row_table(marked))
+    slower = [f"{name} in {precision}" for (name, precision), (*_, said) in judged.items() if said == "slower"]
     output.print(
-        f"{len(ratios)} rows, {len(slower)} slower by more than {threshold:g}, {len(judged)} of them {JUDGED}; "
-        f"{alone} rows in one file only.",
+        f"{len(found)} rows, {len(marked)} changed by more than {threshold:g} and more than chance explains; "
+        f"slower over all sizes: {', '.join(slower) or 'none'}.",
         highlight=False,
+        soft_wrap=True,
     )
-    return EXIT_SLOWER if judged else 0
+    return EXIT_SLOWER if slower else 0

@@ -1,6 +1,6 @@
-"""Figures of the kernels' benchmark: bandwidth over size, with the caches, and the roofline."""
+"""Figures: bandwidth over the working set beside what the memory gives, the roofline, and transforms over N."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -8,95 +8,128 @@ from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..figures.style import COLOURS, NothingToDraw, distinct, load
+from ..figures.style import COLOURS, NothingToDraw, load
 from ..files.study_files import StudyFile
 from . import report
+from .benchmark import PRECISIONS
+from .cells import Cell, cells, machine
 
 _STYLES = {
     "c": ("C", COLOURS[3], "^"),
-    "warp-graph": ("Warp, chunks, recorded (band: all kernels)", COLOURS[0], "o"),
-    "warp-launch": ("Warp, chunks, wp.launch", COLOURS[1], "s"),
+    "warp": ("Warp, as the program runs it (band: all kernels)", COLOURS[0], "o"),
     "numpy": ("NumPy twin", COLOURS[2], "D"),
-    "warp-element": ("Warp, a thread per element", COLOURS[4], "v"),
-    "copy": ("copy: the roof", "k", ""),
+    "element": ("Warp, a thread for each point", COLOURS[4], "v"),
 }
-_ROOFS = (12, 18, 22)  # log2 of the points; those of them that were measured are shown
+_MEMORY = {"read": ":", "write": "-.", "copy": "-", "update": "--"}
+_ROOFS = (2**12, 2**18, 2**22)  # numbers of points; those of them that were measured are shown
 
 
 def draw(path: Path) -> dict[str, Figure]:
-    """Bandwidth over the working set by variant; flops over arithmetic intensity by kernel."""
+    """The figures by the endings of their names; those without data are left out."""
     study = load(path)
-    if not report.loops(study):
-        raise NothingToDraw(f"file {path} holds no kernel with a loop over points yet")
-    return dict(zip(report.FIGURES, (bandwidth(study), roofline(study)), strict=True))
+    kinds: Sequence[Callable[[StudyFile], Figure | None]] = (bandwidth, roofline, transforms)
+    found = {name: figure for name, kind in zip(report.FIGURES, kinds, strict=True) if (figure := kind(study))}
+    if not found:
+        raise NothingToDraw(f"file {path} holds neither kernels nor transforms yet")
+    return found
 
 
-def _precisions(study: StudyFile) -> list[str]:
-    return sorted(distinct(str(run["precision"]) for run in report.loops(study)))
+def _group(study: StudyFile, group: str) -> list[Cell]:
+    return [cell for cell in cells(study.runs).values() if cell.benchmark.group == group]
 
 
-def bandwidth(study: StudyFile) -> Figure:
+def bandwidth(study: StudyFile) -> Figure | None:
     """Medians over the kernels; of the recorded ones also the least and the largest."""
-    precisions, caches = _precisions(study), report.caches(study)
+    kernels, roofs = (_group(study, group) for group in ("kernels", "roofs"))
+    kernels = [cell for cell in kernels if cell.value("flops") > 0]
+    if not kernels:
+        return None
     figure: Figure
-    figure, panels = plt.subplots(1, len(precisions), figsize=(8.6, 4.2), sharey=True, squeeze=False)
-    figure.subplots_adjust(left=0.08, right=0.985, bottom=0.26, top=0.92, wspace=0.07)
-    for axes, precision in zip(panels[0], precisions, strict=True):
-        runs = [run for run in report.loops(study) if run["precision"] == precision]
+    figure, panels = plt.subplots(1, 2, figsize=(8.6, 4.4), sharey=True, squeeze=False)
+    figure.subplots_adjust(left=0.08, right=0.985, bottom=0.29, top=0.92, wspace=0.07)
+    for axes, precision in zip(panels[0], PRECISIONS, strict=True):
         for variant, (label, colour, marker) in _STYLES.items():
-            _line(axes, runs, variant, label, colour, marker)
+            own = [cell for cell in kernels if cell.key.precision == precision]
+            _line(axes, own, variant, label, colour, marker)
+        for name, dashes in _MEMORY.items():
+            own = [cell for cell in roofs if (cell.key.benchmark, cell.key.precision) == (name, precision)]
+            points = sorted((cell.value("bytes.working_set"), cell.bandwidth("c")) for cell in own)
+            if points:
+                axes.plot(*zip(*points, strict=True), "k", ls=dashes, lw=1, label=f"memory: {name}")
         axes.set(xscale="log", yscale="log", xlabel="working set [byte]", title=precision)
         axes.set_xscale("log", base=2)
         axes.margins(x=0.07)
-        for name, size in caches.items():
-            if axes.get_xlim()[0] < size < axes.get_xlim()[1]:
-                axes.axvline(size, color="0.5", ls=":", lw=0.9)
-                axes.text(size * 0.93, 0.02, name, transform=axes.get_xaxis_transform(), ha="right", color="0.4")
+        _mark_caches(axes, machine(study))
     panels[0][0].set_ylabel("bandwidth [$10^9$ byte/s]")
     figure.legend(*panels[0][0].get_legend_handles_labels(), fontsize=8, loc="lower center", ncols=3)
     return figure
 
 
-def _line(axes: Axes, runs: Sequence[report.Run], variant: str, label: str, colour: str, marker: str) -> None:
-    sizes = sorted({run["log2_points"] for run in runs})
-    own = [[run for run in runs if run["log2_points"] == size and report.seconds(run, variant) > 0] for size in sizes]
-    own = [group for group in own if group]
-    if not own:  # C, without a compiler
+def _mark_caches(axes: Axes, about: report.Run) -> None:
+    for name, size in about.items():
+        if name.startswith("bytes.cache.") and axes.get_xlim()[0] < size < axes.get_xlim()[1]:
+            axes.axvline(size, color="0.5", ls=":", lw=0.9)
+            text = name.removeprefix("bytes.cache.")
+            axes.text(size * 0.93, 0.02, text, transform=axes.get_xaxis_transform(), ha="right", color="0.4")
+
+
+def _line(axes: Axes, own: Sequence[Cell], variant: str, label: str, colour: str, marker: str) -> None:
+    sizes = sorted({cell.key.num_points for cell in own})
+    groups = [[c for c in own if c.key.num_points == size and c.seconds(variant) > 0] for size in sizes]
+    groups = [group for group in groups if group]
+    if not groups:  # C, without a compiler
         return
-    x = [float(np.median([run["bytes.working_set"] for run in group])) for group in own]
-    y = [[report.bandwidth(run, variant) for run in group] for group in own]
-    width = 1.8 if variant == "copy" else 1.0
-    medians = [float(np.median(values)) for values in y]
-    axes.plot(x, medians, label=label, color=colour, marker=marker, ms=4, lw=width, zorder=3)
-    if variant == "warp-graph":
+    x = [float(np.median([cell.value("bytes.working_set") for cell in group])) for group in groups]
+    y = [[cell.bandwidth(variant) for cell in group] for group in groups]
+    axes.plot(
+        x, [float(np.median(values)) for values in y], label=label, color=colour, marker=marker, ms=4, lw=1, zorder=3
+    )
+    if variant == "warp":
         axes.fill_between(x, [min(v) for v in y], [max(v) for v in y], color=colour, alpha=0.13, lw=0)
 
 
-def roofline(study: StudyFile) -> Figure:
-    """Recorded kernels beside copies of as large working sets: the memory's roof, for reading and writing alike."""
-    precisions = _precisions(study)
+def roofline(study: StudyFile) -> Figure | None:
+    """Recorded kernels below the roofs of the memory, which are of updates in place, and of the processor."""
+    kernels = [cell for cell in _group(study, "kernels") if cell.value("flops") > 0]
+    updates = {c.key[1:]: c.bandwidth("c") for c in _group(study, "roofs") if c.key.benchmark == "update"}
+    if not kernels or not updates:
+        return None
     figure: Figure
-    figure, panels = plt.subplots(1, len(precisions), figsize=(8.6, 5.2), sharex=True, sharey=True, squeeze=False)
+    figure, panels = plt.subplots(1, 2, figsize=(8.6, 5.2), sharex=True, sharey=True, squeeze=False)
     figure.subplots_adjust(left=0.08, right=0.985, bottom=0.2, top=0.93, wspace=0.05)
-    sizes = sorted({run["log2_points"] for run in report.loops(study)})
-    for axes, precision in zip(panels[0], precisions, strict=True):
+    sizes = sorted({cell.key.num_points for cell in kernels})
+    for axes, precision in zip(panels[0], PRECISIONS, strict=True):
+        own = [cell for cell in kernels if cell.key.precision == precision]
+        intensities = [cell.value("flops") / cell.value("bytes.traffic") for cell in own]
+        ends = np.array([min(intensities) / 1.4, max(intensities) * 1.4])
+        peak = machine(study).get(f"peak.{precision}", np.nan) / 1e9
+        axes.plot(ends, [peak, peak], "k-", lw=1, label="multiply-adds in registers")
         for size, colour, marker in zip([s for s in _ROOFS if s in sizes] or sizes[-1:], COLOURS, "os^", strict=False):
-            runs = [r for r in report.loops(study) if (r["precision"], r["log2_points"]) == (precision, size)]
-            _roof(axes, runs, f"$2^{{{size}}}$ points", colour, marker)
-        _names(axes, runs)
+            rate = updates.get((precision, size), np.nan)
+            axes.plot(ends, rate * ends, "-", color=colour, lw=1, label=f"memory, {_points(size)}")
+            points = [c for c in own if c.key.num_points == size]
+            x = np.array([c.value("flops") / c.value("bytes.traffic") for c in points])
+            y = x * [c.bandwidth("warp") for c in points]
+            axes.plot(x, y, marker, color=colour, ms=5, label=f"kernels, {_points(size)}")
+        _names(axes, own)
         axes.set(xscale="log", yscale="log", xlabel="arithmetic intensity [flop/byte]", title=precision)
     bottom, top = panels[0][0].get_ylim()
     panels[0][0].set_ylim(bottom / 10, top)  # room for the names
     panels[0][0].set_ylabel("speed [$10^9$ flop/s]")
-    figure.legend(*panels[0][0].get_legend_handles_labels(), fontsize=8, loc="lower center", ncols=3)
+    figure.legend(*panels[0][0].get_legend_handles_labels(), fontsize=8, loc="lower center", ncols=4)
     return figure
 
 
-def _names(axes: Axes, runs: Sequence[report.Run]) -> None:
+def _points(size: int) -> str:
+    return f"$2^{{{size.bit_length() - 1}}}$ points" if size & (size - 1) == 0 else f"{size} points"
+
+
+def _names(axes: Axes, own: Sequence[Cell]) -> None:
     """Names of the kernels at the bottom, kept apart, each with a line to its intensity."""
     across = axes.get_xaxis_transform()
     place = 0.0
-    for intensity, name in sorted((run["flops"] / run["bytes.traffic"], run["kernel"]) for run in runs):
+    named = {cell.key.benchmark: cell.value("flops") / cell.value("bytes.traffic") for cell in own}
+    for name, intensity in sorted(named.items(), key=lambda item: item[::-1]):
         place = max(intensity / 1.06, place * 1.13)
         axes.annotate(
             name,
@@ -111,10 +144,33 @@ def _names(axes: Axes, runs: Sequence[report.Run]) -> None:
         )
 
 
-def _roof(axes: Axes, runs: Sequence[report.Run], label: str, colour: str, marker: str) -> None:
-    intensity = np.array([run["flops"] / run["bytes.traffic"] for run in runs])
-    speed = intensity * [report.bandwidth(run, "warp-graph") for run in runs]
-    copy = float(np.median([report.bandwidth(run, "copy") for run in runs]))
-    line = np.array([intensity.min() / 1.4, intensity.max() * 1.4])
-    axes.plot(line, copy * line, "-", color=colour, lw=1.0, label=f"copy, {label}")
-    axes.plot(intensity, speed, marker, color=colour, ms=5, label=f"kernels, {label}")
+def transforms(study: StudyFile) -> Figure | None:
+    """Time for each point over N, by library and planning effort."""
+    found = _group(study, "transforms")
+    if not found:
+        return None
+    names = list(dict.fromkeys(cell.key.benchmark for cell in found))
+    figure: Figure
+    figure, panels = plt.subplots(
+        2, len(names), figsize=(3.2 * len(names), 5.6), sharex=True, sharey=True, squeeze=False
+    )
+    figure.subplots_adjust(left=0.1, right=0.985, bottom=0.2, top=0.93, wspace=0.06, hspace=0.08)
+    variants = list(dict.fromkeys(v for cell in found for v in cell.variants))
+    for row, precision in zip(panels, PRECISIONS, strict=True):
+        for axes, name in zip(row, names, strict=True):
+            own = sorted((c for c in found if c.key[:2] == (name, precision)), key=lambda cell: cell.key.num_points)
+            for variant, colour in zip(variants, COLOURS * 2, strict=False):
+                for even, style in ((True, "o-"), (False, "x")):  # powers of two, and others
+                    points = [c for c in own if (c.key.num_points & (c.key.num_points - 1) == 0) == even]
+                    x = [c.key.num_points for c in points]
+                    y = [c.seconds(variant) / c.key.num_points * 1e9 for c in points]
+                    axes.plot(x, y, style, color=colour, ms=4, lw=1, label=variant if even else None)
+            axes.set(xscale="log", yscale="log")
+            axes.set_xscale("log", base=2)
+        row[0].set_ylabel(f"{precision}: ns for each point")
+    for axes, name in zip(panels[0], names, strict=True):
+        axes.set_title(name.replace("_", " "))
+    for axes in panels[1]:
+        axes.set_xlabel("N")
+    figure.legend(*panels[0][0].get_legend_handles_labels(), fontsize=8, loc="lower center", ncols=4)
+    return figure

@@ -1,121 +1,170 @@
-"""Times: the candidates of a kernel in turn, the parts of a plain FIRE iteration, and what is known of the machine."""
+"""Times of a benchmark's variants: in turn, pinned to one core, checked to agree before."""
 
+import os
+import threading
 import time
-from collections.abc import Callable, Mapping
-from pathlib import Path
+from collections.abc import Callable, Collection, Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
-from linecontact.solver import Scene
-from linecontact.solver.grid.problem import Problem
-from linecontact.solver.methods.fire_state import Fire
-from linecontact.solver.provenance import provenance
-from linecontact.solver.transforms.planned import Transforms
+from numpy.typing import NDArray
 
-from ..files import records
-from .candidates import Bench, compile_c, load
-
-ITERATION = "iteration"
-"""Stands for a kernel in the rows of the FIRE iteration."""
-
-_CACHES = Path("/sys/devices/system/cpu/cpu0/cache")
-_SPAN, _MOST_CALLS = 1e-4, 100  # s that are timed at once, and calls after which in-place results still are ordinary
-_LEAST_ROUNDS = 7
-_WARM_SPAN, _MOST_WARM = 1e-2, 3  # s, and calls: after one the third-level cache may still hold the others' data
+from .bench import Bench
+from .benchmarks import BENCHMARKS
+from .c_code import BUILDS
+from .variants import Runs
 
 Record = dict[str, Any]
+Times = dict[str, NDArray[np.float64]]
+
+_SPAN, _MOST_CALLS = 1e-4, 1000  # s that are timed at once, and calls after which in-place results still are ordinary
+_LEAST_ROUNDS, _SLOW_ROUNDS = 7, 3
+_TOGETHER = 0.02  # s that cores work at once
+_CORES = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []  # that this process may use
 
 
 def time_in_turn(
-    candidates: Mapping[str, Callable[[], object]], restore: Callable[[], None], seconds: float
-) -> dict[str, list[float]]:
-    """Time the candidates in turn: seconds of a call by candidate, one value for each round.
+    variants: Mapping[str, Runs], restore: Callable[[], None], seconds: float, slow: Collection[str] = ()
+) -> tuple[Times, dict[str, int]]:
+    """Time variants in turn: seconds of a call in every round, NaN where it was left out, and calls timed at once.
 
-    seconds: to spend in all.
+    seconds: to spend in all; slow: variants that are timed in the first rounds only.
 
     They take turns, so that a change of the machine's speed hits all of them, in an order that changes from round to
-    round, because who comes after whom matters to the caches. Before a candidate is timed the buffers are restored, so
-    that nothing decays to denormals, and it runs untimed, so that the caches hold what its own runs leave.
+    round, because who comes after whom matters to the caches. Before each is timed it runs untimed, so that the caches
+    hold what its own runs leave, and before each round the buffers are restored, so that nothing decays to denormals.
     """
-    calls, warm = {}, {}
-    for name, run in candidates.items():
-        restore()
-        run()
-        begin = time.perf_counter()
-        run()
-        once = time.perf_counter() - begin
-        calls[name] = int(np.clip(_SPAN / once, 1, _MOST_CALLS))
-        warm[name] = int(np.clip(_WARM_SPAN / once, 1, _MOST_WARM))
-    found: dict[str, list[float]] = {name: [] for name in candidates}
+    runs, calls = {}, {}
+    for name, variant in variants.items():
+        calls[name] = _calls(variant(1))
+        runs[name] = variant(calls[name])
+    found: dict[str, list[float]] = {name: [] for name in variants}
     rng, rounds, end = np.random.default_rng(0), 0, time.perf_counter() + seconds
     while rounds < _LEAST_ROUNDS or time.perf_counter() < end:
-        for name in rng.permutation(list(candidates)):
-            run = candidates[name]
-            restore()
-            for _ in range(warm[name]):
-                run()
+        restore()
+        for name in rng.permutation(list(variants)):
+            if rounds >= _SLOW_ROUNDS and name in slow:
+                found[name].append(np.nan)
+                continue
+            run = runs[name]
+            run()
             begin = time.perf_counter()
-            for _ in range(calls[name]):
-                run()
+            run()
             found[name].append((time.perf_counter() - begin) / calls[name])
         rounds += 1
-    return found
+    return {name: np.array(values) for name, values in found.items()}, calls
 
 
-def kernel_times(kernel: str, precision: str, num_points: int, seconds: float) -> Record:
-    """Times of every candidate of a kernel, checked to agree before. Raises `RuntimeError` where one does not.
+def _calls(run: Callable[[], object]) -> int:
+    """How many calls take as long as is timed at once."""
+    run()
+    begin = time.perf_counter()
+    run()
+    return int(np.clip(_SPAN / (time.perf_counter() - begin), 1, _MOST_CALLS))
 
-    The ratios to C are medians of the ratios of single rounds, which slow changes of the machine leave alone.
+
+def measure(name: str, precision: str, num_points: int, seconds: float, first: bool) -> Record:
+    """Times of a benchmark's variants on new buffers. first: also check them, and time what is needed only once.
+
+    'seconds.V' is the median time of a call, 'ratio.V' the median over the rounds of the time over the yardstick's in
+    the same round: C's, of a transform FFTW's estimate, or a copy's where there is no compiler. Raises `RuntimeError`
+    where a variant disagrees with NumPy.
     """
-    load()
-    bench = Bench(kernel, precision, num_points)
-    bench.check()
-    times = time_in_turn(bench.candidates, bench.restore, seconds)
-    over_c = {f"over_c.{v}": float(np.median(np.divide(t, times["c"]))) for v, t in times.items() if "c" in times}
-    return (
-        _statistics(times)
-        | over_c
-        | {
-            "flops": bench.spec.flops * num_points,
-            "bytes.traffic": bench.spec.traffic(num_points, precision),
-            "bytes.working_set": bench.spec.working_set(num_points, precision),
-            "bytes.copied": bench.copied_bytes,
-        }
-    )
+    benchmark = BENCHMARKS[name]
+    bench = Bench(benchmark, precision, num_points)
+    if first:
+        bench.check()
+    slow = bench.slow
+    variants = {v: runs for v, runs in bench.variants.items() if first or v not in slow}
+    times, calls = time_in_turn(variants, bench.restore, seconds, slow)
+    times = _fastest_build(times)
+    yardstick = next((v for v in ("c", "estimate", "copy") if v in times), "")
+    record: Record = {"rounds": len(next(iter(times.values()))), "yardstick": yardstick}
+    for variant, values in times.items():
+        record[f"seconds.{variant}"] = float(np.nanmedian(values))
+        if yardstick:
+            record[f"ratio.{variant}"] = float(np.nanmedian(values / times[yardstick]))
+    for variant, notes in bench.notes.items():
+        record |= {f"seconds.planning.{variant}": notes["plan"]} if "plan" in notes else {}
+        record |= {f"measured.{variant}": int(notes["measured"])} if "measured" in notes else {}
+    record |= {
+        "flops": benchmark.operations(num_points),
+        "bytes.traffic": benchmark.traffic(num_points, precision),
+        "bytes.working_set": benchmark.working_set(num_points, precision),
+    }
+    if first and "warp" in bench.variants:
+        record |= _only_once(bench, times, calls)
+    return record
 
 
-def iteration_times(precision: str, num_points: int, seconds: float) -> Record:
-    """The transforms and everything else in plain FIRE's iteration on a half-space."""
-    problem = Problem.from_scene(Scene(num_points=num_points, precision=precision))  # type: ignore[arg-type]
-    state = Fire(problem, Transforms(num_points, precision), 1e-14, "warp")
-    times: dict[str, list[float]] = {"FFTs": [], "rest": []}
-    end = time.perf_counter() + seconds
-    while len(times["rest"]) < _LEAST_ROUNDS + 3 or time.perf_counter() < end:
-        spent = dict.fromkeys(times, 0.0)
-        for kind, part in state.parts():
-            begin = time.perf_counter()
-            part()
-            spent[kind] += time.perf_counter() - begin
-        for kind, value in spent.items():
-            times[kind].append(value)
-    return _statistics({kind: values[3:] for kind, values in times.items()})
+def _fastest_build(times: Times) -> Times:
+    """C's builds as one: that with the smallest median."""
+    builds = [build for build in BUILDS if build in times]
+    if not builds:
+        return times
+    best = min(builds, key=lambda build: float(np.median(times[build])))
+    return {name: values for name, values in times.items() if name not in builds} | {"c": times[best]}
 
 
-def _statistics(times: Mapping[str, list[float]]) -> Record:
-    found: Record = {"rounds": len(next(iter(times.values())))}
-    for name, values in times.items():
-        found |= {f"seconds.{name}.median": float(np.median(values)), f"seconds.{name}.min": min(values)}
+def _only_once(bench: Bench, times: Times, calls: Mapping[str, int]) -> Record:
+    """What a launch costs beside one in a long graph, and how much longer a call takes with both cores at work."""
+    found = {}
+    if calls["warp"] >= 10:
+        run = bench.variants["warp"](1)
+        singles = [_seconds(run) for _ in range(200)]
+        found["seconds.launch"] = max(0.0, float(np.median(singles) - np.median(times["warp"])))
+    if len(_CORES) > 1:
+        found["ratio.two_cores"] = two_cores(bench, calls["warp"])
     return found
 
 
-def machine() -> Record:
-    """Versions and processor, the C compiler or why there is none, and the sizes of the data caches, where known."""
-    caches = {}
-    for index in sorted(_CACHES.glob("index*")):
-        try:
-            level, kind, size = ((index / name).read_text().strip() for name in ("level", "type", "size"))
-            if kind != "Instruction":
-                caches[f"bytes.cache.L{level}"] = int(size.rstrip("KM")) * {"K": 2**10, "M": 2**20}.get(size[-1], 1)
-        except (OSError, ValueError):
-            continue
-    return records.flatten({"provenance": provenance()}) | {"compiler": compile_c()[1]} | caches
+def _seconds(run: Callable[[], object]) -> float:
+    begin = time.perf_counter()
+    run()
+    return time.perf_counter() - begin
+
+
+@contextmanager
+def pinned() -> Iterator[int]:
+    """Keep the calling thread on the last of the usable cores; gives its number, -1 where the system cannot."""
+    if not _CORES:
+        yield -1
+        return
+    os.sched_setaffinity(0, _CORES[-1:])
+    try:
+        yield _CORES[-1]
+    finally:
+        os.sched_setaffinity(0, _CORES)
+
+
+def two_cores(bench: Bench, calls: int) -> float:
+    """Time of a call while another core does the same on buffers of its own, over that of a call alone."""
+    other = Bench(bench.benchmark, bench.precision, bench.num_points, only={"warp"})
+    alone = _at_once([bench], calls)
+    return _at_once([bench, other], calls) / alone
+
+
+def _at_once(benches: list[Bench], calls: int) -> float:
+    """Median time of a call of the program's variant [s], every bench in a thread on a core of its own."""
+    barrier, found = threading.Barrier(len(benches)), [0.0] * len(benches)
+    runs = [bench.variants["warp"](calls) for bench in benches]  # Warp records one graph at a time
+
+    def work(index: int) -> None:
+        os.sched_setaffinity(0, [_CORES[-1 - index]])
+        bench, run = benches[index], runs[index]
+        several: list[float] = []
+        barrier.wait()
+        end = time.perf_counter() + _TOGETHER
+        while time.perf_counter() < end or len(several) < _LEAST_ROUNDS:
+            bench.restore()
+            run()
+            several.append(_seconds(run) / calls)
+        found[index] = float(np.median(several))
+
+    threads = [threading.Thread(target=work, args=(index,)) for index in range(len(benches))]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    return float(np.mean(found))

@@ -1,200 +1,210 @@
-"""Tables of the kernels' times, and the same numbers as JSON.
+"""Tables of the benchmark's times, and the same numbers as JSON.
 
-JSON, schema 1: {"schema": 1, "kind": "kernels", "provenance": {name: text}, "compiler": text, "caches_bytes": {"L1":
-n}, "results": [...], "iterations": [...]}. A result is one kernel, precision, size and variant: "kernel", "precision",
-"log2_points", "variant" (of `candidates.VARIANTS`), "seconds_median", "seconds_min" (of a call),
-"nanoseconds_per_point", "bytes" (read and written by a call), "bandwidth_gb_per_s", "copy_bandwidth_gb_per_s" (of a
-copy of as large a working set, timed in turn with it), "gflop_per_s", and where C was timed "over_c" (time over C's,
-dimensionless). An iteration of plain FIRE: "precision", "log2_points", "ffts_seconds_median", "ffts_seconds_min",
-"rest_seconds_median", "rest_seconds_min". All from medians; GB are 1e9 bytes.
+JSON, schema 2: {"schema": 2, "kind": "kernels", "configuration": {...}, "runs": [...]}, the configuration with what the
+times depend on under "identity", the runs with one flat object for each repetition of each measurement: "benchmark",
+"precision", "num_points", "repeat", "core" (the number of the core), "rounds", "seconds.V" (median time of a call of
+variant V), "ratio.V" (median over the rounds of that over the time of the "yardstick" in the same round),
+"seconds.planning.V" and "measured.V" (of transforms: time to plan, and 1 if that was by measuring), "seconds.launch",
+"ratio.two_cores", "flops", "bytes.traffic", "bytes.working_set", and "provenance.*". Ratios are dimensionless.
 """
 
 import math
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Iterable, Iterator, Sequence
 
 from rich import box
 from rich.console import RenderableType
 from rich.table import Table
 
+from ..files.records import plain
 from ..files.study_files import StudyFile
-from .candidates import VARIANTS
-from .measure import ITERATION
+from .benchmark import PRECISIONS
+from .cells import Cell, Key, Run, Scatter, cells, machine
 
 KIND = "kernels"
 """Name of the study."""
-FIGURES = ("", "-roofline")
+FIGURES = ("", "-roofline", "-transforms")
 """Endings of the figures' names."""
-SCHEMA = 1
-LARGE = 18
-"""log2 of the points from which the tables show a kernel."""
+SCHEMA = 2
 GOAL = 1.1
 """Of C's time, in which a kernel should be done."""
-
-Run = dict[str, Any]
-
-
-def seconds(run: Run, variant: str, which: str = "median") -> float:
-    """Time of a call of a variant [s]; NaN where it was not measured. which: median or min."""
-    return float(run.get(f"seconds.{variant}.{which}", math.nan))
-
-
-def bandwidth(run: Run, variant: str) -> float:
-    """Bytes moved in a second [1e9 byte/s]."""
-    moved = run["bytes.copied"] if variant == "copy" else run["bytes.traffic"]
-    return float(moved) / seconds(run, variant) / 1e9
-
-
-def kernel_runs(study: StudyFile) -> list[Run]:
-    """All runs but those of the FIRE iteration."""
-    return [run for run in study.runs if run["kernel"] != ITERATION]
-
-
-def loops(study: StudyFile) -> list[Run]:
-    """The runs of kernels with a loop over points: all but FIRE's control."""
-    return [run for run in kernel_runs(study) if run["flops"]]
-
-
-def caches(study: StudyFile) -> dict[str, int]:
-    """Bytes of the data caches by name, as far as known."""
-    first, prefix = study.runs[0] if study.runs else {}, "bytes.cache."
-    return {name.removeprefix(prefix): int(first[name]) for name in first if name.startswith(prefix)}
+GOAL_FROM = 2**14
+"""Number of points from which that is asked for."""
+SHOWN = (2**14, 2**18, 2**22)
+"""Numbers of points with a table; all of them where none of these was measured."""
+SHIPPED = ("warp", "c", "element", "numpy", "copy", "roof", "transforms")
+"""Variants with columns of their own."""
 
 
 def to_json(study: StudyFile) -> Run:
     """The file as one JSON-ready object."""
-    first: Run = study.runs[0] if study.runs else {}
-    return {
-        "schema": SCHEMA,
-        "kind": KIND,
-        "provenance": {k.partition(".")[2]: v for k, v in first.items() if k.startswith("provenance.")},
-        "compiler": first.get("compiler", ""),
-        "caches_bytes": caches(study),
-        "results": [_result(run, v) for run in kernel_runs(study) for v in VARIANTS if seconds(run, v) > 0],
-        "iterations": [
-            {name: run[name] for name in ("precision", "log2_points")}
-            | {f"{p.lower()}_seconds_{w}": seconds(run, p, w) for p in ("FFTs", "rest") for w in ("median", "min")}
-            for run in study.runs
-            if run["kernel"] == ITERATION
-        ],
-    }
-
-
-def _result(run: Run, variant: str) -> Run:
-    median = seconds(run, variant)
-    return (
-        {name: run[name] for name in ("kernel", "precision", "log2_points")}
-        | {
-            "variant": variant,
-            "seconds_median": median,
-            "seconds_min": seconds(run, variant, "min"),
-            "nanoseconds_per_point": math.ldexp(median, -run["log2_points"]) * 1e9,
-            "bytes": int(run["bytes.traffic"]),
-            "bandwidth_gb_per_s": bandwidth(run, variant),
-            "copy_bandwidth_gb_per_s": bandwidth(run, "copy"),
-            "gflop_per_s": run["flops"] / median / 1e9,
-        }
-        | ({"over_c": over_c(run, variant)} if over_c(run, variant) > 0 else {})
-    )
+    runs = [{n: v for n, v in run.items() if v == v} for run in study.runs]  # without NaN
+    return {"schema": SCHEMA, "kind": KIND, "configuration": study.configuration, "runs": plain(runs)}
 
 
 def parts(study: StudyFile) -> Iterator[RenderableType]:
-    """A table for each large size, one of the iteration, and sentences on what they come to."""
-    sizes = sorted({run["log2_points"] for run in loops(study)})
-    for size in [size for size in sizes if size >= LARGE] or sizes[-1:]:
-        yield size_table(study, size, explained=size == sizes[-1])
-    if any(run["kernel"] == ITERATION for run in study.runs):
-        yield iteration_table(study)
-    yield from lines(study)
+    """What the times are of, the tables, and sentences on what they come to."""
+    found, about = list(cells(study.runs).values()), machine(study)
+    yield from origin(study)
+    for group in ("kernels", "sequences", "iterations"):
+        own = [cell for cell in found if cell.benchmark.group == group]
+        sizes = sorted({cell.key.num_points for cell in own})
+        for size in [size for size in SHOWN if size in sizes] or sizes:
+            yield size_table([cell for cell in own if cell.key.num_points == size], group, size, Scatter(found, "warp"))
+    for name in dict.fromkeys(cell.key.benchmark for cell in found if cell.benchmark.group == "transforms"):
+        yield transform_table([cell for cell in found if cell.key.benchmark == name], name)
+    yield from memory_table([cell for cell in found if cell.benchmark.group == "roofs"], about)
+    yield from sentences(found, about)
 
 
-def new_table(headings: tuple[str, ...], title: str, caption: str, gap: int = 1) -> Table:
-    """An empty table. gap: further blanks between its columns."""
-    table = Table(box=box.SIMPLE_HEAD, padding=(0, gap, 0, 0), title=title, caption=caption, caption_justify="left")
+def origin(study: StudyFile) -> Iterator[str]:
+    """What was measured, on what, and whether the tree had changes."""
+    identity, some = study.configuration["identity"], study.runs[0]
+    commit = str(some.get("provenance.commit", "none"))
+    dirty = ", with changes that are not committed" if commit.endswith("+dirty") else ""
+    yield f"Source {identity['source']}, commit {commit.removesuffix('+dirty')}{dirty}; chunks of {identity['chunk']}."
+    yield f"{identity['processor']}, {identity['caches']}, {identity['instructions']}; core {some['core']}."
+    yield f"Flags of the kernels: {identity['flags']}"
+    yield f"C: {identity['compiler']}"
+
+
+def new_table(headings: Sequence[str], title: str, caption: str) -> Table:
+    """An empty table."""
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), title=title, caption=caption, caption_justify="left")
     for heading in headings:
         table.add_column(heading, justify="right", no_wrap=True)
     return table
 
 
 _COLUMNS = (
-    "us to roof: the recorded kernel, median of a call; GB/s: bytes read and written; roof: that over the bandwidth of "
-    "a copy of as much memory in the same run (reading alone can be faster); /C: time over C's in the same round, "
-    "median, of the recorded kernel, by wp.launch, with one thread per element, of the NumPy twin. Ratios "
-    "dimensionless."
+    "us: median of a call of the recorded kernels, as the program runs them, one of many in a graph; roof: time of a "
+    "loop in C that moves the same memory, over that; /C: time over C's in the same round, with its 95 % interval, of "
+    "Warp, of one thread for each point (elem.), of the NumPy twins; 2 cores: time with another core at the same work "
+    "over that alone; bits: widest vectors in the object code. Ratios dimensionless."
 )
 
 
-def size_table(study: StudyFile, size: int, explained: bool = True) -> Table:
-    """A table of every kernel on 2^size points. explained: whether its caption says what the columns are."""
-    table = new_table(
-        ("kernel", "bits", "us", "ns/\npoint", "GB/s", "roof", "Warp\n/C", "launch\n/C", "elem.\n/C", "NumPy\n/C"),
-        f"Kernels on 2^{size} points, one thread",
-        _COLUMNS if explained else "",
-    )
-    for run in loops(study):
-        if run["log2_points"] != size:
-            continue
-        graph, copy = bandwidth(run, "warp-graph"), bandwidth(run, "copy")
-        table.add_row(
-            run["kernel"],
-            run["precision"].removeprefix("float"),
-            microseconds(seconds(run, "warp-graph")),
-            f"{math.ldexp(seconds(run, 'warp-graph'), -size) * 1e9:.3f}",
-            f"{graph:.0f}",
-            f"{graph / copy:.2f}",
-            *(_ratio(over_c(run, variant)) for variant in ("warp-graph", "warp-launch", "warp-element", "numpy")),
-        )
+def size_table(found: list[Cell], group: str, size: int, scatter: Scatter) -> Table:
+    """A table of a group of benchmarks on one number of points. scatter: of the ratios to C."""
+    own = list(dict.fromkeys(v for cell in found for v in cell.variants if v not in SHIPPED))
+    alone = group == "kernels"
+    headings = [
+        "",
+        "real",
+        "us",
+        "GB/s",
+        *(["roof"] if alone else []),
+        "Warp\n/C",
+        "+-",
+        *(["elem.\n/C"] if alone else []),
+    ]
+    headings += [
+        "NumPy\n/C",
+        "2\ncores",
+        *(["FFT\nshare"] if group == "iterations" else []),
+        *(f"{v}\n/C" for v in own),
+    ]
+    table = new_table(headings, f"{group.capitalize()} on {power(size)} points", _COLUMNS)
+    for cell in found:
+        row = [cell.key.benchmark, cell.key.precision.removeprefix("float"), microseconds(cell.seconds("warp"))]
+        row.append(number(cell.bandwidth("warp"), 0))
+        row += [number(cell.seconds("roof") / cell.seconds("warp"))] if alone else []
+        row += [number(cell.ratio("warp")), number(scatter.half_width(cell, "warp"))]
+        row += [number(cell.ratio("element"), 1)] if alone else []
+        row += [number(cell.ratio("numpy"), 1), number(cell.value("ratio.two_cores"))]
+        if group == "iterations":
+            row.append(number(cell.seconds("transforms") / cell.seconds("warp")))
+        table.add_row(*row, *(number(cell.ratio(v)) for v in own))
     return table
+
+
+def number(value: float, digits: int = 2) -> str:
+    """A number as text; a dash where there is none."""
+    return "-" if math.isnan(value) else f"{value:.{digits}f}"
+
+
+def power(count: int) -> str:
+    """A count as a power of two, where it is one."""
+    return f"2^{count.bit_length() - 1}" if count & (count - 1) == 0 else str(count)
 
 
 def microseconds(value: float) -> str:
     """A time in s, as text in us."""
-    return f"{value * 1e6:.0f}" if value > 1e-4 else f"{value * 1e6:.3g}"
+    return "-" if math.isnan(value) else f"{value * 1e6:.0f}" if value > 1e-4 else f"{value * 1e6:.3g}"
 
 
-def over_c(run: Run, variant: str) -> float:
-    """Median over the rounds of the time over C's in the same round; NaN without C."""
-    return float(run.get(f"over_c.{variant}", math.nan))
+_TRANSFORMS = (
+    "us: FFTW's plans by estimate, made without wisdom; the others over that in the same round: plans that FFTW "
+    "measured, or found patiently, in 20 s each at most, estimated plans on 2 threads, other libraries; plan: time to "
+    "plan (in brackets: from wisdom of an earlier run). Ratios dimensionless."
+)
 
 
-def _ratio(ratio: float) -> str:
-    return "-" if math.isnan(ratio) else f"{ratio:.2f}" if ratio < 10 else f"{ratio:.1f}"
-
-
-def iteration_table(study: StudyFile) -> Table:
-    """A table of the parts of plain FIRE's iteration."""
-    table = new_table(
-        ("bits", "N", "FFTs\nmin (us)", "FFTs\nmedian (us)", "rest\nmin (us)", "rest\nmedian (us)", "rest/FFTs"),
-        "An iteration of plain FIRE",
-        "FFTs: one pair; rest: everything else; the ratio, of medians, is dimensionless.",
-    )
-    for run in study.runs:
-        if run["kernel"] == ITERATION:
-            table.add_row(
-                run["precision"].removeprefix("float"),
-                f"2^{run['log2_points']}",
-                *(microseconds(seconds(run, part, w)) for part in ("FFTs", "rest") for w in ("min", "median")),
-                f"{seconds(run, 'rest') / seconds(run, 'FFTs'):.2f}",
-            )
+def transform_table(found: list[Cell], name: str) -> Table:
+    """A table of one transform over the numbers of points."""
+    variants = [v for v in dict.fromkeys(v for cell in found for v in cell.variants) if v != "estimate"]
+    efforts = [v for v in ("measure", "patient") if v in variants]
+    headings = [
+        "N",
+        "real",
+        "estimate\n(us)",
+        *(v.replace("-", "\n") for v in variants),
+        *(f"plan (s)\n{v}" for v in efforts),
+    ]
+    table = new_table(headings, name.replace("_", " "), _TRANSFORMS)
+    for cell in found:
+        planning = []
+        for effort in efforts:
+            text = number(cell.runs[0].get(f"seconds.planning.{effort}", math.nan), 1)
+            planning.append(text if cell.runs[0].get(f"measured.{effort}") else f"({text})")
+        row = (
+            power(cell.key.num_points),
+            cell.key.precision.removeprefix("float"),
+            microseconds(cell.seconds("estimate")),
+        )
+        table.add_row(*row, *(number(cell.ratio(v)) for v in variants), *planning)
     return table
 
 
-def lines(study: StudyFile) -> Iterator[str]:
-    """Sentences on the time of FIRE's control, on the kernels that miss the goal, and on the compiler."""
-    control = [run for run in kernel_runs(study) if run["kernel"] == "fire_control"]
-    if control:
-        run = max(control, key=lambda run: (run["log2_points"] <= LARGE, run["log2_points"]))
-        times = [f"{seconds(run, v) * 1e6:.3g} us {w}" for v, w in _WORDS.items()]
-        yield f"fire_control, one thread, for 2^{run['log2_points']} points, time of a call: {', '.join(times)}."
-    large = [run for run in loops(study) if run["log2_points"] >= LARGE and over_c(run, "warp-graph") > 0]
-    late = [run for run in large if over_c(run, "warp-graph") > GOAL]
-    if large:
-        names = [f"{r['kernel']} {r['precision']} 2^{r['log2_points']} {_ratio(over_c(r, 'warp-graph'))}" for r in late]
-        text = f"Within {GOAL} of C at 2^{LARGE} and more points: {len(large) - len(late)} of {len(large)}"
-        yield text + (f"; beyond: {', '.join(names)}." if names else ".")
-    yield f"C: {study.runs[0]['compiler']}" + (
-        "" if any(over_c(run, "c") > 0 for run in loops(study)) else "; left out."
+def memory_table(found: list[Cell], about: Run) -> Iterator[RenderableType]:
+    """What the memory gives to C's loops over N, and the processor to multiply-adds."""
+    if not found:
+        return
+    names = list(dict.fromkeys(cell.key.benchmark for cell in found))
+    by_key = {cell.key: cell for cell in found}
+    rates = [f"{about.get(f'peak.{p}', math.nan) / 1e9:.0f} in {p}" for p in PRECISIONS]
+    caption = (
+        f"Reading alone to changing in place, one core. Multiply-adds in registers: {', '.join(rates)} [1e9 flop/s]."
     )
+    table = new_table(["N", "real", *names], "Memory, C's loops [1e9 byte/s]", caption)
+    for size in sorted({cell.key.num_points for cell in found}):
+        for precision in PRECISIONS:
+            rows = [by_key[Key(name, precision, size)].bandwidth("c") for name in names]
+            table.add_row(power(size), precision.removeprefix("float"), *(number(rate, 0) for rate in rows))
+    yield table
 
 
-_WORDS = {"warp-graph": "recorded", "warp-launch": "by wp.launch", "numpy": "by NumPy"}
+def sentences(found: Iterable[Cell], about: Run) -> Iterator[str]:
+    """On launches, compiling, the widths of vectors, and on what misses the goal."""
+    cells_ = list(found)
+    launches = sorted(v for cell in cells_ if (v := cell.value("seconds.launch")) > 0)
+    if launches:
+        yield f"A recorded sequence costs {launches[len(launches) // 2] * 1e6:.2g} us to start (median)."
+    if "seconds.compile.cold" in about:
+        cold, warm = (about[f"seconds.compile.{name}"] for name in ("cold", "warm"))
+        yield f"Compiling all kernels takes {cold:.1f} s once, loading them {warm:.2f} s."
+    widths = {
+        name.removeprefix("width."): int(bits)
+        for name, bits in about.items()
+        if name.startswith("width.") and bits == bits
+    }
+    for bits in sorted(set(widths.values()), reverse=True):
+        own = [name for name, value in widths.items() if value == bits]
+        text = f"all but {len(widths) - len(own)}" if len(own) > len(widths) / 2 else ", ".join(own)
+        yield f"Vectors of {bits} bits: {text}." if bits else f"No vectors: {text}."
+    judged = [c for c in cells_ if c.benchmark.group in ("kernels", "sequences") and c.key.num_points >= GOAL_FROM]
+    judged = [cell for cell in judged if cell.ratio("warp") > 0 and cell.runs[0]["yardstick"] == "c"]
+    late = [cell for cell in judged if cell.ratio("warp") > GOAL]
+    if judged:
+        names = [f"{c.key.benchmark} {c.key.precision} {power(c.key.num_points)} {c.ratio('warp'):.2f}" for c in late]
+        text = f"Within {GOAL} of C on {power(GOAL_FROM)} points and more: {len(judged) - len(late)} of {len(judged)}"
+        yield text + (f"; beyond: {', '.join(names)}." if names else ".")

@@ -1,112 +1,156 @@
-"""Every kernel timed: Warp in three forms, its NumPy twin and a C loop, over N, beside the machine's copy bandwidth.
+"""Kernels, sequences of them, whole iterations and transforms timed beside C, NumPy and variants of one's own.
 
-linecontact study kernels [--quick] [--json] [--folder FOLDER]
+linecontact study kernels [--kernel NAME] [--size N] [--variants FILE] [--quick] [--json] [--folder FOLDER]
 linecontact study kernels --compare OLD NEW [--threshold T]
 
-And what a plain FIRE iteration costs outside its transforms. Others on the machine disturb all times alike: trust the
-ratios, which are of candidates timed in turn.
+Others on the machine disturb all times alike: trust the ratios, which are of variants timed in turn.
 """
 
 import contextlib
+import hashlib
 import json
 import sys
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
-from linecontact import kernels
+from linecontact.kernels import CHUNK
+from linecontact.solver import checks
 from linecontact.solver.methods import Progress
+from linecontact.solver.provenance import provenance
 from rich.console import RenderableType
 
-from ..files import study_files
+from ..files import records, study_files
 from ..files.study_files import StudyFile
 from ..runner import study
 from ..runner.run import run_study
 from ..runner.study import Plan, Study
 from ..runner.tasks import Record
-from . import compare, measure
+from ..terminal.options import one_of
+from . import compare, machine, measure, variants
 from . import report as tables
-from .candidates import PRECISIONS
-from .specs import SPECS
+from .benchmark import PRECISIONS
+from .benchmarks import BENCHMARKS, GROUPS
+from .cells import MACHINE
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-
-@dataclass(frozen=True)
-class Configuration:
-    """What identifies the study."""
-
-    kernels: tuple[int, ...] = tuple(range(10, 23))
-    """log2 of the numbers of points of the kernels."""
-    iteration: tuple[int, ...] = (14, 16, 18, 20, 22)
-    """log2 of the numbers of points of the FIRE iteration."""
-    seconds: float = 0.4
-    """Time to measure for, for each task [s]."""
-
-    def plan(self) -> Plan:
-        """The tasks. `fire_control` works on float64 sums whatever the precision."""
-        runs = [
-            Task(kernel, precision, k, self.seconds)
-            for kernel in kernels.KERNELS
-            for precision in (PRECISIONS if SPECS[kernel].c else ["float64"])
-            for k in self.kernels
-        ]
-        runs += [
-            Task(measure.ITERATION, precision, k, self.seconds) for precision in PRECISIONS for k in self.iteration
-        ]
-        return Plan(tables.KIND, asdict(self), runs, figures=tables.FIGURES)
-
-
-QUICK = Configuration((10, 14, 18), (14, 18), 0.2)
+_EVEN = tuple(2**k for k in range(10, 23, 2))
+SIZES = {
+    "kernels": _EVEN,
+    "sequences": _EVEN,
+    "iterations": (2**14, 2**18, 2**22),
+    "transforms": (*_EVEN, 2**24, 3**11, 5**8, 262139),
+    "roofs": _EVEN,
+}
+"""Numbers of points by group; of the transforms also a power of three, of five, and a prime."""
+QUICK = (2**10, 2**14, 2**18)
+_SECONDS = 0.05  # to measure for, in each repetition
+_LEFT_OUT = ("transforms",)  # FFTW plans for minutes
 
 
 @dataclass(frozen=True)
 class Options(study.Options):
-    """Times and bandwidths of every kernel over N, against C and NumPy: data, figures, table."""
+    """Times of kernels, sequences, iterations and transforms beside C, NumPy and variants of your own."""
 
     workers: int = 1
     """More than one disturb each other's times."""
+    kernel: str | None = one_of((*GROUPS, *BENCHMARKS), None)
+    """One benchmark, or one group of them; default: all groups but the transforms."""
+    size: int | None = None
+    """Number of points, like 2^18; default: from 2^10 to 2^22."""
+    variants: Path | None = None
+    """A Python file that registers variants of your own, see docs/kernels.md."""
+    repeats: int = 3
+    """Times that everything is measured on new buffers, 2 to 100."""
     quick: bool = False
     """2^10, 2^14 and 2^18 points only."""
     json: bool = False
     """One JSON object on standard output instead of the tables; figures and data are written all the same."""
     compare: tuple[Path, Path] | None = None
-    """Measure nothing; ratios of the second file's times over the first's, each a stored .h5 or a saved --json."""
-    threshold: float = 1.2
-    """Comparing: what counts as slower, and its inverse as faster; > 1 (dimensionless)."""
+    """Measure nothing; what changed from the first to the second: stored .h5, a saved --json, or folders with such."""
+    threshold: float = 1.05
+    """Comparing: the least change that counts, 1 to 10 (dimensionless)."""
 
 
 @dataclass(frozen=True)
 class Task:
-    """One kernel, or the FIRE iteration, in one precision on 2^log2_points points."""
+    """A benchmark in one precision on so many points, on buffers of its own."""
 
-    kind: ClassVar[str] = "linecontact.studies.kernels.Task"
+    kind: ClassVar[str] = "kernels.Task"
 
-    kernel: str
-    """Its name, or `measure.ITERATION`."""
+    benchmark: str
+    """Its name, or `MACHINE`."""
     precision: str
     """Of the values per point."""
-    log2_points: int
-    """log2 of the number of points."""
+    num_points: int
+    """Number of points."""
+    repeat: int
+    """Number of the repetition, from 0."""
     seconds: float
     """Time to measure for [s]."""
+    variants: str
+    """Path of the user's file of variants; empty without."""
+    identity: str
+    """Key of what the times depend on, the file of variants included."""
 
     def run(self, report: Progress | None) -> Record:
-        """Medians and minima of the times by candidate, with the bytes moved and what is known of the machine."""
-        n = 2**self.log2_points
-        if self.kernel == measure.ITERATION:
-            times = measure.iteration_times(self.precision, n, self.seconds)
-        else:
-            times = measure.kernel_times(self.kernel, self.precision, n, self.seconds)
-        names = {"kernel": self.kernel, "precision": self.precision, "log2_points": self.log2_points}
-        return names | times | measure.machine()
+        """Times and their ratios by variant, see `measure.measure`; of the machine what is needed once."""
+        if self.variants:
+            variants.load_file(Path(self.variants))
+        names = {"benchmark": self.benchmark, "precision": self.precision, "num_points": self.num_points}
+        with measure.pinned() as core:
+            if self.benchmark == MACHINE:
+                found = machine.once()
+            else:
+                first = self.repeat == 0
+                found = measure.measure(self.benchmark, self.precision, self.num_points, self.seconds, first)
+        return names | {"repeat": self.repeat, "core": core} | found | records.flatten({"provenance": provenance()})
 
 
-def plans(options: Options) -> Sequence[Plan]:
-    """The tasks at full size, or those of the quick study."""
-    return [(QUICK if options.quick else Configuration()).plan()]
+def plan(options: Options) -> Plan:
+    """The tasks, repetition by repetition, so that the repetitions of one are far apart. Raises `ValueError`."""
+    repeats = checks.integer("repeats", options.repeats, "an integer from 2 to 100", 2, 100)
+    chosen = [one for one in BENCHMARKS.values() if options.kernel in (one.name, one.group)]
+    chosen = chosen or [one for one in BENCHMARKS.values() if one.group not in _LEFT_OUT]
+    sizes = {one.name: _sizes(one.group, options) for one in chosen}
+    path, content = "", b""
+    if options.variants:
+        variants.load_file(options.variants)
+        path, content = str(options.variants.resolve()), options.variants.read_bytes()
+        known = {name: [one.name for one in own] for name, own in variants.OWN.items()}
+        if not any(name in known for name in sizes):
+            raise ValueError(
+                f"variants: file {options.variants} has none of {options.kernel or 'these benchmarks'}; "
+                f"allowed: --kernel {' or '.join(known) or 'and a file that registers one'}"
+            )
+    configuration = {
+        "sizes": {name: list(values) for name, values in sizes.items()},
+        "repeats": repeats,
+        "variants": hashlib.sha256(content).hexdigest()[:12] if path else "",
+        "identity": machine.identity(),
+    }
+    identity = machine.key(configuration)
+    tasks = [Task(MACHINE, "", 0, 0, 0.0, "", identity)] if len(chosen) > 1 else []
+    for repeat in range(repeats):
+        for one in chosen:
+            for precision in ("float64",) if one.name == "fire_control" else PRECISIONS:
+                for n in sizes[one.name]:
+                    tasks.append(Task(one.name, precision, n, repeat, _SECONDS, path, identity))
+    groups = {one.group for one in chosen}
+    figures = [""] * ("kernels" in groups) + ["-roofline"] * ({"kernels", "roofs"} <= groups)
+    return Plan(tables.KIND, configuration, tasks, figures=figures + ["-transforms"] * ("transforms" in groups))
+
+
+def _sizes(group: str, options: Options) -> tuple[int, ...]:
+    if options.size is not None:
+        size = checks.integer("size", options.size, "an integer from 2^10 to 2^28", 2**10, 2**28)
+        if size % CHUNK and group != "transforms":
+            raise ValueError(f"size is {size}; allowed: a multiple of {CHUNK}, or --kernel transforms")
+        return (size,)
+    return tuple(n for n in SIZES[group] if n in QUICK) if options.quick else SIZES[group]
 
 
 def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
@@ -121,19 +165,29 @@ def draw(path: Path) -> "dict[str, Figure]":
     return figures.draw(path)
 
 
+def plans(options: Options) -> Sequence[Plan]:
+    """The tasks of what was asked for."""
+    return [plan(options)]
+
+
 STUDY = Study(name=tables.KIND, options=Options, plans=plans, report=report, draw=draw)
 
 
 def command(options: Options) -> int:
-    """Measure what is left of the study, or compare two files; returns the exit status."""
+    """Measure what is left of the study, or compare two files; returns the exit status.
+
+    Results lie in a folder of their own for every source, machine and choice of what is measured.
+    """
     if options.compare:
         if options.json:
             raise ValueError("json is True; allowed: without --compare, which prints a table")
         return compare.command(*options.compare, options.threshold)
+    (planned,) = plans(options)
+    folder = STUDY.folder(replace(options, quick=False)) / machine.key(planned.configuration)
+    options = replace(options, folder=folder)
     if not options.json:
         return run_study(STUDY, options)
     with contextlib.redirect_stdout(sys.stderr):
         status = run_study(replace(STUDY, report=lambda *_: ()), options)
-    (plan,) = plans(options)
-    print(json.dumps(tables.to_json(study_files.load_study(plan.path(STUDY.folder(options))))), flush=True)
+    print(json.dumps(tables.to_json(study_files.load_study(planned.path(folder)))), flush=True)
     return status

@@ -1,0 +1,64 @@
+"""Whether a variant and the NumPy twin agree, so strictly that one wrong node is found.
+
+Kernels are compared on values for which none of them rounds anything (multiples of 1/8 up to 2): the results are the
+same to the last bit, sums in any order among them. With a transform in between there is rounding, and a node within
+that of the wall may be on it or not.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+from linecontact.kernels import layout
+from numpy.typing import NDArray
+
+from .benchmark import Argument, Array
+
+_NEGLIGIBLE = 2.0**-40
+"""What the markers of nodes on the wall add to a sum at most; a wrong node changes it by more."""
+
+
+def compare(
+    variant: str, argument: Argument, found: Mapping[str, Array], expected: Mapping[str, Array], transforms: bool
+) -> None:
+    """Raise `RuntimeError` if an array of a variant is not what it should be.
+
+    found, expected: all arrays by name; transforms: whether there is a transform in the benchmark.
+    """
+    given, wanted = found[argument.name], expected[argument.name]
+    if argument.role == "sum":
+        given, wanted = _same_chunks(given, wanted)
+    elif argument.per_point:
+        given = given[: wanted.size]
+    bound = _bound(argument, wanted, expected) if transforms else _NEGLIGIBLE if argument.role == "sum" else 0.0
+    wrong = ~(np.abs(given - wanted) <= bound)
+    if transforms and argument.name == "v":
+        wrong = _wrong_velocities(found, expected, bound)
+    if wrong.any():
+        first = int(np.argmax(wrong))
+        raise RuntimeError(
+            f"{variant} and numpy disagree in {int(wrong.sum())} of {wanted.size} values of {argument.name}: "
+            f"number {first} is {given[first]:.9g} instead of {wanted[first]:.9g}"
+        )
+
+
+def _same_chunks(given: Array, wanted: Array) -> tuple[Array, Array]:
+    """Both sums over the longer ones of the two kinds of chunks."""
+    count = min(given.size, wanted.size)
+    return given.reshape(count, -1).sum(axis=1), wanted.reshape(count, -1).sum(axis=1)
+
+
+def _bound(argument: Argument, wanted: Array, expected: Mapping[str, Array]) -> float:
+    """What rounding explains after transforms: in the largest norm some eps log2(N), in a sum over a chunk as much for
+    each of its values, and in what is made of the sums."""
+    per_point = max((array for array in expected.values()), key=lambda array: array.size)
+    eps = float(np.finfo(per_point.dtype).eps)
+    bound = 30 * eps * np.log2(per_point.size) * max(1.0, float(np.abs(wanted).max()))
+    return float(bound * {"sum": 10 * layout.CHUNK, "control": 100}.get(argument.role, 1))
+
+
+def _wrong_velocities(found: Mapping[str, Array], expected: Mapping[str, Array], bound: float) -> NDArray[np.bool_]:
+    """Nodes whose velocities differ, unless both displacements are within rounding of the wall."""
+    (u, v), (wanted_u, wanted_v) = ((arrays["u"], arrays["v"]) for arrays in (found, expected))
+    near = (np.abs(u - expected["h"]) <= bound) & (np.abs(wanted_u - expected["h"]) <= bound)
+    marked = (v == layout.TOUCHING) != (wanted_v == layout.TOUCHING)
+    return (marked | ~(np.abs(v - wanted_v) <= bound)) & ~near

@@ -1,0 +1,94 @@
+"""A benchmark's buffers with the variants bound to them, and the check that all of them do the same."""
+
+from collections.abc import Iterable
+
+import numpy as np
+from linecontact.kernels import CHUNK
+from linecontact.solver.transforms.planned import Transforms
+
+from . import agreement
+from .benchmark import Array, Benchmark
+from .benchmarks import ROW
+from .shipped import shipped, twin
+from .transforms import without_wisdom
+from .variants import OWN, Arrays, Runs, Variant
+
+UNCHECKED = ("copy", "roof", "transforms")
+"""Variants that do something else."""
+
+
+class Bench:
+    """A benchmark on buffers of its own, staggered as the program's are.
+
+    variants: the ways to do it by name, each from a number of repetitions to a function without arguments; the first
+    is the program's. notes: what else is to be known of a variant, by name.
+    """
+
+    def __init__(self, benchmark: Benchmark, precision: str, num_points: int, only: Iterable[str] = ()) -> None:
+        """only: names of the variants to bind, default all."""
+        if num_points % CHUNK and benchmark.group != "transforms":
+            raise ValueError(f"size is {num_points}; allowed for {benchmark.name}: a multiple of {CHUNK}")
+        self.benchmark, self.precision, self.num_points = benchmark, precision, num_points
+        self.transforms = transforms = Transforms(num_points, precision)
+        self._start = benchmark.make(num_points, precision)
+        self.arrays: dict[str, Array] = {}
+        for argument in benchmark.arrays:
+            size = benchmark.length(argument, num_points)
+            if argument.name == "spectrum" and benchmark.transforms:
+                self.arrays[argument.name] = transforms.spectrum
+            else:
+                self.arrays[argument.name] = transforms.buffer(size) if argument.per_point else np.zeros(size)
+        self.variants: dict[str, Runs] = {}
+        self.notes: dict[str, dict[str, float]] = {}
+        self._views: dict[str, Arrays] = {}
+        wanted = set(only)
+        with without_wisdom():
+            for variant in (*shipped(benchmark), *OWN.get(benchmark.name, ())):
+                if not wanted or variant.name in wanted:
+                    self._bind(variant, Arrays(benchmark, transforms, self.arrays))
+        self.restore()  # after FFTW's planning, which writes
+
+    def _bind(self, variant: Variant, arrays: Arrays) -> None:
+        self.variants[variant.name] = variant.build(arrays)
+        self._views[variant.name], self.notes[variant.name] = arrays, arrays.notes
+
+    @property
+    def slow(self) -> set[str]:
+        """Names of the variants that are timed a few times only."""
+        return {variant.name for variant in shipped(self.benchmark) if variant.slow}
+
+    def restore(self) -> None:
+        """Put the first values into all buffers."""
+        self._fill(self._start)
+
+    def _fill(self, values: dict[str, Array]) -> None:
+        for name, given in values.items():
+            self.arrays[name][: given.size] = given
+
+    def check(self) -> None:
+        """Run every variant once; raises `RuntimeError` where one disagrees with NumPy in a single value."""
+        start = self.benchmark.make(self.num_points, self.precision, exact=True)
+        expected = self._expected(start)
+        for name in [name for name in self.variants if expected and name not in UNCHECKED]:
+            self._fill(start)
+            self.variants[name](1)()
+            found = self._views[name].arrays
+            for argument in self.benchmark.arrays:
+                if argument.name in expected:
+                    agreement.compare(name, argument, found, expected, self.benchmark.transforms)
+        self.restore()
+
+    def _expected(self, start: dict[str, Array]) -> dict[str, Array]:
+        """What the arrays should hold afterwards; of a transform there and back a multiple; nothing for roofs."""
+        n, (first, *_, last) = self.num_points, start
+        if self.benchmark.group == "roofs":
+            return {}
+        if self.benchmark.group == "transforms":
+            length = {"half_length_pair": n // 2, "rows_pair": min(ROW, n // 2)}.get(self.benchmark.name, n)
+            whole = n if first != last else n // 2 // length * length * 2
+            return {last: np.concatenate([length * start[first][:whole], start[first][whole:]])}
+        view = Arrays(self.benchmark, self.transforms, {name: np.array(array) for name, array in self.arrays.items()})
+        for name, values in start.items():
+            view.arrays[name][: values.size] = values
+        twin(view)(1)()
+        return {name: values for name, values in view.arrays.items() if name != "spectrum" or not self.benchmark.lines}

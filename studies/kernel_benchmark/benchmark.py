@@ -1,0 +1,173 @@
+"""What a benchmark is: named arrays with values like the solver's, what is done to them, and how much that is."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from linecontact.kernels import CHUNK, layout, padded_length
+from linecontact.kernels.sequences import Line
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
+
+READS = ("in", "part", "state")
+"""Roles of inputs; all others are outputs."""
+
+PRECISIONS = ("float32", "float64")
+
+_QUANTUM, _LARGEST = 1 / 8, 2.0
+"""Values of the check are multiples of the one up to the other, so that kernels and their sums are exact in float32."""
+
+
+class Argument(NamedTuple):
+    """An array that a benchmark works on."""
+
+    name: str
+    """As the kernels call it."""
+    role: str
+    """'in', 'out' and 'inout' hold one value per point; 'part' (read) and
+    'sum' (written) one float64 per chunk; 'state' (read) and 'control' (read and written) float64 scalars."""
+
+    @property
+    def per_point(self) -> bool:
+        """Whether it holds one value per point, in the precision asked for; all else is float64."""
+        return self.role in ("in", "out", "inout")
+
+    def size(self, num_points: int) -> int:
+        """Number of values that it holds."""
+        if self.per_point:
+            return num_points
+        return num_points // CHUNK if self.role in ("part", "sum") else layout.STATE_LENGTH
+
+    def dtype(self, precision: str) -> str:
+        """Type of its values."""
+        return precision if self.per_point else "float64"
+
+    def size_bytes(self, num_points: int, precision: str) -> int:
+        """Memory that it takes [byte]; that of scalars is not counted."""
+        if self.role in ("state", "control"):
+            return 0
+        return self.size(num_points) * np.dtype(self.dtype(precision)).itemsize
+
+    def make(self, size: int, precision: str, rng: np.random.Generator, exact: bool) -> Array:
+        """Make values like the solver's: forces of both signs, a third of the nodes on the wall, no decay.
+
+        exact: round them so that nothing that a kernel makes of them is rounded.
+        """
+        few = min(size, 2**16)  # repeated: drawing takes longer than what is to be measured
+        values, on_wall = rng.standard_normal(few), rng.random(few) < 0.3
+        if exact:
+            values = np.clip(np.round(values / _QUANTUM) * _QUANTUM, -_LARGEST, _LARGEST)
+        if not self.per_point:
+            values = np.abs(values)
+        elif self.name in _VALUES:
+            values = _VALUES[self.name](values, on_wall)
+        return np.resize(values.astype(self.dtype(precision)), size)
+
+
+_VALUES: dict[str, Callable[[Array, Array], Array]] = {
+    "coefficient": lambda x, _: np.where(x < 0, -1, 1) * (1 + np.clip(np.round(x), -1, 1) / 32),  # used again and again
+    "straight": lambda x, _: np.where(x < 0, -1, 1) * (1 + np.clip(np.round(x), -1, 1) / 32),
+    "crossed": lambda x, _: np.clip(np.round(x), -1, 1) / 32,
+    "weight": lambda x, _: np.where(x < 0, -1, 1),
+    "velocity": lambda x, wall: np.where(wall, layout.TOUCHING, x),
+    "v": lambda x, wall: np.where(wall, layout.TOUCHING, x),
+    "force": lambda x, wall: np.where(wall, 0.0, x),
+    "h": lambda x, _: np.abs(x),
+    "u": lambda x, _: -np.abs(x),
+}
+
+
+@dataclass(frozen=True)
+class Benchmark:
+    """Something that is measured."""
+
+    name: str
+    """Unique among all benchmarks."""
+    group: str
+    """'kernels', 'sequences' of them, whole 'iterations', 'transforms', or 'roofs' of the memory."""
+    arguments: str
+    """'name:role ...'; of a kernel in its order, inputs first."""
+    flops: Callable[[int], float] = lambda num_points: 0.0
+    """From the number of points to the floating-point operations of a call, comparisons not counted."""
+    c: str = ""
+    """Body of the loop over i in C, where a 'sum' is a scalar."""
+    c_scalars: str = ""
+    """What C reads from the state before the loop."""
+    c_whole: str = ""
+    """Body of a C function that is no loop over points, instead of `c`."""
+    state: dict[str, float] = field(default_factory=dict)
+    """Values of the state by the names of their slots."""
+    lines: tuple[Line, ...] = ()
+    """Kernels and transforms in order, with the names of the arrays that they work on."""
+    parts: tuple["Benchmark", ...] = ()
+    """The benchmarks of these kernels and transforms by themselves."""
+
+    @cached_property
+    def arrays(self) -> list[Argument]:
+        """The arguments, one by one."""
+        return [Argument(*text.split(":")) for text in self.arguments.split()]
+
+    def length(self, argument: Argument, num_points: int) -> int:
+        """Number of values that one of its arrays holds, padding included."""
+        spectral = self.transforms and argument.name in ("spectrum", "coefficient", "weight")
+        return padded_length(num_points + 2) if spectral else argument.size(num_points)
+
+    @cached_property
+    def steps(self) -> tuple[Line, ...]:
+        """What it does, in order; of a kernel the only line."""
+        inputs = tuple(a.name for a in self.arrays if a.role in READS)
+        return self.lines or (Line(self.name, inputs, tuple(a.name for a in self.arrays if a.role not in READS)),)
+
+    @property
+    def transforms(self) -> bool:
+        """Whether it is a transform, or there is one in it."""
+        return self.group == "transforms" or any(part.transforms for part in self.parts)
+
+    def traffic(self, num_points: int, precision: str) -> int:
+        """Bytes that a call reads and writes: each array once, and twice what is changed in place; of several kernels
+        the sum. A transform counts as one pass."""
+        if self.parts:
+            return sum(part.traffic(num_points, precision) for part in self.parts)
+        return sum((1 + (a.role == "inout")) * a.size_bytes(num_points, precision) for a in self.arrays)
+
+    def operations(self, num_points: int) -> float:
+        """Floating-point operations of a call."""
+        return sum(part.operations(num_points) for part in self.parts) if self.parts else self.flops(num_points)
+
+    def working_set(self, num_points: int, precision: str) -> int:
+        """Bytes of all arrays."""
+        return sum(a.size_bytes(num_points, precision) for a in self.arrays)
+
+    def make(self, num_points: int, precision: str, exact: bool = False) -> dict[str, Array]:
+        """Make the values of every array by name; outputs that are not read are zeros. exact: see `Argument.make`."""
+        rng = np.random.default_rng(0)
+        made = {a.name: a.make(self.length(a, num_points), precision, rng, exact) for a in self.arrays}
+        for argument in self.arrays:
+            values = made[argument.name]
+            if argument.role in ("state", "control"):
+                values[:] = 0
+                for slot, value in self.state.items():
+                    values[getattr(layout, slot)] = value
+            elif argument.role in ("out", "sum"):
+                values[:] = 0
+            elif self.transforms and argument.name in ("coefficient", "weight"):
+                values /= num_points  # what the transforms leave as a factor
+        return made
+
+
+def compose(name: str, group: str, lines: tuple[Line, ...], known: dict[str, Benchmark]) -> Benchmark:
+    """The benchmark of several kernels and transforms in order. known: the benchmark of each by itself."""
+    roles: dict[str, str] = {}
+    state: dict[str, float] = {}
+    for line in lines:
+        part = known[line.kernel]
+        state |= part.state
+        for array, argument in zip((*line.inputs, *line.outputs), part.arrays, strict=True):
+            first = roles.get(array, "in")
+            roles[array] = argument.role if first in ("in", "state") else first
+    arguments = " ".join(f"{array}:{role}" for array, role in roles.items())
+    parts = tuple(known[line.kernel] for line in lines)
+    return Benchmark(name, group, arguments, state=state, lines=lines, parts=parts)

@@ -1,0 +1,219 @@
+"""The list of what is measured: every kernel, the sequences of them that methods launch, whole iterations, transforms,
+and the memory itself.
+
+A kernel that changes its arguments changes its line here and its twin in `linecontact.kernels.numpy_twin`.
+"""
+
+import math
+from collections.abc import Callable
+
+from linecontact.kernels import sequences
+
+from .benchmark import Benchmark, compose
+
+GROUPS = ("kernels", "sequences", "iterations", "transforms", "roofs")
+
+ROW = 1024
+"""Length of the rows in `rows_pair`, in complex numbers."""
+
+
+def _per_point(count: float) -> Callable[[int], float]:
+    return lambda num_points: count * num_points
+
+
+def _kernel(name: str, arguments: str, flops: float, c: str, scalars: str = "", **state: float) -> Benchmark:
+    return Benchmark(name, "kernels", arguments, _per_point(flops), c, scalars, state=state)
+
+
+_STEP = {"MIX": 0.75, "GAIN": 0.25, "DT": 0.25}
+_STEP_SCALARS = "REAL mix = state[MIX], gain = state[GAIN], dt = state[DT];"
+_FORCE = "REAL r = {load} - elastic[i]; int on_wall = ({v} == (REAL)TOUCHING) & (r > 0); REAL f = on_wall ? 0 : r;"
+_WALL = """
+    REAL w = mix * v[i] + gain * {a}, x = u[i] + dt * w;
+    int hit = x >= h[i];
+    u[i] = hit ? h[i] : x;
+    v[i] = hit ? (REAL)TOUCHING : w;"""
+# dt and alpha stay as they are and the stiffest mode limits the gain: what the next step gets is exact
+_CONTROL = {"DT_MAX": 1.0, "N_MIN": 2.0**30, "F_INC": 1.1, "F_DEC": 0.5, "ALPHA_START": 0.25, "F_ALPHA": 0.99}
+_CONTROL |= {"STIFFEST": 1024.0, "NUM_POINTS": 2.0**30, "DT": 0.25, "ALPHA": 0.25, "MIX": 0.75, "GAIN": 0.25}
+_CONTROL_IN_C = """
+    double f = 0, held = 0, p = 0, vv = 0, aa = 0;
+    for (long k = 0; k < n / CHUNK; k++) {
+        f += force_sums[k]; held += held_sums[k]; p += power_sums[k];
+        vv += velocity_sums[k]; aa += acceleration_sums[k];
+    }
+    double residual = sqrt(f / fmax(state[NUM_POINTS] - held, 1.0));
+    state[RESIDUAL] = residual;
+    state[HELD] = held;
+    if (!(residual > state[TOLERANCE]) || residual > 1e30) {
+        state[STOPPED] = 1; state[MIX] = 0; state[GAIN] = 0;
+    } else {
+        double dt = state[DT], alpha = state[ALPHA], mix = 0, gain = 0;
+        if (p > 0) {
+            state[N_POSITIVE] += 1;
+            if (state[N_POSITIVE] > state[N_MIN]) {
+                dt = fmin(dt * state[F_INC], state[DT_MAX]);
+                alpha *= state[F_ALPHA];
+            }
+            mix = 1 - alpha;
+            gain = fmin(alpha * sqrt(vv / fmax(aa, 1e-300)), 1 / (dt * state[STIFFEST]));
+        } else {
+            state[N_POSITIVE] = 0;
+            alpha = state[ALPHA_START];
+            if (state[ITERATION] > 0) dt *= state[F_DEC];
+        }
+        state[DT] = fmax(dt, 0.02 * state[DT_MAX]);
+        state[ALPHA] = alpha; state[MIX] = mix; state[GAIN] = gain + state[DT];
+        state[ITERATION] += 1;
+    }"""
+
+_KERNELS = (
+    _kernel("spectral_multiply", "coefficient:in spectrum:inout", 1, "spectrum[i] *= coefficient[i];"),
+    _kernel(
+        "mirror_multiply",
+        "straight:in crossed:in spectrum:inout",
+        3,
+        """if (i < n / 2) {  // gcc splits the loop there
+        long k = 2 * i;
+        REAL re = spectrum[k], im = spectrum[k + 1];
+        spectrum[k] = straight[k] * re + crossed[k] * im;
+        spectrum[k + 1] = straight[k + 1] * im + crossed[k + 1] * re;
+    }""",
+    ),
+    _kernel(
+        "net_force",
+        "load:in elastic:in velocity:in force:out force_sums:sum held_sums:sum",
+        4,
+        _FORCE.format(load="load[i]", v="velocity[i]") + "force[i] = f; force_sums += f * f; held_sums += on_wall;",
+    ),
+    _kernel(
+        "search_sums",
+        "force:in velocity:in acceleration:inout power_sums:sum velocity_sums:sum acceleration_sums:sum",
+        6,
+        """REAL f = force[i], v = velocity[i], a = f == 0 ? 0 : acceleration[i];
+    acceleration[i] = a; power_sums += v * f; velocity_sums += v * v; acceleration_sums += a * a;""",
+    ),
+    _kernel(
+        "restrict_to_free",
+        "force:in field:in restricted:out squares:sum",
+        2,
+        "REAL x = force[i] == 0 ? 0 : field[i]; restricted[i] = x; squares += x * x;",
+    ),
+    Benchmark(
+        "fire_control",
+        "kernels",
+        "force_sums:part held_sums:part power_sums:part velocity_sums:part acceleration_sums:part state:control",
+        c_whole=_CONTROL_IN_C,
+        state=_CONTROL,
+    ),
+    _kernel(
+        "fire_step",
+        "acceleration:in h:in state:state u:inout v:inout",
+        5,
+        _WALL.format(a="acceleration[i]"),
+        _STEP_SCALARS,
+        **_STEP,
+    ),
+    _kernel(
+        "plain_sums",
+        "elastic:in velocity:in force_sums:sum held_sums:sum power_sums:sum velocity_sums:sum",
+        8,
+        _FORCE.format(load="1", v="velocity[i]")
+        + """REAL v = velocity[i];
+    force_sums += f * f; held_sums += on_wall; power_sums += v * f; velocity_sums += v * v;""",
+    ),
+    _kernel(
+        "plain_step",
+        "elastic:in h:in state:state u:inout v:inout",
+        6,
+        _FORCE.format(load="1", v="v[i]") + _WALL.format(a="f"),
+        _STEP_SCALARS,
+        **_STEP,
+    ),
+    _kernel(
+        "advance_response",
+        "change:in state:state response:inout",
+        2,
+        "response[i] += step * change[i];",
+        "REAL step = state[STEP];",
+        STEP=0.75,
+    ),
+    _kernel(
+        "count_below",
+        "response:in h:in state:state counts:sum",
+        2,
+        "counts += h[i] + response[i] < bound;",
+        "REAL bound = state[BOUND];",
+        BOUND=0.125,
+    ),
+    _kernel(
+        "rest_on_wall",
+        "response:in h:in state:state u:out",
+        1,
+        "REAL x = level - response[i]; u[i] = x < h[i] ? x : h[i];",
+        "REAL level = state[LEVEL];",
+        LEVEL=0.375,
+    ),
+)
+"""In the order of `linecontact.kernels.KERNELS`."""
+
+_HALVES = (
+    Benchmark("forward", "transforms", "source:in spectrum:out", lambda n: 2.5 * n * math.log2(n)),
+    Benchmark("inverse", "transforms", "spectrum:inout target:out", lambda n: 2.5 * n * math.log2(n)),
+)
+"""Real transforms, by the usual count of operations of a complex one; only measured as pairs."""
+
+_PAIRS = (
+    Benchmark("half_length_pair", "transforms", "packed:inout", lambda n: 5 * n * math.log2(n / 2)),
+    Benchmark("rows_pair", "transforms", "rows:inout", lambda n: 5 * n * math.log2(min(ROW, n / 2))),
+)
+"""In place, there and back: one complex transform of N/2 numbers, and as many rows of `ROW` complex numbers."""
+
+_ROOFS = (
+    Benchmark("read", "roofs", "a:in total:sum", c="total += a[i];"),
+    Benchmark("write", "roofs", "a:out", c="a[i] = 1;"),
+    Benchmark("copy", "roofs", "a:in b:out", c="b[i] = a[i];"),
+    Benchmark("update", "roofs", "a:inout", c="a[i] = -a[i];"),
+)
+"""What the memory gives to loops that compute nothing; only in C."""
+
+_PAIR = ("forward: source -> spectrum", "inverse: spectrum -> target")
+_STIFFNESS = ("forward: u -> spectrum", "spectral_multiply: coefficient -> spectrum", "inverse: spectrum -> elastic")
+_INVERSE_MASS = (
+    "forward: force -> spectrum",
+    "spectral_multiply: weight -> spectrum",
+    "inverse: spectrum -> acceleration",
+)
+_ITERATIONS = {
+    "plain_iteration": (*_STIFFNESS, *sequences.SEQUENCES["plain_move"]),
+    "loaded_iteration": (*_STIFFNESS, *sequences.SEQUENCES["loaded_move"]),
+    "mass_weighted_iteration": (
+        *_STIFFNESS,
+        "net_force: load elastic v -> force force_sums held_sums",
+        *_INVERSE_MASS,
+        *sequences.SEQUENCES["mass_weighted_move"],
+    ),
+    "search_step": (
+        "forward: source -> spectrum",
+        "spectral_multiply: coefficient -> spectrum",
+        "inverse: spectrum -> change",
+        "advance_response: change state -> response",
+    ),
+}
+"""One iteration of plain FIRE, of the same in mixed precision, of mass-weighted FIRE, and of the active set's search
+without what it does on the contact nodes alone."""
+
+
+def _all() -> dict[str, Benchmark]:
+    found = {one.name: one for one in (*_KERNELS, *_HALVES)}
+    composed = [("sequences", *item) for item in sequences.SEQUENCES.items()]
+    composed += [("iterations", *item) for item in _ITERATIONS.items()]
+    composed += [("transforms", "real_pair", _PAIR)]
+    for group, name, texts in composed:
+        found[name] = compose(name, group, tuple(map(sequences.parse, texts)), found)
+    found |= {one.name: one for one in (*_PAIRS, *_ROOFS)}
+    return {name: one for name, one in found.items() if one not in _HALVES}
+
+
+BENCHMARKS = _all()
+"""By name, group by group."""

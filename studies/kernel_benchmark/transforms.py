@@ -1,0 +1,123 @@
+"""Transforms by FFTW's plans, by NumPy, and by other libraries where they are installed."""
+
+import contextlib
+import functools
+import importlib
+import importlib.util
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+from linecontact.solver.transforms import wisdom
+from linecontact.solver.transforms.fftw import pyfftw
+
+from .benchmark import Array, Benchmark
+from .benchmarks import ROW
+from .variants import Arrays, Run, Runs, Variant, in_turn, repeated
+
+EFFORTS = ("estimate", "measure", "patient")
+LIBRARIES = ("numpy", "scipy", "ducc0")
+"""Libraries beside FFTW; those that are not installed are left out."""
+MOST_SECONDS = 20.0
+"""Time that FFTW may take for a plan [s]; what it has found by then is used."""
+
+
+def variants(benchmark: Benchmark) -> list[Variant]:
+    """FFTW by effort and on two threads, and the other libraries."""
+    found = [Variant(effort, functools.partial(_fftw, effort)) for effort in EFFORTS]
+    found.append(Variant("2-threads", functools.partial(_fftw, "estimate", threads=2)))
+    there = [name for name in LIBRARIES if importlib.util.find_spec(name)]
+    return found + [Variant(name, functools.partial(_library, name)) for name in there]
+
+
+def _steps(arrays: Arrays) -> list[tuple[Array, Array, str]]:
+    """What there is to transform, in order: source, target and the kind of transform."""
+    n, name = arrays.num_points, arrays.benchmark.name
+    complex_type = np.result_type(arrays.transforms.real, np.complex64)
+    if name == "real_pair":
+        modes = arrays.spectrum[: 2 * (n // 2 + 1)].view(complex_type)
+        return [(arrays.source[:n], modes, "r2c"), (modes, arrays.target[:n], "c2r")]
+    (packed,) = arrays.arrays.values()
+    values = packed[: n // 2 * 2].view(complex_type)
+    if name == "rows_pair":
+        row = min(ROW, values.size)
+        values = values[: values.size // row * row].reshape(-1, row)
+    return [(values, values, "forward"), (values, values, "backward")]
+
+
+def _fftw(effort: str, arrays: Arrays, threads: int = 1) -> Runs:
+    """Plans of one effort, made without what earlier plans have taught FFTW unless the effort is to find that out."""
+    begin, known = time.perf_counter(), pyfftw.export_wisdom()
+    with without_wisdom() if effort == "estimate" else contextlib.nullcontext():
+        plans = [_plan(step, effort, threads) for step in _steps(arrays)]
+    arrays.notes["measured"] = pyfftw.export_wisdom() != known
+    if arrays.notes["measured"]:
+        wisdom.save()
+    arrays.notes["plan"] = time.perf_counter() - begin
+    return in_turn([repeated(plan) for plan in plans])
+
+
+@contextlib.contextmanager
+def without_wisdom() -> Iterator[None]:
+    """FFTW knows nothing of earlier plans meanwhile, which an estimate would make use of."""
+    wisdom.load()
+    known = pyfftw.export_wisdom()
+    pyfftw.forget_wisdom()
+    try:
+        yield
+    finally:
+        pyfftw.import_wisdom(known)
+
+
+def _plan(step: tuple[Array, Array, str], effort: str, threads: int) -> Run:
+    source, target, kind = step
+    flags = [f"FFTW_{effort.upper()}"] + (["FFTW_DESTROY_INPUT"] if kind == "c2r" else [])
+    direction = "FFTW_BACKWARD" if kind in ("c2r", "backward") else "FFTW_FORWARD"
+    limit = None if effort == "estimate" else MOST_SECONDS
+    plan = pyfftw.FFTW(
+        source, target, axes=(-1,), direction=direction, flags=flags, threads=threads, planning_timelimit=limit
+    )
+    run: Run = plan.execute
+    return run
+
+
+def _library(name: str, arrays: Arrays) -> Runs:
+    transform = {"numpy": _by_numpy, "scipy": _by_scipy, "ducc0": _by_ducc}[name]
+    return in_turn([repeated(transform(*step)) for step in _steps(arrays)])
+
+
+def _by_numpy(source: Array, target: Array, kind: str) -> Run:
+    if kind == "r2c":
+        return lambda: np.fft.rfft(source, out=target)
+    if kind == "c2r":
+        return lambda: np.fft.irfft(source, target.size, norm="forward", out=target)
+    function = np.fft.fft if kind == "forward" else functools.partial(np.fft.ifft, norm="forward")
+    return lambda: function(source, out=target)
+
+
+def _by_scipy(source: Array, target: Array, kind: str) -> Run:
+    fft = importlib.import_module("scipy.fft")
+    functions: dict[str, Callable[[], Any]] = {
+        "r2c": lambda: fft.rfft(source),
+        "c2r": lambda: fft.irfft(source, target.size, norm="forward"),
+        "forward": lambda: fft.fft(source, overwrite_x=True),
+        "backward": lambda: fft.ifft(source, norm="forward", overwrite_x=True),
+    }
+
+    def run() -> None:
+        result = functions[kind]()
+        if result is not target:
+            target[...] = result
+
+    return run
+
+
+def _by_ducc(source: Array, target: Array, kind: str) -> Run:
+    fft = importlib.import_module("ducc0.fft")
+    if kind == "r2c":
+        return lambda: fft.r2c(source, out=target)
+    if kind == "c2r":
+        return lambda: fft.c2r(source, lastsize=target.size, forward=False, out=target)
+    axes = (source.ndim - 1,)
+    return lambda: fft.c2c(source, axes=axes, forward=kind == "forward", out=target)

@@ -1,0 +1,218 @@
+"""Ways to do what a benchmark is about, and how to add one of your own.
+
+    from linecontact.studies.kernel_benchmark.variants import Arrays, launched, recompiled, variant
+
+    recompiled("fire_step", "chunk-4096", chunk=4096)
+
+    @variant("fire_step")
+    def mine(a: Arrays):
+        return launched([(my_kernel, a.num_points // 256, [a.acceleration, a.h, a.state], [a.u, a.v])])
+
+A variant gets the benchmark's arrays and gives a function that, told how often, gives the function that is timed:
+`launched` records launches of Warp kernels, `repeated` calls a Python function. Before it is timed it is checked: on
+values for which no kernel rounds anything it must give exactly what the NumPy twin gives.
+"""
+
+import functools
+import importlib.util
+import itertools
+import sys
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from linecontact import kernels
+from linecontact.kernels import CHUNK
+from linecontact.kernels.sequences import Line
+from linecontact.solver import checks
+from linecontact.solver.transforms.planned import Transforms
+
+from .benchmark import Array, Benchmark
+from .benchmarks import BENCHMARKS
+
+Run = Callable[[], object]
+Runs = Callable[[int], Run]
+"""From how often to do it to a function that does it that often."""
+Launch = tuple[Any, int, Sequence[Array], Sequence[Array]]
+"""A Warp kernel, its number of threads, the arrays that it reads and those that it writes."""
+
+
+class Arrays:
+    """The arrays of a benchmark as attributes, by their names, and what they are for: NumPy arrays, which Warp shares.
+
+    One value per point, in `precision`, for `num_points` points; sums have one float64 per `chunk` points.
+    """
+
+    def __init__(self, benchmark: Benchmark, transforms: Transforms, arrays: dict[str, Array]) -> None:
+        self.benchmark, self.transforms, self.chunk = benchmark, transforms, CHUNK
+        self.num_points, self.precision = transforms.num_points, transforms.real.name
+        self.arrays = dict(arrays)
+        self.notes: dict[str, float] = {}
+        """What else is to be known of a variant: 'plan', the time to plan its transforms [s]; 'measured', 1 if plans
+        were measured for that."""
+
+    def __getattr__(self, name: str) -> Array:
+        try:
+            return self.__dict__["arrays"][name]  # type: ignore[no-any-return]
+        except KeyError:
+            raise AttributeError(f"benchmark {self.benchmark.name} has no array {name!r}") from None
+
+
+@dataclass(frozen=True)
+class Variant:
+    """A way to do what a benchmark is about."""
+
+    name: str
+    """As it stands in tables."""
+    build: Callable[[Arrays], Runs]
+    """Makes it for arrays; it may put others in their place, for sums over chunks of another length."""
+    slow: bool = False
+    """Whether it is timed a few times only."""
+
+
+OWN: dict[str, list[Variant]] = {}
+"""The variants that users' files have registered, by benchmark."""
+
+
+def variant(benchmark: str, name: str | None = None) -> Callable[[Callable[[Arrays], Runs]], Callable[[Arrays], Runs]]:
+    """Decorator: register a way to do a benchmark. name: as it stands in tables, default the function's.
+
+    Raises `ValueError` for a benchmark that there is not, and for a name that is taken.
+    """
+    checks.choice("benchmark", benchmark, tuple(BENCHMARKS))
+
+    def register(build: Callable[[Arrays], Runs]) -> Callable[[Arrays], Runs]:
+        _register(benchmark, Variant(name or build.__name__, build))
+        return build
+
+    return register
+
+
+def recompiled(benchmark: str, name: str, chunk: int = CHUNK, flags: str | None = None) -> None:
+    """Register the kernels of a benchmark compiled in another way.
+
+    chunk: points per thread, a power of two; flags: of Warp's compiler, all of them, default the program's.
+
+    Raises `ValueError`.
+    """
+    checks.choice("benchmark", benchmark, tuple(BENCHMARKS))
+    if not isinstance(chunk, int) or chunk < 1 or chunk & (chunk - 1):
+        raise ValueError(f"chunk is {chunk!r}; allowed: a power of two")
+    _register(benchmark, Variant(name, lambda arrays: compiled_again(arrays, chunk, flags)))
+
+
+def compiled_again(arrays: Arrays, chunk: int, flags: str | None = None) -> Runs:
+    """Launches of a benchmark's kernels, compiled with another chunk and other flags. Raises `ValueError`."""
+    if arrays.num_points % chunk:
+        raise ValueError(f"size is {arrays.num_points}; allowed with chunks of {chunk} points: multiples of that")
+    if chunk != CHUNK:
+        arrays.chunk = chunk
+        for argument in arrays.benchmark.arrays:
+            if argument.role == "sum":
+                arrays.arrays[argument.name] = np.zeros(arrays.num_points // chunk)
+    return warp_lines(arrays, kernels.recompile(chunk, flags))
+
+
+def _register(benchmark: str, new: Variant) -> None:
+    taken = {one.name for one in OWN.get(benchmark, ())} | set(RESERVED)
+    if new.name in taken:
+        raise ValueError(f"variant {new.name!r} of {benchmark} is there already; allowed: another name")
+    OWN.setdefault(benchmark, []).append(new)
+
+
+RESERVED = ("warp", "numpy", "element", "c", "copy", "roof")
+"""Names of the variants that every kernel has."""
+
+
+@functools.cache
+def load_file(path: Path) -> None:
+    """Run a user's file of variants. Raises `ValueError` for one that is missing, or fails."""
+    name = f"variants_{path.stem}"
+    spec = importlib.util.spec_from_file_location(name, path)
+    if spec is None or spec.loader is None or not path.is_file():
+        raise ValueError(f"variants is {path}; allowed: a Python file that registers variants")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module  # Warp looks for the source there
+    try:
+        spec.loader.exec_module(module)
+    except Exception as error:
+        raise ValueError(
+            f"variants: file {path} fails with {type(error).__name__}: {error}; allowed: a Python file that runs"
+        ) from error
+
+
+def repeated(run: Run) -> Runs:
+    """What a variant gives for a Python function that does it once."""
+
+    def runs(repeats: int) -> Run:
+        if repeats == 1:
+            return run
+
+        def again() -> None:
+            for _ in range(repeats):
+                run()
+
+        return again
+
+    return runs
+
+
+def launched(launches: Iterable[Launch]) -> Runs:
+    """What a variant gives for launches of Warp kernels: all of them, as often as asked for, in one recorded graph."""
+    import warp as wp
+
+    shared = [(k, n, [kernels.share(x) for x in i], [kernels.share(x) for x in o]) for k, n, i, o in launches]
+
+    def runs(repeats: int) -> Run:
+        with wp.ScopedCapture(device="cpu") as capture:
+            for _ in range(repeats):
+                for kernel, threads, inputs, outputs in shared:
+                    wp.launch(kernel, dim=threads, inputs=inputs, outputs=outputs, device="cpu")
+        graph = capture.graph
+        return lambda: wp.capture_launch(graph)
+
+    return runs
+
+
+def in_turn(parts: Sequence[Runs]) -> Runs:
+    """Several things one after the other."""
+    if len(parts) == 1:
+        return parts[0]
+    singles = [part(1) for part in parts]
+
+    def run() -> None:
+        for single in singles:
+            single()
+
+    return repeated(run)
+
+
+def warp_lines(arrays: Arrays, compiled: dict[str, Any]) -> Runs:
+    """A benchmark's kernels in order, recorded, between its transforms. compiled: Warp's kernels by name."""
+    return by_parts(arrays, lambda lines: launched(_launches(lines, arrays, compiled)))
+
+
+def by_parts(arrays: Arrays, make: Callable[[list[Line]], Runs]) -> Runs:
+    """A benchmark's transforms as the program plans them, and what `make` makes of the kernels between them."""
+    parts: list[Runs] = []
+    for is_kernel, group in itertools.groupby(arrays.benchmark.steps, lambda line: line.kernel in kernels.KERNELS):
+        lines = list(group)
+        parts += [make(lines)] if is_kernel else [repeated(_plan(arrays, line)) for line in lines]
+    return in_turn(parts)
+
+
+def _plan(arrays: Arrays, line: Line) -> Run:
+    if line.kernel == "forward":
+        return arrays.transforms.forward(arrays.arrays[line.inputs[0]])
+    return arrays.transforms.inverse(arrays.arrays[line.outputs[0]])
+
+
+def _launches(lines: Iterable[Line], arrays: Arrays, compiled: dict[str, Any]) -> list[Launch]:
+    found = []
+    for line in lines:
+        inputs, outputs = ([arrays.arrays[n] for n in names] for names in (line.inputs, line.outputs))
+        threads = 1 if line.kernel == "fire_control" else inputs[0].size // arrays.chunk
+        found.append((compiled[line.kernel], threads, inputs, outputs))
+    return found
