@@ -1,10 +1,12 @@
 """Warp kernels on the CPU and their NumPy twins. Knows arrays and numbers: no scene, no file, no transform."""
 
 from . import layout
-from .compiled import KERNELS, flags, load, recompile, start_warp
+from .compiled import KERNELS, load, recompile, start_warp
 from .layout import CHUNK, padded_length
+from .processor import instructions, processor
 from .record import BACKENDS, Call, record, share
 from .sequences import sequence
+from .tuning import flags
 
 __all__ = [
     "BACKENDS",
@@ -12,9 +14,11 @@ __all__ = [
     "KERNELS",
     "Call",
     "flags",
+    "instructions",
     "layout",
     "load",
     "padded_length",
+    "processor",
     "recompile",
     "record",
     "sequence",

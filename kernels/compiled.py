@@ -13,12 +13,12 @@ from types import ModuleType
 from typing import Any
 
 from .layout import CHUNK
+from .tuning import flags
 
 KERNELS = (
     "spectral_multiply",
     "mirror_multiply",
     "net_force",
-    "search_sums",
     "restrict_to_free",
     "fire_control",
     "fire_step",
@@ -41,42 +41,46 @@ def load() -> dict[str, Any]:
     Raises `ValueError` if the cache cannot be used.
     """
     start_warp()
-    return compile_modules([importlib.import_module(f"{__package__}.{name}") for name in MODULES])
+    modules = [importlib.import_module(f"{__package__}.{name}") for name in MODULES]
+    return compile_modules(modules, flags())
 
 
 @functools.cache
-def recompile(chunk: int = CHUNK, flags: str | None = None) -> dict[str, Any]:
-    """The same kernels from the same source, with `chunk` points per thread and the compiler's flags `flags`.
+def recompile(chunk: int = CHUNK, compiled_with: str | None = None) -> dict[str, Any]:
+    """The same kernels from the same source, with `chunk` points per thread and other flags of the compiler.
 
-    chunk: a power of two; flags: all of them, default the program's. Raises `ValueError` like `load`.
+    chunk: a power of two; compiled_with: all flags, default the program's. Raises `ValueError` like `load`.
     """
     start_warp()
+    chosen = flags() if compiled_with is None else compiled_with
+    return compile_modules([copy_module(name, chunk, chosen) for name in MODULES], chosen)
+
+
+def copy_module(name: str, chunk: int, compiled_with: str) -> ModuleType:
+    """One of `MODULES` once more, from the same source, for Warp to compile anew. Arguments as in `recompile`."""
     import warp as wp
 
-    copies = []
-    which = f"{chunk}_{'' if flags is None else hashlib.sha256(flags.encode()).hexdigest()[:8]}"
-    for name in MODULES:
-        original = importlib.import_module(f"{__package__}.{name}")
-        copy = _copy_of(original, f"{original.__name__}_{which}")
-        vars(copy)["CHUNK_LENGTH"] = wp.constant(chunk)
-        if "HALF_CHUNK" in vars(copy):
-            vars(copy)["HALF_CHUNK"] = wp.constant(chunk // 2)
-        if flags is not None:
-            wp.set_module_options({"cpu_compiler_flags": flags}, copy)
-        copies.append(copy)
-    return compile_modules(copies)
+    file = Path(__file__).with_name(f"{name}.py")
+    which = hashlib.sha256(compiled_with.encode()).hexdigest()[:8]
+    spec = importlib.util.spec_from_file_location(f"{__package__}.{name}_{chunk}_{which}", file)
+    if spec is None or spec.loader is None:
+        raise ImportError(f"file {file} is no module")
+    copy = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = copy  # Warp looks for the source there
+    spec.loader.exec_module(copy)
+    vars(copy)["CHUNK_LENGTH"] = wp.constant(chunk)
+    if "HALF_CHUNK" in vars(copy):
+        vars(copy)["HALF_CHUNK"] = wp.constant(chunk // 2)
+    wp.set_module_options({"cpu_compiler_flags": compiled_with}, copy)
+    return copy
 
 
-def flags() -> str:
-    """The compiler's flags for the kernels, all of them."""
-    from .warp_options import OPTIONS
-
-    return str(OPTIONS["cpu_compiler_flags"])
-
-
-def compile_modules(modules: list[ModuleType]) -> dict[str, Any]:
+def compile_modules(modules: list[ModuleType], compiled_with: str) -> dict[str, Any]:
     """Warp's kernels by name, in both precisions, of modules that hold the kernels under the program's names."""
     import warp as wp
+
+    for module in modules:
+        wp.set_module_options({"cpu_compiler_flags": compiled_with}, module)
 
     kernels = {name: vars(module)[name] for module in modules for name in KERNELS if name in vars(module)}
     for kernel in kernels.values():
@@ -102,17 +106,6 @@ def _is_compiled(module: str) -> bool:
 
     folder = Path(str(wp.config.kernel_cache_dir)) / wp.get_module(module).get_module_identifier(1)
     return any(folder.glob("*.o"))
-
-
-def _copy_of(module: ModuleType, name: str) -> ModuleType:
-    """A module with the same source under another name, so that Warp compiles it anew."""
-    spec = importlib.util.spec_from_file_location(name, module.__file__)
-    if spec is None or spec.loader is None:
-        raise ImportError(f"module {module.__name__} has no source file")
-    copy = importlib.util.module_from_spec(spec)
-    sys.modules[name] = copy
-    spec.loader.exec_module(copy)
-    return copy
 
 
 @functools.cache

@@ -39,12 +39,23 @@ def _free_force(elastic: Array, velocity: Array, load: Array | int = 1) -> tuple
 
 
 def net_force(
-    load: Array, elastic: Array, velocity: Array, force: Array, force_sums: Array64, held_sums: Array64
+    load: Array,
+    elastic: Array,
+    velocity: Array,
+    force: Array,
+    force_sums: Array64,
+    held_sums: Array64,
+    power_sums: Array64,
+    velocity_sums: Array64,
 ) -> None:
-    """Free part of r = load - K u, its squares' sums and the held nodes' counts per chunk."""
+    """Free part f of r = load - K u; sums of f.f, held nodes, v.f and v.v per chunk."""
     force[:], held = _free_force(elastic, velocity, load)
-    force_sums[:] = _chunk_sums(force * force)
-    held_sums[:] = _chunk_sums(held)
+    _fire_sums(force, held, velocity, force_sums, held_sums, power_sums, velocity_sums)
+
+
+def _fire_sums(force: Array, held: Array, velocity: Array, *sums: Array64) -> None:
+    for target, values in zip(sums, (force * force, held, velocity * force, velocity * velocity), strict=True):
+        target[:] = _chunk_sums(values)
 
 
 def plain_sums(
@@ -57,31 +68,13 @@ def plain_sums(
 ) -> None:
     """Sums of f.f, held nodes, v.f and v.v per chunk."""
     force, held = _free_force(elastic, velocity)
-    force_sums[:] = _chunk_sums(force * force)
-    held_sums[:] = _chunk_sums(held)
-    power_sums[:] = _chunk_sums(velocity * force)
-    velocity_sums[:] = _chunk_sums(velocity * velocity)
+    _fire_sums(force, held, velocity, force_sums, held_sums, power_sums, velocity_sums)
 
 
-def search_sums(
-    force: Array,
-    velocity: Array,
-    acceleration: Array,
-    power_sums: Array64,
-    velocity_sums: Array64,
-    acceleration_sums: Array64,
-) -> None:
-    """Restrict the acceleration to the free nodes (in place); sums of v.f, v.v and a.a per chunk."""
-    acceleration[force == 0] = 0
-    power_sums[:] = _chunk_sums(velocity * force)
-    velocity_sums[:] = _chunk_sums(velocity * velocity)
-    acceleration_sums[:] = _chunk_sums(acceleration * acceleration)
-
-
-def restrict_to_free(force: Array, field: Array, restricted: Array, squares: Array64) -> None:
-    """restricted = field on free nodes, 0 on held ones; sums of its squares per chunk."""
-    restricted[:] = np.where(force == 0, 0, field)
-    squares[:] = _chunk_sums(restricted * restricted)
+def restrict_to_free(force: Array, field: Array, squares: Array64) -> None:
+    """Put a field to 0 on held nodes; sums of its squares per chunk."""
+    field[force == 0] = 0
+    squares[:] = _chunk_sums(field * field)
 
 
 def fire_control(

@@ -18,19 +18,19 @@ SEQUENCES = {
         "plain_step: elastic h state -> u v",
     ),
     "loaded_move": (
-        "net_force: load elastic v -> force force_sums held_sums",
-        "search_sums: force v -> force power_sums velocity_sums force_sums",
+        f"net_force: load elastic v -> force {SUMS}",
         f"fire_control: {SUMS} force_sums -> state",
         "fire_step: force h state -> u v",
     ),
+    "find_force": (f"net_force: load elastic v -> force {SUMS}",),
     "mass_weighted_move": (
-        "search_sums: force v -> acceleration power_sums velocity_sums acceleration_sums",
+        "restrict_to_free: force -> acceleration acceleration_sums",
         f"fire_control: {SUMS} acceleration_sums -> state",
         "fire_step: acceleration h state -> u v",
     ),
 }
-"""Plain FIRE's step from K u; the same with a load that differs from node to node; mass-weighted FIRE's step from the
-force and the acceleration."""
+"""Plain FIRE's step from K u; the same with a load that differs from node to node; of mass-weighted FIRE the force, and
+the step from it and the acceleration."""
 
 
 class Line(NamedTuple):

@@ -1,5 +1,5 @@
 """Warp kernels on fields and their transforms, float32 and float64 from one generic source; on their form, see
-`warp_options`.
+`tuning`.
 
 A complex half spectrum is passed as its flat real view (re, im, re, im, ...), because Warp has no complex type. The
 kernels of the active set work on the response w = G sigma; a node's gap is h + w - level.
@@ -10,9 +10,8 @@ from typing import Any
 import warp as wp
 
 from .layout import BOUND, CHUNK, LEVEL, STEP
-from .warp_options import OPTIONS
 
-wp.set_module_options(OPTIONS)
+wp.set_module_options({"enable_backward": False})
 
 CHUNK_LENGTH = wp.constant(CHUNK)
 HALF_CHUNK = wp.constant(CHUNK // 2)

@@ -8,6 +8,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from .. import __version__
+from ..kernels import processor
 
 
 @cache
@@ -15,7 +16,7 @@ def provenance() -> dict[str, str]:
     """Version, commit (with '+dirty'), library versions, processor and system, all as text."""
     found = {"version": __version__, "commit": _commit(), "python": platform.python_version()}
     found |= {name: version(name) for name in ("warp-lang", "numpy", "pyfftw", "h5py")}
-    return found | {"processor": _processor(), "cores": str(os.cpu_count()), "system": platform.platform()}
+    return found | {"processor": processor(), "cores": str(os.cpu_count()), "system": platform.platform()}
 
 
 def _commit() -> str:
@@ -31,13 +32,3 @@ def _commit() -> str:
     except (OSError, subprocess.SubprocessError, StopIteration):
         return "none"
     return commit + ("" if all(line.startswith("#") for line in said) else "+dirty")
-
-
-def _processor() -> str:
-    try:
-        for line in Path("/proc/cpuinfo").read_text().splitlines():
-            if line.startswith("model name"):
-                return line.split(":", 1)[1].strip()
-    except OSError:
-        pass
-    return platform.processor() or platform.machine()

@@ -46,14 +46,14 @@ class MassWeightedFire(Fire):
         mass = self.problem.stiffness.copy()
         mass[0] = mass[1:].min()
         self._apply_inverse_mass = self._operator(self.force, 1 / mass)
-        self._probe_stiffness = (self.transforms.forward(self.probe), *self._apply_stiffness[1:])
-        self._probe_inverse_mass = (self.transforms.forward(self.probe), *self._apply_inverse_mass[1:])
+        forward, inverse = self.transforms.forward(self.probe), self.transforms.inverse(self.probe)
+        self._probe_stiffness = forward, self._apply_stiffness[1], inverse
+        self._probe_inverse_mass = forward, self._apply_inverse_mass[1], inverse
         arrays = self._arrays(force=self.force, load=self.load, acceleration=self.work)
         self._squares = arrays["acceleration_sums"]  # free for the probe, between two steps
-        sums = arrays["force_sums"], arrays["held_sums"]
-        self._find_force = self._replay(Call("net_force", (self.load, self.work, self.v), (self.force, *sums)))
+        self._find_force = self._replay(*sequence("find_force", arrays))
         self._move = self._replay(*sequence("mass_weighted_move", arrays))
-        self._restrict = self._replay(Call("restrict_to_free", (self.force, self.work), (self.probe, self._squares)))
+        self._restrict = self._replay(Call("restrict_to_free", (self.force,), (self.probe, self._squares)))
 
     def step(self) -> None:
         """One FIRE iteration, two transform pairs."""
@@ -81,7 +81,7 @@ class MassWeightedFire(Fire):
             self._limit_step(max(growth, 1.0), 1.0)  # no mode is softer than its mass: a longer step gains nothing
 
     def _project_probe(self) -> float:
-        """probe = work on the free nodes, scaled to norm 1; the norm before scaling."""
+        """Restrict `probe` to the free nodes and scale it to norm 1; the norm before scaling."""
         self._restrict()
         norm = math.sqrt(self._squares.sum())
         if norm > 0:

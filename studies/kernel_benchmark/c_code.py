@@ -21,7 +21,7 @@ REALS = {"float32": "float", "float64": "double"}
 # what reordered sums need, and no more: -ffast-math would switch denormals off for the whole process
 FLAGS = "-O3 -march=native -fassociative-math -fno-signed-zeros -fno-trapping-math -fno-math-errno"
 
-BUILDS = {"c": "", "c-unrolled": "-funroll-loops", "c-256": "-mprefer-vector-width=256"}
+BUILDS = {"c": "", "c-unrolled": "-funroll-loops -mprefer-vector-width=256"}
 """Further flags, by which one loop gains and another loses."""
 
 _PEAK = """

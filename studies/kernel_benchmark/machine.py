@@ -25,8 +25,6 @@ from .c_code import PEAK_OPERATIONS, REALS, compile_c
 from .transforms import LIBRARIES
 
 _CACHES = Path("/sys/devices/system/cpu/cpu0/cache")
-_CPUINFO = Path("/proc/cpuinfo")
-_INSTRUCTIONS = re.compile(r"(sse4_2|avx|avx2|fma|avx512\w+|neon|asimd|sve\d?)$")
 
 
 @functools.cache
@@ -44,7 +42,7 @@ def identity() -> dict[str, str]:
         "target": wp.get_cpu_kernel_cache_key(cpu_compiler_flags=kernels.flags()),
         "processor": provenance()["processor"],
         "caches": ", ".join(f"{name} {size >> 10} KiB" for name, size in caches().items()),
-        "instructions": instructions(),
+        "instructions": kernels.instructions(),
     }
     return found | libraries | {name: _version(name) for name in LIBRARIES if name not in libraries}
 
@@ -71,16 +69,6 @@ def key(configuration: dict[str, Any]) -> str:
     return hashlib.sha256(json.dumps(configuration, sort_keys=True).encode()).hexdigest()[:10]
 
 
-def instructions() -> str:
-    """The sets of vector instructions that the processor has; empty where the system does not tell."""
-    try:
-        lines = _CPUINFO.read_text().splitlines()
-    except OSError:
-        return ""
-    words = next((line.split(":", 1)[1].split() for line in lines if re.match(r"(flags|Features)\s*:", line)), [])
-    return " ".join(sorted(word for word in words if _INSTRUCTIONS.match(word)))
-
-
 def caches() -> dict[str, int]:
     """Bytes of the first core's data caches by name, as far as known."""
     found = {}
@@ -101,7 +89,7 @@ def vector_widths() -> dict[tuple[str, str], int]:
     Empty where no disassembler is installed, or the processor is none of x86.
     """
     disassembler, found = shutil.which("objdump"), {}
-    if disassembler is None or not instructions().startswith("avx"):
+    if disassembler is None or not kernels.instructions().startswith("avx"):
         return {}
     functions: dict[str, str] = {}
     for name, (file, symbol) in _symbols().items():

@@ -19,7 +19,7 @@ Record = dict[str, Any]
 Times = dict[str, NDArray[np.float64]]
 
 _SPAN, _MOST_CALLS = 1e-4, 1000  # s that are timed at once, and calls after which in-place results still are ordinary
-_LEAST_ROUNDS, _SLOW_ROUNDS = 7, 3
+_LEAST_ROUNDS, _SLOW_ROUNDS = 5, 2
 _TOGETHER = 0.02  # s that cores work at once
 _CORES = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []  # that this process may use
 
@@ -48,7 +48,8 @@ def time_in_turn(
                 found[name].append(np.nan)
                 continue
             run = runs[name]
-            run()
+            if name not in slow:
+                run()
             begin = time.perf_counter()
             run()
             found[name].append((time.perf_counter() - begin) / calls[name])
