@@ -171,7 +171,9 @@ def test_the_source_tells_what_is_inherited():
     assert list(declared.fields) == list(options_of(kernels.Options))
     assert declared.fields["workers"] == "More than one disturb each other's times."
     assert declared.fields["folder"].startswith("Where data and figures go")
-    assert declared.summary == "Times and bandwidths of every kernel over N, against C and NumPy: data, figures, table."
+    assert declared.summary == (
+        "Times of kernels, sequences, iterations and transforms beside C, NumPy and variants of your own."
+    )
 
 
 @pytest.mark.parametrize("name", ["linecontact.studies.files.writing:Options", "no.such.module:Kind", "sys:Kind"])

@@ -275,7 +275,7 @@ ROW = {"kernel": "a", "precision": "b", "log2_points": 3, "variant": "c", "secon
 def test_comparisons_with_something_else_are_refused(tmp_path, text):
     path = tmp_path / "old.json"
     path.write_text(text)
-    with pytest.raises(ValueError, match="compare: file"):
+    with pytest.raises(ValueError, match="compare: "):
         compare.read(path)
 
 
@@ -285,7 +285,7 @@ def test_kernels_of_huge_size_are_no_hang(tmp_path, monkeypatch, images):
     with h5py.File(content, "a") as file:
         file["runs/log2_points"][...] = 2**40
     path = sealed(tmp_path / "old.h5", content.getvalue())
-    with pytest.raises(ValueError, match="compare: file"):
+    with pytest.raises(ValueError, match="compare: "):
         compare.read(path)
 
 

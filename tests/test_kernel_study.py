@@ -1,31 +1,65 @@
-"""The kernels' benchmark on the smallest sizes: agreement, harness, JSON, comparison, figures; no time is judged."""
+"""The kernels' benchmark on small sizes: agreement, variants of one's own, harness, keys, JSON, figures.
 
-import copy
+No time is judged.
+"""
+
 import json
+import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from linecontact import kernels
+from linecontact.kernels import CHUNK, layout
 from linecontact.studies.command_line import main as cli
 from linecontact.studies.files import records, study_files
-from linecontact.studies.files.study_files import StudyFile
-from linecontact.studies.kernel_benchmark import candidates, compare, figures, measure, report, study
-from linecontact.studies.kernel_benchmark.specs import SPECS
+from linecontact.studies.kernel_benchmark import (
+    agreement,
+    c_code,
+    cells,
+    figures,
+    machine,
+    measure,
+    report,
+    shipped,
+    study,
+    transforms,
+    variants,
+)
+from linecontact.studies.kernel_benchmark.bench import Bench
+from linecontact.studies.kernel_benchmark.benchmark import PRECISIONS
+from linecontact.studies.kernel_benchmark.benchmarks import BENCHMARKS
 from linecontact.studies.runner import drawing
+from linecontact.studies.runner.tasks import identity
 from linecontact.studies.terminal import console
 from running import run_plans
 
-PRECISIONS = ("float32", "float64")
-HAS_C = bool(candidates.compile_c()[0])
+EXAMPLE = Path(__file__).parent.parent / "docs" / "examples" / "kernel_variants.py"
+HAS_C = bool(c_code.compile_c().libraries)
+SMALL = [name for name, one in BENCHMARKS.items() if one.group != "roofs"]
+
+
+@pytest.fixture
+def own(monkeypatch):
+    """No variants of one's own but those that the test registers."""
+    monkeypatch.setattr(variants, "OWN", {})
+    monkeypatch.setattr("linecontact.studies.kernel_benchmark.bench.OWN", variants.OWN)
+    variants.load_file.cache_clear()
+    return variants.OWN
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """A whole study at 2^10 points: every kernel in both precisions, and the iteration."""
+    """A whole study at 2^10 points: every benchmark, transforms among them, in both precisions."""
     folder = tmp_path_factory.mktemp("kernels")
-    tiny = study.Configuration((10,), (10,), 1e-4)
-    assert run_plans(study.STUDY, [tiny.plan()], folder) == 0
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(study, "_SECONDS", 1e-4)
+        patch.setattr(study, "_LEFT_OUT", ())
+        patch.setattr(transforms, "MOST_SECONDS", 0.1)
+        patch.setattr(machine, "compile_seconds", lambda: {"seconds.compile.cold": 4.0, "seconds.compile.warm": 0.1})
+        plan = study.plan(study.Options(size=1024, repeats=2))
+        assert run_plans(study.STUDY, [plan], folder) == 0
     return folder
 
 
@@ -34,197 +68,372 @@ def measured(folder):
     return report.to_json(study_files.load_study(folder / "kernels.h5"))
 
 
-def test_every_kernel_has_a_spec_that_fits_it():
-    loaded = candidates.load()
-    from linecontact.studies.kernel_benchmark import elements
+def test_every_kernel_has_a_benchmark_that_fits_it():
+    own = [name for name, one in BENCHMARKS.items() if one.group == "kernels"]
+    assert sorted(own) == sorted(kernels.KERNELS)
+    for name in own:
+        assert [a.label for a in kernels.load()[name].adj.args] == [a.name for a in BENCHMARKS[name].arrays]
+        assert BENCHMARKS[name].c or BENCHMARKS[name].c_whole
 
-    assert tuple(SPECS) == kernels.KERNELS
-    for name, spec in SPECS.items():
-        for kernel in (loaded[name], getattr(elements, name)) if spec.c else (loaded[name],):
-            assert [a.label for a in kernel.adj.args] == [a.name for a in spec.arrays]
+
+def test_every_sequence_is_measured_and_its_kernels_count():
+    for name, lines in kernels.sequences.SEQUENCES.items():
+        if len(lines) > 1:
+            one = BENCHMARKS[name]
+            assert [line.kernel for line in one.steps] == [text.split(":")[0] for text in lines]
+            assert one.traffic(2**12, "float32") == sum(part.traffic(2**12, "float32") for part in one.parts)
 
 
 @pytest.mark.parametrize("precision", PRECISIONS)
-@pytest.mark.parametrize("kernel", SPECS)
-def test_all_variants_agree(kernel, precision):
-    bench = candidates.Bench(kernel, precision, 2 * kernels.CHUNK)
-    expected = set(candidates.VARIANTS) - (set() if HAS_C else {"c"})
-    assert bench.candidates.keys() - {"copy"} == (expected if SPECS[kernel].c else expected - {"c", "warp-element"})
-    before = [array.copy() for array in bench.arrays]
+@pytest.mark.parametrize("name", SMALL)
+def test_all_variants_agree(name, precision, monkeypatch):
+    monkeypatch.setattr(transforms, "MOST_SECONDS", 0.1)
+    benchmark = BENCHMARKS[name]
+    bench = Bench(benchmark, precision, 2 * CHUNK)
+    expected = {variant.name for variant in shipped.shipped(benchmark)}
+    assert bench.variants.keys() == expected
+    assert {"numpy"} <= expected
     bench.check()
-    assert any((a != b).any() for a, b in zip(bench.arrays, before, strict=True))
+    before = {name: array.copy() for name, array in bench.arrays.items()}
+    next(iter(bench.variants.values()))(1)()
+    assert any((bench.arrays[n] != before[n]).any() for n in before)
     bench.restore()
-    for array, values in zip(bench.arrays, before, strict=True):
-        np.testing.assert_array_equal(array, values)
+    for argument in benchmark.arrays:
+        if argument.role == "inout" and argument.name != "spectrum":
+            np.testing.assert_array_equal(bench.arrays[argument.name], before[argument.name])
 
 
-@pytest.mark.parametrize("kernel", ["fire_step", "plain_sums", "fire_control"])
-def test_a_wrong_variant_is_an_error(kernel):
-    bench = candidates.Bench(kernel, "float64", kernels.CHUNK)
-    good = bench.candidates["warp-graph"]
+WRONG = [(n, a.name) for n in SMALL if not BENCHMARKS[n].transforms for a in BENCHMARKS[n].arrays]
+
+
+@pytest.mark.parametrize("precision", PRECISIONS)
+@pytest.mark.parametrize(("name", "array"), WRONG)
+def test_one_wrong_value_is_an_error(name, array, precision):
+    """A single value in its last place, and a sum by less than any wrong node would change it; inputs among them."""
+    bench = Bench(BENCHMARKS[name], precision, 4 * CHUNK, only={"warp"})
+    good = bench.variants["warp"]
+    role = next(a.role for a in bench.benchmark.arrays if a.name == array)
 
     def wrong():
-        good()
-        bench.arrays[-1][0] += 1e-6
+        good(1)()
+        values = bench.arrays[array]
+        index = layout.MIX if role in ("state", "control") else values.size // 2
+        values[index] = values[index] + 2**-12 if role == "sum" else np.nextafter(values[index], np.inf)
 
-    bench.candidates["warp-graph"] = wrong
-    with pytest.raises(RuntimeError, match="warp-graph and numpy disagree in 1 values"):
+    bench.variants["warp"] = variants.repeated(wrong)
+    with pytest.raises(RuntimeError, match=f"warp and numpy disagree in 1 of .* values of {array}: number"):
         bench.check()
 
 
+@pytest.mark.parametrize("name", ["real_pair", "half_length_pair", "plain_iteration"])
+def test_one_wrong_value_after_a_transform_is_an_error(name):
+    first = "estimate" if name.endswith("pair") else "warp"
+    bench = Bench(BENCHMARKS[name], "float64", 2**14, only={first})
+    good, last = bench.variants[first], list(bench.arrays)[-1] if name.endswith("pair") else "u"
+
+    def wrong():
+        good(1)()
+        bench.arrays[last][777] += 1e-9 * max(1.0, float(np.abs(bench.arrays[last]).max()))
+
+    bench.variants[first] = variants.repeated(wrong)
+    with pytest.raises(RuntimeError, match=f"disagree in 1 of 16384 values of {last}: number 777"):
+        bench.check()
+
+
+def test_a_node_within_rounding_of_the_wall_may_be_on_it_and_no_other():
+    h, v = np.full(2048, 0.5), np.full(2048, 0.25)
+    u = np.where(np.arange(2048) % 2, 0.5 - 1e-16, 0.25)
+    wanted = {"u": u, "v": v, "h": h}
+    argument = next(a for a in BENCHMARKS["plain_iteration"].arrays if a.name == "v")
+    near, far = v.copy(), v.copy()
+    near[1] = far[2] = layout.TOUCHING
+    agreement.compare("mine", argument, {**wanted, "v": near}, wanted, transforms=True)
+    with pytest.raises(RuntimeError, match="number 2 is"):
+        agreement.compare("mine", argument, {**wanted, "v": far}, wanted, transforms=True)
+
+
 def test_traffic_and_working_set():
-    spec = SPECS["net_force"]  # four arrays, two sums per chunk
-    assert spec.traffic(2**12, "float32") == spec.working_set(2**12, "float32") == 4 * 4 * 2**12 + 2 * 8 * 4
-    assert SPECS["fire_step"].traffic(2**12, "float64") == 6 * 8 * 2**12  # two of four in place
-    assert SPECS["fire_step"].working_set(2**12, "float64") == 4 * 8 * 2**12
+    one = BENCHMARKS["net_force"]  # four arrays, four sums per chunk
+    assert one.traffic(2**12, "float32") == one.working_set(2**12, "float32") == 4 * 4 * 2**12 + 4 * 8 * 4
+    assert BENCHMARKS["fire_step"].traffic(2**12, "float64") == 6 * 8 * 2**12  # two of four in place
+    assert BENCHMARKS["fire_step"].working_set(2**12, "float64") == 4 * 8 * 2**12
 
 
-def test_candidates_are_timed_in_turn():
+def test_variants_are_timed_in_turn():
     seen = []
-    slow = {name: lambda name=name: seen.append(name) for name in "ab"}
-    found = measure.time_in_turn(slow, lambda: seen.append("restore"), 0.0)
-    assert {name: len(values) for name, values in found.items()} == {"a": 7, "b": 7}
-    order = [name for i, name in enumerate(seen) if name != "restore" and seen[i - 1] == "restore"]
-    rounds = [order[i : i + 2] for i in range(0, 16, 2)]  # the first finds out how often
-    assert all(sorted(pair) == ["a", "b"] for pair in rounds)
-    assert ["a", "b"] in rounds
-    assert ["b", "a"] in rounds
+    fast = {name: variants.repeated(lambda name=name: seen.append(name)) for name in "abc"}
+    times, calls = measure.time_in_turn(fast, lambda: seen.append("restore"), 0.0, slow={"c"})
+    assert {name: np.isnan(values).sum() for name, values in times.items()} == {"a": 0, "b": 0, "c": 3}
+    assert all(1 <= count <= 1000 for count in calls.values())
+    rounds = [re.findall(r"([abc])\1*", text) for text in "".join(seen[:]).split("restore")[1:]]
+    assert ["a", "b"] in [sorted(r) for r in rounds]
+    assert len({tuple(r) for r in rounds}) > 1  # the order changes
 
 
 def test_records(folder):
     file = study_files.load_study(folder / "kernels.h5")
     assert file.complete
-    assert len(file.runs) == 2 * (len(kernels.KERNELS) - 1) + 1 + 2
-    assert records.unit("seconds.copy.median") == "s"
-    assert records.unit("bytes.traffic") == "byte"
-    for run in report.loops(file):
-        assert not HAS_C or report.over_c(run, "c") == 1
-        for variant in (*candidates.VARIANTS[:4], "copy"):
-            assert 0 < report.seconds(run, variant, "min") <= report.seconds(run, variant)
+    found = cells.cells(file.runs)
+    groups = {name: one.group for name, one in BENCHMARKS.items()}
+    assert {key.benchmark for key in found} == set(groups)
+    assert records.unit("seconds.copy") == "s"
+    for key, cell in found.items():
+        assert len(cell.runs) == 2
+        if groups[key.benchmark] in ("kernels", "sequences"):
+            assert {"warp", "numpy", "copy"} <= set(cell.variants)
+            assert not HAS_C or cell.ratio("c") == 1
+            assert cell.bandwidth("warp") > 0
+        if groups[key.benchmark] == "transforms":
+            assert {"estimate", "measure", "patient", "2-threads", "numpy"} <= set(cell.variants)
+            assert cell.value("seconds.planning.measure") > 0
 
 
-def test_json_schema(measured):
+def test_what_results_are_of(measured):
+    about = measured["configuration"]["identity"]
+    assert about["chunk"] == str(CHUNK)
+    assert about["flags"] == kernels.flags()
+    assert {
+        "source",
+        "compiler",
+        "processor",
+        "caches",
+        "instructions",
+        "target",
+        "warp-lang",
+        "numpy",
+        "pyfftw",
+    } < set(about)
+    assert re.fullmatch("[0-9a-f]{12}", about["source"])
     assert json.loads(json.dumps(measured)) == measured
-    assert measured["schema"] == 1
-    assert {"processor", "numpy", "commit"} < set(measured["provenance"])
-    assert measured["compiler"]
-    for row in measured["results"]:
-        assert set(row) == {"kernel", "precision", "log2_points", "variant", "seconds_median", "seconds_min"} | {
-            "nanoseconds_per_point", "bytes", "bandwidth_gb_per_s", "copy_bandwidth_gb_per_s", "gflop_per_s",
-        } | ({"over_c"} if HAS_C and row["kernel"] != "fire_control" else set())  # fmt: skip
-        assert row["seconds_min"] <= row["seconds_median"] < 1
-        assert row["bandwidth_gb_per_s"] == pytest.approx(row["bytes"] / row["seconds_median"] / 1e9)
-        assert row["nanoseconds_per_point"] == pytest.approx(row["seconds_median"] / 2**10 * 1e9)
-    assert len(measured["results"]) == 2 * (len(kernels.KERNELS) - 1) * (4 + HAS_C) + 3
-    assert [row["precision"] for row in measured["iterations"]] == list(PRECISIONS)
+    assert measured["schema"] == 2
 
 
-def test_json_on_the_command_line(folder, capsys, monkeypatch):
-    monkeypatch.setattr(study, "QUICK", study.Configuration((10,), (10,), 1e-4))
-    assert cli.main(["study", "kernels", "--quick", "--json", "--folder", str(folder)]) == 0
+def test_other_source_or_another_machine_is_another_result(monkeypatch):
+    options = study.Options(kernel="fire_step", size=1024)
+    plan = study.plan(options)
+    before = {machine.key(plan.configuration)} | {identity(task) for task in plan.tasks}
+    for name, value in (("source", "0" * 12), ("processor", "another"), ("flags", "-O0")):
+        changed = machine.identity() | {name: value}
+        with monkeypatch.context() as patch:
+            patch.setattr(machine, "identity", lambda changed=changed: changed)
+            other = study.plan(options)
+        assert not before & ({machine.key(other.configuration)} | {identity(task) for task in other.tasks})
+
+
+def test_an_edit_changes_the_hash_of_the_source(monkeypatch, tmp_path):
+    before = machine.source_hash()
+    assert before == machine.source_hash()
+    read = Path.read_bytes
+    monkeypatch.setattr(Path, "read_bytes", lambda p: read(p) + (b"#" if p.name == "warp_fire.py" else b""))
+    assert machine.source_hash() != before
+
+
+def test_results_of_two_sources_lie_in_two_folders(monkeypatch, tmp_path, capsys):
+    monkeypatch.setattr(study, "_SECONDS", 1e-4)
+    command = ["study", "kernels", "--kernel", "advance_response", "--size", "2^10", "--folder", str(tmp_path)]
+    assert cli.main(command) == 0
+    assert cli.main(command) == 0
+    assert "Finished before" in capsys.readouterr().out
+    changed = machine.identity() | {"source": "0" * 12}
+    monkeypatch.setattr(machine, "identity", lambda: changed)
+    assert cli.main(command) == 0
+    out = capsys.readouterr().out
+    assert "Finished before" not in out
+    assert "Source 000000000000" in out
+    assert len(list(tmp_path.glob("*/kernels.h5"))) == 2
+
+
+@pytest.mark.parametrize("benchmark", ["restrict_to_free", "plain_sums", "fire_step", "mass_weighted_move"])
+def test_the_documented_example(benchmark, own, monkeypatch, tmp_path, capsys):
+    monkeypatch.setattr(study, "_SECONDS", 1e-4)
+    command = ["study", "kernels", "--variants", str(EXAMPLE), "--kernel", benchmark, "--size", "2^12"]
+    assert cli.main([*command, "--folder", str(tmp_path), "--json"]) == 0
+    rows = [run for run in json.loads(capsys.readouterr().out)["runs"] if run["benchmark"] == benchmark]
+    assert len(rows) == 6
+    names = {variant.name for variant in own[benchmark]}
+    assert names
+    for row in rows:
+        assert all(row[f"seconds.{name}"] > 0 and row[f"ratio.{name}"] > 0 for name in names)
+    assert cli.main([*command, "--folder", str(tmp_path)]) == 0
+    out = capsys.readouterr().out
+    assert all(name.split("-")[0] in out for name in names)
+
+
+def test_a_whole_iteration_with_transforms_of_ones_own(own):
+    variants.replanned("plain_iteration", "2-threads", threads=2)
+    variants.recompiled("plain_iteration", "chunk-256", chunk=256)
+    bench = Bench(BENCHMARKS["plain_iteration"], "float64", 2**12)
+    assert {"2-threads", "chunk-256", "warp", "transforms"} <= set(bench.variants)
+    bench.check()
+
+
+@pytest.mark.parametrize("chunk", [64, 4096, 8192])
+def test_sums_over_other_chunks_are_compared_too(chunk, own):
+    variants.recompiled("plain_sums", "other", chunk=chunk)
+    bench = Bench(BENCHMARKS["plain_sums"], "float32", 8192)
+    bench.check()
+    good = bench.variants["other"]
+    sums = bench._views["other"].arrays["power_sums"]
+    assert sums.size == 8192 // chunk
+
+    def wrong():
+        good(1)()
+        sums[0] += 1 / 64
+
+    bench.variants["other"] = variants.repeated(wrong)
+    with pytest.raises(RuntimeError, match="other and numpy disagree in 1 of"):
+        bench.check()
+
+
+def test_a_chunk_that_does_not_fit_is_refused(own, tmp_path, capsys):
+    variants.recompiled("fire_step", "long", chunk=4096)
+    with pytest.raises(ValueError, match="size is 1024; allowed with chunks of 4096 points: multiples"):
+        Bench(BENCHMARKS["fire_step"], "float32", 1024)
+
+
+def test_a_wrong_variant_is_told_and_not_timed(own, monkeypatch, tmp_path, capsys):
+    monkeypatch.setattr(study, "_SECONDS", 1e-4)
+    file = tmp_path / "mine.py"
+    file.write_text(
+        "from linecontact.studies.kernel_benchmark.variants import repeated, variant\n"
+        "@variant('count_below')\n"
+        "def mine(a):\n"
+        "    return repeated(lambda: a.counts.fill(3))\n"
+    )
+    command = ["study", "kernels", "--variants", str(file), "--kernel", "count_below", "--size", "2^10"]
+    assert cli.main([*command, "--folder", str(tmp_path)]) == 4
     caught = capsys.readouterr()
-    assert json.loads(caught.out)["kind"] == "kernels"
-    assert "Finished before" in caught.err
+    assert "mine and numpy disagree in 1 of 1 values of counts: number 0 is 3 instead of" in caught.err
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (None, "variants is"),
+        ("def", "fails with SyntaxError"),
+        ("1/0", "fails with ZeroDivisionError"),
+        ("V.variant('fire')(lambda a: 0)", "benchmark is 'fire'; allowed: spectral_multiply"),
+        ("V.recompiled('fire_step', 'x', chunk=1000)", "chunk is 1000; allowed: a power of two"),
+        ("V.recompiled('fire_step', 'warp')", "variant 'warp' of fire_step is there already"),
+        ("V.recompiled('plain_step', 'a b')", "variant is 'a b'; allowed: a name of letters, digits, _ and -"),
+        ("V.replanned('fire_step', 'x')", "benchmark is 'fire_step'; allowed:"),
+        ("V.replanned('plain_iteration', 'x', planning='hard')", "planning is 'hard'; allowed: estimate"),
+        ("V.recompiled('plain_step', 'x')", "has none of fire_step; allowed: --kernel plain_step"),
+        ("", "has none of fire_step"),
+    ],
+)
+def test_bad_files_of_variants_are_refused(text, message, own, tmp_path, capsys):
+    file = tmp_path / "mine.py"
+    if text is not None:
+        file.write_text("import linecontact.studies.kernel_benchmark.variants as V\n" + text)
+    command = ["study", "kernels", "--variants", str(file), "--kernel", "fire_step", "--size", "2^10"]
+    assert cli.main([*command, "--folder", str(tmp_path / "results")]) == 2
+    caught = capsys.readouterr()
+    assert caught.out == ""
+    assert caught.err.count("\n") == 1
+    assert message in caught.err
+    assert "allowed" in caught.err
+
+
+@pytest.mark.parametrize(
+    ("option", "message"),
+    [
+        (["--size", "1000"], "size is 1000; allowed: an integer from 2^10"),
+        (["--size", "1500"], "size is 1500; allowed: a multiple of 1024, or --kernel transforms"),
+        (["--size", "2^30"], "allowed: an integer from 2^10 to 2^28"),
+        (["--repeats", "1"], "repeats is 1; allowed: an integer from 2 to 100"),
+        (["--kernel", "fire"], "allowed: kernels, sequences, iterations, transforms, roofs, spectral_multiply"),
+    ],
+)
+def test_bad_options_are_refused(option, message, tmp_path, capsys):
+    assert cli.main(["study", "kernels", *option, "--folder", str(tmp_path)]) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_awkward_lengths_of_transforms(monkeypatch):
+    monkeypatch.setattr(transforms, "MOST_SECONDS", 0.1)
+    for name in ("real_pair", "half_length_pair", "rows_pair"):
+        for n in (1031, 3**7, 5**5):
+            Bench(BENCHMARKS[name], "float64", n).check()
+
+
+def test_estimates_are_made_without_wisdom(monkeypatch):
+    """What earlier plans have taught FFTW is hidden from an estimate, and there again afterwards."""
+    seen = []
+    plan = transforms._plan
+    monkeypatch.setattr(
+        transforms, "_plan", lambda *a: seen.append((a[1], len(transforms.pyfftw.export_wisdom()[0]))) or plan(*a)
+    )
+    monkeypatch.setattr(transforms, "MOST_SECONDS", 0.1)
+    Bench(BENCHMARKS["real_pair"], "float64", 1100, only={"measure"})
+    Bench(BENCHMARKS["real_pair"], "float64", 1100, only={"estimate", "measure"})
+    lengths = {effort: length for effort, length in seen[2:]}
+    assert lengths["estimate"] < lengths["measure"]
 
 
 def test_tables_fit_80_columns(folder, capsys):
-    file = study_files.load_study(folder / "kernels.h5")
-    for part in report.parts(file):
+    for part in report.parts(study_files.load_study(folder / "kernels.h5")):
         if not isinstance(part, str):
             console.Output(width=80).print(part)
     shown = capsys.readouterr().out
     assert "…" not in shown
-    assert all(name in shown for name, spec in SPECS.items() if spec.c)
+    assert all(name.replace("_pair", " pair").split()[0] in shown for name in BENCHMARKS)
+
+
+def test_the_report_says_what_it_is_of(folder, monkeypatch):
+    file = study_files.load_study(folder / "kernels.h5")
+    file.runs[0]["provenance.commit"] = "abc+dirty"
+    text = "\n".join(part for part in report.parts(file) if isinstance(part, str))
+    assert "commit abc, with changes that are not committed" in text
+    assert kernels.flags() in text
+    assert "Compiling all kernels takes 4.0 s once" in text
 
 
 @pytest.mark.parametrize(("found", "reason"), [(None, "no C compiler"), ("false", "C compiler false failed")])
-def test_without_a_compiler(folder, monkeypatch, found, reason):
-    """The C column is left out, and said so."""
-    monkeypatch.setattr(candidates.shutil, "which", lambda _: found)
-    libraries, why = candidates.compile_c.__wrapped__()
-    assert not libraries
-    assert why.startswith(reason)
-    file = study_files.load_study(folder / "kernels.h5")
-    for run in file.runs:
-        run |= {name: np.nan for name in run if name.startswith(("seconds.c.", "over_c."))} | {"compiler": why}
-    *_, last = report.parts(file)
-    assert last == f"C: {why}; left out."
-    assert all(row["variant"] != "c" for row in report.to_json(file)["results"])
+def test_without_a_compiler(monkeypatch, found, reason, tmp_path, capsys):
+    """The ratios are to a copy then, and the report says why."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setattr(c_code.shutil, "which", lambda _: found)
+    without = c_code.compile_c.__wrapped__()
+    assert not without.libraries
+    assert without.compiler.startswith(reason)
+    monkeypatch.setattr(shipped, "compile_c", lambda: without)
+    times = measure.measure("fire_step", "float32", 1024, 1e-4, first=True)
+    assert times["yardstick"] == "copy"
+    assert times["ratio.warp"] > 0
+    assert "seconds.c" not in times
 
 
-def write(path, content):
-    path.write_text(json.dumps(content))
-    return path
+def test_vectors_are_found_in_the_object_code():
+    if not machine.vector_widths():
+        pytest.skip("no objdump, or a processor without AVX")
+    for (kernel, _), bits in machine.vector_widths().items():
+        assert bits in (256, 512) or kernel == "fire_control"
 
 
-def changed(measured, factor, variant="warp-graph", copies=1.0):
-    new = copy.deepcopy(measured)
-    for row in new["results"]:
-        row["copy_bandwidth_gb_per_s"] *= copies
-        if (row["kernel"], row["precision"], row["variant"]) == ("fire_step", "float64", variant):
-            row["seconds_median"] *= factor
-    return new
-
-
-def test_a_made_up_ratio_is_found(measured, folder, tmp_path, capsys):
-    old = folder / "kernels.h5"
-    for factor, variant, copies, status in (
-        (1.5, "warp-graph", 1.0, 3),
-        (1.5, "warp-graph", 0.5, 0),  # the whole machine is slower
-        (0.5, "warp-graph", 1.0, 0),
-        (1.5, "numpy", 1.0, 0),
-    ):
-        new = write(tmp_path / "new.json", changed(measured, factor, variant, copies))
-        assert cli.main(["study", "kernels", "--compare", str(old), str(new)]) == status
-        rows = [line.split() for line in capsys.readouterr().out.splitlines() if "fire_step" in line]
-        (row,) = (row for row in rows if row[1:4] == ["64", "2^10", variant])
-        assert float(row[6]) == pytest.approx(factor, abs=0.01)
-        assert float(row[7]) == pytest.approx(factor * copies, abs=0.01)
-        expected = ["slower"] if (factor, copies) == (1.5, 1.0) else ["faster"] if factor == 0.5 else []
-        assert row[8:] == expected
-    new = write(tmp_path / "new.json", changed(measured, 1.5))
-    assert compare.command(old, new, 1.6) == 0
-
-
-def test_bad_files_are_refused(measured, tmp_path, capsys):
-    good = write(tmp_path / "good.json", measured)
-    (tmp_path / "broken.json").write_text('{"schema": 1, "res')
-    (tmp_path / "binary.json").write_bytes(b"\xff\xfe\x00")
-    write(tmp_path / "list.json", [1])
-    write(tmp_path / "foreign.json", {"results": []})
-    write(tmp_path / "later.json", {**measured, "schema": 2})
-    write(tmp_path / "none.json", {**measured, "results": []})
-    write(tmp_path / "zero.json", changed(measured, 0.0))
-    write(tmp_path / "other.json", {**measured, "results": [{**row, "log2_points": 11} for row in measured["results"]]})
-    study_files.save_study(tmp_path / "other.h5", StudyFile("hertz", {}, [{"status": "converged"}]))
-    names = [path.name for path in tmp_path.iterdir() if path != good]
-    assert len(names) == 9
-    for name in (*names, "missing.json", "missing.h5"):
-        assert cli.main(["study", "kernels", "--compare", str(good), str(tmp_path / name)]) == 2, name
-        caught = capsys.readouterr()
-        assert caught.out == ""
-        assert caught.err.count("\n") == 1
-        assert name in caught.err
-        assert "allowed" in caught.err
-    assert cli.main(["study", "kernels", "--compare", str(good), str(good), "--threshold", "1"]) == 2
-    assert "threshold is 1.0" in capsys.readouterr().err
+def test_two_cores_are_measured_where_there_are_two():
+    times = measure.measure("fire_step", "float32", 2**14, 1e-4, first=True)
+    assert ("ratio.two_cores" in times) == (len(measure._CORES) > 1)
 
 
 def test_figures_come_from_the_file_alone(folder, tmp_path):
     (tmp_path / "kernels.h5").write_bytes((folder / "kernels.h5").read_bytes())
     drawn = drawing.draw(tmp_path / "kernels.h5")
-    assert {p.name for p in drawn} == {f"kernels{s}.{e}" for s in ("", "-roofline") for e in ("png", "pdf")}
+    assert {p.name for p in drawn} == {f"kernels{s}.{e}" for s in report.FIGURES for e in ("png", "pdf")}
     file = study_files.load_study(tmp_path / "kernels.h5")
     panel = figures.bandwidth(file).axes[0]
-    runs = [run for run in report.loops(file) if run["precision"] == "float32"]
-    line = next(line for line in panel.get_lines() if str(line.get_label()).startswith("Warp, chunks, recorded"))
-    assert line.get_ydata()[0] == pytest.approx(np.median([report.bandwidth(run, "warp-graph") for run in runs]))
+    own = [c for c in cells.cells(file.runs).values() if c.benchmark.group == "kernels" and c.value("flops") > 0]
+    own = [cell.bandwidth("warp") for cell in own if cell.key.precision == "float32"]
+    line = next(line for line in panel.get_lines() if str(line.get_label()).startswith("Warp, as the program"))
+    assert line.get_ydata()[0] == pytest.approx(np.median(own))
     figures.plt.close("all")
 
 
 def test_full_study_covers_what_it_should():
-    full = study.Configuration()
-    assert full.kernels == tuple(range(10, 23))
-    tasks = full.plan().runs
-    assert {task.kernel for task in tasks} == {*kernels.KERNELS, measure.ITERATION}
-    assert replace(full, kernels=(10,)).plan().runs != tasks
+    tasks = study.plan(study.Options()).runs
+    chosen = {task.benchmark for task in tasks} - {cells.MACHINE}
+    assert chosen == {name for name, one in BENCHMARKS.items() if one.group != "transforms"}
+    assert {task.num_points for task in tasks if task.benchmark == "fire_step"} == {2**k for k in range(10, 23, 2)}
+    assert [task.repeat for task in tasks] == sorted(task.repeat for task in tasks)
+    sizes = {task.num_points for task in study.plan(replace(study.Options(), kernel="transforms")).runs}
+    assert {2**10, 2**24, 3**11, 5**8, 262139} <= sizes

@@ -2,7 +2,7 @@
 
 A time changes with whatever else the machine does; its ratio to C's in the same round much less. What is left scatters
 from repetition to repetition (`cells.Scatter`), and between two processes, whose memory lies elsewhere, a little more:
-that is estimated from the changes of all rows, most of which nobody made (median of the absolute deviations).
+that is estimated from how far the sizes of a benchmark change differently (median of the absolute deviations).
 """
 
 import json
@@ -125,10 +125,19 @@ def changes(old: Measurement, new: Measurement) -> list[Change]:
 
 
 def between(found: list[Change]) -> float:
-    """Standard deviation of the logarithms of changes that nobody made, beyond what the repetitions explain."""
-    logs = np.array([change.log for change in found])
-    seen = 1.4826 * float(np.median(np.abs(logs - np.median(logs)))) if logs.size else 0.0
-    explained = float(np.median([change.error for change in found])) if found else 0.0
+    """Standard deviation of the logarithms of changes that nobody made, beyond what the repetitions explain.
+
+    Seen in how far the sizes of a benchmark are from their mean, which a change of the benchmark itself moves.
+    """
+    groups: dict[tuple[str, str], list[float]] = {}
+    for change in found:
+        groups.setdefault((change.key.benchmark, change.key.precision), []).append(change.log)
+    several = [np.array(logs) for logs in groups.values() if len(logs) > 1]
+    apart = [(logs - logs.mean()) * math.sqrt(logs.size / (logs.size - 1)) for logs in several]
+    if not apart:
+        apart = [np.array([change.log for change in found])]
+    seen = 1.4826 * float(np.median(np.abs(np.concatenate(apart))))
+    explained = float(np.median([change.error for change in found]))
     return math.sqrt(max(0.0, seen**2 - explained**2))
 
 

@@ -1,21 +1,24 @@
 """Ways to do what a benchmark is about, and how to add one of your own.
 
-    from linecontact.studies.kernel_benchmark.variants import Arrays, launched, recompiled, variant
+    from linecontact.studies.kernel_benchmark.variants import launched, recompiled, variant
 
     recompiled("fire_step", "chunk-4096", chunk=4096)
 
     @variant("fire_step")
-    def mine(a: Arrays):
+    def mine(a):
         return launched([(my_kernel, a.num_points // 256, [a.acceleration, a.h, a.state], [a.u, a.v])])
 
 A variant gets the benchmark's arrays and gives a function that, told how often, gives the function that is timed:
 `launched` records launches of Warp kernels, `repeated` calls a Python function. Before it is timed it is checked: on
-values for which no kernel rounds anything it must give exactly what the NumPy twin gives.
+values for which no kernel rounds anything it must give exactly what the NumPy twin gives. A file with more of them is
+docs/examples/kernel_variants.py.
 """
 
+import copy
 import functools
 import importlib.util
 import itertools
+import re
 import sys
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
@@ -27,7 +30,7 @@ from linecontact import kernels
 from linecontact.kernels import CHUNK
 from linecontact.kernels.sequences import Line
 from linecontact.solver import checks
-from linecontact.solver.transforms.planned import Transforms
+from linecontact.solver.transforms.planned import Transforms, check_settings
 
 from .benchmark import Array, Benchmark
 from .benchmarks import BENCHMARKS
@@ -90,20 +93,20 @@ def variant(benchmark: str, name: str | None = None) -> Callable[[Callable[[Arra
     return register
 
 
-def recompiled(benchmark: str, name: str, chunk: int = CHUNK, flags: str | None = None) -> None:
+def recompiled(benchmark: str, name: str, chunk: int = CHUNK, compiled_with: str | None = None) -> None:
     """Register the kernels of a benchmark compiled in another way.
 
-    chunk: points per thread, a power of two; flags: of Warp's compiler, all of them, default the program's.
+    chunk: points per thread, a power of two; compiled_with: all flags of Warp's compiler, default the program's.
 
     Raises `ValueError`.
     """
     checks.choice("benchmark", benchmark, tuple(BENCHMARKS))
     if not isinstance(chunk, int) or chunk < 1 or chunk & (chunk - 1):
         raise ValueError(f"chunk is {chunk!r}; allowed: a power of two")
-    _register(benchmark, Variant(name, lambda arrays: compiled_again(arrays, chunk, flags)))
+    _register(benchmark, Variant(name, lambda arrays: compiled_again(arrays, chunk, compiled_with)))
 
 
-def compiled_again(arrays: Arrays, chunk: int, flags: str | None = None) -> Runs:
+def compiled_again(arrays: Arrays, chunk: int, compiled_with: str | None = None) -> Runs:
     """Launches of a benchmark's kernels, compiled with another chunk and other flags. Raises `ValueError`."""
     if arrays.num_points % chunk:
         raise ValueError(f"size is {arrays.num_points}; allowed with chunks of {chunk} points: multiples of that")
@@ -112,17 +115,31 @@ def compiled_again(arrays: Arrays, chunk: int, flags: str | None = None) -> Runs
         for argument in arrays.benchmark.arrays:
             if argument.role == "sum":
                 arrays.arrays[argument.name] = np.zeros(arrays.num_points // chunk)
-    return warp_lines(arrays, kernels.recompile(chunk, flags))
+    return warp_lines(arrays, kernels.recompile(chunk, compiled_with))
+
+
+def replanned(benchmark: str, name: str, planning: str = "estimate", threads: int = 1) -> None:
+    """Register a benchmark with FFTW's transforms planned in another way, see `Transforms`. Raises `ValueError`."""
+    checks.choice("benchmark", benchmark, tuple(one.name for one in BENCHMARKS.values() if one.transforms))
+    threads, planning = check_settings(threads, planning)
+
+    def build(arrays: Arrays) -> Runs:
+        arrays.transforms = copy.copy(arrays.transforms)  # on the same buffers
+        arrays.transforms.planning, arrays.transforms.threads = planning, threads
+        return warp_lines(arrays, kernels.load())
+
+    _register(benchmark, Variant(name, build))
 
 
 def _register(benchmark: str, new: Variant) -> None:
-    taken = {one.name for one in OWN.get(benchmark, ())} | set(RESERVED)
-    if new.name in taken:
+    if not re.fullmatch("[A-Za-z0-9_-]+", new.name):
+        raise ValueError(f"variant is {new.name!r}; allowed: a name of letters, digits, _ and -")
+    if new.name in {one.name for one in OWN.get(benchmark, ())} | set(RESERVED):
         raise ValueError(f"variant {new.name!r} of {benchmark} is there already; allowed: another name")
     OWN.setdefault(benchmark, []).append(new)
 
 
-RESERVED = ("warp", "numpy", "element", "c", "copy", "roof")
+RESERVED = ("warp", "numpy", "element", "c", "copy", "roof", "transforms")
 """Names of the variants that every kernel has."""
 
 

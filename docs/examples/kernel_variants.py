@@ -1,0 +1,61 @@
+"""Variants of kernels, of a sequence and of a whole iteration, each measured beside what the program runs:
+
+    linecontact study kernels --variants docs/examples/kernel_variants.py --kernel restrict_to_free --size 2^18
+
+A line that registers a variant, or a function that builds one, is all there is to it.
+"""
+
+from typing import Any
+
+import warp as wp
+from linecontact import kernels
+from linecontact.kernels import tuning
+from linecontact.kernels.warp_fire import CHUNK_LENGTH
+from linecontact.studies.kernel_benchmark.variants import Arrays, Runs, launched, recompiled, replanned, variant
+
+# The program's kernels with another number of points for each thread, and with each of the flags that were tried.
+recompiled("fire_step", "chunk-256", chunk=256)
+recompiled("fire_step", "chunk-4096", chunk=4096)
+for name, more in tuning.CANDIDATES.items():
+    recompiled("plain_sums", name, compiled_with=f"{tuning.base()} {more}")
+    recompiled("plain_move", name, compiled_with=f"{tuning.base()} {more}")
+
+# A whole iteration with transforms on two threads.
+replanned("plain_iteration", "2-threads", threads=2)
+
+# A kernel of one's own, here as it was before a choice became a factor. On AMD's Zen 3 LLVM makes a masked store of the
+# choice, and it takes three to four times as long.
+wp.set_module_options({"enable_backward": False, "cpu_compiler_flags": tuning.flags()})
+
+
+@wp.kernel
+def restrict_by_choice(force: wp.array[Any], field: wp.array[Any], squares: wp.array[wp.float64]):
+    tid = wp.tid()
+    start = tid * CHUNK_LENGTH
+    total = field.dtype(0.0)
+    for j in range(CHUNK_LENGTH):
+        i = start + j
+        x = wp.where(force[i] == field.dtype(0.0), field.dtype(0.0), field[i])
+        field[i] = x
+        total += x * x
+    squares[tid] = wp.float64(total)
+
+
+@variant("restrict_to_free")
+def choice(a: Arrays) -> Runs:
+    """The arrays are attributes; a launch is a kernel, its threads, the arrays that it reads and those it writes."""
+    return launched([(restrict_by_choice, a.num_points // a.chunk, [a.force], [a.field, a.squares])])
+
+
+@variant("mass_weighted_move")
+def move_by_choice(a: Arrays) -> Runs:
+    """A sequence: one kernel of one's own, two of the program's."""
+    threads, shipped = a.num_points // a.chunk, kernels.load()
+    sums = [a.force_sums, a.held_sums, a.power_sums, a.velocity_sums, a.acceleration_sums]
+    return launched(
+        [
+            (restrict_by_choice, threads, [a.force], [a.acceleration, a.acceleration_sums]),
+            (shipped["fire_control"], 1, sums, [a.state]),
+            (shipped["fire_step"], threads, [a.acceleration, a.h, a.state], [a.u, a.v]),
+        ]
+    )
