@@ -1,11 +1,9 @@
 """The Warp kernels, compiled: as the program uses them, or with another chunk and other flags for an experiment."""
 
 import functools
-import hashlib
-import importlib.util
+import importlib
 import logging
 import os
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,6 +11,7 @@ from types import ModuleType
 from typing import Any
 
 from .layout import CHUNK
+from .module_copies import copy_module
 from .tuning import flags
 
 KERNELS = (
@@ -28,7 +27,7 @@ KERNELS = (
     "count_below",
     "rest_on_wall",
 )
-MODULES = ("warp_fields", "warp_fire")
+MODULES = ("warp_fields", "warp_fire", "warp_sums")
 """The modules that they are in."""
 
 _logger = logging.getLogger("linecontact.kernels")
@@ -41,8 +40,7 @@ def load() -> dict[str, Any]:
     Raises `ValueError` if the cache cannot be used.
     """
     start_warp()
-    modules = [importlib.import_module(f"{__package__}.{name}") for name in MODULES]
-    return compile_modules(modules, flags())
+    return compile_modules([(importlib.import_module(f"{__package__}.{name}"), flags()[name]) for name in MODULES])
 
 
 @functools.cache
@@ -52,35 +50,17 @@ def recompile(chunk: int = CHUNK, compiled_with: str | None = None) -> dict[str,
     chunk: a power of two; compiled_with: all flags, default the program's. Raises `ValueError` like `load`.
     """
     start_warp()
-    chosen = flags() if compiled_with is None else compiled_with
-    return compile_modules([copy_module(name, chunk, chosen) for name in MODULES], chosen)
+    chosen = flags() if compiled_with is None else dict.fromkeys(MODULES, compiled_with)
+    return compile_modules([(copy_module(name, chunk, chosen[name]), chosen[name]) for name in MODULES])
 
 
-def copy_module(name: str, chunk: int, compiled_with: str) -> ModuleType:
-    """One of `MODULES` once more, from the same source, for Warp to compile anew. Arguments as in `recompile`."""
+def compile_modules(compiled_with: list[tuple[ModuleType, str]]) -> dict[str, Any]:
+    """Warp's kernels by name, in both precisions, of copies of `MODULES` with the flags for each."""
     import warp as wp
 
-    file = Path(__file__).with_name(f"{name}.py")
-    which = hashlib.sha256(compiled_with.encode()).hexdigest()[:8]
-    spec = importlib.util.spec_from_file_location(f"{__package__}.{name}_{chunk}_{which}", file)
-    if spec is None or spec.loader is None:
-        raise ImportError(f"file {file} is no module")
-    copy = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = copy  # Warp looks for the source there
-    spec.loader.exec_module(copy)
-    vars(copy)["CHUNK_LENGTH"] = wp.constant(chunk)
-    if "HALF_CHUNK" in vars(copy):
-        vars(copy)["HALF_CHUNK"] = wp.constant(chunk // 2)
-    wp.set_module_options({"cpu_compiler_flags": compiled_with}, copy)
-    return copy
-
-
-def compile_modules(modules: list[ModuleType], compiled_with: str) -> dict[str, Any]:
-    """Warp's kernels by name, in both precisions, of modules that hold the kernels under the program's names."""
-    import warp as wp
-
-    for module in modules:
-        wp.set_module_options({"cpu_compiler_flags": compiled_with}, module)
+    modules = [module for module, _ in compiled_with]
+    for module, flags_ in compiled_with:
+        wp.set_module_options({"cpu_compiler_flags": flags_}, module)
 
     kernels = {name: vars(module)[name] for module in modules for name in KERNELS if name in vars(module)}
     for kernel in kernels.values():

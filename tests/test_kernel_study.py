@@ -191,7 +191,7 @@ def test_records(folder):
 def test_what_results_are_of(measured):
     about = measured["configuration"]["identity"]
     assert about["chunk"] == str(CHUNK)
-    assert about["flags"] == kernels.flags()
+    assert all(flags in about["flags"] for flags in kernels.flags().values())
     assert {
         "source",
         "compiler",
@@ -256,7 +256,7 @@ def test_the_documented_example(benchmark, own, monkeypatch, tmp_path, capsys):
         assert all(row[f"seconds.{name}"] > 0 and row[f"ratio.{name}"] > 0 for name in names)
     assert cli.main([*command, "--folder", str(tmp_path)]) == 0
     out = capsys.readouterr().out
-    assert all(name.split("-")[0] in out for name in names)
+    assert all(name.replace("_", "-").split("-")[0] in out for name in names)
 
 
 def test_a_whole_iteration_with_transforms_of_ones_own(own):
@@ -367,7 +367,7 @@ def test_estimates_are_made_without_wisdom(monkeypatch):
     monkeypatch.setattr(transforms, "MOST_SECONDS", 0.1)
     Bench(BENCHMARKS["real_pair"], "float64", 1100, only={"measure"})
     Bench(BENCHMARKS["real_pair"], "float64", 1100, only={"estimate", "measure"})
-    lengths = {effort: length for effort, length in seen[2:]}
+    lengths = dict(seen[2:])
     assert lengths["estimate"] < lengths["measure"]
 
 
@@ -377,7 +377,7 @@ def test_tables_fit_80_columns(folder, capsys):
             console.Output(width=80).print(part)
     shown = capsys.readouterr().out
     assert "…" not in shown
-    assert all(name.replace("_pair", " pair").split()[0] in shown for name in BENCHMARKS)
+    assert all(name.split("_")[0] in shown for name in BENCHMARKS)
 
 
 def test_the_report_says_what_it_is_of(folder, monkeypatch):
@@ -385,7 +385,7 @@ def test_the_report_says_what_it_is_of(folder, monkeypatch):
     file.runs[0]["provenance.commit"] = "abc+dirty"
     text = "\n".join(part for part in report.parts(file) if isinstance(part, str))
     assert "commit abc, with changes that are not committed" in text
-    assert kernels.flags() in text
+    assert kernels.flags()["warp_sums"] in text
     assert "Compiling all kernels takes 4.0 s once" in text
 
 

@@ -25,7 +25,7 @@ replanned("plain_iteration", "2-threads", threads=2)
 
 # A kernel of one's own, here as it was before a choice became a factor. On AMD's Zen 3 LLVM makes a masked store of the
 # choice, and it takes three to four times as long.
-wp.set_module_options({"enable_backward": False, "cpu_compiler_flags": tuning.flags()})
+wp.set_module_options({"enable_backward": False, "cpu_compiler_flags": tuning.flags()["warp_fire"]})
 
 
 @wp.kernel

@@ -61,4 +61,4 @@ def _wrong_velocities(found: Mapping[str, Array], expected: Mapping[str, Array],
     (u, v), (wanted_u, wanted_v) = ((arrays["u"], arrays["v"]) for arrays in (found, expected))
     near = (np.abs(u - expected["h"]) <= bound) & (np.abs(wanted_u - expected["h"]) <= bound)
     marked = (v == layout.TOUCHING) != (wanted_v == layout.TOUCHING)
-    return (marked | ~(np.abs(v - wanted_v) <= bound)) & ~near
+    return np.asarray((marked | ~(np.abs(v - wanted_v) <= bound)) & ~near)

@@ -25,17 +25,35 @@ BUILDS = {"c": "", "c-unrolled": "-funroll-loops -mprefer-vector-width=256"}
 """Further flags, by which one loop gains and another loses."""
 
 _PEAK = """
-typedef {real} {real}_vector __attribute__((vector_size(64)));
-void peak_{real}({real} *out, long n) {{  // seven chains, because a multiply-add takes several cycles
-    {real}_vector a = {{0}}, b = a, c = a, d = a, e = a, f = a, g = a, x = a + ({real})0.5, y = a + ({real})0.25;
+typedef {real} {real}_vector __attribute__((vector_size(WIDTH)));
+double peak_{real}(long n, double *operations) {{  // ten chains, because a multiply-add takes several cycles
+    {real}_vector a = {{0}}, b = a, c = a, d = a, e = a, f = a, g = a, h = a, k = a, l = a;
+    {real}_vector x = a + ({real})0.5, y = a + ({real})0.25;
     for (long i = 0; i < n; i++) {{
-        a = a * x + y; b = b * x + y; c = c * x + y; d = d * x + y; e = e * x + y; f = f * x + y; g = g * x + y;
+        a = a * x + y; b = b * x + y; c = c * x + y; d = d * x + y; e = e * x + y;
+        f = f * x + y; g = g * x + y; h = h * x + y; k = k * x + y; l = l * x + y;
+        __asm__ volatile("" : KEEP(a), KEEP(b), KEEP(c), KEEP(d), KEEP(e));  // every turn is to be made
+        __asm__ volatile("" : KEEP(f), KEEP(g), KEEP(h), KEEP(k), KEEP(l));
     }}
-    *({real}_vector *)out = a + b + c + d + e + f + g;
+    *operations = 2.0 * 10 * n * (WIDTH / sizeof({real}));
+    a = a + b + c + d + e + f + g + h + k + l;
+    return a[0];
 }}
 """
-PEAK_OPERATIONS = {"float32": 7 * 16 * 2, "float64": 7 * 8 * 2}
-"""Floating-point operations in a turn of the loop that measures the largest rate of them."""
+_WIDTH = """
+#if defined(__AVX512F__)
+#define WIDTH 64
+#elif defined(__AVX__)
+#define WIDTH 32
+#else
+#define WIDTH 16
+#endif
+#if defined(__SSE2__)
+#define KEEP "+x"
+#else
+#define KEEP "+w"  // vector registers of ARM
+#endif
+"""
 
 
 class Library(NamedTuple):
@@ -61,7 +79,7 @@ def source() -> str:
     Every function takes the arrays, the number of points, how often to do it all again, and a zero: `roof_NAME` moves
     the memory that NAME moves and computes next to nothing.
     """
-    lines = ["#include <math.h>", *(f"#define {n} {v}" for n, v in vars(layout).items() if n.isupper())]
+    lines = ["#include <math.h>", _WIDTH, *(f"#define {n} {v}" for n, v in vars(layout).items() if n.isupper())]
     for real in REALS.values():
         lines += [f"#undef REAL\n#define REAL {real}", _PEAK.format(real=real)]
         for one in BENCHMARKS.values():

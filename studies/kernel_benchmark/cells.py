@@ -51,7 +51,7 @@ class Cell:
         """Names of what was timed."""
         found = dict.fromkeys(n for run in self.runs for n in run if n.startswith("seconds."))
         names = (name.removeprefix("seconds.") for name in found)
-        return [n for n in names if n != "launch" and "." not in n and self.seconds(n) > 0]
+        return [name for name in names if "." not in name and self.seconds(name) > 0]
 
     def value(self, name: str) -> float:
         """Median of a quantity over the repetitions that have it; NaN where none has."""

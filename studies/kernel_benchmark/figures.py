@@ -12,7 +12,7 @@ from ..figures.style import COLOURS, NothingToDraw, load
 from ..files.study_files import StudyFile
 from . import report
 from .benchmark import PRECISIONS
-from .cells import Cell, cells, machine
+from .cells import Cell, Run, cells, machine
 
 _STYLES = {
     "c": ("C", COLOURS[3], "^"),
@@ -65,7 +65,7 @@ def bandwidth(study: StudyFile) -> Figure | None:
     return figure
 
 
-def _mark_caches(axes: Axes, about: report.Run) -> None:
+def _mark_caches(axes: Axes, about: Run) -> None:
     for name, size in about.items():
         if name.startswith("bytes.cache.") and axes.get_xlim()[0] < size < axes.get_xlim()[1]:
             axes.axvline(size, color="0.5", ls=":", lw=0.9)

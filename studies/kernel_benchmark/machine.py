@@ -15,13 +15,12 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from linecontact import kernels, solver
 from linecontact.solver.provenance import provenance
 
 from .benchmark import PRECISIONS
 from .benchmarks import BENCHMARKS
-from .c_code import PEAK_OPERATIONS, REALS, compile_c
+from .c_code import REALS, compile_c
 from .transforms import LIBRARIES
 
 _CACHES = Path("/sys/devices/system/cpu/cpu0/cache")
@@ -36,10 +35,10 @@ def identity() -> dict[str, str]:
     libraries = {name: version(name) for name in ("warp-lang", "numpy", "pyfftw")}
     found = {
         "source": source_hash(),
-        "flags": kernels.flags(),
+        "flags": "; ".join(f"{module}: {flags}" for module, flags in sorted(kernels.flags().items())),
         "chunk": str(kernels.CHUNK),
         "compiler": compile_c().compiler,
-        "target": wp.get_cpu_kernel_cache_key(cpu_compiler_flags=kernels.flags()),
+        "target": wp.get_cpu_kernel_cache_key(cpu_compiler_flags=kernels.flags()["warp_fire"]),
         "processor": provenance()["processor"],
         "caches": ", ".join(f"{name} {size >> 10} KiB" for name, size in caches().items()),
         "instructions": kernels.instructions(),
@@ -144,13 +143,11 @@ def peak(precision: str) -> float:
     libraries = compile_c().libraries
     if not libraries:
         return float("nan")
-    space = np.zeros(32)
     function = getattr(libraries[0].loops, f"peak_{REALS[precision]}")
-    function.restype = None
-    turns, best = 100_000, float("inf")
-    aligned = space.ctypes.data + (-space.ctypes.data) % 64
+    function.restype, function.argtypes = ctypes.c_double, [ctypes.c_long, ctypes.POINTER(ctypes.c_double)]
+    operations, rates = ctypes.c_double(), []
     for _ in range(9):
         begin = time.perf_counter()
-        function(ctypes.c_void_p(aligned), ctypes.c_long(turns))
-        best = min(best, time.perf_counter() - begin)
-    return turns * PEAK_OPERATIONS[precision] / best
+        function(100_000, ctypes.byref(operations))
+        rates.append(operations.value / (time.perf_counter() - begin))
+    return max(rates)

@@ -94,8 +94,8 @@ def measure(name: str, precision: str, num_points: int, seconds: float, first: b
         "bytes.traffic": benchmark.traffic(num_points, precision),
         "bytes.working_set": benchmark.working_set(num_points, precision),
     }
-    if first and "warp" in bench.variants:
-        record |= _only_once(bench, times, calls)
+    if first and "warp" in bench.variants and len(_CORES) > 1:
+        record["ratio.two_cores"] = two_cores(bench, calls["warp"])
     return record
 
 
@@ -106,18 +106,6 @@ def _fastest_build(times: Times) -> Times:
         return times
     best = min(builds, key=lambda build: float(np.median(times[build])))
     return {name: values for name, values in times.items() if name not in builds} | {"c": times[best]}
-
-
-def _only_once(bench: Bench, times: Times, calls: Mapping[str, int]) -> Record:
-    """What a launch costs beside one in a long graph, and how much longer a call takes with both cores at work."""
-    found = {}
-    if calls["warp"] >= 10:
-        run = bench.variants["warp"](1)
-        singles = [_seconds(run) for _ in range(200)]
-        found["seconds.launch"] = max(0.0, float(np.median(singles) - np.median(times["warp"])))
-    if len(_CORES) > 1:
-        found["ratio.two_cores"] = two_cores(bench, calls["warp"])
-    return found
 
 
 def _seconds(run: Callable[[], object]) -> float:

@@ -4,12 +4,14 @@ JSON, schema 2: {"schema": 2, "kind": "kernels", "configuration": {...}, "runs":
 times depend on under "identity", the runs with one flat object for each repetition of each measurement: "benchmark",
 "precision", "num_points", "repeat", "core" (the number of the core), "rounds", "seconds.V" (median time of a call of
 variant V), "ratio.V" (median over the rounds of that over the time of the "yardstick" in the same round),
-"seconds.planning.V" and "measured.V" (of transforms: time to plan, and 1 if that was by measuring), "seconds.launch",
+"seconds.planning.V" and "measured.V" (of transforms: time to plan, and 1 if that was by measuring),
 "ratio.two_cores", "flops", "bytes.traffic", "bytes.working_set", and "provenance.*". Ratios are dimensionless.
 """
 
+import functools
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from statistics import median
 
 from rich import box
 from rich.console import RenderableType
@@ -31,6 +33,8 @@ GOAL_FROM = 2**14
 """Number of points from which that is asked for."""
 SHOWN = (2**14, 2**18, 2**22)
 """Numbers of points with a table; all of them where none of these was measured."""
+GROUPED = ("kernels", "sequences", "iterations")
+"""Groups whose tables are by number of points."""
 SHIPPED = ("warp", "c", "element", "numpy", "copy", "roof", "transforms")
 """Variants with columns of their own."""
 
@@ -45,15 +49,22 @@ def parts(study: StudyFile) -> Iterator[RenderableType]:
     """What the times are of, the tables, and sentences on what they come to."""
     found, about = list(cells(study.runs).values()), machine(study)
     yield from origin(study)
-    for group in ("kernels", "sequences", "iterations"):
-        own = [cell for cell in found if cell.benchmark.group == group]
-        sizes = sorted({cell.key.num_points for cell in own})
-        for size in [size for size in SHOWN if size in sizes] or sizes:
-            yield size_table([cell for cell in own if cell.key.num_points == size], group, size, Scatter(found, "warp"))
+    scatter, grouped = Scatter(found, "warp"), [cell for cell in found if cell.benchmark.group in GROUPED]
+    shown = [(group, size) for group in GROUPED for size in _shown(grouped, group)]
+    for group, size in shown:
+        own = [cell for cell in grouped if (cell.benchmark.group, cell.key.num_points) == (group, size)]
+        yield size_table(own, group, size, scatter, explained=(group, size) == shown[-1])
+    yield from own_tables(grouped, functools.cache(lambda variant: Scatter(found, variant)))
     for name in dict.fromkeys(cell.key.benchmark for cell in found if cell.benchmark.group == "transforms"):
         yield transform_table([cell for cell in found if cell.key.benchmark == name], name)
     yield from memory_table([cell for cell in found if cell.benchmark.group == "roofs"], about)
     yield from sentences(found, about)
+
+
+def _shown(found: list[Cell], group: str) -> list[int]:
+    """Numbers of points of a group that have a table."""
+    sizes = sorted({cell.key.num_points for cell in found if cell.benchmark.group == group})
+    return [size for size in SHOWN if size in sizes] or sizes
 
 
 def origin(study: StudyFile) -> Iterator[str]:
@@ -79,31 +90,19 @@ _COLUMNS = (
     "us: median of a call of the recorded kernels, as the program runs them, one of many in a graph; roof: time of a "
     "loop in C that moves the same memory, over that; /C: time over C's in the same round, with its 95 % interval, of "
     "Warp, of one thread for each point (elem.), of the NumPy twins; 2 cores: time with another core at the same work "
-    "over that alone; bits: widest vectors in the object code. Ratios dimensionless."
+    "over that alone; FFT share: of the transforms, which FFTW plans by estimate without wisdom. Ratios dimensionless."
 )
 
 
-def size_table(found: list[Cell], group: str, size: int, scatter: Scatter) -> Table:
-    """A table of a group of benchmarks on one number of points. scatter: of the ratios to C."""
-    own = list(dict.fromkeys(v for cell in found for v in cell.variants if v not in SHIPPED))
-    alone = group == "kernels"
-    headings = [
-        "",
-        "real",
-        "us",
-        "GB/s",
-        *(["roof"] if alone else []),
-        "Warp\n/C",
-        "+-",
-        *(["elem.\n/C"] if alone else []),
-    ]
-    headings += [
-        "NumPy\n/C",
-        "2\ncores",
-        *(["FFT\nshare"] if group == "iterations" else []),
-        *(f"{v}\n/C" for v in own),
-    ]
-    table = new_table(headings, f"{group.capitalize()} on {power(size)} points", _COLUMNS)
+def size_table(found: list[Cell], group: str, size: int, scatter: Scatter, explained: bool) -> Table:
+    """A table of a group of benchmarks on one number of points.
+
+    scatter: of the ratios to C; explained: whether its caption says what the columns are.
+    """
+    alone, last = group == "kernels", ["FFT\nshare"] if group == "iterations" else []
+    headings = ["", "real", "us", "GB/s", *(["roof"] if alone else []), "Warp\n/C", "+-"]
+    headings += [*(["elem.\n/C"] if alone else []), "NumPy\n/C", "2\ncores", *last]
+    table = new_table(headings, f"{group.capitalize()} on {power(size)} points", _COLUMNS if explained else "")
     for cell in found:
         row = [cell.key.benchmark, cell.key.precision.removeprefix("float"), microseconds(cell.seconds("warp"))]
         row.append(number(cell.bandwidth("warp"), 0))
@@ -113,8 +112,29 @@ def size_table(found: list[Cell], group: str, size: int, scatter: Scatter) -> Ta
         row += [number(cell.ratio("numpy"), 1), number(cell.value("ratio.two_cores"))]
         if group == "iterations":
             row.append(number(cell.seconds("transforms") / cell.seconds("warp")))
-        table.add_row(*row, *(number(cell.ratio(v)) for v in own))
+        table.add_row(*row)
     return table
+
+
+def own_tables(found: list[Cell], scatters: Callable[[str], Scatter]) -> Iterator[Table]:
+    """Tables of users' variants beside Warp's ratio to C, so many columns in each that it stays narrow.
+
+    scatters: of the ratios to C, by variant.
+    """
+    own = list(dict.fromkeys(v for cell in found for v in cell.variants if v not in SHIPPED))
+    for some in (own[i : i + _OWN_COLUMNS] for i in range(0, len(own), _OWN_COLUMNS)):
+        columns = [column for v in some for column in (v.replace("-", "\n").replace("_", "\n") + "\n/C", "+-")]
+        table = new_table(["", "real", "N", "Warp\n/C", "+-", *columns], "Variants of your own", _OWN)
+        for cell in [cell for cell in found if set(some) & set(cell.variants)]:
+            row = [cell.key.benchmark, cell.key.precision.removeprefix("float"), power(cell.key.num_points)]
+            for v in ("warp", *some):
+                row += [number(cell.ratio(v)), number(scatters(v).half_width(cell, v))]
+            table.add_row(*row)
+        yield table
+
+
+_OWN_COLUMNS = 3
+_OWN = "Times over C's in the same round, with their 95 % intervals (dimensionless)."
 
 
 def number(value: float, digits: int = 2) -> str:
@@ -186,9 +206,9 @@ def memory_table(found: list[Cell], about: Run) -> Iterator[RenderableType]:
 def sentences(found: Iterable[Cell], about: Run) -> Iterator[str]:
     """On launches, compiling, the widths of vectors, and on what misses the goal."""
     cells_ = list(found)
-    launches = sorted(v for cell in cells_ if (v := cell.value("seconds.launch")) > 0)
-    if launches:
-        yield f"A recorded sequence costs {launches[len(launches) // 2] * 1e6:.2g} us to start (median)."
+    launch = launch_seconds(cells_)
+    if launch > 0:
+        yield f"A kernel's launch inside a recorded sequence takes {launch * 1e6:.2f} us (median of the kernels)."
     if "seconds.compile.cold" in about:
         cold, warm = (about[f"seconds.compile.{name}"] for name in ("cold", "warm"))
         yield f"Compiling all kernels takes {cold:.1f} s once, loading them {warm:.2f} s."
@@ -205,6 +225,31 @@ def sentences(found: Iterable[Cell], about: Run) -> Iterator[str]:
     judged = [cell for cell in judged if cell.ratio("warp") > 0 and cell.runs[0]["yardstick"] == "c"]
     late = [cell for cell in judged if cell.ratio("warp") > GOAL]
     if judged:
-        names = [f"{c.key.benchmark} {c.key.precision} {power(c.key.num_points)} {c.ratio('warp'):.2f}" for c in late]
-        text = f"Within {GOAL} of C on {power(GOAL_FROM)} points and more: {len(judged) - len(late)} of {len(judged)}"
-        yield text + (f"; beyond: {', '.join(names)}." if names else ".")
+        yield f"Within {GOAL} of C on {power(GOAL_FROM)} points and more: {len(judged) - len(late)} of {len(judged)}."
+    short = [cell for cell in late if not _slow_code(cell, launch)]
+    if short:
+        yield f"Beyond only for the time of their launches: {_listed(short)}."
+    if len(late) > len(short):
+        yield f"Beyond for their code: {_listed([cell for cell in late if cell not in short])}."
+
+
+def launch_seconds(found: Iterable[Cell]) -> float:
+    """What a launch takes beside its work [s]: of the kernels, what Warp takes longer than C on the fewest points.
+
+    NaN unless 2^10 points were measured, where the work is little.
+    """
+    smallest = [c for c in found if c.benchmark.group == "kernels" and c.key.num_points == 2**10 and c.ratio("c") > 0]
+    return median(c.seconds("warp") - c.seconds("c") for c in smallest) if smallest else math.nan
+
+
+def _slow_code(cell: Cell, launch: float) -> bool:
+    """Whether a benchmark would miss the goal without the time of its launches."""
+    launches = len(cell.benchmark.parts) or 1
+    work = cell.seconds("warp") - (0.0 if math.isnan(launch) else launches * launch)
+    return cell.ratio("warp") * work / cell.seconds("warp") > GOAL
+
+
+def _listed(found: Iterable[Cell]) -> str:
+    return ", ".join(
+        f"{c.key.benchmark} {c.key.precision} {power(c.key.num_points)} {c.ratio('warp'):.2f}" for c in found
+    )

@@ -152,6 +152,7 @@ def load_file(path: Path) -> None:
         raise ValueError(f"variants is {path}; allowed: a Python file that registers variants")
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module  # Warp looks for the source there
+    kernels.start_warp()  # in silence
     try:
         spec.loader.exec_module(module)
     except Exception as error:
@@ -227,7 +228,7 @@ def _plan(arrays: Arrays, line: Line) -> Run:
 
 
 def _launches(lines: Iterable[Line], arrays: Arrays, compiled: dict[str, Any]) -> list[Launch]:
-    found = []
+    found: list[Launch] = []
     for line in lines:
         inputs, outputs = ([arrays.arrays[n] for n in names] for names in (line.inputs, line.outputs))
         threads = 1 if line.kernel == "fire_control" else inputs[0].size // arrays.chunk

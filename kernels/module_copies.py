@@ -1,0 +1,29 @@
+"""Copies of the modules of Warp kernels, for Warp to compile in another way."""
+
+import hashlib
+import importlib.util
+import sys
+from pathlib import Path
+from types import ModuleType
+
+
+def copy_module(name: str, chunk: int, compiled_with: str) -> ModuleType:
+    """A module of kernels once more, from the same source, for Warp to compile anew.
+
+    name: its name in this folder; chunk: points per thread, a power of two; compiled_with: all flags of the compiler.
+    """
+    import warp as wp
+
+    file = Path(__file__).with_name(f"{name}.py")
+    which = hashlib.sha256(compiled_with.encode()).hexdigest()[:8]
+    spec = importlib.util.spec_from_file_location(f"{__package__}.{name}_{chunk}_{which}", file)
+    if spec is None or spec.loader is None:
+        raise ImportError(f"file {file} is no module")
+    copy = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = copy  # Warp looks for the source there
+    spec.loader.exec_module(copy)
+    vars(copy)["CHUNK_LENGTH"] = wp.constant(chunk)
+    if "HALF_CHUNK" in vars(copy):
+        vars(copy)["HALF_CHUNK"] = wp.constant(chunk // 2)
+    wp.set_module_options({"cpu_compiler_flags": compiled_with}, copy)
+    return copy
