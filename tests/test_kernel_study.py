@@ -45,7 +45,7 @@ def own(monkeypatch):
     """No variants of one's own but those that the test registers."""
     monkeypatch.setattr(variants, "OWN", {})
     monkeypatch.setattr("linecontact.studies.kernel_benchmark.bench.OWN", variants.OWN)
-    variants.load_file.cache_clear()
+    variants._run_file.cache_clear()
     return variants.OWN
 
 
@@ -246,7 +246,8 @@ def test_results_of_two_sources_lie_in_two_folders(monkeypatch, tmp_path, capsys
 @pytest.mark.parametrize("benchmark", ["restrict_to_free", "plain_sums", "fire_step", "mass_weighted_move"])
 def test_the_documented_example(benchmark, own, monkeypatch, tmp_path, capsys):
     monkeypatch.setattr(study, "_SECONDS", 1e-4)
-    command = ["study", "kernels", "--variants", str(EXAMPLE), "--kernel", benchmark, "--size", "2^12"]
+    monkeypatch.chdir(EXAMPLE.parent)
+    command = ["study", "kernels", "--variants", EXAMPLE.name, "--kernel", benchmark, "--size", "2^12"]
     assert cli.main([*command, "--folder", str(tmp_path), "--json"]) == 0
     rows = [run for run in json.loads(capsys.readouterr().out)["runs"] if run["benchmark"] == benchmark]
     assert len(rows) == 6
@@ -310,8 +311,8 @@ def test_a_wrong_variant_is_told_and_not_timed(own, monkeypatch, tmp_path, capsy
     ("text", "message"),
     [
         (None, "variants is"),
-        ("def", "fails with SyntaxError"),
-        ("1/0", "fails with ZeroDivisionError"),
+        ("def", "mine.py: SyntaxError"),
+        ("1/0", "mine.py: ZeroDivisionError"),
         ("V.variant('fire')(lambda a: 0)", "benchmark is 'fire'; allowed: spectral_multiply"),
         ("V.recompiled('fire_step', 'x', chunk=1000)", "chunk is 1000; allowed: a power of two"),
         ("V.recompiled('fire_step', 'warp')", "variant 'warp' of fire_step is there already"),

@@ -143,22 +143,29 @@ RESERVED = ("warp", "numpy", "element", "c", "copy", "roof", "transforms")
 """Names of the variants that every kernel has."""
 
 
-@functools.cache
 def load_file(path: Path) -> None:
-    """Run a user's file of variants. Raises `ValueError` for one that is missing, or fails."""
+    """Run a user's file of variants, once. Raises `ValueError` for one that is missing, or fails."""
+    if not path.is_file():
+        raise ValueError(f"variants is {path}; allowed: a Python file that registers variants")
+    _run_file(path.resolve())
+
+
+@functools.cache
+def _run_file(path: Path) -> None:
     name = f"variants_{path.stem}"
     spec = importlib.util.spec_from_file_location(name, path)
-    if spec is None or spec.loader is None or not path.is_file():
-        raise ValueError(f"variants is {path}; allowed: a Python file that registers variants")
+    if spec is None or spec.loader is None:
+        raise ValueError(f"variants is {path}; allowed: a Python file, with .py at the end of its name")
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module  # Warp looks for the source there
     kernels.start_warp()  # in silence
     try:
         spec.loader.exec_module(module)
     except Exception as error:
-        raise ValueError(
-            f"variants: file {path} fails with {type(error).__name__}: {error}; allowed: a Python file that runs"
-        ) from error
+        said = (
+            str(error) if "allowed: " in str(error) else f"{type(error).__name__}: {error}; allowed: a file that runs"
+        )
+        raise ValueError(f"variants: file {path}: {said}") from error
 
 
 def repeated(run: Run) -> Runs:
