@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from linecontact import kernels, solver
+from linecontact.kernels import tuning
 from linecontact.solver.provenance import provenance
 
 from .benchmark import PRECISIONS
@@ -35,7 +36,7 @@ def identity() -> dict[str, str]:
     libraries = {name: version(name) for name in ("warp-lang", "numpy", "pyfftw")}
     found = {
         "source": source_hash(),
-        "flags": "; ".join(f"{module}: {flags}" for module, flags in sorted(kernels.flags().items())),
+        "flags": _flags(),
         "chunk": str(kernels.CHUNK),
         "compiler": compile_c().compiler,
         "target": wp.get_cpu_kernel_cache_key(cpu_compiler_flags=kernels.flags()["warp_fire"]),
@@ -44,6 +45,13 @@ def identity() -> dict[str, str]:
         "instructions": kernels.instructions(),
     }
     return found | libraries | {name: _version(name) for name in LIBRARIES if name not in libraries}
+
+
+def _flags() -> str:
+    """The flags of all modules of kernels, then those that a module has besides."""
+    common = tuning.base()
+    own = {module: flags.removeprefix(common).strip() for module, flags in sorted(kernels.flags().items())}
+    return "; ".join([common, *(f"{module} also {flags}" for module, flags in own.items() if flags)])
 
 
 def _version(library: str) -> str:

@@ -133,7 +133,7 @@ def own_tables(found: list[Cell], scatters: Callable[[str], Scatter]) -> Iterato
         yield table
 
 
-_OWN_COLUMNS = 3
+_OWN_COLUMNS = 2
 _OWN = "Times over C's in the same round, with their 95 % intervals (dimensionless)."
 
 

@@ -162,9 +162,7 @@ def _run_file(path: Path) -> None:
     try:
         spec.loader.exec_module(module)
     except Exception as error:
-        said = (
-            str(error) if "allowed: " in str(error) else f"{type(error).__name__}: {error}; allowed: a file that runs"
-        )
+        said = str(error) if "allowed: " in str(error) else f"{type(error).__name__}: {error}; allowed: code that runs"
         raise ValueError(f"variants: file {path}: {said}") from error
 
 
