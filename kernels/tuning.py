@@ -89,7 +89,8 @@ def _known() -> dict[str, str]:
     """The choice that an earlier process made; empty if there is none, or none that can be read."""
     with suppress(OSError, ValueError, KeyError, TypeError):
         names = json.loads(_file().read_text())["chosen"]
-        return {module: names[module] for module in _TRIED if names[module] in CANDIDATES}
+        found = {module: names[module] for module in _TRIED}
+        return found if set(found.values()) <= CANDIDATES.keys() else {}
     return {}
 
 
@@ -108,7 +109,8 @@ def _find() -> dict[str, str]:
         with tempfile.TemporaryDirectory(dir=path.parent) as folder:
             new = Path(folder) / path.name
             new.write_text(json.dumps({"chosen": found, "time over default's": measured}))
-            os.link(new, path)  # fails if it is there
+            if not _known():
+                new.replace(path)
     return _known() or found
 
 

@@ -420,13 +420,17 @@ def test_two_cores_are_measured_where_there_are_two():
 def test_figures_come_from_the_file_alone(folder, tmp_path):
     (tmp_path / "kernels.h5").write_bytes((folder / "kernels.h5").read_bytes())
     drawn = drawing.draw(tmp_path / "kernels.h5")
-    assert {p.name for p in drawn} == {f"kernels{s}.{e}" for s in report.FIGURES for e in ("png", "pdf")}
+    assert {p.name for p in drawn} == {f"kernels{s}.{e}" for s in ("", "-roofline") for e in ("png", "pdf")}
     file = study_files.load_study(tmp_path / "kernels.h5")
     panel = figures.bandwidth(file).axes[0]
     own = [c for c in cells.cells(file.runs).values() if c.benchmark.group == "kernels" and c.value("flops") > 0]
     own = [cell.bandwidth("warp") for cell in own if cell.key.precision == "float32"]
     line = next(line for line in panel.get_lines() if str(line.get_label()).startswith("Warp, as the program"))
     assert line.get_ydata()[0] == pytest.approx(np.median(own))
+    file.runs = [run for run in file.runs if run["benchmark"].endswith("_pair")]
+    study_files.save_study(tmp_path / "transforms.h5", file)
+    (drawn,) = figures.draw(tmp_path / "transforms.h5").values()
+    assert [axes.get_title() for axes in drawn.axes[:3]] == ["real pair", "half length pair", "rows pair"]
     figures.plt.close("all")
 
 

@@ -1,5 +1,6 @@
 """Every kernel against its NumPy twin, in both precisions, on lengths around the chunk; and proof of vector code."""
 
+import json
 import os
 import re
 import subprocess
@@ -7,7 +8,7 @@ import sys
 
 import numpy as np
 import pytest
-from linecontact.kernels import CHUNK, KERNELS, Call, layout, padded_length, record
+from linecontact.kernels import CHUNK, KERNELS, Call, layout, padded_length, recompile, record, tuning
 
 PRECISIONS = ["float32", "float64"]
 LENGTHS = [1, CHUNK - 1, CHUNK, CHUNK + 1, 3 * CHUNK, 5 * CHUNK + 17]
@@ -217,6 +218,85 @@ def test_bad_arrays_and_backends_are_refused():
         record("warp", [Call("spectral_multiply", (np.zeros(2 * CHUNK)[::2],), (good,))])
     with pytest.raises(ValueError, match="backend is 'cuda'"):
         record("cuda", [Call("spectral_multiply", (good,), (good,))])
+
+
+@pytest.fixture
+def untuned(tmp_path, monkeypatch):
+    """A processor for which no flags have been chosen, and kernels that are quick to try."""
+    times = {"default": 1.0, "interleave-1": 0.5, "width-256-interleave-4": 0.7}
+    monkeypatch.setattr(tuning, "_file", lambda: tmp_path / "flags.json")
+    monkeypatch.setattr(tuning, "_relative_times", lambda module, kernels, names: {n: times[n] for n in names})
+    monkeypatch.delenv(tuning.VARIABLE, raising=False)
+    tuning.chosen.cache_clear()
+    yield times
+    tuning.chosen.cache_clear()
+
+
+def test_flags_are_chosen_once_and_kept(untuned, tmp_path, monkeypatch):
+    monkeypatch.setattr(tuning, "instructions", lambda: "avx avx2")
+    assert tuning.chosen() == {"warp_sums": "interleave-1", "warp_fire": "default"}
+    assert json.loads((tmp_path / "flags.json").read_text())["time over default's"]["warp_sums"] == {
+        "default": 1.0,
+        "interleave-1": 0.5,
+    }
+    untuned["interleave-1"] = 2.0  # found by another process, or later: the first choice stays
+    tuning.chosen.cache_clear()
+    assert tuning.chosen()["warp_sums"] == "interleave-1"
+    assert tuning._find()["warp_sums"] == "interleave-1"
+
+
+def test_narrower_vectors_are_tried_where_there_are_wider_ones(untuned, monkeypatch):
+    monkeypatch.setattr(tuning, "instructions", lambda: "avx avx2 avx512f")
+    untuned["interleave-1"] = 0.99  # within what counts as nothing
+    assert tuning.chosen() == dict.fromkeys(("warp_sums", "warp_fire"), "width-256-interleave-4")
+
+
+def test_a_broken_choice_is_made_again(untuned, tmp_path, monkeypatch):
+    monkeypatch.setattr(tuning, "instructions", lambda: "")
+    for text in ("", "[]", '{"chosen": "default"}', '{"chosen": {"warp_sums": "x", "warp_fire": "default"}}'):
+        (tmp_path / "flags.json").write_text(text)
+        tuning.chosen.cache_clear()
+        assert tuning.chosen() == {"warp_sums": "interleave-1", "warp_fire": "default"}, text
+
+
+def test_the_user_may_choose_the_flags(untuned, monkeypatch):
+    monkeypatch.setenv(tuning.VARIABLE, "default")
+    assert set(tuning.chosen().values()) == {"default"}
+    monkeypatch.setenv(tuning.VARIABLE, "fast")
+    tuning.chosen.cache_clear()
+    with pytest.raises(ValueError, match="LINECONTACT_KERNEL_FLAGS is 'fast'; allowed: default, interleave-1"):
+        tuning.chosen()
+
+
+def test_candidates_are_really_timed(tmp_path):
+    relative = tuning._relative_times("warp_sums", ("plain_sums",), ("default", "interleave-1"))
+    assert relative["default"] == 1
+    assert 0.1 < relative["interleave-1"] < 10
+
+
+@pytest.mark.parametrize("flags", [None, "-O1"])
+def test_kernels_with_another_chunk_and_other_flags(flags):
+    kernel = recompile(256, flags)["restrict_to_free"]
+    import warp as wp
+
+    rng = np.random.default_rng(0)
+    force, field = rng.standard_normal(1024) * (rng.random(1024) < 0.5), rng.standard_normal(1024)
+    expected, squares = np.where(force == 0, 0, field), np.zeros(4)
+    arrays = [wp.array(x, dtype=wp.float64, copy=False, device="cpu") for x in (force, field, squares)]
+    wp.launch(kernel, dim=4, inputs=arrays, device="cpu")
+    np.testing.assert_array_equal(field, expected)
+    np.testing.assert_allclose(squares, (expected**2).reshape(4, 256).sum(axis=1), rtol=1e-14)
+
+
+def test_a_cold_compile_announces_itself(tmp_path):
+    environment = {**os.environ, "WARP_CACHE_PATH": str(tmp_path), tuning.VARIABLE: "default"}
+    program = "import linecontact.kernels as k; k.load()"
+    said = [
+        subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True).stderr
+        for _ in range(2)
+    ]
+    assert "compiling kernels for this processor, once" in said[0]
+    assert said[1] == ""
 
 
 def test_every_element_wise_loop_is_vectorised(tmp_path):

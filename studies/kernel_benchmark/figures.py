@@ -1,6 +1,6 @@
 """Figures: bandwidth over the working set beside what the memory gives, the roofline, and transforms over N."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +10,6 @@ from matplotlib.figure import Figure
 
 from ..figures.style import COLOURS, NothingToDraw, load
 from ..files.study_files import StudyFile
-from . import report
 from .benchmark import PRECISIONS
 from .cells import Cell, Run, cells, machine
 
@@ -25,13 +24,13 @@ _ROOFS = (2**12, 2**18, 2**22)  # numbers of points; those of them that were mea
 
 
 def draw(path: Path) -> dict[str, Figure]:
-    """The figures by the endings of their names; those without data are left out."""
+    """The figures by the endings of their names: of kernels the bandwidth and the roofline, or of transforms one."""
     study = load(path)
-    kinds: Sequence[Callable[[StudyFile], Figure | None]] = (bandwidth, roofline, transforms)
-    found = {name: figure for name, kind in zip(report.FIGURES, kinds, strict=True) if (figure := kind(study))}
-    if not found:
+    found = {"": bandwidth(study) or transforms(study), "-roofline": roofline(study)}
+    drawn = {name: figure for name, figure in found.items() if figure}
+    if not drawn:
         raise NothingToDraw(f"file {path} holds neither kernels nor transforms yet")
-    return found
+    return drawn
 
 
 def _group(study: StudyFile, group: str) -> list[Cell]:

@@ -24,8 +24,6 @@ from .cells import Cell, Key, Run, Scatter, cells, machine
 
 KIND = "kernels"
 """Name of the study."""
-FIGURES = ("", "-roofline", "-transforms")
-"""Endings of the figures' names."""
 SCHEMA = 2
 GOAL = 1.1
 """Of C's time, in which a kernel should be done."""

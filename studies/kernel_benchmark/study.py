@@ -140,8 +140,8 @@ def plan(options: Options) -> Plan:
                 for n in sizes[one.name]:
                     tasks.append(Task(one.name, precision, n, repeat, _SECONDS, path, identity))
     groups = {one.group for one in chosen}
-    figures = [""] * ("kernels" in groups) + ["-roofline"] * ({"kernels", "roofs"} <= groups)
-    return Plan(tables.KIND, configuration, tasks, figures=figures + ["-transforms"] * ("transforms" in groups))
+    figures = [""] * bool(groups & {"kernels", "transforms"}) + ["-roofline"] * ({"kernels", "roofs"} <= groups)
+    return Plan(tables.KIND, configuration, tasks, figures=figures)
 
 
 def _sizes(group: str, options: Options) -> tuple[int, ...]:
