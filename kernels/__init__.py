@@ -5,6 +5,7 @@ from .compiled import KERNELS, load, recompile, start_warp
 from .layout import CHUNK, padded_length
 from .processor import instructions, processor
 from .record import BACKENDS, Call, record, share
+from .recording import record_launches
 from .sequences import sequence
 from .tuning import flags
 
@@ -21,6 +22,7 @@ __all__ = [
     "processor",
     "recompile",
     "record",
+    "record_launches",
     "sequence",
     "share",
     "start_warp",

@@ -4,6 +4,7 @@ import functools
 import importlib
 import logging
 import os
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -30,37 +31,49 @@ KERNELS = (
 MODULES = ("warp_fields", "warp_fire", "warp_sums")
 """The modules that they are in."""
 
+_lock = threading.RLock()  # of several threads one compiles
 _logger = logging.getLogger("linecontact.kernels")
 
 
-@functools.cache
 def load() -> dict[str, Any]:
     """Compile every kernel in both precisions, or fetch it from Warp's kernel cache; Warp's kernels by name.
 
     Raises `ValueError` if the cache cannot be used.
     """
     start_warp()
-    return compile_modules([(importlib.import_module(f"{__package__}.{name}"), flags()[name]) for name in MODULES])
+    with _lock:
+        return _load()
 
 
 @functools.cache
+def _load() -> dict[str, Any]:
+    import warp as wp
+
+    modules = [importlib.import_module(f"{__package__}.{name}") for name in MODULES]
+    for module in modules:
+        wp.set_module_options({"cpu_compiler_flags": flags()[module.__name__.rpartition(".")[2]]}, module)
+    return _compile(modules)
+
+
 def recompile(chunk: int = CHUNK, compiled_with: str | None = None) -> dict[str, Any]:
     """The same kernels from the same source, with `chunk` points per thread and other flags of the compiler.
 
     chunk: a power of two; compiled_with: all flags, default the program's. Raises `ValueError` like `load`.
     """
     start_warp()
+    with _lock:
+        return _recompile(chunk, compiled_with)
+
+
+@functools.cache
+def _recompile(chunk: int, compiled_with: str | None) -> dict[str, Any]:
     chosen = flags() if compiled_with is None else dict.fromkeys(MODULES, compiled_with)
-    return compile_modules([(copy_module(name, chunk, chosen[name]), chosen[name]) for name in MODULES])
+    return _compile([copy_module(name, chunk, chosen[name]) for name in MODULES])
 
 
-def compile_modules(compiled_with: list[tuple[ModuleType, str]]) -> dict[str, Any]:
-    """Warp's kernels by name, in both precisions, of copies of `MODULES` with the flags for each."""
+def _compile(modules: list[ModuleType]) -> dict[str, Any]:
+    """Warp's kernels by name, in both precisions, of `MODULES` or of copies of them."""
     import warp as wp
-
-    modules = [module for module, _ in compiled_with]
-    for module, flags_ in compiled_with:
-        wp.set_module_options({"cpu_compiler_flags": flags_}, module)
 
     kernels = {name: vars(module)[name] for module in modules for name in KERNELS if name in vars(module)}
     for kernel in kernels.values():

@@ -1,4 +1,4 @@
-"""NumPy twin of every kernel in `warp_fire` and `warp_fields`: same names, same arguments, same order.
+"""NumPy twin of every Warp kernel: same names, same arguments, same order.
 
 The oracle of the kernel tests and the baseline of the benchmarks. Plain expressions, no attempt at speed.
 """

@@ -7,6 +7,7 @@ from pathlib import Path
 
 _CPUINFO = Path("/proc/cpuinfo")
 _NUMBERS = {"cpu family": "family", "model": "model", "stepping": "stepping"}
+_NUMBERS |= {f"CPU {what}": what for what in ("implementer", "part", "variant", "revision")}  # of ARM
 _SETS = re.compile(r"(sse4_2|avx|avx2|fma|avx512\w+|neon|asimd|sve\d?)$")
 
 

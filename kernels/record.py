@@ -8,7 +8,6 @@ length is a multiple of `CHUNK` (sums: one value per chunk). Warp works on the s
 """
 
 import functools
-import threading
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
@@ -18,12 +17,11 @@ from numpy.typing import NDArray
 from . import numpy_twin
 from .compiled import load
 from .layout import CHUNK
+from .recording import record_launches
 
 Array = NDArray[Any]
 
 BACKENDS = ("warp", "numpy")
-
-_capture_lock = threading.Lock()
 
 
 class Call(NamedTuple):
@@ -68,21 +66,12 @@ def _record_numpy(calls: Sequence[Call]) -> Callable[[], None]:
 
 
 def _record_warp(calls: Sequence[Call]) -> Callable[[], None]:
-    kernels = load()
-    import warp as wp
-
-    with _capture_lock, wp.ScopedCapture(device="cpu") as capture:
-        for call in calls:
-            threads = 1 if call.kernel == "fire_control" else call.inputs[0].size // CHUNK
-            wp.launch(
-                kernels[call.kernel],
-                dim=threads,
-                inputs=[share(array) for array in call.inputs],
-                outputs=[share(array) for array in call.outputs],
-                device="cpu",
-            )
-    graph = capture.graph
-    return lambda: wp.capture_launch(graph)
+    kernels, launches = load(), []
+    for call in calls:
+        threads = 1 if call.kernel == "fire_control" else call.inputs[0].size // CHUNK
+        arrays = [share(array) for array in call.inputs], [share(array) for array in call.outputs]
+        launches.append((kernels[call.kernel], threads, *arrays))
+    return record_launches(launches)
 
 
 def share(array: Array) -> Any:

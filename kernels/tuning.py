@@ -17,6 +17,7 @@ import json
 import logging
 import os
 import tempfile
+import threading
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
@@ -28,6 +29,7 @@ import numpy as np
 from .layout import CHUNK, TOUCHING
 from .module_copies import copy_module
 from .processor import instructions, processor
+from .recording import record_launches
 
 _logger = logging.getLogger("linecontact.kernels")
 
@@ -57,7 +59,7 @@ def base() -> str:
     """The flags that all candidates have: Warp's own, and what sums need to become vector code."""
     import warp as wp
 
-    return f"{wp.config.cpu_compiler_flags or ''} -mreassociate -fno-signed-zeros -ffp-contract=fast"
+    return f"{wp.config.cpu_compiler_flags or ''} -mreassociate -fno-signed-zeros -ffp-contract=fast".strip()
 
 
 @functools.cache
@@ -67,21 +69,26 @@ def flags() -> dict[str, str]:
     return found | {"warp_fields": found["warp_fire"]}
 
 
+_lock = threading.RLock()
+
+
 @functools.cache
 def chosen() -> dict[str, str]:
     """Names of the candidates that are best on this processor by module, or what the user set. Raises `ValueError`."""
     name = os.environ.get(VARIABLE, "")
     if name and name not in CANDIDATES:
         raise ValueError(f"{VARIABLE} is {name!r}; allowed: {', '.join(CANDIDATES)}")
-    return dict.fromkeys(_TRIED, name) if name else _known() or _find()
+    with _lock:  # of several threads one finds out
+        return dict.fromkeys(_TRIED, name) if name else _known() or _find()
 
 
 def _file() -> Path:
     """Where the choice for this processor is kept: with the kernels that Warp has compiled."""
     import warp as wp
 
-    what = [processor(), wp.get_cpu_kernel_cache_key(cpu_compiler_flags=base()), base(), *CANDIDATES.values(), *_TRIED]
-    key = hashlib.sha256("\n".join(what).encode()).hexdigest()[:16]
+    sources = [Path(__file__).with_name(f"{module}.py").read_text() for module in _TRIED]
+    what = [processor(), wp.get_cpu_kernel_cache_key(cpu_compiler_flags=base()), base(), CANDIDATES, _TRIED, sources]
+    key = hashlib.sha256(json.dumps(what).encode()).hexdigest()[:16]
     return Path(str(wp.config.kernel_cache_dir)) / f"linecontact-flags-{key}.json"
 
 
@@ -134,17 +141,11 @@ def _probes(name: str, kernels: Sequence[str], compiled_with: str) -> list[Calla
     for (kernel, _), given in zip(pairs, arguments, strict=True):
         wp.overload(kernel, [wp.array(dtype=array.dtype) for array in given])
     wp.load_module(module, device="cpu")
-    return [_recorded(kernel, given) for (kernel, _), given in zip(pairs, arguments, strict=True)]
-
-
-def _recorded(kernel: Any, arguments: list[Any]) -> Callable[[], Any]:
-    import warp as wp
-
-    with wp.ScopedCapture(device="cpu") as capture:
-        for _ in range(_CALLS):
-            wp.launch(kernel, dim=_POINTS // CHUNK, inputs=arguments, device="cpu")
-    wp.capture_launch(capture.graph)
-    return functools.partial(wp.capture_launch, capture.graph)
+    launches = [(kernel, _POINTS // CHUNK, given, ()) for (kernel, _), given in zip(pairs, arguments, strict=True)]
+    probes = [record_launches([launch], _CALLS) for launch in launches]
+    for probe in probes:
+        probe()
+    return probes
 
 
 def _argument(argument: Any, real: type, rng: np.random.Generator) -> Any:

@@ -65,7 +65,8 @@ def held(r: Any, v: Any):
 def restrict_to_free(force: wp.array[Any], field: wp.array[Any], squares: wp.array[wp.float64]):
     """Put a field to 0 on held nodes (where the force is 0), in place, with the chunk's sum of its squares.
 
-    By a factor: a choice between the value and 0 becomes a masked store, several times slower on some processors.
+    It is done by a factor, because a choice between the value and 0 becomes a masked store, which is several times
+    slower on some processors. An infinite value on a held node becomes NaN.
     """
     tid = wp.tid()
     start = tid * CHUNK_LENGTH

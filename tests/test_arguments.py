@@ -169,7 +169,7 @@ def test_the_source_alone_tells_every_field(kind):
 def test_the_source_tells_what_is_inherited():
     declared = declarations.read("linecontact.studies.kernel_benchmark.study:Options")
     assert list(declared.fields) == list(options_of(kernels.Options))
-    assert declared.fields["workers"] == "More than one disturb each other's times."
+    assert declared.fields["workers"] == "Always 1: others would disturb the times."
     assert declared.fields["folder"].startswith("Where data and figures go")
     assert declared.summary == (
         "Times of kernels, sequences, iterations and transforms beside C, NumPy and variants of your own."

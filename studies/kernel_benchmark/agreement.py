@@ -29,10 +29,14 @@ def compare(
         given, wanted = _same_chunks(given, wanted)
     elif argument.per_point:
         given = given[: wanted.size]
-    bound = _bound(argument, wanted, expected) if transforms else _NEGLIGIBLE if argument.role == "sum" else 0.0
+    bound = (
+        _bound(argument, wanted, expected)
+        if transforms
+        else np.full(wanted.shape, _NEGLIGIBLE if argument.role == "sum" else 0.0)
+    )
     wrong = ~(np.abs(given - wanted) <= bound)
     if transforms and argument.name == "v":
-        wrong = _wrong_velocities(found, expected, bound)
+        wrong = _wrong_velocities(found, expected, float(bound[0]))
     if wrong.any():
         first = int(np.argmax(wrong))
         raise RuntimeError(
@@ -47,13 +51,25 @@ def _same_chunks(given: Array, wanted: Array) -> tuple[Array, Array]:
     return given.reshape(count, -1).sum(axis=1), wanted.reshape(count, -1).sum(axis=1)
 
 
-def _bound(argument: Argument, wanted: Array, expected: Mapping[str, Array]) -> float:
-    """What rounding explains after transforms: in the largest norm some eps log2(N), in a sum over a chunk as much for
-    each of its values, and in what is made of the sums."""
-    per_point = max((array for array in expected.values()), key=lambda array: array.size)
-    eps = float(np.finfo(per_point.dtype).eps)
-    bound = 30 * eps * np.log2(per_point.size) * max(1.0, float(np.abs(wanted).max()))
-    return float(bound * {"sum": 10 * layout.CHUNK, "control": 100}.get(argument.role, 1))
+def _bound(argument: Argument, wanted: Array, expected: Mapping[str, Array]) -> Array:
+    """What rounding explains after transforms, value by value.
+
+    Of a value per point some eps log2(N) of the largest; of a sum over a chunk as much of the largest term for each of
+    its points, and one node near the wall; of what is made of the sums some times that, relatively.
+    """
+    per_point = max(expected.values(), key=lambda array: array.size)
+    relative = 30 * float(np.finfo(per_point.dtype).eps) * float(np.log2(per_point.size))
+    if argument.role == "control":
+        return 10 * relative * np.abs(wanted)
+    if argument.role != "sum":
+        return np.full(wanted.shape, relative * max(1.0, float(np.abs(wanted).max())))
+    largest = max(float(np.abs(array).max()) for name, array in expected.items() if name in _TERMS)
+    near = 1.0 if argument.name == "held_sums" else 0.0
+    return np.full(wanted.shape, near + layout.CHUNK * relative * max(1.0, largest**2))
+
+
+_TERMS = ("force", "elastic", "v", "acceleration")
+"""Arrays whose products are summed."""
 
 
 def _wrong_velocities(found: Mapping[str, Array], expected: Mapping[str, Array], bound: float) -> NDArray[np.bool_]:

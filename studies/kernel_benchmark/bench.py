@@ -1,5 +1,6 @@
 """A benchmark's buffers with the variants bound to them, and the check that all of them do the same."""
 
+import contextlib
 from collections.abc import Iterable
 
 import numpy as np
@@ -11,9 +12,9 @@ from .benchmark import Array, Benchmark
 from .benchmarks import ROW
 from .shipped import shipped, twin
 from .transforms import without_wisdom
-from .variants import OWN, Arrays, Runs, Variant
+from .variants import Arrays, Runs, Variant, own
 
-UNCHECKED = ("copy", "roof", "transforms")
+UNCHECKED = ("copy", "roof", "roof-unrolled", "transforms")
 """Variants that do something else."""
 
 
@@ -21,7 +22,8 @@ class Bench:
     """A benchmark on buffers of its own, staggered as the program's are.
 
     variants: the ways to do it by name, each from a number of repetitions to a function without arguments; the first
-    is the program's. notes: what else is to be known of a variant, by name.
+    is the program's. notes: what else is to be known of a variant, by name; slow: names of those that are timed a few
+    times only; threads: of FFTW, by name.
     """
 
     def __init__(self, benchmark: Benchmark, precision: str, num_points: int, only: Iterable[str] = ()) -> None:
@@ -40,22 +42,21 @@ class Bench:
                 self.arrays[argument.name] = transforms.buffer(size) if argument.per_point else np.zeros(size)
         self.variants: dict[str, Runs] = {}
         self.notes: dict[str, dict[str, float]] = {}
+        self.slow: set[str] = set()
+        self.threads: dict[str, int] = {}
         self._views: dict[str, Arrays] = {}
         wanted = set(only)
-        with without_wisdom():
-            for variant in (*shipped(benchmark), *OWN.get(benchmark.name, ())):
-                if not wanted or variant.name in wanted:
-                    self._bind(variant, Arrays(benchmark, transforms, self.arrays))
+        for variant in (*shipped(benchmark), *own(benchmark.name)):
+            if not wanted or variant.name in wanted:
+                self._bind(variant, Arrays(benchmark, transforms, self.arrays))
         self._fill(self._start)  # after FFTW's planning, which writes
 
     def _bind(self, variant: Variant, arrays: Arrays) -> None:
-        self.variants[variant.name] = variant.build(arrays)
+        with contextlib.nullcontext() if variant.wisdom else without_wisdom():
+            self.variants[variant.name] = variant.build(arrays)
         self._views[variant.name], self.notes[variant.name] = arrays, arrays.notes
-
-    @property
-    def slow(self) -> set[str]:
-        """Names of the variants that are timed a few times only."""
-        return {variant.name for variant in shipped(self.benchmark) if variant.slow}
+        self.slow |= {variant.name} if variant.slow else set()
+        self.threads[variant.name] = variant.threads
 
     def restore(self) -> None:
         """Put the first values back into the buffers whose values change from call to call."""
@@ -67,17 +68,33 @@ class Bench:
             self.arrays[name][: given.size] = given
 
     def check(self) -> None:
-        """Run every variant once; raises `RuntimeError` where one disagrees with NumPy in a single value."""
+        """Run every variant once; raises `RuntimeError` where one disagrees with NumPy in a single value.
+
+        What it does twice when it is told so must be what it does when it is told twice.
+        """
         start = self.benchmark.make(self.num_points, self.precision, exact=True)
         expected = self._expected(start)
         for name in [name for name in self.variants if expected and name not in UNCHECKED]:
-            self._fill(start)
-            self.variants[name](1)()
-            found = self._views[name].arrays
+            found = self._run(name, start, (1,))
             for argument in self.benchmark.arrays:
                 if argument.name in expected:
                     agreement.compare(name, argument, found, expected, self.benchmark.transforms)
+            twice = self._run(name, start, (1, 1))
+            once = self._run(name, start, (2,))
+            if any(not np.array_equal(once[array], twice[array], equal_nan=True) for array in expected):
+                raise RuntimeError(f"{name} does something else when it is told to do it twice")
         self._fill(self._start)
+
+    def _run(self, name: str, start: dict[str, Array], repeats: Iterable[int]) -> dict[str, Array]:
+        """What the arrays hold after a variant has been run that often, one after the other."""
+        own = self._views[name].arrays
+        for argument in self.benchmark.arrays:
+            if argument.role in ("out", "sum"):  # what is not written is seen
+                own[argument.name][:] = np.nan
+        self._fill({a.name: start[a.name] for a in self.benchmark.arrays if a.role not in ("out", "sum")})
+        for count in repeats:
+            self.variants[name](count)()
+        return {n: array.copy() for n, array in own.items()}
 
     def _expected(self, start: dict[str, Array]) -> dict[str, Array]:
         """What the arrays should hold afterwards; of a transform there and back a multiple; nothing for roofs."""

@@ -56,7 +56,7 @@ class Argument(NamedTuple):
 
         exact: round them so that nothing that a kernel makes of them is rounded.
         """
-        few = min(size, 2**16)  # repeated: drawing takes longer than what is to be measured
+        few = min(size, 65521)  # repeated: drawing takes long; a prime, so that no two chunks are alike
         values, on_wall = rng.standard_normal(few), rng.random(few) < 0.3
         if exact:
             values = np.clip(np.round(values / _QUANTUM) * _QUANTUM, -_LARGEST, _LARGEST)

@@ -9,7 +9,7 @@ import tempfile
 from pathlib import Path
 from typing import NamedTuple
 
-from linecontact.kernels import layout
+from linecontact.kernels import instructions, layout, processor
 from linecontact.solver.transforms.wisdom import cache_folder
 
 from .benchmark import READS, Benchmark
@@ -140,19 +140,28 @@ def compile_c() -> Compiled:
     if compiler is None:
         return Compiled([], "no C compiler (cc, gcc, clang) found")
     said = subprocess.run([compiler, "--version"], capture_output=True, text=True).stdout
-    target = subprocess.run([compiler, "-march=native", "-Q", "--help=target"], capture_output=True, text=True).stdout
     libraries, trouble = [], ""
     for build, extra in BUILDS.items():
         flags = f"{FLAGS} {extra}".split()
-        key = hashlib.sha256("\n".join([source(), said, target, *flags]).encode()).hexdigest()[:16]
+        about = [source(), said, processor(), instructions(), *flags]
+        key = hashlib.sha256("\n".join(about).encode()).hexdigest()[:16]
         try:
-            libraries.append(Library(build, ctypes.CDLL(str(_build(compiler, flags, key)))))
+            libraries.append(Library(build, _loaded(compiler, flags, key)))
         except (OSError, subprocess.CalledProcessError) as error:
             trouble = trouble or " ".join(str(getattr(error, "stderr", "") or error).split())[:200]
     if not libraries:
         return Compiled([], f"C compiler {compiler} failed: {trouble}")
     names = "; ".join(BUILDS[library.build] or "no more" for library in libraries)
     return Compiled(libraries, f"{said.partition(chr(10))[0]}, {FLAGS} and the best of: {names}")
+
+
+def _loaded(compiler: str, flags: list[str], key: str) -> ctypes.CDLL:
+    """The library with this key; one that cannot be loaded is built anew."""
+    try:
+        return ctypes.CDLL(str(_build(compiler, flags, key)))
+    except OSError:
+        (cache_folder() / "c" / f"{key}.so").unlink(missing_ok=True)
+        return ctypes.CDLL(str(_build(compiler, flags, key)))
 
 
 def _build(compiler: str, flags: list[str], key: str) -> Path:

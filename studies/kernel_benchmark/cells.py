@@ -96,16 +96,23 @@ class Scatter:
     """How much logarithms of ratios scatter from one repetition to the next, by number of points.
 
     Few repetitions tell little of their own scatter, so that of all measurements of a size is the least that any of
-    them is taken to have.
+    them is taken to have: the variance of which the median of theirs is the median.
     """
 
     def __init__(self, found: Iterable[Cell], variant: str) -> None:
         squares: dict[int, list[float]] = {}
+        self._freedom: dict[int, int] = {}
         for cell in found:
-            logs = cell.logs(variant)
+            logs, size = cell.logs(variant), cell.key.num_points
             if len(logs) > 1:
-                squares.setdefault(cell.key.num_points, []).append(float(np.var(logs, ddof=1)))
-        self._pooled = {size: float(np.mean(values)) for size, values in squares.items()}
+                expected = (1 - 2 / (9 * (len(logs) - 1))) ** 3  # median of chi square over its degrees of freedom
+                squares.setdefault(size, []).append(float(np.var(logs, ddof=1)) / expected)
+                self._freedom[size] = self._freedom.get(size, 0) + len(logs) - 1
+        self._pooled = {size: float(np.median(values)) for size, values in squares.items()}
+
+    def freedom(self, cell: Cell) -> int:
+        """Degrees of freedom of the scatter."""
+        return self._freedom.get(cell.key.num_points, 1)
 
     def error(self, cell: Cell, variant: str) -> float:
         """Standard error of the mean logarithm of a ratio; NaN for a single repetition."""
@@ -117,4 +124,11 @@ class Scatter:
 
     def half_width(self, cell: Cell, variant: str) -> float:
         """Half the width of the interval of a ratio."""
-        return cell.ratio(variant) * NormalDist().inv_cdf((1 + INTERVAL) / 2) * self.error(cell, variant)
+        return cell.ratio(variant) * quantile((1 + INTERVAL) / 2, self.freedom(cell)) * self.error(cell, variant)
+
+
+def quantile(probability: float, freedom: int) -> float:
+    """Quantile of Student's t, by its expansion in the degrees of freedom (Abramowitz and Stegun, 26.7.5)."""
+    z = NormalDist().inv_cdf(probability)
+    first, second = (z**3 + z) / 4, (5 * z**5 + 16 * z**3 + 3 * z) / 96
+    return z + first / freedom + second / freedom**2

@@ -1,8 +1,8 @@
 """What changed from one measurement to another, judged on ratios that were taken in the same round.
 
 A time changes with whatever else the machine does; its ratio to C's in the same round much less. What is left scatters
-from repetition to repetition (`cells.Scatter`), and between two processes, whose memory lies elsewhere, a little more:
-that is estimated from how far the sizes of a benchmark change differently (median of the absolute deviations).
+from repetition to repetition (`cells.Scatter`), and between two processes, whose memory lies elsewhere, a little more,
+which is seen in the changes themselves (`between`). Transforms are listed and not judged.
 """
 
 import json
@@ -10,23 +10,23 @@ import math
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from statistics import NormalDist
 from typing import Any
 
 import numpy as np
 from linecontact.solver import checks
+from numpy.typing import NDArray
 from rich.table import Table
 
 from ..files import hdf5, study_files, writing
 from ..runner.tasks import MAX_BYTES
 from ..terminal import console
 from . import report
-from .cells import Cell, Key, Scatter, cells
+from .cells import Cell, Key, Scatter, cells, quantile
 
 EXIT_SLOWER = 3
 JUDGED = "warp"
 """The variant that the program runs, which decides on the exit status."""
-ROWS, BENCHMARKS_ = 0.002, 0.001
+ROWS, BENCHMARKS_ = 0.002, 0.002
 """Probability that a row which did not change is marked, and that any benchmark of a comparison is."""
 
 
@@ -37,13 +37,15 @@ class Change:
     key: Key
     """What was measured."""
     variant: str
-    """And how."""
+    """The way in which it was done."""
     old: float
     """Ratio to the yardstick in the earlier measurement (dimensionless)."""
     new: float
     """In the later one."""
     error: float
     """Standard error of the logarithm of the change, from the repetitions."""
+    freedom: int
+    """Degrees of freedom of that."""
 
     @property
     def log(self) -> float:
@@ -120,30 +122,47 @@ def changes(old: Measurement, new: Measurement) -> list[Change]:
             ratios = before.ratio(variant), cell.ratio(variant)
             errors = [s.error(one, variant) for s, one in zip(scatters, (before, cell), strict=True)]
             if all(ratio > 0 for ratio in ratios) and not math.isnan(sum(errors)):
-                found.append(Change(key, variant, *ratios, math.hypot(*errors)))
+                freedom = sum(s.freedom(one) for s, one in zip(scatters, (before, cell), strict=True))
+                found.append(Change(key, variant, *ratios, math.hypot(*errors), freedom))
     return found
 
 
-def between(found: list[Change]) -> float:
-    """Standard deviation of the logarithms of changes that nobody made, beyond what the repetitions explain.
+def between(found: list[Change]) -> tuple[float, float]:
+    """Standard deviations of logarithms of changes that nobody made, beyond what the repetitions explain.
 
-    Seen in how far the sizes of a benchmark are from their mean, which a change of the benchmark itself moves.
+    The first is of single sizes, seen in how far they are from the mean of their benchmark; the second of these means,
+    for what a process has in common for all sizes, seen in how they scatter. Where there are too few to see it, both
+    are what identical runs have shown.
     """
-    groups: dict[tuple[str, str], list[float]] = {}
+    groups: dict[tuple[str, str], list[Change]] = {}
     for change in found:
-        groups.setdefault((change.key.benchmark, change.key.precision), []).append(change.log)
-    several = [np.array(logs) for logs in groups.values() if len(logs) > 1]
+        groups.setdefault((change.key.benchmark, change.key.precision), []).append(change)
+    several = [np.array([change.log for change in own]) for own in groups.values() if len(own) > 1]
     apart = [(logs - logs.mean()) * math.sqrt(logs.size / (logs.size - 1)) for logs in several]
-    if not apart:
-        apart = [np.array([change.log for change in found])]
-    seen = 1.4826 * float(np.median(np.abs(np.concatenate(apart))))
-    explained = float(np.median([change.error for change in found]))
-    return math.sqrt(max(0.0, seen**2 - explained**2))
+    single = _beyond(np.concatenate(apart), [c.error for c in found]) if len(apart) >= _ENOUGH else _USUAL
+    means, errors = zip(*(_mean(own, single) for own in groups.values()), strict=True) if groups else ((), ())
+    from_median = np.array(means) - np.median(means) if groups else np.zeros(0)
+    return single, _beyond(from_median, list(errors)) if len(means) >= _ENOUGH else _USUAL
 
 
-def verdict(log: float, error: float, threshold: float, chance: float) -> str:
+def _mean(own: list[Change], single: float) -> tuple[float, float]:
+    """Mean logarithm of some changes, the surer ones counting more, and its standard error."""
+    weights = np.array([1 / (change.error**2 + single**2) for change in own])
+    return float(weights @ [change.log for change in own] / weights.sum()), float(weights.sum() ** -0.5)
+
+
+_ENOUGH, _USUAL = 8, 0.02
+
+
+def _beyond(deviations: NDArray[np.float64], explained: list[float]) -> float:
+    """Standard deviation of what is seen (from the median of the magnitudes) beyond what is explained."""
+    seen = 1.4826 * float(np.median(np.abs(deviations)))
+    return math.sqrt(max(0.0, seen**2 - float(np.median(explained)) ** 2))
+
+
+def verdict(log: float, error: float, freedom: int, threshold: float, chance: float) -> str:
     """'slower' or 'faster' for a change beyond the threshold that chance makes rarely; empty for any other."""
-    limit = max(math.log(threshold), NormalDist().inv_cdf(1 - chance / 2) * error)
+    limit = max(math.log(threshold), quantile(1 - chance / 2, freedom) * error)
     return "" if abs(log) <= limit else "slower" if log > 0 else "faster"
 
 
@@ -151,12 +170,14 @@ def judge(found: list[Change], threshold: float) -> dict[tuple[str, str], tuple[
     """Benchmarks over all their sizes, by name and precision: mean change, its standard error and the verdict."""
     own = [change for change in found if change.variant == JUDGED]
     names = dict.fromkeys((change.key.benchmark, change.key.precision) for change in own)
-    extra, judged = between(own), {}
+    judged = {}
+    single, common = between(own)
     for name in names:
         rows = [change for change in own if (change.key.benchmark, change.key.precision) == name]
-        mean = float(np.mean([change.log for change in rows]))
-        error = math.sqrt(sum(change.error**2 + extra**2 for change in rows)) / len(rows)
-        judged[name] = math.exp(mean), error, verdict(mean, error, threshold, BENCHMARKS_ / len(names))
+        mean, error = _mean(rows, single)
+        error = math.hypot(error, common)
+        freedom = sum(change.freedom for change in rows)
+        judged[name] = math.exp(mean), error, verdict(mean, error, freedom, threshold, BENCHMARKS_ / len(names))
     return judged
 
 
@@ -172,6 +193,11 @@ def differences(old: Measurement, new: Measurement) -> list[str]:
             said.append(f"Different {text}: {before}; then {after}.")
     sources = [f"{one.identity.get('source', 'unknown')} (commit {one.commit})" for one in (old, new)]
     return [*said, f"Source: {sources[0]}; then {sources[1]}."]
+
+
+def other_yardstick(old: Measurement, new: Measurement) -> bool:
+    """Whether C itself is another in the two."""
+    return any(old.identity.get(name) != new.identity.get(name) for name in ("processor", "instructions", "compiler"))
 
 
 def benchmark_table(judged: dict[tuple[str, str], tuple[float, float, str]]) -> Table:
@@ -215,10 +241,13 @@ def command(old: Path, new: Path, threshold: float) -> int:
     for variant in dict.fromkeys(change.variant for change in found):
         own = [change for change in found if change.variant == variant]
         extra = between(own)
-        verdicts = [verdict(c.log, math.hypot(c.error, extra), threshold, ROWS) for c in own]
+        verdicts = [verdict(c.log, math.hypot(c.error, *extra), c.freedom, threshold, ROWS) for c in own]
         marked += [(change, said) for change, said in zip(own, verdicts, strict=True) if said]
     if marked:
         output.print(row_table(marked))
+    if other_yardstick(before, after):
+        output.print("Ratios to C tell nothing across machines or C compilers: no verdict.", highlight=False)
+        return 0
     slower = [f"{name} in {precision}" for (name, precision), (*_, said) in judged.items() if said == "slower"]
     output.print(
         f"{len(found)} rows, {len(marked)} changed by more than {threshold:g} and more than chance explains; "

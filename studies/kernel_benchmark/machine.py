@@ -5,6 +5,7 @@ import functools
 import hashlib
 import json
 import os
+import platform
 import re
 import shutil
 import subprocess
@@ -18,6 +19,7 @@ from typing import Any
 from linecontact import kernels, solver
 from linecontact.kernels import tuning
 from linecontact.solver.provenance import provenance
+from linecontact.solver.transforms import planned
 
 from .benchmark import PRECISIONS
 from .benchmarks import BENCHMARKS
@@ -34,6 +36,7 @@ def identity() -> dict[str, str]:
 
     kernels.load()
     libraries = {name: version(name) for name in ("warp-lang", "numpy", "pyfftw")}
+    libraries |= {"FFTW": planned.library(), "Python": platform.python_version()}
     found = {
         "source": source_hash(),
         "flags": _flags(),
@@ -99,13 +102,19 @@ def vector_widths() -> dict[tuple[str, str], int]:
     if disassembler is None or not kernels.instructions().startswith("avx"):
         return {}
     functions: dict[str, str] = {}
-    for name, (file, symbol) in _symbols().items():
+    try:
+        symbols = _symbols()
+    except (AttributeError, KeyError, ValueError):  # Warp's, and may change
+        return {}
+    for name, (file, symbol) in symbols.items():
         if file not in functions:
             command = [disassembler, "-d", "--no-show-raw-insn", file]
             functions[file] = subprocess.run(command, capture_output=True, text=True).stdout
         body = re.search(rf"^\w+ <{symbol}_cpu_forward>:\n(.*?)(?:\n\n|\Z)", functions[file], re.MULTILINE | re.DOTALL)
         # packed arithmetic and comparisons; moves and conversions come with every call
-        packed = re.findall(r"\sv(?:f?n?m?(?:add|sub)|mul|cmp|min|max|sqrt)\w*p[sd]\s.*", body.group(1) if body else "")
+        if body is None:
+            continue
+        packed = re.findall(r"\sv(?:f?n?m?(?:add|sub)|mul|cmp|min|max|sqrt)\w*p[sd]\s.*", body.group(1))
         registers = {register for line in packed for register in re.findall(r"%([xyz])mm", line)}
         found[name] = max(({"x": 128, "y": 256, "z": 512}[register] for register in registers), default=0)
     return found
@@ -139,7 +148,7 @@ def compile_seconds() -> dict[str, float]:
     found = {}
     with tempfile.TemporaryDirectory() as folder:
         for name in ("cold", "warm"):
-            environment = os.environ | {"WARP_CACHE_PATH": folder}
+            environment = os.environ | {"WARP_CACHE_PATH": folder, tuning.VARIABLE: "default"}
             command = [sys.executable, "-c", program]
             said = subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout
             found[f"seconds.compile.{name}"] = float(said.split()[-1])

@@ -1,10 +1,12 @@
 """Times of a benchmark's variants: in turn, pinned to one core, checked to agree before."""
 
+import contextlib
+import math
 import os
 import threading
 import time
-from collections.abc import Callable, Collection, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,53 +18,69 @@ from .c_code import BUILDS
 from .variants import Runs
 
 Record = dict[str, Any]
+ROOFS = ("roof", "roof-unrolled")
+"""Names of the builds of the loop that only moves memory."""
+
 Times = dict[str, NDArray[np.float64]]
 
 _SPAN, _MOST_CALLS = 1e-4, 1000  # s that are timed at once, and calls after which in-place results still are ordinary
-_LEAST_ROUNDS, _SLOW_ROUNDS = 5, 2
+_LEAST_ROUNDS, _SLOW_ROUNDS = 7, 2
 _TOGETHER = 0.02  # s that cores work at once
+_PATIENCE = 300.0  # s that one core waits for another
 _CORES = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []  # that this process may use
 
 
 def time_in_turn(
-    variants: Mapping[str, Runs], restore: Callable[[], None], seconds: float, slow: Collection[str] = ()
+    variants: Mapping[str, Runs],
+    restore: Callable[[], None],
+    seconds: float,
+    slow: Collection[str] = (),
+    several: Collection[str] = (),
 ) -> tuple[Times, dict[str, int]]:
     """Time variants in turn: seconds of a call in every round, NaN where it was left out, and calls timed at once.
 
-    seconds: to spend in all; slow: variants that are timed in the first rounds only.
+    restore: puts the buffers back; seconds: to spend in all; slow: variants that are timed in the first rounds only;
+    several: those that may use all cores.
 
     They take turns, so that a change of the machine's speed hits all of them, in an order that changes from round to
     round, because who comes after whom matters to the caches. Before each is timed it runs untimed, so that the caches
-    hold what its own runs leave, and before each round the buffers are restored, so that nothing decays to denormals.
+    hold what its own runs leave. The buffers are restored before they have been worked on so often that numbers
+    overflow, or decay to denormals, which take longer.
     """
-    runs, calls = {}, {}
-    for name, variant in variants.items():
-        calls[name] = _calls(variant(1))
-        runs[name] = variant(calls[name])
+    restore()
+    calls = {name: _calls(variant, restore) for name, variant in variants.items()}
+    runs = {name: variant(calls[name]) for name, variant in variants.items()}
     found: dict[str, list[float]] = {name: [] for name in variants}
-    rng, rounds, end = np.random.default_rng(0), 0, time.perf_counter() + seconds
+    rng, rounds, done, end = np.random.default_rng(0), 0, _MOST_CALLS, time.perf_counter() + seconds
     while rounds < _LEAST_ROUNDS or time.perf_counter() < end:
-        restore()
         for name in rng.permutation(list(variants)):
             if rounds >= _SLOW_ROUNDS and name in slow:
                 found[name].append(np.nan)
                 continue
-            run = runs[name]
-            if name not in slow:
-                run()
-            begin = time.perf_counter()
-            run()
-            found[name].append((time.perf_counter() - begin) / calls[name])
+            if done + calls[name] > _MOST_CALLS:
+                restore()
+                done = 0
+            done += 2 * calls[name]
+            with unpinned() if name in several else contextlib.nullcontext():
+                runs[name]()
+                found[name].append(_seconds(runs[name]) / calls[name])
         rounds += 1
     return {name: np.array(values) for name, values in found.items()}, calls
 
 
-def _calls(run: Callable[[], object]) -> int:
-    """How many calls take as long as is timed at once."""
-    run()
-    begin = time.perf_counter()
-    run()
-    return int(np.clip(_SPAN / (time.perf_counter() - begin), 1, _MOST_CALLS))
+def _calls(variant: Runs, restore: Callable[[], None]) -> int:
+    """How many calls take as long as is timed at once; what starts them takes time, too, so more are tried and more."""
+    count = 1
+    while True:
+        run = variant(count)
+        run()
+        took = _seconds(run)
+        if took >= _SPAN or count >= _MOST_CALLS:
+            return count
+        count = min(
+            _MOST_CALLS, 2 * count if took <= 0 else int(np.clip(1.2 * count * _SPAN / took, 2 * count, 10 * count))
+        )
+        restore()
 
 
 def measure(name: str, precision: str, num_points: int, seconds: float, first: bool) -> Record:
@@ -78,8 +96,9 @@ def measure(name: str, precision: str, num_points: int, seconds: float, first: b
         bench.check()
     slow = bench.slow
     variants = {v: runs for v, runs in bench.variants.items() if first or v not in slow}
-    times, calls = time_in_turn(variants, bench.restore, seconds, slow)
-    times = _fastest_build(times)
+    several = {name for name, threads in bench.threads.items() if threads > 1}
+    times, calls = time_in_turn(variants, bench.restore, seconds, slow, several)
+    times = _fastest(_fastest(times, tuple(BUILDS)), ROOFS)
     yardstick = next((v for v in ("c", "estimate", "copy") if v in times), "")
     record: Record = {"rounds": len(next(iter(times.values()))), "yardstick": yardstick}
     for variant, values in times.items():
@@ -94,18 +113,18 @@ def measure(name: str, precision: str, num_points: int, seconds: float, first: b
         "bytes.traffic": benchmark.traffic(num_points, precision),
         "bytes.working_set": benchmark.working_set(num_points, precision),
     }
-    if first and "warp" in bench.variants and len(_CORES) > 1:
+    if first and "warp" in bench.variants:
         record["ratio.two_cores"] = two_cores(bench, calls["warp"])
     return record
 
 
-def _fastest_build(times: Times) -> Times:
-    """C's builds as one: that with the smallest median."""
-    builds = [build for build in BUILDS if build in times]
-    if not builds:
+def _fastest(times: Times, builds: Sequence[str]) -> Times:
+    """Times with several builds of one loop as one, under the first one's name: that with the smallest median."""
+    there = [build for build in builds if build in times]
+    if not there:
         return times
-    best = min(builds, key=lambda build: float(np.median(times[build])))
-    return {name: values for name, values in times.items() if name not in builds} | {"c": times[best]}
+    best = min(there, key=lambda build: float(np.median(times[build])))
+    return {name: values for name, values in times.items() if name not in there} | {builds[0]: times[best]}
 
 
 def _seconds(run: Callable[[], object]) -> float:
@@ -114,7 +133,7 @@ def _seconds(run: Callable[[], object]) -> float:
     return time.perf_counter() - begin
 
 
-@contextmanager
+@contextlib.contextmanager
 def pinned() -> Iterator[int]:
     """Keep the calling thread on the last of the usable cores; gives its number, -1 where the system cannot."""
     if not _CORES:
@@ -127,33 +146,64 @@ def pinned() -> Iterator[int]:
         os.sched_setaffinity(0, _CORES)
 
 
+@contextlib.contextmanager
+def unpinned() -> Iterator[None]:
+    """Let the calling thread, and those that it starts, use all cores meanwhile."""
+    if not _CORES:
+        yield
+        return
+    before = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, _CORES)
+    try:
+        yield
+    finally:
+        os.sched_setaffinity(0, before)
+
+
+def _another_core() -> int | None:
+    """A usable core beside the last one that is not the same physical core; None if there is none."""
+    if not _CORES:
+        return None
+    try:
+        text = Path(f"/sys/devices/system/cpu/cpu{_CORES[-1]}/topology/thread_siblings_list").read_text()
+    except OSError:
+        text = str(_CORES[-1])
+    siblings = {int(number) for part in text.strip().split(",") for number in part.split("-")}
+    return next((core for core in reversed(_CORES) if core not in siblings), None)
+
+
 def two_cores(bench: Bench, calls: int) -> float:
-    """Time of a call while another core does the same on buffers of its own, over that of a call alone."""
+    """Time of a call while another core does the same on buffers of its own, over that of a call alone.
+
+    NaN where there is no other core. Two threads of one process, which hand the interpreter to each other now and then.
+    """
+    core = _another_core()
+    if core is None:
+        return math.nan
     other = Bench(bench.benchmark, bench.precision, bench.num_points, only={"warp"})
-    alone = _at_once([bench], calls)
-    return _at_once([bench, other], calls) / alone
+    alone = _at_once({_CORES[-1]: bench}, calls)
+    return _at_once({_CORES[-1]: bench, core: other}, calls) / alone
 
 
-def _at_once(benches: list[Bench], calls: int) -> float:
-    """Median time of a call of the program's variant [s], every bench in a thread on a core of its own."""
-    barrier, found = threading.Barrier(len(benches)), [0.0] * len(benches)
-    runs = [bench.variants["warp"](calls) for bench in benches]  # Warp records one graph at a time
+def _at_once(benches: Mapping[int, Bench], calls: int) -> float:
+    """Mean of the median times of a call of the program's variant [s], every bench in a thread on its core."""
+    barrier, found = threading.Barrier(len(benches)), dict.fromkeys(benches, math.nan)
+    runs = {core: bench.variants["warp"](calls) for core, bench in benches.items()}
 
-    def work(index: int) -> None:
-        os.sched_setaffinity(0, [_CORES[-1 - index]])
-        bench, run = benches[index], runs[index]
-        several: list[float] = []
-        barrier.wait()
+    def work(core: int) -> None:
+        os.sched_setaffinity(0, [core])
+        times: list[float] = []
+        barrier.wait(_PATIENCE)
         end = time.perf_counter() + _TOGETHER
-        while time.perf_counter() < end or len(several) < _LEAST_ROUNDS:
-            bench.restore()
-            run()
-            several.append(_seconds(run) / calls)
-        found[index] = float(np.median(several))
+        while time.perf_counter() < end or len(times) < _LEAST_ROUNDS:
+            benches[core].restore()
+            runs[core]()
+            times.append(_seconds(runs[core]) / calls)
+        found[core] = float(np.median(times))
 
-    threads = [threading.Thread(target=work, args=(index,)) for index in range(len(benches))]
+    threads = [threading.Thread(target=work, args=(core,)) for core in benches]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
-    return float(np.mean(found))
+    return float(np.mean(list(found.values())))

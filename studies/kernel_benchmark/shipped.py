@@ -12,7 +12,7 @@ from linecontact.kernels.sequences import Line
 from . import transforms
 from .benchmark import Benchmark
 from .c_code import REALS, Library, compile_c
-from .variants import Arrays, Run, Runs, Variant, by_parts, compiled_again, in_turn, repeated, warp_lines
+from .variants import Arrays, Run, Runs, Variant, by_parts, compiled_again, in_turn, own, repeated, warp_lines
 
 
 def shipped(benchmark: Benchmark) -> list[Variant]:
@@ -27,12 +27,21 @@ def shipped(benchmark: Benchmark) -> list[Variant]:
     found = [Variant("warp", lambda arrays: warp_lines(arrays, kernels.load())), *built]
     if benchmark.group == "kernels" and benchmark.c:
         found += [Variant("element", lambda arrays: compiled_again(arrays, least), slow=True)]
-        found += [
-            Variant("roof", functools.partial(_c, library, prefix="roof_")) for library in compile_c().libraries[:1]
-        ]
+        for library in compile_c().libraries:
+            name = library.build.replace("c", "roof", 1)
+            found.append(Variant(name, functools.partial(_c, library, prefix="roof_")))
     if benchmark.transforms:
         found += [Variant("transforms", _transforms_alone)]
     return [*found, Variant("numpy", twin, slow=True), Variant("copy", _copy)]
+
+
+def check_names(benchmark: Benchmark) -> None:
+    """Raise `ValueError` if a user's variant has the name of one of the program's."""
+    taken = {one.name for one in shipped(benchmark)} & {one.name for one in own(benchmark.name)}
+    if taken:
+        raise ValueError(
+            f"variant of {benchmark.name} is {min(taken)!r}; allowed: a name that the program does not use"
+        )
 
 
 def twin(arrays: Arrays) -> Runs:

@@ -32,7 +32,9 @@ from . import compare, machine, measure, variants
 from . import report as tables
 from .benchmark import PRECISIONS
 from .benchmarks import BENCHMARKS, GROUPS
+from .c_code import compile_c
 from .cells import MACHINE
+from .shipped import check_names
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -56,7 +58,7 @@ class Options(study.Options):
     """Times of kernels, sequences, iterations and transforms beside C, NumPy and variants of your own."""
 
     workers: int = 1
-    """More than one disturb each other's times."""
+    """Always 1: others would disturb the times."""
     kernel: str | None = one_of((*GROUPS, *BENCHMARKS), None)
     """One benchmark, or one group of them; default: all groups but the transforms."""
     size: int | None = None
@@ -113,19 +115,29 @@ class Task:
 def plan(options: Options) -> Plan:
     """The tasks, repetition by repetition, so that the repetitions of one are far apart. Raises `ValueError`."""
     repeats = checks.integer("repeats", options.repeats, "an integer from 2 to 100", 2, 100)
+    if options.workers != 1:
+        raise ValueError(f"workers is {options.workers}; allowed: 1, because two would disturb each other's times")
+    if options.quick and options.size is not None:
+        raise ValueError("quick is True; allowed: without --size, which says on how many points")
     chosen = [one for one in BENCHMARKS.values() if options.kernel in (one.name, one.group)]
     chosen = chosen or [one for one in BENCHMARKS.values() if one.group not in _LEFT_OUT]
+    if not compile_c().libraries:
+        chosen = [one for one in chosen if one.group != "roofs"]
+    if not chosen:
+        raise ValueError(f"kernel is {options.kernel!r}; allowed without a C compiler: all but the roofs")
     sizes = {one.name: _sizes(one.group, options) for one in chosen}
     path, content = "", b""
     if options.variants:
         variants.load_file(options.variants)
         path, content = str(options.variants.resolve()), options.variants.read_bytes()
-        known = {name: [one.name for one in own] for name, own in variants.OWN.items()}
+        known = [name for name, own in variants.OWN.items() if own]
         if not any(name in known for name in sizes):
             raise ValueError(
                 f"variants: file {options.variants} has none of {options.kernel or 'these benchmarks'}; "
                 f"allowed: --kernel {' or '.join(known) or 'and a file that registers one'}"
             )
+        for one in chosen:
+            check_names(one)
     configuration = {
         "sizes": {name: list(values) for name, values in sizes.items()},
         "repeats": repeats,
@@ -183,6 +195,7 @@ def command(options: Options) -> int:
             raise ValueError("json is True; allowed: without --compare, which prints a table")
         return compare.command(*options.compare, options.threshold)
     (planned,) = plans(options)
+    # the quick study needs no folder of its own name, because its key is another
     folder = STUDY.folder(replace(options, quick=False)) / machine.key(planned.configuration)
     options = replace(options, folder=folder)
     if not options.json:

@@ -11,22 +11,22 @@ from typing import Any
 import numpy as np
 from linecontact.solver.transforms import wisdom
 from linecontact.solver.transforms.fftw import pyfftw
+from linecontact.solver.transforms.planned import PLANNING
 
 from .benchmark import Array, Benchmark
 from .benchmarks import ROW
 from .variants import Arrays, Run, Runs, Variant, in_turn, repeated
 
-EFFORTS = ("estimate", "measure", "patient")
 LIBRARIES = ("numpy", "scipy", "ducc0")
 """Libraries beside FFTW; those that are not installed are left out."""
-MOST_SECONDS = 20.0
+MOST_SECONDS = 10.0
 """Time that FFTW may take for a plan [s]; what it has found by then is used."""
 
 
 def variants(benchmark: Benchmark) -> list[Variant]:
     """FFTW by effort and on two threads, and the other libraries."""
-    found = [Variant(effort, functools.partial(_fftw, effort)) for effort in EFFORTS]
-    found.append(Variant("2-threads", functools.partial(_fftw, "estimate", threads=2)))
+    found = [Variant(effort, functools.partial(_fftw, effort), wisdom=effort != "estimate") for effort in PLANNING]
+    found.append(Variant("2-threads", functools.partial(_fftw, "estimate", threads=2), threads=2))
     there = [name for name in LIBRARIES if importlib.util.find_spec(name)]
     return found + [Variant(name, functools.partial(_library, name)) for name in there]
 
@@ -47,14 +47,19 @@ def _steps(arrays: Arrays) -> list[tuple[Array, Array, str]]:
 
 
 def _fftw(effort: str, arrays: Arrays, threads: int = 1) -> Runs:
-    """Plans of one effort, made without what earlier plans have taught FFTW unless the effort is to find that out."""
-    begin, known = time.perf_counter(), pyfftw.export_wisdom()
-    with without_wisdom() if effort == "estimate" else contextlib.nullcontext():
-        plans = [_plan(step, effort, threads) for step in _steps(arrays)]
-    arrays.notes["measured"] = pyfftw.export_wisdom() != known
-    if arrays.notes["measured"]:
+    """Plans of one effort, from wisdom if it holds them; those that are measured are kept."""
+    wisdom.load()
+    begin = time.perf_counter()
+    plans, measured = [], False
+    for step in _steps(arrays):
+        try:
+            plans.append(_plan(step, effort, threads, "FFTW_WISDOM_ONLY"))
+        except RuntimeError:  # wisdom does not hold it
+            plans.append(_plan(step, effort, threads))
+            measured = effort != "estimate"
+    arrays.notes |= {"plan": time.perf_counter() - begin, "measured": measured}
+    if measured:
         wisdom.save()
-    arrays.notes["plan"] = time.perf_counter() - begin
     return in_turn([repeated(plan) for plan in plans])
 
 
@@ -70,13 +75,13 @@ def without_wisdom() -> Iterator[None]:
         pyfftw.import_wisdom(known)
 
 
-def _plan(step: tuple[Array, Array, str], effort: str, threads: int) -> Run:
+def _plan(step: tuple[Array, Array, str], effort: str, threads: int, *flags: str) -> Run:
     source, target, kind = step
-    flags = [f"FFTW_{effort.upper()}"] + (["FFTW_DESTROY_INPUT"] if kind == "c2r" else [])
+    own = [f"FFTW_{effort.upper()}", *flags, *(["FFTW_DESTROY_INPUT"] if kind == "c2r" else [])]
     direction = "FFTW_BACKWARD" if kind in ("c2r", "backward") else "FFTW_FORWARD"
     limit = None if effort == "estimate" else MOST_SECONDS
     plan = pyfftw.FFTW(
-        source, target, axes=(-1,), direction=direction, flags=flags, threads=threads, planning_timelimit=limit
+        source, target, axes=(-1,), direction=direction, flags=own, threads=threads, planning_timelimit=limit
     )
     run: Run = plan.execute
     return run

@@ -73,10 +73,19 @@ class Variant:
     """Makes it for arrays; it may put others in their place, for sums over chunks of another length."""
     slow: bool = False
     """Whether it is timed a few times only."""
+    threads: int = 1
+    """Of FFTW."""
+    wisdom: bool = False
+    """Whether FFTW may use what it has learnt before, as plans by measurement do."""
 
 
 OWN: dict[str, list[Variant]] = {}
 """The variants that users' files have registered, by benchmark."""
+
+
+def own(benchmark: str) -> list[Variant]:
+    """The variants of a benchmark that users' files have registered."""
+    return OWN.get(benchmark, [])
 
 
 def variant(benchmark: str, name: str | None = None) -> Callable[[Callable[[Arrays], Runs]], Callable[[Arrays], Runs]]:
@@ -96,13 +105,15 @@ def variant(benchmark: str, name: str | None = None) -> Callable[[Callable[[Arra
 def recompiled(benchmark: str, name: str, chunk: int = CHUNK, compiled_with: str | None = None) -> None:
     """Register the kernels of a benchmark compiled in another way.
 
-    chunk: points per thread, a power of two; compiled_with: all flags of Warp's compiler, default the program's.
+    chunk: points per thread, a power of two up to 16384, beyond which sums are not exact in the check; compiled_with:
+    all flags of Warp's compiler, default the program's.
 
-    Raises `ValueError`.
+    Raises `ValueError` for a benchmark that there is not, a name that is taken, and any other chunk.
     """
     checks.choice("benchmark", benchmark, tuple(BENCHMARKS))
-    if not isinstance(chunk, int) or chunk < 1 or chunk & (chunk - 1):
-        raise ValueError(f"chunk is {chunk!r}; allowed: a power of two")
+    chunk = checks.integer("chunk", chunk, "a power of two up to 16384", 1, 2**14)
+    if chunk & (chunk - 1):
+        raise ValueError(f"chunk is {chunk}; allowed: a power of two up to 16384")
     _register(benchmark, Variant(name, lambda arrays: compiled_again(arrays, chunk, compiled_with)))
 
 
@@ -128,19 +139,15 @@ def replanned(benchmark: str, name: str, planning: str = "estimate", threads: in
         arrays.transforms.planning, arrays.transforms.threads = planning, threads
         return warp_lines(arrays, kernels.load())
 
-    _register(benchmark, Variant(name, build))
+    _register(benchmark, Variant(name, build, threads=threads, wisdom=planning != "estimate"))
 
 
 def _register(benchmark: str, new: Variant) -> None:
     if not re.fullmatch("[A-Za-z0-9_-]+", new.name):
         raise ValueError(f"variant is {new.name!r}; allowed: a name of letters, digits, _ and -")
-    if new.name in {one.name for one in OWN.get(benchmark, ())} | set(RESERVED):
+    if new.name in {one.name for one in own(benchmark)}:
         raise ValueError(f"variant {new.name!r} of {benchmark} is there already; allowed: another name")
     OWN.setdefault(benchmark, []).append(new)
-
-
-RESERVED = ("warp", "numpy", "element", "c", "copy", "roof", "transforms")
-"""Names of the variants that every kernel has."""
 
 
 def load_file(path: Path) -> None:
@@ -184,19 +191,8 @@ def repeated(run: Run) -> Runs:
 
 def launched(launches: Iterable[Launch]) -> Runs:
     """What a variant gives for launches of Warp kernels: all of them, as often as asked for, in one recorded graph."""
-    import warp as wp
-
     shared = [(k, n, [kernels.share(x) for x in i], [kernels.share(x) for x in o]) for k, n, i, o in launches]
-
-    def runs(repeats: int) -> Run:
-        with wp.ScopedCapture(device="cpu") as capture:
-            for _ in range(repeats):
-                for kernel, threads, inputs, outputs in shared:
-                    wp.launch(kernel, dim=threads, inputs=inputs, outputs=outputs, device="cpu")
-        graph = capture.graph
-        return lambda: wp.capture_launch(graph)
-
-    return runs
+    return lambda repeats: kernels.record_launches(shared, repeats)
 
 
 def in_turn(parts: Sequence[Runs]) -> Runs:
