@@ -17,6 +17,8 @@ from .variants import Arrays, Runs, Variant, own
 UNCHECKED = ("copy", "roof", "roof-unrolled", "transforms")
 """Variants that do something else."""
 
+_SMALL = 2**16  # points
+
 
 class Bench:
     """A benchmark on buffers of its own, staggered as the program's are.
@@ -70,7 +72,7 @@ class Bench:
     def check(self) -> None:
         """Run every variant once; raises `RuntimeError` where one disagrees with NumPy in a single value.
 
-        What it does twice when it is told so must be what it does when it is told twice.
+        On few points also what it does when it is told to do it twice is compared with doing it once and once more.
         """
         start = self.benchmark.make(self.num_points, self.precision, exact=True)
         expected = self._expected(start)
@@ -79,11 +81,13 @@ class Bench:
             for argument in self.benchmark.arrays:
                 if argument.name in expected:
                     agreement.compare(name, argument, found, expected, self.benchmark.transforms)
-            twice = self._run(name, start, (1, 1))
-            once = self._run(name, start, (2,))
-            if any(not np.array_equal(once[array], twice[array], equal_nan=True) for array in expected):
+            if self.num_points <= _SMALL and not self._same_twice(name, start, expected):
                 raise RuntimeError(f"{name} does something else when it is told to do it twice")
         self._fill(self._start)
+
+    def _same_twice(self, name: str, start: dict[str, Array], names: Iterable[str]) -> bool:
+        twice, once = self._run(name, start, (1, 1)), self._run(name, start, (2,))
+        return all(np.array_equal(once[array], twice[array], equal_nan=True) for array in names)
 
     def _run(self, name: str, start: dict[str, Array], repeats: Iterable[int]) -> dict[str, Array]:
         """What the arrays hold after a variant has been run that often, one after the other."""
