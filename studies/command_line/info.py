@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import warp as wp
 from linecontact import kernels
+from linecontact.kernels import tuning
 from linecontact.solver import provenance
 from linecontact.solver.transforms import planned, wisdom
 from rich.table import Table
@@ -29,6 +30,8 @@ def command(_: Options) -> int:
         "threads": f"FFTW 1 by default (--threads), Warp 1; {len(os.sched_getaffinity(0))} cores usable"
         if hasattr(os, "sched_getaffinity")
         else str(os.cpu_count()),
+        "instruction sets": kernels.instructions() or "unknown",
+        "flags of the kernels": ", ".join(f"{module} {name}" for module, name in tuning.chosen().items()),
         "Warp kernel cache": str(wp.config.kernel_cache_dir),
         "FFTW wisdom": f"{wisdom.wisdom_file()} ({'present' if wisdom.wisdom_file().exists() else 'none yet'})",
         "devices": ", ".join(str(device) for device in wp.get_devices()) + " (only cpu is used)",
