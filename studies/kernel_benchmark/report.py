@@ -52,6 +52,8 @@ def parts(study: StudyFile) -> Iterator[RenderableType]:
     for group, size in shown:
         own = [cell for cell in grouped if (cell.benchmark.group, cell.key.num_points) == (group, size)]
         yield size_table(own, group, size, scatter, explained=(group, size) == shown[-1])
+    if about:
+        yield kernel_table(found, about)
     yield from own_tables(grouped, functools.cache(lambda variant: Scatter(found, variant)))
     for name in dict.fromkeys(cell.key.benchmark for cell in found if cell.benchmark.group == "transforms"):
         yield transform_table([cell for cell in found if cell.key.benchmark == name], name)
@@ -111,6 +113,28 @@ def size_table(found: list[Cell], group: str, size: int, scatter: Scatter, expla
         if group == "iterations":
             row.append(number(cell.seconds("transforms") / cell.seconds("warp")))
         table.add_row(*row)
+    return table
+
+
+_KERNEL = (
+    "flop, bytes: for each point; bits: widest vectors in the object code; launch: time on 2^10 points beyond C's, "
+    "as one of many launches in a recorded graph [us]."
+)
+
+
+def kernel_table(found: list[Cell], about: Run) -> Table:
+    """A table of what a kernel is, whatever the number of points, for both precisions."""
+    pairs = [f"{what}\n{p.removeprefix('float')}" for what in ("bytes", "bits", "launch") for p in PRECISIONS]
+    table = new_table(["", "flop", *pairs], "Kernels", _KERNEL)
+    own = {cell.key: cell for cell in found if cell.benchmark.group == "kernels"}
+    for name in dict.fromkeys(key.benchmark for key in own):
+        some = [next((cell for key, cell in own.items() if key[:2] == (name, p)), None) for p in PRECISIONS]
+        small = [own.get(Key(name, p, 2**10)) for p in PRECISIONS]
+        flops = max(cell.value("flops") / cell.key.num_points for cell in some if cell)
+        row = [cell.value("bytes.traffic") / cell.key.num_points if cell else math.nan for cell in some]
+        row += [float(about.get(f"width.{name}.{p}", math.nan)) for p in PRECISIONS]
+        launches = [(cell.seconds("warp") - cell.seconds("c")) * 1e6 if cell else math.nan for cell in small]
+        table.add_row(name, number(flops, 0), *(number(value, 0) for value in row), *map(number, launches))
     return table
 
 
@@ -202,7 +226,7 @@ def memory_table(found: list[Cell], about: Run) -> Iterator[RenderableType]:
 
 
 def sentences(found: Iterable[Cell], about: Run) -> Iterator[str]:
-    """On launches, compiling, the widths of vectors, and on what misses the goal."""
+    """On launches, compiling, and on what misses the goal."""
     cells_ = list(found)
     launch = launch_seconds(cells_)
     if launch > 0:
@@ -210,15 +234,6 @@ def sentences(found: Iterable[Cell], about: Run) -> Iterator[str]:
     if "seconds.compile.cold" in about:
         cold, warm = (about[f"seconds.compile.{name}"] for name in ("cold", "warm"))
         yield f"Compiling all kernels takes {cold:.1f} s once, loading them {warm:.2f} s."
-    widths = {
-        name.removeprefix("width."): int(bits)
-        for name, bits in about.items()
-        if name.startswith("width.") and bits == bits
-    }
-    for bits in sorted(set(widths.values()), reverse=True):
-        own = [name for name, value in widths.items() if value == bits]
-        text = f"all but {len(widths) - len(own)}" if len(own) > len(widths) / 2 else ", ".join(own)
-        yield f"Vectors of {bits} bits: {text}." if bits else f"No vectors: {text}."
     judged = [c for c in cells_ if c.benchmark.group in ("kernels", "sequences") and c.key.num_points >= GOAL_FROM]
     judged = [cell for cell in judged if cell.ratio("warp") > 0 and cell.runs[0]["yardstick"] == "c"]
     late = [cell for cell in judged if cell.ratio("warp") > GOAL]

@@ -43,7 +43,7 @@ _EVEN = tuple(2**k for k in range(10, 23, 2))
 SIZES = {
     "kernels": _EVEN,
     "sequences": _EVEN,
-    "iterations": (2**14, 2**18, 2**20),
+    "iterations": (2**14, 2**18),
     "transforms": (*_EVEN, 2**24, 3**11, 5**8, 262139),
     "roofs": _EVEN,
 }
