@@ -71,8 +71,13 @@ def test_fast_lengths_are_the_least_with_small_factors():
 
 
 ROOT = Path(__file__).parent.parent
-ON_THEIR_OWN = ("solver/grid/certificate.py", "studies/peers/solvers.py")
-"""Checks, which are to share no code with what they check."""
+ON_THEIR_OWN = (
+    "solver/grid/certificate.py",
+    "studies/peers/solvers.py",
+    "studies/kernel_benchmark/shipped.py",
+    "studies/kernel_benchmark/transforms.py",
+)
+"""Checks, which are to share no code with what they check, and the benchmark of libraries beside each other."""
 
 
 def transforms_by_hand(source):

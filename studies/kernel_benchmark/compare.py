@@ -69,7 +69,7 @@ def read(path: Path) -> Measurement:
     """A stored study, its JSON, or the newest of the studies in a folder. Raises `ValueError` for anything else."""
     allowed = "a study kernels' .h5, its --json saved to a file, or a folder that holds such .h5"
     refusal = f"compare: {path} {{}}; allowed: {allowed}"
-    if path.is_dir():
+    if os.path.isdir(path):
         files = sorted(path.rglob(f"{report.KIND}.h5"), key=lambda file: file.stat().st_mtime)
         if not files:
             raise ValueError(refusal.format(f"holds no {report.KIND}.h5"))

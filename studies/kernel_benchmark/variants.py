@@ -18,6 +18,7 @@ import copy
 import functools
 import importlib.util
 import itertools
+import os
 import re
 import sys
 from collections.abc import Callable, Iterable, Sequence
@@ -152,7 +153,7 @@ def _register(benchmark: str, new: Variant) -> None:
 
 def load_file(path: Path) -> None:
     """Run a user's file of variants, once. Raises `ValueError` for one that is missing, or fails."""
-    if not path.is_file():
+    if not os.path.isfile(path):
         raise ValueError(f"variants is {path}; allowed: a Python file that registers variants")
     _run_file(path.resolve())
 
