@@ -31,4 +31,4 @@ def _commit() -> str:
         commit = next(line.split()[-1][:12] for line in said if line.startswith("# branch.oid"))
     except (OSError, subprocess.SubprocessError, StopIteration):
         return "none"
-    return commit + ("" if all(line.startswith("#") for line in said) else "+dirty")
+    return commit + ("" if all(line.startswith(("#", "?")) for line in said) else "+dirty")  # "?": not the project's

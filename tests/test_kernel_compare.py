@@ -33,7 +33,8 @@ def made(seed, slower=None, machine=1.0, repeat=0.04, process=0.01, common=0.005
                     names = {"benchmark": kernel, "precision": precision, "num_points": size, "repeat": number}
                     times = {"seconds.warp": c * ratio, "seconds.c": c, "ratio.warp": ratio, "ratio.c": 1.0}
                     runs.append(names | times | {"yardstick": "c", "provenance.commit": "abc"})
-    return {"schema": 2, "kind": "kernels", "configuration": {"identity": dict(IDENTITY)}, "runs": runs}
+    about = {"complete": True, "failures": {}, "configuration": {"identity": dict(IDENTITY)}}
+    return {"schema": 2, "kind": "kernels"} | about | {"runs": runs}
 
 
 def write(path, content):
@@ -107,7 +108,9 @@ def test_the_newest_of_a_folder_is_taken(tmp_path):
     for name in ("x", "y"):
         runs = content["runs"] if name == "y" else content["runs"][:3]
         (tmp_path / name).mkdir()
-        study_files.save_study(tmp_path / name / "kernels.h5", StudyFile("kernels", content["configuration"], runs))
+        study_files.save_study(
+            tmp_path / name / "kernels.h5", StudyFile("kernels", content["configuration"], runs, complete=True)
+        )
     assert len(compare.read(tmp_path).cells) == len(KERNELS) * 2 * len(SIZES)
 
 
@@ -119,6 +122,7 @@ def test_bad_files_are_refused(tmp_path, capsys):
     write(tmp_path / "list.json", [1])
     write(tmp_path / "foreign.json", {"runs": []})
     write(tmp_path / "older.json", {**made(1), "schema": 1})
+    write(tmp_path / "failed.json", {**made(1), "complete": False, "failures": {"a": "b"}})
     write(tmp_path / "none.json", {**made(1), "runs": []})
     write(tmp_path / "other.json", {**made(1), "runs": [{**row, "num_points": 77} for row in made(1)["runs"]]})
     zero = copy.deepcopy(made(1))
@@ -126,7 +130,7 @@ def test_bad_files_are_refused(tmp_path, capsys):
     write(tmp_path / "zero.json", {**zero, "runs": zero["runs"][:1]})
     study_files.save_study(tmp_path / "other.h5", StudyFile("hertz", {}, [{"status": "converged"}]))
     names = sorted(path.name for path in tmp_path.iterdir() if path != good)
-    assert len(names) == 10
+    assert len(names) == 11
     for name in (*names, "missing.json", "missing.h5"):
         assert cli.main(["study", "kernels", "--compare", str(good), str(tmp_path / name)]) == 2, name
         caught = capsys.readouterr()
@@ -134,6 +138,12 @@ def test_bad_files_are_refused(tmp_path, capsys):
         assert caught.err.count("\n") == 1
         assert name in caught.err
         assert "allowed" in caught.err
+
+
+def test_a_measurement_is_not_compared_with_itself(tmp_path, capsys):
+    file = write(tmp_path / "one.json", made(1))
+    assert cli.main(["study", "kernels", "--compare", str(file), str(file)]) == 2
+    assert "are the same" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("threshold", ["1", "0.5", "nan", "11"])

@@ -358,15 +358,23 @@ def test_a_wrong_variant_is_told_and_not_timed(own, monkeypatch, tmp_path, capsy
     command = ["study", "kernels", "--variants", str(file), "--kernel", "count_below", "--size", "2^10"]
     assert cli.main([*command, "--folder", str(tmp_path)]) == 4
     caught = capsys.readouterr()
-    assert "mine and numpy disagree in 1 of 1 values of counts: number 0 is 3 instead of" in caught.err
+    text = "count_below in float32 on 1024 points: mine and numpy disagree in 1 of 1 values of counts: number 0 is 3.0"
+    assert text in caught.err
+    (file,) = tmp_path.glob("*/kernels.h5")
+    assert len(study_files.load_study(file).failures) == 6  # and nothing is timed in later repetitions
+    other = tmp_path / "other.h5"
+    other.write_bytes(file.read_bytes())
+    assert cli.main(["study", "kernels", "--compare", str(file), str(other)]) == 2
+    assert "is of a study with 6 failed tasks" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
     ("text", "message"),
     [
         (None, "variants is"),
-        ("def", "mine.py: SyntaxError"),
-        ("1/0", "mine.py: ZeroDivisionError"),
+        ("def", "SyntaxError"),
+        ("1/0", "mine.py: line 2: ZeroDivisionError"),
+        ("import sys; sys.exit(0)", "mine.py: line 2: SystemExit"),
         ("V.variant('fire')(lambda a: 0)", "benchmark is 'fire'; allowed: spectral_multiply"),
         ("V.recompiled('fire_step', 'x', chunk=1000)", "chunk is 1000; allowed: a power of two"),
         (

@@ -41,7 +41,7 @@ def compare(
         first = int(np.argmax(wrong))
         raise RuntimeError(
             f"{variant} and numpy disagree in {int(wrong.sum())} of {wanted.size} values of {argument.name}: "
-            f"number {first} is {given[first]:.9g} instead of {wanted[first]:.9g}"
+            f"number {first} is {given[first]} instead of {wanted[first]}"
         )
 
 

@@ -55,7 +55,11 @@ class Bench:
 
     def _bind(self, variant: Variant, arrays: Arrays) -> None:
         with contextlib.nullcontext() if variant.wisdom else without_wisdom():
-            self.variants[variant.name] = variant.build(arrays)
+            runs = variant.build(arrays)
+        if not callable(runs):
+            allowed = "launched(...) or repeated(...)"
+            raise ValueError(f"variant {variant.name} of {self.benchmark.name} gave {runs!r}; allowed: {allowed}")
+        self.variants[variant.name] = runs
         self._views[variant.name], self.notes[variant.name] = arrays, arrays.notes
         self.slow |= {variant.name} if variant.slow else set()
         self.threads[variant.name] = variant.threads

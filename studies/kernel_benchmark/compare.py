@@ -90,13 +90,21 @@ def read(path: Path) -> Measurement:
             raise ValueError(refusal.format("is not JSON")) from None
     try:
         return _measurement(content)
+    except UnfinishedError as error:
+        raise ValueError(refusal.format(f"is of a study with {error} failed tasks, or not finished")) from None
     except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
         raise ValueError(refusal.format(f"does not follow schema {report.SCHEMA} ({error!r})")) from None
+
+
+class UnfinishedError(Exception):
+    """The number of failed tasks of a study that is not complete."""
 
 
 def _measurement(content: Any) -> Measurement:
     if content["schema"] != report.SCHEMA:
         raise ValueError(f"schema is {content['schema']!r}")
+    if not content["complete"]:
+        raise UnfinishedError(len(content["failures"]))
     found = cells(content["runs"])
     for cell in found.values():
         for variant in cell.variants:
@@ -146,9 +154,15 @@ def between(found: list[Change]) -> tuple[float, float]:
 
 
 def _mean(own: list[Change], single: float) -> tuple[float, float]:
-    """Mean logarithm of some changes, the surer ones counting more, and its standard error."""
-    weights = np.array([1 / (change.error**2 + single**2) for change in own])
-    return float(weights @ [change.log for change in own] / weights.sum()), float(weights.sum() ** -0.5)
+    """Mean logarithm of some changes, the surer ones counting more, and its standard error.
+
+    Where the changes differ by more than their errors tell, the error is what they differ by: a change at one size only
+    may come from what else the machine did just then.
+    """
+    logs, weights = np.array([c.log for c in own]), np.array([1 / (c.error**2 + single**2) for c in own])
+    mean = float(weights @ logs / weights.sum())
+    differ = float(weights @ (logs - mean) ** 2 / weights.sum()) / max(1, logs.size - 1)
+    return mean, math.sqrt(max(1 / float(weights.sum()), differ))
 
 
 _ENOUGH, _USUAL = 8, 0.02
@@ -227,6 +241,8 @@ def row_table(marked: list[tuple[Change, str]]) -> Table:
 def command(old: Path, new: Path, threshold: float) -> int:
     """Print what changed; returns 3 if a benchmark is slower over all its sizes, else 0. Raises `ValueError`."""
     checks.real("threshold", threshold, "a number > 1 and <= 10", 1.0, 10.0)
+    if os.path.realpath(old) == os.path.realpath(new):
+        raise ValueError(f"compare: {old} and {new} are the same; allowed: two measurements")
     before, after = read(old), read(new)
     found = changes(before, after)
     if not found:

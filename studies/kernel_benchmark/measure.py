@@ -94,8 +94,7 @@ def measure(name: str, precision: str, num_points: int, seconds: float, first: b
     """
     benchmark = BENCHMARKS[name]
     bench = Bench(benchmark, precision, num_points)
-    if first:
-        bench.check()
+    _check(bench, first)
     slow = bench.slow
     variants = {v: runs for v, runs in bench.variants.items() if first or v not in slow}
     several = {name for name, threads in bench.threads.items() if threads > 1}
@@ -119,6 +118,22 @@ def measure(name: str, precision: str, num_points: int, seconds: float, first: b
     if first and "warp" in bench.variants:
         record["ratio.two_cores"] = two_cores(bench, calls["warp"])
     return record
+
+
+_wrong: dict[tuple[str, str, int], str] = {}  # what the check has found in this process
+
+
+def _check(bench: Bench, first: bool) -> None:
+    """Check the variants once; what is wrong is not timed in later repetitions either. Raises `RuntimeError`."""
+    key = bench.benchmark.name, bench.precision, bench.num_points
+    if first:
+        _wrong.pop(key, None)
+        try:
+            bench.check()
+        except RuntimeError as error:
+            _wrong[key] = f"{key[0]} in {key[1]} on {key[2]} points: {error}"
+    if key in _wrong:
+        raise RuntimeError(_wrong[key])
 
 
 def _fastest(times: Times, builds: Sequence[str]) -> Times:

@@ -1,11 +1,13 @@
 """Tables of the benchmark's times, and the same numbers as JSON.
 
-JSON, schema 2: {"schema": 2, "kind": "kernels", "configuration": {...}, "runs": [...]}, the configuration with what the
-times depend on under "identity", the runs with one flat object for each repetition of each measurement: "benchmark",
-"precision", "num_points", "repeat", "core" (the number of the core), "rounds", "seconds.V" (median time of a call of
-variant V), "ratio.V" (median over the rounds of that over the time of the "yardstick" in the same round),
-"seconds.planning.V" and "measured.V" (of transforms: time to plan, and 1 if that was by measuring),
-"ratio.two_cores", "flops", "bytes.traffic", "bytes.working_set", and "provenance.*". Ratios are dimensionless.
+JSON, schema 2: {"schema": 2, "kind": "kernels", "complete": true if every task is done, "failures": {task: reason},
+"configuration": {...}, "runs": [...]}. The configuration says what was chosen ("sizes", "repeats", "variants": a hash of
+the file of variants) and what the times depend on ("identity"). The runs are one flat object for each repetition of
+each measurement: "benchmark", "precision", "num_points", "repeat", "core" (the number of the core), "rounds",
+"seconds.V" (median time of a call of variant V), "ratio.V" (median over the rounds of that over the time of the
+"yardstick" in the same round), "seconds.planning.V" and "measured.V" (of transforms: time to plan, and 1 if that was by
+measuring), "ratio.two_cores", "flops", "bytes.traffic", "bytes.working_set", "task" (its hash) and "provenance.*".
+Ratios are dimensionless.
 """
 
 import functools
@@ -40,7 +42,8 @@ SHIPPED = ("warp", "c", "element", "numpy", "copy", "roof", "transforms")
 def to_json(study: StudyFile) -> Run:
     """The file as one JSON-ready object."""
     runs = [{n: v for n, v in run.items() if v == v} for run in study.runs]  # without NaN
-    return {"schema": SCHEMA, "kind": KIND, "configuration": study.configuration, "runs": plain(runs)}
+    about = {"complete": study.complete, "failures": study.failures, "configuration": study.configuration}
+    return {"schema": SCHEMA, "kind": KIND} | about | {"runs": plain(runs)}
 
 
 def parts(study: StudyFile) -> Iterator[RenderableType]:
@@ -90,8 +93,9 @@ _COLUMNS = (
     "us: median of a call of the recorded kernels, as the program runs them, one of many in a graph; roof: time of a "
     "loop in C that moves the same memory, over that; /C: time over C's in the same round, with its 95 % interval, of "
     "Warp, of one thread for each point (elem.), of the NumPy twins; 2 cores: time with another core at the same work "
-    "over that alone; FFT share: of the transforms, which FFTW plans by estimate without wisdom. Ratios dimensionless."
+    "over that alone. Ratios dimensionless."
 )
+_SHARE = " FFT share: of the transforms, which FFTW plans by estimate without wisdom."
 
 
 def size_table(found: list[Cell], group: str, size: int, scatter: Scatter, explained: bool) -> Table:
@@ -102,7 +106,8 @@ def size_table(found: list[Cell], group: str, size: int, scatter: Scatter, expla
     alone, last = group == "kernels", ["FFT\nshare"] if group == "iterations" else []
     headings = ["", "real", "us", "GB/s", *(["roof"] if alone else []), "Warp\n/C", "+-"]
     headings += [*(["elem.\n/C"] if alone else []), "NumPy\n/C", "2\ncores", *last]
-    table = new_table(headings, f"{group.capitalize()} on {power(size)} points", _COLUMNS if explained else "")
+    caption = _COLUMNS + (_SHARE if last else "") if explained else ""
+    table = new_table(headings, f"{group.capitalize()} on {power(size)} points", caption)
     for cell in found:
         row = [cell.key.benchmark, cell.key.precision.removeprefix("float"), microseconds(cell.seconds("warp"))]
         row.append(number(cell.bandwidth("warp"), 0))
@@ -228,6 +233,7 @@ def memory_table(found: list[Cell], about: Run) -> Iterator[RenderableType]:
 def sentences(found: Iterable[Cell], about: Run) -> Iterator[str]:
     """On launches, compiling, and on what misses the goal."""
     cells_ = list(found)
+    scatter = Scatter(cells_, "warp")
     launch = launch_seconds(cells_)
     if launch > 0:
         yield f"A kernel's launch inside a recorded sequence takes {launch * 1e6:.2f} us (median of the kernels)."
@@ -241,9 +247,9 @@ def sentences(found: Iterable[Cell], about: Run) -> Iterator[str]:
         yield f"Within {GOAL} of C on {power(GOAL_FROM)} points and more: {len(judged) - len(late)} of {len(judged)}."
     short = [cell for cell in late if not _slow_code(cell, launch)]
     if short:
-        yield f"Beyond only for the time of their launches: {_listed(short)}."
+        yield f"Beyond only for the time of their launches: {_listed(short, scatter)}."
     if len(late) > len(short):
-        yield f"Beyond for their code: {_listed([cell for cell in late if cell not in short])}."
+        yield f"Beyond for their code: {_listed([cell for cell in late if cell not in short], scatter)}."
 
 
 def launch_seconds(found: Iterable[Cell]) -> float:
@@ -262,7 +268,9 @@ def _slow_code(cell: Cell, launch: float) -> bool:
     return cell.ratio("warp") * work / cell.seconds("warp") > GOAL
 
 
-def _listed(found: Iterable[Cell]) -> str:
+def _listed(found: Iterable[Cell], scatter: Scatter) -> str:
     return ", ".join(
-        f"{c.key.benchmark} {c.key.precision} {power(c.key.num_points)} {c.ratio('warp'):.2f}" for c in found
+        f"{c.key.benchmark} {c.key.precision} {power(c.key.num_points)} {c.ratio('warp'):.2f} +- "
+        f"{scatter.half_width(c, 'warp'):.2f}"
+        for c in found
     )

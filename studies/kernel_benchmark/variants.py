@@ -21,6 +21,7 @@ import itertools
 import os
 import re
 import sys
+import traceback
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -169,9 +170,11 @@ def _run_file(path: Path) -> None:
     kernels.start_warp()  # in silence
     try:
         spec.loader.exec_module(module)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
+        lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)]
+        where = f"line {lines[-1]}: " if lines else ""
         said = str(error) if "allowed: " in str(error) else f"{type(error).__name__}: {error}; allowed: code that runs"
-        raise ValueError(f"variants: file {path}: {said}") from error
+        raise ValueError(f"variants: file {path}: {where}{said}") from error
 
 
 def repeated(run: Run) -> Runs:

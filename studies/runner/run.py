@@ -43,7 +43,8 @@ def run_study(study: Study, options: Options) -> int:
         output.print(part, soft_wrap=isinstance(part, str), highlight=False)
     output.print(f"{time.monotonic() - begin:.1f} s in all." if computed else "Finished before; nothing computed.")
     output.print(f"Data: {', '.join(str(plan.path(folder)) for plan in plans)}", soft_wrap=True)
-    output.print(f"Figures: {', '.join(map(str, figures))}", soft_wrap=True)
+    if figures:
+        output.print(f"Figures: {', '.join(map(str, figures))}", soft_wrap=True)
     return _exit_status(study, files.values())
 
 
