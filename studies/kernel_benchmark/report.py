@@ -1,7 +1,7 @@
 """Tables of the benchmark's times, and the same numbers as JSON.
 
 JSON, schema 2: {"schema": 2, "kind": "kernels", "complete": true if every task is done, "failures": {task: reason},
-"configuration": {...}, "runs": [...]}. The configuration says what was chosen ("sizes", "repeats", "variants": a hash of
+"configuration": {...}, "runs": [...]}. The configuration says what was chosen ("sizes", "repeats", "variants": hash of
 the file of variants) and what the times depend on ("identity"). The runs are one flat object for each repetition of
 each measurement: "benchmark", "precision", "num_points", "repeat", "core" (the number of the core), "rounds",
 "seconds.V" (median time of a call of variant V), "ratio.V" (median over the rounds of that over the time of the
