@@ -26,6 +26,8 @@ from .cells import Cell, Key, Scatter, cells, quantile
 EXIT_SLOWER = 3
 JUDGED = "warp"
 """The variant that the program runs, which decides on the exit status."""
+BOTH = "both"
+"""Stands for a precision where both are judged together, which finds what neither shows alone."""
 ROWS, BENCHMARKS_ = 0.002, 0.002
 """Probability that a row which did not change is marked, and that any benchmark of a comparison is."""
 
@@ -181,17 +183,21 @@ def verdict(log: float, error: float, freedom: int, threshold: float, chance: fl
 
 
 def judge(found: list[Change], threshold: float) -> dict[tuple[str, str], tuple[float, float, str]]:
-    """Benchmarks over all their sizes, by name and precision: mean change, its standard error and the verdict."""
+    """Benchmarks over all their sizes, by name and precision or `BOTH`: mean change, its standard error, verdict."""
     own = [change for change in found if change.variant == JUDGED]
-    names = dict.fromkeys((change.key.benchmark, change.key.precision) for change in own)
-    judged = {}
-    single, common = between(own)
-    for name in names:
-        rows = [change for change in own if (change.key.benchmark, change.key.precision) == name]
+    groups: dict[tuple[str, str], list[Change]] = {}
+    for change in own:
+        for precision in (change.key.precision, BOTH):
+            groups.setdefault((change.key.benchmark, precision), []).append(change)
+    groups = {
+        name: rows for name, rows in groups.items() if name[1] != BOTH or len({r.key.precision for r in rows}) > 1
+    }
+    judged, (single, common) = {}, between(own)
+    for name, rows in groups.items():
         mean, error = _mean(rows, single)
         error = math.hypot(error, common)
         freedom = sum(change.freedom for change in rows)
-        judged[name] = math.exp(mean), error, verdict(mean, error, freedom, threshold, BENCHMARKS_ / len(names))
+        judged[name] = math.exp(mean), error, verdict(mean, error, freedom, threshold, BENCHMARKS_ / len(groups))
     return judged
 
 
