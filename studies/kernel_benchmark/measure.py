@@ -23,7 +23,7 @@ ROOFS = ("roof", "roof-unrolled")
 
 Times = dict[str, NDArray[np.float64]]
 
-_SPAN, _MOST_CALLS = 1e-4, 1000  # s that are timed at once, and calls after which in-place results still are ordinary
+_SPAN, _MOST_CALLS = 1e-4, 300  # s that are timed at once, and calls after which in-place results still are ordinary
 _LEAST_ROUNDS, _SLOW_ROUNDS = 6, 1
 _TOGETHER = 0.02  # s that cores work at once
 _PATIENCE = 300.0  # s that one core waits for another
