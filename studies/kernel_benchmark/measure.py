@@ -199,14 +199,15 @@ def two_cores(bench: Bench, calls: int) -> float:
     if core is None:
         return math.nan
     other = Bench(bench.benchmark, bench.precision, bench.num_points, only={"warp"})
-    alone = _at_once({_CORES[-1]: bench}, calls)
-    return _at_once({_CORES[-1]: bench, core: other}, calls) / alone
-
-
-def _at_once(benches: Mapping[int, Bench], calls: int) -> float:
-    """Mean of the median times of a call of the program's variant [s], every bench in a thread on its core."""
-    barrier, found = threading.Barrier(len(benches)), dict.fromkeys(benches, math.nan)
+    benches = {_CORES[-1]: bench, core: other}
     runs = {core: bench.variants["warp"](calls) for core, bench in benches.items()}
+    alone = _at_once({_CORES[-1]: bench}, runs)
+    return _at_once(benches, runs) / alone
+
+
+def _at_once(benches: Mapping[int, Bench], runs: Mapping[int, Callable[[], object]]) -> float:
+    """Mean of the median times of the runs of some benches [s], each in a thread on its core."""
+    barrier, found = threading.Barrier(len(benches)), dict.fromkeys(benches, math.nan)
 
     def work(core: int) -> None:
         os.sched_setaffinity(0, [core])
@@ -216,7 +217,7 @@ def _at_once(benches: Mapping[int, Bench], calls: int) -> float:
         while time.perf_counter() < end or len(times) < _LEAST_ROUNDS:
             benches[core].restore()
             runs[core]()
-            times.append(_seconds(runs[core]) / calls)
+            times.append(_seconds(runs[core]))
         found[core] = float(np.median(times))
 
     threads = [threading.Thread(target=work, args=(core,)) for core in benches]
