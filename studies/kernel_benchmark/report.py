@@ -123,7 +123,7 @@ def size_table(found: list[Cell], group: str, size: int, scatter: Scatter, expla
 
 _KERNEL = (
     "flop, bytes: for each point; bits: widest vectors in the object code; launch: time on 2^10 points beyond C's, "
-    "as one of many launches in a recorded graph [us]."
+    "as one of many launches in a recorded graph (us)."
 )
 
 
