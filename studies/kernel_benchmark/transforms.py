@@ -49,15 +49,10 @@ def _steps(arrays: Arrays) -> list[tuple[Array, Array, str]]:
 def _fftw(effort: str, arrays: Arrays, threads: int = 1) -> Runs:
     """Plans of one effort, from wisdom if it holds them; those that are measured are kept."""
     wisdom.load()
-    begin = time.perf_counter()
-    plans, measured = [], False
-    for step in _steps(arrays):
-        try:
-            plans.append(_plan(step, effort, threads, "FFTW_WISDOM_ONLY"))
-        except RuntimeError:  # wisdom does not hold it
-            plans.append(_plan(step, effort, threads))
-            measured = effort != "estimate"
-    arrays.notes |= {"plan": time.perf_counter() - begin, "measured": measured}
+    known, begin = pyfftw.export_wisdom(), time.perf_counter()
+    plans = [_plan(step, effort, threads) for step in _steps(arrays)]
+    arrays.notes["plan"] = time.perf_counter() - begin
+    arrays.notes["measured"] = measured = effort != "estimate" and pyfftw.export_wisdom() != known
     if measured:
         wisdom.save()
     return in_turn([repeated(plan) for plan in plans])
@@ -75,9 +70,9 @@ def without_wisdom() -> Iterator[None]:
         pyfftw.import_wisdom(known)
 
 
-def _plan(step: tuple[Array, Array, str], effort: str, threads: int, *flags: str) -> Run:
+def _plan(step: tuple[Array, Array, str], effort: str, threads: int) -> Run:
     source, target, kind = step
-    own = [f"FFTW_{effort.upper()}", *flags, *(["FFTW_DESTROY_INPUT"] if kind == "c2r" else [])]
+    own = [f"FFTW_{effort.upper()}", *(["FFTW_DESTROY_INPUT"] if kind == "c2r" else [])]
     direction = "FFTW_BACKWARD" if kind in ("c2r", "backward") else "FFTW_FORWARD"
     limit = None if effort == "estimate" else MOST_SECONDS
     plan = pyfftw.FFTW(
