@@ -44,11 +44,6 @@ class Line(NamedTuple):
     """Names of the arrays that it writes, and may also read."""
 
 
-def lines(name: str) -> list[Line]:
-    """The lines of a sequence."""
-    return [parse(text) for text in SEQUENCES[name]]
-
-
 def parse(text: str) -> Line:
     """The line that a text like "fire_step: acceleration h state -> u v" stands for."""
     kernel, _, names = text.partition(":")
@@ -60,5 +55,5 @@ def sequence(name: str, arrays: Mapping[str, Array]) -> list[Call]:
     """The launches of a sequence on arrays, by the names that its lines give them."""
     return [
         Call(line.kernel, tuple(arrays[n] for n in line.inputs), tuple(arrays[n] for n in line.outputs))
-        for line in lines(name)
+        for line in map(parse, SEQUENCES[name])
     ]

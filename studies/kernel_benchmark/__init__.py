@@ -1,4 +1,4 @@
-"""The study of every kernel's time, beside C and NumPy.
+"""The study of what kernels, sequences of them, iterations and transforms cost.
 
 May import: linecontact.kernels, linecontact.solver, terminal, files, figures, runner.
 """

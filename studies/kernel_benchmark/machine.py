@@ -64,7 +64,7 @@ def _version(library: str) -> str:
         return "none"
 
 
-_SHOWING = ("report.py", "figures.py", "compare.py", "cells.py")  # that measure nothing
+_SHOWING = ("report.py", "figures.py", "compare.py", "changes.py", "cells.py")  # that measure nothing
 
 
 def source_hash() -> str:

@@ -5,8 +5,7 @@ import math
 import os
 import threading
 import time
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from pathlib import Path
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 from .bench import Bench
 from .benchmarks import BENCHMARKS
 from .c_code import BUILDS
+from .cores import CORES, another_core, unpinned
 from .variants import Runs
 
 Record = dict[str, Any]
@@ -27,7 +27,6 @@ _SPAN, _MOST_CALLS = 1e-4, 300  # s that are timed at once, and calls after whic
 _LEAST_ROUNDS, _SLOW_ROUNDS = 6, 1
 _TOGETHER = 0.02  # s that cores work at once
 _PATIENCE = 300.0  # s that one core waits for another
-_CORES = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []  # that this process may use
 
 
 def time_in_turn(
@@ -151,57 +150,18 @@ def _seconds(run: Callable[[], object]) -> float:
     return time.perf_counter() - begin
 
 
-@contextlib.contextmanager
-def pinned() -> Iterator[int]:
-    """Keep the calling thread on the last of the usable cores; gives its number, -1 where the system cannot."""
-    if not _CORES:
-        yield -1
-        return
-    os.sched_setaffinity(0, _CORES[-1:])
-    try:
-        yield _CORES[-1]
-    finally:
-        os.sched_setaffinity(0, _CORES)
-
-
-@contextlib.contextmanager
-def unpinned() -> Iterator[None]:
-    """Let the calling thread, and those that it starts, use all cores meanwhile."""
-    if not _CORES:
-        yield
-        return
-    before = os.sched_getaffinity(0)
-    os.sched_setaffinity(0, _CORES)
-    try:
-        yield
-    finally:
-        os.sched_setaffinity(0, before)
-
-
-def _another_core() -> int | None:
-    """A usable core beside the last one that is not the same physical core; None if there is none."""
-    if not _CORES:
-        return None
-    try:
-        text = Path(f"/sys/devices/system/cpu/cpu{_CORES[-1]}/topology/thread_siblings_list").read_text()
-    except OSError:
-        text = str(_CORES[-1])
-    siblings = {int(number) for part in text.strip().split(",") for number in part.split("-")}
-    return next((core for core in reversed(_CORES) if core not in siblings), None)
-
-
 def two_cores(bench: Bench, calls: int) -> float:
     """Time of a call while another core does the same on buffers of its own, over that of a call alone.
 
     NaN where there is no other core. Two threads of one process, which hand the interpreter to each other now and then.
     """
-    core = _another_core()
+    core = another_core()
     if core is None:
         return math.nan
     other = Bench(bench.benchmark, bench.precision, bench.num_points, only={"warp"})
-    benches = {_CORES[-1]: bench, core: other}
+    benches = {CORES[-1]: bench, core: other}
     runs = {core: bench.variants["warp"](calls) for core, bench in benches.items()}
-    alone = _at_once({_CORES[-1]: bench}, runs)
+    alone = _at_once({CORES[-1]: bench}, runs)
     return _at_once(benches, runs) / alone
 
 

@@ -28,7 +28,7 @@ from ..runner.run import run_study
 from ..runner.study import Plan, Study
 from ..runner.tasks import Record
 from ..terminal.options import one_of
-from . import compare, machine, measure, variants
+from . import compare, cores, machine, measure, variants
 from . import report as tables
 from .benchmark import PRECISIONS
 from .benchmarks import BENCHMARKS, GROUPS
@@ -103,7 +103,7 @@ class Task:
         if self.variants:
             variants.load_file(Path(self.variants))
         names = {"benchmark": self.benchmark, "precision": self.precision, "num_points": self.num_points}
-        with measure.pinned() as core:
+        with cores.pinned() as core:
             if self.benchmark == MACHINE:
                 found = machine.once()
             else:
