@@ -20,3 +20,13 @@ def dummies(tmp_path, monkeypatch):
 @pytest.fixture
 def folder(tmp_path):
     return tmp_path / "study"
+
+
+@pytest.fixture
+def own(monkeypatch):
+    """No variants of one's own but those that the test registers."""
+    from linecontact.studies.kernel_benchmark import variants
+
+    monkeypatch.setattr(variants, "OWN", {})
+    variants._run_file.cache_clear()
+    return variants.OWN

@@ -218,10 +218,10 @@ def memory_table(found: list[Cell], about: Run) -> Iterator[RenderableType]:
         return
     names = list(dict.fromkeys(cell.key.benchmark for cell in found))
     by_key = {cell.key: cell for cell in found}
-    rates = [f"{about.get(f'peak.{p}', math.nan) / 1e9:.0f} in {p}" for p in PRECISIONS]
-    caption = (
-        f"Reading alone to changing in place, one core. Multiply-adds in registers: {', '.join(rates)} [1e9 flop/s]."
-    )
+    rates = [f"{rate / 1e9:.0f} in {p}" for p in PRECISIONS if (rate := about.get(f"peak.{p}", math.nan)) > 0]
+    caption = "Reading alone to changing in place, one core."
+    if rates:
+        caption += f" Multiply-adds in registers: {', '.join(rates)} [1e9 flop/s]."
     table = new_table(["N", "real", *names], "Memory, C's loops [1e9 byte/s]", caption)
     for size in sorted({cell.key.num_points for cell in found}):
         for precision in PRECISIONS:
