@@ -97,11 +97,11 @@ def test_records(folder):
     found = cells.cells(file.runs)
     groups = {name: one.group for name, one in BENCHMARKS.items()}
     assert {key.benchmark for key in found} == set(groups)
-    assert records.unit("seconds.copy") == "s"
+    assert records.unit("seconds.warp") == "s"
     for key, cell in found.items():
         assert len(cell.runs) == 2
         if groups[key.benchmark] in ("kernels", "sequences"):
-            assert {"warp", "numpy", "copy"} <= set(cell.variants)
+            assert {"warp", "numpy"} <= set(cell.variants)
             assert not HAS_C or cell.ratio("c") == 1
             assert cell.bandwidth("warp") > 0
         if groups[key.benchmark] == "transforms":

@@ -29,6 +29,8 @@ def compare(
         given, wanted = _same_chunks(given, wanted)
     elif argument.per_point:
         given = given[: wanted.size]
+    if np.array_equal(given, wanted):
+        return
     bound = (
         _bound(argument, wanted, expected)
         if transforms

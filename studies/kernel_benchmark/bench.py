@@ -91,11 +91,13 @@ class Bench:
         self._fill(self._start)
 
     def _same_twice(self, name: str, start: dict[str, Array], names: Iterable[str]) -> bool:
-        twice, once = self._run(name, start, (1, 1)), self._run(name, start, (2,))
+        once_more = self._run(name, start, (1, 1))
+        twice = {array: once_more[array].copy() for array in names}
+        once = self._run(name, start, (2,))
         return all(np.array_equal(once[array], twice[array], equal_nan=True) for array in names)
 
     def _run(self, name: str, start: dict[str, Array], repeats: Iterable[int]) -> dict[str, Array]:
-        """What the arrays hold after a variant has been run that often, one after the other."""
+        """The arrays, until the next run, after a variant has been run that often, one after the other."""
         own = self._views[name].arrays
         for argument in self.benchmark.arrays:
             if argument.role in ("out", "sum"):  # what is not written is seen
@@ -103,7 +105,7 @@ class Bench:
         self._fill({a.name: start[a.name] for a in self.benchmark.arrays if a.role not in ("out", "sum")})
         for count in repeats:
             self.variants[name](count)()
-        return {n: array.copy() for n, array in own.items()}
+        return own
 
     def _expected(self, start: dict[str, Array]) -> dict[str, Array]:
         """What the arrays should hold afterwards; of a transform there and back a multiple; nothing for roofs."""

@@ -16,6 +16,8 @@ READS = ("in", "part", "state")
 """Roles of inputs; all others are outputs."""
 
 PRECISIONS = ("float32", "float64")
+LARGEST = 2**28
+"""The largest number of points."""
 
 _QUANTUM, _LARGEST = 1 / 8, 2.0
 """Values of the check are multiples of the one up to the other, so that kernels and their sums are exact in float32."""

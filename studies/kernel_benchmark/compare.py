@@ -13,6 +13,7 @@ from ..files import hdf5, study_files, writing
 from ..runner.tasks import MAX_BYTES
 from ..terminal import console
 from . import report
+from .benchmark import LARGEST
 from .cells import cells
 from .changes import ROWS, Change, Measurement, between, changes, judge, verdict
 
@@ -61,6 +62,8 @@ def _measurement(content: Any) -> Measurement:
         raise UnfinishedError(len(content["failures"]))
     found = cells(content["runs"])
     for cell in found.values():
+        if not 0 < cell.key.num_points <= LARGEST:
+            raise ValueError(f"bad row {', '.join(map(str, cell.key))}")
         for variant in cell.variants:
             if not all(0 < value < math.inf for value in (cell.seconds(variant), cell.ratio(variant))):
                 raise ValueError(f"bad row {', '.join(map(str, cell.key))} {variant}")

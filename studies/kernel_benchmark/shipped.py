@@ -32,7 +32,8 @@ def shipped(benchmark: Benchmark) -> list[Variant]:
             found.append(Variant(name, functools.partial(_c, library, prefix="roof_")))
     if benchmark.transforms:
         found += [Variant("transforms", _transforms_alone)]
-    return [*found, Variant("numpy", twin, slow=True), Variant("copy", _copy)]
+    found += [] if built else [Variant("copy", _copy)]  # without a compiler it is the yardstick
+    return [*found, Variant("numpy", twin, slow=True)]
 
 
 def check_names(benchmark: Benchmark) -> None:

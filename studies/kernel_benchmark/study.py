@@ -30,7 +30,7 @@ from ..runner.tasks import Record
 from ..terminal.options import one_of
 from . import compare, cores, machine, measure, variants
 from . import report as tables
-from .benchmark import PRECISIONS
+from .benchmark import LARGEST, PRECISIONS
 from .benchmarks import BENCHMARKS, GROUPS
 from .c_code import compile_c
 from .cells import MACHINE
@@ -158,7 +158,7 @@ def plan(options: Options) -> Plan:
 
 def _sizes(group: str, options: Options) -> tuple[int, ...]:
     if options.size is not None:
-        size = checks.integer("size", options.size, "an integer from 2^10 to 2^28", 2**10, 2**28)
+        size = checks.integer("size", options.size, "an integer from 2^10 to 2^28", 2**10, LARGEST)
         if size % CHUNK and group != "transforms":
             raise ValueError(f"size is {size}; allowed: a multiple of {CHUNK}, or --kernel transforms")
         return (size,)
