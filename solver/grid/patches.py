@@ -25,18 +25,16 @@ class Patches:
     @classmethod
     def of(cls, contact: Mask) -> "Patches":
         """Patches of a contact map, shape (N,)."""
-        n = contact.size
-        first = np.flatnonzero(contact[1:] & ~contact[:-1]) + 1
-        last = np.flatnonzero(contact[:-1] & ~contact[1:])
-        if contact.all():
-            return cls(n, np.array([0]), np.array([n - 1]))
-        if contact[0] and not contact[-1]:
-            first = np.append(0, first)
-        elif contact[-1] and not contact[0]:
-            last = np.append(last, n - 1)
-        elif contact[0] and contact[-1]:  # the last patch goes on at node 0
-            last = np.append(last[1:], last[0] + n)
-        return cls(n, first, last)
+        return cls.of_nodes(np.flatnonzero(contact), contact.size)
+
+    @classmethod
+    def of_nodes(cls, nodes: Indices, num_points: int) -> "Patches":
+        """Patches of contact nodes, shape (contact nodes,), in ascending order from 0 to `num_points` - 1."""
+        breaks = np.flatnonzero(np.diff(nodes) > 1)
+        first, last = np.append(nodes[:1], nodes[breaks + 1]), np.append(nodes[breaks], nodes[-1:])
+        if breaks.size and nodes[0] == 0 and nodes[-1] == num_points - 1:  # the last patch goes on at node 0
+            first, last = first[1:], np.append(last[1:-1], last[0] + num_points)
+        return cls(num_points, first, last)
 
     @property
     def count(self) -> int:

@@ -93,8 +93,6 @@ class ActiveSet(Method):
         self._floor = 0.0  # of the residual: below, sets would be decided on rounding
         # a single node that penetrates so much takes a tenth of the tolerance as its force
         self._smallest_gap = 0.1 * tolerance / float(problem.stiffness.mean())
-        self._contact = np.zeros(problem.num_points, dtype=bool)
-        self._pressure = np.zeros(problem.num_points)  # of all nodes when the set was new
         self._set: ContactSet | None = None
         self._last_preconditioner: PatchDeflation | None = None
         self._search = _Search()
@@ -118,9 +116,8 @@ class ActiveSet(Method):
             return
         pressure = self._storage.symmetric(pressure)
         self.stopped, self._search = False, _Search()
-        self._contact[:] = pressure > 0
-        self._pressure[:] = np.where(self._contact, pressure, 0.0)
-        self._take_set()
+        nodes = np.flatnonzero(pressure > 0)
+        self._take_set(nodes, nodes, pressure[nodes])
         self._response.renew(self._now)
         self._floor = _OVER_FLOOR * self._response.floor(self._now)
 
@@ -188,20 +185,21 @@ class ActiveSet(Method):
         assert self._set is not None
         return self._set
 
-    def _take_set(self) -> None:
-        """A new set from the contact map and the pressure."""
-        self._storage.make_symmetric(self._contact)
-        self._set = ContactSet.of(self._contact, self._pressure, self._storage)
+    def _take_set(self, nodes: Indices, loaded: Indices, pressure: Array64) -> None:
+        """A new set of nodes, in ascending order, of which some are loaded by a pressure, shape (loaded nodes,) [p]."""
+        nodes = self._storage.with_images(nodes)
+        everywhere = np.zeros(nodes.size)
+        everywhere[np.searchsorted(nodes, loaded)] = pressure
+        self._set = ContactSet.of(nodes, everywhere, self._storage)
 
     def _update_set(self) -> bool:
         """Drop nodes that pull, add nodes that penetrate; False if there are none, or no more than may be wrong."""
-        now, contact = self._now, self._contact
-        new = self._response.penetrating(now, contact, self._smallest_gap)
+        now = self._now
+        new = self._response.penetrating(now, self._smallest_gap)
         if now.pulling.size + new.size <= self._wrong_nodes_per_patch * now.patches.count:
             return False
-        kept = _change(contact, now, new, self._search.may_move_ends())
-        self._pressure[now.nodes] = np.where(kept, now.pressure, 0.0)
-        self._take_set()
+        nodes, kept = _change(now, new, self._search.may_move_ends())
+        self._take_set(nodes, now.nodes[kept], now.pressure[kept])
         self.stopped = self._search.in_circles(self._now.key)
         if not kept.all():
             self._response.renew(self._now)
@@ -219,16 +217,19 @@ class ActiveSet(Method):
         return np.zeros(n) if self._set is None else self._set.pressure_everywhere(n)
 
 
-def _change(contact: Mask, now: ContactSet, new: Indices, move_ends: bool) -> Mask:
-    """Drop nodes that pull from a contact map, shape (N,), and add new ones; which of the set's nodes stay.
+def _change(now: ContactSet, new: Indices, move_ends: bool) -> tuple[Indices, Mask]:
+    """Drop nodes that pull from a set and add new ones: the nodes of the next set in ascending order, and which of this
+    one's stay and keep their pressure.
 
     move_ends: also put the ends of patches where the pressure there says that they belong.
     """
-    contact[now.pulling] = False
-    contact[new] = True
-    for nodes, touch in moved_ends(now.patches, now.pressure) if move_ends else ():
-        contact[nodes] = touch
-    kept: Mask = contact[now.nodes] & (now.pressure >= 0)
-    if not kept.any() and not contact.any():
-        kept[np.argmax(now.pressure)] = contact[now.nodes[np.argmax(now.pressure)]] = True
-    return kept
+    kept: Mask = now.pressure >= 0
+    nodes = np.union1d(now.nodes[kept], new)
+    if move_ends:
+        for moved, touch in moved_ends(now.patches, now.pressure):
+            nodes = np.union1d(nodes, moved) if touch else np.setdiff1d(nodes, moved)
+        kept &= np.isin(now.nodes, nodes)
+    if not nodes.size:
+        kept[np.argmax(now.pressure)] = True
+        nodes = now.nodes[kept]
+    return nodes, kept

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...arrays import Array64, Indices, Mask
+from ...arrays import Array64, Indices
 from ...grid.patches import Patches
 from .preconditioner import PatchDeflation
 from .storage import Whole
@@ -40,12 +40,13 @@ class ContactSet:
     """On this set."""
 
     @classmethod
-    def of(cls, contact: Mask, pressure: Array64, storage: Whole) -> "ContactSet":
-        """The set of a contact map, with the pressure there, shape (N,) each [p]."""
-        patches = Patches.of(contact)
-        nodes = patches.nodes
+    def of(cls, nodes: Indices, pressure: Array64, storage: Whole) -> "ContactSet":
+        """The set of nodes in ascending order, with their pressure [p], shape (contact nodes,) each."""
+        patches = Patches.of_nodes(nodes, storage.num_points)
+        compact = patches.nodes
+        pressure = np.roll(pressure, -int(np.searchsorted(nodes, compact[0])))  # where a patch goes on at node 0
         direction = np.zeros(nodes.size)
-        return cls(patches, nodes, storage.places(nodes), storage.mirrored(nodes), pressure[nodes], direction)
+        return cls(patches, compact, storage.places(compact), storage.mirrored(compact), pressure, direction)
 
     @property
     def key(self) -> int:

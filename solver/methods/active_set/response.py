@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from ....kernels import CHUNK, Call, layout, record
-from ...arrays import Array64, Indices, Mask
+from ...arrays import Array64, Indices
 from ...grid.problem import Problem, rounding_floor
 from .compliance import Compliance
 from .contact_set import ContactSet
@@ -89,8 +89,8 @@ class Response:
         """The rigid approach: h + w where they touch [u]."""
         return float(self.touching(now).mean())
 
-    def penetrating(self, now: ContactSet, contact: Mask, smallest: float) -> Indices:
-        """Nodes outside of the contact, shape (N,), that penetrate by more than `smallest` [u]; shape (nodes,)."""
+    def penetrating(self, now: ContactSet, smallest: float) -> Indices:
+        """Nodes outside of a set that penetrate by more than `smallest` [u], shape (nodes,), in ascending order."""
         # a smaller penetration would be decided by the rounding of h + w, and the set would never settle
         rounding = 8 * float(np.finfo(self._field.dtype).eps) * float(np.abs(self._field[now.places]).max())
         self._state[layout.BOUND] = bound = self.level(now) - max(smallest, rounding)
@@ -98,8 +98,7 @@ class Response:
         chunks = np.flatnonzero(self._counts)
         height, response = (array.reshape(-1, CHUNK)[chunks] for array in (self._height, self._field))
         row, column = np.nonzero(height + response < bound)
-        below = self._storage.nodes_at(chunks[row] * CHUNK + column)
-        return below[~contact[below]]
+        return np.setdiff1d(self._storage.nodes_at(chunks[row] * CHUNK + column), now.nodes)
 
     def floor(self, now: ContactSet) -> float:
         """The rms free residual over p that rounding leaves here (dimensionless)."""

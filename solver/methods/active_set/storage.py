@@ -17,7 +17,7 @@ The fields stay packed; contact nodes, patches and their preconditioner are thos
 import numpy as np
 
 from ....kernels import Call
-from ...arrays import Array, Array64, Indices, Mask
+from ...arrays import Array, Array64, Indices
 from ...grid.problem import Problem
 from ...transforms.planned import Transforms
 
@@ -52,8 +52,9 @@ class Whole:
         """Values of all nodes, shape (N,), with the symmetry that the storage relies on."""
         return values
 
-    def make_symmetric(self, contact: Mask) -> None:
-        """Give a contact map, shape (N,), that symmetry, in place."""
+    def with_images(self, nodes: Indices) -> Indices:
+        """Nodes in ascending order, together with their mirror images where the storage relies on symmetry."""
+        return nodes
 
     def mirrored(self, nodes: Indices) -> Indices | None:
         """For each contact node the index in `nodes` of its mirror image, of their shape; None without symmetry."""
@@ -93,13 +94,12 @@ class Half(Whole):
     def symmetric(self, values: Array64) -> Array64:
         return np.asarray((values + values[::-1]) / 2)
 
-    def make_symmetric(self, contact: Mask) -> None:
-        contact |= contact[::-1]
+    def with_images(self, nodes: Indices) -> Indices:
+        return np.union1d(nodes, self.num_points - 1 - nodes)
 
     def mirrored(self, nodes: Indices) -> Indices | None:
-        order = np.empty(self.num_points, dtype=np.int64)
-        order[nodes] = np.arange(nodes.size)
-        return order[self.num_points - 1 - nodes]
+        order = np.argsort(nodes, kind="stable")
+        return order[np.searchsorted(nodes, self.num_points - 1 - nodes, sorter=order)]
 
     def multiply(self, symbol: Array64, transforms: Transforms) -> Call:
         n = self.length
