@@ -26,7 +26,6 @@ KERNELS = (
     "plain_step",
     "advance_response",
     "count_below",
-    "rest_on_wall",
 )
 MODULES = ("warp_fields", "warp_fire", "warp_sums")
 """The modules that they are in."""

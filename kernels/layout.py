@@ -40,10 +40,9 @@ STATE_LENGTH = 18
 
 # The active set's scalars, in an array of their own.
 STEP = 0  # length of a step along a direction
-LEVEL = 1  # h + w where they touch, the rigid approach
-BOUND = 2  # of h + w, below which a node penetrates
+BOUND = 1  # of h + w, below which a node penetrates
 
-GAP_STATE_LENGTH = 3
+GAP_STATE_LENGTH = 2
 
 
 def padded_length(length: int) -> int:

@@ -136,8 +136,3 @@ def advance_response(change: Array, state: Array64, response: Array) -> None:
 def count_below(response: Array, h: Array, state: Array64, counts: Array64) -> None:
     """Nodes per chunk where h + w is below the bound."""
     counts[:] = _chunk_sums(h + response < h.dtype.type(state[layout.BOUND]))
-
-
-def rest_on_wall(response: Array, h: Array, state: Array64, u: Array) -> None:
-    """u = level - w, at most h."""
-    u[:] = np.minimum(h.dtype.type(state[layout.LEVEL]) - response, h)

@@ -9,7 +9,7 @@ from typing import Any
 
 import warp as wp
 
-from .layout import BOUND, CHUNK, LEVEL, STEP
+from .layout import BOUND, CHUNK, STEP
 
 wp.set_module_options({"enable_backward": False})
 
@@ -63,14 +63,3 @@ def count_below(response: wp.array[Any], h: wp.array[Any], state: wp.array[wp.fl
         i = start + j
         count += wp.where(h[i] + response[i] < bound, h.dtype(1.0), h.dtype(0.0))
     counts[tid] = wp.float64(count)
-
-
-@wp.kernel
-def rest_on_wall(response: wp.array[Any], h: wp.array[Any], state: wp.array[wp.float64], u: wp.array[Any]):
-    """u = level - w, projected onto the hard wall u <= h."""
-    start = wp.tid() * CHUNK_LENGTH
-    level = h.dtype(state[LEVEL])
-    for j in range(CHUNK_LENGTH):
-        i = start + j
-        displaced = level - response[i]
-        u[i] = wp.where(displaced < h[i], displaced, h[i])

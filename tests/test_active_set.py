@@ -319,12 +319,10 @@ def test_sets_that_come_back_are_noticed():
     state = active_set.begin(problem, Setting(1e-8))
     state.start_cold()
     state.step()
-    state._search.moves_left, state._contact[:], first = 0, False, state._contact.copy()
-    other = first.copy()
-    other[np.flatnonzero(first)[0]] = False
+    state._search.moves_left, first = 0, np.sort(state._now.nodes)
     for turn in range(40):
-        state._contact[:] = first if turn % 2 else other
-        state._take_set()
+        nodes = first if turn % 2 else first[1:]
+        state._take_set(nodes, nodes, np.ones(nodes.size))
         state._response.renew(state._now)
         state._now.pressure[-1] = -1.0  # always one node to drop
         state._update_set()

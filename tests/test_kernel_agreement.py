@@ -97,7 +97,12 @@ def test_one_wrong_value_after_a_transform_is_an_error(name, array, change, prec
             lambda bench, good: lambda n: lambda: good(1)(),
             "something else when it is told to do it",
         ),
-        ("rest_on_wall", 2**12, lambda bench, good: lambda n: lambda: _leaves_out(bench, good(n)), "number 5 is nan"),
+        (
+            "net_force",
+            2**12,
+            lambda bench, good: lambda n: lambda: _leaves_out(bench, good(n)),
+            "number 5 is nan",
+        ),
         ("fire_step", 2**18, lambda bench, good: lambda n: lambda: _shifted(bench, good(n)), "disagree in"),
         ("fire_step", 2**12, lambda bench, good: lambda n: lambda: None, "disagree in"),
     ],
@@ -112,7 +117,7 @@ def test_what_a_variant_may_get_wrong(name, points, change, message):
 
 def _leaves_out(bench, run):
     run()
-    bench.arrays["u"][5] = np.nan
+    bench.arrays["force"][5] = np.nan
 
 
 def _shifted(bench, run):

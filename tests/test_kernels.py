@@ -23,7 +23,6 @@ ELEMENTWISE = {
     "plain_step": ("elastic", "h", "state", "u", "v"),
     "advance_response": ("change", "gap state", "response"),
     "count_below": ("response", "h", "gap state", "sum"),
-    "rest_on_wall": ("response", "h", "gap state", "u"),
 }
 NUM_OUTPUTS = {
     "spectral_multiply": 1,
@@ -32,7 +31,7 @@ NUM_OUTPUTS = {
     "plain_sums": 4,
     "restrict_to_free": 2,
 }
-NUM_OUTPUTS |= {"advance_response": 1, "count_below": 1, "rest_on_wall": 1}
+NUM_OUTPUTS |= {"advance_response": 1, "count_below": 1}
 
 
 def make_arrays(kernel, length, precision, seed):
@@ -57,7 +56,7 @@ def make_arrays(kernel, length, precision, seed):
             arrays.append(state)
         elif name == "gap state":
             state = np.zeros(layout.GAP_STATE_LENGTH)
-            state[[layout.STEP, layout.LEVEL, layout.BOUND]] = 0.7, 0.4, 0.1
+            state[[layout.STEP, layout.BOUND]] = 0.7, 0.1
             arrays.append(state)
         else:
             values = rng.standard_normal(padded).astype(precision) * (rng.random(padded) < 0.7)
@@ -103,18 +102,6 @@ def test_step_leaves_nothing_beyond_the_wall(precision):
     assert not hit.all()
     assert (v[hit] == layout.TOUCHING).all()
     assert (v[~hit] != layout.TOUCHING).all()
-
-
-@pytest.mark.parametrize("precision", PRECISIONS)
-def test_rest_projects_on_the_wall(precision):
-    response, h, state, u = run("warp", "rest_on_wall", make_arrays("rest_on_wall", 3 * CHUNK, precision, seed=4))
-    free = u < h
-    assert free.any()
-    assert not free.all()
-    assert (u <= h).all()
-    eps = 4 * np.finfo(precision).eps
-    np.testing.assert_allclose(u[free], (state[layout.LEVEL] - response)[free], rtol=0, atol=eps)
-    assert (state[layout.LEVEL] - response[~free] >= h[~free] - eps).all()
 
 
 @pytest.mark.parametrize("precision", PRECISIONS)

@@ -56,6 +56,12 @@ class Patches:
         """Compact index of each patch's first node, shape (M,)."""
         return np.cumsum(self.size) - self.size
 
+    def hold(self, nodes: Indices) -> Mask:
+        """Whether these nodes, from 0 to N - 1, are contact nodes; of their shape."""
+        after = np.searchsorted(self.first, nodes, side="right")
+        inside: Mask = (after > 0) & (nodes <= self.last[after - 1])
+        return inside | (nodes <= self.last[-1] - self.num_points)  # where the last patch goes on at node 0
+
     @cached_property
     def label(self) -> Indices:
         """Patch of each contact node, in compact order."""

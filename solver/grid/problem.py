@@ -58,6 +58,8 @@ def half_spectrum(layer: ElasticLayer, num_points: int, period: float) -> Array6
 class Problem:
     """The discrete problem. Docstrings call its units of stiffness, displacement and pressure [K], [u] and [p]."""
 
+    profile: Array64
+    """Heights above the lowest point, shape (N,) [period]."""
     stiffness: Array64
     """K(q_k), shape (N//2 + 1,) [`stiffness_unit`]."""
     height: Array64
@@ -75,9 +77,11 @@ class Problem:
         stiffness_unit = 2.0 ** math.floor(math.log2(k.max()))
         k /= stiffness_unit
         unit = scene.reduced_load / stiffness_unit
+        profile = _profile(scene, n)
         with np.errstate(over="ignore"):
-            height = _profile(scene, n) / unit
+            height = profile / unit
         return cls(
+            profile=profile,
             stiffness=k,
             height=np.minimum(height, _FAR * _reach(k, n), out=height),
             stiffness_unit=stiffness_unit,

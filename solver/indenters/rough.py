@@ -65,21 +65,19 @@ class RoughIndenter(Indenter):
         return np.asarray(amplitude * np.exp(2j * np.pi * phases), dtype=np.complex128)
 
     def _modes(self, num_points: int) -> Modes:
-        """Half spectrum of h/L that a grid holds, shape (num_points//2 + 1,)."""
-        half = np.zeros(num_points // 2 + 1, dtype=np.complex128)
+        """Fourier coefficients of h/L that a grid of N points holds, times N, from the mean mode to the shortest."""
         held = min(self._waves.size, (num_points - 1) // 2)  # the Nyquist mode has no phase
-        half[1 : held + 1] = self._waves[:held]
-        return half
+        return np.append(0.0, self._waves[:held]) * num_points
 
     def profile(self, num_points: int, period: float) -> Array64:
-        heights = irfft(self._modes(num_points), num_points) * num_points
+        heights = irfft(self._modes(num_points), num_points)
         heights -= heights.min()
         return np.asarray(heights)
 
     def slope(self, num_points: int, period: float) -> Array64:
         """Slopes, see `Indenter`, by the exact derivative of every mode."""
-        wave_numbers = 2 * np.pi * np.arange(num_points // 2 + 1)
-        return np.asarray(irfft(1j * wave_numbers * self._modes(num_points), num_points) * num_points)
+        modes = self._modes(num_points)
+        return irfft(2j * np.pi * np.arange(modes.size) * modes, num_points)
 
     def ratios(self, period: float) -> dict[str, float]:
         return {"rms_gradient": self.rms_gradient}

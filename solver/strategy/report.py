@@ -20,7 +20,7 @@ def make_solution(
 
     scene: as the user gave it, or on the grid of the answer; problem: that was certified; levels: coarser grids.
     """
-    profile, contact = scene.profile, certified.contact
+    profile, contact = scene.period * problem.profile, certified.contact
     displacement = np.minimum(certified.displacement * problem.length_unit, profile)  # units round
     displacement[contact] = profile[contact]
     pressure = certified.pressure * scene.pressure

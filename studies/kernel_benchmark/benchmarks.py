@@ -146,14 +146,6 @@ _KERNELS = (
         "REAL bound = state[BOUND];",
         BOUND=0.125,
     ),
-    _kernel(
-        "rest_on_wall",
-        "response:in h:in state:state u:out",
-        1,
-        "REAL x = level - response[i]; u[i] = x < h[i] ? x : h[i];",
-        "REAL level = state[LEVEL];",
-        LEVEL=0.375,
-    ),
 )
 """In the order of `linecontact.kernels.KERNELS`."""
 

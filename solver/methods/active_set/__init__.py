@@ -14,6 +14,7 @@ from ..method import Fallback, MethodKind, Setting
 from .active_set import ActiveSet
 from .compliance import Compliance
 from .greens_function import GreensFunction
+from .nearby import make_split
 from .response import Response
 from .storage import Whole, choose
 
@@ -31,7 +32,8 @@ def begin(problem: Problem, setting: Setting, storage: Whole | None = None) -> A
 
     directions = compliance(setting.working_precision)
     responses = compliance("float64") if setting.precision == "mixed" else directions
-    response = Response(problem, storage, directions, responses, setting.backend)
+    split = make_split(green.compliance, problem.num_points)
+    response = Response(problem, storage, split, directions, responses, setting.backend)
     return ActiveSet(problem, setting.tolerance, green, storage, response, setting.wrong_nodes_per_patch)
 
 

@@ -201,8 +201,7 @@ class ActiveSet(Method):
         nodes, kept = _change(now, new, self._search.may_move_ends())
         self._take_set(nodes, now.nodes[kept], now.pressure[kept])
         self.stopped = self._search.in_circles(self._now.key)
-        if not kept.all():
-            self._response.renew(self._now)
+        self._response.follow(now, self._now, changed=not kept.all())
         return True
 
     @property
@@ -224,7 +223,7 @@ def _change(now: ContactSet, new: Indices, move_ends: bool) -> tuple[Indices, Ma
     move_ends: also put the ends of patches where the pressure there says that they belong.
     """
     kept: Mask = now.pressure >= 0
-    nodes = np.union1d(now.nodes[kept], new)
+    nodes = np.sort(np.concatenate([now.nodes[kept], new]), kind="stable")  # merges what is in order
     if move_ends:
         for moved, touch in moved_ends(now.patches, now.pressure):
             nodes = np.union1d(nodes, moved) if touch else np.setdiff1d(nodes, moved)

@@ -1,7 +1,7 @@
 """What belongs to one set of contact nodes; the active set makes a new one whenever it changes the set."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -19,14 +19,14 @@ class ContactSet:
     """Its runs of neighbouring nodes."""
     nodes: Indices
     """Grid index of each contact node, shape (contact nodes,)."""
-    places: Indices
-    """Where they have their values in the fields, shape (contact nodes,)."""
     mirrored: Indices | None
     """Index of each node's mirror image, shape (contact nodes,); None without symmetry."""
     pressure: Array64
     """Contact pressure, shape (contact nodes,) [p]; negative where the wall would have to pull."""
     direction: Array64
     """Search direction of conjugate gradients, shape (contact nodes,) [p]."""
+    places: Indices = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    """Where they have their values in the response that is carried along, shape (contact nodes,)."""
     preconditioner: PatchDeflation | None = None
     """Made when it is needed."""
     last_product: float = 0.0
@@ -46,7 +46,7 @@ class ContactSet:
         compact = patches.nodes
         pressure = np.roll(pressure, -int(np.searchsorted(nodes, compact[0])))  # where a patch goes on at node 0
         direction = np.zeros(nodes.size)
-        return cls(patches, compact, storage.places(compact), storage.mirrored(compact), pressure, direction)
+        return cls(patches, compact, storage.mirrored(compact), pressure, direction)
 
     @property
     def key(self) -> int:

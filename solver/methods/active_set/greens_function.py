@@ -52,11 +52,10 @@ class GreensFunction:
 
     @cached_property
     def _second_sum(self) -> Array64:
-        """T with T(k+1) - 2 T(k) + T(k-1) = G(k), shape (N,)."""
-        sine = np.sin(np.pi * np.arange(self.num_points // 2 + 1) / self.num_points)
-        symbol = np.zeros_like(sine)
-        symbol[1:] = -self.compliance[1:] / (4 * sine[1:] ** 2)
-        return irfft(symbol, self.num_points)
+        """T with T(k+1) - 2 T(k) + T(k-1) = G(k) up to a constant, shape (N,)."""
+        first = np.cumsum(self.response)
+        first -= first.mean()  # so that the second sum is periodic, too
+        return np.roll(np.cumsum(first), 1)
 
     def patch_sums(self, first: Indices, last: Indices) -> Array64:
         """Z'GZ for Z = 1 on each of M runs of nodes: the sums of G(a - b) over a in one run and b in another.

@@ -8,6 +8,8 @@ rounding to the response, which drifts away from the pressure that it belongs to
 """
 
 import math
+from collections.abc import Callable
+from functools import cached_property
 
 import numpy as np
 
@@ -16,23 +18,37 @@ from ...arrays import Array64, Indices
 from ...grid.problem import Problem, rounding_floor
 from .compliance import Compliance
 from .contact_set import ContactSet
+from .nearby import Nearby, surround
+from .packed import Split
 from .storage import Whole
+
+_SAMPLE = 2**14  # nodes that tell the size of u
 
 
 class Response:
     """w = G sigma of one grid, and what is read off it. Units are the problem's."""
 
     def __init__(
-        self, problem: Problem, storage: Whole, directions: Compliance, responses: Compliance, backend: str
+        self,
+        problem: Problem,
+        storage: Whole,
+        split: Split | None,
+        directions: Compliance,
+        responses: Compliance,
+        backend: str,
     ) -> None:
-        """directions, responses: apply G to search directions and to the pressure; two objects in mixed precision."""
-        self._problem, self._storage = problem, storage
+        """directions, responses: apply G to search directions and to the pressure; two objects in mixed precision.
+        split: of G, to work near the contact only where that pays; None: on all nodes.
+        """
+        self._problem, self._storage, self._split = problem, storage, split
+        self._nearby: Nearby | None = None
         self._directions, self._responses = directions, responses
         self.mixed = directions is not responses
         self.pairs = 0.0
         """Transform pairs so far, short ones by their length."""
         self.drift = 0.0
-        """Rounding that images have added since the response was made, as rms pressure over p; 0 unless mixed."""
+        """Error that images have added since the response was made, as rms pressure over p; 0 in float64 on all nodes.
+        """
         self._rounding = 0.0
         if self.mixed:
             self._rounding = float(np.finfo(np.float32).eps) * math.sqrt(float(np.mean(problem.stiffness**2)))
@@ -41,35 +57,85 @@ class Response:
         storage.put(self._height, problem.height)
         self._state = np.zeros(layout.GAP_STATE_LENGTH)
         self._counts = np.zeros(self._height.size // CHUNK)
-        gap = self._field, self._height, self._state
-        self._advance = record(backend, [Call("advance_response", (directions.target, self._state), (self._field,))])
-        self._count = record(backend, [Call("count_below", gap, (self._counts,))])
-        self._rest = record(backend, [Call("rest_on_wall", gap, (responses.target,))])
+        self._backend = backend
+
+    @cached_property
+    def _advance(self) -> Callable[[], None]:
+        call = Call("advance_response", (self._directions.target, self._state), (self._field,))
+        return record(self._backend, [call])
+
+    @cached_property
+    def _count(self) -> Callable[[], None]:
+        call = Call("count_below", (self._field, self._height, self._state), (self._counts,))
+        return record(self._backend, [call])
 
     @property
     def even(self) -> bool:
         """Whether the fields hold half of the nodes."""
         return self._storage.length < self._problem.num_points
 
-    def renew(self, now: ContactSet) -> None:
-        """Scale the pressure of a set to the load, and make the response to it anew."""
+    def _scale(self, now: ContactSet) -> None:
         load = float(now.pressure.sum())
         if not load > 0:  # a set of new nodes only, or a load that rounding has eaten
             now.pressure[:], load = 1, now.pressure.size
         now.pressure *= self._problem.num_points / load
+
+    def renew(self, now: ContactSet) -> None:
+        """Scale the pressure of a set to the load, and make the response to it anew on all nodes."""
+        self._scale(now)
+        now.places = self._storage.places(now.nodes)
         self._apply(self._responses, now.places, now.pressure)
         self._field[:] = self._responses.target
         self.drift = 0.0
+        self._surround(now, now.nodes)
+
+    def _surround(self, now: ContactSet, nodes: Indices) -> None:
+        """From now on carry the response along near these nodes only, if that pays."""
+        if self._split and not (self._nearby and self._nearby.covers(nodes)):
+            self._nearby = surround(self._split, self._storage, nodes, self._problem.height)
+        if self._nearby:
+            self._nearby.response[:] = self._field[self._nearby.in_field]
+            now.places = self._nearby.places(now.nodes)
+
+    def follow(self, before: ContactSet, now: ContactSet, changed: bool) -> None:
+        """Turn to another set. changed: whether its pressure differs from that before, because nodes were dropped."""
+        nearby = self._nearby
+        if nearby is None or (self.drift and not nearby.covers(now.nodes)):
+            now.places = self._storage.places(now.nodes)
+            if changed or nearby:
+                self.renew(now)
+            return
+        if not nearby.covers(now.nodes):
+            self._surround(now, np.union1d(before.nodes, now.nodes))
+            if self._nearby is None:
+                self.renew(now)
+                return
+            nearby = self._nearby
+        now.places = nearby.places(now.nodes)
+        if changed:
+            self._scale(now)
+            change = np.zeros(nearby.nodes.size)
+            change[nearby.places(before.nodes)] -= before.pressure
+            change[now.places] += now.pressure
+            self._advance_nearby(nearby, 1.0, change, nearby.image(np.arange(change.size), change))
 
     def go_along(self, now: ContactSet, direction: Array64) -> bool:
         """Step along a search direction to where the energy is least; False if rounding has left no way down."""
-        self._apply(self._directions, now.places, direction)
-        image = self._directions.target[now.places]
+        if self._nearby:
+            whole = self._nearby.image(now.places, direction)
+            image = whole[now.places]
+        else:
+            self._apply(self._directions, now.places, direction)
+            image = self._directions.target[now.places]
         curvature = float(direction @ image)
         if not curvature > 0:
             return False
-        self._state[layout.STEP] = step = now.last_product / curvature
+        step = now.last_product / curvature
         now.pressure += step * direction
+        if self._nearby:
+            self._advance_nearby(self._nearby, step, direction, whole)
+            return True
+        self._state[layout.STEP] = step
         self._advance()
         if self.mixed:
             change = step * image.astype(np.float64)
@@ -77,39 +143,55 @@ class Response:
             self.drift = math.hypot(self.drift, self._rounding * size)
         return True
 
+    def _advance_nearby(self, nearby: Nearby, step: float, direction: Array64, image: Array64) -> None:
+        nearby.response += step * image
+        self.pairs += nearby.pair_length
+        size = abs(step) * math.sqrt(float(direction @ direction) / self._problem.num_points)
+        self.drift = math.hypot(self.drift, nearby.error * size)
+
     def _apply(self, compliance: Compliance, places: Indices, values: Array64) -> None:
         compliance.apply(places, values)
         self.pairs += compliance.pair_length
 
     def touching(self, now: ContactSet) -> Array64:
         """h + w on the contact nodes, shape (contact nodes,) [u]."""
-        return np.asarray(self._problem.height[now.nodes] + self._field[now.places])
+        field = self._nearby.response if self._nearby else self._field
+        return np.asarray(self._problem.height[now.nodes] + field[now.places])
 
     def level(self, now: ContactSet) -> float:
         """The rigid approach: h + w where they touch [u]."""
         return float(self.touching(now).mean())
 
     def penetrating(self, now: ContactSet, smallest: float) -> Indices:
-        """Nodes outside of a set that penetrate by more than `smallest` [u], shape (nodes,), in ascending order."""
+        """Nodes outside of a set that penetrate by more than `smallest` [u], shape (nodes,)."""
         # a smaller penetration would be decided by the rounding of h + w, and the set would never settle
-        rounding = 8 * float(np.finfo(self._field.dtype).eps) * float(np.abs(self._field[now.places]).max())
+        nearby = self._nearby
+        size = float(np.abs((nearby.response if nearby else self._field)[now.places]).max())
+        rounding = 8 * float(np.finfo(self._field.dtype).eps) * size
         self._state[layout.BOUND] = bound = self.level(now) - max(smallest, rounding)
+        if nearby and self.drift:  # of the other nodes only an old response is known
+            below = nearby.nodes[nearby.height + nearby.response < bound]
+            return below[~now.patches.hold(below)]
         self._count()
         chunks = np.flatnonzero(self._counts)
         height, response = (array.reshape(-1, CHUNK)[chunks] for array in (self._height, self._field))
         row, column = np.nonzero(height + response < bound)
-        return np.setdiff1d(self._storage.nodes_at(chunks[row] * CHUNK + column), now.nodes)
+        below = self._storage.nodes_at(chunks[row] * CHUNK + column)
+        return below[~now.patches.hold(below)]
 
     def floor(self, now: ContactSet) -> float:
         """The rms free residual over p that rounding leaves here (dimensionless)."""
-        displacement = np.minimum(self.level(now) - self._storage.get(self._field), self._problem.height)
+        sample = np.arange(0, self._problem.num_points, max(1, self._problem.num_points // _SAMPLE))
+        response = self._field[self._storage.places(sample)]
+        displacement = np.minimum(self.level(now) - response, self._problem.height[sample])
         return rounding_floor(self._problem.stiffness, displacement, self._field.dtype.name)
 
     def displacement(self, now: ContactSet) -> Array64:
         """u, shape (N,) [u], in float64; contact nodes stand on the exact wall."""
-        self._state[layout.LEVEL] = self.level(now)
-        self._rest()
+        if self._nearby and self.drift:
+            self.renew(now)
         height = self._problem.height
-        u = np.minimum(self._storage.get(self._responses.target).astype(np.float64), height)
+        u = self.level(now) - self._storage.get(self._field).astype(np.float64, copy=False)
+        np.minimum(u, height, out=u)
         u[now.nodes] = height[now.nodes]
         return u

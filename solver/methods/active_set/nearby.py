@@ -1,0 +1,68 @@
+"""Blocks of nodes around a contact, with the response of the surface there, which the packed operator carries along."""
+
+import numpy as np
+
+from ...arrays import Array64, Indices
+from .packed import Packed, Split
+from .storage import Whole
+
+_HALO = 4  # nodes on either side of the contact whose gap is watched, too; less than a block
+_WORTH = 0.5  # length of the packed transforms over that of the field's, up to which they are faster
+
+
+class Nearby:
+    """The nodes of some blocks, in order, shape (nodes,) for all fields. height: h of all nodes, shape (N,) [u]."""
+
+    def __init__(self, operator: Packed, storage: Whole, height: Array64) -> None:
+        self._operator, self._block = operator, operator.split.block
+        self.nodes = (operator.blocks[:, None] * self._block + np.arange(self._block)).ravel()
+        self._index = np.full(operator.split.num_blocks, -1)
+        self._index[operator.blocks] = np.arange(operator.blocks.size)
+        self.in_field = storage.places(self.nodes)
+        """Where the nodes have their values in a field of the storage."""
+        self.height = height[self.nodes]
+        """h [u]."""
+        self.response = np.zeros(self.nodes.size)
+        """G sigma, up to a constant [u]."""
+        self.pair_length = (operator.length + operator.split.num_blocks) / storage.num_points
+        """Length of the transforms over N (dimensionless)."""
+        self.error = operator.split.error
+        """Of an image, see `Split`."""
+
+    def covers(self, nodes: Indices) -> bool:
+        """Whether all these nodes are among them."""
+        return bool((self._index[nodes // self._block] >= 0).all())
+
+    def places(self, nodes: Indices) -> Indices:
+        """Where these nodes have their values."""
+        block, inside = np.divmod(nodes, self._block)
+        return np.asarray(self._index[block] * self._block + inside)
+
+    def image(self, places: Indices, pressure: Array64) -> Array64:
+        """The response to a pressure at these places, 0 elsewhere [u]."""
+        values = np.zeros(self.nodes.size)
+        values[places] = pressure
+        return self._operator(values.reshape(-1, self._block)).ravel()
+
+
+def surround(split: Split, storage: Whole, nodes: Indices, height: Array64) -> Nearby | None:
+    """The blocks around some nodes; None where the packed transforms would take as long as the field's."""
+    near = np.zeros(split.num_blocks, dtype=bool)
+    for step in (-_HALO, 0, _HALO):
+        near[(nodes + step) // split.block % split.num_blocks] = True
+    if near.sum() * split.block > _WORTH * storage.length:
+        return None
+    operator = Packed(split, np.flatnonzero(near))
+    worth = operator.length + split.num_blocks <= _WORTH * storage.length
+    return Nearby(operator, storage, height) if worth else None
+
+
+def make_split(compliance: Array64, num_points: int) -> Split | None:
+    """The split of G for a grid; None where the grid is too small, or has no suitable block."""
+    largest = _LARGE_BLOCK if num_points >= _LARGE else _BLOCK
+    block = next((b for b in range(largest, _SMALLEST_BLOCK - 1, -1) if num_points % b == 0), None)
+    return Split(compliance, num_points, block) if block and num_points >= _FEWEST else None
+
+
+_FEWEST, _LARGE = 2**16, 2**20  # points of the smallest grid on which that pays, and from which blocks are larger
+_BLOCK, _LARGE_BLOCK, _SMALLEST_BLOCK = 16, 32, 8  # nodes

@@ -1,0 +1,168 @@
+"""G on the neighbourhood of the contact only, without a transform of all nodes: G = near + far.
+
+`near` is short-ranged: blocks of nodes around the contact are moved together until gaps are as wide as its range, and
+are convolved by one short transform. `far` is smooth: it is spread to a grid of one point for each block by a
+Kaiser-Bessel window, convolved there, and gathered with the same window, so the whole is symmetric (the fast Ewald sum
+of P. P. Ewald, Ann. Phys. 369, 253 (1921) in one dimension; the window is that of J. I. Jackson et al., IEEE Trans.
+Med. Imaging 10, 473 (1991)).
+
+Two splits, with theta = q s for the width s of the split; the one whose near part has the shorter range is taken:
+
+    near(q) = c (2/q) erf(theta)          where G(q) = 2c/q as far as `far` reaches, like on a half-space
+    near(q) = G(q) (1 - exp(-theta^2))    where G is regular at q = 0, like on thin layers
+
+What is left out is known: `far` beyond what the window carries, and `near` beyond its range (`Split.error`).
+"""
+
+import math
+from functools import cached_property
+
+import numpy as np
+
+from ...arrays import Array64, Indices
+from ...transforms.plain import irfft, rfft
+from ...transforms.planned import Pair, fast_length
+
+_NEGLECTED = 1e-5
+"""Of either part, over the largest value of `near` (dimensionless)."""
+_TOLERABLE = 1e-3
+"""Of what is neglected, the tail of changing sign included: below, the split of shorter range is taken."""
+
+_WIDTH = 6
+"""Of the window [blocks]; with `_SHAPE`, and far waves no shorter than four blocks, it errs by some 1e-6."""
+_SHAPE = 0.75 * math.pi * _WIDTH
+
+_RING = 2**13  # nodes, at least, of the ring on which the near part is made, unless the grid is smaller
+
+
+class Split:
+    """The two parts of G on one grid. compliance: G(q_k), shape (N//2 + 1,); block: nodes of a block, a divisor of N.
+
+    range: nodes beyond which `near` is neglected; error: what is neglected, over the largest value of `near`.
+    """
+
+    def __init__(self, compliance: Array64, num_points: int, block: int) -> None:
+        self.num_points, self.block, self.num_blocks = num_points, block, num_points // block
+        shortest = math.pi / (2 * block)  # wave number of the shortest far wave, q in units of 1/spacing
+        ring = num_points // _stride(num_points)
+        q = 2 * np.pi * np.arange(ring // 2 + 1) / ring
+        symbol = compliance[:: num_points // ring]
+        count = num_points // (4 * block) + 1
+        far_q, far_symbol = 2 * np.pi * np.arange(count) / num_points, compliance[:count]
+        found = []
+        for split in (_of_half_space, _of_layer):
+            near = split(q, symbol, shortest)
+            left = np.abs(symbol - near)[q > shortest]
+            values = irfft(near, ring)[: ring // 2 + 1]
+            # pairs: the end of the spectrum leaves a tail of changing sign, which no smooth pressure feels
+            pairs = np.append(values[:-1] + values[1:], 0.0)
+            beyond = np.cumsum(np.abs(pairs[::-1]))[::-1] / near.max()
+            reach = int(np.searchsorted(-beyond, -_NEGLECTED))
+            error = float((left.max(initial=0.0) + 2 * np.abs(values[reach + 1 :]).sum()) / near.max())
+            found.append(
+                (max(error, _TOLERABLE), reach, error, values, far_symbol - split(far_q, far_symbol, shortest))
+            )
+        _, self.range, self.error, values, far = min(found, key=lambda one: one[:2])
+        self.near = values[: self.range + 1]
+        """Of `near` in real space, for the distances from 0 to the range."""
+        window = _transformed_window(np.arange(count) / self.num_blocks)
+        self.far = np.zeros(self.num_blocks // 2 + 1)
+        """Symbol of `far` between spreading and gathering, for one transform there and back."""
+        self.far[:count] = far / window**2 / num_points
+        self.columns = np.arange(1 - _WIDTH // 2, 1 + _WIDTH // 2)
+        """Blocks that a block spreads to, as steps."""
+        self.window = _window(np.arange(block)[:, None] / block - self.columns)
+        """Share of each of them by the node in the block, shape (block, columns)."""
+
+    @cached_property
+    def coarse(self) -> Pair:
+        """Transforms with one point for each block."""
+        return Pair(self.num_blocks)
+
+
+def _stride(num_points: int) -> int:
+    """The largest divisor of N that leaves enough nodes for the ring."""
+    return next(d for d in range(max(1, num_points // _RING), 0, -1) if num_points % d == 0)
+
+
+def _of_half_space(q: Array64, symbol: Array64, shortest: float) -> Array64:
+    width = 0.95 * math.sqrt(-math.log(_NEGLECTED)) / shortest
+    factor = symbol[-1] * q[-1]
+    near = np.full_like(q, 2 * width / math.sqrt(math.pi))
+    near[1:] = _erf(q[1:] * width) / q[1:]
+    return near * factor
+
+
+def _of_layer(q: Array64, symbol: Array64, shortest: float) -> Array64:
+    width = math.sqrt(-math.log(_NEGLECTED)) / shortest
+    return np.asarray(symbol * -np.expm1(-((q * width) ** 2)))
+
+
+def _erf(x: Array64) -> Array64:
+    small = x[x < 6]
+    found = np.ones_like(x)
+    found[x < 6] = np.fromiter(map(math.erf, small), np.float64, small.size)
+    return found
+
+
+def _window(t: Array64) -> Array64:
+    """The Kaiser-Bessel window at distances t [blocks]."""
+    inside = np.maximum(0.0, 1 - (2 * t / _WIDTH) ** 2)
+    return np.where(inside > 0, np.i0(_SHAPE * np.sqrt(inside)), 0.0)
+
+
+def _transformed_window(frequency: Array64) -> Array64:
+    """Its Fourier transform, at frequencies below 1/2 [1/block]."""
+    root = np.sqrt(_SHAPE**2 - (np.pi * _WIDTH * frequency) ** 2)
+    return np.asarray(_WIDTH * np.sinh(root) / root)
+
+
+class Packed:
+    """G between the nodes of some blocks. blocks: their numbers in ascending order, shape (B,).
+
+    length: of its longer transforms.
+    """
+
+    def __init__(self, split: Split, blocks: Indices) -> None:
+        self.split, self.blocks = split, blocks
+        reach = -(-split.range // split.block)
+        gaps = np.diff(blocks, append=blocks[0] + split.num_blocks)
+        start = int(np.argmax(gaps)) + 1  # the widest gap is left open
+        steps = np.minimum(np.roll(gaps, -start)[:-1], reach + 1)
+        position = np.append(0, np.cumsum(steps))
+        self._position = np.roll(position, start)
+        self.length = split.block * fast_length(
+            -(-((int(position[-1]) + 1) * split.block + split.range) // split.block)
+        )
+
+    @cached_property
+    def _near(self) -> Array64:
+        kernel = np.zeros(self.length)
+        kernel[: self.split.near.size] = self.split.near
+        kernel[1 - self.split.near.size :] = self.split.near[:0:-1]
+        return rfft(kernel).real / self.length
+
+    @cached_property
+    def _pair(self) -> Pair:
+        return Pair(self.length)
+
+    @cached_property
+    def _spread_to(self) -> Indices:
+        return np.asarray((self.blocks[:, None] + self.split.columns) % self.split.num_blocks)
+
+    def __call__(self, values: Array64) -> Array64:
+        """G values, up to a constant; both on the nodes of the blocks, shape (B, block)."""
+        split, pair, coarse = self.split, self._pair, self.split.coarse
+        packed = pair.real.reshape(-1, split.block)
+        packed[:] = 0
+        packed[self._position] = values
+        pair.forward()
+        pair.modes *= self._near
+        pair.inverse()
+        shares, coarse.real[:] = values @ split.window, 0
+        for column, share in zip(self._spread_to.T, shares.T, strict=True):
+            coarse.real[column] += share  # no block twice in a column
+        coarse.forward()
+        coarse.modes *= split.far
+        coarse.inverse()
+        return np.asarray(packed[self._position] + coarse.real[self._spread_to] @ split.window.T)
