@@ -291,9 +291,9 @@ def test_reasons_name_what_helps():
     deep = solve(rough, tolerance=2e-14)
     assert str(deep.reason).startswith("tolerance is 2e-14; allowed: above")
     assert str(deep.reason).endswith("which rounding in float64 leaves")
-    single = Scene(Layer(1e-6, 0.5), num_points=4096, precision="float32")
+    single = Scene(Layer(1e-8, 0.5), num_points=2**13, precision="float32")
     rounded_off = solve(single, tolerance=0.5).reason
-    assert str(rounded_off).startswith("num_points is 4096, where rounding in float32 leaves")
+    assert str(rounded_off).startswith("num_points is 8192, where rounding in float32 leaves")
     assert (rounded_off.cause, rounded_off.parameter) == (Cause.ROUNDING, "num_points")
     given = measured(1 - np.cos(2 * np.pi * np.arange(256) / 256))
     reason = solve(given, accuracy=1e-3).reason

@@ -60,7 +60,8 @@ class Patches:
         """Whether these nodes, from 0 to N - 1, are contact nodes; of their shape."""
         after = np.searchsorted(self.first, nodes, side="right")
         inside: Mask = (after > 0) & (nodes <= self.last[after - 1])
-        return inside | (nodes <= self.last[-1] - self.num_points)  # where the last patch goes on at node 0
+        beyond: Mask = nodes <= self.last[-1] - self.num_points  # where the last patch goes on at node 0
+        return np.asarray(inside | beyond)
 
     @cached_property
     def label(self) -> Indices:

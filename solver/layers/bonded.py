@@ -26,6 +26,7 @@ from ..arrays import Array64
 from ..quadrature import gauss_legendre
 from .layer import EdgeSymbol, ElasticLayer
 
+_HALF_SPACE_FROM = 25.0  # q d from which f differs from 1 by less than rounding: by 2000 exp(-50), nu = 1/2
 _SERIES_BELOW = 2.0
 _SERIES_TERMS = 13  # (2^2)^13/27! < 1e-20 of the first term
 
@@ -42,15 +43,17 @@ stands in for it; below, its pressure goes like (a - x)^2."""
 
 def layer_factor(y: Array64, poisson_ratio: float) -> Array64:
     """f(y), the layer's stiffness over the half-space's, for y = q d > 0 of any size; shape of `y`, dimensionless."""
-    x = 2 * np.asarray(y, dtype=np.float64)
-    nu = poisson_ratio
+    y = np.asarray(y, dtype=np.float64)
+    found, nu = np.ones_like(y), poisson_ratio
+    deep = y < _HALF_SPACE_FROM
+    x = 2 * y[deep]
     with np.errstate(under="ignore"):
         e = np.exp(-x)
         e2 = np.exp(-2 * x)
-        # beyond x = 800 the product is 0 in float64; the clip keeps x^2 from overflowing
-        numerator = (3 - 4 * nu) * (1 + e2) / 2 + (np.minimum(x, 800.0) ** 2 / 2 + (5 - 12 * nu + 8 * nu**2)) * e
+        numerator = (3 - 4 * nu) * (1 + e2) / 2 + (x**2 / 2 + (5 - 12 * nu + 8 * nu**2)) * e
         denominator = (2 - 4 * nu) * -np.expm1(-2 * x) / 2 + _sinh_minus_argument(x, e, e2)
-    return np.asarray(numerator / denominator)
+    found[deep] = numerator / denominator
+    return found
 
 
 def _sinh_minus_argument(x: Array64, e: Array64, e2: Array64) -> Array64:
@@ -59,7 +62,7 @@ def _sinh_minus_argument(x: Array64, e: Array64, e2: Array64) -> Array64:
     series = np.ones_like(small)
     for m in range(_SERIES_TERMS, 0, -1):
         series = 1 + small * small / ((2 * m + 2) * (2 * m + 3)) * series
-    return np.where(x < _SERIES_BELOW, small**3 / 6 * series * e, (1 - e2) / 2 - np.minimum(x, 800.0) * e)
+    return np.where(x < _SERIES_BELOW, small**3 / 6 * series * e, (1 - e2) / 2 - x * e)
 
 
 def stiffness(wave_numbers: Array64, thickness: float, poisson_ratio: float) -> Array64:

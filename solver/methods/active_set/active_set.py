@@ -36,6 +36,7 @@ _SAFETY = 0.4  # residual to stop at over the tolerance: the free residual is up
 _HARDER = 0.2  # factor of the residual to stop at after the certificate found the free residual too large
 _OVER_FLOOR = 0.3  # error of the pressure over the free residual, both as rounding leaves them
 _OVER_DRIFT = 3.0  # residual over the rounding of float32 images, below which the response has to be made anew
+_SMALL_SET = 384  # nodes up to which elimination takes less time than the iterations
 _MOST_ITERATIONS = 150  # on one set: then rounding keeps the residual up; more where patches share an unknown
 _FEW_PATCHES = 8  # largest number of patches whose ends are predicted on a cold start; more disturb each other
 _MOVES = 6  # updates of a cold start in which they are
@@ -135,6 +136,9 @@ class ActiveSet(Method):
         if self._set is None:
             self.start_cold()
         now, drift = self._now, self._response.drift
+        if now.nodes.size <= _SMALL_SET and not now.eliminated and self._response.plain and not now.patches.full:
+            self._eliminate()
+            return
         if now.preconditioner is None:
             now.preconditioner = PatchDeflation(self._green, now.patches, self._last_preconditioner)
             self._last_preconditioner = now.preconditioner
@@ -150,6 +154,20 @@ class ActiveSet(Method):
             self.iteration += 1
         elif not self._updated():
             self._iterate(r, z)
+
+    def _eliminate(self) -> None:
+        """Solve on a small set by elimination, and update it if rounding leaves so small a residual as is aimed at."""
+        now = self._now
+        now.eliminated = True
+        now.pressure = self._green.solve(now.nodes, self.problem.height[now.nodes])
+        self._response.renew(now)
+        touching = self._response.touching(now)
+        r = float(touching.mean()) - touching
+        # G_CC^-1 is at most K_CC, and K at most 2
+        self.residual = now.first_residual = 2 * math.sqrt(float(r @ r) / self.problem.num_points)
+        if not self._updated():
+            self.iteration += 1
+            now.first_residual = math.inf
 
     def _updated(self) -> bool:
         """Update the set if it is solved well enough for that; whether it changed. Stops where it is the last one."""

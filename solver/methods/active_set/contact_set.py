@@ -36,6 +36,8 @@ class ContactSet:
     """Residual when the set was new, over p (dimensionless)."""
     settled: bool = False
     """No node wanted to join or leave when the set was last examined."""
+    eliminated: bool = False
+    """Whether the pressure is or was that by elimination."""
     iterations: int = 0
     """On this set."""
 

@@ -70,6 +70,16 @@ class GreensFunction:
         across = second_sum(stop, start)
         return np.asarray(across + np.swapaxes(across, -1, -2) - second_sum(start, start) - second_sum(stop, stop))
 
+    def solve(self, nodes: Indices, height: Array64) -> Array64:
+        """The pressure on some nodes, not all, whose gap h + G sigma is one constant, with a mean over N of 1.
+
+        nodes: shape (M,); height: h there [u]. Returns shape (M,) [p].
+        """
+        matrix = np.take(self.response, nodes[:, None] - nodes, mode="wrap")
+        punch, shape = np.linalg.solve(matrix, np.stack([np.ones(nodes.size), height], axis=1)).T
+        level = (self.num_points + float(shape.sum())) / float(punch.sum())
+        return np.asarray(level * punch - shape)
+
     @property
     def transformed(self) -> int:
         """Points gone through short transforms so far."""

@@ -90,7 +90,7 @@ def _of_half_space(q: Array64, symbol: Array64, shortest: float) -> Array64:
     factor = symbol[-1] * q[-1]
     near = np.full_like(q, 2 * width / math.sqrt(math.pi))
     near[1:] = _erf(q[1:] * width) / q[1:]
-    return near * factor
+    return np.asarray(near * factor)
 
 
 def _of_layer(q: Array64, symbol: Array64, shortest: float) -> Array64:

@@ -97,7 +97,7 @@ class PatchDeflation:
             0,
             np.maximum(8, 2 ** np.ceil(np.log2(size)).astype(np.int64)),
         )
-        for width in np.unique(widths[widths > 0]):
+        for width in np.unique(widths[widths > 0])[::-1]:  # the longest first, whose factor serves the others
             chosen = np.flatnonzero(widths == width)
             width = int(size[chosen].max())
             mask = np.arange(width) < size[chosen, None]

@@ -23,6 +23,7 @@ from .packed import Split
 from .storage import Whole
 
 _SAMPLE = 2**14  # nodes that tell the size of u
+_MOST_RENEWALS = 20  # before all nodes are worked on; three or four are usual
 
 
 class Response:
@@ -42,6 +43,7 @@ class Response:
         """
         self._problem, self._storage, self._split = problem, storage, split
         self._nearby: Nearby | None = None
+        self._renewals = 0
         self._directions, self._responses = directions, responses
         self.mixed = directions is not responses
         self.pairs = 0.0
@@ -70,6 +72,11 @@ class Response:
         return record(self._backend, [call])
 
     @property
+    def plain(self) -> bool:
+        """Whether the response is made on all nodes and in float64."""
+        return self._nearby is None and bool(self._field.dtype == np.float64)
+
+    @property
     def even(self) -> bool:
         """Whether the fields hold half of the nodes."""
         return self._storage.length < self._problem.num_points
@@ -87,6 +94,9 @@ class Response:
         self._apply(self._responses, now.places, now.pressure)
         self._field[:] = self._responses.target
         self.drift = 0.0
+        self._renewals += 1
+        if self._renewals > _MOST_RENEWALS:  # the packed operator errs by more than it says
+            self._split = self._nearby = None
         self._surround(now, now.nodes)
 
     def _surround(self, now: ContactSet, nodes: Indices) -> None:
@@ -171,7 +181,7 @@ class Response:
         self._state[layout.BOUND] = bound = self.level(now) - max(smallest, rounding)
         if nearby and self.drift:  # of the other nodes only an old response is known
             below = nearby.nodes[nearby.height + nearby.response < bound]
-            return below[~now.patches.hold(below)]
+            return np.asarray(below[~now.patches.hold(below)])
         self._count()
         chunks = np.flatnonzero(self._counts)
         height, response = (array.reshape(-1, CHUNK)[chunks] for array in (self._height, self._field))

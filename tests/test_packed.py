@@ -1,0 +1,133 @@
+"""The packed operator against whole transforms, and the active set near the contact against that on all nodes."""
+
+import math
+
+import numpy as np
+import pytest
+from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, Status, solve
+from linecontact.solver.grid.problem import half_spectrum
+from linecontact.solver.methods import active_set
+from linecontact.solver.methods.active_set import nearby
+from linecontact.solver.methods.active_set.packed import Packed, Split
+
+LAYERS = [(math.inf, 0.25)] + [
+    (d, nu) for d in (1, 0.1, 0.01, 1e-3, 1e-4, 1e-5) for nu in (-0.9, 0.25, 0.45, 0.499, 0.5)
+]
+
+
+def compliance(num_points, thickness, nu):
+    stiffness = half_spectrum(Layer(thickness, nu), num_points, 1.0)
+    return np.append(0.0, 1 / stiffness[1:])
+
+
+def islands(num_blocks, seed):
+    """Block numbers: islands of one to four blocks at random places, one of them across the end of the period."""
+    rng = np.random.default_rng(seed)
+    starts, sizes = rng.integers(0, num_blocks, 12), rng.integers(1, 5, 12)
+    blocks = [(start + np.arange(size)) % num_blocks for start, size in zip(starts, sizes, strict=True)]
+    return np.unique(np.concatenate([*blocks, [num_blocks - 1, 0, 1]]))
+
+
+@pytest.mark.parametrize(("thickness", "nu"), LAYERS)
+@pytest.mark.parametrize(("num_points", "block"), [(2**14, 16), (48000, 15), (2**17, 32), (2**15, 8)])
+def test_packed_against_whole_transforms(num_points, block, thickness, nu):
+    """Errors are measured over what G does to that pressure, and are at most twice what the split says."""
+    symbol = compliance(num_points, thickness, nu)
+    split = Split(symbol, num_points, block)
+    packed = Packed(split, islands(num_points // block, seed=num_points))
+    rng = np.random.default_rng(1)
+    pressure = rng.standard_normal((packed.blocks.size, block))
+    pressure -= pressure.mean()  # a constant in the image tells nothing, and a load makes one
+    whole = np.zeros((num_points // block, block))
+    whole[packed.blocks] = pressure
+    expected = np.fft.irfft(np.fft.rfft(whole.ravel()) * symbol, num_points).reshape(-1, block)[packed.blocks]
+    difference = packed(pressure) - expected
+    assert np.abs(difference - difference.mean()).max() <= 2 * split.error * np.ptp(expected)
+    assert split.error < 3e-3
+    # symmetric to rounding
+    other = rng.standard_normal(pressure.shape)
+    forth, back = float(np.sum(other * packed(pressure))), float(np.sum(pressure * packed(other)))
+    assert forth == pytest.approx(back, rel=0, abs=1e-12 * float(np.sum(np.abs(other * packed(pressure)))))
+
+
+def rough(num_points, hurst=0.8, thickness=math.inf, nu=0.25, pressure=1e-2, seed=0):
+    waves = {"roll_off_ratio": 1 / 8, "cut_off_ratio": 64 * 8 / num_points}
+    indenter = RoughIndenter(hurst=hurst, seed=seed, **waves)
+    return Scene(Layer(thickness, nu, 1.0), indenter, pressure=pressure, num_points=num_points)
+
+
+SCENES = [
+    rough(2**16),
+    rough(2**16, hurst=0.3),
+    rough(2**16, thickness=0.01, nu=0.45),
+    rough(2**16, thickness=1e-3, nu=0.499),
+    rough(2**16, thickness=1e-3, nu=0.5),
+    rough(2**16, thickness=1e-4),
+    rough(2**16, pressure=0.3),
+    Scene(Layer(), PowerIndenter(2.0, 1.0), pressure=2e-3, num_points=2**16),
+    Scene(Layer(0.01, 0.5), PowerIndenter(4.0, 1.0), pressure=1e-4, num_points=72000),
+    Scene(Layer(0.1), PowerIndenter(1.5, 1.0), pressure=1e-3, num_points=2 * 32771),  # no block divides it
+]
+
+
+@pytest.mark.parametrize(
+    ("scene", "nested"), [*((scene, True) for scene in SCENES), (SCENES[2], False), (SCENES[8], False)]
+)
+def test_same_contact_as_on_all_nodes(scene, nested, monkeypatch):
+    near = solve(scene, nested=nested)
+    monkeypatch.setattr(active_set, "make_split", lambda compliance, num_points: None)
+    everywhere = solve(scene, nested=nested)
+    assert near.status is everywhere.status is Status.CONVERGED
+    np.testing.assert_array_equal(near.contact, everywhere.contact)
+    scale = everywhere.contact_pressure.max()
+    np.testing.assert_allclose(near.contact_pressure, everywhere.contact_pressure, rtol=0, atol=1e-6 * scale)
+
+
+def count_renewals(monkeypatch):
+    """Whole transforms by the number of points."""
+    found = {}
+    plain = active_set.Response.renew
+
+    def renew(self, now):
+        found[self._problem.num_points] = found.get(self._problem.num_points, 0) + 1
+        plain(self, now)
+
+    monkeypatch.setattr(active_set.Response, "renew", renew)
+    return found
+
+
+@pytest.mark.parametrize("scene", SCENES[:6])
+def test_few_whole_transforms(scene, monkeypatch):
+    found = count_renewals(monkeypatch)
+    assert solve(scene).status is Status.CONVERGED
+    assert found[scene.num_points] <= 4
+
+
+def test_contact_nearly_everywhere_is_solved_on_all_nodes(monkeypatch):
+    made = []
+    monkeypatch.setattr(nearby, "Nearby", lambda *arguments: made.append(arguments))
+    solution = solve(Scene(Layer(), RoughIndenter(cut_off_ratio=1 / 64), pressure=0.5, num_points=2**16))
+    assert solution.status is Status.CONVERGED
+    assert solution.observables.contact_area > 0.3
+    assert not made
+
+
+@pytest.mark.parametrize("error", [1e-3, 0.1])
+def test_an_operator_worse_than_it_says(error, monkeypatch):
+    """Found out by whole transforms; where they become many, all nodes are worked on."""
+    plain = Packed.__call__
+    monkeypatch.setattr(
+        Packed, "__call__", lambda self, values: (1 + error * np.cos(self.blocks))[:, None] * plain(self, values)
+    )
+    solution = solve(SCENES[0])
+    assert solution.status is Status.CONVERGED
+    monkeypatch.setattr(Packed, "__call__", plain)
+    np.testing.assert_array_equal(solution.contact, solve(SCENES[0]).contact)
+
+
+def test_far_from_the_start_the_neighbourhood_grows(monkeypatch):
+    """From the pressure of another surface; nodes that touch elsewhere are found by whole transforms."""
+    scene = rough(2**16, seed=1)
+    solution = solve(scene, initial=solve(rough(2**16, seed=0)).displacement.clip(max=scene.profile))
+    assert solution.status is Status.CONVERGED
+    np.testing.assert_array_equal(solution.contact, solve(scene).contact)
