@@ -1,7 +1,7 @@
 """The certificate: how wrong a displacement can be, recomputed in float64 from u alone.
 
-No method shares this code: it transforms with `numpy.fft`, not through `transforms` as they do, and decides by itself
-which nodes are in contact. All numbers are dimensionless.
+No method shares this code, which decides by itself which nodes are in contact; what it has in common with them is
+FFTW, whose transforms are tested against NumPy's. All numbers are dimensionless.
 
 The bound. Let r = p - K u, F the free nodes, C the nodes in contact (u = h, r > 0). For every admissible v <= h, with
 e = v - u and e <= 0 on C, the energy Pi = V - p L mean(u) obeys
@@ -22,6 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array64, Mask
+from ..transforms.plain import irfft, rfft
 from .problem import Problem
 
 
@@ -52,7 +53,7 @@ def certify(problem: Problem, displacement: Array64) -> tuple[Certificate, Array
     h, n = problem.height, problem.num_points
     pressure, contact = np.empty(n), np.empty(n, dtype=bool)
     with np.errstate(over="ignore", invalid="ignore"):
-        elastic = np.fft.irfft(problem.stiffness * np.fft.rfft(displacement), n)
+        elastic = irfft(problem.stiffness * rfft(displacement), n)
         mean = float(h.mean())
         free = squares = energy = variance = apart = load = 0.0
         tensile = penetration = 0.0
@@ -92,7 +93,7 @@ def _energy_bound(problem: Problem, force: Array64, free: float, pressure: Array
         return math.inf
     for part in _parts(force.size):
         force[part] -= pressure[part] * (free / load)
-    modes, total = np.fft.rfft(force), 0.0
+    modes, total = rfft(force), 0.0
     for part in _parts(modes.size):
         power = modes[part].real ** 2 + modes[part].imag ** 2
         stiffness = problem.stiffness[part]

@@ -1,16 +1,25 @@
-"""Transforms of plain arrays now and then, in float64, by `numpy.fft` and with its normalisation: 1/N on the way back.
+"""Transforms of plain arrays now and then, in float64, with NumPy's normalisation: 1/N on the way back.
 
-What is done often on arrays of one length goes through `planned`.
+Short ones are NumPy's own, which need no plan. What is done often on arrays of one length goes through `planned`.
 """
 
 import numpy as np
 
 from ..arrays import Array64, Modes
+from .fftw import pyfftw
+
+_PLANNED_FROM = 2**12
+"""Values from which FFTW is faster, its planning included."""
 
 
 def rfft(values: Array64) -> Modes:
     """Half spectrum X_k = sum_i x_i exp(-2 pi i k i/N), k = 0 ... N//2, shape (N//2 + 1,), of N real values."""
-    return np.fft.rfft(values)
+    if values.size < _PLANNED_FROM:
+        return np.fft.rfft(values)
+    source = np.require(values, np.float64, "CW")
+    modes: Modes = pyfftw.empty_aligned(values.size // 2 + 1, dtype=np.complex128)
+    pyfftw.FFTW(source, modes, flags=["FFTW_ESTIMATE"]).execute()
+    return modes
 
 
 def irfft(modes: Modes | Array64, num_points: int) -> Array64:
@@ -18,7 +27,15 @@ def irfft(modes: Modes | Array64, num_points: int) -> Array64:
 
     modes: shape (M,); cut off or filled up with zeros to M = num_points//2 + 1.
     """
-    return np.fft.irfft(modes, num_points)
+    if num_points < _PLANNED_FROM:
+        return np.fft.irfft(modes, num_points)
+    held = modes[: num_points // 2 + 1]
+    source = pyfftw.zeros_aligned(num_points // 2 + 1, dtype=np.complex128)
+    np.multiply(held, 1 / num_points, out=source[: held.size])
+    values: Array64 = pyfftw.empty_aligned(num_points)
+    flags = ["FFTW_ESTIMATE", "FFTW_DESTROY_INPUT"]
+    pyfftw.FFTW(source, values, direction="FFTW_BACKWARD", flags=flags).execute()
+    return values
 
 
 def hfft(values: Modes | Array64, num_points: int) -> Array64:
@@ -26,4 +43,4 @@ def hfft(values: Modes | Array64, num_points: int) -> Array64:
 
     values: the first half of them, shape (M,); cut off or filled up with zeros to M = num_points//2 + 1.
     """
-    return np.fft.hfft(values, num_points)
+    return irfft(np.conj(values) * num_points, num_points)
