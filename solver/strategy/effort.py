@@ -11,7 +11,7 @@ from ..solution import MEANINGLESS
 SMALLEST_WARP = 2**13
 """Points; on smaller coarse grids recording Warp's launches takes longer than a few passes of the twins."""
 
-COARSE_TOLERANCE, COARSE_WRONG_NODES = 1e-5, 0.1
+COARSE_TOLERANCE, COARSE_WRONG_NODES = 1e-3, 0.1
 """On coarse grids: the residual to stop at, and the nodes per patch that may still be wrong (dimensionless)."""
 
 CAUTION = 0.95

@@ -17,7 +17,6 @@ from dataclasses import dataclass
 from ..layers import ElasticLayer
 from ..scene import Scene
 from ..solution import Choice
-from .effort import COARSE_TOLERANCE
 from .small_models import LEAST_EDGE
 
 _LONG_ASPERITY = 100.0  # half-width over thickness above which collocation takes longer than a grid
@@ -25,6 +24,7 @@ _FINE = 1e-5  # accuracy that a grid may not reach
 _LONGEST_ASPERITY = 600.0  # half-width over thickness above which collocation is not tried even for that
 _MOST_ASPERITY = 0.49  # half-widths in the period: beyond, neighbours merge
 _MODEL_SHARE = 0.25  # of the accuracy
+_LOOSEST = 1e-5  # tolerance
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ def decide(scene: Scene, accuracy: float) -> Plan:
 
 def residual(accuracy: float) -> float:
     """The tolerance on the free residual that goes with an accuracy."""
-    return min(max(0.2 * accuracy, 1e-10), COARSE_TOLERANCE)
+    return min(max(0.2 * accuracy, 1e-10), _LOOSEST)
 
 
 def _half_space(scene: Scene, most: float) -> tuple[ElasticLayer, tuple[Choice, ...]]:

@@ -16,7 +16,7 @@ def rfft(values: Array64) -> Modes:
     """Half spectrum X_k = sum_i x_i exp(-2 pi i k i/N), k = 0 ... N//2, shape (N//2 + 1,), of N real values."""
     if values.size < _PLANNED_FROM:
         return np.fft.rfft(values)
-    source = np.require(values, np.float64, "CW")
+    source = np.require(values, np.float64, ["C", "W"])
     modes: Modes = pyfftw.empty_aligned(values.size // 2 + 1, dtype=np.complex128)
     pyfftw.FFTW(source, modes, flags=["FFTW_ESTIMATE"]).execute()
     return modes

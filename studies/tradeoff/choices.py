@@ -8,7 +8,6 @@ from typing import ClassVar
 import numpy as np
 from linecontact.solver import Solution, Status, solve
 from linecontact.solver.methods import Progress
-from linecontact.solver.strategy.effort import COARSE_TOLERANCE
 
 from ..iterations.study import pair_seconds
 from ..peers import solvers as peers
@@ -17,6 +16,7 @@ from . import families
 from .measuring import Found, measured, of_solution, refused, warm_up
 
 _SAMPLES = 2**12  # of the oracle's field
+_COARSER = 1e-5  # tolerance on the coarser grid
 _ITERATIONS = 100  # over which a single one is timed
 
 
@@ -224,7 +224,7 @@ class Precisions:
             families.make_scene(self.family, size, precision),
             method=self.method,
             nested=not limited,
-            tolerance=COARSE_TOLERANCE if coarser else self.tolerance,
+            tolerance=_COARSER if coarser else self.tolerance,
             max_iterations=_ITERATIONS if limited else None,
             progress=report,
         )

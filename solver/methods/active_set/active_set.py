@@ -156,7 +156,7 @@ class ActiveSet(Method):
             self._iterate(r, z)
 
     def _eliminate(self) -> None:
-        """Solve on a small set by elimination, and update it if rounding leaves so small a residual as is aimed at."""
+        """Solve on a small set by elimination, as well as rounding allows, and update it."""
         now = self._now
         now.eliminated = True
         now.pressure = self._green.solve(now.nodes, self.problem.height[now.nodes])
@@ -164,10 +164,11 @@ class ActiveSet(Method):
         touching = self._response.touching(now)
         r = float(touching.mean()) - touching
         # G_CC^-1 is at most K_CC, and K at most 2
-        self.residual = now.first_residual = 2 * math.sqrt(float(r @ r) / self.problem.num_points)
-        if not self._updated():
-            self.iteration += 1
-            now.first_residual = math.inf
+        self.residual = 2 * math.sqrt(float(r @ r) / self.problem.num_points)
+        self.iteration += 1
+        if not self._update_set():
+            now.settled = True
+            self.stopped = self.stopped or self.residual <= max(self._target, self._floor)
 
     def _updated(self) -> bool:
         """Update the set if it is solved well enough for that; whether it changed. Stops where it is the last one."""

@@ -52,10 +52,10 @@ class GreensFunction:
 
     @cached_property
     def _second_sum(self) -> Array64:
-        """T with T(k+1) - 2 T(k) + T(k-1) = G(k) up to a constant, shape (N,)."""
+        """T(k+1) for T with T(k+1) - 2 T(k) + T(k-1) = G(k), shape (N,)."""
         first = np.cumsum(self.response)
         first -= first.mean()  # so that the second sum is periodic, too
-        return np.roll(np.cumsum(first), 1)
+        return np.cumsum(first, out=first)
 
     def patch_sums(self, first: Indices, last: Indices) -> Array64:
         """Z'GZ for Z = 1 on each of M runs of nodes: the sums of G(a - b) over a in one run and b in another.
@@ -65,7 +65,7 @@ class GreensFunction:
         start, stop = first, last + 1
 
         def second_sum(a: Indices, b: Indices) -> Array64:
-            return np.take(self._second_sum, a[..., :, None] - b[..., None, :], mode="wrap")
+            return np.take(self._second_sum, a[..., :, None] - (b[..., None, :] + 1), mode="wrap")
 
         across = second_sum(stop, start)
         return np.asarray(across + np.swapaxes(across, -1, -2) - second_sum(start, start) - second_sum(stop, stop))

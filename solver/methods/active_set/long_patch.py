@@ -5,6 +5,8 @@ K restricted to the patch, by a short transform, is nearly the inverse: K_bb >= 
 1 to 1.4.
 """
 
+from functools import cached_property
+
 import numpy as np
 
 from ...arrays import Array64
@@ -34,8 +36,9 @@ class LongPatch:
         z = convolve(convolve.rigidity, residual - coarse @ self._image)
         return np.asarray(z + (coarse - self._inverse @ (self._image @ z)) @ self._basis)
 
+    @cached_property
     def flat_punch(self) -> Array64:
-        """About G_bb^-1 1, by a few steps of conjugate gradients."""
+        """About G_bb^-1 1, shape (m,), by a few steps of conjugate gradients."""
         x, r = np.zeros(self.size), np.ones(self.size)
         d, before = np.zeros(self.size), 1.0
         for _ in range(4):

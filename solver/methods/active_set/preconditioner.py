@@ -33,10 +33,16 @@ class PatchDeflation:
     """Preconditioner for one contact set; see the module's head."""
 
     def __init__(self, green: GreensFunction, patches: Patches, previous: "PatchDeflation | None" = None) -> None:
-        """`previous`: of a similar set, whose coarse inverse serves again if the patches are as many."""
+        """`previous`: of a similar set, whose coarse inverse serves again if the patches are as many, and whose long
+        patches do if they have the same size.
+        """
         self.patches, self._green = patches, green
         dense = 0 if patches.full else LONGEST_DENSE if patches.count > _FEW_PATCHES else LONGEST_DENSE // 4
-        self._long = {p: LongPatch(green, int(patches.size[p])) for p in _indices(patches.size > dense)}
+        known = {long.size: long for long in previous._long.values()} if previous else {}
+        self._long: dict[int, LongPatch] = {
+            p: known.get(int(patches.size[p])) or LongPatch(green, int(patches.size[p]))
+            for p in _indices(patches.size > dense)
+        }
         self._blocks = list(self._dense_blocks())
         self._build, self._borders, self._factor = 0, np.zeros(0), np.ones((1, 1))
         if patches.full:
@@ -44,7 +50,7 @@ class PatchDeflation:
         self._punch = self._local(np.ones(patches.nodes.size))
         for p, long in self._long.items():
             if patches.count > 1:  # the only patch keeps its load anyway
-                self._punch[self._part(p)] = long.flat_punch()
+                self._punch[self._part(p)] = long.flat_punch
         loads = patches.sums(self._punch)
         if previous and patches.count == previous._build:
             self._build, self._borders, self._factor = previous._build, previous._borders, previous._factor
