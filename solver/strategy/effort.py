@@ -11,8 +11,9 @@ from ..solution import MEANINGLESS
 SMALLEST_WARP = 2**13
 """Points; on smaller coarse grids recording Warp's launches takes longer than a few passes of the twins."""
 
-COARSE_TOLERANCE, COARSE_WRONG_NODES = 1e-3, 0.1
-"""On coarse grids: the residual to stop at, and the nodes per patch that may still be wrong (dimensionless)."""
+COARSE_TOLERANCE, COARSE_WRONG_NODES, COARSE_REDUCTION = 1e-5, 0.1, 0.01
+"""On coarse grids: the residual to stop at, the nodes per patch that may still be wrong, and the part of the residual
+at the start beyond which nothing is gained, because the next grid starts no better (dimensionless)."""
 
 CAUTION = 0.95
 """Share of the tolerance that is the method's: the certificate's own rounding must not turn a solution away."""
@@ -73,6 +74,7 @@ class Effort:
         kind: MethodKind | None = None,
         precision: str | None = None,
         wrong_nodes_per_patch: float = 0.0,
+        reduction: float = 0.0,
     ) -> Method:
         """A method on a grid; by default the one that was chosen, and the scene's precision on its own grid.
 
@@ -81,7 +83,8 @@ class Effort:
         size, means = problem.num_points, self.means
         precision = precision or (self.scene.precision if size == self.scene.num_points else "float64")
         backend = self.backend_on(size)
-        setting = Setting(tolerance, precision, wrong_nodes_per_patch, means.threads, means.planning, backend)
+        coarse = wrong_nodes_per_patch, reduction
+        setting = Setting(tolerance, precision, *coarse, means.threads, means.planning, backend)
         return (kind or self.kind).begin(problem, setting)
 
     def backend_on(self, num_points: int) -> str:

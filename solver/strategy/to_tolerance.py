@@ -14,7 +14,7 @@ from ..methods import Method
 from ..scene import Scene
 from ..solution import Level, Solution
 from .certification import certify_or_fall_back
-from .effort import CAUTION, COARSE_TOLERANCE, COARSE_WRONG_NODES, Effort
+from .effort import CAUTION, COARSE_REDUCTION, COARSE_TOLERANCE, COARSE_WRONG_NODES, Effort
 from .grids import Reached, grids, over_grids
 from .memory import check_memory
 from .precision import problems, reachable
@@ -43,7 +43,9 @@ class Prepared:
             return self.finest
         tolerance = max(COARSE_TOLERANCE, 0.0 if scene.precision == "float32" else self.tolerance)
         problem = Problem.from_scene(scene, num_points)
-        return self.effort.begin(problem, tolerance, wrong_nodes_per_patch=COARSE_WRONG_NODES)
+        return self.effort.begin(
+            problem, tolerance, wrong_nodes_per_patch=COARSE_WRONG_NODES, reduction=COARSE_REDUCTION
+        )
 
 
 def solve_to_tolerance(

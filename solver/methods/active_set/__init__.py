@@ -34,7 +34,8 @@ def begin(problem: Problem, setting: Setting, storage: Whole | None = None) -> A
     responses = compliance("float64") if setting.precision == "mixed" else directions
     split = make_split(green.compliance, problem.num_points)
     response = Response(problem, storage, split, directions, responses, setting.backend)
-    return ActiveSet(problem, setting.tolerance, green, storage, response, setting.wrong_nodes_per_patch)
+    few = setting.wrong_nodes_per_patch
+    return ActiveSet(problem, setting.tolerance, green, storage, response, few, setting.reduction)
 
 
 KIND = MethodKind(

@@ -33,6 +33,7 @@ from .storage import Whole
 _FORCING_TERM = 0.05  # residual of a set over that when it was new, at which it is updated
 _TIGHTER, _TIGHTEST = 0.1, 1e-7  # factor of the forcing term when a set comes back, and where the search gives up
 _SAFETY = 0.4  # residual to stop at over the tolerance: the free residual is up to twice the pressure's error
+_LOOSEST = 1e-3  # tolerance on coarse grids
 _HARDER = 0.2  # factor of the residual to stop at after the certificate found the free residual too large
 _OVER_FLOOR = 0.3  # error of the pressure over the free residual, both as rounding leaves them
 _OVER_DRIFT = 3.0  # residual over the rounding of float32 images, below which the response has to be made anew
@@ -85,8 +86,9 @@ class ActiveSet(Method):
         storage: Whole,
         response: Response,
         wrong_nodes_per_patch: float = 0.0,
+        reduction: float = 0.0,
     ) -> None:
-        self.problem, self.tolerance = problem, tolerance
+        self.problem, self.tolerance, self._reduction = problem, tolerance, reduction
         self.mixed, self.even = response.mixed, response.even
         self._wrong_nodes_per_patch = wrong_nodes_per_patch
         self._green, self._storage, self._response = green, storage, response
@@ -148,6 +150,9 @@ class ActiveSet(Method):
         self.residual = math.sqrt(float(z @ z) / self.problem.num_points)
         if math.isinf(now.first_residual):
             now.first_residual = self.residual
+            if self._reduction:  # known with the first set
+                self.tolerance = max(self.tolerance, min(self._reduction * self.residual, _LOOSEST))
+                self._target, self._reduction = _SAFETY * self.tolerance, 0.0
         if drift and self.residual <= max(self._target, self._floor, _OVER_DRIFT * drift):
             self._response.renew(now)
             now.last_product = 0.0

@@ -99,9 +99,10 @@ class GreensFunction:
             else:
                 modes = np.arange(length // 2 + 1)
                 # K at the ring's wave numbers: its tails decay, and a preconditioner may be off; G as it is
-                rigidity = np.interp(
-                    modes * (self.num_points / length), np.arange(self._stiffness.size), self._stiffness
-                )
+                at = modes * (self.num_points / length)
+                below = np.minimum(at.astype(np.int64), self._stiffness.size - 2)
+                rise = self._stiffness[below + 1] - self._stiffness[below]
+                rigidity = self._stiffness[below] + (at - below) * rise
                 compliance = hfft(self.response[modes], length)[: modes.size]
             self._convolutions[length] = Convolution(rigidity, compliance, length)
         return self._convolutions[length]

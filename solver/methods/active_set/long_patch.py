@@ -10,7 +10,6 @@ from functools import cached_property
 import numpy as np
 
 from ...arrays import Array64
-from ...transforms.planned import fast_length
 from .greens_function import GreensFunction
 
 
@@ -19,8 +18,9 @@ class LongPatch:
 
     def __init__(self, green: GreensFunction, size: int) -> None:
         self.size = size
-        # twice the patch keeps its ends apart
-        self._convolve = convolve = green.convolution(min(2 * fast_length(size), green.num_points))
+        # twice the patch keeps its ends apart; patches of similar size share a length
+        step = 2 ** (size.bit_length() - 3)
+        self._convolve = convolve = green.convolution(min(2 * step * -(-size // step), green.num_points))
         self.whole = size == green.num_points
         if not self.whole:
             self._basis = np.stack([convolve(convolve.rigidity, x) for x in (np.ones(size), np.linspace(-1, 1, size))])
