@@ -80,6 +80,7 @@ def test_long_plain_transforms_against_numpy(n):
         kept = modes.copy()
         np.testing.assert_allclose(plain.irfft(modes, n), before, atol=1e-14)
         np.testing.assert_array_equal(modes, kept)
+        np.testing.assert_allclose(plain.irfft(kept, n, overwrite=True), before, atol=1e-14)
         np.testing.assert_allclose(plain.irfft(modes[:100], n), np.fft.irfft(exact[:100], n), atol=1e-15)
         np.testing.assert_allclose(plain.irfft(modes.real, n), np.fft.irfft(exact.real, n), atol=1e-14)
         np.testing.assert_allclose(plain.hfft(modes, n), np.fft.hfft(exact, n), atol=1e-14 * scale**2)

@@ -58,14 +58,14 @@ class Observables:
 
 
 def observe(scene: Scene, displacement: Array64, contact_pressure: Array64, contact: Mask) -> Observables:
-    """Observables of a displacement [length] and contact pressure [pressure], both shape (N,)."""
+    """Observables of a displacement [length] and contact pressure [pressure], 0 off the contact; all shape (N,)."""
     squared_slope = scene.indenter.slope(scene.num_points, scene.period) ** 2
     area = float(contact.mean())
     gradient = math.sqrt(float(squared_slope[contact].mean())) if area else 0.0
     reduced = scene.reduced_load / gradient if gradient else math.inf
     kappa = area / reduced
     layer, power = scene.layer, scene.indenter.power_law
-    patches, edges = contact_edges(scene, np.where(contact, contact_pressure, 0.0))
+    patches, edges = contact_edges(scene, contact_pressure)
     area_subgrid, gradient_subgrid, kappa_subgrid, sensitivity = subgrid_measures(scene, patches, edges, squared_slope)
     area_error = edges.total_error / scene.num_points if area else 1.0
     modulus = layer.foundation_modulus(1.0) * layer.contact_modulus  # [pressure/length]; 0 for a half-space

@@ -36,12 +36,16 @@ class PowerIndenter(Indenter):
 
     def profile(self, num_points: int, period: float) -> Array64:
         distance = self._distance(num_points)
-        return distance / self.exponent * self._steepness(distance, period)
+        steepness = self._steepness(distance, period)
+        distance /= self.exponent
+        distance *= steepness
+        return distance
 
     def slope(self, num_points: int, period: float) -> Array64:
         """Slopes, see `Indenter`; 0 at the lowest point."""
-        centre = np.arange(num_points) - num_points // 2
-        return np.sign(centre) * self._steepness(self._distance(num_points), period)
+        slope = self._steepness(self._distance(num_points), period)
+        np.negative(slope[: num_points // 2], out=slope[: num_points // 2])
+        return slope
 
     def shortest_wave(self, num_points: int) -> int:
         """None: the profile is smooth, see `Indenter`."""
@@ -70,10 +74,15 @@ class PowerIndenter(Indenter):
     def _steepness(self, distance: Array64, period: float) -> Array64:
         """|h'| = (x/R)^(n-1) at x/L; steeper than `STEEPEST` makes no difference, but overflows."""
         with np.errstate(over="ignore", under="ignore"):
-            slope = (distance * (period / self.radius)) ** (self.exponent - 1)
-        return np.asarray(np.minimum(slope, STEEPEST))
+            slope = distance * (period / self.radius)
+            slope **= self.exponent - 1
+        return np.minimum(slope, STEEPEST, out=slope)
 
     @staticmethod
     def _distance(num_points: int) -> Array64:
         """Distance from the lowest point [L], shape (num_points,)."""
-        return np.abs(np.arange(num_points) - num_points // 2) / num_points
+        distance = np.arange(num_points, dtype=np.float64)
+        distance -= num_points // 2
+        np.abs(distance, out=distance)
+        distance /= num_points
+        return distance

@@ -24,8 +24,6 @@ _NOT_FAR = 100  # times what rounding leaves: a default tolerance gives way to a
 class Certified:
     """What was found in the end, with its certificate; nothing here changes any more."""
 
-    state: Method
-    """The method that found it, on the grid of the answer."""
     status: Status
     """How the solve ended."""
     reason: Reason | None
@@ -88,7 +86,6 @@ class _Certification:
         if good and status in (Status.STAGNATED, Status.ITERATION_LIMIT):
             status = Status.CONVERGED
         return Certified(
-            state=self.state,
             status=status,
             reason=self.reason(status),
             tolerance=self.tolerance,

@@ -2,7 +2,7 @@
 
 from .. import checks
 
-_BYTES_PER_POINT = 250  # at the peak; measured: 130 (plain FIRE, float32), 210 (active set), 310 (contact everywhere)
+_BYTES_PER_POINT = 250  # at the peak; measured: 120 (plain FIRE), 135 to 170 (active set), 350 (contact everywhere)
 
 
 def check_memory(num_points: int) -> None:

@@ -21,9 +21,12 @@ def make_solution(
     scene: as the user gave it, or on the grid of the answer; problem: that was certified; levels: coarser grids.
     """
     profile, contact = scene.period * problem.profile, certified.contact
-    displacement = np.minimum(certified.displacement * problem.length_unit, profile)  # units round
+    displacement, pressure = certified.displacement, certified.pressure  # in place: they may be large
+    displacement *= problem.length_unit
+    np.minimum(displacement, profile, out=displacement)  # units round
     displacement[contact] = profile[contact]
-    pressure = certified.pressure * scene.pressure
+    pressure *= scene.pressure
+    del profile
     observables = observe(scene, displacement, pressure, contact)
     observables = discretisation_error(observables, levels)
     return Solution(

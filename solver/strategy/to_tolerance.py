@@ -54,11 +54,12 @@ def solve_to_tolerance(
     """Solve the effort's scene by its method to a tolerance; arguments as in `solve`. Raises `ValueError`."""
     begin = time.perf_counter()
     prepared = _prepare(effort, nested, tolerance, initial)
-    problem, own = prepared.problem, tolerance is not None
+    problem, asked, own = prepared.problem, prepared.tolerance, tolerance is not None
     ready = time.perf_counter()
     reached, levels = _iterate(prepared)
     relaxed = time.perf_counter()
-    certified = certify_or_fall_back(effort, problem, reached.state, reached.status, prepared.tolerance, own)
+    certified = certify_or_fall_back(effort, problem, reached.state, reached.status, asked, own)
+    del prepared, reached  # and with them the method's fields, which are most of the memory
     solution = make_solution(effort.scene, problem, certified, levels, effort)
     times = stages(begin, ready, relaxed + certified.seconds, time.perf_counter())
     return replace(solution, seconds=times)

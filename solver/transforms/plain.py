@@ -22,15 +22,17 @@ def rfft(values: Array64) -> Modes:
     return modes
 
 
-def irfft(modes: Modes | Array64, num_points: int) -> Array64:
+def irfft(modes: Modes | Array64, num_points: int, overwrite: bool = False) -> Array64:
     """The real values, shape (num_points,), that have this half spectrum: the inverse of `rfft`.
 
-    modes: shape (M,); cut off or filled up with zeros to M = num_points//2 + 1.
+    modes: shape (M,); cut off or filled up with zeros to M = num_points//2 + 1. overwrite: what `rfft` gave may be
+    destroyed, which saves memory.
     """
     if num_points < _PLANNED_FROM:
         return np.fft.irfft(modes, num_points)
-    held = modes[: num_points // 2 + 1]
-    source = pyfftw.zeros_aligned(num_points // 2 + 1, dtype=np.complex128)
+    held = source = modes[: num_points // 2 + 1]
+    if not overwrite:
+        source = pyfftw.zeros_aligned(num_points // 2 + 1, dtype=np.complex128)
     np.multiply(held, 1 / num_points, out=source[: held.size])
     values: Array64 = pyfftw.empty_aligned(num_points)
     flags = ["FFTW_ESTIMATE", "FFTW_DESTROY_INPUT"]

@@ -2,17 +2,18 @@
 
 Unknown is the contact pressure sigma >= 0 on the contact nodes C, with the load fixed. There the gap h + G sigma must
 be one constant, the rigid approach; elsewhere it must not be less. Conjugate gradients on G_CC (M. R. Hestenes and E.
-Stiefel, 1952) with the preconditioner of `preconditioner` take one transform pair an iteration, because the response G
-sigma is carried along on all nodes (`response`). Whenever the residual has fallen to a given part (the
-forcing term) of what it was when the set last changed, the set is updated (primal-dual active set, M. Hintermueller et
-al., SIAM J. Optim. 13, 865 (2002)): nodes that pull are dropped, nodes that penetrate are added. The search ends when
-neither happens at the tolerance asked for. When a set comes back, the next ones are decided on more accurate solutions;
-when that does not help either, the search gives up.
+Stiefel, 1952) with the preconditioner of `preconditioner` take one application of G an iteration, because the response
+G sigma is carried along (`response`): on blocks of nodes around the contact where that pays (`packed`), and on all
+nodes elsewhere and before anything is believed. Small sets are solved by elimination instead. Whenever the residual has
+fallen to a given part (the forcing term) of what it was when the set last changed, the set is updated (primal-dual
+active set, M. Hintermueller et al., SIAM J. Optim. 13, 865 (2002)): nodes that pull are dropped, nodes that penetrate
+are added. The search ends when neither happens at the tolerance asked for. When a set comes back, the next ones are
+decided on more accurate solutions; when that does not help either, the search gives up.
 
 The residual is the preconditioned one, an estimate of the pressure's error: rms over all nodes, over the mean pressure.
 
-Mixed precision: the response is made anew from the pressure, by float64 transforms, when what the rounding of float32
-images may have put into the residual comes close to it, and before the end (`response`).
+The response is made anew from the pressure, by transforms of all nodes, when what the packed operator's error, or in
+mixed precision the rounding of float32 images, may have put into the residual comes close to it, and before the end.
 """
 
 import math

@@ -15,19 +15,15 @@ class Compliance:
     def __init__(self, symbol: Array64, storage: Whole, transforms: Transforms, backend: str) -> None:
         self.new_field = transforms.buffer
         """Makes a field like the target."""
-        self._source, self.target = transforms.buffer(), transforms.buffer()
-        forward, inverse = transforms.forward(self._source), transforms.inverse(self.target)
+        self.target = transforms.buffer()
+        forward, inverse = transforms.forward(self.target), transforms.inverse(self.target)
         self._parts = forward, record(backend, [storage.multiply(symbol, transforms)]), inverse
-        self._filled: Indices | None = None
         self.pair_length = storage.length / storage.num_points
         """Length of its transforms over N (dimensionless)."""
 
     def apply(self, places: Indices, values: Array64) -> None:
         """target = G values; values: pressure, 0 at all other places, both of shape (contact nodes,)."""
-        if self._filled is not places:
-            if self._filled is not None:
-                self._source[self._filled] = 0
-            self._filled = places
-        self._source[places] = values
+        self.target[:] = 0
+        self.target[places] = values
         for part in self._parts:
             part()

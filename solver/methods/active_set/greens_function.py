@@ -50,25 +50,11 @@ class GreensFunction:
         """G in real space, shape (N,): displacement around a node of unit pressure."""
         return irfft(self.compliance, self.num_points)
 
-    @cached_property
-    def _second_sum(self) -> Array64:
-        """T(k+1) for T with T(k+1) - 2 T(k) + T(k-1) = G(k), shape (N,)."""
+    def second_sum(self) -> Array64:
+        """T(k+1) for T with T(k+1) - 2 T(k) + T(k-1) = G(k), shape (N,); made anew every time, as it is large."""
         first = np.cumsum(self.response)
         first -= first.mean()  # so that the second sum is periodic, too
         return np.cumsum(first, out=first)
-
-    def patch_sums(self, first: Indices, last: Indices) -> Array64:
-        """Z'GZ for Z = 1 on each of M runs of nodes: the sums of G(a - b) over a in one run and b in another.
-
-        first, last: end nodes, shape (..., M). Returns shape (..., M, M).
-        """
-        start, stop = first, last + 1
-
-        def second_sum(a: Indices, b: Indices) -> Array64:
-            return np.take(self._second_sum, a[..., :, None] - (b[..., None, :] + 1), mode="wrap")
-
-        across = second_sum(stop, start)
-        return np.asarray(across + np.swapaxes(across, -1, -2) - second_sum(start, start) - second_sum(stop, stop))
 
     def solve(self, nodes: Indices, height: Array64) -> Array64:
         """The pressure on some nodes, not all, whose gap h + G sigma is one constant, with a mean over N of 1.
@@ -106,6 +92,20 @@ class GreensFunction:
                 compliance = hfft(self.response[modes], length)[: modes.size]
             self._convolutions[length] = Convolution(rigidity, compliance, length)
         return self._convolutions[length]
+
+
+def patch_sums(second_sum: Array64, first: Indices, last: Indices) -> Array64:
+    """Z'GZ for Z = 1 on each of M runs of nodes: the sums of G(a - b) over a in one run and b in another.
+
+    second_sum: of G, see `GreensFunction`; first, last: end nodes, shape (..., M). Returns shape (..., M, M).
+    """
+    start, stop = first, last + 1
+
+    def differences(a: Indices, b: Indices) -> Array64:
+        return np.take(second_sum, a[..., :, None] - (b[..., None, :] + 1), mode="wrap")
+
+    across = differences(stop, start)
+    return np.asarray(across + np.swapaxes(across, -1, -2) - differences(start, start) - differences(stop, stop))
 
 
 class Convolution:

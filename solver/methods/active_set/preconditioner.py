@@ -7,7 +7,7 @@ patch of m nodes (`inverse_cholesky`). Patches too long for that use K restricte
 
 Coarse part (deflation). One unknown per patch: the load of its flat punch, G_bb^-1 1. The entries of Z'GZ need no
 transform: the sum of the Green's function over two patches is a four-term difference of its second running sum
-(`GreensFunction.patch_sums`), scaled to the punches' loads. With more patches than `_unknowns` allows, neighbours share
+(`patch_sums`), scaled to the punches' loads. With more patches than `_unknowns` allows, neighbours share
 an unknown.
 
 The parts are kept apart: the local part carries no load, the coarse one makes the loads' sum zero. So the correction
@@ -20,7 +20,7 @@ import numpy as np
 
 from ...arrays import Array64, Indices, Mask
 from ...grid.patches import Patches
-from .greens_function import GreensFunction
+from .greens_function import GreensFunction, patch_sums
 from .long_patch import LongPatch
 
 LONGEST_DENSE = 256  # nodes; the factor of longer patches costs more than short transforms
@@ -74,10 +74,11 @@ class PatchDeflation:
         # between unknowns: as if the load were spread from the first to the last of the patches
         first, last, total = patches.first[starts], patches.last[member[:, -1]], load.sum(axis=1)
         density = total / (last - first + 1)
-        coarse = self._green.patch_sums(first, last) * np.outer(density, density)
+        second_sum = self._green.second_sum()
+        coarse = patch_sums(second_sum, first, last) * np.outer(density, density)
         if share <= _EXACT_SHARE:
             shape = load / patches.size[member]
-            within = self._green.patch_sums(patches.first[member], patches.last[member])
+            within = patch_sums(second_sum, patches.first[member], patches.last[member])
             within *= shape[:, :, None] * shape[:, None, :]
             within[:, np.arange(share), np.arange(share)] = load  # a flat punch under itself
             np.fill_diagonal(coarse, within.sum(axis=(1, 2)))

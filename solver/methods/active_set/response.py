@@ -1,10 +1,11 @@
-"""The response of the surface to the contact pressure, w = G sigma, carried along on all nodes.
+"""The response of the surface to the contact pressure, w = G sigma, carried along near the contact or on all nodes.
 
 The gap is h + w - level, the level being the rigid approach. It is never stored: h may be large, and the rounding of
 h + w would end up in the displacement.
 
-In mixed precision search directions and their images are float32, the response float64. Every step adds the image's
-rounding to the response, which drifts away from the pressure that it belongs to, until it is made anew.
+Where the packed operator pays (`nearby`), every step adds its error to the response, which drifts away from the
+pressure that it belongs to, until it is made anew on all nodes. So it does in mixed precision, where elsewhere search
+directions and their images are float32 and the response is float64.
 """
 
 import math
@@ -54,9 +55,8 @@ class Response:
         self._rounding = 0.0
         if self.mixed:
             self._rounding = float(np.finfo(np.float32).eps) * math.sqrt(float(np.mean(problem.stiffness**2)))
-        self._field, self._height = responses.new_field(), responses.new_field()
-        self._height[:] = 1e30  # the padding never touches
-        storage.put(self._height, problem.height)
+        self._field = responses.new_field()
+        self._height = storage.heights(problem.height, self._field)
         self._state = np.zeros(layout.GAP_STATE_LENGTH)
         self._counts = np.zeros(self._height.size // CHUNK)
         self._backend = backend

@@ -23,6 +23,7 @@ from ...transforms.planned import Transforms
 
 _EVEN_FROM = 2**13
 """Points; on smaller grids the reordering takes as long as half a transform."""
+_FAR = 1e30
 _FIRST_LOOK = 1024  # nodes that tell of most scenes that they are not even
 
 
@@ -41,9 +42,15 @@ class Whole:
         """All nodes that have their values at these places, shape (number of nodes,)."""
         return places
 
-    def put(self, field: Array, values: Array64) -> None:
-        """Values of all nodes, shape (N,), into a field of at least `length` values."""
-        field[: self.num_points] = values
+    def heights(self, height: Array64, field: Array) -> Array:
+        """Heights of all nodes, shape (N,), in the order and of the length and type of a field; its padding never
+        touches. The same array where that is possible.
+        """
+        if field.shape == height.shape and field.dtype == height.dtype:
+            return height
+        found = np.full_like(field, _FAR)
+        found[: self.num_points] = height
+        return found
 
     def get(self, field: Array) -> Array:
         """The values of all nodes, shape (N,)."""
@@ -86,8 +93,10 @@ class Half(Whole):
         left = self._node[places]
         return np.concatenate([left, self.num_points - 1 - left])
 
-    def put(self, field: Array, values: Array64) -> None:
-        field[self._place] = values
+    def heights(self, height: Array64, field: Array) -> Array:
+        found = np.full_like(field, _FAR)
+        found[self._place] = height
+        return found
 
     def get(self, field: Array) -> Array:
         return np.asarray(field[self._place])
