@@ -41,8 +41,8 @@ class Scene:
     num_points: int = 2**18
     """Grid points N, 4 to 2^30; x_i = i L/N. Any number will do; products of small primes transform fastest."""
     precision: str = "float64"
-    """Precision of the iteration: 'float64', 'float32', or 'mixed', which is float32 inside with residuals in float64.
-    The certificate is always float64."""
+    """Precision of the iteration: 'float64', 'float32', or 'mixed': float32 transforms inside, residuals in
+    float64. The certificate is always float64."""
 
     def __post_init__(self) -> None:
         checks.offers("layer", self.layer, ElasticLayer, "a Layer, or what `ElasticLayer` describes")

@@ -54,6 +54,17 @@ LAYERS = [(math.inf, 0.25), (0.01, 0.25), (1e-4, 0.0), (0.02, 0.5)]
 
 
 @pytest.mark.parametrize(("d", "nu"), LAYERS)
+def test_elimination_against_the_gap(d, nu):
+    """With that pressure the gap is one constant on the set, and the load is p."""
+    n, nodes = PATCHES.size, np.flatnonzero(PATCHES)
+    height = np.random.default_rng(0).random(n)
+    pressure = GreensFunction(stiffness(n, d, nu), n).solve(nodes, height[nodes])
+    assert pressure.sum() == pytest.approx(n)
+    gap = height[nodes] + dense(n, d, nu)[np.ix_(nodes, nodes)] @ pressure
+    assert np.ptp(gap) < 1e-9 * np.abs(pressure).max() * np.abs(dense(n, d, nu)).max()
+
+
+@pytest.mark.parametrize(("d", "nu"), LAYERS)
 def test_coarse_matrix_against_the_triple_product(d, nu):
     patches, n = Patches.of(PATCHES), PATCHES.size
     z = np.zeros((n, patches.count))
@@ -168,8 +179,10 @@ def test_all_methods_agree(scene):
 
 @pytest.mark.parametrize(("d", "nu"), [(math.inf, 0.25), (0.01, 0.25), (1e-4, -0.9), (1e-2, 0.49), (1e-3, 0.5)])
 @pytest.mark.parametrize("indenter", [PowerIndenter(), PowerIndenter(4.0), RoughIndenter(0.8, 3, 0.25, 1 / 32)])
-def test_few_pairs_without_help(d, nu, indenter):
-    """Nested, to 1e-8, not handed over, in a number of pairs that FIRE needs hundreds for."""
+@pytest.mark.parametrize("small", [0, 384])
+def test_few_pairs_without_help(d, nu, indenter, small, monkeypatch):
+    """Nested, to 1e-8, not handed over, in a number of pairs that FIRE needs hundreds for; with elimination or not."""
+    monkeypatch.setattr("linecontact.solver.methods.active_set.active_set._SMALL_SET", small)
     solution = solve(Scene(Layer(d, nu), indenter, 1e-2, num_points=2**12))
     assert solution.status is Status.CONVERGED
     assert not solution.handed_over

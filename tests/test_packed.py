@@ -1,12 +1,15 @@
 """The packed operator against whole transforms, and the active set near the contact against that on all nodes."""
 
 import math
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, Status, solve
-from linecontact.solver.grid.problem import half_spectrum
-from linecontact.solver.methods import active_set
+from linecontact.solver.grid.patches import Patches
+from linecontact.solver.grid.problem import Problem, half_spectrum
+from linecontact.solver.methods import Setting, active_set, relax
 from linecontact.solver.methods.active_set import nearby
 from linecontact.solver.methods.active_set.packed import Packed, Split
 
@@ -112,22 +115,92 @@ def test_contact_nearly_everywhere_is_solved_on_all_nodes(monkeypatch):
     assert not made
 
 
-@pytest.mark.parametrize("error", [1e-3, 0.1])
-def test_an_operator_worse_than_it_says(error, monkeypatch):
-    """Found out by whole transforms; where they become many, all nodes are worked on."""
-    plain = Packed.__call__
-    monkeypatch.setattr(
-        Packed, "__call__", lambda self, values: (1 + error * np.cos(self.blocks))[:, None] * plain(self, values)
-    )
+@pytest.mark.parametrize(("error", "left"), [(1e-3, False), (0.1, False), (0.5, True), (-2.0, True)])
+def test_an_operator_worse_than_it_says(error, left, monkeypatch):
+    """Found out by whole transforms; where they become many, or there is no way down, all nodes are worked on."""
+    plain, made = Packed.__call__, []
+    begin = active_set.Response.__init__
+
+    def keep(self, *arguments):
+        made.append(self)
+        begin(self, *arguments)
+
+    def wrong(self, values):
+        return (1 + error * np.cos(self.blocks))[:, None] * plain(self, values)
+
+    monkeypatch.setattr(Packed, "__call__", wrong)
+    monkeypatch.setattr(active_set.Response, "__init__", keep)
     solution = solve(SCENES[0])
     assert solution.status is Status.CONVERGED
+    assert not solution.handed_over
+    assert (made[0]._split is None) is left
     monkeypatch.setattr(Packed, "__call__", plain)
     np.testing.assert_array_equal(solution.contact, solve(SCENES[0]).contact)
 
 
 def test_far_from_the_start_the_neighbourhood_grows(monkeypatch):
-    """From the pressure of another surface; nodes that touch elsewhere are found by whole transforms."""
-    scene = rough(2**16, seed=1)
-    solution = solve(scene, initial=solve(rough(2**16, seed=0)).displacement.clip(max=scene.profile))
+    """From a load on one patch of many; nodes that touch elsewhere are found by whole transforms."""
+    scene, made = SCENES[0], []
+    begin = nearby.Nearby.__init__
+
+    def keep(self, *arguments):
+        begin(self, *arguments)
+        made.append(self)
+
+    monkeypatch.setattr(nearby.Nearby, "__init__", keep)
+    expected = solve(scene)
+    made.clear()
+    state = active_set.begin(Problem.from_scene(scene), Setting(1e-9))
+    patch = Patches.of(expected.contact).nodes[:40]
+    state.start_from_pressure(np.where(np.isin(np.arange(scene.num_points), patch), 1.0, 0.0))
+    assert made
+    assert relax(state, 2000) is Status.CONVERGED
+    assert len(made) > 1
+    np.testing.assert_array_equal(state.contact_pressure > 0, expected.contact)
+
+
+THIN = [(2**16, 1e-5, 8.0, 0.1), (2**18, 1e-6, 4.0, 10.0), (2**18, 1e-6, 8.0, 0.1), (2**16, 1e-5, 4.0, 10.0)]
+
+
+@pytest.mark.parametrize(("num_points", "thickness", "exponent", "pressure"), THIN)
+def test_thin_incompressible_layers(num_points, thickness, exponent, pressure):
+    """What the split neglects is more than the smallest G(q) there."""
+    scene = Scene(Layer(thickness, 0.5), PowerIndenter(exponent), pressure, num_points=num_points)
+    solution = solve(scene)
     assert solution.status is Status.CONVERGED
-    np.testing.assert_array_equal(solution.contact, solve(scene).contact)
+    assert not solution.handed_over
+    assert solution.transform_pairs < 30
+
+
+@pytest.mark.parametrize("scene", [Scene(num_points=2**12), SCENES[0]])
+def test_interrupted_at_any_line(scene):
+    """Ctrl-C anywhere inside a step leaves a solution that says so."""
+    room = Path(active_set.__file__ or "").parent
+    left = 0
+
+    def trace(frame, event, argument):
+        nonlocal left
+        if Path(frame.f_code.co_filename).parent != room:
+            return None
+        if event == "line":
+            left -= 1
+            if left == 0:
+                raise KeyboardInterrupt
+        return trace
+
+    step = active_set.ActiveSet.step
+
+    def traced(self):
+        sys.settrace(trace)
+        try:
+            step(self)
+        finally:
+            sys.settrace(None)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(active_set.ActiveSet, "step", traced)
+        for lines in [*range(1, 400, 13), *range(400, 3000, 131)]:
+            left = lines
+            solution = solve(scene, nested=False)
+            assert solution.status in (Status.INTERRUPTED, Status.CONVERGED)
+            assert np.isfinite(solution.displacement).all()

@@ -98,7 +98,8 @@ class Setting:
     wrong_nodes_per_patch: float = 0.0
     """Nodes that a patch may have wrong on the average, which saves time on coarse grids (dimensionless)."""
     reduction: float = 0.0
-    """Part of the residual at the start at which to stop, if that is more than the tolerance (dimensionless)."""
+    """Part of the residual at the start at which to stop, up to 1e-3, if that is more than the tolerance; the active
+    set's only (dimensionless)."""
     threads: int = 1
     """Threads of FFTW."""
     planning: str = "estimate"

@@ -22,7 +22,7 @@ _NOT_FAR = 100  # times what rounding leaves: a default tolerance gives way to a
 
 @dataclass(frozen=True)
 class Certified:
-    """What was found in the end, with its certificate; nothing here changes any more."""
+    """What was found in the end, with its certificate; `report.make_solution` uses its arrays up."""
 
     status: Status
     """How the solve ended."""

@@ -2,7 +2,7 @@
 
 from .. import checks
 
-_BYTES_PER_POINT = 250  # at the peak; measured: 120 (plain FIRE), 135 to 170 (active set), 350 (contact everywhere)
+_BYTES_PER_POINT = 250  # at the peak; measured: 120 (plain FIRE), 135 to 170 (active set), 350 (94 % in contact)
 
 
 def check_memory(num_points: int) -> None:

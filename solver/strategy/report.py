@@ -18,7 +18,8 @@ def make_solution(
 ) -> Solution:
     """The solution of a scene on its grid, without the times that it took.
 
-    scene: as the user gave it, or on the grid of the answer; problem: that was certified; levels: coarser grids.
+    scene: as the user gave it, or on the grid of the answer; problem: that was certified; certified: its arrays become
+    the solution's; levels: coarser grids.
     """
     profile, contact = scene.period * problem.profile, certified.contact
     displacement, pressure = certified.displacement, certified.pressure  # in place: they may be large

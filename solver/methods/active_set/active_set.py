@@ -165,7 +165,8 @@ class ActiveSet(Method):
         """Solve on a small set by elimination, as well as rounding allows, and update it."""
         now = self._now
         now.eliminated = True
-        now.pressure = self._green.solve(now.nodes, self.problem.height[now.nodes])
+        pressure = self._green.solve(now.nodes, self.problem.height[now.nodes])
+        now.pressure = pressure if now.mirrored is None else (pressure + pressure[now.mirrored]) / 2
         self._response.renew(now)
         touching = self._response.touching(now)
         r = float(touching.mean()) - touching
@@ -201,6 +202,9 @@ class ActiveSet(Method):
             return
         self.iteration += 1
         if stuck or not self._response.go_along(now, now.turn(r, z)):
+            if self._response.leave_nearby(now):  # it was the packed operator's error
+                now.iterations, now.last_product = 0, 0.0
+                return
             # rounding does not let this set be solved any further; it may be the wrong one
             self.stopped = not self._update_set()
 
@@ -250,9 +254,12 @@ def _change(now: ContactSet, new: Indices, move_ends: bool) -> tuple[Indices, Ma
     kept: Mask = now.pressure >= 0
     nodes = np.sort(np.concatenate([now.nodes[kept], new]), kind="stable")  # merges what is in order
     if move_ends:
+        contact = np.zeros(now.patches.num_points, dtype=bool)
+        contact[nodes] = True
         for moved, touch in moved_ends(now.patches, now.pressure):
-            nodes = np.union1d(nodes, moved) if touch else np.setdiff1d(nodes, moved)
-        kept &= np.isin(now.nodes, nodes)
+            contact[moved] = touch
+        nodes = np.flatnonzero(contact)
+        kept &= contact[now.nodes]
     if not nodes.size:
         kept[np.argmax(now.pressure)] = True
         nodes = now.nodes[kept]

@@ -26,7 +26,7 @@ from ...transforms.planned import Pair, fast_length
 _NEGLECTED = 1e-5
 """Of either part, over the largest value of `near` (dimensionless)."""
 _TOLERABLE = 1e-3
-"""Of what is neglected, the tail of changing sign included: below, the split of shorter range is taken."""
+"""What may be neglected in all, over the same: of two splits that neglect less, that of shorter range is taken."""
 
 _WIDTH = 6
 """Of the window [blocks]; with `_SHAPE`, and far waves no shorter than four blocks, it errs by some 1e-6."""
@@ -38,7 +38,8 @@ _RING = 2**13  # nodes, at least, of the ring on which the near part is made, un
 class Split:
     """The two parts of G on one grid. compliance: G(q_k), shape (N//2 + 1,); block: nodes of a block, a divisor of N.
 
-    range: nodes beyond which `near` is neglected; error: what is neglected, over the largest value of `near`.
+    range: nodes beyond which `near` is neglected; largest: value of `near`'s symbol [1/K]; error: what is neglected,
+    over that.
     """
 
     def __init__(self, compliance: Array64, num_points: int, block: int) -> None:
@@ -55,14 +56,13 @@ class Split:
             left = np.abs(symbol - near)[q > shortest]
             values = irfft(near, ring)[: ring // 2 + 1]
             # pairs: the end of the spectrum leaves a tail of changing sign, which no smooth pressure feels
-            pairs = np.append(values[:-1] + values[1:], 0.0)
-            beyond = np.cumsum(np.abs(pairs[::-1]))[::-1] / near.max()
+            pairs, largest = np.append(values[:-1] + values[1:], 0.0), float(near.max())
+            beyond = np.cumsum(np.abs(pairs[::-1]))[::-1] / largest
             reach = int(np.searchsorted(-beyond, -_NEGLECTED))
-            error = float((left.max(initial=0.0) + 2 * np.abs(values[reach + 1 :]).sum()) / near.max())
-            found.append(
-                (max(error, _TOLERABLE), reach, error, values, far_symbol - split(far_q, far_symbol, shortest))
-            )
-        _, self.range, self.error, values, far = min(found, key=lambda one: one[:2])
+            error = float(left.max(initial=0.0) + 2 * np.abs(values[reach + 1 :]).sum()) / largest
+            far = far_symbol - split(far_q, far_symbol, shortest)
+            found.append((max(error, _TOLERABLE), reach, error, largest, values, far))
+        _, self.range, self.error, self.largest, values, far = min(found, key=lambda one: one[:2])
         self.near = values[: self.range + 1]
         """Of `near` in real space, for the distances from 0 to the range."""
         window = _transformed_window(np.arange(count) / self.num_blocks)
@@ -118,9 +118,9 @@ def _transformed_window(frequency: Array64) -> Array64:
 
 
 class Packed:
-    """G between the nodes of some blocks. blocks: their numbers in ascending order, shape (B,).
+    """G between the nodes of some blocks, which must leave a gap wider than the split's range somewhere.
 
-    length: of its longer transforms.
+    blocks: their numbers in ascending order, shape (B,). length: of its longer transforms.
     """
 
     def __init__(self, split: Split, blocks: Indices) -> None:

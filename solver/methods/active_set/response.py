@@ -24,7 +24,7 @@ from .packed import Split
 from .storage import Whole
 
 _SAMPLE = 2**14  # nodes that tell the size of u
-_MOST_RENEWALS = 20  # before all nodes are worked on; three or four are usual
+_MOST_RENEWALS = 8  # after work near the contact, before all nodes are worked on; two or three are usual
 
 
 class Response:
@@ -93,16 +93,24 @@ class Response:
         now.places = self._storage.places(now.nodes)
         self._apply(self._responses, now.places, now.pressure)
         self._field[:] = self._responses.target
+        self._renewals += bool(self._nearby and self.drift)
         self.drift = 0.0
-        self._renewals += 1
         if self._renewals > _MOST_RENEWALS:  # the packed operator errs by more than it says
             self._split = self._nearby = None
         self._surround(now, now.nodes)
 
+    def leave_nearby(self, now: ContactSet) -> bool:
+        """From now on work on all nodes; False if that is so already."""
+        if self._nearby is None:
+            return False
+        self._split = self._nearby = None
+        self.renew(now)
+        return True
+
     def _surround(self, now: ContactSet, nodes: Indices) -> None:
         """From now on carry the response along near these nodes only, if that pays."""
-        if self._split and not (self._nearby and self._nearby.covers(nodes)):
-            self._nearby = surround(self._split, self._storage, nodes, self._problem.height)
+        if self._split:
+            self._nearby = surround(self._split, self._storage, nodes, self._problem.height, self._nearby)
         if self._nearby:
             self._nearby.response[:] = self._field[self._nearby.in_field]
             now.places = self._nearby.places(now.nodes)
@@ -154,10 +162,10 @@ class Response:
         return True
 
     def _advance_nearby(self, nearby: Nearby, step: float, direction: Array64, image: Array64) -> None:
+        size = abs(step) * math.sqrt(float(direction @ direction) / self._problem.num_points)
+        self.drift = math.hypot(self.drift, nearby.error * size)  # first: an interruption must not hide it
         nearby.response += step * image
         self.pairs += nearby.pair_length
-        size = abs(step) * math.sqrt(float(direction @ direction) / self._problem.num_points)
-        self.drift = math.hypot(self.drift, nearby.error * size)
 
     def _apply(self, compliance: Compliance, places: Indices, values: Array64) -> None:
         compliance.apply(places, values)
@@ -201,7 +209,9 @@ class Response:
         if self._nearby and self.drift:
             self.renew(now)
         height = self._problem.height
-        u = self.level(now) - self._storage.get(self._field).astype(np.float64, copy=False)
+        # not `level`: an interruption may have come before `places`
+        level = float((height[now.nodes] + self._field[self._storage.places(now.nodes)]).mean())
+        u = level - self._storage.get(self._field).astype(np.float64, copy=False)
         np.minimum(u, height, out=u)
         u[now.nodes] = height[now.nodes]
         return u
