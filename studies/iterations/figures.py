@@ -25,7 +25,7 @@ def draw(path: Path) -> dict[str, Figure]:
         panels[1].plot(n, runs.column("seconds.solve") / n * 1e6, marker + "-", ms=4.5, lw=0.9, color=colour)
         if kind and kind.grows:
             panels[0].plot(n, pairs[0] * np.sqrt(n / n[0]), "--", color=colour, lw=0.7, label=r"$\sqrt{N}$")
-    panels[0].set(yscale="log", ylabel="transform pairs (dimensionless)", ylim=(4, 1e5))
+    panels[0].set(yscale="log", ylabel="transform pairs (dimensionless)", ylim=(1, 1e5))
     panels[0].set_title(f"Half-space, residual {study.configuration['tolerance']:g}")
     panels[0].legend(fontsize=7, ncols=2, loc="upper right")
     panels[1].set(yscale="log", xlabel="grid points $N$", ylabel=r"solving time per point [$\mu$s]")
