@@ -47,7 +47,7 @@ def given(words: Sequence[str], kinds: Mapping[str, type], prog: str) -> dict[st
     required = [name for name, option in next(iter(groups.values())).items() if option.default is MISSING]
     words = _plain(words)
     if _HELP & set(words):
-        print(_parser(prog, groups, required, kinds).format_help())
+        print(_parser(prog, groups, required, kinds).format_help(), flush=True)  # a closed pipe is noticed here
         raise SystemExit(0)
     check_names(words, every, prog)
     try:
