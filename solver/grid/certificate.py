@@ -25,6 +25,8 @@ from ..arrays import Array64, Mask
 from ..transforms.plain import irfft, rfft
 from .problem import Problem
 
+_PART = 2**14  # values whose intermediate results stay in the cache
+
 
 @dataclass(frozen=True)
 class Certificate:
@@ -104,9 +106,6 @@ def _energy_bound(problem: Problem, force: Array64, free: float, pressure: Array
     if problem.num_points % 2 == 0:  # the Nyquist mode stands once
         total -= float(np.abs(modes[-1]) ** 2 / problem.stiffness[-1])
     return total / (2 * problem.num_points)
-
-
-_PART = 2**14  # values whose intermediate results stay in the cache
 
 
 def _parts(length: int) -> Iterator[slice]:

@@ -83,8 +83,9 @@ class Effort:
         size, means = problem.num_points, self.means
         precision = precision or (self.scene.precision if size == self.scene.num_points else "float64")
         backend = self.backend_on(size)
-        coarse = wrong_nodes_per_patch, reduction
-        setting = Setting(tolerance, precision, *coarse, means.threads, means.planning, backend)
+        setting = Setting(
+            tolerance, precision, wrong_nodes_per_patch, reduction, means.threads, means.planning, backend
+        )
         return (kind or self.kind).begin(problem, setting)
 
     def backend_on(self, num_points: int) -> str:

@@ -117,18 +117,15 @@ class Response:
 
     def follow(self, before: ContactSet, now: ContactSet, changed: bool) -> None:
         """Turn to another set. changed: whether its pressure differs from that before, because nodes were dropped."""
+        earlier = self._nearby
+        if earlier and not self.drift and not earlier.covers(now.nodes):
+            self._surround(now, np.union1d(before.nodes, now.nodes))
         nearby = self._nearby
-        if nearby is None or (self.drift and not nearby.covers(now.nodes)):
+        if nearby is None or not nearby.covers(now.nodes):
             now.places = self._storage.places(now.nodes)
-            if changed or nearby:
+            if changed or earlier:
                 self.renew(now)
             return
-        if not nearby.covers(now.nodes):
-            self._surround(now, np.union1d(before.nodes, now.nodes))
-            if self._nearby is None:
-                self.renew(now)
-                return
-            nearby = self._nearby
         now.places = nearby.places(now.nodes)
         if changed:
             self._scale(now)

@@ -23,7 +23,7 @@ from ...transforms.planned import Transforms
 
 _EVEN_FROM = 2**13
 """Points; on smaller grids the reordering takes as long as half a transform."""
-_FAR = 1e30
+_FAR = 1e30  # height of the padding, which never touches
 _FIRST_LOOK = 1024  # nodes that tell of most scenes that they are not even
 
 
