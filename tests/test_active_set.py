@@ -189,6 +189,21 @@ def test_few_pairs_without_help(d, nu, indenter, small, monkeypatch):
     assert solution.transform_pairs < 60
 
 
+@pytest.mark.parametrize("error", [np.linalg.LinAlgError, ZeroDivisionError, None])
+def test_where_elimination_fails_conjugate_gradients_go_on(error, monkeypatch):
+    def fail(self, nodes, height):
+        if error:
+            raise error
+        return np.full(nodes.size, math.nan)
+
+    scene = Scene(Layer(0.01), PowerIndenter(), 1e-2, num_points=2**11)
+    expected = solve(scene)
+    monkeypatch.setattr(GreensFunction, "solve", fail)
+    solution = solve(scene)
+    assert solution.status is Status.CONVERGED
+    np.testing.assert_array_equal(solution.contact, expected.contact)
+
+
 def test_pairs_do_not_grow():
     rough = RoughIndenter(0.8, 0, 1 / 8, 1 / 64)
     for indenter, load in ((PowerIndenter(), 2e-3), (rough, 1e-2)):

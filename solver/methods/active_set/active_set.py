@@ -165,7 +165,12 @@ class ActiveSet(Method):
         """Solve on a small set by elimination, as well as rounding allows, and update it."""
         now = self._now
         now.eliminated = True
-        pressure = self._green.solve(now.nodes, self.problem.height[now.nodes])
+        try:
+            pressure = self._green.solve(now.nodes, self.problem.height[now.nodes])
+        except (np.linalg.LinAlgError, ZeroDivisionError):  # rounding has made it singular: iterate
+            return
+        if not np.isfinite(pressure).all():
+            return
         now.pressure = pressure if now.mirrored is None else (pressure + pressure[now.mirrored]) / 2
         self._response.renew(now)
         touching = self._response.touching(now)

@@ -59,7 +59,8 @@ class GreensFunction:
     def solve(self, nodes: Indices, height: Array64) -> Array64:
         """The pressure on some nodes, not all, whose gap h + G sigma is one constant, with a mean over N of 1.
 
-        nodes: shape (M,); height: h there [u]. Returns shape (M,) [p].
+        nodes: shape (M,); height: h there [u]. Returns shape (M,) [p]. Raises `numpy.linalg.LinAlgError` or
+        `ZeroDivisionError` where rounding has made it singular.
         """
         matrix = np.take(self.response, nodes[:, None] - nodes, mode="wrap")
         punch, shape = np.linalg.solve(matrix, np.stack([np.ones(nodes.size), height], axis=1)).T
