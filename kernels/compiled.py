@@ -18,6 +18,7 @@ from .tuning import flags
 KERNELS = (
     "spectral_multiply",
     "mirror_multiply",
+    "paired_multiply",
     "net_force",
     "restrict_to_free",
     "fire_control",

@@ -16,6 +16,7 @@ LENGTHS = [1, CHUNK - 1, CHUNK, CHUNK + 1, 3 * CHUNK, 5 * CHUNK + 17]
 ELEMENTWISE = {
     "spectral_multiply": ("coefficient", "spectrum"),
     "mirror_multiply": ("straight", "crossed", "spectrum"),
+    "paired_multiply": ("straight", "crossed", "modes", "product"),
     "net_force": ("load", "elastic", "v", "force", "sum", "sum", "sum", "sum"),
     "plain_sums": ("elastic", "v", "sum", "sum", "sum", "sum"),
     "restrict_to_free": ("force", "field", "sum"),
@@ -27,6 +28,7 @@ ELEMENTWISE = {
 NUM_OUTPUTS = {
     "spectral_multiply": 1,
     "mirror_multiply": 1,
+    "paired_multiply": 1,
     "net_force": 5,
     "plain_sums": 4,
     "restrict_to_free": 2,
@@ -50,6 +52,8 @@ def make_arrays(kernel, length, precision, seed):
             arrays.append(u)
         elif name == "sum":
             arrays.append(np.full(padded // CHUNK, np.nan))
+        elif name == "modes":
+            arrays.append(rng.standard_normal(padded + CHUNK).astype(precision))
         elif name == "state":
             state = np.zeros(layout.STATE_LENGTH)
             state[[layout.MIX, layout.GAIN, layout.DT]] = 0.9, 0.7, 0.3

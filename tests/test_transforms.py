@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pyfftw
 import pytest
+from linecontact.kernels import record
 from linecontact.solver import Layer, RoughIndenter, Scene, solve
 from linecontact.solver.transforms import plain, wisdom
 from linecontact.solver.transforms.planned import Pair, Transforms, fast_length
@@ -44,6 +45,43 @@ def test_round_trip_against_numpy(precision, n):
     assert (target[n:] == 0).all()
     assert (source[:n] == values).all()
     assert source.size % 1024 == 0
+
+
+@pytest.mark.parametrize("backend", ["warp", "numpy"])
+@pytest.mark.parametrize("precision", ["float32", "float64"])
+@pytest.mark.parametrize("half_length", [False, True])
+@pytest.mark.parametrize("n", [1024, 3072, 2**15])
+def test_a_symbol_applied_by_real_transforms_and_by_complex_ones_of_half_the_length(n, half_length, precision, backend):
+    plan = Transforms(n, precision, half_length=half_length)
+    rng = np.random.default_rng(0)
+    values, symbol = rng.standard_normal(n).astype(precision), rng.standard_normal(n // 2 + 1)
+    source, target = plan.buffer(), plan.buffer()
+    parts = plan.forward(source), record(backend, [plan.multiply(symbol, target)]), plan.inverse(target)
+    source[:] = values
+    for part in parts:
+        part()
+    exact = np.fft.irfft(np.fft.rfft(values.astype(np.float64)) * symbol, n)
+    # rounding of values of size 1 in log2(n) passes, and of coefficients of size 1
+    np.testing.assert_allclose(target, exact, rtol=0, atol=3 * np.finfo(precision).eps * np.log2(n))
+    np.testing.assert_array_equal(source, values)
+
+
+@pytest.mark.parametrize(
+    ("n", "settings", "expected"),
+    [
+        (2**16, {}, False),
+        (2**17, {}, True),
+        (2**19, {}, True),
+        (2**20, {}, False),
+        (2**18 + 2, {}, False),
+        (2**18, {"threads": 2}, False),
+        (2**18, {"half_length": False}, False),
+    ],
+)
+def test_half_the_length_where_it_is_faster(n, settings, expected):
+    assert Transforms(n, "float64", **settings).half_length == expected
+    assert not Transforms(n, "float32", **settings).half_length
+    assert not Transforms(n, "float64", planning="measure", **settings).half_length
 
 
 @pytest.mark.parametrize("n", [1, 2, 7, 60, 128])

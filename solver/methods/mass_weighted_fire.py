@@ -46,9 +46,9 @@ class MassWeightedFire(Fire):
         mass = self.problem.stiffness.copy()
         mass[0] = mass[1:].min()
         self._apply_inverse_mass = self._operator(self.force, 1 / mass)
-        forward, inverse = self.transforms.forward(self.probe), self.transforms.inverse(self.probe)
-        self._probe_stiffness = forward, self._apply_stiffness[1], inverse
-        self._probe_inverse_mass = forward, self._apply_inverse_mass[1], inverse
+        forward = self.transforms.forward(self.probe)
+        self._probe_stiffness = forward, *self._apply_stiffness[1:], self._keep_probe
+        self._probe_inverse_mass = forward, *self._apply_inverse_mass[1:], self._keep_probe
         arrays = self._arrays(force=self.force, load=self.load, acceleration=self.work)
         self._squares = arrays["acceleration_sums"]  # free for the probe, between two steps
         self._find_force = self._replay(*sequence("find_force", arrays))
@@ -79,6 +79,9 @@ class MassWeightedFire(Fire):
             growth = self._project_probe()
         if math.isfinite(growth):
             self._limit_step(max(growth, 1.0), 1.0)  # no mode is softer than its mass: a longer step gains nothing
+
+    def _keep_probe(self) -> None:
+        self.probe[:] = self.work  # which is free once the force is known
 
     def _project_probe(self) -> float:
         """Restrict `probe` to the free nodes and scale it to norm 1; the norm before scaling."""

@@ -1,7 +1,14 @@
 """Real transforms planned by FFTW: over buffers that the kernels share, and short ones for convolutions.
 
-Convention: forward sum_i x_i exp(-2 pi i k i/N), k = 0 ... N/2; the inverse is unnormalised (a factor N), so the
-coefficients multiplied in between carry 1/N.
+Convention: forward sum_i x_i exp(-2 pi i k i/N), k = 0 ... N/2; the inverse is unnormalised (a factor N), so what
+multiplies in between carries 1/N.
+
+Where that is faster, the N real values are taken as N/2 = M complex numbers x_(2j) + i x_(2j+1), whose transform Z is
+made in place. A real symbol g multiplies the real transform (k -> M - k is conjugation there) if
+
+    Z_k <- (s - d sin phi) Z_k + i d cos phi conj(Z_(M-k)),   s, d = (g_k +- g_(M-k))/2, phi = 2 pi k/N,
+
+and the inverse, in place, has a factor of M only. FFTW finds better plans for such transforms than for long real ones.
 """
 
 from collections.abc import Callable
@@ -9,7 +16,7 @@ from contextlib import suppress
 
 import numpy as np
 
-from ...kernels import padded_length
+from ...kernels import CHUNK, Call, padded_length
 from .. import checks
 from ..arrays import Array, Array64, Modes
 from . import wisdom
@@ -19,26 +26,38 @@ PLANNING = ("estimate", "measure", "patient")
 """Planning effort. 'estimate' plans at once, and takes what wisdom holds of an earlier, greater effort."""
 
 _STAGGER = 1024  # bytes: buffers that start at equal page offsets slow each other down
+_HALF_LENGTH = 2**17, 2**19
+"""Values, in float64, from which and up to which half the length takes 0.5 to 0.9 of the time, if FFTW estimates."""
 
 
 class Transforms:
-    """Plans between real buffers of `num_points` values and one shared half spectrum.
+    """Plans between real buffers of `num_points` values and one shared spectrum.
 
-    num_points: N; precision: 'float64' or 'float32'; threads: of FFTW, >= 1; planning: one of `PLANNING`.
-    spectrum: flat real view of the half spectrum (re, im, ...), 2 (N//2 + 1) values and zeros up to a padded length.
+    num_points: N; precision: 'float64' or 'float32'; threads: of FFTW, >= 1; planning: one of `PLANNING`; half_length:
+    whether transforms are complex ones of N/2 numbers, for a multiple of `CHUNK` points; default where that is faster.
+    spectrum: flat real view (re, im, ...), 2 (N//2 + 1) values and zeros up to a padded length: the half spectrum, or
+    the N/2 modes of the half length and the first one again.
     known, planned: plans so far that FFTW's wisdom held, from measuring at some time, and those that were made anew.
 
     Raises `ValueError`.
     """
 
-    def __init__(self, num_points: int, precision: str, threads: int = 1, planning: str = "estimate") -> None:
+    def __init__(
+        self,
+        num_points: int,
+        precision: str,
+        threads: int = 1,
+        planning: str = "estimate",
+        half_length: bool | None = None,
+    ) -> None:
         self.threads, self.planning = check_settings(threads, planning)
         self.num_points = num_points
         self.real = np.dtype(precision)
         self.known = self.planned = self._count = 0
-        length = 2 * (num_points // 2 + 1)
-        self.spectrum = self.buffer(length)
-        self._modes = self.spectrum[:length].view(np.result_type(self.real, np.complex64))
+        least, most = _HALF_LENGTH
+        faster = self.real == np.float64 and threads == 1 and planning == "estimate" and least <= num_points <= most
+        self.half_length = num_points % CHUNK == 0 and (faster if half_length is None else half_length)
+        self.spectrum = self.buffer(2 * (num_points // 2 + 1))
         wisdom.load()
 
     def buffer(self, length: int | None = None) -> Array:
@@ -50,19 +69,53 @@ class Transforms:
         array: Array = pyfftw.zeros_aligned(padded + offset, dtype=self.real, n=64)[offset:]
         return array
 
-    def doubled(self, symbol: Array) -> Array:
-        """A buffer like the spectrum's with every value of a symbol, shape (N//2 + 1,), for both parts of its mode."""
-        coefficient = self.buffer(2 * symbol.size)
-        coefficient[: 2 * symbol.size] = np.repeat(symbol, 2)
-        return coefficient
+    def multiply(self, symbol: Array64, target: Array) -> Call:
+        """The kernel between `forward` and `inverse` to this target that multiplies by a symbol, shape (N//2 + 1,),
+        and by what normalises the inverse.
+        """
+        if not self.half_length:
+            return Call("spectral_multiply", (self._doubled(symbol / self.num_points),), (self.spectrum,))
+        half = self.num_points // 2
+        symbol, phi = symbol / half, np.pi / half * np.arange(half)
+        mean, difference = (symbol[:half] + symbol[:0:-1]) / 2, (symbol[:half] - symbol[:0:-1]) / 2
+        straight = self._doubled(mean - difference * np.sin(phi))
+        crossed = self._doubled(difference * np.cos(phi))
+        return Call("paired_multiply", (straight, crossed, self.spectrum), (target,))
+
+    def _doubled(self, values: Array64) -> Array:
+        """A buffer with every value twice, for both parts of a mode."""
+        found = self.buffer(2 * values.size)
+        for part in range(2):
+            found[part : 2 * values.size : 2] = values
+        return found
 
     def forward(self, source: Array) -> Callable[[], None]:
         """Plan source[:N] -> spectrum; the plan keeps `source`. Plan before filling it."""
-        return self._plan(source[: self.num_points], self._modes, "FFTW_FORWARD")
+        n = self.num_points
+        if not self.half_length:
+            return self._plan(source[:n], self._complex(self.spectrum[: 2 * (n // 2 + 1)]), "FFTW_FORWARD")
+        packed, first, again = self.spectrum[:n], self.spectrum[:2], self.spectrum[n : n + 2]
+        execute = self._plan(self._complex(packed), self._complex(packed), "FFTW_FORWARD")
+
+        def run() -> None:
+            packed[:] = source[:n]
+            execute()
+            again[:] = first
+
+        return run
 
     def inverse(self, target: Array) -> Callable[[], None]:
-        """Plan spectrum -> target[:N], times N; destroys the spectrum."""
-        return self._plan(self._modes, target[: self.num_points], "FFTW_BACKWARD")
+        """Plan spectrum -> target[:N], times N, which destroys the spectrum; of half the length, what `multiply` has
+        put into the target there, times N/2.
+        """
+        n = self.num_points
+        if not self.half_length:
+            return self._plan(self._complex(self.spectrum[: 2 * (n // 2 + 1)]), target[:n], "FFTW_BACKWARD")
+        return self._plan(self._complex(target[:n]), self._complex(target[:n]), "FFTW_BACKWARD")
+
+    def _complex(self, values: Array) -> Array:
+        found: Array = values.view(np.result_type(self.real, np.complex64))
+        return found
 
     def _plan(self, source: Array, target: Array, direction: str) -> Callable[[], None]:
         """The plan that wisdom holds, or else a new one, which is kept at once if finding it took effort."""

@@ -115,7 +115,7 @@ class Benchmark:
     def length(self, argument: Argument, num_points: int) -> int:
         """Number of values that one of its arrays holds, padding included."""
         spectral = self.transforms and argument.name in ("spectrum", "coefficient", "weight")
-        return padded_length(num_points + 2) if spectral else argument.size(num_points)
+        return padded_length(num_points + 2) if spectral or argument.name == "modes" else argument.size(num_points)
 
     @cached_property
     def steps(self) -> tuple[Line, ...]:
@@ -127,6 +127,11 @@ class Benchmark:
     def transforms(self) -> bool:
         """Whether it is a transform, or there is one in it."""
         return self.group == "transforms" or any(part.transforms for part in self.parts)
+
+    @property
+    def half_length(self) -> bool:
+        """Whether its real transforms are taken as complex ones of half the length."""
+        return any(line.kernel == "paired_multiply" for line in self.lines)
 
     def traffic(self, num_points: int, precision: str) -> int:
         """Bytes that a call reads and writes: each array once, and twice what is changed in place; of several kernels
@@ -155,8 +160,8 @@ class Benchmark:
                     values[getattr(layout, slot)] = value
             elif argument.role in ("out", "sum"):
                 values[:] = 0
-            elif self.transforms and argument.name in ("coefficient", "weight"):
-                values /= num_points  # what the transforms leave as a factor
+            elif self.transforms and argument.name in ("coefficient", "weight", "straight", "crossed"):
+                values /= num_points // 2 if self.half_length else num_points  # the transforms' factor
         return made
 
 

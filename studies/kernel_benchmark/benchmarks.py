@@ -90,6 +90,12 @@ _KERNELS = (
     }""",
     ),
     _kernel(
+        "paired_multiply",
+        "straight:in crossed:in modes:in product:out",
+        3,
+        "product[i] = straight[i] * modes[i] + crossed[i] * modes[n + 1 - i];",
+    ),
+    _kernel(
         "net_force",
         "load:in elastic:in velocity:in force:out force_sums:sum held_sums:sum power_sums:sum velocity_sums:sum",
         8,
@@ -171,6 +177,11 @@ _ROOFS = (
 
 _PAIR = ("forward: source -> spectrum", "inverse: spectrum -> target")
 _STIFFNESS = ("forward: u -> spectrum", "spectral_multiply: coefficient -> spectrum", "inverse: spectrum -> elastic")
+_HALF_LENGTH = (
+    "forward: u -> spectrum",
+    "paired_multiply: straight crossed spectrum -> elastic",
+    "inverse: elastic -> elastic",
+)
 _INVERSE_MASS = (
     "forward: force -> spectrum",
     "spectral_multiply: weight -> spectrum",
@@ -178,6 +189,7 @@ _INVERSE_MASS = (
 )
 _ITERATIONS = {
     "plain_iteration": (*_STIFFNESS, *sequences.SEQUENCES["plain_move"]),
+    "half_length_iteration": (*_HALF_LENGTH, *sequences.SEQUENCES["plain_move"]),
     "loaded_iteration": (*_STIFFNESS, *sequences.SEQUENCES["loaded_move"]),
     "mass_weighted_iteration": (
         *_STIFFNESS,
@@ -192,8 +204,10 @@ _ITERATIONS = {
         "advance_response: change state -> response",
     ),
 }
-"""One iteration of plain FIRE, of the same in mixed precision, of mass-weighted FIRE, and of the active set's search
-without what it does on the contact nodes alone."""
+"""One iteration of plain FIRE, with real transforms and with complex ones of half the length, which the program chooses
+in float64 from 2^17 to 2^19 points unless plans are measured; of FIRE in mixed precision, of mass-weighted FIRE, and of
+the active set's search without what it does on the contact nodes alone.
+"""
 
 
 def _all() -> dict[str, Benchmark]:

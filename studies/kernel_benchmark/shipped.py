@@ -59,15 +59,25 @@ def twin(arrays: Arrays) -> Runs:
 
 def _numpy_transform(arrays: Arrays, line: Line) -> Run:
     n, source, target = arrays.num_points, arrays.arrays[line.inputs[0]], arrays.arrays[line.outputs[0]]
+    pairs = np.result_type(source, np.complex64)
 
     def forward() -> None:
         modes = np.fft.rfft(source[:n])
         target[: 2 * modes.size] = modes.view(source.dtype)
 
     def inverse() -> None:
-        modes = source[: 2 * (n // 2 + 1)].view(np.result_type(source, np.complex64))
+        modes = source[: 2 * (n // 2 + 1)].view(pairs)
         target[:n] = np.fft.irfft(modes, n, norm="forward")
 
+    def half_length_forward() -> None:
+        target[:n] = np.fft.fft(source[:n].view(pairs)).view(source.dtype)
+        target[n : n + 2] = target[:2]
+
+    def half_length_inverse() -> None:
+        target[:n] = np.fft.ifft(source[:n].view(pairs), norm="forward").view(source.dtype)
+
+    if arrays.transforms.half_length:
+        return half_length_forward if line.kernel == "forward" else half_length_inverse
     return forward if line.kernel == "forward" else inverse
 
 

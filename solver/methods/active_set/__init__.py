@@ -28,7 +28,9 @@ def begin(problem: Problem, setting: Setting, storage: Whole | None = None) -> A
     green = GreensFunction(problem.stiffness, problem.num_points)
 
     def compliance(precision: str) -> Compliance:
-        transforms = Transforms(storage.length, precision, setting.threads, setting.planning)
+        transforms = Transforms(
+            storage.length, precision, setting.threads, setting.planning, half_length=storage.half_length
+        )
         return Compliance(green.compliance, storage, transforms, setting.backend)
 
     directions = compliance(setting.working_precision)

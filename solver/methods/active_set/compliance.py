@@ -17,7 +17,7 @@ class Compliance:
         """Makes a field like the target."""
         self.target = transforms.buffer()
         forward, inverse = transforms.forward(self.target), transforms.inverse(self.target)
-        self._parts = forward, record(backend, [storage.multiply(symbol, transforms)]), inverse
+        self._parts = forward, record(backend, [storage.multiply(symbol, transforms, self.target)]), inverse
         self.pair_length = storage.length / storage.num_points
         """Length of its transforms over N (dimensionless)."""
 

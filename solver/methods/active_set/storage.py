@@ -33,6 +33,8 @@ class Whole:
     def __init__(self, num_points: int) -> None:
         self.num_points = self.length = num_points
         """N, and the number of values in a field, which is the length of its transforms."""
+        self.half_length: bool | None = None
+        """Whether the transforms are of half that length; None: where that is faster."""
 
     def places(self, nodes: Indices) -> Indices:
         """Where these nodes have their values, of the same shape."""
@@ -68,10 +70,11 @@ class Whole:
         """For each contact node the index in `nodes` of its mirror image, of their shape; None without symmetry."""
         return None
 
-    def multiply(self, symbol: Array64, transforms: Transforms) -> Call:
-        """The kernel that multiplies the transform of a field by a symbol, shape (N//2 + 1,), in `spectrum`."""
-        coefficient = transforms.doubled(symbol / self.num_points)
-        return Call("spectral_multiply", (coefficient,), (transforms.spectrum,))
+    def multiply(self, symbol: Array64, transforms: Transforms, target: Array) -> Call:
+        """The kernel between the transforms of a field, back to this target, that multiplies by a symbol, shape
+        (N//2 + 1,), and normalises.
+        """
+        return transforms.multiply(symbol, target)
 
 
 class Half(Whole):
@@ -79,7 +82,7 @@ class Half(Whole):
 
     def __init__(self, num_points: int) -> None:
         super().__init__(num_points)
-        self.length = num_points // 2
+        self.length, self.half_length = num_points // 2, False
         half = np.arange(self.length)
         packed = np.where(half % 2 == 0, half // 2, half.size - 1 - half // 2)
         self._place = np.concatenate([packed, packed[::-1]])
@@ -111,7 +114,7 @@ class Half(Whole):
         order = np.argsort(nodes, kind="stable")
         return order[np.searchsorted(nodes, self.num_points - 1 - nodes, sorter=order)]
 
-    def multiply(self, symbol: Array64, transforms: Transforms) -> Call:
+    def multiply(self, symbol: Array64, transforms: Transforms, target: Array) -> Call:
         n = self.length
         symbol = symbol / n
         k = np.arange(n // 2 + 1)
