@@ -12,6 +12,7 @@ from rich.table import Table
 from ..files.study_files import StudyFile
 from ..runner.tasks import Record
 from ..terminal import console
+from . import areas
 from .solvers import OURS
 
 NODES, NODES_SHARE, PEAK = 2, 1e-3, 1e-5
@@ -23,10 +24,34 @@ HOW = ("counted", "subgrid")
 def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
     """The table, and sentences on what it has no room for."""
     parts: list[RenderableType] = []
-    for file in files.values():
+    for kind, file in files.items():
         if file.runs:
-            parts += [summary(file), *remarks(file)]
+            parts += [points(file)] if kind == areas.KIND else [summary(file), *remarks(file)]
     return parts
+
+
+def points(study: StudyFile) -> Table:
+    """The time of a point on a line and on an area, one row for each number of points."""
+    peer = next((run["version"] for run in study.runs if run["solver"] != OURS), areas.ASPHER)
+    table = console.table(
+        title=f"The time of a point: lines by {OURS}, areas by {peer}",
+        caption="Microseconds a point on one thread, everything included (set-up, nested grids, the check of the "
+        f"answer). Rough half-space, H = 0.8, 8 points to the shortest wave, p = {areas.PRESSURE:g} E*, tolerance "
+        "1e-8 of each one's own measure. Lines and areas are different problems, and only this cost is compared. "
+        f"ratio: {areas.ASPHER}'s faster one over ours; contact: shares of the points, of the line and of the area "
+        "(dimensionless).",
+    )
+    for heading in ("points", f"{OURS}\n(us)", "double\n(us)", "float, then\ndouble (us)", "ratio", "contact"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for n in sorted({run["points"] for run in study.runs}):
+        runs = {run["solver"]: run for run in study.runs if run["points"] == n}
+        good = {name: run["microseconds_per_point"] for name, run in runs.items() if run["status"] == "converged"}
+        theirs = [good[name] for name in areas.PRECISIONS if name in good]
+        ratio = f"{min(theirs) / good[OURS]:.2g}" if theirs and OURS in good else "-"
+        shares = [runs[name]["contact_area"] for name in (OURS, "double") if name in runs]
+        cells = [f"{good[name]:.2f}" if name in good else "-" for name in (OURS, *areas.PRECISIONS)]
+        table.add_row(f"2^{round(math.log2(n))}", *cells, ratio, ", ".join(f"{share:.3f}" for share in shares))
+    return table
 
 
 @dataclass(frozen=True)
@@ -62,7 +87,15 @@ class Comparison:
     @property
     def ratio(self) -> float:
         """The fastest agreeing peer's time of solving over ours; nan without one."""
-        return self.peers[self.fastest]["seconds.solve"] / self.ours["seconds.solve"] if self.fastest else math.nan
+        return self._over("seconds.solve")
+
+    @property
+    def ratio_in_all(self) -> float:
+        """The same with set-up on both sides and the certificate on ours; nan without a peer that agrees."""
+        return self._over("seconds.total")
+
+    def _over(self, time: str) -> float:
+        return float(self.peers[self.fastest][time] / self.ours[time]) if self.fastest else math.nan
 
 
 def comparisons(study: StudyFile) -> list[Comparison]:
@@ -84,13 +117,13 @@ def summary(study: StudyFile) -> Table:
         caption=f"nodes, peak: largest difference of a peer's nodes in contact and (relative) peak pressure from ours; "
         f"beyond the larger of {NODES} nodes and {NODES_SHARE:g} of ours, or beyond {PEAK:g}, they differ, and no "
         "ratio is given. gap: rms gap inside the contact over the rms height; peers: the larger of theirs, at each "
-        f"one's loosest tolerance that keeps it within {limit:g}. Seconds of solving on one thread, without set-up; "
-        "ratio: the faster peer's over ours. CM: ContactMechanics. d/L = inf: half-space. All but the times "
-        "dimensionless.",
+        f"one's loosest tolerance that keeps it within {limit:g}. Seconds of solving on one thread; ratio: the faster "
+        "peer's over ours; all: the same with everything included, set-up on both sides and the certificate on ours. "
+        "CM: ContactMechanics. d/L = inf: half-space. All but the times dimensionless.",
     )
     short = {"ContactMechanics": "CM"}
     seconds = (f"{short.get(name, name)}\n(s)" for name in ("ours", *names))
-    for heading in ("scene", "d/L", "pat-\nches", "nodes", "peak", "gap\nours", "gap\npeers", *seconds, "ratio"):
+    for heading in ("scene", "d/L", "pat-\nches", "nodes", "peak", "gap\nours", "gap\npeers", *seconds, "ratio", "all"):
         table.add_column(heading, justify="right", no_wrap=True)
     for c in comparisons(study):
         if c.ours["scene.num_points"] == largest:
@@ -111,25 +144,19 @@ def _cells(c: Comparison, names: Sequence[str]) -> list[str]:
         f"{max(run['gap_rms'] for run in c.peers.values()):.0e}" if off else "-",
         f"{c.ours['seconds.solve']:.2g}",
         *(f"{c.peers[name]['seconds.solve']:.2g}" if name in c.peers else "-" for name in names),
-        (f"{c.ratio:.3g}" if off else "-") if all(map(c.agrees, c.peers)) else "differ",
+        *(_ratio(c, ratio) for ratio in (c.ratio, c.ratio_in_all)),
     ]
+
+
+def _ratio(c: Comparison, ratio: float) -> str:
+    return (f"{ratio:.3g}" if c.peers else "-") if all(map(c.agrees, c.peers)) else "differ"
 
 
 def remarks(study: StudyFile) -> list[str]:
-    """Sentences on the ratios with set-up and on Hertz's errors on the largest grid, and on every disagreement."""
+    """Sentences on Hertz's errors on the largest grid, and on every disagreement."""
     n = max(run["scene.num_points"] for run in study.runs)
     found = comparisons(study)
-    shares = [
-        c.peers[c.fastest]["seconds.total"] / c.ours["seconds.total"] / c.ratio
-        for c in found
-        if c.fastest and c.ours["scene.num_points"] == n
-    ]
     lines = []
-    if shares:
-        lines.append(
-            f"With set-up on both sides and the certificate on ours, ratios are {min(shares):.2f} to {max(shares):.2f} "
-            "times these."
-        )
     for solver, text in {run["solver"]: run["version"] for run in study.runs}.items():
         runs = [
             run for run in study.runs if (run["solver"], run["scene.num_points"], run["name"]) == (solver, n, "Hertz")

@@ -1,4 +1,5 @@
-"""The two nearest peers on the same scenes: who agrees on area and peak pressure, and then the times at equal gap.
+"""The nearest peers: on the same scenes who agrees on area and peak pressure, and then the times at equal gap; of one
+that solves areas the time of a point.
 
 linecontact study peers [--quick] [--folder FOLDER]
 
@@ -26,6 +27,7 @@ from ..runner.run import run_study
 from ..runner.study import Plan, Study
 from ..runner.tasks import Record
 from ..terminal import console
+from . import areas
 from .report import HOW, report
 from .solvers import OURS, PEERS, at_gap, available, gap_rms, solve
 
@@ -172,7 +174,10 @@ class Task:
 
 def plans(options: Options) -> Sequence[Plan]:
     """The tasks at full size, or those of the quick study."""
-    return [(Configuration(sizes=(12, 14)) if options.quick else Configuration()).plan()]
+    found = [(Configuration(sizes=(12, 14)) if options.quick else Configuration()).plan()]
+    if areas.available():
+        found.append((areas.Configuration(sizes=(16,)) if options.quick else areas.Configuration()).plan())
+    return found
 
 
 def draw(path: Path) -> "dict[str, Figure]":
@@ -191,4 +196,6 @@ def command(options: Options) -> int:
     for peer in PEERS:
         if peer not in available():
             console.errors.print(f"{peer} is left out; to compare: pip install 'linecontact[peers]'")
+    if not areas.available():
+        console.errors.print(f"{areas.ASPHER} is left out; to compare: pip install aspher, which needs a compiler")
     return run_study(STUDY, options)
