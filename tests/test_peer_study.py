@@ -183,7 +183,7 @@ def test_with_areas(tmp_path):
 def test_a_missing_peer_is_refused(monkeypatch):
     monkeypatch.setattr(peer_solvers, "available", lambda: ())
     for peer in ("tamaas", "nobody"):
-        with pytest.raises(ValueError, match=rf"peer is '{peer}'; allowed: .*linecontact\[peers\]"):
+        with pytest.raises(ValueError, match=rf"peer is '{peer}'; allowed: .*pip install tamaas"):
             peer_solvers.solve(peer, Scene(num_points=64), 1e-8)
 
 

@@ -1,7 +1,7 @@
 """The two nearest peers, tamaas and ContactMechanics, as functions of our scene; and the yardstick for every solver.
 
-Both are optional (pip install 'linecontact[peers]'). Neither has a layer in line contact of its own: both are given the
-scene's heights and the layer's stiffness. Both run the Polonsky-Keer conjugate gradients that they offer for a
+Both are optional (pip install tamaas ContactMechanics). Neither has a layer in line contact of its own: both are given
+the scene's heights and the layer's stiffness. Both run the Polonsky-Keer conjugate gradients that they offer for a
 prescribed mean pressure, on one thread (measured, ContactMechanics' other solver, Bugnicourt's, takes as long or up to
 four times longer here).
 
@@ -62,7 +62,7 @@ def solve(peer: str, scene: Scene, tolerance: float, progress: Progress | None =
     The result may be short of the tolerance: see `gap_rms`. Raises `ValueError` for a peer that is unknown or missing.
     """
     if peer not in available():
-        raise ValueError(f"peer is {peer!r}; allowed: {', '.join(PEERS)}, with `pip install 'linecontact[peers]'`")
+        raise ValueError(f"peer is {peer!r}; allowed: {', '.join(PEERS)}, with `pip install tamaas ContactMechanics`")
     return {"tamaas": _tamaas, "ContactMechanics": _contact_mechanics}[peer](scene, tolerance, progress)
 
 

@@ -195,7 +195,7 @@ def command(options: Options) -> int:
     executors.check(options.workers, options.memory, options.scheduler)  # a refusal is all there is to say
     for peer in PEERS:
         if peer not in available():
-            console.errors.print(f"{peer} is left out; to compare: pip install 'linecontact[peers]'")
+            console.errors.print(f"{peer} is left out; to compare: pip install {peer}")
     if not areas.available():
         console.errors.print(f"{areas.ASPHER} is left out; to compare: pip install aspher, which needs a compiler")
     return run_study(STUDY, options)

@@ -198,7 +198,7 @@ def _dask(address: str) -> Iterator[Pool]:
         from distributed import Client
     except ImportError:
         raise ValueError(
-            f"scheduler is {address}; allowed: none, or a Dask scheduler's, with `pip install linecontact[cluster]`"
+            f"scheduler is {address}; allowed: none, or a Dask scheduler's, with `pip install distributed`"
         ) from None
     try:
         client: Any = Client(address, timeout=10, set_as_default=False)

@@ -97,7 +97,7 @@ def _read_scan(path: Path, columns: str | None) -> Columns:
     """An instrument's format, through SurfaceTopography."""
     if importlib.util.find_spec("SurfaceTopography") is None:
         raise ValueError(
-            f"profile_file is {path}; allowed: .npy, .csv, .txt, .h5, and with `pip install linecontact[profiles]` the "
+            f"profile_file is {path}; allowed: .npy, .csv, .txt, .h5, and with `pip install SurfaceTopography` the "
             "formats that SurfaceTopography reads"
         )
     if columns is not None:

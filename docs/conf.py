@@ -1,0 +1,40 @@
+"""Sphinx: these pages as a site, which takes nothing from elsewhere when it is read.
+
+sphinx-build -W docs docs/build
+"""
+
+import re
+
+from docutils import nodes
+from docutils.utils.math import latex2mathml
+from linecontact import __version__
+
+project, author, release = "linecontact", "the linecontact developers", __version__
+copyright = author
+extensions = ["myst_parser"]
+exclude_patterns = ["build"]
+html_theme, html_title = "furo", f"linecontact {release}"
+html_math_renderer = "mathml"
+myst_enable_extensions = ["dollarmath"]
+myst_heading_anchors = 3
+
+
+def _inline(self, node: nodes.math) -> None:  # type: ignore[no-untyped-def]
+    self.body.append(latex2mathml.tex2mathml(node.astext(), as_block=False))
+    raise nodes.SkipNode
+
+
+def _block(self, node: nodes.math_block) -> None:  # type: ignore[no-untyped-def]
+    self.body.append(f"<div>{latex2mathml.tex2mathml(node.astext(), as_block=True)}</div>")
+    raise nodes.SkipNode
+
+
+def _files_as_they_are(app, page, content: list[str]) -> None:  # type: ignore[no-untyped-def]
+    """Markdown files elsewhere in the repository are not pages of the site: links to them give the file."""
+    content[0] = re.sub(r"\]\((\.\./[^)#]+\.md)\)", r"](path:\1)", content[0])
+
+
+def setup(app) -> None:  # type: ignore[no-untyped-def]
+    """Formulas as MathML, which browsers draw themselves."""
+    app.add_html_math_renderer("mathml", (_inline, None), (_block, None))
+    app.connect("source-read", _files_as_they_are)
