@@ -50,6 +50,7 @@ SIZES = {
 """Numbers of points by group; of the transforms also a power of three, of five, and a prime."""
 QUICK = (2**10, 2**14, 2**18)
 _SECONDS = 0.05  # to measure for, in each repetition
+_LONG = 2**22  # points from which a repetition takes as long as on all smaller grids together
 _LEFT_OUT = ("transforms",)  # FFTW plans for minutes
 
 
@@ -65,8 +66,8 @@ class Options(study.Options):
     """Number of points, like 2^18; default: from 2^10 to 2^22."""
     variants: Path | None = None
     """A Python file that registers variants of your own, see docs/kernels.md."""
-    repeats: int = 3
-    """Times that everything is measured on new buffers, 2 to 100."""
+    repeats: int = 6
+    """Times that everything is measured on new buffers, 2 to 100; half as many on 2^22 points and more."""
     quick: bool = False
     """2^10, 2^14 and 2^18 points only."""
     json: bool = False
@@ -150,7 +151,8 @@ def plan(options: Options) -> Plan:
         for one in chosen:
             for precision in ("float64",) if one.name == "fire_control" else PRECISIONS:
                 for n in sizes[one.name]:
-                    tasks.append(Task(one.name, precision, n, repeat, _SECONDS, path, identity))
+                    if n < _LONG or 2 * repeat < repeats:
+                        tasks.append(Task(one.name, precision, n, repeat, _SECONDS, path, identity))
     groups = {one.group for one in chosen}
     figures = [""] * bool(groups & {"kernels", "transforms"}) + ["-roofline"] * ({"kernels", "roofs"} <= groups)
     return Plan(tables.KIND, configuration, tasks, figures=figures)
