@@ -198,6 +198,7 @@ def transform_table(found: list[Cell], name: str) -> Table:
         *(f"plan (s)\n{v}" for v in efforts),
     ]
     table = new_table(headings, name.replace("_", " "), _TRANSFORMS)
+    table.padding = (0, 1, 0, 0)  # every library that is installed is a column
     for cell in found:
         planning = []
         for effort in efforts:
