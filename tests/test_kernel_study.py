@@ -214,7 +214,7 @@ def test_a_wrong_variant_is_told_and_not_timed(own, monkeypatch, tmp_path, capsy
     other = tmp_path / "other.h5"
     other.write_bytes(file.read_bytes())
     assert cli.main(["study", "kernels", "--compare", str(file), str(other)]) == 2
-    assert "is of a study with 6 failed tasks" in capsys.readouterr().err
+    assert "is of a study with 12 failed tasks" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
