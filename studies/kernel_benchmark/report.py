@@ -195,10 +195,10 @@ def transform_table(found: list[Cell], name: str) -> Table:
         "real",
         "estimate\n(us)",
         *(v.replace("-", "\n") for v in variants),
-        *(f"plan\n{v}\n(s)" for v in efforts),
+        *(f"plan (s)\n{v}" for v in efforts),
     ]
     table = new_table(headings, name.replace("_", " "), _TRANSFORMS)
-    table.padding = (0, 1, 0, 0)  # every library that is installed is a column
+    table.padding = (0, 0, 0, 0)  # every library that is installed is a column
     for cell in found:
         planning = []
         for effort in efforts:
