@@ -19,13 +19,18 @@ myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3
 
 
+def _formula(text: str, block: bool) -> str:
+    made: str = latex2mathml.tex2mathml(text, as_block=block)
+    return made.replace("<math ", '<math style="overflow: visible" ', 1)  # the theme would add a bar to scroll
+
+
 def _inline(self, node: nodes.math) -> None:  # type: ignore[no-untyped-def]
-    self.body.append(latex2mathml.tex2mathml(node.astext(), as_block=False))
+    self.body.append(_formula(node.astext(), block=False))
     raise nodes.SkipNode
 
 
 def _block(self, node: nodes.math_block) -> None:  # type: ignore[no-untyped-def]
-    self.body.append(f"<div>{latex2mathml.tex2mathml(node.astext(), as_block=True)}</div>")
+    self.body.append(f"<div>{_formula(node.astext(), block=True)}</div>")
     raise nodes.SkipNode
 
 

@@ -197,6 +197,8 @@ def test_a_disagreement_is_shown_and_its_ratio_is_not(made_up):
     rows = [line.split() for line in table.splitlines() if line.lstrip().startswith(("Hertz", "H="))]
     assert [(row[3], *row[-2:]) for row in rows] == [("+0", "10", "5"), ("+3", "differ", "differ")]
     assert max(map(len, table.splitlines())) <= 80
+    assert "…" not in table
+    assert report.remarks(made_up)[0].startswith("Rms gap inside the contact over the rms height: at most ")
     lines = [line for line in report.remarks(made_up) if "disagrees" in line]
     assert len(lines) == 2  # on both grids
     assert all("tamaas disagrees on H=0.8, d/L = 0.01" in line and "+3 nodes" in line for line in lines)

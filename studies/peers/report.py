@@ -110,20 +110,19 @@ def comparisons(study: StudyFile) -> list[Comparison]:
 def summary(study: StudyFile) -> Table:
     """One row per scene on the largest grid: agreement, then times."""
     largest = max(run["scene.num_points"] for run in study.runs)
-    names, limit = study.configuration["peers"], study.configuration["gap"]
+    names = study.configuration["peers"]
     table = console.table(
         padding=(0, 1, 0, 0),
         title=f"linecontact beside {' and '.join(names) or 'no peer: none was installed'}, {largest} points",
         caption=f"nodes, peak: largest difference of a peer's nodes in contact and (relative) peak pressure from ours; "
         f"beyond the larger of {NODES} nodes and {NODES_SHARE:g} of ours, or beyond {PEAK:g}, they differ, and no "
-        "ratio is given. gap: rms gap inside the contact over the rms height; peers: the larger of theirs, at each "
-        f"one's loosest tolerance that keeps it within {limit:g}. Seconds of solving on one thread; ratio: the faster "
-        "peer's over ours; all: the same with everything included, set-up on both sides and the certificate on ours. "
-        "CM: ContactMechanics. d/L = inf: half-space. All but the times dimensionless.",
+        "ratio is given. Seconds of solving on one thread; ratio: the faster peer's over ours; all: the same with "
+        "everything included, set-up on both sides and the certificate on ours. CM: ContactMechanics. d/L = inf: "
+        "half-space. All but the times dimensionless.",
     )
     short = {"ContactMechanics": "CM"}
     seconds = (f"{short.get(name, name)}\n(s)" for name in ("ours", *names))
-    for heading in ("scene", "d/L", "pat-\nches", "nodes", "peak", "gap\nours", "gap\npeers", *seconds, "ratio", "all"):
+    for heading in ("scene", "d/L", "pat-\nches", "nodes", "peak", *seconds, "ratio", "all"):
         table.add_column(heading, justify="right", no_wrap=True)
     for c in comparisons(study):
         if c.ours["scene.num_points"] == largest:
@@ -140,8 +139,6 @@ def _cells(c: Comparison, names: Sequence[str]) -> list[str]:
         f"{c.ours['num_patches']:.0f}",
         f"{max((nodes for nodes, _ in off), key=abs):+d}" if off else "-",
         f"{max((peak for _, peak in off), key=abs):+.0e}" if off else "-",
-        f"{c.ours['gap_rms']:.0e}",
-        f"{max(run['gap_rms'] for run in c.peers.values()):.0e}" if off else "-",
         f"{c.ours['seconds.solve']:.2g}",
         *(f"{c.peers[name]['seconds.solve']:.2g}" if name in c.peers else "-" for name in names),
         *(_ratio(c, ratio) for ratio in (c.ratio, c.ratio_in_all)),
@@ -153,10 +150,17 @@ def _ratio(c: Comparison, ratio: float) -> str:
 
 
 def remarks(study: StudyFile) -> list[str]:
-    """Sentences on Hertz's errors on the largest grid, and on every disagreement."""
+    """Sentences on the gaps and on Hertz's errors on the largest grid, and on every disagreement."""
     n = max(run["scene.num_points"] for run in study.runs)
-    found = comparisons(study)
-    lines = []
+    found, limit = comparisons(study), study.configuration["gap"]
+    ours, *theirs = (
+        max((run["gap_rms"] for run in study.runs if run["solver"] == solver), default=0.0)
+        for solver in (OURS, *study.configuration["peers"])
+    )
+    lines = [
+        f"Rms gap inside the contact over the rms height: at most {ours:.0e} (ours) and {max(theirs, default=0.0):.0e} "
+        f"(peers, each at its loosest tolerance that keeps it within {limit:g}; dimensionless)."
+    ]
     for solver, text in {run["solver"]: run["version"] for run in study.runs}.items():
         runs = [
             run for run in study.runs if (run["solver"], run["scene.num_points"], run["name"]) == (solver, n, "Hertz")
