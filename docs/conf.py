@@ -21,7 +21,8 @@ myst_heading_anchors = 3
 
 def _formula(text: str, block: bool) -> str:
     made: str = latex2mathml.tex2mathml(text, as_block=block)
-    return made.replace("<math ", '<math style="overflow: visible" ', 1)  # the theme would add a bar to scroll
+    # long ones scroll sideways; the theme's bar for up and down would be there always
+    return made.replace("<math ", '<math style="overflow-y: hidden; padding: 0.3em 0" ', 1)
 
 
 def _inline(self, node: nodes.math) -> None:  # type: ignore[no-untyped-def]
