@@ -1,6 +1,7 @@
 """Transforms over shared buffers, short ones, plain ones, the wisdom file; and that there are no others."""
 
 import ast
+import concurrent.futures
 import json
 import os
 import subprocess
@@ -104,7 +105,7 @@ def test_plain_transforms_against_their_sums(n):
     np.testing.assert_allclose(plain.hfft(modes.conj(), n) / n, values, atol=1e-13)
 
 
-@pytest.mark.parametrize("n", [4096, 5**6, 65521, 2**18])
+@pytest.mark.parametrize("n", [4096, 5**6, 65521, 2**18, 2**20 + 2])
 def test_long_plain_transforms_against_numpy(n):
     """Also of arrays that are strided, not aligned, read-only or too short, which they leave as they are."""
     room = np.random.default_rng(0).standard_normal(2 * n + 1)
@@ -124,17 +125,27 @@ def test_long_plain_transforms_against_numpy(n):
         np.testing.assert_allclose(plain.hfft(modes, n), np.fft.hfft(exact, n), rtol=0, atol=1e-14 * scale**2)
 
 
+def test_plain_transforms_on_several_threads():
+    """They share plans and buffers, which are kept."""
+    values = np.random.default_rng(0).standard_normal((8, 2**14))
+    with concurrent.futures.ThreadPoolExecutor(8) as pool:
+        for _ in range(20):
+            back = pool.map(lambda row: plain.irfft(plain.rfft(row), row.size), values)
+            np.testing.assert_allclose(np.array(list(back)), values, rtol=0, atol=1e-14)
+
+
 def test_fast_lengths_are_the_least_with_small_factors():
     assert [fast_length(n) for n in (1, 7, 17, 97, 1009)] == [1, 7, 18, 98, 1024]  # 1014 = 2 x 3 x 13^2 is not
 
 
 ROOT = Path(__file__).parent.parent
 ON_THEIR_OWN = (
+    "studies/peers/areas.py",
     "studies/peers/solvers.py",
     "studies/kernel_benchmark/shipped.py",
     "studies/kernel_benchmark/transforms.py",
 )
-"""Checks, which are to share no code with what they check, and the benchmark of libraries beside each other."""
+"""Checks, which share no code with what they check, surfaces of areas, and libraries beside each other."""
 
 
 def transforms_by_hand(source):

@@ -3,6 +3,9 @@
 Short ones are NumPy's own, which need no plan. What is done often on arrays of one length goes through `planned`.
 """
 
+import threading
+from functools import lru_cache
+
 import numpy as np
 
 from ..arrays import Array64, Modes
@@ -10,12 +13,36 @@ from .fftw import pyfftw
 
 _PLANNED_FROM = 2**12
 """Values from which FFTW is faster, its planning included."""
+_KEPT_UP_TO = 2**20
+"""Values up to which plans and buffers are kept: making them takes twice as long as the transform, and 16 byte a value.
+"""
+
+
+class _Plans:
+    """Both transforms of one length, on buffers of their own."""
+
+    def __init__(self, num_points: int) -> None:
+        self.real: Array64 = pyfftw.zeros_aligned(num_points)
+        self.modes: Modes = pyfftw.zeros_aligned(num_points // 2 + 1, dtype=np.complex128)
+        flags = ["FFTW_ESTIMATE", "FFTW_DESTROY_INPUT"]
+        self.forward = pyfftw.FFTW(self.real, self.modes, flags=flags).execute
+        self.inverse = pyfftw.FFTW(self.modes, self.real, direction="FFTW_BACKWARD", flags=flags).execute
+        self.busy = threading.Lock()
+
+
+_kept = lru_cache(maxsize=10)(_Plans)
 
 
 def rfft(values: Array64) -> Modes:
     """Half spectrum X_k = sum_i x_i exp(-2 pi i k i/N), k = 0 ... N//2, shape (N//2 + 1,), of N real values."""
     if values.size < _PLANNED_FROM:
         return np.fft.rfft(values)
+    if values.size <= _KEPT_UP_TO:
+        plans = _kept(values.size)
+        with plans.busy:
+            plans.real[:] = values
+            plans.forward()
+            return plans.modes.copy()
     source = np.require(values, np.float64, ["C", "W"])
     modes: Modes = pyfftw.empty_aligned(values.size // 2 + 1, dtype=np.complex128)
     pyfftw.FFTW(source, modes, flags=["FFTW_ESTIMATE"]).execute()
@@ -31,6 +58,13 @@ def irfft(modes: Modes | Array64, num_points: int, overwrite: bool = False) -> A
     if num_points < _PLANNED_FROM:
         return np.fft.irfft(modes, num_points)
     held = source = modes[: num_points // 2 + 1]
+    if num_points <= _KEPT_UP_TO:
+        plans = _kept(num_points)
+        with plans.busy:
+            np.multiply(held, 1 / num_points, out=plans.modes[: held.size])
+            plans.modes[held.size :] = 0
+            plans.inverse()
+            return plans.real.copy()
     if not overwrite:
         source = pyfftw.zeros_aligned(num_points // 2 + 1, dtype=np.complex128)
     np.multiply(held, 1 / num_points, out=source[: held.size])
