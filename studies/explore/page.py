@@ -32,6 +32,7 @@ _QUIET = 0.25
 TEMPLATE = """{% block preamble %}<meta http-equiv="Content-Security-Policy" content="default-src 'self' data: blob:
 'unsafe-inline' 'unsafe-eval'">{% endblock %}"""
 _COPY = "navigator.clipboard.writeText(shown.text)"
+_STEADY = {"overflow-y": "auto"}  # the figures below stay where they are, however many warnings there are
 _WRAPPED = ["pre { white-space: pre-wrap; word-break: break-all; font-size: 11px; margin: 0 }"]
 
 
@@ -59,7 +60,8 @@ class Page:
         names = list(start.indenters)
         self._profile = RadioButtonGroup(name="profile", labels=names, active=names.index(values["profile"]))
         self._profile.on_change("active", lambda _, old, new: self._moved("profile", names[new]))
-        self._status, self._answer = Div(name="status", height=18), Div(name="answer", sizing_mode="stretch_width")
+        self._status = Div(name="status", height=18)
+        self._answer = Div(name="answer", height=125, styles=_STEADY, sizing_mode="stretch_width")
         self._note = Div(name="note", styles={"color": "#8a5a00"})
         self._link, self._command = (PreText(name=n, width=330, stylesheets=_WRAPPED) for n in ("link", "command"))
         self._fields = Fields(first)

@@ -37,7 +37,7 @@ class Fields:
         self._patches = ColumnDataSource({"left": [], "right": []})
         label = f"height{self._heights.symbol}"
         self.shape = _figure(label, 270, x_range=self.x_range, y_range=Range1d(0, 1))
-        self.pressure = _figure("contact pressure/E* (dimensionless)", 230, x_range=self.x_range, y_range=Range1d(0, 1))
+        self.pressure = _figure("pressure/E* (dimensionless)", 230, x_range=self.x_range, y_range=Range1d(0, 1))
         self.pressure.xaxis.axis_label = f"position x{self._along.symbol}"
         self.shape.line("x", "y", source=self._shown["indenter"], color="black", legend_label="indenter h")
         self.shape.line("x", "y", source=self._shown["surface"], color=COLOURS[0], legend_label="surface u")
