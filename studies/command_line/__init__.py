@@ -1,7 +1,7 @@
-"""The command line: linecontact solve | study | plot | info, a file for each, and `main`, which knows them all.
+"""The command line: linecontact solve | explore | study | plot | info; a file for each, and `main`, which knows all.
 
 Such a file offers `Options`, a dataclass of what the command can be asked for, and `command(options)`, which does it
 and returns the exit status. `main` looks for mistyped options before it imports any of them.
 
-May import: linecontact.kernels, linecontact.solver, terminal, files, figures, runner, scans.
+May import: linecontact.kernels, linecontact.solver, terminal, files, figures, runner, scans, explore.
 """

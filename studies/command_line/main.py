@@ -16,8 +16,11 @@ PROG = "linecontact"
 ABOUT = f"""What is pressed against what, how large is the true contact, and how wrong can the answer be?
 
 {PROG} COMMAND --help lists the options of a command, {PROG} --version shows the version."""
-COMMANDS = ("solve", "study", "plot", "info")
+COMMANDS = ("solve", "explore", "study", "plot", "info")
 """Each has a module of its name beside this one."""
+
+SCENES = ("solve", "explore")
+"""Those that take the options of layers and profiles."""
 
 BAD_INPUT = 2
 """The exit status where the words mean nothing."""
@@ -47,14 +50,14 @@ def _command(words: list[str]) -> Callable[[], int]:
     if name == "study":
         name, words = study.choose(words, prog)
         prog, module = f"{prog} {name}", STUDIES[name]
-    _check_names(words, [f"{module}:Options", *(kinds.declared() if name == "solve" else ())], prog)
+    _check_names(words, [f"{module}:Options", *(kinds.declared() if name in SCENES else ())], prog)
     if module in STUDIES.values():
         from ..runner.study import find
 
         find(name)  # refuses a module that does not offer what it must
     found = importlib.import_module(module)
     classes = {"": found.Options}
-    if name == "solve":
+    if name in SCENES:
         classes |= kinds.titled()
     given = arguments.given(words, classes, prog)
     options = classes[""](**given.pop(""))

@@ -163,8 +163,11 @@ def check_targets(options: Options, given: Given) -> None:
         writing.check_target(options.save.with_suffix(suffix), options.overwrite)
 
 
-def make_scene(options: Options, given: Given) -> Scene:
-    """The scene that the options describe. Raises `ValueError`."""
+def make_scene(options: Any, given: Given) -> Scene:
+    """The scene that the options of this command, or of another that has those of a scene, describe.
+
+    Raises `ValueError`.
+    """
     profile = _made("profile", options, given)
     if isinstance(profile, reading.Options):
         indenter, period, num_points = reading.read(profile)
@@ -179,7 +182,7 @@ def make_scene(options: Options, given: Given) -> Scene:
     return Scene(layer=layer, indenter=indenter, precision=options.precision, **grid)
 
 
-def _check_scales(options: Options, given: Given) -> None:
+def _check_scales(options: Any, given: Given) -> None:
     """Raise `ValueError` where a file, whose lengths have units, would meet a pressure or modulus that nobody gave."""
     own = given[kinds.title("layer", options.layer)]
     known = {"contact_modulus", "youngs_modulus"} & own.keys()
@@ -190,7 +193,7 @@ def _check_scales(options: Options, given: Given) -> None:
         raise ValueError(f"{names}; allowed: with a file, whose lengths have units, both must be given, in one unit")
 
 
-def _made(what: str, options: Options, given: Given) -> Any:
+def _made(what: str, options: Any, given: Given) -> Any:
     """The layer or the profile that the option `what` chooses, with its own options.
 
     Raises `ValueError` if one of them is missing, and for those of another kind, unless they have their default.

@@ -1,0 +1,65 @@
+"""`linecontact explore`: a page in the browser on which sliders move the scene."""
+
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+from linecontact.solver import INDENTERS, LAYERS, MeasuredIndenter, Scene, solve
+
+from ..terminal.options import one_of
+from . import kinds
+from .solve import Given, make_scene
+
+_NUM_POINTS = 2**14
+
+
+@dataclass(frozen=True)
+class Options:
+    """Move a scene by sliders, on a page in the browser: thickness, Poisson's ratio, load, and the indenter's numbers.
+
+    The page is served to this machine only, by this process, until Ctrl-C. It shows indenter and surface, contact
+    pressure and patches, and the contact area over the load and over the thickness, each answer with its error and its
+    milliseconds. A link and a command line on the page repeat the scene that it shows.
+    """
+
+    profile: str = one_of(INDENTERS, next(iter(INDENTERS)))
+    """Indenter at the start; what each one is, and takes, is told below."""
+    layer: str = one_of(LAYERS, next(iter(LAYERS)))
+    """Layer; what each one is, and takes, is told below."""
+    pressure: float | None = None
+    """Mean external pressure p > 0 at the start [pressure]; default 0.002, but for a file it must be given."""
+    period: float | None = None
+    """Period L > 0 [length]; default 1; not for a file, whose scan is the period, or half of it."""
+    num_points: int | None = None
+    """Grid points, at least 4, like 16384 or 2^14; default 2^14, for a file four or more to a value."""
+    precision: ClassVar[str] = Scene.precision
+    port: int = 5006
+    """Port on 127.0.0.1 at which the page is served; 0: any that is free."""
+    browser: bool = False
+    """Open the page in a browser."""
+
+
+def command(options: Options, given: Given) -> int:
+    """Serve the page until Ctrl-C; returns the exit status."""
+    if not 0 <= options.port < 2**16:
+        raise ValueError(f"port is {options.port}; allowed: an integer from 0 to 65535")
+    try:
+        import bokeh  # noqa: F401
+    except ModuleNotFoundError:
+        raise ValueError("bokeh is missing; allowed: explore after `pip install bokeh`") from None
+    from ..explore import server, start
+
+    words, scan = given[kinds.title("profile", MeasuredIndenter.name)], None
+    if "accuracy" in words:
+        raise ValueError(f"accuracy is {words['accuracy']}; allowed: none, the grid is that of num_points")
+    if options.profile != MeasuredIndenter.name and options.num_points is None:
+        options = replace(options, num_points=_NUM_POINTS)
+    if options.profile == MeasuredIndenter.name and "profile_file" in words:
+        scan = start.Scan.of(words["profile_file"], words)
+    begin = start.Start(make_scene(options, given), scan)
+    solve(begin.first)  # what must be compiled and planned is done before the first page
+    with server.served(begin, options.port) as (address, loop):
+        print(f"{address} shows the page, on this machine only, until Ctrl-C", flush=True)
+        if options.browser:
+            server.open_browser(address)
+        loop.start()
+    return 0

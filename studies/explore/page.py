@@ -1,0 +1,186 @@
+"""The page of one browser tab: sliders, figures, the answer, and a thread of its own that finds it."""
+
+import time
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cache, partial
+from html import escape
+from typing import Any
+
+from bokeh.document import Document
+from bokeh.events import RangesUpdate
+from bokeh.layouts import column, row
+from bokeh.models import Button, CustomJS, CustomJSTickFormatter, Div, PreText, RadioButtonGroup, Slider
+
+from ..terminal.text import complain
+from .answers import Answer, DroppedError, answer
+from .controls import HALF_SPACE, LOAD, THICKNESS, Control
+from .curves import Curve
+from .newest import Newest
+from .panels import Fields, Surroundings
+from .start import Start
+from .wording import said
+
+Later = Callable[[Callable[[], None]], object]
+"""Has something done by whoever may change the document."""
+
+_QUIET = 0.25
+"""Time without an event after which curves are computed [s]."""
+
+# Whatever a browser would fetch from elsewhere is refused by itself. Bokeh's scripts need the two that are unsafe.
+TEMPLATE = """{% block preamble %}<meta http-equiv="Content-Security-Policy" content="default-src 'self' data: blob:
+'unsafe-inline' 'unsafe-eval'">{% endblock %}"""
+_COPY = "navigator.clipboard.writeText(shown.text)"
+_STEADY = {"overflow-y": "auto"}  # the figures below stay where they are, however many warnings there are
+_WRAPPED = ["pre { white-space: pre-wrap; word-break: break-all; font-size: 11px; margin: 0 }"]
+
+
+@dataclass(frozen=True)
+class Event:
+    """The numbers on the sliders at one moment."""
+
+    values: Mapping[str, Any]
+    """As in `start.Values`."""
+    moment: float
+    """When that was [s], of `time.perf_counter`."""
+
+
+class Page:
+    """Widgets, figures and texts of one document, and what happens when they are used."""
+
+    def __init__(self, start: Start, values: Mapping[str, Any], address: str, later: Later) -> None:
+        """values: to begin with. address: of the page, for its link. later: runs what changes the document."""
+        self._start, self._values, self._address, self._later = start, dict(values), address, later
+        self._controls = start.controls()
+        first = start.first
+        given = {control: [start.values()[control.name], values[control.name]] for control in self._controls}
+        self._spans = {c: c.span([value / c.scale(first) for value in given[c]]) for c in self._controls}
+        self._sliders = {control: self._slider(control) for control in self._controls}
+        names = list(start.indenters)
+        self._profile = RadioButtonGroup(name="profile", labels=names, active=names.index(values["profile"]))
+        self._profile.on_change("active", lambda _, old, new: self._moved("profile", names[new]))
+        self._status = Div(name="status", height=18)
+        self._answer = Div(name="answer", height=125, styles=_STEADY, sizing_mode="stretch_width")
+        self._note = Div(name="note", styles={"color": "#8a5a00"})
+        self._link, self._command = (PreText(name=n, width=330, stylesheets=_WRAPPED) for n in ("link", "command"))
+        self._fields = Fields(first)
+        around = [control for control in (LOAD, THICKNESS) if control in self._controls]
+        self._curves = {control: Curve(control) for control in around}
+        self._around = {control: Surroundings(control, self._spans[control]) for control in around}
+        self._fields.shape.on_event(RangesUpdate, lambda _: self._fields.thin())
+        self._newest = Newest(self._work)
+        self._show_controls()
+        self.ask()
+
+    def layout(self) -> Any:
+        """Everything, as the document's one root."""
+        copies = []
+        for text, shown in (("link", self._link), ("command", self._command)):
+            button = Button(label=f"Copy the {text}", width=160)
+            button.js_on_click(CustomJS(args={"shown": shown}, code=_COPY))
+            copies += [button, shown]
+        title = Div(text="<b>linecontact explore</b>: a layer, bonded to a rigid base, under a rigid indenter")
+        side = column(title, self._profile, *self._sliders.values(), *copies, self._note, width=350)
+        curves = row(*(around.figure for around in self._around.values()), sizing_mode="stretch_width")
+        fields = (self._fields.shape, self._fields.pressure)
+        wide = column(self._answer, self._status, *fields, curves, sizing_mode="stretch_width")
+        return row(side, wide, sizing_mode="stretch_width")
+
+    def complain(self, text: str) -> None:
+        """Say beside the sliders what was wrong with a link."""
+        self._note.text = escape(text)
+
+    def end(self, patience: float = 0.0) -> None:
+        """Stop working; waits so long for what is under way [s]."""
+        self._newest.end(patience)
+
+    def ask(self) -> None:
+        """Have the scene on the sliders solved."""
+        self._status.text = "<i>Solving the scene on the sliders; what is shown is of the scene that it names.</i>"
+        self._link.text = f"{self._address}?{self._start.query(self._values)}"
+        self._newest.ask(Event(dict(self._values), time.perf_counter()))
+
+    def _slider(self, control: Control) -> Slider:
+        low, high = self._spans[control]
+        number = self._values[control.name] / control.scale(self._start.first)
+        slider = Slider(
+            name=control.name,
+            title=f"{control.title} (dimensionless)",
+            start=low,
+            end=high + control.step * control.endless,
+            step=control.step,
+            value=control.position(number, high),
+            width=330,
+        )
+        if control.logarithmic:
+            number_text = "Number((10**tick).toPrecision(3)).toString()"
+            ends = f"tick > {high + control.step / 2} ? '{HALF_SPACE}' : " if control.endless else ""
+            slider.format = CustomJSTickFormatter(code=f"return {ends}{number_text}")
+        slider.on_change("value", lambda _, old, new: self._slid(control, float(new)))
+        return slider
+
+    def _slid(self, control: Control, position: float) -> None:
+        number = control.value(position, self._spans[control][1])
+        self._moved(control.name, number * control.scale(self._start.first))
+
+    def _moved(self, name: str, value: Any) -> None:
+        self._values[name] = value
+        if name == "profile":
+            self._show_controls()
+        self.ask()
+
+    def _show_controls(self) -> None:
+        for control, slider in self._sliders.items():
+            slider.visible = self._start.uses(control, self._values["profile"])
+
+    def _work(self, event: Event) -> None:
+        """Answer an event, then look around it; on the thread of `Newest`."""
+        with suppress(DroppedError):
+            found = answer(lambda: self._start.scene(event.values), lambda: self._newest.ended)
+            scene = found.scene if found.solution else None
+            if scene:
+                for curve in self._curves.values():
+                    curve.aim(scene)
+            curves = {control: curve.copy() for control, curve in self._curves.items()}
+            self._later(partial(self._show, event, found, curves))
+            if scene is None or self._newest.outdated(_QUIET):
+                return
+            for control, curve in self._curves.items():
+                for _ in curve.work(scene, self._spans[control], self._newest.outdated):
+                    self._later(partial(self._around[control].show_curve, curve.copy()))
+
+    def _show(self, event: Event, found: Answer, curves: Mapping[Control, Curve]) -> None:
+        solution = found.solution
+        self._fields.show(solution)
+        for control, around in self._around.items():
+            around.show_point(solution)
+            around.show_curve(curves[control] if solution else None)
+        self._command.text = self._start.command(found.scene) if found.scene else ""
+        if self._start.scan and (trouble := self._start.scan.trouble()):
+            _tell(trouble)
+            self.complain(f"The {trouble}: the page goes on with what was read, the command may not repeat it.")
+        self._answer.text = said(found, time.perf_counter() - event.moment)
+        if event.values == self._values:
+            self._status.text = ""
+
+
+@cache
+def _tell(trouble: str) -> None:
+    """One line on standard error for each trouble, however many pages find it."""
+    complain(trouble)
+
+
+def document(start: Start, address: str, doc: Document, arguments: Mapping[str, list[bytes]]) -> Page:
+    """Fill a document for a link's arguments; what is wrong with them is said on the page."""
+    wrong, values = "", start.values()
+    try:
+        values = start.read_link(arguments)
+    except ValueError as error:
+        wrong = f"{error}; the page begins with the scene of the start instead"
+    page = Page(start, values, address, doc.add_next_tick_callback)
+    if wrong:
+        page.complain(wrong)
+    doc.title, doc.template = "linecontact explore", TEMPLATE
+    doc.add_root(page.layout())
+    return page

@@ -1,0 +1,155 @@
+"""The figures of the page: indenter and surface, contact pressure and patches, and the two curves about the scene."""
+
+import math
+
+import numpy as np
+from bokeh.models import ColumnDataSource, FixedTicker, Range1d
+from bokeh.plotting import figure
+from linecontact.solver import Scene, Solution
+
+from ..figures.style import COLOURS
+from .controls import HALF_SPACE, Control
+from .curves import Curve, own_value
+from .thinning import Array64, extremes, merged
+from .units import lengths
+
+_UNKNOWN_WIDTH = 1000  # pixels, until the browser has said
+_TOOLS = "pan,xwheel_zoom,box_zoom,reset,save"
+
+
+def _figure(label: str, height: int, **options: object) -> figure:
+    made = figure(height=height, tools=_TOOLS, sizing_mode="stretch_width", y_axis_label=label, **options)
+    made.toolbar.logo = None  # it links to another host
+    made.min_border_left = 75  # both panels begin at the same pixel
+    return made
+
+
+class Fields:
+    """Indenter and surface above, contact pressure and patches below, over the position in the period."""
+
+    def __init__(self, scene: Scene) -> None:
+        self._along, self._heights = lengths(scene)
+        self._whole = scene.period * self._along.factor
+        self._solution: Solution | None = None
+        self._pixels = _UNKNOWN_WIDTH
+        self.x_range = Range1d(0, self._whole)
+        self._shown = {name: ColumnDataSource({"x": [], "y": []}) for name in ("indenter", "surface", "pressure")}
+        self._patches = ColumnDataSource({"left": [], "right": []})
+        label = f"height{self._heights.symbol}"
+        self.shape = _figure(label, 270, x_range=self.x_range, y_range=Range1d(0, 1))
+        self.pressure = _figure("pressure/E* (dimensionless)", 230, x_range=self.x_range, y_range=Range1d(0, 1))
+        self.pressure.xaxis.axis_label = f"position x{self._along.symbol}"
+        self.shape.line("x", "y", source=self._shown["indenter"], color="black", legend_label="indenter h")
+        self.shape.line("x", "y", source=self._shown["surface"], color=COLOURS[0], legend_label="surface u")
+        self.pressure.line("x", "y", source=self._shown["pressure"], color=COLOURS[3], legend_label="pressure")
+        bar = {"source": self._patches, "y0": 0, "y1": 0, "line_width": 6, "color": COLOURS[1]}
+        self.pressure.segment(x0="left", x1="right", legend_label="contact patches", **bar)
+        for panel in (self.shape, self.pressure):
+            panel.legend.location, panel.legend.orientation, panel.legend.padding = "top_right", "horizontal", 3
+
+        self.shape.on_change("inner_width", lambda _, old, new: self._resize(int(new or 0)))
+
+    def _resize(self, pixels: int) -> None:
+        if pixels > 0 and pixels != self._pixels:
+            self._pixels = pixels
+            self.thin()
+
+    def show(self, solution: Solution | None) -> None:
+        """Draw a solution, or nothing."""
+        self._solution = solution
+        if solution is None:
+            for source in (*self._shown.values(), self._patches):
+                source.data = {name: [] for name in source.data}
+        else:
+            self.thin()
+
+    def thin(self) -> None:
+        """Draw what the screen shows of the solution, with as many points as it has pixels for."""
+        solution = self._solution
+        if solution is None:
+            return
+        low, high = sorted((float(self.x_range.start), float(self.x_range.end)))
+        spacing = self._whole / solution.scene.num_points
+        first = max(0, math.floor(low / spacing) - 1)
+        last = min(solution.scene.num_points, math.ceil(high / spacing) + 2)
+        if last - first < 2:
+            first, last = 0, solution.scene.num_points
+        pixels = self._pixels
+        part = slice(first, last)
+        height = self._heights.factor
+        fields = {
+            "indenter": solution.scene.profile[part] * height,
+            "surface": solution.displacement[part] * height,
+            "pressure": solution.contact_pressure[part] / solution.scene.layer.contact_modulus,
+        }
+        for name, values in fields.items():
+            places = extremes(values, pixels)
+            self._shown[name].data = {"x": (first + places) * spacing, "y": values[places]}
+        self._show_patches(solution, (high - low) / pixels)
+        self._set_ranges(fields)
+
+    def _show_patches(self, solution: Solution, pixel: float) -> None:
+        found, factor, whole = solution.patches, self._along.factor, self._whole
+        left, right = found.left * factor, found.right * factor
+        over = right > whole  # a patch that goes on at the beginning of the period
+        left = np.concatenate([left, np.zeros(int(over.sum()))])
+        right = np.concatenate([np.minimum(right, whole), right[over] - whole])
+        order = np.argsort(left)
+        left, right = merged(left[order], right[order], pixel)
+        self._patches.data = {"left": left, "right": right}
+
+    def _set_ranges(self, fields: dict[str, Array64]) -> None:
+        """The surface fills the lower half of its panel: what rises higher of the indenter is far from it."""
+        low, high = float(fields["surface"].min()), float(fields["surface"].max())
+        room = (high - low) or float(np.ptp(fields["indenter"])) or 1.0
+        top = min(high + room, max(high, float(fields["indenter"].max())))
+        self.shape.y_range.update(start=low - 0.1 * room, end=top + 0.1 * room)
+        peak = float(fields["pressure"].max()) or 1.0
+        self.pressure.y_range.update(start=-0.08 * peak, end=1.2 * peak)
+
+
+class Surroundings:
+    """A curve of contact areas along one slider, with the point of the scene on it."""
+
+    def __init__(self, control: Control, span: tuple[float, float]) -> None:
+        self._control, self._high = control, span[1]
+        self._curve = ColumnDataSource({"x": [], "y": [], "low": [], "high": []})
+        self._point = ColumnDataSource({"x": [], "y": []})
+        self.figure = _figure("contact area a_r (dimensionless)", 290, x_axis_type="log", y_axis_type="log")
+        self.figure.xaxis.axis_label = f"{control.title} (dimensionless)"
+        self.figure.x_range.update(start=10 ** (span[0] - 0.2), end=10 ** (span[1] + 0.7))
+        self.figure.title.text_font_style = "normal"
+        if control.endless:
+            decades = [10.0**k for k in range(math.ceil(span[0]), math.floor(span[1]))]
+            end = self._place(math.inf)
+            self.figure.xaxis.ticker = FixedTicker(ticks=[*decades, end])
+            self.figure.xaxis.major_label_overrides = {end: HALF_SPACE}
+        line = self.figure.line("x", "y", source=self._curve, color=COLOURS[5])
+        self.figure.scatter("x", "y", source=self._curve, color=COLOURS[5], size=4)
+        self.figure.segment(x0="x", y0="low", x1="x", y1="high", source=self._curve, color=COLOURS[5])
+        point = self.figure.scatter("x", "y", source=self._point, color=COLOURS[3], size=11, line_color="black")
+        self.figure.y_range.renderers = [line, point]  # an error bar may reach down to 0
+
+    def show_point(self, solution: Solution | None) -> None:
+        """Set the point to a solution, or take it away."""
+        if solution is None:
+            self._point.data = {"x": [], "y": []}
+            return
+        place = self._place(own_value(self._control, solution.scene))
+        self._point.data = {"x": [place], "y": [solution.observables.contact_area_subgrid]}
+
+    def show_curve(self, curve: Curve | None) -> None:
+        """Draw a curve as far as it is known, and say on which grid it was computed; None: take it away."""
+        if curve is None or not curve.found:
+            self._curve.data = {name: [] for name in self._curve.data}
+            self.figure.title.text = "the curve follows when nothing moves"
+            return
+        value, area, error = curve.points()
+        x = np.array([self._place(v) for v in value])
+        self._curve.data = {"x": x, "y": area, "low": np.maximum(area - error, 1e-3 * area), "high": area + error}
+        failed = f", {curve.failed} without an answer" if curve.failed else ""
+        self.figure.title.text = f"{value.size} scenes on {curve.num_points} points each{failed}"
+
+    def _place(self, value: float) -> float:
+        """Where a number stands on the axis; the half-space at its end."""
+        return value if math.isfinite(value) else 10 ** (self._high + 0.5)

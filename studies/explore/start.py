@@ -1,0 +1,163 @@
+"""What the user named at the start: layer, indenters, grid, and a scan if it is one.
+
+From here on a scene is told by a few numbers, its `Values`: those of a link, and those that the sliders move.
+"""
+
+import os
+import shlex
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, replace
+from pathlib import Path
+from typing import Any, Self
+from urllib.parse import urlencode
+
+from linecontact.solver import Indenter, MeasuredIndenter, PowerIndenter, RoughIndenter, Scene
+from linecontact.solver.scene import PRECISIONS
+
+from ..terminal.options import flag
+from .controls import CONTROLS, Control
+
+Values = Mapping[str, Any]
+"""The indenter's name under 'profile', and the numbers of all controls by name, in the scene's units."""
+
+
+@dataclass(frozen=True)
+class Scan:
+    """The file of a measured scan, which was read once."""
+
+    path: Path
+    """The file, as the user named it."""
+    words: tuple[str, ...]
+    """The words of a command line that read it."""
+    stamp: tuple[int, int] | None
+    """Its size and time when it was read."""
+
+    @classmethod
+    def of(cls, path: Path, options: Mapping[str, Any]) -> Self:
+        """The scan that a file holds now; options: those that read it, by name."""
+        words: list[str] = []
+        for name, value in options.items():
+            if name not in ("num_points", "period"):  # the scene says them
+                words += [flag(name)] if value is True else [flag(name), str(value)]
+        return cls(path, tuple(words), cls.stamp_of(path))
+
+    @staticmethod
+    def stamp_of(path: Path) -> tuple[int, int] | None:
+        """Size [bytes] and time of change [ns] of a file; None if it is not there."""
+        try:
+            found = os.stat(path)
+        except OSError:
+            return None
+        return found.st_size, found.st_mtime_ns
+
+    def trouble(self) -> str:
+        """What has become of the file since it was read; empty if nothing."""
+        now = self.stamp_of(self.path)
+        if now == self.stamp:
+            return ""
+        return f"scan {self.path} {'has changed' if now else 'is no longer there'} since it was read"
+
+
+@dataclass(frozen=True)
+class Start:
+    """The scene at the start, and what else there is to choose. Period, grid and E* stay as they are here."""
+
+    first: Scene
+    """The scene at the start."""
+    scan: Scan | None = None
+    """Its scan, if its indenter is one."""
+    indenters: dict[str, Indenter] = field(init=False)
+    """What can be chosen on the page, by name: a scan alone, for its period and grid belong to no other."""
+
+    def __post_init__(self) -> None:
+        own = self.first.indenter
+        others = () if isinstance(own, MeasuredIndenter) else (PowerIndenter(radius=self.first.period), RoughIndenter())
+        object.__setattr__(self, "indenters", {own.name: own})
+        for other in others:
+            self.indenters.setdefault(other.name, other)
+
+    def controls(self) -> tuple[Control, ...]:
+        """Those whose field one of the scenes has."""
+        return tuple(control for control in CONTROLS if control.name in self.values())
+
+    def values(self) -> dict[str, Any]:
+        """The values of the scene at the start, and what the other indenters begin with."""
+        found: dict[str, Any] = {"profile": self.first.indenter.name}
+        for control in CONTROLS:
+            for owner in self._owners(control):
+                if control.name in _names(owner):
+                    found.setdefault(control.name, getattr(owner, control.name))
+        return found
+
+    def uses(self, control: Control, profile: str) -> bool:
+        """Whether a control moves anything in scenes with the indenter of that name."""
+        return control.part != "indenter" or control.name in _names(self.indenters[profile])
+
+    def scene(self, values: Values) -> Scene:
+        """The scene of these values. Raises `ValueError`."""
+        parts: dict[str, dict[str, Any]] = {"layer": {}, "indenter": {}, "scene": {}}
+        for control in self.controls():
+            if self.uses(control, values["profile"]):
+                parts[control.part][control.name] = values[control.name]
+        indenter = self.indenters[values["profile"]]
+        if parts["indenter"]:
+            indenter = replace(indenter, **parts["indenter"])  # type: ignore[type-var]
+        layer = replace(self.first.layer, **parts["layer"])  # type: ignore[type-var]
+        return replace(self.first, layer=layer, indenter=indenter, **parts["scene"])
+
+    def read_link(self, arguments: Mapping[str, list[bytes]]) -> dict[str, Any]:
+        """The values of a link's query; what it leaves out is as at the start. Raises `ValueError`."""
+        found = self.values()
+        for name, texts in arguments.items():
+            text = texts[-1].decode(errors="replace")
+            if name.startswith("bokeh-"):
+                continue  # of the server's own client
+            if name not in found:
+                raise ValueError(f"the link gives {name}; allowed: {', '.join(found)}")
+            found[name] = _choice(text, self.indenters) if name == "profile" else _number(name, text)
+        self.scene(found)  # refuses what is out of bounds
+        return found
+
+    def query(self, values: Values) -> str:
+        """The values as the query of a link."""
+        used = {c.name: values[c.name] for c in self.controls() if self.uses(c, values["profile"])}
+        return urlencode({"profile": values["profile"]} | used)
+
+    def command(self, scene: Scene) -> str:
+        """The command line that solves a scene of these."""
+        given = scene.to_dict()
+        if self.scan:
+            own = {name: given[name] for name in given if not name.startswith("profile")}
+            words = ["--profile", scene.indenter.name, *self.scan.words]
+            given = {name: value for name, value in own.items() if name != "period"}
+        else:
+            words = ["--profile", given.pop("profile")]
+        if given.get("precision") == PRECISIONS[0]:
+            given.pop("precision")
+        for name, value in given.items():
+            words += [flag(name), str(value)]
+        return shlex.join(["linecontact", "solve", *words])
+
+    def _owners(self, control: Control) -> list[Any]:
+        if control.part == "indenter":
+            return list(self.indenters.values())
+        return [self.first.layer if control.part == "layer" else self.first]
+
+
+def _names(part: Any) -> set[str]:
+    return {entry.name for entry in fields(part) if entry.init}
+
+
+def _choice(text: str, indenters: Mapping[str, Indenter]) -> str:
+    if text not in indenters:
+        raise ValueError(f"profile is {text!r}; allowed: {', '.join(indenters)}")
+    return text
+
+
+def _number(name: str, text: str) -> float:
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            continue
+    raise ValueError(f"{name} is {text!r}; allowed: a number")
