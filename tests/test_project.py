@@ -67,10 +67,11 @@ def test_ci_runs_the_readme_command():
     assert readme_commands == commands
 
 
-def requirements():
-    """Of the package and its tests, as name and lower bound."""
+def requirements(*extras):
+    """Of the package and some extras, as name and lower bound."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-    return dict(line.split(">=") for line in project["dependencies"] + project["optional-dependencies"]["test"])
+    more = [line for extra in extras for line in project["optional-dependencies"][extra]]
+    return dict(line.split(">=") for line in project["dependencies"] + more)
 
 
 def pins(file):
@@ -83,13 +84,13 @@ def pins(file):
 
 def test_the_lowest_versions_are_those_of_the_bounds():
     lowest = pins("tests/lowest.txt")
-    for name, bound in requirements().items():
+    for name, bound in requirements("test").items():
         assert lowest[name] == [bound]
 
 
 def test_the_lock_file_holds_every_dependency_within_its_bounds():
     locked = pins("requirements-dev.lock")
-    for name, bound in requirements().items():
+    for name, bound in requirements("test", "docs").items():
         for version in locked[name]:
             assert [int(n) for n in version.split(".")] >= [int(n) for n in bound.split(".")], name
     text = (ROOT / "requirements-dev.lock").read_text()
