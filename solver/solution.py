@@ -171,6 +171,16 @@ class Solution:
 
         linecontact.save(self, path, overwrite)
 
+    def plot(self, path: str | os.PathLike[str] | None = None, overwrite: bool = False) -> Any:
+        """The figure of the solution, as a Matplotlib `Figure`; see `linecontact.plot`.
+
+        path: where to write it, too, for instance as .png or .pdf. overwrite: whether an existing file may be replaced.
+        Raises `ValueError` for a file that cannot be written.
+        """
+        import linecontact  # the package's front knows how solutions are drawn
+
+        return linecontact.plot(self, path, overwrite)
+
     def to_dict(self) -> dict[str, Any]:
         """Everything but the fields that has a meaning, JSON-ready: numbers, text, flat objects; infinite: 'inf'."""
         levels = {str(level.num_points): level.to_dict() for level in self.levels}
