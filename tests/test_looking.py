@@ -2,12 +2,28 @@
 
 import dataclasses
 import pydoc
+import re
+from pathlib import Path
 
 import linecontact
+import matplotlib
 import numpy as np
 import pytest
-from linecontact import Layer, MeasuredIndenter, PowerIndenter, RoughIndenter, Scene, load, plot, read_scan, solve
+from linecontact import (
+    Layer,
+    MeasuredIndenter,
+    PowerIndenter,
+    RoughIndenter,
+    Scene,
+    load,
+    plot,
+    read_scan,
+    solve,
+    studies,
+)
 from linecontact.studies.figures import solution as solution_figure
+from linecontact.studies.figures.style import ONE_COLUMN, STYLE, TWO_COLUMNS
+from linecontact.studies.runner.study import find
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
@@ -74,7 +90,6 @@ def test_a_notebook_s_table_holds_the_numbers(solution):
 
 def texts(figure):
     """Everything that is written in a figure."""
-    figure.draw_without_rendering()
     parts = [*figure.axes, *figure.legends]
     found = [figure.get_suptitle()]
     found += [text.get_text() for part in parts for text in part.findobj(lambda artist: hasattr(artist, "get_text"))]
@@ -91,7 +106,8 @@ def check_places(figure):
     """No legend and no label lies on a panel, or on another panel's label."""
     figure.draw_without_rendering()
     panels = [axes.get_window_extent() for axes in figure.axes]
-    outside = [legend.get_window_extent() for legend in figure.legends]
+    legends = [*figure.legends, *(axes.get_legend() for axes in figure.axes if axes.get_legend())]
+    outside = [legend.get_window_extent() for legend in legends]
     for axes in figure.axes:
         labels = (axes.xaxis.label, axes.yaxis.label, axes.title)
         outside += [label.get_window_extent() for label in labels if label.get_text()]
@@ -162,7 +178,7 @@ def test_a_scan_is_drawn_in_its_units_with_its_mirror_image(tmp_path):
     text = texts(figure)
     assert "position $x$ (\u00b5m)" in text
     assert "height (nm)" in text
-    assert "$d = 2$ mm" in text
+    assert "$d=2$ mm" in text
     assert "mirror image of the scan" in text
     heights, pressure = figure.axes[:2]
     assert heights.get_xlim() == pytest.approx((0, 300))
@@ -176,7 +192,7 @@ def test_a_scan_is_drawn_in_its_units_with_its_mirror_image(tmp_path):
     ("scene", "said"),
     [
         (Scene(num_points=256), "half-space, "),
-        (Scene(Layer(0.002), num_points=2**12), "$d = 0.002\\,L$"),
+        (Scene(Layer(0.002), num_points=2**12), "$d=0.002\\,L$"),
         (Scene(pressure=1.0, num_points=256), "in 1 patch"),
         (Scene(pressure=1e-9, num_points=256), "dimensionless"),
     ],
@@ -206,6 +222,18 @@ def test_what_cannot_be_drawn_or_written_is_refused(solution, tmp_path):
     assert (tmp_path / "run.svg").read_text() == "mine"
     solution.plot(tmp_path / "run.svg", overwrite=True)
     assert "<svg" in (tmp_path / "run.svg").read_text()
+
+
+RESULTS = Path(studies.__file__).parent / "results"
+
+
+@pytest.mark.parametrize("name", sorted({path.stem for path in RESULTS.glob("*.h5")} - {"sharp", "blunt"}))
+def test_nothing_hides_data_in_the_studies_figures(name):
+    with matplotlib.rc_context(STYLE):
+        for figure in find(name).draw(RESULTS / f"{name}.h5").values():
+            check_places(figure)
+            assert not re.search(r"\binf\b|\[length\]|\[pressure\]", texts(figure))
+            assert figure.get_figwidth() in (ONE_COLUMN, TWO_COLUMNS)
 
 
 def test_help_leads_on():

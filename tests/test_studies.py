@@ -25,7 +25,6 @@ from linecontact.studies.power_profiles import report as power_report
 from linecontact.studies.rough_surfaces import figures as rough_figures
 from linecontact.studies.rough_surfaces import means
 from linecontact.studies.runner import drawing
-from matplotlib import pyplot as plt
 from running import run_plans
 
 ARRAYS = Path(__file__).with_name("figures.npz")
@@ -132,7 +131,6 @@ def drawn_data(folder):
                     xy = np.array([np.asarray(values, dtype=float) for values in line.get_data()])
                     if xy.size:
                         data[f"{kind}{suffix}.{a}.{b}"] = xy
-            plt.close(figure)
     return data
 
 

@@ -9,6 +9,7 @@ from linecontact.solver.units import SCENE
 
 from ..files.solution_files import StoredSolution
 from ..scans.units import UNITS
+from .style import layer, typeset
 
 
 @dataclass(frozen=True)
@@ -70,26 +71,18 @@ def scales(solution: StoredSolution) -> Scales:
         pressure_label="pressure/$E^*$" if modulus else "pressure / mean",
         told=f"Dimensionless: {lengths}pressures over {over}.",
         thickness=_thickness(thickness, period, own),
-        load=f"$p = {typeset(pressure / float(modulus))}\\,E^*$" if modulus else "",
+        load=f"$p={typeset(pressure / float(modulus))}\\,E^*$" if modulus else "",
         mirrored="mirror image" in str(results.get("scene.profile_steps", "")),
     )
 
 
 def _thickness(thickness: float, period: float, unit: str) -> str:
     """A layer's thickness as people write it."""
-    if math.isinf(thickness):
-        return "half-space"
-    if unit not in UNITS:
-        return f"$d = {typeset(thickness / period)}\\,L$"
+    if math.isinf(thickness) or unit not in UNITS:
+        return layer(thickness / period)
     size = thickness * UNITS[unit]
     best = next((one for one in ("m", "mm", "um", "nm") if size >= UNITS[one]), "nm") if unit != "inch" else unit
-    return f"$d = {typeset(size / UNITS[best])}$ {_shown(best)}"
-
-
-def typeset(value: float, digits: int = 4) -> str:
-    """A number for a formula, powers of ten as people write them."""
-    factor, _, power = f"{value:.{digits}g}".partition("e")
-    return f"{factor}\\times10^{{{int(power)}}}" if power else factor
+    return f"$d={typeset(size / UNITS[best])}$ {_shown(best)}"
 
 
 def _shown(unit: str) -> str:

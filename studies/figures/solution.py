@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 
 from ..files import solution_files, writing
 from ..files.solution_files import Name, StoredSolution
-from .scales import Scales, scales, typeset
-from .style import COLOURS, ONE_COLUMN, STYLE
+from .scales import Scales, scales
+from .style import COLOURS, ONE_COLUMN, STYLE, typeset
 
 Array64 = NDArray[np.float64]
 

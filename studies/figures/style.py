@@ -1,9 +1,11 @@
 """What all figures share."""
 
+import math
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..files import study_files, writing
@@ -45,6 +47,24 @@ def distinct(values: Iterable[Any]) -> list[Any]:
     if len(found) > MOST:
         raise ValueError(f"{len(found)} different values; allowed: up to {MOST} in a figure")
     return found
+
+
+def typeset(value: float, digits: int = 4) -> str:
+    """A number for a formula, powers of ten as people write them."""
+    factor, _, power = f"{value:.{digits}g}".partition("e")
+    if not power:
+        return factor
+    return f"{factor}\\times" * (factor != "1") + f"10^{{{int(power)}}}"
+
+
+def layer(thickness: float) -> str:
+    """A layer's thickness in periods L as people write it; inf is the half-space."""
+    return "half-space" if math.isinf(thickness) else f"$d={typeset(thickness)}\\,L$"
+
+
+def legend_below(figure: Figure, axes: Axes, columns: int) -> None:
+    """Put the legend of a panel below all panels, where it hides nothing."""
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=columns)
 
 
 def panels(rows: int, columns: int, width: float, height: float, **options: Any) -> tuple[Figure, Any]:
