@@ -3,13 +3,14 @@
 import math
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
-
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from typing import TYPE_CHECKING, Any
 
 from ..files import study_files, writing
 from ..files.study_files import StudyFile
+
+if TYPE_CHECKING:  # Matplotlib takes its time, and a study's command needs this module before it draws
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 # Okabe and Ito: safe for colour-blind readers
 COLOURS = ("#0072b2", "#009e73", "#e69f00", "#d55e00", "#cc79a7", "#444444")
@@ -62,17 +63,19 @@ def layer(thickness: float) -> str:
     return "half-space" if math.isinf(thickness) else f"$d={typeset(thickness)}\\,L$"
 
 
-def legend_below(figure: Figure, axes: Axes, columns: int) -> None:
+def legend_below(figure: "Figure", axes: "Axes", columns: int) -> None:
     """Put the legend of a panel below all panels, where it hides nothing."""
     figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=columns)
 
 
-def panels(rows: int, columns: int, width: float, height: float, **options: Any) -> tuple[Figure, Any]:
+def panels(rows: int, columns: int, width: float, height: float, **options: Any) -> "tuple[Figure, Any]":
     """An empty figure, of which pyplot knows nothing, and its panels, shape (rows, columns); sizes in inches.
 
     Labels, titles, and legends with `loc="outside ..."` find their places by themselves. options: of
     `Figure.subplots`.
     """
+    from matplotlib.figure import Figure
+
     figure = Figure(figsize=(width, height), layout="constrained")
     return figure, figure.subplots(rows, columns, squeeze=False, **options)
 
