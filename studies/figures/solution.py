@@ -104,7 +104,7 @@ def figure(solution: StoredSolution) -> Figure:
     enlarged = bool(contact.left.size) and contact.width(contact.widest) < _WIDE * units.period
     rows = [["heights", "heights"], ["pressure", "pressure"]] + [["near heights", "near pressure"]] * enlarged
     drawn = Drawing(figsize=(ONE_COLUMN, 5.0 if enlarged else 3.8), dpi=160, layout="constrained")
-    axes = drawn.subplot_mosaic(rows)
+    axes: dict[str, Axes] = drawn.subplot_mosaic(rows)
     axes["heights"].sharex(axes["pressure"])
     axes["heights"].tick_params(labelbottom=False)
     whole = (solution.profile, solution.displacement, solution.contact_pressure)
@@ -138,7 +138,7 @@ def _contact(solution: StoredSolution) -> Contact:
     spacing = float(solution.x[1] - solution.x[0])
     kind: Any = LAYERS.get(str(results.get("scene.layer")))
     if kind is None:
-        return Contact((patches.first - 0.5) * spacing, (patches.last + 0.5) * spacing)
+        return Contact(*(np.asarray(end * spacing) for end in (patches.first - 0.5, patches.last + 0.5)))
     layer = kind(**{f.name: results[f"scene.{f.name}"] for f in fields(kind) if f"scene.{f.name}" in results})
     edges = find_edges(patches, pressure[patches.nodes], layer.edge_symbol(pressure.size, spacing * pressure.size))
     return Contact(edges.left * spacing, (edges.left + edges.width) * spacing)
@@ -214,7 +214,7 @@ def _enlarge(axes: dict[str, Axes], units: Scales, contact: Contact, solution: S
     power = math.floor(math.log10(reach / units.x))
     power = 0 if -2 < power < 4 else power
     size = units.x * 10.0**power
-    x, inside = (nodes * spacing - middle) / size, nodes % count
+    x, inside = np.asarray((nodes * spacing - middle) / size), nodes % count
     near = axes["near heights"], axes["near pressure"]
     _heights(near[0], x, solution.profile[inside] / units.z, solution.displacement[inside] / units.z, marker)
     _pressure(near[1], x, solution.contact_pressure[inside] / units.pressure, marker)
