@@ -1,8 +1,38 @@
 """linecontact: how large is the true contact of a thin elastic layer under a rigid indenter?
 
-    from linecontact import Layer, Scene, solve
+    from linecontact import Layer, PowerIndenter, Scene, solve
 
-The names below are imported when the first of them is used.
+    scene = Scene(Layer(thickness=0.1, poisson_ratio=0.25), PowerIndenter(exponent=2), pressure=2e-3, num_points=2**14)
+    solution = solve(scene)      # or solve(scene, accuracy=1e-4): as cheap as that accuracy allows
+    print(solution)              # contact area and its error, patches, warnings, each with its unit
+    solution.plot("run.pdf")     # heights, pressure, contact patches
+    solution.save("run.h5")      # for linecontact.load
+
+What is pressed against what:
+
+    Layer             an elastic layer on a rigid base, or a half-space
+    PowerIndenter     one asperity: sharp, Hertzian (a parabola), blunt
+    RoughIndenter     a random self-affine surface
+    MeasuredIndenter  heights given point by point
+    read_scan         a measured scan from a file, with its units
+    Scene             a layer, an indenter, the mean pressure and the grid
+
+The answer:
+
+    solve             solves a scene
+    Solution          what was found, how it was found, and what to doubt of it
+    Observables       contact area, kappa, approach and what else is measured
+    Certificate       how wrong the solution can be
+    Status            how the solve ended
+    plot              draws a solution, also one that was read from its file
+    save, load        write a solution to an HDF5 file, read it back
+
+Each has its own help, for instance help(linecontact.solve). Lengths share one unit of length, pressures one unit of
+pressure; both are yours. On the command line `linecontact --help` lists what there is to do: solve one scene, run a
+whole study, plot or export a stored file. The README and the pages in docs/ tell the rest, docs/results.md how to look
+at results.
+
+The names are imported when the first of them is used.
 """
 
 import importlib
@@ -21,6 +51,7 @@ if TYPE_CHECKING:
         Status,
     )
     from .solver.solve import solve
+    from .studies.figures.solution import plot
     from .studies.files.solution_files import load, save
     from .studies.scans.reading import read_scan
 
@@ -28,6 +59,7 @@ if TYPE_CHECKING:
 
 _ELSEWHERE = {
     "load": "linecontact.studies.files.solution_files",
+    "plot": "linecontact.studies.figures.solution",
     "read_scan": "linecontact.studies.scans.reading",
     "save": "linecontact.studies.files.solution_files",
 }
@@ -45,6 +77,7 @@ __all__ = [
     "Status",
     "__version__",
     "load",
+    "plot",
     "read_scan",
     "save",
     "solve",

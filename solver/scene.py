@@ -9,10 +9,11 @@ from typing import Any, Self
 
 import numpy as np
 
-from . import checks
+from . import checks, display
 from .arrays import Array64
 from .indenters import Indenter, PowerIndenter
 from .layers import ElasticLayer, Layer
+from .units import SCENE
 
 PRECISIONS = ("float64", "float32", "mixed")
 MIN_POINTS, MAX_POINTS = 4, 2**30  # Warp indices are int32
@@ -59,6 +60,31 @@ class Scene:
         checks.choice("precision", self.precision, PRECISIONS)
         self.indenter.check(self.num_points)
         self._check_scales()
+
+    def __repr__(self) -> str:
+        """What is pressed against what, in a few lines with units; arrays and long texts are left out."""
+        rows = (self._row(name, getattr(self, name)) for name in ("pressure", "period", "num_points"))
+        parts = (repr(part).replace("[length]", f"[{self.length_unit}]") for part in (self.layer, self.indenter))
+        lines = "\n".join([f"{display.sentence('Scene', rows)}, {self.precision}", *parts])
+        return lines.replace("\n", "\n  ")
+
+    def _repr_html_(self) -> str:
+        """The same as a table, for a notebook."""
+        return display.html_table("Scene", self.rows())
+
+    def rows(self) -> list[display.Row]:
+        """Everything that is known of the scene, as it is shown in a table."""
+        load = display.Row("pressure/contact_modulus", display.number(self.reduced_load), "-")
+        return [*(self._row(name, value) for name, value in self.to_dict().items()), load]
+
+    @property
+    def length_unit(self) -> str:
+        """The unit of length, where a scan has brought one with it; 'length' where it is the user's own."""
+        known = str(self.indenter.to_dict().get("profile_length_unit", SCENE))
+        return "length" if known == SCENE else known
+
+    def _row(self, name: str, value: Any) -> display.Row:
+        return display.row(name, value, self.length_unit)
 
     def _check_scales(self) -> None:
         """Refuse units and ratios whose products would overflow or underflow."""

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from .. import __version__
-from . import checks
+from . import checks, display
 from .arrays import Array64, Mask
 from .endings import Reason, Status
 from .grid.certificate import Certificate
@@ -42,6 +42,9 @@ class Level:
     transform_pairs: float
     """Transform pairs on this grid, in pairs of its own length."""
 
+    def __repr__(self) -> str:
+        return display.line(self)
+
     def to_dict(self) -> dict[str, float]:
         """JSON-ready, without the number of points."""
         return {name: value for name, value in asdict(self).items() if name != "num_points"}
@@ -59,6 +62,9 @@ class Choice:
     """Why."""
     error: float = 0.0
     """Estimate of the relative error of a_r that it brings (dimensionless); 0 where it brings none."""
+
+    def __repr__(self) -> str:
+        return f"Choice of {self.what}: {self.chosen}, error {self.error:.1g} [-], because {self.reason}"
 
 
 @dataclass(frozen=True)
@@ -106,6 +112,41 @@ class Solution:
     choices: tuple[Choice, ...] = field(default_factory=tuple)
     """What was chosen for the user, and why."""
 
+    def __repr__(self) -> str:
+        """What was found, in a few lines with units, and the scene; arrays are left out."""
+        rows = self._rows()
+        told = [display.sentence("Solution", rows[:4]), display.sentence("found", rows[4:])]
+        warned = [f"warning, {warning.kind}: {warning.text}" for warning in self.warnings]
+        return "\n".join([*told, *warned, repr(self.scene)]).replace("\n", "\n  ")
+
+    def _repr_html_(self) -> str:
+        """The same as a table, for a notebook."""
+        warned = [display.Row(f"warning, {warning.kind}", warning.text, "") for warning in self.warnings]
+        return display.html_table("Solution", [*self._rows(), *warned, *self.scene.rows()])
+
+    def _rows(self) -> list[display.Row]:
+        """What was found, as it is shown: how it ended and what it took first."""
+        found, length = self.observables, self.scene.length_unit
+        area, kappa = (
+            f"{display.number(value)} +- {error:.1g}"
+            for value, error in (
+                (found.contact_area_subgrid, found.contact_area_error),
+                (found.kappa_subgrid, found.kappa_error),
+            )
+        )
+        return [
+            display.Row("status", str(self.status), ""),
+            display.Row("method", self.method, ""),
+            display.Row("transform_pairs", f"{self.transform_pairs:.3g}", "-"),
+            display.Row("seconds", f"{self.seconds.get('total', 0.0):.3g}", "s"),
+            display.Row("contact_area_subgrid", area, "-"),
+            display.row("contact_width", self.contact_width, length),
+            display.row("num_patches", found.num_patches),
+            display.row("peak_pressure", found.peak_pressure),
+            display.Row("kappa_subgrid", kappa, "-"),
+            display.row("approach", found.approach, length),
+        ]
+
     @cached_property
     def patches(self) -> PatchTable:
         """The contact patches: their ends, widths, loads and largest pressures."""
@@ -129,6 +170,16 @@ class Solution:
         import linecontact  # the package's front knows how files are written
 
         linecontact.save(self, path, overwrite)
+
+    def plot(self, path: str | os.PathLike[str] | None = None, overwrite: bool = False) -> Any:
+        """The figure of the solution, as a Matplotlib `Figure`; see `linecontact.plot`.
+
+        path: where to write it, too, for instance as .png or .pdf. overwrite: whether an existing file may be replaced.
+        Raises `ValueError` for a file that cannot be written.
+        """
+        import linecontact  # the package's front knows how solutions are drawn
+
+        return linecontact.plot(self, path, overwrite)
 
     def to_dict(self) -> dict[str, Any]:
         """Everything but the fields that has a meaning, JSON-ready: numbers, text, flat objects; infinite: 'inf'."""

@@ -50,9 +50,9 @@ VALUES = st.one_of(
 @settings(fuzz, max_examples=150)
 @given(
     st.sampled_from(
-        [["solve", "--num-points", "16"], ["study", "hertz"], ["study", "kernels"], ["plot"], ["info"], []]
+        [["solve", "--num-points", "16"], ["study", "hertz"], ["study", "kernels"], ["plot"], ["export"], ["info"], []]
     ),
-    st.lists(st.tuples(st.sampled_from(FLAGS + STUDY + ["--compare", "--threshold"]), VALUES), max_size=3),
+    st.lists(st.tuples(st.sampled_from(FLAGS + STUDY + ["--compare", "--threshold", "--csv"]), VALUES), max_size=3),
     st.lists(VALUES, max_size=1),
 )
 def test_any_arguments(tmp_path, monkeypatch, capfd, command, options, rest):

@@ -353,7 +353,6 @@ def test_figures_come_from_the_file_alone(folder, tmp_path):
     study_files.save_study(tmp_path / "transforms.h5", file)
     (drawn,) = figures.draw(tmp_path / "transforms.h5").values()
     assert [axes.get_title() for axes in drawn.axes[:3]] == ["real pair", "half length pair", "rows pair"]
-    figures.plt.close("all")
 
 
 def test_full_study_covers_what_it_should():

@@ -14,7 +14,6 @@ from linecontact.studies.peers import areas, figures, report
 from linecontact.studies.peers import solvers as peer_solvers
 from linecontact.studies.peers import study as peers
 from linecontact.studies.runner import drawing
-from matplotlib import pyplot as plt
 from rich.console import Console
 from running import run_plans
 
@@ -222,7 +221,6 @@ def test_the_figure_holds_the_stored_times(made_up, tmp_path):
             np.testing.assert_array_equal(line.get_ydata(), runs.column("seconds.solve"))
         filled = [line for line in axes.get_lines() if line.get_linestyle() == "None" and len(line.get_xdata())]
         assert [any(line.get_markevery()) for line in filled] == [True, not hollow]
-    plt.close(figure)
 
 
 @pytest.mark.filterwarnings("ignore")  # the peers' own

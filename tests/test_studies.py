@@ -2,9 +2,11 @@
 
 import html
 import math
+import re
 import shutil
 import subprocess
 import sys
+import xml.etree.ElementTree
 from dataclasses import asdict
 from pathlib import Path
 
@@ -18,14 +20,13 @@ from linecontact.solver.reference import closed_forms
 from linecontact.studies import hertz
 from linecontact.studies.files import hdf5, records, solution_files, study_files, writing
 from linecontact.studies.files.study_files import StudyFile
-from linecontact.studies.paper import statements
+from linecontact.studies.paper import formulas, statements
 from linecontact.studies.paper import study as paper
 from linecontact.studies.power_profiles import figures as power_figures
 from linecontact.studies.power_profiles import report as power_report
 from linecontact.studies.rough_surfaces import figures as rough_figures
 from linecontact.studies.rough_surfaces import means
 from linecontact.studies.runner import drawing
-from matplotlib import pyplot as plt
 from running import run_plans
 
 ARRAYS = Path(__file__).with_name("figures.npz")
@@ -132,7 +133,6 @@ def drawn_data(folder):
                     xy = np.array([np.asarray(values, dtype=float) for values in line.get_data()])
                     if xy.size:
                         data[f"{kind}{suffix}.{a}.{b}"] = xy
-            plt.close(figure)
     return data
 
 
@@ -220,16 +220,51 @@ def test_report(paper_folder):
     found = statements.statements(files)
     text, page = ((paper_folder / name).read_text() for name in ("report.md", "report.html"))
     assert len(found) >= 20
+    plain = html.unescape(re.sub(r'<math [^>]*alttext="([^"]*)">.*?</math>', r"\1", page)).replace("\u00b1", "+-")
     for s in found:
         assert s.text in text
         assert s.measured in text
-        assert html.escape(s.text, quote=False) in page
+        assert s.text in plain
+        assert s.measured in plain
     blunt = next(s for s in found if s.text.startswith("blunt: kappa_d = kappa_inf"))
     assert "0.902" in blunt.measured
     assert blunt.verdict.startswith("does not hold")
     assert page.count("data:image/png;base64,") == text.count("![") == 9
     assert "http" not in page.replace("http-equiv", "")  # nothing from elsewhere
+    assert "kappa_inf" not in re.sub(r'alttext="[^"]*"', "", page)
     assert statements.statements({}) == []
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ("y = (kappa_d/kappa_inf)/(d/a_r) at the least", ["y = (kappa_d/kappa_inf)/(d/a_r)"]),
+        ("H = 0.3: alpha (1-2nu)/(1-nu)^2 d/a_r on", ["H = 0.3", "alpha (1-2nu)/(1-nu)^2 d/a_r"]),
+        ("2.3562 +- 6e-05 (median over nu)", ["2.3562 +- 6e-05", "nu"]),
+        ("of 2 sqrt(3)/kappa_inf = 2.036. Over", ["2 sqrt(3)/kappa_inf = 2.036"]),
+        ("(n = 2), 2^18 points, p = 0.002 E*, so", ["(n = 2)", "2^18", "p = 0.002 E*"]),
+        ("-7e-03", ["-7e-03"]),
+        ("d = 1e-07 L, nu = -: 5 % of 32, 4/2022, commit cd09ad47498d, e2c8, a", ["d = 1e-07 L", "nu"]),
+        ("((((nu", ["nu"]),
+        ("a model, 3 of 4 <b>", []),
+    ],
+)
+def test_formulas_are_found(text, found):
+    shown = formulas.typeset(text)
+    assert [html.unescape(plain) for plain in re.findall(r'alttext="([^"]*)"', shown)] == found
+    assert "<b>" not in shown
+    xml.etree.ElementTree.fromstring(f"<p>{shown}</p>")  # all elements are closed
+
+
+def test_formulas_are_read_as_they_are_meant():
+    def shape(text):
+        return re.sub(r"</?m(row|i|n|o)>", "", formulas.typeset(text).partition("<mrow>")[2].rpartition("</mrow>")[0])
+
+    assert shape("(1-2nu)/(1-nu)^2") == "<mfrac>1\u22122\u03bd<msup>(1\u2212\u03bd)2</msup></mfrac>"
+    assert shape("3 pi/4") == "<mfrac>3\u03c04</mfrac>"
+    assert shape("d/a_r L") == "<mfrac>d<msub>ar</msub></mfrac>L"
+    assert shape("d/(a_r L)") == "<mfrac>d<msub>ar</msub>L</mfrac>"
+    assert shape("3e-05 +- 1e-7") == "3\u00d7<msup>10\u22125</msup>\u00b1<msup>10\u22127</msup>"
 
 
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
@@ -244,14 +279,24 @@ def test_report_in_a_browser(paper_folder, tmp_path):
         f"--user-data-dir={tmp_path}",
         "--virtual-time-budget=9999",
     ]
-    count = "document.title = [...document.images].filter(i => i.complete && i.naturalWidth > 100).length"
+    count = "[...document.images].filter(i => i.complete && i.naturalWidth > 100).length"
+    # on a page as narrow as a phone nothing is wider than it, long rows are restacked, formulas have their size
+    phone = "const page = phone.contentDocument; "
+    wide = "page.documentElement.scrollWidth - page.documentElement.clientWidth"
+    stacked = "getComputedStyle(page.querySelector('table.long td')).display"
+    formulas = "[...page.querySelectorAll('mfrac')].filter(f => f.getBoundingClientRect().height > 15).length > 30"
+    look = f"{phone} document.title = [{count}, {wide}, {stacked}, {formulas}].join(' ')"
+    inner = html.escape((paper_folder / "report.html").read_text())
+    frame = (
+        f"<iframe id='phone' style='width:360px;height:640px;border:0' onload=\"{look}\" srcdoc=\"{inner}\"></iframe>"
+    )
     page = tmp_path / "page.html"
-    page.write_text((paper_folder / "report.html").read_text().replace("</body>", f"<script>{count}</script></body>"))
+    page.write_text((paper_folder / "report.html").read_text().replace("</body>", f"{frame}</body>"))
     shown = subprocess.run(
         [BROWSER, *arguments, "--dump-dom", page.as_uri()], capture_output=True, text=True, timeout=120
     )
-    assert "<title>9</title>" in shown.stdout, shown.stderr
-    assert shown.stdout.count("<table>") == 5
+    assert "<title>9 0 block true</title>" in shown.stdout, re.findall("<title>.*?</title>", shown.stdout)
+    assert shown.stdout.count("<table") == 5
 
 
 def test_the_studies_that_were_asked_for_run_as_scripts(tmp_path):

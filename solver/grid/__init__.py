@@ -3,5 +3,6 @@
 `problem` is what the methods solve, `certificate` says how wrong a displacement is, `patches`, `edge_curves`, `edges`
 and `observables` say how large the contact is.
 
-May import: arrays, checks, quadrature, transforms, layers, indenters, reference, scene, linecontact.kernels.
+May import: arrays, checks, display, quadrature, transforms, layers, indenters, reference, scene,
+linecontact.kernels.
 """

@@ -21,6 +21,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .. import display
 from ..arrays import Array64, Mask
 from ..transforms.plain import irfft, rfft
 from .problem import Problem
@@ -45,6 +46,9 @@ class Certificate:
     energy_error_bound: float
     """Upper bound of the energy above the exact minimum on this grid, over the elastic energy; 0 where heights are so
     small that both underflow."""
+
+    def __repr__(self) -> str:
+        return display.line(self)
 
 
 def certify(problem: Problem, displacement: Array64) -> tuple[Certificate, Array64, Mask]:

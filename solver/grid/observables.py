@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .. import display
 from ..arrays import Array64, Mask
 from ..reference.closed_forms import kappa_half_space
 from ..scene import Scene
@@ -55,6 +56,9 @@ class Observables:
     """A third of the change of a_r from the last coarser grid; None without nested grids."""
     kappa_discretisation_error: float | None = None
     """The same for kappa."""
+
+    def __repr__(self) -> str:
+        return display.line(self)
 
 
 def observe(scene: Scene, displacement: Array64, contact_pressure: Array64, contact: Mask) -> Observables:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .. import display
 from ..arrays import Array64
 from ..scene import Scene
 from .observables import contact_edges
@@ -29,6 +30,11 @@ class PatchTable:
     """Line loads, shape (M,) [pressure times length]; their sum over the period is the mean pressure."""
     peak_pressure: Array64
     """Largest pressures, shape (M,) [pressure]."""
+
+    def __repr__(self) -> str:
+        count = self.nodes.size
+        widest = f", the widest {display.number(float(self.width.max()))} [length]" if count else ""
+        return f"{type(self).__name__}: {count} contact patches{widest}"
 
 
 def patch_table(scene: Scene, pressure: Array64) -> PatchTable:

@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from .. import checks
+from .. import checks, display
 from ..arrays import Array64, Modes
 from ..transforms.plain import irfft, rfft
 from .indenter import Indenter
@@ -49,6 +49,12 @@ class MeasuredIndenter(Indenter):
             checks.integer("measured_points", self.measured_points, "an integer from 4 to 2^60", 4, 2**60)
         heights.flags.writeable = False
         checks.assign(self, heights=heights)
+
+    def __repr__(self) -> str:
+        height = display.row("profile", float(self.heights.max()))
+        origin = self.description.get("profile_file")
+        told = f"{self.heights.size} heights, 0 to {height.value}{display.bracketed(height.unit)}"
+        return f"{type(self).__name__}: {told}" + (f", from {display.row('', origin).value}" if origin else "")
 
     @cached_property
     def _modes(self) -> Modes:

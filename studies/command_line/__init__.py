@@ -1,4 +1,4 @@
-"""The command line: linecontact solve | explore | study | plot | info; a file for each, and `main`, which knows all.
+"""The command line: linecontact solve | explore | study | plot | export | info; a file for each, and `main` for all.
 
 Such a file offers `Options`, a dataclass of what the command can be asked for, and `command(options)`, which does it
 and returns the exit status. `main` looks for mistyped options before it imports any of them.

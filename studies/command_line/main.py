@@ -16,7 +16,7 @@ PROG = "linecontact"
 ABOUT = f"""What is pressed against what, how large is the true contact, and how wrong can the answer be?
 
 {PROG} COMMAND --help lists the options of a command, {PROG} --version shows the version."""
-COMMANDS = ("solve", "explore", "study", "plot", "info")
+COMMANDS = ("solve", "explore", "study", "plot", "export", "info")
 """Each has a module of its name beside this one."""
 
 SCENES = ("solve", "explore")

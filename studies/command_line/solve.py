@@ -13,12 +13,12 @@ from linecontact.solver import INDENTERS, LAYERS, METHODS, MeasuredIndenter, Sce
 from linecontact.solver.scene import PRECISIONS
 from linecontact.solver.strategy.errors import claimed_error
 from linecontact.solver.transforms.planned import PLANNING
+from linecontact.solver.units import SCENE
 from rich.table import Table
 
 from ..figures.names import FORMATS
 from ..files import solution_files, writing
 from ..scans import reading, summary
-from ..scans.columns import SCENE
 from ..terminal import console
 from ..terminal.options import one_of, options_of
 from . import kinds

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import numpy as np
 from linecontact.solver.methods import DEFAULT
-from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from ..figures.style import COLOURS, load
+from ..figures.style import COLOURS, ONE_COLUMN, TWO_COLUMNS, load
+from ..figures.style import panels as empty_panels
 from ..files.study_files import StudyFile
 from . import cells
 from .verdicts import CERTIFIED, DEFECT, REFUSED
@@ -28,8 +28,7 @@ def draw(path: Path) -> dict[str, Figure]:
     verdict = study.column("verdict")
     certified = verdict == CERTIFIED
     plain = study.column("asked") == 0
-    figure, panels = plt.subplots(2, 2, figsize=(10.4, 7.4))
-    figure.subplots_adjust(left=0.08, right=0.98, top=0.93, bottom=0.09, hspace=0.36, wspace=0.5)
+    figure, panels = empty_panels(2, 2, TWO_COLUMNS, 5.6)
     residual = np.maximum(_numbers(study, "certificate.free_residual"), 1e-17)
     double = certified & plain & (study.column("precision") != "float32")
     places = column, row
@@ -43,7 +42,7 @@ def draw(path: Path) -> dict[str, Figure]:
     _map(panels[1, 0], places, iterations, active, np.max, "cividis", LogNorm(1, 1e4))
     panels[1, 0].set_title(f"Most iterations of the {DEFAULT.label}", pad=12)
     _bars(panels[1, 1], study, plain)
-    figure.text(0.01, 0.01, "Maps: default tolerances only; grey: no such cell among those drawn.", fontsize=7)
+    figure.supxlabel("Maps: default tolerances only; grey: no such cell among those drawn.", fontsize=7)
     return {"": figure}
 
 
@@ -118,7 +117,8 @@ def soak(path: Path) -> dict[str, Figure]:
     study = load(path)
     hours = np.cumsum(study.column("seconds.stretch")) / 3600
     scenes = np.cumsum(sum(study.column(verdict) for verdict in (CERTIFIED, REFUSED, DEFECT)))
-    figure, panels = plt.subplots(3, 1, figsize=(5.2, 5.4), sharex=True)
+    figure, grid = empty_panels(3, 1, ONE_COLUMN, 4.6, sharex=True)
+    panels = grid[:, 0]
     resident = study.column("bytes.resident") / 2**20
     for axes, values, label in zip(
         panels,

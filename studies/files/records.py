@@ -9,38 +9,15 @@ from typing import Any
 
 from linecontact.solver import Solution
 from linecontact.solver.checks import NOT_FINITE, plain
+from linecontact.solver.units import unit
 
-__all__ = ["RESULTS_VERSION", "UNITS", "flatten", "is_text", "plain", "renamed", "run_record", "unit"]
+__all__ = ["RESULTS_VERSION", "flatten", "is_text", "plain", "renamed", "run_record", "unit"]
 
 RESULTS_VERSION = 2
 """To be raised whenever the same task gives other results: they must not be mixed."""
 
-UNITS = {
-    "x": "length",
-    "displacement": "length",
-    "contact_pressure": "pressure",
-    "thickness": "length",
-    "radius": "length",
-    "period": "length",
-    "approach": "length",
-    "contact_width": "length",
-    "peak_pressure": "pressure",
-    "pressure": "pressure",
-    "contact_modulus": "pressure",
-}
-"""Units by the last part of a name; 'seconds.*' is in seconds, 'bytes.*' in bytes, everything else dimensionless."""
-
 _RENAMED = {"certificate.adhesion": "certificate.tensile_violation"}
 """Names of quantities in older files, and what they are called since."""
-
-
-def unit(name: str) -> str:
-    """Unit of a stored quantity."""
-    if name == "profile":  # the heights; scene.profile is the indenter's name
-        return "length"
-    if name.startswith("bytes."):
-        return "byte"
-    return "s" if "seconds." in name else UNITS.get(name.rsplit(".", 1)[-1], "1")
 
 
 def flatten(record: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:

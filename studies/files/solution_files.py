@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 from linecontact.solver import Solution
+from linecontact.solver.display import row, sentence
 from linecontact.solver.grid.patch_table import PatchTable
 from numpy.typing import NDArray
 
@@ -40,6 +41,11 @@ class StoredSolution:
     results: dict[str, Any]
     """Everything else, by the names of the command line's JSON joined by dots, like 'certificate.free_residual'."""
 
+    def __repr__(self) -> str:
+        names = ("status", "contact_area_subgrid", "contact_area_error", "num_patches", "scene.thickness")
+        rows = [row(name, self.results[name]) for name in names if name in self.results]
+        return sentence(f"{type(self).__name__}: fields of {self.x.size} points, and {len(self.results)} results", rows)
+
 
 def save(solution: Solution, path: Name, overwrite: bool = False) -> None:
     """Write a solution to an HDF5 file, which appears under its name only when it is complete.
@@ -67,15 +73,21 @@ def save_patches(path: Name, patches: PatchTable) -> None:
     write_bytes(Path(path), "\n".join([head, *lines, ""]).encode())
 
 
+def stored(solution: Solution) -> StoredSolution:
+    """What a file of the solution holds."""
+    arrays = (solution.scene.x, solution.scene.profile, solution.displacement, solution.contact_pressure)
+    return StoredSolution(*arrays, results=flatten(solution.to_dict()))
+
+
 def save_solution(path: Path, solution: Solution) -> None:
     """Write one solution; an existing file is replaced."""
-    arrays = (solution.scene.x, solution.scene.profile, solution.displacement, solution.contact_pressure)
+    kept = stored(solution)
     with new_file(path) as file:
         file.attrs["kind"] = KIND
-        for name, value in flatten(solution.to_dict()).items():
+        for name, value in kept.results.items():
             file.attrs[name] = value
-        for name, values in zip(_FIELDS, arrays, strict=True):
-            dataset = file.create_dataset(name, data=values)
+        for name in _FIELDS:
+            dataset = file.create_dataset(name, data=getattr(kept, name))
             dataset.attrs["unit"] = unit(name)
 
 

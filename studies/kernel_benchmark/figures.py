@@ -4,11 +4,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..figures.style import COLOURS, NothingToDraw, load
+from ..figures.style import COLOURS, TWO_COLUMNS, NothingToDraw, legend_below, load, panels
 from ..files.study_files import StudyFile
 from .benchmark import PRECISIONS
 from .cells import Cell, Run, cells, machine
@@ -43,10 +42,8 @@ def bandwidth(study: StudyFile) -> Figure | None:
     kernels = [cell for cell in kernels if cell.value("flops") > 0]
     if not kernels:
         return None
-    figure: Figure
-    figure, panels = plt.subplots(1, 2, figsize=(8.6, 4.4), sharey=True, squeeze=False)
-    figure.subplots_adjust(left=0.08, right=0.985, bottom=0.29, top=0.92, wspace=0.07)
-    for axes, precision in zip(panels[0], PRECISIONS, strict=True):
+    figure, grid = panels(1, 2, TWO_COLUMNS, 3.7, sharey=True)
+    for axes, precision in zip(grid[0], PRECISIONS, strict=True):
         for variant, (label, colour, marker) in _STYLES.items():
             own = [cell for cell in kernels if cell.key.precision == precision]
             _line(axes, own, variant, label, colour, marker)
@@ -59,8 +56,8 @@ def bandwidth(study: StudyFile) -> Figure | None:
         axes.set_xscale("log", base=2)
         axes.margins(x=0.07)
         _mark_caches(axes, machine(study))
-    panels[0][0].set_ylabel("bandwidth [$10^9$ byte/s]")
-    figure.legend(*panels[0][0].get_legend_handles_labels(), fontsize=8, loc="lower center", ncols=3)
+    grid[0][0].set_ylabel("bandwidth [$10^9$ byte/s]")
+    legend_below(figure, grid[0][0], 3)
     return figure
 
 
@@ -93,11 +90,9 @@ def roofline(study: StudyFile) -> Figure | None:
     updates = {c.key[1:]: c.bandwidth("c") for c in _group(study, "roofs") if c.key.benchmark == "update"}
     if not kernels or not updates:
         return None
-    figure: Figure
-    figure, panels = plt.subplots(1, 2, figsize=(8.6, 5.2), sharex=True, sharey=True, squeeze=False)
-    figure.subplots_adjust(left=0.08, right=0.985, bottom=0.2, top=0.93, wspace=0.05)
+    figure, grid = panels(1, 2, TWO_COLUMNS, 4.4, sharex=True, sharey=True)
     sizes = sorted({cell.key.num_points for cell in kernels})
-    for axes, precision in zip(panels[0], PRECISIONS, strict=True):
+    for axes, precision in zip(grid[0], PRECISIONS, strict=True):
         own = [cell for cell in kernels if cell.key.precision == precision]
         intensities = [cell.value("flops") / cell.value("bytes.traffic") for cell in own]
         ends = np.array([min(intensities) / 1.4, max(intensities) * 1.4])
@@ -112,10 +107,10 @@ def roofline(study: StudyFile) -> Figure | None:
             axes.plot(x, y, marker, color=colour, ms=5, label=f"kernels, {_points(size)}")
         _names(axes, own)
         axes.set(xscale="log", yscale="log", xlabel="arithmetic intensity [flop/byte]", title=precision)
-    bottom, top = panels[0][0].get_ylim()
-    panels[0][0].set_ylim(bottom / 10, top)  # room for the names
-    panels[0][0].set_ylabel("speed [$10^9$ flop/s]")
-    figure.legend(*panels[0][0].get_legend_handles_labels(), fontsize=8, loc="lower center", ncols=4)
+    bottom, top = grid[0][0].get_ylim()
+    grid[0][0].set_ylim(bottom / 10, top)  # room for the names
+    grid[0][0].set_ylabel("speed [$10^9$ flop/s]")
+    legend_below(figure, grid[0][0], 4)
     return figure
 
 
@@ -129,7 +124,7 @@ def _names(axes: Axes, own: Sequence[Cell]) -> None:
     place = 0.0
     named = {cell.key.benchmark: cell.value("flops") / cell.value("bytes.traffic") for cell in own}
     for name, intensity in sorted(named.items(), key=lambda item: item[::-1]):
-        place = max(intensity / 1.06, place * 1.13)
+        place = max(intensity / 1.06, place * 1.17)
         axes.annotate(
             name,
             (intensity, 0.33),
@@ -149,13 +144,9 @@ def transforms(study: StudyFile) -> Figure | None:
     if not found:
         return None
     names = list(dict.fromkeys(cell.key.benchmark for cell in found))
-    figure: Figure
-    figure, panels = plt.subplots(
-        2, len(names), figsize=(3.2 * len(names), 5.6), sharex=True, sharey=True, squeeze=False
-    )
-    figure.subplots_adjust(left=0.1, right=0.985, bottom=0.2, top=0.93, wspace=0.06, hspace=0.08)
+    figure, grid = panels(2, len(names), TWO_COLUMNS, 5.0, sharex=True, sharey=True)
     variants = list(dict.fromkeys(v for cell in found for v in cell.variants))
-    for row, precision in zip(panels, PRECISIONS, strict=True):
+    for row, precision in zip(grid, PRECISIONS, strict=True):
         for axes, name in zip(row, names, strict=True):
             own = sorted((c for c in found if c.key[:2] == (name, precision)), key=lambda cell: cell.key.num_points)
             for variant, colour in zip(variants, COLOURS * 2, strict=False):
@@ -167,9 +158,9 @@ def transforms(study: StudyFile) -> Figure | None:
             axes.set(xscale="log", yscale="log")
             axes.set_xscale("log", base=2)
         row[0].set_ylabel(f"{precision}: ns for each point")
-    for axes, name in zip(panels[0], names, strict=True):
+    for axes, name in zip(grid[0], names, strict=True):
         axes.set_title(name.replace("_", " "))
-    for axes in panels[1]:
+    for axes in grid[1]:
         axes.set_xlabel("N")
-    figure.legend(*panels[0][0].get_legend_handles_labels(), fontsize=8, loc="lower center", ncols=4)
+    legend_below(figure, grid[0][0], 4)
     return figure

@@ -7,11 +7,10 @@ from typing import Any
 import numpy as np
 from linecontact.solver.layers.bonded import edge_shift, foundation_compliance
 from linecontact.solver.reference import closed_forms
-from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..figures.style import COLOURS, MARKERS, NothingToDraw, distinct, load
+from ..figures.style import COLOURS, MARKERS, ONE_COLUMN, NothingToDraw, distinct, legend_below, load, panels
 from ..files.study_files import StudyFile
 from . import report
 from .tasks import FIGURES
@@ -25,9 +24,7 @@ def draw(path: Path) -> dict[str, Figure]:
 
 def ratio(study: StudyFile) -> Figure:
     """The published Figures 2 to 4: (kappa_d/kappa_inf)/(d/a_r) over d/a_r with limits; below, kappa_d/kappa_inf."""
-    figure: Figure
-    figure, (axes, below) = plt.subplots(2, 1, figsize=(5.2, 6.2), sharex=True, height_ratios=(5, 3))
-    figure.subplots_adjust(bottom=0.08, top=0.95, hspace=0.05)
+    figure, ((axes,), (below,)) = panels(2, 1, ONE_COLUMN, 5.6, sharex=True, height_ratios=(5, 3))
     runs, c = report.layers(study), study.configuration
     if not runs.runs:
         raise NothingToDraw("no layer is done yet")
@@ -41,8 +38,8 @@ def ratio(study: StudyFile) -> Figure:
         if not own.runs:
             continue
         t, kappa = report.curve(own)
-        axes.plot(t, kappa / t, marker, ms=4.5, color=colour, label=rf"$\nu={nu:g}$")
-        below.plot(t, kappa, marker, ms=4.5, color=colour)
+        axes.plot(t, kappa / t, marker, ms=3.5, color=colour, label=rf"$\nu={nu:g}$")
+        below.plot(t, kappa, marker, ms=3.5, color=colour)
         line = study.lines.get(f"nu={nu:g}")
         if line:
             axes.plot(line["reduced_thickness"], line["kappa_ratio"] / line["reduced_thickness"], color=colour, lw=0.9)
@@ -50,7 +47,7 @@ def ratio(study: StudyFile) -> Figure:
         _limits(axes, c, nu, colour, low)
     _half_space(axes, below, study, high)
     axes.plot([], [], "k-", lw=0.9, label="collocation oracle")
-    axes.plot([], [], "k--", lw=0.7, label=r"$d/a_r\to0$, first order, exact $\alpha$")
+    axes.plot([], [], "k--", lw=0.7, label=r"first order, exact $\alpha$")
     axes.plot([], [], "k:", lw=0.9, label="second order")
     axes.plot([], [], "k-.", lw=0.5, label=rf"published $\alpha={c['published_alpha']:.4g}$")
     axes.set(
@@ -61,10 +58,9 @@ def ratio(study: StudyFile) -> Figure:
         ylabel=r"$(\kappa_d/\kappa_\infty)\,/\,(d/a_r)$ (dimensionless)",
         title="$n={exponent:g}$, $p={pressure:g}\\,E^*$, {num_points} points".format(**c),
     )
-    axes.legend(fontsize=7, ncols=2, loc="lower right")
     label = r"reduced thickness $d/a_r$ ($L=1$, dimensionless)"
     below.set(xlabel=label, ylabel=r"$\kappa_d/\kappa_\infty$ (dimensionless)", ylim=(0, 1.1))
-    below.legend(fontsize=7, loc="lower right")
+    legend_below(figure, axes, 2)
     return figure
 
 
@@ -89,15 +85,15 @@ def _half_space(axes: Axes, below: Axes, study: StudyFile, high: float) -> None:
     below.axhline(1, color="0.6", lw=0.7)
     if run:
         with_images = run["oracle.kappa_ratio"]
-        axes.plot(thick, with_images / thick, "--", color="0.3", lw=0.7, label="the same with periodic images")
-        below.axhline(with_images, color="0.3", ls="--", lw=0.7, label=f"half-space with images: {with_images:.4f}")
+        label = rf"with images, ${with_images:.4f}\,\kappa_\infty$"
+        axes.plot(thick, with_images / thick, "--", color="0.3", lw=0.7, label=label)
+        below.axhline(with_images, color="0.3", ls="--", lw=0.7)
 
 
 def accuracy(study: StudyFile) -> Figure:
     """Errors of area (in grid spacings) and peak pressure against the oracle, over d/a_r."""
-    figure: Figure
-    figure, panels = plt.subplots(3, 1, figsize=(5.2, 6.2), sharex=True)
-    figure.subplots_adjust(bottom=0.08, top=0.97)
+    figure, grid = panels(3, 1, ONE_COLUMN, 5.6, sharex=True)
+    rows = grid[:, 0]
     study = report.layers(study)
     t = study.column("reduced_thickness")
     points = study.configuration["num_points"]
@@ -107,15 +103,15 @@ def accuracy(study: StudyFile) -> Figure:
     peak = np.abs(study.column("peak_pressure") / study.column("oracle.peak_pressure") - 1)
     nus = study.column("scene.poisson_ratio")
     for nu, colour, marker in zip(sorted(distinct(nus.tolist())), cycle(COLOURS), cycle(MARKERS), strict=False):
-        for panel, values in zip(panels, (counted, subgrid, peak), strict=True):
-            panel.plot(t[nus == nu], values[nus == nu], marker, ms=4.5, color=colour, label=rf"$\nu={nu:g}$")
-    panels[0].axhline(0, color="k", lw=0.6)
-    panels[0].set(xscale="log", ylim=(-2, 2), ylabel="counted $a_r$ minus oracle\n[grid spacings]")
-    panels[0].legend(fontsize=7, ncols=6, loc="upper center", columnspacing=1, handletextpad=0.2)
-    panels[1].set(yscale="log", ylabel="|sub-grid $a_r$ minus oracle|\n[grid spacings]")
-    panels[2].set(
+        for panel, values in zip(rows, (counted, subgrid, peak), strict=True):
+            panel.plot(t[nus == nu], values[nus == nu], marker, ms=3.5, color=colour, label=rf"$\nu={nu:g}$")
+    rows[0].axhline(0, color="k", lw=0.6)
+    rows[0].set(xscale="log", ylim=(-2, 2), ylabel="counted $a_r$ minus oracle\n[grid spacings]")
+    rows[1].set(yscale="log", ylabel="|sub-grid $a_r$ minus oracle|\n[grid spacings]")
+    rows[2].set(
         yscale="log",
         xlabel=r"reduced thickness $d/a_r$ ($L=1$, dimensionless)",
         ylabel="|peak pressure error|\n(relative)",
     )
+    legend_below(figure, rows[0], 3)
     return figure

@@ -5,11 +5,10 @@ from pathlib import Path
 
 import numpy as np
 from linecontact.solver.layers.bonded import foundation_compliance
-from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..figures.style import COLOURS, MARKERS, NothingToDraw, distinct, load
+from ..figures.style import COLOURS, MARKERS, TWO_COLUMNS, NothingToDraw, distinct, legend_below, load, panels
 from ..files.study_files import StudyFile
 from . import means
 from .tasks import FIGURES
@@ -24,17 +23,11 @@ def draw(path: Path) -> dict[str, Figure]:
 def _panels(study: StudyFile, rows: int) -> tuple[Figure, list[list[Axes]], list[float]]:
     """Rows of panels, one column for each Hurst exponent."""
     hursts = distinct(study.configuration["hursts"])
-    width = 1.2 + 3.0 * len(hursts)
-    figure, panels = plt.subplots(rows, len(hursts), figsize=(width, 4), sharex=True, sharey="row", squeeze=False)
-    height = 1.4 + 3.0 * rows
-    figure.set_figheight(height)
-    figure.subplots_adjust(
-        left=0.8 / width, right=0.99, bottom=1.1 / height, top=1 - 0.3 / height, wspace=0.05, hspace=0.08
-    )
+    figure, grid = panels(rows, len(hursts), TWO_COLUMNS, 0.9 + 2.2 * rows, sharex=True, sharey="row")
     for column, hurst in enumerate(hursts):
-        panels[0][column].set_title(f"$H={hurst:g}$")
-        panels[-1][column].set(xscale="log", xlabel=r"reduced thickness $d/a_r$ ($L=1$, dimensionless)")
-    return figure, panels.tolist(), hursts
+        grid[0, column].set_title(f"$H={hurst:g}$")
+        grid[-1, column].set(xscale="log", xlabel=r"$d/a_r$ ($L=1$, dimensionless)")
+    return figure, grid.tolist(), hursts
 
 
 def _plot(axes: Axes, points: list[means.Point], x: str, y: str, colour: str, marker: str, label: str) -> None:
@@ -45,7 +38,7 @@ def _plot(axes: Axes, points: list[means.Point], x: str, y: str, colour: str, ma
         xerr=[m.error for m in horizontal],
         yerr=[m.error for m in vertical],
         fmt=marker,
-        ms=4,
+        ms=3,
         lw=0.8,
         color=colour,
         label=label,
@@ -57,11 +50,6 @@ def _points(study: StudyFile) -> list[means.Point]:
     if not points:
         raise NothingToDraw("no surface is done both on a layer and on the half-space yet")
     return points
-
-
-def _legend(figure: Figure, axes: Axes) -> None:
-    """Put the legend below all panels."""
-    figure.legend(*axes.get_legend_handles_labels(), fontsize=8, loc="lower center", ncols=4)
 
 
 def ratio(study: StudyFile) -> Figure:
@@ -94,7 +82,7 @@ def ratio(study: StudyFile) -> Figure:
     axes.plot([], [], "k-", lw=0.6, alpha=0.7, label="Persson's theory")
     axes.plot([], [], "k:", lw=0.9, label=r"half-space, $\kappa_d=\kappa_\infty$")
     axes.set(ylabel=r"$(\kappa_d/\kappa_\infty)\,/\,(d/a_r)$ (dimensionless)")
-    _legend(figure, axes)
+    legend_below(figure, axes, 4)
     return figure
 
 
@@ -104,7 +92,7 @@ def patches(study: StudyFile) -> Figure:
     points = _points(study)
     for row in rows:
         for axes in row:
-            axes.set(xlabel="" if row is rows[0] else r"$d$ over patch width, $M\,d/a_r$ (dimensionless)")
+            axes.set(xlabel="" if row is rows[0] else "$d$ over patch width,\n$M\\,d/a_r$ (dimensionless)")
     for column, hurst in enumerate(hursts):
         for nu, colour, marker in zip(
             study.configuration["poisson_ratios"], cycle(COLOURS), cycle(MARKERS), strict=False
@@ -115,9 +103,9 @@ def patches(study: StudyFile) -> Figure:
         rows[0][column].axhline(2 * np.sqrt(3), color="k", ls="--", lw=0.8, label=r"one patch, $2\sqrt{3}$")
         for row in rows:
             row[column].set(yscale="log")
-    rows[0][0].set(ylabel=r"$\kappa_d\,/\,(d/a_r)\,/\,M\cdot(1-\nu)^2/(1-2\nu)$ (dimensionless)")
+    rows[0][0].set(ylabel="$\\kappa_d\\,/\\,(d/a_r)\\,/\\,M\\cdot(1-\\nu)^2/(1-2\\nu)$\n(dimensionless)")
     rows[1][0].set(ylabel="contact patches $M$ (dimensionless)")
-    _legend(figure, rows[0][0])
+    legend_below(figure, rows[0][0], 5)
     return figure
 
 
@@ -132,6 +120,6 @@ def bias(study: StudyFile) -> Figure:
             own = [p for p in points if (p.hurst, p.poisson_ratio) == (hurst, nu)]
             _plot(axes, own, "reduced_thickness", "bias", colour, marker, rf"$\nu={nu:g}$")
         axes.axhline(1, color="k", lw=0.6)
-    rows[0][0].set(ylabel="$a_r$ counted over $a_r$ between sub-grid edges")
-    _legend(figure, rows[0][0])
+    rows[0][0].set(ylabel="$a_r$ counted over\n$a_r$ between sub-grid edges")
+    legend_below(figure, rows[0][0], 5)
     return figure

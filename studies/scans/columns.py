@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 from linecontact.solver.scene import MAX_POINTS
+from linecontact.solver.units import SCENE
 from numpy.typing import NDArray
 
 from ..files import confined
@@ -21,9 +22,6 @@ Array64 = NDArray[np.float64]
 
 MAX_REFINEMENT = 16  # grid points over values in the file
 MAX_VALUES = MAX_POINTS // MAX_REFINEMENT  # numbers in a file: enough for the largest grid
-SCENE = "the scene's"
-"""The unit of length that the scene is in."""
-
 LARGEST = 1e100  # number in a file, and its inverse the smallest range: squares are taken
 
 

@@ -13,11 +13,12 @@ from typing import Any, Literal, NamedTuple, get_args
 import numpy as np
 from linecontact.solver import ElasticLayer, MeasuredIndenter, Scene, checks
 from linecontact.solver.scene import MAX_POINTS, MIN_POINTS
+from linecontact.solver.units import SCENE
 from numpy.typing import NDArray
 
 from ..files.writing import as_path
 from . import columns
-from .columns import MAX_REFINEMENT, SCENE
+from .columns import MAX_REFINEMENT
 from .preparation import Detrend, Profile, Window, evenly_spaced
 from .text import Decimal
 from .units import UNITS, Unit

@@ -1,9 +1,9 @@
 """What was understood of a scan, in its own units, with the layer beside it: so that a wrong unit is seen at once."""
 
 from linecontact.solver import Scene
+from linecontact.solver.units import SCENE
 from rich.table import Table
 
-from .columns import SCENE
 from .units import UNITS
 
 

@@ -171,7 +171,9 @@ def _add(section: Any, option: Option, positional: bool, said: str) -> None:
     elif positional:
         section.add_argument(option.name, nargs="?", metavar=option.name.upper(), **common)
     else:
-        count = option.count if option.count > 1 else None
+        count: int | str | None = option.count if option.count > 1 else None
+        if option.alone is not None:
+            count, common = "?", common | {"const": option.alone}
         section.add_argument(flag(option.name), dest=option.name, nargs=count, metavar=option.placeholder, **common)
 
 

@@ -1,7 +1,7 @@
 """A dataclass's fields as options of the command line: its defaults are theirs, its types say what is allowed.
 
 A field may be a number, text, a path, a flag (a bool, False by default), one of a few words (`Literal` or `one_of`), a
-tuple of paths, numbers or text, or None where nothing is given.
+tuple of paths, numbers or text, or None where nothing is given. With `may_stand_alone` its value may be left out.
 """
 
 import contextlib
@@ -20,6 +20,11 @@ def one_of(allowed: Iterable[str], default: Any) -> Any:
     return field(default=default, metadata={"allowed": allowed})
 
 
+def may_stand_alone(meaning: str) -> Any:
+    """A field whose option may be given without a value, which then is `meaning`; None where it is not given."""
+    return field(default=None, metadata={"alone": meaning})
+
+
 @dataclass(frozen=True)
 class Option:
     """A field of a dataclass as it is given on the command line."""
@@ -34,6 +39,8 @@ class Option:
     """The words that are allowed; empty where others are."""
     default: Any
     """The value if the option is not given; `dataclasses.MISSING` if it must be."""
+    alone: str | None = None
+    """The word that stands for its value if it is given without one; None if it needs one."""
 
     @property
     def allowed(self) -> str:
@@ -90,4 +97,5 @@ def _option(entry: Field[Any], hint: Any) -> Option:
     if not possible or others or len(set(values)) > 1:
         allowed = "a number, text, a path, words, or a flag that is False by default"
         raise TypeError(f"field {entry.name} is of type {hint}; allowed for an option: {allowed}")
-    return Option(entry.name, value, 0 if value is bool else len(values), choices, default)
+    count = 0 if value is bool else len(values)
+    return Option(entry.name, value, count, choices, default, entry.metadata.get("alone"))

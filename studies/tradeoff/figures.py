@@ -4,12 +4,12 @@ import itertools
 from pathlib import Path
 
 from linecontact.solver import METHODS
-from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from ..figures.style import COLOURS, MARKERS, NothingToDraw, load
+from ..figures.style import COLOURS, MARKERS, TWO_COLUMNS, NothingToDraw, load
+from ..figures.style import panels as empty_panels
 from ..files.study_files import StudyFile
 from . import front, report
 from .families import FAMILIES
@@ -30,9 +30,7 @@ def draw(path: Path) -> dict[str, Figure]:
 
 def panels(study: StudyFile, what: str) -> Figure:
     """A panel for each family. what: one of `front.FRONTS`."""
-    figure: Figure
-    figure, grid = plt.subplots(2, 2, figsize=(9.0, 8.2), sharey=True)
-    figure.subplots_adjust(left=0.075, right=0.985, bottom=0.185, top=0.965, wspace=0.04, hspace=0.16)
+    figure, grid = empty_panels(2, 2, TWO_COLUMNS, 6.8, sharey=True)
     for axes, family in zip(grid.flat, FAMILIES, strict=True):
         _panel(axes, study, family, what)
         axes.set(xscale="log", yscale="log", title=family)
@@ -41,10 +39,10 @@ def panels(study: StudyFile, what: str) -> Figure:
         axes.grid(color="0.92", lw=0.5)
     noun = "$a_r$" if what == "a_r" else "the pressure, rms"
     for axes in grid[1]:
-        axes.set_xlabel(f"relative error of {noun} (dimensionless; right is better)", fontsize=8)
+        axes.set_xlabel(f"relative error of {noun}\n(dimensionless; right is better)")
     for axes in grid[:, 0]:
         axes.set_ylabel("seconds in all [s]")
-    figure.legend(handles=_legend(study, what), fontsize=8, loc="lower center", ncols=4)
+    figure.legend(handles=_legend(study, what), loc="outside lower center", ncols=4)
     return figure
 
 
@@ -55,7 +53,7 @@ def _panel(axes: Axes, study: StudyFile, family: str, what: str) -> None:
         own = [p for p in found if (p.run["method"], p.run["precision"], p.counted) == kind]
         colour = _PRECISIONS[precision]
         x, y, face = [_x(p) for p in own], [p.seconds for p in own], "none" if counted else colour
-        axes.plot(x, y, _METHODS[method], ms=3.6, mec=colour, mfc=face, mew=0.7, alpha=0.6, zorder=2)
+        axes.plot(x, y, _METHODS[method], ms=3, mec=colour, mfc=face, mew=0.7, alpha=0.6, zorder=2)
     _line(axes, front.front(found), "-", "k", 1.6)
     others = {"oracle": (":", COLOURS[4], "D"), "accuracy": ("--", COLOURS[3], "X")}
     for name, (style, colour, marker) in others.items():

@@ -1,0 +1,74 @@
+"""What people see of scenes and solutions when they print them: a few lines with units, and a table in a notebook."""
+
+import math
+import textwrap
+from collections.abc import Iterable
+from dataclasses import fields
+from html import escape
+from typing import Any, NamedTuple
+
+from .units import unit
+
+_WIDTH = 100  # columns of a printed line
+_LONGEST = 80  # characters of a text that is shown
+
+
+class Row(NamedTuple):
+    """A quantity as it is shown."""
+
+    name: str
+    """What it is called."""
+    value: str
+    """Its value, numbers with up to six digits."""
+    unit: str
+    """Its unit; '-' where it is dimensionless, empty for a text."""
+
+
+def row(name: str, value: Any, length: str = "length") -> Row:
+    """A quantity by its name in results. length: the unit of length, where it is known."""
+    if name == "thickness" and value in (math.inf, "inf"):
+        return Row(name, "half-space", "")
+    if isinstance(value, str):
+        return Row(name, textwrap.shorten(value, _LONGEST, placeholder=" ..."), "")
+    named = {"1": "-", "length": length}
+    return Row(name, number(value), named.get(unit(name), unit(name)))
+
+
+def number(value: float) -> str:
+    """A number with up to six digits."""
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def line(instance: Any) -> str:
+    """The fields of a dataclass in a line or a few, those left out that are None."""
+    values = ((field.name, getattr(instance, field.name)) for field in fields(instance))
+    return sentence(type(instance).__name__, (row(name, value) for name, value in values if value is not None))
+
+
+def sentence(title: str, rows: Iterable[Row]) -> str:
+    """Quantities in a line, wrapped where it would be too long."""
+    told = [
+        found.value if found.value == "half-space" else f"{found.name} {found.value}" + bracketed(found.unit)
+        for found in rows
+    ]
+    kept = (text.replace(" ", "\0") for text in told)  # a line does not end inside of a quantity
+    return textwrap.fill(
+        f"{title}: {', '.join(kept)}", _WIDTH, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False
+    ).replace("\0", " ")
+
+
+def bracketed(unit: str) -> str:
+    """A unit in brackets after a space; empty for no unit."""
+    return f" [{unit}]" if unit else ""
+
+
+def html_table(title: str, rows: Iterable[Row]) -> str:
+    """A small table for a notebook; whatever the texts hold is shown as it is."""
+    cells = "".join(
+        f'<tr><td style="text-align: left">{escape(found.name)}</td>'
+        f'<td style="text-align: right">{escape(found.value)}</td>'
+        f'<td style="text-align: left">{escape("dimensionless" if found.unit == "-" else found.unit)}</td></tr>'
+        for found in rows
+    )
+    head = '<tr><th style="text-align: left">quantity</th><th>value</th><th style="text-align: left">unit</th></tr>'
+    return f"<table><caption>{escape(title)}</caption><thead>{head}</thead><tbody>{cells}</tbody></table>"

@@ -1,0 +1,32 @@
+"""Units of the quantities in scenes and results, by their names."""
+
+SCENE = "the scene's"
+"""The unit of length that the scene is in, where nobody has said which one it is."""
+
+_UNITS = {
+    "x": "length",
+    "displacement": "length",
+    "contact_pressure": "pressure",
+    "thickness": "length",
+    "radius": "length",
+    "period": "length",
+    "approach": "length",
+    "contact_width": "length",
+    "peak_pressure": "pressure",
+    "pressure": "pressure",
+    "contact_modulus": "pressure",
+    "youngs_modulus": "pressure",
+    "profile_scan_length": "length",
+    "profile_spacing": "length",
+    "profile_rms_height": "length",
+}
+"""Units by the last part of a name; 'seconds.*' is in seconds, 'bytes.*' in bytes, everything else dimensionless."""
+
+
+def unit(name: str) -> str:
+    """Unit of a quantity: 'length', 'pressure', 's', 'byte', or '1' for what is dimensionless."""
+    if name == "profile":  # the heights; scene.profile is the indenter's name
+        return "length"
+    if name.startswith("bytes."):
+        return "byte"
+    return "s" if "seconds." in name else _UNITS.get(name.rsplit(".", 1)[-1], "1")

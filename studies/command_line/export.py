@@ -1,0 +1,42 @@
+"""`linecontact export`: a stored file as a table for pandas or a spreadsheet."""
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..files import csv_tables, writing
+from ..terminal.options import may_stand_alone
+
+OUTPUT = "-"
+"""What stands for standard output."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """Write a stored study or solution as a table: of a study a line for each run, of a solution one for each point.
+
+    The first line names the columns, with units. Numbers have all their digits. A text that a spreadsheet would take
+    for a formula has an apostrophe before it.
+    """
+
+    file: Path
+    """An HDF5 file that linecontact wrote."""
+    csv: Path | None = may_stand_alone(OUTPUT)  # noqa: RUF009, it makes a field
+    """Comma-separated values, into this file; on standard output if no file is named, or by -."""
+    overwrite: bool = False
+    """Let --csv replace an existing file."""
+
+
+def command(options: Options) -> int:
+    """Write the table; returns the exit status."""
+    if options.csv is None:
+        raise ValueError("csv is missing; allowed: --csv for standard output, or --csv FILE")
+    if str(options.csv) == OUTPUT:
+        for part in csv_tables.table(options.file):
+            sys.stdout.buffer.write(part)
+        return 0
+    if options.csv.exists() and options.file.exists() and options.csv.samefile(options.file):
+        raise ValueError(f"csv is {options.csv}; allowed: another file than the one that is exported")
+    writing.check_target(options.csv, options.overwrite)
+    writing.write_bytes(options.csv, *csv_tables.table(options.file))
+    return 0

@@ -1,0 +1,89 @@
+"""In which units the figure of a solution is drawn: those of the scan, where it has brought some; else it is said that
+numbers are dimensionless.
+"""
+
+import math
+from dataclasses import dataclass
+
+from linecontact.solver.units import SCENE
+
+from ..files.solution_files import StoredSolution
+from ..scans.units import UNITS
+from .style import layer, typeset
+
+
+@dataclass(frozen=True)
+class Scales:
+    """What the numbers of a stored solution are divided by, and what the axes are called then."""
+
+    period: float
+    """L, as it is stored."""
+    x: float
+    """The unit of positions."""
+    z: float
+    """The unit of heights."""
+    pressure: float
+    """The unit of pressures."""
+    x_label: str
+    """The axis of positions."""
+    x_unit: str
+    """What that unit is called."""
+    z_label: str
+    """The axis of heights."""
+    pressure_label: str
+    """The axis of pressures."""
+    thickness: str
+    """The layer's thickness in words."""
+    load: str
+    """The mean pressure over E*; empty where E* is not known."""
+    told: str
+    """What is dimensionless, and by what it was divided."""
+    mirrored: bool
+    """Whether the second half of the period is the mirror image of a scan."""
+
+
+def scales(solution: StoredSolution) -> Scales:
+    """The scales of a stored solution: the units of its scan, or the period; pressures over E*, or over their mean."""
+    results = solution.results
+    period, pressure = float(results["scene.period"]), float(results["scene.pressure"])
+    own = str(results.get("scene.profile_length_unit", SCENE))
+    x = z = period
+    along, up, distance = "position $x/L$", "height/$L$", "$L$"
+    if own in UNITS:
+        along_unit, up_unit = (
+            unit if (unit := str(results.get(f"scene.profile_{axis}_unit", own))) in UNITS else own for axis in "xz"
+        )
+        x, z = (UNITS[unit] / UNITS[own] for unit in (along_unit, up_unit))
+        along, distance = f"position $x$ ({_shown(along_unit)})", _shown(along_unit)
+        up = f"height ({_shown(up_unit)})"
+    modulus = results.get("scene.contact_modulus")  # not every layer names one
+    over = "$E^*$" if modulus else "their mean"
+    lengths = "" if own in UNITS else "lengths over the period $L$, "
+    thickness = float(results["scene.thickness"])
+    return Scales(
+        period=period,
+        x=x,
+        z=z,
+        pressure=float(modulus) if modulus else pressure,
+        x_label=along,
+        x_unit=distance,
+        z_label=up,
+        pressure_label="pressure/$E^*$" if modulus else "pressure / mean",
+        told=f"Dimensionless: {lengths}pressures over {over}.",
+        thickness=_thickness(thickness, period, own),
+        load=f"$p={typeset(pressure / float(modulus))}\\,E^*$" if modulus else "",
+        mirrored="mirror image" in str(results.get("scene.profile_steps", "")),
+    )
+
+
+def _thickness(thickness: float, period: float, unit: str) -> str:
+    """A layer's thickness as people write it."""
+    if math.isinf(thickness) or unit not in UNITS:
+        return layer(thickness / period)
+    size = thickness * UNITS[unit]
+    best = next((one for one in ("m", "mm", "um", "nm") if size >= UNITS[one]), "nm") if unit != "inch" else unit
+    return f"$d={typeset(size / UNITS[best])}$ {_shown(best)}"
+
+
+def _shown(unit: str) -> str:
+    return {"um": "\u00b5m", "angstrom": "\u00c5"}.get(unit, unit)

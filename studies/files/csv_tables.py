@@ -1,0 +1,74 @@
+"""A stored file as one table for pandas or a spreadsheet: comma-separated values as RFC 4180 has them, in UTF-8.
+
+The first line names the columns, those of numbers with their units in brackets, '-' for what is dimensionless. Numbers
+have all their digits, and those that are not finite are nan, inf and -inf.
+"""
+
+import csv
+import io
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+from linecontact.solver.units import SCENE
+
+from .hdf5 import file_kind
+from .records import unit
+from .solution_files import KIND, load_solution
+from .study_files import load_study
+from .writing import StoreError
+
+_FORMULA = ("=", "+", "-", "@")
+"""A spreadsheet takes what begins with one of these for a formula; it takes an apostrophe before it for text."""
+
+_BLOCK = 2**14  # rows that are written at a time
+
+
+def table(path: Path) -> Iterator[bytes]:
+    """The table of a stored file, part by part: of a study a line for each run, of a solution one for each grid point.
+
+    Raises like `hdf5.open_file`, and `StoreError` for a study without a run; both before the first part.
+    """
+    columns = _fields(path) if file_kind(path) == KIND else _runs(path)
+    return _written(columns)
+
+
+def _fields(path: Path) -> dict[str, Sequence[Any]]:
+    """The fields of a solution by their headings."""
+    arrays, results = load_solution(path)
+    known = str(results.get("scene.profile_length_unit", SCENE))
+    length = "length" if known == SCENE else known
+    return {_heading(name, length): values.tolist() for name, values in arrays.items()}
+
+
+def _runs(path: Path) -> dict[str, Sequence[Any]]:
+    """What the runs of a study hold, by headings."""
+    study = load_study(path)
+    if not study.runs:
+        raise StoreError(f"file {path} holds no finished run yet; allowed: a study with at least one")
+    columns = {name: [run[name] for run in study.runs] for name in study.runs[0]}
+    texts = {name for name, values in columns.items() if any(isinstance(value, str) for value in values)}
+    return {name if name in texts else _heading(name): values for name, values in columns.items()}
+
+
+def _heading(name: str, length: str = "length") -> str:
+    return f"{name} [{ {'1': '-', 'length': length}.get(unit(name), unit(name)) }]"
+
+
+def _written(columns: dict[str, Sequence[Any]]) -> Iterator[bytes]:
+    rows = zip(*columns.values(), strict=True)
+    yield _lines([list(columns)])
+    while block := list(islice(rows, _BLOCK)):
+        yield _lines(block)
+
+
+def _lines(rows: Iterable[Iterable[Any]]) -> bytes:
+    text = io.StringIO(newline="")
+    csv.writer(text).writerows([_cell(value) for value in row] for row in rows)
+    return text.getvalue().encode("utf-8", "replace")
+
+
+def _cell(value: Any) -> Any:
+    """A value as it is written: a text that a spreadsheet would compute gets an apostrophe."""
+    return f"'{value}" if isinstance(value, str) and value.startswith(_FORMULA) else value

@@ -1,0 +1,245 @@
+"""What people see of scenes and solutions: printed lines, tables in notebooks, the figure of a solution."""
+
+import dataclasses
+import pydoc
+import re
+from pathlib import Path
+
+import linecontact
+import matplotlib
+import numpy as np
+import pytest
+from linecontact import (
+    Layer,
+    MeasuredIndenter,
+    PowerIndenter,
+    RoughIndenter,
+    Scene,
+    load,
+    plot,
+    read_scan,
+    solve,
+    studies,
+)
+from linecontact.studies.figures import solution as solution_figure
+from linecontact.studies.figures.style import ONE_COLUMN, STYLE, TWO_COLUMNS
+from linecontact.studies.runner.study import find
+from matplotlib import pyplot as plt
+from matplotlib.figure import Figure
+
+
+@pytest.fixture(scope="module")
+def solution():
+    return solve(Scene(Layer(0.1 / 3, 0.25), num_points=256))
+
+
+def digits(text):
+    """The numbers in a text, without sign, point and exponent."""
+    return ["".join(c for c in word.partition("e")[0] if c.isdigit()) for word in text.split() if word[0].isdigit()]
+
+
+def test_printed_results_are_short_and_have_units(solution):
+    things = [solution, solution.scene, solution.observables, solution.certificate, solution.patches, *solution.levels]
+    things += [Layer(1 / 3, 0.1), PowerIndenter(4 / 3), RoughIndenter(0.3, 5)]
+    for thing in things:
+        text = repr(thing)
+        assert text.startswith(type(thing).__name__)
+        assert text.count("\n") < 8
+        assert max(map(len, text.split("\n"))) <= 110
+        assert all(len(number.lstrip("0")) <= 6 for number in digits(text))
+        assert "array" not in text
+    assert "thickness 0.0333333 [length]" in repr(solution)
+    assert "status converged" in repr(solution)
+    assert f"{solution.observables.contact_area_subgrid:.6g} +- " in repr(solution)
+    assert "peak_pressure" in repr(solution.observables)
+    assert all(f"{name} " in repr(solution.certificate) for name in dataclasses.asdict(solution.certificate))
+
+
+def test_a_half_space_is_called_one():
+    for text in (repr(Layer()), repr(Scene(num_points=64)), Scene(num_points=64)._repr_html_()):
+        assert "half-space" in text
+        assert "inf" not in text
+
+
+def test_a_warning_is_printed_with_the_solution():
+    solution = solve(Scene(pressure=0.5, num_points=64))
+    (warning, *_) = solution.warnings
+    assert f"warning, {warning.kind}: {warning.text}" in repr(solution)
+    assert warning.kind in solution._repr_html_()
+
+
+def test_the_unit_of_a_scan_stands_at_its_lengths():
+    heights = np.cos(np.arange(64) / 64 * 2 * np.pi) / 100
+    about = {"profile_file": "<script>alert('x')</script> & more", "profile_length_unit": "um"}
+    scene = Scene(Layer(0.5), MeasuredIndenter(heights, description=about), 1e-4, num_points=64)
+    assert "period 1 [um]" in repr(scene)
+    assert "thickness 0.5 [um]" in repr(scene)
+    assert "[length]" not in repr(scene)
+    table = scene._repr_html_()
+    assert '<td style="text-align: left">um</td>' in table
+    assert "<script>" not in table
+    assert "&lt;script&gt;alert(&#x27;x&#x27;)&lt;/script&gt; &amp; more" in table
+
+
+def test_a_notebook_s_table_holds_the_numbers(solution):
+    table = solution._repr_html_()
+    for text in ("<table>", "converged", "0.0333333", f"{solution.observables.peak_pressure:.6g}", "dimensionless"):
+        assert text in table
+    assert table.count("<tr>") == table.count("</tr>") > 20
+
+
+def texts(figure):
+    """Everything that is written in a figure."""
+    parts = [*figure.axes, *figure.legends]
+    found = [figure.get_suptitle()]
+    found += [text.get_text() for part in parts for text in part.findobj(lambda artist: hasattr(artist, "get_text"))]
+    return " | ".join(found)
+
+
+def bars(axes):
+    """Left and right ends of the bars at the foot of a panel."""
+    (found,) = (c for c in axes.collections if c.get_transform() != axes.transData and c.get_zorder() == 3)
+    return sorted((path.vertices[:, 0].min(), path.vertices[:, 0].max()) for path in found.get_paths())
+
+
+def check_places(figure):
+    """No legend and no label lies on a panel, or on another panel's label."""
+    figure.draw_without_rendering()
+    panels = [axes.get_window_extent() for axes in figure.axes]
+    legends = [*figure.legends, *(axes.get_legend() for axes in figure.axes if axes.get_legend())]
+    outside = [legend.get_window_extent() for legend in legends]
+    for axes in figure.axes:
+        labels = (axes.xaxis.label, axes.yaxis.label, axes.title)
+        outside += [label.get_window_extent() for label in labels if label.get_text()]
+    for k, one in enumerate(outside):
+        assert not any(one.overlaps(panel) for panel in panels)
+        assert not any(one.overlaps(other) for other in outside[:k])
+        assert one.x0 >= 0
+        assert one.x1 <= figure.bbox.x1
+
+
+def test_the_figure_holds_the_solution(solution, tmp_path):
+    before = plt.get_fignums()
+    figure = solution.plot(tmp_path / "run.png")
+    assert isinstance(figure, Figure)
+    assert plt.get_fignums() == before  # a notebook would show it twice
+    assert (tmp_path / "run.png").read_bytes().startswith(b"\x89PNG")
+    assert figure._repr_png_().startswith(b"\x89PNG")
+    heights, pressure, *near = figure.axes
+    h, u = (line.get_ydata() for line in heights.get_lines()[:2])
+    np.testing.assert_array_equal(h[:-1], solution.scene.profile)
+    np.testing.assert_array_equal(u[:-1], solution.displacement)
+    np.testing.assert_array_equal(pressure.get_lines()[0].get_ydata()[:-1], solution.contact_pressure)
+    ends = [(solution.patches.left[0], solution.patches.right[0])]
+    for axes in (heights, pressure):
+        np.testing.assert_allclose(bars(axes), ends)
+    for axes in near:  # enlarged, about the middle of the patch
+        (left, right), size = bars(axes)[0], 10.0 ** round(np.log10(ends[0][1] - ends[0][0]) - 0.5)
+        assert right - left == pytest.approx((ends[0][1] - ends[0][0]) / size)
+        assert left == pytest.approx(-right)
+        edges = [line.get_xdata()[0] for line in axes.get_lines() if line.get_linestyle() == "--"]
+        assert edges == pytest.approx([left, right])
+    check_places(figure)
+
+
+def test_a_figure_from_the_file_is_the_same(solution, tmp_path):
+    solution.save(tmp_path / "run.h5")
+    stored = load(tmp_path / "run.h5")
+    assert len(repr(stored)) < 300
+    (drawn,) = solution_figure.draw(tmp_path / "run.h5").values()
+    for figure in (plot(stored), drawn):
+        assert texts(figure) == texts(solution.plot())
+        for axes, others in zip(figure.axes, solution.plot().axes, strict=True):
+            for line, other in zip(axes.get_lines(), others.get_lines(), strict=True):
+                np.testing.assert_array_equal(line.get_xydata(), other.get_xydata())
+
+
+def test_a_figure_of_many_patches_shows_each_and_the_largest_pressure():
+    scene = Scene(indenter=RoughIndenter(cut_off_ratio=1 / 64), pressure=0.05, num_points=2**14)
+    solution = solve(scene)
+    figure = solution.plot()
+    shown, patches = bars(figure.axes[1]), solution.patches
+    assert patches.left.size > 10
+    within = [(a + k, b + k) for a, b in zip(patches.left, patches.right, strict=True) for k in (-1, 0)]
+    np.testing.assert_allclose(shown, sorted((a, b) for a, b in within if b > 0))
+    line = figure.axes[1].get_lines()[0]
+    assert line.get_ydata().max() == solution.observables.peak_pressure
+    assert line.get_xdata().size <= 4001
+    assert f"in {patches.left.size} patches" in texts(figure)
+    check_places(figure)
+
+
+def test_a_scan_is_drawn_in_its_units_with_its_mirror_image(tmp_path):
+    x = np.arange(300)
+    scan = np.stack([0.5 * x, 20 * np.sin(x / 20) + np.random.default_rng(0).standard_normal(300)], axis=1)
+    np.savetxt(tmp_path / "scan.csv", scan, delimiter=",", header="x um, z nm")
+    solution = solve(read_scan(tmp_path / "scan.csv").scene(Layer(2e-3, 0.49, 1e6), 50.0))
+    figure = solution.plot()
+    text = texts(figure)
+    assert "position $x$ (\u00b5m)" in text
+    assert "height (nm)" in text
+    assert "$d=2$ mm" in text
+    assert "mirror image of the scan" in text
+    heights, pressure = figure.axes[:2]
+    assert heights.get_xlim() == pytest.approx((0, 300))
+    assert heights.get_lines()[1].get_ydata().max() == pytest.approx(1e9 * solution.displacement.max())
+    shaded = [patch.get_extents().transformed(pressure.transData.inverted()) for patch in pressure.patches]
+    assert [(box.x0, box.x1) for box in shaded] == [pytest.approx((150, 300))]
+    check_places(figure)
+
+
+@pytest.mark.parametrize(
+    ("scene", "said"),
+    [
+        (Scene(num_points=256), "half-space, "),
+        (Scene(Layer(0.002), num_points=2**12), "$d=0.002\\,L$"),
+        (Scene(pressure=1.0, num_points=256), "in 1 patch"),
+        (Scene(pressure=1e-9, num_points=256), "dimensionless"),
+    ],
+)
+def test_what_a_figure_says(scene, said):
+    figure = solve(scene).plot()
+    text = texts(figure)
+    assert said.lower() in text.lower()
+    assert "peaks point down" in text
+    assert "inf" not in text
+    assert "[" not in text
+    check_places(figure)
+
+
+def test_a_figure_says_that_a_solve_has_not_ended_well():
+    assert "iteration limit" in texts(solve(Scene(num_points=256), nested=False, max_iterations=1).plot())
+
+
+def test_what_cannot_be_drawn_or_written_is_refused(solution, tmp_path):
+    with pytest.raises(ValueError, match="solution is 'run'; allowed: a Solution"):
+        plot("run")
+    with pytest.raises(ValueError, match=r"run\.txt; allowed: a name that ends in .*\.png"):
+        solution.plot(tmp_path / "run.txt")
+    (tmp_path / "run.svg").write_text("mine")
+    with pytest.raises(ValueError, match=r"run\.svg exists"):
+        solution.plot(tmp_path / "run.svg")
+    assert (tmp_path / "run.svg").read_text() == "mine"
+    solution.plot(tmp_path / "run.svg", overwrite=True)
+    assert "<svg" in (tmp_path / "run.svg").read_text()
+
+
+RESULTS = Path(studies.__file__).parent / "results"
+
+
+@pytest.mark.parametrize("name", sorted({path.stem for path in RESULTS.glob("*.h5")} - {"sharp", "blunt"}))
+def test_nothing_hides_data_in_the_studies_figures(name):
+    with matplotlib.rc_context(STYLE):
+        for figure in find(name).draw(RESULTS / f"{name}.h5").values():
+            check_places(figure)
+            assert not re.search(r"\binf\b|\[length\]|\[pressure\]", texts(figure))
+            assert figure.get_figwidth() in (ONE_COLUMN, TWO_COLUMNS)
+
+
+def test_help_leads_on():
+    text = pydoc.plain(pydoc.render_doc(linecontact))
+    about = text[: text.index("CLASSES")]
+    for name in set(linecontact.__all__) - {"__version__"}:
+        assert name in about
+    for way in ("linecontact --help", "README", "docs/results.md", "solve(scene"):
+        assert way in about
