@@ -1,4 +1,4 @@
-"""What all figures share, and the figure of a single solution. A figure is always drawn from a stored file.
+"""What all figures share, and the figure of a single solution. A figure is drawn from what a stored file holds.
 
 May import: linecontact.solver, files, scans.
 """
