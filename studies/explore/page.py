@@ -28,6 +28,9 @@ Later = Callable[[Callable[[], None]], object]
 _QUIET = 0.25
 """Time without an event after which curves are computed [s]."""
 
+_OFTEN = 0.5
+"""Time after which a curve that is not yet complete is drawn [s]: every drawing costs the browser a painting."""
+
 # Whatever a browser would fetch from elsewhere is refused by itself. Bokeh's scripts need the two that are unsafe.
 TEMPLATE = """{% block preamble %}<meta http-equiv="Content-Security-Policy" content="default-src 'self' data: blob:
 'unsafe-inline' 'unsafe-eval'">{% endblock %}"""
@@ -147,11 +150,15 @@ class Page:
             if scene is None or self._newest.outdated(_QUIET):
                 return
             for control, curve in self._curves.items():
-                for _ in curve.work(scene, self._spans[control], self._newest.outdated):
-                    self._later(partial(self._around[control].show_curve, curve.copy()))
+                shown = time.perf_counter()
+                for last in curve.work(scene, self._spans[control], self._newest.outdated):
+                    if last or time.perf_counter() - shown > _OFTEN:
+                        shown = time.perf_counter()
+                        self._later(partial(self._around[control].show_curve, curve.copy()))
 
     def _show(self, event: Event, found: Answer, curves: Mapping[Control, Curve]) -> None:
         solution = found.solution
+        self._answer.text = said(found, time.perf_counter() - event.moment)
         self._fields.show(solution)
         for control, around in self._around.items():
             around.show_point(solution)
@@ -160,7 +167,6 @@ class Page:
         if self._start.scan and (trouble := self._start.scan.trouble()):
             _tell(trouble)
             self.complain(f"The {trouble}: the page goes on with what was read, the command may not repeat it.")
-        self._answer.text = said(found, time.perf_counter() - event.moment)
         if event.values == self._values:
             self._status.text = ""
 

@@ -24,6 +24,16 @@ def _figure(label: str, height: int, **options: object) -> figure:
     return made
 
 
+def _put(source: ColumnDataSource, data: dict[str, Array64]) -> None:
+    """Set a source's columns if they are others: what stays as it is is neither sent nor painted again."""
+    if any(not np.array_equal(source.data[name], column) for name, column in data.items()):
+        source.data = data
+
+
+def _clear(source: ColumnDataSource) -> None:
+    _put(source, {name: np.empty(0) for name in source.data})
+
+
 class Fields:
     """Indenter and surface above, contact pressure and patches below, over the position in the period."""
 
@@ -59,7 +69,7 @@ class Fields:
         self._solution = solution
         if solution is None:
             for source in (*self._shown.values(), self._patches):
-                source.data = {name: [] for name in source.data}
+                _clear(source)
         else:
             self.thin()
 
@@ -84,7 +94,7 @@ class Fields:
         }
         for name, values in fields.items():
             places = extremes(values, pixels)
-            self._shown[name].data = {"x": (first + places) * spacing, "y": values[places]}
+            _put(self._shown[name], {"x": (first + places) * spacing, "y": values[places]})
         self._show_patches(solution, (high - low) / pixels)
         self._set_ranges(fields)
 
@@ -96,7 +106,7 @@ class Fields:
         right = np.concatenate([np.minimum(right, whole), right[over] - whole])
         order = np.argsort(left)
         left, right = merged(left[order], right[order], pixel)
-        self._patches.data = {"left": left, "right": right}
+        _put(self._patches, {"left": left, "right": right})
 
     def _set_ranges(self, fields: dict[str, Array64]) -> None:
         """The surface fills the lower half of its panel: what rises higher of the indenter is far from it."""
@@ -133,20 +143,21 @@ class Surroundings:
     def show_point(self, solution: Solution | None) -> None:
         """Set the point to a solution, or take it away."""
         if solution is None:
-            self._point.data = {"x": [], "y": []}
+            _clear(self._point)
             return
         place = self._place(own_value(self._control, solution.scene))
-        self._point.data = {"x": [place], "y": [solution.observables.contact_area_subgrid]}
+        area = solution.observables.contact_area_subgrid
+        _put(self._point, {"x": np.array([place]), "y": np.array([area])})
 
     def show_curve(self, curve: Curve | None) -> None:
         """Draw a curve as far as it is known, and say on which grid it was computed; None: take it away."""
         if curve is None or not curve.found:
-            self._curve.data = {name: [] for name in self._curve.data}
+            _clear(self._curve)
             self.figure.title.text = "the curve follows when nothing moves"
             return
         value, area, error = curve.points()
         x = np.array([self._place(v) for v in value])
-        self._curve.data = {"x": x, "y": area, "low": np.maximum(area - error, 1e-3 * area), "high": area + error}
+        _put(self._curve, {"x": x, "y": area, "low": np.maximum(area - error, 1e-3 * area), "high": area + error})
         failed = f", {curve.failed} without an answer" if curve.failed else ""
         self.figure.title.text = f"{value.size} scenes on {curve.num_points} points each{failed}"
 
