@@ -1,11 +1,13 @@
 """The figures of the page: indenter and surface, contact pressure and patches, and the two curves about the scene."""
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 from bokeh.models import ColumnDataSource, FixedTicker, Range1d
 from bokeh.plotting import figure
 from linecontact.solver import Scene, Solution
+from numpy.typing import ArrayLike
 
 from ..figures.style import COLOURS
 from .controls import HALF_SPACE, Control
@@ -24,10 +26,10 @@ def _figure(label: str, height: int, **options: object) -> figure:
     return made
 
 
-def _put(source: ColumnDataSource, data: dict[str, Array64]) -> None:
+def _put(source: ColumnDataSource, data: Mapping[str, ArrayLike]) -> None:
     """Set a source's columns if they are others: what stays as it is is neither sent nor painted again."""
     if any(not np.array_equal(source.data[name], column) for name, column in data.items()):
-        source.data = data
+        source.data = dict(data)
 
 
 def _clear(source: ColumnDataSource) -> None:
@@ -46,8 +48,8 @@ class Fields:
         self._shown = {name: ColumnDataSource({"x": [], "y": []}) for name in ("indenter", "surface", "pressure")}
         self._patches = ColumnDataSource({"left": [], "right": []})
         label = f"height{self._heights.symbol}"
-        self.shape = _figure(label, 270, x_range=self.x_range, y_range=Range1d(0, 1))
-        self.pressure = _figure("pressure/E* (dimensionless)", 230, x_range=self.x_range, y_range=Range1d(0, 1))
+        self.shape = _figure(label, 255, x_range=self.x_range, y_range=Range1d(0, 1))
+        self.pressure = _figure("pressure/E* (dimensionless)", 225, x_range=self.x_range, y_range=Range1d(0, 1))
         self.pressure.xaxis.axis_label = f"position x{self._along.symbol}"
         self.shape.line("x", "y", source=self._shown["indenter"], color="black", legend_label="indenter h")
         self.shape.line("x", "y", source=self._shown["surface"], color=COLOURS[0], legend_label="surface u")
@@ -125,7 +127,7 @@ class Surroundings:
         self._control, self._high = control, span[1]
         self._curve = ColumnDataSource({"x": [], "y": [], "low": [], "high": []})
         self._point = ColumnDataSource({"x": [], "y": []})
-        self.figure = _figure("contact area a_r (dimensionless)", 290, x_axis_type="log", y_axis_type="log")
+        self.figure = _figure("contact area a_r (dimensionless)", 280, x_axis_type="log", y_axis_type="log")
         self.figure.xaxis.axis_label = f"{control.title} (dimensionless)"
         self.figure.x_range.update(start=10 ** (span[0] - 0.2), end=10 ** (span[1] + 0.7))
         self.figure.title.text_font_style = "normal"
