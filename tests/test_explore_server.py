@@ -77,7 +77,8 @@ class Client:
 
     def text(self, name):
         """What a part of the page says, as far as the server's messages were read."""
-        return self._session.document.get_model_by_name(name).text
+        part = self._session.document.get_model_by_name(name)
+        return part.value if name in ("status", "link", "command") else part.text
 
     def settle(self, holds="a_r ="):
         """The answer to the newest event, once it holds this text; reads the server's messages until then."""

@@ -48,9 +48,13 @@ class Curve:
         values = (self.control.value(float(place), span[1]) for place in places)
         return [value for value in values if value not in self.found]
 
-    def work(self, scene: Scene, span: tuple[float, float], dropped: Callable[[], bool]) -> Iterator[None]:
-        """Find what is missing; yields after every point. Raises `answers.DroppedError` when it is dropped."""
-        for value in self.missing(scene, span):
+    def work(self, scene: Scene, span: tuple[float, float], dropped: Callable[[], bool]) -> Iterator[bool]:
+        """Find what is missing; yields after every point, True after the last.
+
+        span: of the slider's positions. Raises `answers.DroppedError` when it is dropped.
+        """
+        missing = self.missing(scene, span)
+        for value in missing:
 
             def make(value: float = value) -> Scene:
                 return _put(self.control, scene.on_grid(self.num_points), value)
@@ -58,7 +62,7 @@ class Curve:
             solution = answer(make, dropped).solution
             o = solution.observables if solution else None
             self.found[value] = (o.contact_area_subgrid, o.contact_area_error) if o else (math.nan, math.nan)
-            yield
+            yield value == missing[-1]
 
     def points(self) -> tuple[Array64, Array64, Array64]:
         """Numbers in increasing order, areas and their errors; shape (M,) each, dimensionless, without NaN."""

@@ -11,7 +11,16 @@ from typing import Any
 from bokeh.document import Document
 from bokeh.events import RangesUpdate
 from bokeh.layouts import column, row
-from bokeh.models import Button, CustomJS, CustomJSTickFormatter, Div, PreText, RadioButtonGroup, Slider
+from bokeh.models import (
+    Button,
+    CustomJS,
+    CustomJSTickFormatter,
+    Div,
+    RadioButtonGroup,
+    Slider,
+    TextAreaInput,
+    TextInput,
+)
 
 from ..terminal.text import complain
 from .answers import Answer, DroppedError, answer
@@ -28,12 +37,19 @@ Later = Callable[[Callable[[], None]], object]
 _QUIET = 0.25
 """Time without an event after which curves are computed [s]."""
 
+_OFTEN = 0.5
+"""Time after which a curve that is not yet complete is drawn [s]: every drawing costs the browser a painting."""
+
 # Whatever a browser would fetch from elsewhere is refused by itself. Bokeh's scripts need the two that are unsafe.
 TEMPLATE = """{% block preamble %}<meta http-equiv="Content-Security-Policy" content="default-src 'self' data: blob:
 'unsafe-inline' 'unsafe-eval'">{% endblock %}"""
-_COPY = "navigator.clipboard.writeText(shown.text)"
+_COPY = "navigator.clipboard.writeText(shown.value)"
 _STEADY = {"overflow-y": "auto"}  # the figures below stay where they are, however many warnings there are
-_WRAPPED = ["pre { white-space: pre-wrap; word-break: break-all; font-size: 11px; margin: 0 }"]
+# Texts that change often stand in inputs: a new text of any other kind has the browser lay out the whole page again.
+_SMALL = ["textarea { font: 11px monospace; word-break: break-all }"]
+_PLAIN = [
+    "input.bk-input { border-color: transparent; font-style: italic; padding: 0; height: 20px; min-height: 20px }"
+]
 
 
 @dataclass(frozen=True)
@@ -60,10 +76,11 @@ class Page:
         names = list(start.indenters)
         self._profile = RadioButtonGroup(name="profile", labels=names, active=names.index(values["profile"]))
         self._profile.on_change("active", lambda _, old, new: self._moved("profile", names[new]))
-        self._status = Div(name="status", height=18)
+        self._status = TextInput(name="status", stylesheets=_PLAIN, sizing_mode="stretch_width")
         self._answer = Div(name="answer", height=125, styles=_STEADY, sizing_mode="stretch_width")
         self._note = Div(name="note", styles={"color": "#8a5a00"})
-        self._link, self._command = (PreText(name=n, width=330, stylesheets=_WRAPPED) for n in ("link", "command"))
+        options = {"rows": 6, "max_length": None, "width": 330, "stylesheets": _SMALL}
+        self._link, self._command = (TextAreaInput(name=name, **options) for name in ("link", "command"))
         self._fields = Fields(first)
         around = [control for control in (LOAD, THICKNESS) if control in self._controls]
         self._curves = {control: Curve(control) for control in around}
@@ -97,8 +114,8 @@ class Page:
 
     def ask(self) -> None:
         """Have the scene on the sliders solved."""
-        self._status.text = "<i>Solving the scene on the sliders; what is shown is of the scene that it names.</i>"
-        self._link.text = f"{self._address}?{self._start.query(self._values)}"
+        self._status.value = "Solving the scene on the sliders; what is shown is of the scene that it names."
+        self._link.value = f"{self._address}?{self._start.query(self._values)}"
         self._newest.ask(Event(dict(self._values), time.perf_counter()))
 
     def _slider(self, control: Control) -> Slider:
@@ -147,22 +164,25 @@ class Page:
             if scene is None or self._newest.outdated(_QUIET):
                 return
             for control, curve in self._curves.items():
-                for _ in curve.work(scene, self._spans[control], self._newest.outdated):
-                    self._later(partial(self._around[control].show_curve, curve.copy()))
+                shown = time.perf_counter()
+                for last in curve.work(scene, self._spans[control], self._newest.outdated):
+                    if last or time.perf_counter() - shown > _OFTEN:
+                        shown = time.perf_counter()
+                        self._later(partial(self._around[control].show_curve, curve.copy()))
 
     def _show(self, event: Event, found: Answer, curves: Mapping[Control, Curve]) -> None:
         solution = found.solution
+        self._answer.text = said(found, time.perf_counter() - event.moment)
         self._fields.show(solution)
         for control, around in self._around.items():
             around.show_point(solution)
             around.show_curve(curves[control] if solution else None)
-        self._command.text = self._start.command(found.scene) if found.scene else ""
+        self._command.value = self._start.command(found.scene) if found.scene else ""
         if self._start.scan and (trouble := self._start.scan.trouble()):
             _tell(trouble)
             self.complain(f"The {trouble}: the page goes on with what was read, the command may not repeat it.")
-        self._answer.text = said(found, time.perf_counter() - event.moment)
         if event.values == self._values:
-            self._status.text = ""
+            self._status.value = ""
 
 
 @cache

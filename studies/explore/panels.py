@@ -1,11 +1,13 @@
 """The figures of the page: indenter and surface, contact pressure and patches, and the two curves about the scene."""
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 from bokeh.models import ColumnDataSource, FixedTicker, Range1d
 from bokeh.plotting import figure
 from linecontact.solver import Scene, Solution
+from numpy.typing import ArrayLike
 
 from ..figures.style import COLOURS
 from .controls import HALF_SPACE, Control
@@ -24,6 +26,16 @@ def _figure(label: str, height: int, **options: object) -> figure:
     return made
 
 
+def _put(source: ColumnDataSource, data: Mapping[str, ArrayLike]) -> None:
+    """Set a source's columns if they are others: what stays as it is is neither sent nor painted again."""
+    if any(not np.array_equal(source.data[name], column) for name, column in data.items()):
+        source.data = dict(data)
+
+
+def _clear(source: ColumnDataSource) -> None:
+    _put(source, {name: np.empty(0) for name in source.data})
+
+
 class Fields:
     """Indenter and surface above, contact pressure and patches below, over the position in the period."""
 
@@ -36,8 +48,8 @@ class Fields:
         self._shown = {name: ColumnDataSource({"x": [], "y": []}) for name in ("indenter", "surface", "pressure")}
         self._patches = ColumnDataSource({"left": [], "right": []})
         label = f"height{self._heights.symbol}"
-        self.shape = _figure(label, 270, x_range=self.x_range, y_range=Range1d(0, 1))
-        self.pressure = _figure("pressure/E* (dimensionless)", 230, x_range=self.x_range, y_range=Range1d(0, 1))
+        self.shape = _figure(label, 255, x_range=self.x_range, y_range=Range1d(0, 1))
+        self.pressure = _figure("pressure/E* (dimensionless)", 225, x_range=self.x_range, y_range=Range1d(0, 1))
         self.pressure.xaxis.axis_label = f"position x{self._along.symbol}"
         self.shape.line("x", "y", source=self._shown["indenter"], color="black", legend_label="indenter h")
         self.shape.line("x", "y", source=self._shown["surface"], color=COLOURS[0], legend_label="surface u")
@@ -59,7 +71,7 @@ class Fields:
         self._solution = solution
         if solution is None:
             for source in (*self._shown.values(), self._patches):
-                source.data = {name: [] for name in source.data}
+                _clear(source)
         else:
             self.thin()
 
@@ -84,7 +96,7 @@ class Fields:
         }
         for name, values in fields.items():
             places = extremes(values, pixels)
-            self._shown[name].data = {"x": (first + places) * spacing, "y": values[places]}
+            _put(self._shown[name], {"x": (first + places) * spacing, "y": values[places]})
         self._show_patches(solution, (high - low) / pixels)
         self._set_ranges(fields)
 
@@ -96,7 +108,7 @@ class Fields:
         right = np.concatenate([np.minimum(right, whole), right[over] - whole])
         order = np.argsort(left)
         left, right = merged(left[order], right[order], pixel)
-        self._patches.data = {"left": left, "right": right}
+        _put(self._patches, {"left": left, "right": right})
 
     def _set_ranges(self, fields: dict[str, Array64]) -> None:
         """The surface fills the lower half of its panel: what rises higher of the indenter is far from it."""
@@ -115,7 +127,7 @@ class Surroundings:
         self._control, self._high = control, span[1]
         self._curve = ColumnDataSource({"x": [], "y": [], "low": [], "high": []})
         self._point = ColumnDataSource({"x": [], "y": []})
-        self.figure = _figure("contact area a_r (dimensionless)", 290, x_axis_type="log", y_axis_type="log")
+        self.figure = _figure("contact area a_r (dimensionless)", 280, x_axis_type="log", y_axis_type="log")
         self.figure.xaxis.axis_label = f"{control.title} (dimensionless)"
         self.figure.x_range.update(start=10 ** (span[0] - 0.2), end=10 ** (span[1] + 0.7))
         self.figure.title.text_font_style = "normal"
@@ -133,20 +145,21 @@ class Surroundings:
     def show_point(self, solution: Solution | None) -> None:
         """Set the point to a solution, or take it away."""
         if solution is None:
-            self._point.data = {"x": [], "y": []}
+            _clear(self._point)
             return
         place = self._place(own_value(self._control, solution.scene))
-        self._point.data = {"x": [place], "y": [solution.observables.contact_area_subgrid]}
+        area = solution.observables.contact_area_subgrid
+        _put(self._point, {"x": np.array([place]), "y": np.array([area])})
 
     def show_curve(self, curve: Curve | None) -> None:
         """Draw a curve as far as it is known, and say on which grid it was computed; None: take it away."""
         if curve is None or not curve.found:
-            self._curve.data = {name: [] for name in self._curve.data}
+            _clear(self._curve)
             self.figure.title.text = "the curve follows when nothing moves"
             return
         value, area, error = curve.points()
         x = np.array([self._place(v) for v in value])
-        self._curve.data = {"x": x, "y": area, "low": np.maximum(area - error, 1e-3 * area), "high": area + error}
+        _put(self._curve, {"x": x, "y": area, "low": np.maximum(area - error, 1e-3 * area), "high": area + error})
         failed = f", {curve.failed} without an answer" if curve.failed else ""
         self.figure.title.text = f"{value.size} scenes on {curve.num_points} points each{failed}"
 
