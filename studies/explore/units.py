@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 from linecontact.solver import Scene
+from linecontact.solver.units import SCENE
 
-from ..scans.columns import SCENE
 from ..scans.units import UNITS
 
 
