@@ -147,11 +147,12 @@ def test_a_figure_from_the_file_is_the_same(solution, tmp_path):
     stored = load(tmp_path / "run.h5")
     assert len(repr(stored)) < 300
     (drawn,) = solution_figure.draw(tmp_path / "run.h5").values()
+    expected = solution.plot()
     with matplotlib.rc_context(STYLE):
         drawn.draw_without_rendering()  # ticks have no text before
     for figure in (plot(stored), drawn):
-        assert texts(figure) == texts(solution.plot())
-        for axes, others in zip(figure.axes, solution.plot().axes, strict=True):
+        assert texts(figure) == texts(expected)
+        for axes, others in zip(figure.axes, expected.axes, strict=True):
             for line, other in zip(axes.get_lines(), others.get_lines(), strict=True):
                 np.testing.assert_array_equal(line.get_xydata(), other.get_xydata())
 

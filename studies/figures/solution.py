@@ -8,7 +8,7 @@ from typing import Any
 
 import matplotlib
 import numpy as np
-from linecontact.solver import LAYERS, Solution
+from linecontact.solver import LAYERS, Solution, Status
 from linecontact.solver.grid.edges import find_edges
 from linecontact.solver.grid.patches import Patches
 from matplotlib.axes import Axes
@@ -249,6 +249,6 @@ def _title(results: dict[str, Any], units: Scales, patches: int) -> str:
     layer = units.thickness + (f", $\\nu={ratio:g}$" if ratio is not None else "")
     area, error = results["contact_area_subgrid"], results["contact_area_error"]
     found = f"$a_r = {typeset(area, 6)} \\pm {typeset(error, 1)}$ in {patches} patch{'es' if patches != 1 else ''}"
-    status = str(results["status"])
-    ended = "" if status == "converged" else f"\nNot as asked: {status}".replace("$", "\\$")
+    status = Status(results["status"])  # a file's text is not drawn if it is none of these
+    ended = "" if status is Status.CONVERGED else f"\nNot as asked: {status}"
     return ", ".join(filter(None, (layer, units.load))) + f"\n{found}{ended}"
