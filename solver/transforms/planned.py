@@ -9,6 +9,7 @@ made in place. A real symbol g multiplies the real transform (k -> M - k is conj
     Z_k <- (s - d sin phi) Z_k + i d cos phi conj(Z_(M-k)),   s, d = (g_k +- g_(M-k))/2, phi = 2 pi k/N,
 
 and the inverse, in place, has a factor of M only. FFTW finds better plans for such transforms than for long real ones.
+But modes k and M - k then share their rounding: what is small of one because its g is has the error of the other.
 """
 
 from collections.abc import Callable

@@ -33,8 +33,6 @@ class Whole:
     def __init__(self, num_points: int) -> None:
         self.num_points = self.length = num_points
         """N, and the number of values in a field, which is the length of its transforms."""
-        self.half_length: bool | None = None
-        """Whether the transforms are of half that length; None: where that is faster."""
 
     def places(self, nodes: Indices) -> Indices:
         """Where these nodes have their values, of the same shape."""
@@ -71,8 +69,8 @@ class Whole:
         return None
 
     def multiply(self, symbol: Array64, transforms: Transforms, target: Array) -> Call:
-        """The kernel between the transforms of a field, back to this target, that multiplies by a symbol, shape
-        (N//2 + 1,), and normalises.
+        """The kernel between the transforms of a field to this target that multiplies by a symbol, shape (N//2 + 1,),
+        and normalises.
         """
         return transforms.multiply(symbol, target)
 
@@ -82,7 +80,7 @@ class Half(Whole):
 
     def __init__(self, num_points: int) -> None:
         super().__init__(num_points)
-        self.length, self.half_length = num_points // 2, False
+        self.length = num_points // 2
         half = np.arange(self.length)
         packed = np.where(half % 2 == 0, half // 2, half.size - 1 - half // 2)
         self._place = np.concatenate([packed, packed[::-1]])
