@@ -305,7 +305,7 @@ def resident(process="self"):
 
 
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="sees Linux' memory only")
-@pytest.mark.parametrize("events", [300, pytest.param(10_000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("events", [150, pytest.param(10_000, marks=pytest.mark.slow)])
 def test_memory_stays_flat(screen, events):
     def move(count):
         rng = np.random.default_rng(count)

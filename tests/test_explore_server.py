@@ -14,6 +14,7 @@ import browser
 import pytest
 from bokeh.client import pull_session
 from linecontact.solver import Layer, Scene, solve
+from linecontact.studies.command_line import main
 from test_explore import resident, write_scan
 
 CLI = [sys.executable, "-m", "linecontact.studies", "explore"]
@@ -194,17 +195,26 @@ def bad(*options, program=CLI, **environment):
     return result.stderr
 
 
-def test_bad_input_is_one_line_and_status_2(server, tmp_path):
+def test_a_port_that_is_taken(server):
     assert f"port is {server.port}, which another program has" in bad("--port", server.port, "--num-points", 256)
-    assert "port is 65536; allowed: an integer from 0 to 65535" in bad("--port", 65536)
-    assert "thickness is -1" in bad("--thickness", -1)
-    assert "num_points is 1024" in bad("--profile", "rough", "--num-points", 1024)
-    assert "which is not a file" in bad("--profile", "file", "--profile-file", tmp_path / "none.csv")
-    assert "contact_modulus (or youngs_modulus) and pressure are missing" in bad(
-        "--profile", "file", "--profile-file", write_scan(tmp_path)
-    )
-    assert "accuracy is 0.01" in bad("--accuracy", 0.01)
-    assert "perhaps meant as --browser" in bad("--browse")
+
+
+def test_bad_input_is_one_line_and_status_2(tmp_path, capsys):
+    scan = write_scan(tmp_path)
+    for said, *words in (
+        ("port is 65536; allowed: an integer from 0 to 65535", "--port", 65536),
+        ("thickness is -1", "--thickness", -1),
+        ("num_points is 1024", "--profile", "rough", "--num-points", 1024),
+        ("which is not a file", "--profile", "file", "--profile-file", tmp_path / "none.csv"),
+        ("contact_modulus (or youngs_modulus) and pressure are missing", "--profile", "file", "--profile-file", scan),
+        ("accuracy is 0.01", "--accuracy", 0.01),
+        ("perhaps meant as --browser", "--browse"),
+    ):
+        assert main.main(["explore", *map(str, words)]) == 2
+        line = capsys.readouterr().err
+        assert said in line
+        assert line.count("\n") == 1
+        assert line.startswith("linecontact: ")
 
 
 def test_no_browser_is_one_line_and_status_2(tmp_path):
