@@ -161,14 +161,13 @@ def compare(_: str) -> str:
 
 def _time_of_a_point(others: int) -> list[list[str]]:
     path = RESULTS / f"{areas.KIND}.h5"
-    runs = study_files.load_study(path).runs if path.exists() else []
-    found = []
-    for n in sorted({run["points"] for run in runs})[:1]:
-        times = {run["solver"]: run["microseconds_per_point"] for run in runs if run["points"] == n}
-        theirs = min(times[name] for name in areas.PRECISIONS)
-        label = f"rough, half-space: time of a point at 2^{round(math.log2(n))} [us]"
-        found.append([label, f"{times[OURS]:.2g}", *["-"] * others, f"{theirs:.2g}"])
-    return found
+    found = peers.times_of_a_point(study_files.load_study(path)) if path.exists() else {}
+    for n, times in found.items():
+        theirs = [times[name] for name in areas.PRECISIONS if name in times]
+        if theirs and OURS in times:
+            label = f"rough, half-space: time of a point at 2^{round(math.log2(n))} [us]"
+            return [[label, f"{times[OURS]:.2g}", *["-"] * others, f"{min(theirs):.2g}"]]
+    return []
 
 
 SOURCES: dict[str, Callable[[str], str]] = {

@@ -24,6 +24,7 @@ from linecontact.solver import (
 from linecontact.solver.grid.patches import Patches
 from linecontact.solver.grid.problem import Problem, half_spectrum
 from linecontact.solver.methods import Setting, active_set
+from linecontact.solver.methods.active_set import active_set as search_for_sets
 from linecontact.solver.methods.active_set import preconditioner as deflation
 from linecontact.solver.methods.active_set.active_set import ActiveSet
 from linecontact.solver.methods.active_set.greens_function import GreensFunction, inverse_cholesky, patch_sums
@@ -386,3 +387,25 @@ def test_real_size_rough(hurst, d, limit):
     assert not solution.handed_over
     assert solution.transform_pairs < limit
     assert abs(solution.observables.contact_area_subgrid / solution.observables.contact_area - 1) < 0.05
+
+
+def test_sets_that_keep_changing_are_decided_on_more_accurate_solutions():
+    search = search_for_sets._Search()
+    for changed in (1000, 700, 500, *[500] * 7):
+        search.note(changed)
+    assert search.forcing_term == search_for_sets._FORCING_TERM
+    search.note(500)
+    assert search.forcing_term == pytest.approx(0.1 * search_for_sets._FORCING_TERM)
+    for changed in (300, *[300] * 100):
+        search.note(changed)
+    assert search.forcing_term == search_for_sets._TIGHT
+
+
+@pytest.mark.slow
+def test_thousands_of_patches_whose_sets_would_keep_changing():
+    """Eight points to the shortest wave: seven thousand patches disturb each other."""
+    n = 2**22
+    solution = solve(Scene(indenter=RoughIndenter(0.8, 0, 1 / 8, 64 / n), pressure=1e-2, num_points=n))
+    assert solution.status is Status.CONVERGED
+    assert not solution.handed_over
+    assert solution.observables.num_patches > 5000

@@ -14,7 +14,7 @@ import pyfftw
 import pytest
 from linecontact.kernels import record
 from linecontact.solver import Layer, RoughIndenter, Scene, solve
-from linecontact.solver.transforms import plain, wisdom
+from linecontact.solver.transforms import plain, planned, wisdom
 from linecontact.solver.transforms.planned import Pair, Transforms, fast_length
 
 
@@ -79,10 +79,21 @@ def test_a_symbol_applied_by_real_transforms_and_by_complex_ones_of_half_the_len
         (2**18, {"half_length": False}, False),
     ],
 )
-def test_half_the_length_where_it_is_faster(n, settings, expected):
+def test_half_the_length_where_it_is_faster(cache, n, settings, expected):
     assert Transforms(n, "float64", **settings).half_length == expected
     assert not Transforms(n, "float32", **settings).half_length
     assert not Transforms(n, "float64", planning="measure", **settings).half_length
+
+
+def test_a_measured_plan_is_used_ever_after(cache, monkeypatch):
+    monkeypatch.setattr(planned, "_HALF_LENGTH", (1024, 1024))
+    assert Transforms(1024, "float64").half_length
+    measured = Transforms(1024, "float64", planning="measure")
+    measured.forward(measured.buffer())
+    begin_anew()
+    again = Transforms(1024, "float64")
+    again.forward(again.buffer())
+    assert (again.half_length, again.known, again.planned) == (False, 1, 0)
 
 
 @pytest.mark.parametrize("n", [1, 2, 7, 60, 128])

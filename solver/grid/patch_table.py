@@ -34,7 +34,7 @@ class PatchTable:
     def __repr__(self) -> str:
         count = self.nodes.size
         widest = f", the widest {display.number(float(self.width.max()))} [length]" if count else ""
-        return f"{type(self).__name__}: {count} contact patches{widest}"
+        return f"{type(self).__name__}: {count} contact patch{'es' * (count != 1)}{widest}"
 
 
 def patch_table(scene: Scene, pressure: Array64) -> PatchTable:

@@ -14,8 +14,8 @@ from .fftw import pyfftw
 _PLANNED_FROM = 2**12
 """Values from which FFTW is faster, its planning included."""
 _KEPT_UP_TO = 2**20
-"""Values up to which plans and buffers are kept: making them takes twice as long as the transform, and 16 byte a value.
-"""
+"""Values up to which plans and buffers are kept, because making them takes twice as long as the transform. They hold 16
+bytes for each value."""
 
 
 class _Plans:

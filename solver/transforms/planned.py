@@ -35,7 +35,8 @@ class Transforms:
     """Plans between real buffers of `num_points` values and one shared spectrum.
 
     num_points: N; precision: 'float64' or 'float32'; threads: of FFTW, >= 1; planning: one of `PLANNING`; half_length:
-    whether transforms are complex ones of N/2 numbers, for a multiple of `CHUNK` points; default where that is faster.
+    whether transforms are complex ones of N/2 numbers, for a multiple of `CHUNK` points; by default where that is
+    faster, which it is not if wisdom holds a plan that was measured.
     spectrum: flat real view (re, im, ...), 2 (N//2 + 1) values and zeros up to a padded length: the half spectrum, or
     the N/2 modes of the half length and the first one again.
     known, planned: plans so far that FFTW's wisdom held, from measuring at some time, and those that were made anew.
@@ -55,11 +56,22 @@ class Transforms:
         self.num_points = num_points
         self.real = np.dtype(precision)
         self.known = self.planned = self._count = 0
-        least, most = _HALF_LENGTH
-        faster = self.real == np.float64 and threads == 1 and planning == "estimate" and least <= num_points <= most
-        self.half_length = num_points % CHUNK == 0 and (faster if half_length is None else half_length)
-        self.spectrum = self.buffer(2 * (num_points // 2 + 1))
         wisdom.load()
+        self.half_length = num_points % CHUNK == 0 and (self._slow() if half_length is None else half_length)
+        self.spectrum = self.buffer(2 * (num_points // 2 + 1))
+
+    def _slow(self) -> bool:
+        """Whether FFTW has nothing but a poor plan for real transforms of this length."""
+        least, most = _HALF_LENGTH
+        n, one = self.num_points, self.threads == 1 and self.planning == "estimate"
+        if not (one and self.real == np.float64 and least <= n <= most):
+            return False
+        real, modes = pyfftw.empty_aligned(n), pyfftw.empty_aligned(n // 2 + 1, dtype=np.complex128)
+        try:
+            pyfftw.FFTW(real, modes, flags=["FFTW_MEASURE", "FFTW_WISDOM_ONLY"])
+        except RuntimeError:
+            return True
+        return False
 
     def buffer(self, length: int | None = None) -> Array:
         """A padded, aligned, staggered array for `length` (default N) values: zeros."""

@@ -38,5 +38,5 @@ def command(options: Options) -> int:
     if options.csv.exists() and options.file.exists() and options.csv.samefile(options.file):
         raise ValueError(f"csv is {options.csv}; allowed: another file than the one that is exported")
     writing.check_target(options.csv, options.overwrite)
-    writing.write_bytes(options.csv, *csv_tables.table(options.file))
+    writing.write_bytes(options.csv, csv_tables.table(options.file))
     return 0

@@ -76,8 +76,10 @@ class _Pages:
 
     def close_all(self) -> None:
         """Let every page's thread end."""
-        for page in list(self._open):
-            page.end(_PATIENCE)
+        pages = list(self._open)
+        for patience in (0.0, _PATIENCE / max(1, len(pages))):  # all are told before one is waited for
+            for page in pages:
+                page.end(patience)
 
 
 @contextlib.contextmanager

@@ -3,6 +3,7 @@
 From here on a scene is told by a few numbers, its `Values`: those of a link, and those that the sliders move.
 """
 
+import math
 import os
 import shlex
 from collections.abc import Mapping
@@ -16,6 +17,9 @@ from linecontact.solver.scene import PRECISIONS
 
 from ..terminal.options import flag
 from .controls import CONTROLS, Control
+
+_LARGEST = 2.0**63  # of a number in a link, but for infinity
+_SHOWN = 40  # characters of a bad one
 
 Values = Mapping[str, Any]
 """The indenter's name under 'profile', and the numbers of all controls by name, in the scene's units."""
@@ -115,7 +119,9 @@ class Start:
             if name not in found:
                 raise ValueError(f"the link gives {name}; allowed: {', '.join(found)}")
             found[name] = _choice(text, self.indenters) if name == "profile" else _number(name, text)
-        self.scene(found)  # refuses what is out of bounds
+        for profile, indenter in self.indenters.items():
+            if profile == found["profile"] or _names(indenter) & set(arguments):
+                self.scene(found | {"profile": profile})  # refuses what is out of bounds
         return found
 
     def query(self, values: Values) -> str:
@@ -157,7 +163,9 @@ def _choice(text: str, indenters: Mapping[str, Indenter]) -> str:
 def _number(name: str, text: str) -> float:
     for kind in (int, float):
         try:
-            return kind(text)
-        except ValueError:
+            number = kind(text)
+            if float(number) < _LARGEST or number == math.inf:
+                return number
+        except (ValueError, OverflowError):
             continue
-    raise ValueError(f"{name} is {text!r}; allowed: a number")
+    raise ValueError(f"{name} is {text[:_SHOWN]!r}; allowed: a number below {_LARGEST:g}")

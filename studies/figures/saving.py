@@ -27,7 +27,7 @@ def save(path: Path, draw: Callable[[Path], dict[str, Figure]]) -> list[Path]:
             for form, file in zip(FORMATS, names(path, [ending]), strict=True):
                 image = io.BytesIO()
                 figure.savefig(image, format=form[1:])
-                write_bytes(file, image.getvalue())
+                write_bytes(file, [image.getvalue()])
                 written.append(file)
             plt.close(figure)
     return written

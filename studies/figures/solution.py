@@ -94,7 +94,7 @@ def plot(solution: Solution | StoredSolution, path: Name | None = None, overwrit
         if file:
             image = io.BytesIO()
             drawn.savefig(image, format=file.suffix[1:].lower())
-            writing.write_bytes(file, image.getvalue())
+            writing.write_bytes(file, [image.getvalue()])
     return drawn
 
 

@@ -7,11 +7,12 @@ have all their digits, and those that are not finite are nan, inf and -inf.
 import csv
 import io
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import islice
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from linecontact.solver.units import SCENE
+from numpy.typing import NDArray
 
 from .hdf5 import file_kind
 from .records import unit
@@ -19,10 +20,12 @@ from .solution_files import KIND, load_solution
 from .study_files import load_study
 from .writing import StoreError
 
-_FORMULA = ("=", "+", "-", "@")
+_FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n")
 """A spreadsheet takes what begins with one of these for a formula; it takes an apostrophe before it for text."""
 
 _BLOCK = 2**14  # rows that are written at a time
+
+Columns = dict[str, Sequence[Any] | NDArray[np.float64]]
 
 
 def table(path: Path) -> Iterator[bytes]:
@@ -34,15 +37,15 @@ def table(path: Path) -> Iterator[bytes]:
     return _written(columns)
 
 
-def _fields(path: Path) -> dict[str, Sequence[Any]]:
+def _fields(path: Path) -> Columns:
     """The fields of a solution by their headings."""
     arrays, results = load_solution(path)
     known = str(results.get("scene.profile_length_unit", SCENE))
     length = "length" if known == SCENE else known
-    return {_heading(name, length): values.tolist() for name, values in arrays.items()}
+    return {_heading(name, length): values for name, values in arrays.items()}
 
 
-def _runs(path: Path) -> dict[str, Sequence[Any]]:
+def _runs(path: Path) -> Columns:
     """What the runs of a study hold, by headings."""
     study = load_study(path)
     if not study.runs:
@@ -56,11 +59,11 @@ def _heading(name: str, length: str = "length") -> str:
     return f"{name} [{ {'1': '-', 'length': length}.get(unit(name), unit(name)) }]"
 
 
-def _written(columns: dict[str, Sequence[Any]]) -> Iterator[bytes]:
-    rows = zip(*columns.values(), strict=True)
+def _written(columns: Columns) -> Iterator[bytes]:
     yield _lines([list(columns)])
-    while block := list(islice(rows, _BLOCK)):
-        yield _lines(block)
+    for start in range(0, len(next(iter(columns.values()))), _BLOCK):
+        block = (column[start : start + _BLOCK] for column in columns.values())
+        yield _lines(zip(*(part.tolist() if isinstance(part, np.ndarray) else part for part in block), strict=True))
 
 
 def _lines(rows: Iterable[Iterable[Any]]) -> bytes:

@@ -42,7 +42,7 @@ def new_file(path: str | os.PathLike[str]) -> Iterator["h5py.File"]:
         file.flush()
         image = file.id.get_file_image()
     digest = hashlib.sha256(image).hexdigest()
-    write_bytes(path, head(digest), image)
+    write_bytes(path, [head(digest), image])
     _sound.add(digest)
 
 

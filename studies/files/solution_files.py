@@ -70,7 +70,7 @@ def save_patches(path: Name, patches: PatchTable) -> None:
     names = [field.name for field in fields(PatchTable)]
     head = ",".join(f"{name} [{_PATCH_UNITS.get(name, 'length')}]" for name in names)
     lines = (",".join(f"{value:.12g}" for value in row) for row in zip(*astuple(patches), strict=True))
-    write_bytes(Path(path), "\n".join([head, *lines, ""]).encode())
+    write_bytes(Path(path), ["\n".join([head, *lines, ""]).encode()])
 
 
 def stored(solution: Solution) -> StoredSolution:

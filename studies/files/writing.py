@@ -7,7 +7,7 @@ import contextlib
 import itertools
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from ..terminal import console
@@ -66,8 +66,8 @@ def check_folder(folder: Path) -> None:
         raise StoreError(f"folder {folder} {reason}; allowed: a writable folder") from None
 
 
-def write_bytes(path: Path, *parts: bytes) -> None:
-    """Write a file beside its final name and rename it; a link is followed. Raises `StoreError`."""
+def write_bytes(path: Path, parts: Iterable[bytes]) -> None:
+    """Write a file, part by part, beside its final name and rename it; a link is followed. Raises `StoreError`."""
     path = path.resolve()
     try:
         handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")

@@ -205,8 +205,8 @@ _ITERATIONS = {
     ),
 }
 """One iteration of plain FIRE, with real transforms and with complex ones of half the length, which the program chooses
-in float64 from 2^17 to 2^19 points unless plans are measured; of FIRE in mixed precision, of mass-weighted FIRE, and of
-the active set's search without what it does on the contact nodes alone.
+in float64 from 2^17 to 2^19 points, on one thread, unless plans were measured; of FIRE in mixed precision, of
+mass-weighted FIRE, and of the active set's search without what it does on the contact nodes alone.
 """
 
 

@@ -67,7 +67,7 @@ class Options(study.Options):
     variants: Path | None = None
     """A Python file that registers variants of your own, see docs/kernels.md."""
     repeats: int = 6
-    """Times that everything is measured on new buffers, 2 to 100; half as many on 2^22 points and more."""
+    """Times that everything is measured on new buffers, 2 to 100; on 2^22 points and more half as many, but two."""
     quick: bool = False
     """2^10, 2^14 and 2^18 points only."""
     json: bool = False

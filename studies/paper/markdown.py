@@ -119,5 +119,5 @@ def write(folder: Path, text: str) -> tuple[Path, Path]:
     files = folder / "report.md", folder / "report.html"
     for file, content in zip(files, (text.encode(), shown.encode()), strict=True):
         if not file.is_file() or file.read_bytes() != content:
-            writing.write_bytes(file, content)
+            writing.write_bytes(file, [content])
     return files

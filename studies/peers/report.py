@@ -43,15 +43,23 @@ def points(study: StudyFile) -> Table:
     )
     for heading in ("points", f"{OURS}\n(us)", "double\n(us)", "float, then\ndouble (us)", "ratio", "contact"):
         table.add_column(heading, justify="right", no_wrap=True)
-    for n in sorted({run["points"] for run in study.runs}):
+    for n, good in times_of_a_point(study).items():
         runs = {run["solver"]: run for run in study.runs if run["points"] == n}
-        good = {name: run["microseconds_per_point"] for name, run in runs.items() if run["status"] == "converged"}
         theirs = [good[name] for name in areas.PRECISIONS if name in good]
         ratio = f"{min(theirs) / good[OURS]:.2g}" if theirs and OURS in good else "-"
         shares = [runs[name]["contact_area"] for name in (OURS, "double") if name in runs]
         cells = [f"{good[name]:.2f}" if name in good else "-" for name in (OURS, *areas.PRECISIONS)]
         table.add_row(f"2^{round(math.log2(n))}", *cells, ratio, ", ".join(f"{share:.3f}" for share in shares))
     return table
+
+
+def times_of_a_point(study: StudyFile) -> dict[int, dict[str, float]]:
+    """Microseconds a point of those that converged, by the number of points and the solver."""
+    found: dict[int, dict[str, float]] = {n: {} for n in sorted({run["points"] for run in study.runs})}
+    for run in study.runs:
+        if run["status"] == "converged":
+            found[run["points"]][run["solver"]] = run["microseconds_per_point"]
+    return found
 
 
 @dataclass(frozen=True)

@@ -105,12 +105,12 @@ class TaskFolder:
         """Keep a record. Raises `StoreError` if that is impossible, on a full disk for instance."""
         path, body = self._path(task), json.dumps({"task": _fields(task), "record": records.plain(record)}).encode()
         writing.remove(path.with_suffix(".failed"))
-        writing.write_bytes(path, hashlib.sha256(body).hexdigest().encode() + b"\n", body)
+        writing.write_bytes(path, [hashlib.sha256(body).hexdigest().encode() + b"\n", body])
 
     def save_failure(self, task: Task, reason: str) -> None:
         """Keep the reason of a failure, for people to read; the task counts as not done."""
         text = json.dumps({"task": _fields(task), "reason": reason}, indent=1)
-        writing.write_bytes(self._path(task).with_suffix(".failed"), text.encode())
+        writing.write_bytes(self._path(task).with_suffix(".failed"), [text.encode()])
 
     def forget(self, tasks: Iterable[Task]) -> None:
         """Remove the records of these tasks."""

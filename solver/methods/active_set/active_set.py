@@ -7,8 +7,9 @@ G sigma is carried along (`response`): on blocks of nodes around the contact whe
 nodes elsewhere and before anything is believed. Small sets are solved by elimination instead. Whenever the residual has
 fallen to a given part (the forcing term) of what it was when the set last changed, the set is updated (primal-dual
 active set, M. Hintermueller et al., SIAM J. Optim. 13, 865 (2002)): nodes that pull are dropped, nodes that penetrate
-are added. The search ends when neither happens at the tolerance asked for. When a set comes back, the next ones are
-decided on more accurate solutions; when that does not help either, the search gives up.
+are added. The search ends when neither happens at the tolerance asked for. When a set comes back, or the updates go on
+changing as many nodes (thousands of patches disturb each other), the next ones are decided on more accurate solutions;
+when that does not help either, the search gives up.
 
 The residual is the preconditioned one, an estimate of the pressure's error: rms over all nodes, over the mean pressure.
 
@@ -32,6 +33,7 @@ from .response import Response
 from .storage import Whole
 
 _FORCING_TERM = 0.05  # residual of a set over that when it was new, at which it is updated
+_PROGRESS, _PATIENCE, _TIGHT = 0.8, 8, 1e-3  # updates that change as many nodes: factor, number, forcing term then
 _TIGHTER, _TIGHTEST = 0.1, 1e-7  # factor of the forcing term when a set comes back, and where the search gives up
 _SAFETY = 0.4  # residual to stop at over the tolerance: the free residual is up to twice the pressure's error
 _LOOSEST = 1e-3  # tolerance on coarse grids
@@ -54,11 +56,24 @@ class _Search:
     """Updates that may still move the ends of patches to where the pressure says that they belong."""
     earlier: set[int] = field(default_factory=set)
     """Keys of the sets so far."""
+    fewest: float = math.inf
+    """Nodes that an update has dropped and added at the least."""
+    in_vain: int = 0
+    """Updates since that became much less."""
 
     def may_move_ends(self) -> bool:
         """Whether this update may; one less may after it."""
         self.moves_left -= 1
         return self.moves_left >= 0
+
+    def note(self, changed: int) -> None:
+        """Note how many nodes an update drops and adds; while that does not become less, solve more accurately."""
+        if changed < _PROGRESS * self.fewest:
+            self.fewest, self.in_vain = changed, 0
+            return
+        self.in_vain += 1
+        if self.in_vain >= _PATIENCE and self.forcing_term > _TIGHT:
+            self.forcing_term, self.in_vain = max(_TIGHT, self.forcing_term * _TIGHTER), 0
 
     def in_circles(self, key: int) -> bool:
         """Note a new set; True if sets keep coming back although they are decided on ever more accurate solutions."""
@@ -232,6 +247,7 @@ class ActiveSet(Method):
         new = self._response.penetrating(now, self._smallest_gap)
         if now.pulling.size + new.size <= self._wrong_nodes_per_patch * now.patches.count:
             return False
+        self._search.note(now.pulling.size + new.size)
         nodes, kept = _change(now, new, self._search.may_move_ends())
         self._take_set(nodes, now.nodes[kept], now.pressure[kept])
         self.stopped = self._search.in_circles(self._now.key)
