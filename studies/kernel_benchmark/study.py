@@ -66,7 +66,7 @@ class Options(study.Options):
     """Number of points, like 2^18; default: from 2^10 to 2^22."""
     variants: Path | None = None
     """A Python file that registers variants of your own, see docs/kernels.md."""
-    repeats: int = 6
+    repeats: int = 4
     """Times that everything is measured on new buffers, 2 to 100; on 2^22 points and more half as many, but two."""
     quick: bool = False
     """2^10, 2^14 and 2^18 points only."""
