@@ -58,7 +58,7 @@ def commands(text, filled_in):
     """The lines in code blocks that call linecontact, as words; not in what others have said."""
     text = filled_in.sub("", text)
     for language, block in re.findall(r"^```(\w*)\n(.*?)^```$", text, re.DOTALL | re.MULTILINE):
-        for line in block.splitlines() if language in ("", "sh") else ():
+        for line in block.replace("\\\n", " ").splitlines() if language in ("", "sh") else ():
             command = line.partition("  #")[0].partition(" > ")[0].strip()
             if command.startswith("linecontact ") and "..." not in command:
                 yield shlex.split(command)[1:]

@@ -2,6 +2,7 @@
 
 import contextlib
 import errno
+import logging
 import re
 import webbrowser
 from collections.abc import Iterator
@@ -95,6 +96,7 @@ def served(start: Start, port: int) -> Iterator[tuple[str, IOLoop]]:
         why = "which another program has" if taken else f"which cannot be had ({error})"
         raise ValueError(f"port is {port}, {why}; allowed: another one, or 0 for any that is free") from None
     address = f"http://{ADDRESS}:{port}/"
+    logging.getLogger("bokeh.server").setLevel(logging.ERROR)  # a tab that is closed is nothing to warn of
     settings.resources = "server"  # whatever the environment says: no script from elsewhere
     pages = _Pages(start, address)
     origins = [f"{host}:{port}" for host in _HOSTS]
