@@ -95,7 +95,7 @@ def test_a_link_gives_back_its_scene():
     [
         ({"thickness": [b"-1"]}, "thickness is -1"),
         ({"thickness": [b"thin"]}, "thickness is 'thin'; allowed: a number"),
-        ({"pressure": [b"nan"]}, "pressure is nan"),
+        ({"pressure": [b"nan"]}, "pressure is 'nan'"),
         ({"profile": [b"file"]}, "profile is 'file'; allowed: power, rough"),
         ({"profile_file": [b"/etc/passwd"]}, "the link gives profile_file; allowed"),
         ({"profile": [b"rough"]}, "num_points is 1024"),
