@@ -17,6 +17,8 @@ from linecontact.solver import Layer, Scene, solve
 from linecontact.studies.command_line import main
 from test_explore import resident, write_scan
 
+pytestmark = pytest.mark.once
+
 CLI = [sys.executable, "-m", "linecontact.studies", "explore"]
 PATIENCE = 60  # seconds for what takes one or two on an idle machine
 

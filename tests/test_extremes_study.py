@@ -14,6 +14,8 @@ from linecontact.studies.files.study_files import StudyFile
 from linecontact.studies.runner import drawing
 from running import run_plans
 
+pytestmark = pytest.mark.once
+
 
 @pytest.fixture(scope="module")
 def sample():

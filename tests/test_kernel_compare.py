@@ -11,6 +11,8 @@ from linecontact.studies.files.study_files import StudyFile
 from linecontact.studies.kernel_benchmark import compare
 from linecontact.studies.kernel_benchmark.benchmarks import BENCHMARKS
 
+pytestmark = pytest.mark.once
+
 KERNELS = tuple(name for name, one in BENCHMARKS.items() if one.group in ("kernels", "sequences"))
 SIZES = tuple(2**k for k in range(10, 23, 2))
 IDENTITY = {"source": "a" * 12, "processor": "one", "caches": "L1", "numpy": "2.0", "compiler": "cc", "chunk": "1024"}

@@ -35,6 +35,8 @@ from linecontact.studies.runner.tasks import identity
 from linecontact.studies.terminal import console
 from running import run_plans
 
+pytestmark = pytest.mark.once
+
 EXAMPLE = Path(__file__).parent.parent / "docs" / "examples" / "kernel_variants.py"
 HAS_C = bool(c_code.compile_c().libraries)
 

@@ -230,7 +230,7 @@ def test_what_cannot_be_drawn_or_written_is_refused(solution, tmp_path):
 RESULTS = Path(studies.__file__).parent / "results"
 
 
-@pytest.mark.parametrize("name", sorted({path.stem for path in RESULTS.glob("*.h5")} - {"sharp", "blunt"}))
+@pytest.mark.parametrize("name", sorted({path.stem for path in RESULTS.glob("*.h5")} - {"sharp", "blunt", "areas"}))
 def test_nothing_hides_data_in_the_studies_figures(name):
     with matplotlib.rc_context(STYLE):
         for figure in find(name).draw(RESULTS / f"{name}.h5").values():

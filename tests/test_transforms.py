@@ -116,9 +116,14 @@ def test_plain_transforms_against_their_sums(n):
     np.testing.assert_allclose(plain.hfft(modes.conj(), n) / n, values, atol=1e-13)
 
 
-@pytest.mark.parametrize("n", [4096, 5**6, 65521, 2**18, 2**20 + 2])
-def test_long_plain_transforms_against_numpy(n):
-    """Also of arrays that are strided, not aligned, read-only or too short, which they leave as they are."""
+@pytest.mark.parametrize("kept", [True, False])
+@pytest.mark.parametrize("n", [4096, 5**6, 65521, 2**18])
+def test_long_plain_transforms_against_numpy(monkeypatch, n, kept):
+    """With plans and buffers that are kept, and with new ones. Also of arrays that are strided, not aligned, read-only
+    or too short, which they leave as they are.
+    """
+    if not kept:
+        monkeypatch.setattr(plain, "_KEPT_UP_TO", 0)
     room = np.random.default_rng(0).standard_normal(2 * n + 1)
     for values in (room[:n], room[1 : n + 1], room[: 2 * n : 2]):
         values = values.view()
