@@ -51,6 +51,7 @@ def report(words: str) -> str:
     name, _, wanted = words.partition(" ")
     found = study.find(name)
     kinds = [name, *(plan.kind for plan in found.planned(found.options()))]
+    kinds += [areas.KIND] if name == "peers" else []  # which is planned only where ASPHER is installed
     paths = {kind: RESULTS / f"{kind}.h5" for kind in kinds}
     files = {kind: study_files.load_study(path) for kind, path in paths.items() if path.exists()}
     parts = [part for part in found.report(files, RESULTS) if _chosen(part, wanted)]
