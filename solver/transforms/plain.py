@@ -10,6 +10,7 @@ import numpy as np
 
 from ..arrays import Array64, Modes
 from .fftw import pyfftw
+from .planned import Pair
 
 _PLANNED_FROM = 2**12
 """Values from which FFTW is faster, its planning included."""
@@ -18,19 +19,8 @@ _KEPT_UP_TO = 2**20
 bytes for each value."""
 
 
-class _Plans:
-    """Both transforms of one length, on buffers of their own."""
-
-    def __init__(self, num_points: int) -> None:
-        self.real: Array64 = pyfftw.zeros_aligned(num_points)
-        self.modes: Modes = pyfftw.zeros_aligned(num_points // 2 + 1, dtype=np.complex128)
-        flags = ["FFTW_ESTIMATE", "FFTW_DESTROY_INPUT"]
-        self.forward = pyfftw.FFTW(self.real, self.modes, flags=flags).execute
-        self.inverse = pyfftw.FFTW(self.modes, self.real, direction="FFTW_BACKWARD", flags=flags).execute
-        self.busy = threading.Lock()
-
-
-_kept = lru_cache(maxsize=10)(_Plans)
+_kept = lru_cache(maxsize=10)(Pair)
+_busy = threading.Lock()  # of the buffers that are kept
 
 
 def rfft(values: Array64) -> Modes:
@@ -38,11 +28,11 @@ def rfft(values: Array64) -> Modes:
     if values.size < _PLANNED_FROM:
         return np.fft.rfft(values)
     if values.size <= _KEPT_UP_TO:
-        plans = _kept(values.size)
-        with plans.busy:
-            plans.real[:] = values
-            plans.forward()
-            return plans.modes.copy()
+        with _busy:
+            pair = _kept(values.size)
+            pair.real[:] = values
+            pair.forward()
+            return pair.modes.copy()
     source = np.require(values, np.float64, ["C", "W"])
     modes: Modes = pyfftw.empty_aligned(values.size // 2 + 1, dtype=np.complex128)
     pyfftw.FFTW(source, modes, flags=["FFTW_ESTIMATE"]).execute()
@@ -59,12 +49,12 @@ def irfft(modes: Modes | Array64, num_points: int, overwrite: bool = False) -> A
         return np.fft.irfft(modes, num_points)
     held = source = modes[: num_points // 2 + 1]
     if num_points <= _KEPT_UP_TO:
-        plans = _kept(num_points)
-        with plans.busy:
-            np.multiply(held, 1 / num_points, out=plans.modes[: held.size])
-            plans.modes[held.size :] = 0
-            plans.inverse()
-            return plans.real.copy()
+        with _busy:
+            pair = _kept(num_points)
+            np.multiply(held, 1 / num_points, out=pair.modes[: held.size])
+            pair.modes[held.size :] = 0
+            pair.inverse()
+            return pair.real.copy()
     if not overwrite:
         source = pyfftw.zeros_aligned(num_points // 2 + 1, dtype=np.complex128)
     np.multiply(held, 1 / num_points, out=source[: held.size])

@@ -156,7 +156,7 @@ class Transforms:
 
 
 class Pair:
-    """Forward and inverse transform of one short length, in float64 and planned at once.
+    """Forward and inverse transform of one length, in float64 and planned at once.
 
     length: n >= 1. real: buffer of n values; modes: of their half spectrum, n//2 + 1 complex numbers.
     """
@@ -165,11 +165,12 @@ class Pair:
         self.real: Array64 = pyfftw.zeros_aligned(length)
         self.modes: Modes = pyfftw.zeros_aligned(length // 2 + 1, dtype=np.complex128)
         forward = pyfftw.FFTW(self.real, self.modes, flags=["FFTW_ESTIMATE"])
-        inverse = pyfftw.FFTW(self.modes, self.real, direction="FFTW_BACKWARD", flags=["FFTW_ESTIMATE"])
+        flags = ["FFTW_ESTIMATE", "FFTW_DESTROY_INPUT"]
+        inverse = pyfftw.FFTW(self.modes, self.real, direction="FFTW_BACKWARD", flags=flags)
         self.forward: Callable[[], None] = forward.execute
         """real -> modes."""
         self.inverse: Callable[[], None] = inverse.execute
-        """modes -> real, times n; leaves the modes."""
+        """modes -> real, times n; destroys the modes."""
 
 
 def fast_length(length: int) -> int:
