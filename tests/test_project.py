@@ -2,6 +2,7 @@
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tomllib
@@ -42,6 +43,7 @@ def test_types(tmp_path):
 
 def test_wheel(tmp_path):
     """A wheel, installed into a fresh environment that borrows only the dependencies, solves a scene."""
+    shutil.rmtree(ROOT / "build", ignore_errors=True)  # setuptools would take modules from it that are gone
     run(sys.executable, "-m", "pip", "wheel", "--no-deps", "--wheel-dir", tmp_path, ROOT)
     (wheel,) = tmp_path.glob("linecontact-*.whl")
     modules = {f"linecontact/{file.relative_to(ROOT)}" for folder in FOLDERS for file in (ROOT / folder).rglob("*.py")}
