@@ -19,7 +19,7 @@ from linecontact.studies.explore.controls import CONTROLS, LOAD, THICKNESS
 from linecontact.studies.explore.curves import Curve, grid
 from linecontact.studies.explore.newest import Newest
 from linecontact.studies.explore.start import Scan, Start
-from linecontact.studies.explore.thinning import extremes, merged
+from linecontact.studies.figures.thinning import extremes, merged
 
 PATIENCE = 60  # seconds for what takes less than one on an idle machine
 SMALL = Scene(Layer(thickness=0.1), num_points=2**10)

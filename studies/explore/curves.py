@@ -7,9 +7,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from linecontact.solver import Indenter, Scene
 
+from ..figures.thinning import Array64
 from .answers import answer
 from .controls import LOAD, Control
-from .thinning import Array64
 
 _COARSEST = 2**12
 _MOST_OMITTED = 1e-3  # share of the mean square slope in waves that the grid of a curve leaves out

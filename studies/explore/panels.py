@@ -10,9 +10,9 @@ from linecontact.solver import Scene, Solution
 from numpy.typing import ArrayLike
 
 from ..figures.style import COLOURS
+from ..figures.thinning import Array64, extremes, merged
 from .controls import HALF_SPACE, Control
 from .curves import Curve, own_value
-from .thinning import Array64, extremes, merged
 from .units import lengths
 
 _UNKNOWN_WIDTH = 1000  # pixels, until the browser has said

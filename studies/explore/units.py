@@ -1,11 +1,10 @@
-"""Lengths on the axes: over the period where nothing has a unit, and in the units of a scan."""
+"""Lengths on the axes: in the units of a scan where they are known, over the period elsewhere."""
 
 from dataclasses import dataclass
 
 from linecontact.solver import Scene
-from linecontact.solver.units import SCENE
 
-from ..scans.units import UNITS
+from ..scans.units import UNITS, axis_units
 
 
 @dataclass(frozen=True)
@@ -20,16 +19,8 @@ class Lengths:
 
 def lengths(scene: Scene) -> tuple[Lengths, Lengths]:
     """How lengths are shown along the surface, and how heights are."""
-    about = scene.indenter.to_dict()
-    own = about.get("profile_length_unit")
-    if own is None:
+    units = axis_units(scene.indenter.to_dict())
+    if units is None:
         return (Lengths(1 / scene.period, "/L"),) * 2
-    heights = about["profile_z_unit"]
-    return _in(about.get("profile_x_unit", own), own), _in(heights, own)
-
-
-def _in(unit: str, own: str) -> Lengths:
-    """A unit of the scan; own: the scene's."""
-    if SCENE in (unit, own):
-        return Lengths(1.0, " [length]")
-    return Lengths(UNITS[own] / UNITS[unit], f" [{unit}]")
+    own, along, up = units
+    return Lengths(UNITS[own] / UNITS[along], f" [{along}]"), Lengths(UNITS[own] / UNITS[up], f" [{up}]")

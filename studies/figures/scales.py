@@ -5,10 +5,8 @@ numbers are dimensionless.
 import math
 from dataclasses import dataclass
 
-from linecontact.solver.units import SCENE
-
 from ..files.solution_files import StoredSolution
-from ..scans.units import UNITS
+from ..scans.units import UNITS, axis_units
 from .style import layer, typeset
 
 
@@ -46,19 +44,17 @@ def scales(solution: StoredSolution) -> Scales:
     """The scales of a stored solution: the units of its scan, or the period; pressures over E*, or over their mean."""
     results = solution.results
     period, pressure = float(results["scene.period"]), float(results["scene.pressure"])
-    own = str(results.get("scene.profile_length_unit", SCENE))
+    units = axis_units({name.removeprefix("scene."): value for name, value in results.items()})
     x = z = period
     along, up, distance = "position $x/L$", "height/$L$", "$L$"
-    if own in UNITS:
-        along_unit, up_unit = (
-            unit if (unit := str(results.get(f"scene.profile_{axis}_unit", own))) in UNITS else own for axis in "xz"
-        )
+    if units:
+        own, along_unit, up_unit = units
         x, z = (UNITS[unit] / UNITS[own] for unit in (along_unit, up_unit))
         along, distance = f"position $x$ ({_shown(along_unit)})", _shown(along_unit)
         up = f"height ({_shown(up_unit)})"
     modulus = results.get("scene.contact_modulus")  # not every layer names one
     over = "$E^*$" if modulus else "their mean"
-    lengths = "" if own in UNITS else "lengths over the period $L$, "
+    lengths = "" if units else "lengths over the period $L$, "
     thickness = float(results["scene.thickness"])
     return Scales(
         period=period,
@@ -70,16 +66,16 @@ def scales(solution: StoredSolution) -> Scales:
         z_label=up,
         pressure_label="pressure/$E^*$" if modulus else "pressure / mean",
         told=f"Dimensionless: {lengths}pressures over {over}.",
-        thickness=_thickness(thickness, period, own),
+        thickness=_thickness(thickness, units[0]) if units else layer(thickness / period),
         load=f"$p={typeset(pressure / float(modulus))}\\,E^*$" if modulus else "",
         mirrored="mirror image" in str(results.get("scene.profile_steps", "")),
     )
 
 
-def _thickness(thickness: float, period: float, unit: str) -> str:
-    """A layer's thickness as people write it."""
-    if math.isinf(thickness) or unit not in UNITS:
-        return layer(thickness / period)
+def _thickness(thickness: float, unit: str) -> str:
+    """A layer's thickness, in that unit, as people write it."""
+    if math.isinf(thickness):
+        return layer(thickness)
     size = thickness * UNITS[unit]
     best = next((one for one in ("m", "mm", "um", "nm") if size >= UNITS[one]), "nm") if unit != "inch" else unit
     return f"$d={typeset(size / UNITS[best])}$ {_shown(best)}"

@@ -22,6 +22,7 @@ from ..files import solution_files, writing
 from ..files.solution_files import Name, StoredSolution
 from .scales import Scales, scales
 from .style import COLOURS, ONE_COLUMN, STYLE, typeset
+from .thinning import extremes, merged
 
 Array64 = NDArray[np.float64]
 
@@ -145,13 +146,9 @@ def _contact(solution: StoredSolution) -> Contact:
 
 
 def _thinned(x: Array64, *curves: Array64) -> list[Array64]:
-    """The same curves on few enough points to draw: the least and the largest value of each of many short pieces."""
-    if x.size <= 4 * _PLACES:
-        return [x, *curves]
-    first = np.linspace(0, x.size, _PLACES, endpoint=False).astype(np.int64)
-    middle = (first + np.append(first[1:], x.size)) // 2
-    pairs = [(np.minimum.reduceat(curve, first), np.maximum.reduceat(curve, first)) for curve in curves]
-    return [np.stack(pair, axis=1).ravel() for pair in [(x[first], x[middle]), *pairs]]
+    """The same curves on few enough points to draw, their extremes among them."""
+    places = np.unique(np.concatenate([extremes(curve, _PLACES) for curve in curves]))
+    return [values[places] for values in (x, *curves)]
 
 
 def _heights(axes: Axes, x: Array64, profile: Array64, surface: Array64, marker: str = "") -> None:
@@ -191,11 +188,9 @@ def _bars(axes: Axes, left: Array64, right: Array64, period: float) -> None:
 
     left, right: the edges of the patches, and the period, in the panel's unit.
     """
-    if left.size > _PLACES:
-        apart = np.flatnonzero(left[1:] - right[:-1] > period / _PLACES)
-        left, right = left[np.append(0, apart + 1)], right[np.append(apart, left.size - 1)]
-    bars = [(a + shift, b - a) for a, b in zip(left, right, strict=True) for shift in (-period, 0.0, period)]
     low, high = axes.get_xlim()
+    left, right = merged(left, right, (high - low) / _PLACES)
+    bars = [(a + shift, b - a) for a, b in zip(left, right, strict=True) for shift in (-period, 0.0, period)]
     seen = [(a, width) for a, width in bars if a < high and a + width > low]
     foot = axes.get_xaxis_transform()
     axes.broken_barh(seen, (0.02, 0.05), transform=foot, fc=_CONTACT, ec=_CONTACT, lw=0.6, zorder=3)

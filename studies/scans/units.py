@@ -1,7 +1,8 @@
 """Units of length, in the spellings that instruments and people use."""
 
 import unicodedata
-from typing import Literal
+from collections.abc import Mapping
+from typing import Any, Literal
 
 Unit = Literal["m", "cm", "mm", "um", "nm", "pm", "angstrom", "inch"]
 
@@ -28,6 +29,18 @@ _SPELLINGS = {
 }
 _SHORT = {"m", "in", '"', "\u03bc", "\u00e5"}
 """Units only where a unit is expected: elsewhere they are words, or letters."""
+
+
+def axis_units(about: Mapping[str, Any]) -> tuple[str, str, str] | None:
+    """Units of the scene's lengths, of positions and of heights; None where they are not known.
+
+    about: what travels with a scan's results, see `MeasuredIndenter.description`.
+    """
+    own = str(about.get("profile_length_unit"))
+    if own not in UNITS:
+        return None
+    x, z = (unit if (unit := str(about.get(f"profile_{axis}_unit"))) in UNITS else own for axis in "xz")
+    return own, x, z
 
 
 def plain(text: str) -> str:
