@@ -10,7 +10,9 @@
 
 What is pressed against what:
 
-    Layer             an elastic layer on a rigid base, or a half-space
+    Layer             an elastic layer bonded to a rigid base, or a half-space
+    SlidingLayer      an elastic layer on a rigid base without friction
+    CoatedHalfSpace   an elastic layer bonded to an elastic half-space
     PowerIndenter     one asperity: sharp, Hertzian (a parabola), blunt
     RoughIndenter     a random self-affine surface
     MeasuredIndenter  heights given point by point
@@ -24,6 +26,7 @@ The answer:
     Observables       contact area, kappa, approach and what else is measured
     Certificate       how wrong the solution can be
     Status            how the solve ended
+    contact_stiffness what a small change of the load does to the approach
     plot              draws a solution, also one that was read from its file
     save, load        write a solution to an HDF5 file, read it back
 
@@ -41,16 +44,19 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .solver import (
         Certificate,
+        CoatedHalfSpace,
         Layer,
         MeasuredIndenter,
         Observables,
         PowerIndenter,
         RoughIndenter,
         Scene,
+        SlidingLayer,
         Solution,
         Status,
     )
     from .solver.solve import solve
+    from .solver.strategy.linearised import contact_stiffness
     from .studies.figures.solution import plot
     from .studies.files.solution_files import load, save
     from .studies.scans.reading import read_scan
@@ -67,15 +73,18 @@ _ELSEWHERE = {
 
 __all__ = [
     "Certificate",
+    "CoatedHalfSpace",
     "Layer",
     "MeasuredIndenter",
     "Observables",
     "PowerIndenter",
     "RoughIndenter",
     "Scene",
+    "SlidingLayer",
     "Solution",
     "Status",
     "__version__",
+    "contact_stiffness",
     "load",
     "plot",
     "read_scan",

@@ -11,11 +11,12 @@ from .endings import Reason, Status
 from .grid.certificate import Certificate, certify
 from .grid.observables import Observables
 from .indenters import INDENTERS, Indenter, MeasuredIndenter, PowerIndenter, RoughIndenter
-from .layers import LAYERS, ElasticLayer, Layer
+from .layers import LAYERS, CoatedHalfSpace, ElasticLayer, Layer, SlidingLayer
 from .methods import METHODS, Method, MethodKind
 from .scene import Scene
 from .solution import Choice, Solution
 from .solve import solve
+from .strategy.linearised import contact_stiffness
 from .strategy.precision import default_tolerance
 
 __all__ = [
@@ -24,6 +25,7 @@ __all__ = [
     "METHODS",
     "Certificate",
     "Choice",
+    "CoatedHalfSpace",
     "ElasticLayer",
     "Indenter",
     "Layer",
@@ -35,9 +37,11 @@ __all__ = [
     "Reason",
     "RoughIndenter",
     "Scene",
+    "SlidingLayer",
     "Solution",
     "Status",
     "certify",
+    "contact_stiffness",
     "default_tolerance",
     "solve",
 ]

@@ -4,6 +4,7 @@ Units are the user's own, but consistent: one unit of length (thickness, radius,
 modulus, pressure). The defaults are the published study's: all three scales are 1.
 """
 
+import math
 from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
@@ -20,6 +21,8 @@ MIN_POINTS, MAX_POINTS = 4, 2**30  # Warp indices are int32
 SMALLEST, LARGEST = 1e-60, 1e60
 """Bounds on the units and on the dimensionless ratios of a scene."""
 
+_PRESSURE = float("2e-3")  # the default, an object of its own: a pressure that is given is another one
+
 
 @dataclass(frozen=True)
 class Scene:
@@ -35,8 +38,8 @@ class Scene:
     """The layer, for instance a `Layer`; see `ElasticLayer` for what it must offer."""
     indenter: Indenter = field(default_factory=PowerIndenter)
     """The indenter, for instance a `PowerIndenter`; see `Indenter` for what it must offer."""
-    pressure: float = 2e-3
-    """Mean external pressure p > 0 [pressure]; beyond full contact is allowed."""
+    pressure: float = _PRESSURE
+    """Mean external pressure p > 0 [pressure]; beyond full contact is allowed. NaN where the approach is given."""
     period: float = 1.0
     """Period L > 0 [length]."""
     num_points: int = 2**18
@@ -44,6 +47,9 @@ class Scene:
     precision: str = "float64"
     """Precision of the iteration: 'float64', 'float32', or 'mixed': float32 transforms inside, residuals in
     float64. The certificate is always float64."""
+    approach: float | None = None
+    """Rigid approach > 0 since first touch [length], to give instead of the pressure, which is then found; see
+    `Observables.approach`."""
 
     def __post_init__(self) -> None:
         checks.offers("layer", self.layer, ElasticLayer, "a Layer, or what `ElasticLayer` describes")
@@ -51,9 +57,9 @@ class Scene:
         checks.offers("indenter", self.indenter, Indenter, allowed)
         checks.real("thickness", self.layer.thickness, "a length > 0, or inf", 0, infinite=True)
         points = f"an integer from {MIN_POINTS} to {MAX_POINTS}"
+        self._check_load()
         checks.assign(
             self,
-            pressure=checks.real("pressure", self.pressure, "a finite pressure > 0", 0),
             period=checks.real("period", self.period, "a finite length > 0", 0),
             num_points=checks.integer("num_points", self.num_points, points, MIN_POINTS, MAX_POINTS),
         )
@@ -61,9 +67,20 @@ class Scene:
         self.indenter.check(self.num_points)
         self._check_scales()
 
+    def _check_load(self) -> None:
+        """Of pressure and approach one must be given, or none."""
+        if self.approach is None:
+            pressure = checks.real("pressure", self.pressure, "a finite pressure > 0", 0)
+            checks.assign(self, pressure=pressure)
+            return
+        if self.pressure is not _PRESSURE and not math.isnan(self.pressure):
+            raise ValueError(f"approach is {self.approach!r}, and pressure {self.pressure!r}; allowed: one of the two")
+        allowed = "a finite length > 0; up to 0 nothing touches: pressure and contact area are 0"
+        checks.assign(self, approach=checks.real("approach", self.approach, allowed, 0), pressure=math.nan)
+
     def __repr__(self) -> str:
         """What is pressed against what, in a few lines with units; arrays and long texts are left out."""
-        rows = (self._row(name, getattr(self, name)) for name in ("pressure", "period", "num_points"))
+        rows = (self._row(name, value) for name, value in [*self._load, *self._grid][:3])
         parts = (repr(part).replace("[length]", f"[{self.length_unit}]") for part in (self.layer, self.indenter))
         lines = "\n".join([f"{display.sentence('Scene', rows)}, {self.precision}", *parts])
         return lines.replace("\n", "\n  ")
@@ -74,8 +91,10 @@ class Scene:
 
     def rows(self) -> list[display.Row]:
         """Everything that is known of the scene, as it is shown in a table."""
-        load = display.Row("pressure/contact_modulus", display.number(self.reduced_load), "-")
-        return [*(self._row(name, value) for name, value in self.to_dict().items()), load]
+        rows = [self._row(name, value) for name, value in self.to_dict().items()]
+        if self.approach is None:
+            rows.append(display.Row("pressure/contact_modulus", display.number(self.reduced_load), "-"))
+        return rows
 
     @property
     def length_unit(self) -> str:
@@ -89,7 +108,8 @@ class Scene:
     def _check_scales(self) -> None:
         """Refuse units and ratios whose products would overflow or underflow."""
         numbers = {"period [length]": self.period, "contact_modulus [pressure]": self.layer.contact_modulus}
-        numbers |= {"pressure/contact_modulus": self.reduced_load}
+        load = self.reduced_load if self.approach is None else self.approach / self.period
+        numbers |= {"approach/period" if self.approach else "pressure/contact_modulus": load}
         numbers |= self.indenter.ratios(self.period) | self.layer.ratios(self.period)
         for name, value in numbers.items():
             if not SMALLEST <= value <= LARGEST:
@@ -97,7 +117,7 @@ class Scene:
 
     @property
     def reduced_load(self) -> float:
-        """p/E* (dimensionless)."""
+        """p/E* (dimensionless); NaN where the approach is given."""
         return self.pressure / self.layer.contact_modulus
 
     @property
@@ -110,6 +130,14 @@ class Scene:
         """Heights h(x_i) above the lowest point, shape (N,) [length]."""
         return self.period * self.indenter.profile(self.num_points, self.period)
 
+    @property
+    def _load(self) -> list[tuple[str, Any]]:
+        return [("pressure", self.pressure) if self.approach is None else ("approach", self.approach)]
+
+    @property
+    def _grid(self) -> list[tuple[str, Any]]:
+        return [(name, getattr(self, name)) for name in ("period", "num_points", "precision")]
+
     def on_grid(self, num_points: int) -> Self:
         """The same scene on another grid."""
         if num_points == self.num_points:
@@ -118,6 +146,5 @@ class Scene:
 
     def to_dict(self) -> dict[str, Any]:
         """Flat, JSON-ready description under the command line's names; an infinite thickness becomes 'inf'."""
-        named = {name: getattr(self, name) for name in ("period", "num_points", "precision")}
-        described = {**self.indenter.to_dict(), "pressure": self.pressure, **self.layer.to_dict(), **named}
+        described = {**self.indenter.to_dict(), **dict(self._load), **self.layer.to_dict(), **dict(self._grid)}
         return {name: checks.plain(value) for name, value in described.items()}

@@ -162,6 +162,13 @@ class Solution:
         """Width of the contact, all patches together: a_r between sub-grid edges times the period [length]."""
         return self.observables.contact_area_subgrid * self.scene.period
 
+    @cached_property
+    def contact_stiffness(self) -> float:
+        """dp/d(approach) [pressure/length], computed on first use; see `linecontact.contact_stiffness`."""
+        import linecontact  # the package's front knows what stands above a solution
+
+        return linecontact.contact_stiffness(self)
+
     def save(self, path: str | os.PathLike[str], overwrite: bool = False) -> None:
         """Write everything to an HDF5 file, for `linecontact.load`.
 
@@ -185,7 +192,9 @@ class Solution:
         """Everything but the fields that has a meaning, JSON-ready: numbers, text, flat objects; infinite: 'inf'."""
         levels = {str(level.num_points): level.to_dict() for level in self.levels}
         warnings = {str(warning.kind): warning.text for warning in self.warnings}
-        return self.to_record() | {"levels": checks.plain(levels), "warnings": warnings}
+        known = self.status is Status.CONVERGED
+        stiffness = {"contact_stiffness": checks.plain(self.contact_stiffness)} if known else {}
+        return self.to_record() | stiffness | {"levels": checks.plain(levels), "warnings": warnings}
 
     def to_record(self) -> dict[str, Any]:
         """As `to_dict`, but for the coarser grids and the warnings, whose number differs from solution to solution."""

@@ -10,6 +10,7 @@ from .scene import Scene
 from .solution import Solution
 from .strategy.effort import Effort, Means
 from .strategy.to_accuracy import solve_to_accuracy
+from .strategy.to_approach import solve_to_approach
 from .strategy.to_tolerance import solve_to_tolerance
 from .transforms.planned import check_settings
 
@@ -33,6 +34,7 @@ def solve(
     accuracy: the relative error wanted of `contact_area_subgrid`, 1e-9 to 0.1 (dimensionless). Model, method, grid and
         tolerance are then chosen for it and must not be given; the scene's grid is the finest allowed, its precision
         must be the default. It concerns a_r alone. See `Solution.choices` and `Status.INACCURATE`.
+        A scene whose approach is given takes neither this nor an initial displacement.
     method: one of `METHODS`, by default `DEFAULT`.
     nested: start from the solution on coarser grids; by default for the active set only, and not with `initial`.
     tolerance: rms net force on free nodes over the mean pressure at which to stop, 1e-14 to 0.5 (dimensionless); by
@@ -54,6 +56,9 @@ def solve(
         raise ValueError(f"progress is {progress!r}; allowed: a function of an iteration and a residual, or None")
     threads, planning = check_settings(threads, planning)
     means = Means(threads, planning, checks.choice("backend", backend, BACKENDS), progress)
+    if scene.approach is not None and not (accuracy is None and initial is None):
+        given = f"accuracy is {accuracy!r}" if initial is None else "initial is given"
+        raise ValueError(f"{given}; allowed: for a scene with a pressure, not with an approach")
     if accuracy is not None:
         chosen = {"method": method, "nested": nested, "tolerance": tolerance, "initial": initial}
         for name, value in (chosen | {"max_iterations": max_iterations}).items():
@@ -63,5 +68,8 @@ def solve(
     kind = METHODS[checks.choice("method", DEFAULT.name if method is None else method, tuple(METHODS))]
     if max_iterations is not None:
         max_iterations = checks.integer("max_iterations", max_iterations, "an integer from 1 to 2^53", 1, 2**53)
-    effort = Effort(scene, kind, means, max_iterations)
-    return solve_to_tolerance(effort, nested, tolerance, initial)
+
+    def under_load(scene: Scene) -> Solution:
+        return solve_to_tolerance(Effort(scene, kind, means, max_iterations), nested, tolerance, initial)
+
+    return under_load(scene) if scene.approach is None else solve_to_approach(scene, under_load)

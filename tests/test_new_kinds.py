@@ -52,7 +52,7 @@ def sliding(y):
 
 
 @dataclass(frozen=True)
-class SlidingLayer(ElasticLayer):
+class FrictionlessLayer(ElasticLayer):
     """A layer that rests on its base without friction, given by its K(q); it knows nothing for shortcuts."""
 
     thickness: float = 0.1
@@ -60,7 +60,7 @@ class SlidingLayer(ElasticLayer):
     contact_modulus: float = 1.0
     """E* > 0 [pressure]."""
 
-    name: ClassVar[str] = "sliding"
+    name: ClassVar[str] = "frictionless"
 
     def stiffness(self, wave_numbers, period):
         return sliding(wave_numbers * self.thickness / period) * self.foundation_modulus(period)
@@ -79,7 +79,7 @@ class SlidingLayer(ElasticLayer):
 
 
 @dataclass(frozen=True)
-class GivenLayer(SlidingLayer):
+class GivenLayer(FrictionlessLayer):
     """The bonded layer with nu = 0.25, but given by K(q) alone."""
 
     name: ClassVar[str] = "given"
@@ -163,7 +163,7 @@ PROJECTED = MethodKind(
 @pytest.fixture(autouse=True)
 def new_kinds(monkeypatch):
     """One line in each list."""
-    monkeypatch.setitem(LAYERS, "sliding", SlidingLayer)
+    monkeypatch.setitem(LAYERS, "frictionless", FrictionlessLayer)
     monkeypatch.setitem(INDENTERS, "cosine", CosineIndenter)
     monkeypatch.setitem(METHODS, "projected-gradient", PROJECTED)
 
@@ -184,9 +184,9 @@ def test_a_layer_given_by_its_stiffness_is_the_layer():
 
 def test_a_thin_layer_has_its_own_edges():
     """Few grid spacings thick: the symbol is used, and what nobody has measured is claimed to be badly known."""
-    scene = Scene(SlidingLayer(1 / 2**12), num_points=2**12)
+    scene = Scene(FrictionlessLayer(1 / 2**12), num_points=2**12)
     o = solve(scene).observables
-    fine = solve(Scene(SlidingLayer(1 / 2**12), num_points=2**15)).observables
+    fine = solve(Scene(FrictionlessLayer(1 / 2**12), num_points=2**15)).observables
     assert abs(o.contact_area_subgrid - fine.contact_area_subgrid) < o.contact_area_error
     assert o.contact_area_error > 0.5 / 2**12
 
@@ -194,7 +194,7 @@ def test_a_thin_layer_has_its_own_edges():
 @pytest.mark.parametrize("thickness", [1e-9, 1e-3, 0.1, 100.0])
 def test_no_shortcut_is_taken_that_a_layer_does_not_justify(thickness):
     """The bonded layer takes one on each of these."""
-    scene = Scene(SlidingLayer(thickness), num_points=2**12)
+    scene = Scene(FrictionlessLayer(thickness), num_points=2**12)
     solution = solve(scene, accuracy=5e-2)
     what = {choice.what: choice.chosen for choice in solution.choices}
     assert (what["model"], what["layer"]) == ("grid", "as it is")
@@ -292,20 +292,20 @@ def test_heights_that_are_none_are_refused(monkeypatch, heights, named):
 
 @pytest.mark.parametrize("stiffness", [-1.0, 0.0, math.nan, math.inf])
 def test_a_stiffness_that_is_none_is_refused(monkeypatch, stiffness):
-    monkeypatch.setattr(SlidingLayer, "stiffness", lambda self, q, period: np.full(q.shape, stiffness))
-    with pytest.raises(ValueError, match=r"stiffness of layer sliding is from .*; allowed: finite numbers > 0"):
-        solve(Scene(SlidingLayer(), num_points=1024))
+    monkeypatch.setattr(FrictionlessLayer, "stiffness", lambda self, q, period: np.full(q.shape, stiffness))
+    with pytest.raises(ValueError, match=r"stiffness of layer frictionless is from .*; allowed: finite numbers > 0"):
+        solve(Scene(FrictionlessLayer(), num_points=1024))
     with pytest.raises(ValueError, match="thickness is -1; allowed: a length > 0, or inf"):
-        Scene(SlidingLayer(-1))
+        Scene(FrictionlessLayer(-1))
 
 
 @pytest.mark.parametrize(
     "options",
     [
-        ["--layer", "sliding", "--thickness", "0.05"],
+        ["--layer", "frictionless", "--thickness", "0.05"],
         ["--profile", "cosine", "--amplitude", "0.02", "--waves", "3"],
         ["--method", "projected-gradient", "--tolerance", "1e-4"],
-        ["--layer", "sliding", "--profile", "cosine", "--accuracy", "0.1"],
+        ["--layer", "frictionless", "--profile", "cosine", "--accuracy", "0.1"],
     ],
 )
 def test_the_command_line_knows_them(tmp_path, capsys, options):
@@ -328,12 +328,14 @@ def test_the_command_line_knows_them(tmp_path, capsys, options):
 
 
 def test_options_of_another_kind_are_refused(capsys):
-    assert main.main(["solve", "--layer", "sliding", "--poisson-ratio", "0.3"]) == 2
+    assert main.main(["solve", "--layer", "frictionless", "--poisson-ratio", "0.3"]) == 2
     assert capsys.readouterr().err == (
-        "linecontact: poisson_ratio is 0.3; allowed: only with --layer bonded, not sliding\n"
+        "linecontact: poisson_ratio is 0.3; allowed: only with --layer bonded, not frictionless\n"
     )
-    assert main.main(["solve", "--layer", "slidng"]) == 2
-    assert capsys.readouterr().err.startswith("linecontact: layer is 'slidng'; allowed: bonded, sliding")
+    assert main.main(["solve", "--layer", "frictionles"]) == 2
+    assert capsys.readouterr().err.startswith(
+        "linecontact: layer is 'frictionles'; allowed: bonded, sliding, coated, frictionless"
+    )
 
 
 def test_studies_of_random_scenes_try_a_new_method():

@@ -35,7 +35,8 @@ def test_types(tmp_path):
     package.mkdir()
     for folder in FOLDERS:
         (package / folder).symlink_to(ROOT / folder, target_is_directory=True)
-    (package / "__init__.py").symlink_to(ROOT / "api" / "__init__.py")
+    for file in (ROOT / "api").glob("*.py"):
+        (package / file.name).symlink_to(file)
     options = ["--config-file", ROOT / "pyproject.toml", "--namespace-packages", "--explicit-package-bases"]
     environment = {**os.environ, "MYPYPATH": str(tmp_path)}
     run(sys.executable, "-m", "mypy", *options, "-p", "linecontact", cwd=tmp_path, env=environment)
@@ -47,7 +48,7 @@ def test_wheel(tmp_path):
     run(sys.executable, "-m", "pip", "wheel", "--no-deps", "--wheel-dir", tmp_path, ROOT)
     (wheel,) = tmp_path.glob("linecontact-*.whl")
     modules = {f"linecontact/{file.relative_to(ROOT)}" for folder in FOLDERS for file in (ROOT / folder).rglob("*.py")}
-    modules.add("linecontact/__init__.py")
+    modules |= {f"linecontact/{file.name}" for file in (ROOT / "api").glob("*.py")}
     with zipfile.ZipFile(wheel) as archive:
         assert {name for name in archive.namelist() if name.endswith(".py")} == modules
     environment = tmp_path / "venv"

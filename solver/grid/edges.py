@@ -102,7 +102,8 @@ def find_edges(patches: Patches, pressure: Array64, symbol: EdgeSymbol) -> Edges
         return Edges(patches.first - half, patches.last + half, np.ones(1), np.zeros(1, dtype=bool))
     curve, thickness = edge_curve(symbol), symbol.thickness
     theta, spread = _offsets(curve, patches, pressure)
-    layer = np.full(patches.count, _OVER_THICKNESS / thickness + _OVER_THICKNESS_SQUARED / thickness**2)
+    finite = _OVER_THICKNESS / thickness + _OVER_THICKNESS_SQUARED / thickness**2
+    layer = np.full(patches.count, finite if thickness < math.inf else symbol.error)
     if curve.thin:
         narrow = (patches.size < _NARROW * thickness) & (thickness > _THINNEST)
         layer = np.where(narrow, layer, symbol.error)
@@ -128,7 +129,8 @@ def _claimed(patches: Patches, spread: Array64, layer: Array64) -> Array64:
     fitted = np.where(spread < _CLOSE, _OF_SPREAD * spread, spread)
     fitted = fitted + _OVER_SIZE / patches.size + _OVER_SIZE_SQUARED / patches.size**2
     fitted += layer + narrow_gap
-    return np.where(spread < _ALIKE, np.minimum(fitted, 0.5), np.clip(spread, 0.5, 1.0))
+    counting = np.maximum(layer, 0.5)  # as good as counting nodes, unless the layer's own edge is not known
+    return np.where(spread < _ALIKE, np.minimum(fitted, counting), np.clip(spread, counting, 1.0))
 
 
 def _offsets(curve: EdgeCurve, patches: Patches, pressure: Array64) -> tuple[Array64, Array64]:

@@ -35,6 +35,8 @@ class Observables:
     """d/(a_r L)."""
     approach: float
     """Rigid approach since first touch [length]: mean(u) + p/k_W; for a half-space mean(u), by convention."""
+    mean_gap: float
+    """Mean of h - u over all nodes [length]."""
     peak_pressure: float
     """Largest contact pressure [pressure]."""
     num_patches: int
@@ -61,8 +63,13 @@ class Observables:
         return display.line(self)
 
 
-def observe(scene: Scene, displacement: Array64, contact_pressure: Array64, contact: Mask) -> Observables:
-    """Observables of a displacement [length] and contact pressure [pressure], 0 off the contact; all shape (N,)."""
+def observe(
+    scene: Scene, profile: Array64, displacement: Array64, contact_pressure: Array64, contact: Mask
+) -> Observables:
+    """Observables of a displacement [length] and contact pressure [pressure], 0 off the contact; all shape (N,).
+
+    profile: h [length].
+    """
     squared_slope = scene.indenter.slope(scene.num_points, scene.period) ** 2
     area = float(contact.mean())
     gradient = math.sqrt(float(squared_slope[contact].mean())) if area else 0.0
@@ -72,7 +79,7 @@ def observe(scene: Scene, displacement: Array64, contact_pressure: Array64, cont
     patches, edges = contact_edges(scene, contact_pressure)
     area_subgrid, gradient_subgrid, kappa_subgrid, sensitivity = subgrid_measures(scene, patches, edges, squared_slope)
     area_error = edges.total_error / scene.num_points if area else 1.0
-    modulus = layer.foundation_modulus(1.0) * layer.contact_modulus  # [pressure/length]; 0 for a half-space
+    modulus = foundation_modulus(scene)
     return Observables(
         contact_area=area,
         rms_gradient_contact=gradient,
@@ -81,6 +88,7 @@ def observe(scene: Scene, displacement: Array64, contact_pressure: Array64, cont
         kappa_ratio=kappa / kappa_half_space(power[0]) if power else None,
         reduced_thickness=layer.thickness / (area * scene.period) if area else math.inf,
         approach=float(displacement.mean()) + (scene.pressure / modulus if modulus else 0.0),
+        mean_gap=float((profile - displacement).mean()),
         peak_pressure=float(contact_pressure.max(initial=0.0)),
         num_patches=patches.count,
         num_counted_patches=int(edges.counted.sum()),
@@ -90,6 +98,11 @@ def observe(scene: Scene, displacement: Array64, contact_pressure: Array64, cont
         kappa_subgrid=kappa_subgrid,
         kappa_error=sensitivity * area_error if area_error else 0.0,
     )
+
+
+def foundation_modulus(scene: Scene) -> float:
+    """k_W of the scene's layer [pressure/length]; 0 for a half-space, `inf` for an incompressible layer."""
+    return scene.layer.foundation_modulus(1.0) * scene.layer.contact_modulus
 
 
 def contact_edges(scene: Scene, pressure: Array64) -> tuple[Patches, Edges]:

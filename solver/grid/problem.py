@@ -54,6 +54,13 @@ def half_spectrum(layer: ElasticLayer, num_points: int, period: float) -> Array6
     return stiffness
 
 
+def full_contact_pressure(scene: Scene) -> float:
+    """The smallest mean pressure under which all nodes of a scene's grid touch, p = max(K h) [pressure]."""
+    profile = _profile(scene, scene.num_points)
+    held = irfft(half_spectrum(scene.layer, profile.size, scene.period) * rfft(profile), profile.size)
+    return float(held.max()) * scene.layer.contact_modulus
+
+
 @dataclass(frozen=True)
 class Problem:
     """The discrete problem. Docstrings call its units of stiffness, displacement and pressure [K], [u] and [p]."""

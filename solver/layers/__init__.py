@@ -6,9 +6,11 @@ May import: arrays, checks, display, quadrature.
 """
 
 from .bonded import Layer
+from .coated import CoatedHalfSpace
 from .layer import EdgeSymbol, ElasticLayer
+from .sliding import SlidingLayer
 
-LAYERS: dict[str, type[ElasticLayer]] = {kind.name: kind for kind in (Layer,)}
+LAYERS: dict[str, type[ElasticLayer]] = {kind.name: kind for kind in (Layer, SlidingLayer, CoatedHalfSpace)}
 """The one list of layers, by name; the first is the default."""
 
-__all__ = ["LAYERS", "EdgeSymbol", "ElasticLayer", "Layer"]
+__all__ = ["LAYERS", "CoatedHalfSpace", "EdgeSymbol", "ElasticLayer", "Layer", "SlidingLayer"]

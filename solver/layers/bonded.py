@@ -23,12 +23,11 @@ import numpy as np
 
 from .. import checks, display
 from ..arrays import Array64
-from ..quadrature import gauss_legendre
+from .edge_shift import wiener_hopf_shift
+from .exponentials import sinh_minus_argument
 from .layer import EdgeSymbol, ElasticLayer
 
 _HALF_SPACE_FROM = 25.0  # q d from which f differs from 1 by less than rounding: by 2000 exp(-50), nu = 1/2
-_SERIES_BELOW = 2.0
-_SERIES_TERMS = 13  # (2^2)^13/27! < 1e-20 of the first term
 
 _THINNEST_EDGE = 1e-6  # grid spacings: below, the edge no longer changes
 
@@ -51,18 +50,9 @@ def layer_factor(y: Array64, poisson_ratio: float) -> Array64:
         e = np.exp(-x)
         e2 = np.exp(-2 * x)
         numerator = (3 - 4 * nu) * (1 + e2) / 2 + (x**2 / 2 + (5 - 12 * nu + 8 * nu**2)) * e
-        denominator = (2 - 4 * nu) * -np.expm1(-2 * x) / 2 + _sinh_minus_argument(x, e, e2)
+        denominator = (2 - 4 * nu) * -np.expm1(-2 * x) / 2 + sinh_minus_argument(x)
     found[deep] = numerator / denominator
     return found
-
-
-def _sinh_minus_argument(x: Array64, e: Array64, e2: Array64) -> Array64:
-    """(sinh x - x) exp(-x)."""
-    small = np.minimum(x, _SERIES_BELOW)
-    series = np.ones_like(small)
-    for m in range(_SERIES_TERMS, 0, -1):
-        series = 1 + small * small / ((2 * m + 2) * (2 * m + 3)) * series
-    return np.where(x < _SERIES_BELOW, small**3 / 6 * series * e, (1 - e2) / 2 - x * e)
 
 
 def stiffness(wave_numbers: Array64, thickness: float, poisson_ratio: float) -> Array64:
@@ -91,26 +81,15 @@ def foundation_compliance(poisson_ratio: float) -> float:
 
 @cache
 def edge_shift(poisson_ratio: float) -> float:
-    """c(nu) of the thin layer's effective half-width a + c d (dimensionless).
-
-    c = -(1/pi) int_0^inf ln[C(s)/C_0(s)]/s^2 ds with the layer's compliance C(q d) = 1/K and its limit C_0 for s -> 0,
-    which is constant for nu < 1/2 and proportional to s^2 for nu = 1/2: the first-order term of the Wiener-Hopf factor
-    of the compliance (V. M. Alexandrov's asymptotics for large a/d).
-    """
+    """c(nu) of the thin layer's effective half-width a + c d (dimensionless), see `wiener_hopf_shift`."""
     nu = poisson_ratio
-    # In y = ln s, panel by panel; ds/s^2 = exp(-y) dy. Below `first` the integrand is constant to 1e-6 and rounding
-    # would swamp it; beyond `last` the half-space's C = 2/s leaves an elementary integral.
-    first, last = 1e-3 * (math.sqrt(1 - 2 * nu) if nu < 0.5 else 1.0), 1e4
-    power = 2 if nu == 0.5 else 0
-    limit = 4 / 3 if nu == 0.5 else foundation_compliance(nu)  # C_0 = limit s^power
-    nodes, weights = gauss_legendre(20)
-    edges = np.linspace(math.log(first), math.log(last), 81)
-    width = np.diff(edges)[:, None]
-    s = np.append(np.exp((edges[:-1, None] + width * (nodes + 1) / 2).ravel()), first)
-    logarithm = np.log(2 / (s * layer_factor(s, nu)) / (limit * s**power))
-    middle = np.sum((width * weights / 2).ravel() * logarithm[:-1] / s[:-1])
-    tail = (math.log(2 / (limit * last ** (power + 1))) - (power + 1)) / last
-    return float(-(logarithm[-1] / first + middle + tail) / np.pi)
+
+    def factor(y: Array64) -> Array64:
+        return layer_factor(y, nu)
+
+    if nu == 0.5:
+        return wiener_hopf_shift(factor, 4 / 3, 2, 1e-3)
+    return wiener_hopf_shift(factor, foundation_compliance(nu), 0, 1e-3 * math.sqrt(1 - 2 * nu))
 
 
 @dataclass(frozen=True)
@@ -141,6 +120,8 @@ class _BondedEdge:
     @property
     def error(self) -> float:
         """Measured against the collocation oracle, for contacts of 12 nodes and more."""
+        if math.isinf(self.thickness):
+            return 0.0
         if self.poisson_ratio < _NEARLY_INCOMPRESSIBLE:
             return 0.02
         return 0.06 if self.thickness > _PRESSES_LIKE_STAND_IN else 0.5

@@ -18,7 +18,9 @@ class EdgeSymbol(Protocol):
 
     @property
     def thickness(self) -> float:
-        """The layer's length scale [grid spacings]; well above 1 the edge is that of a half-space."""
+        """The layer's length scale [grid spacings]; well above 1 the edge is that of a half-space. `inf` for a layer
+        whose edge is always taken for that, with `error` as what it may be wrong by.
+        """
 
     @property
     def shift(self) -> float:

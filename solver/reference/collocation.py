@@ -4,12 +4,13 @@ In |x| < a the slope of the surface is prescribed, int D(x-s) sigma(s) ds = h'(x
 
     D(x) = (2/(E* P)) cot(pi x/P) + sum_k w_k sin(q_k x),   w_k = (2/P) q_k [1/K(q_k) - 2/(E* q_k)],  q_k = 2 pi k/P
 
-the half-space's periodic Cauchy kernel and the layer's part, a sum that converges like exp(-2 q d). With x = a t and
+the half-space's periodic Cauchy kernel and the layer's part, a sum that converges like exp(-2 q d) for layers that one
+surface or interface ends in the depth d. With x = a t and
 sigma = sqrt(1-t^2) phi(t), Gauss-Chebyshev quadrature of the second kind (F. Erdogan and G. D. Gupta, Q. Appl. Math.
 29, 525 (1972)) turns it into a linear system of spectral accuracy. For even profiles only t > 0 is kept.
 
-A layer's interaction decays exponentially in x/d, so P may be shorter than the scene's period as long as the images
-stay out of reach; that bounds the number of modes for thin layers. Units here: L = E* = 1.
+On a rigid base a layer's interaction decays exponentially in x/d, so P may be shorter than the scene's period as long
+as the images stay out of reach; that bounds the number of modes for thin layers. Units here: L = E* = 1.
 """
 
 import math
@@ -21,7 +22,8 @@ from numpy.typing import NDArray
 
 from .. import checks
 from ..arrays import Array64
-from ..layers.bonded import edge_shift, foundation_modulus, stiffness
+from ..layers import ElasticLayer, Layer
+from ..layers.bonded import edge_shift
 from .closed_forms import (
     guessed_half_width,
     kappa_from_area,
@@ -90,10 +92,8 @@ class _System:
     """n of the power profile."""
     radius: float
     """R of the power profile."""
-    thickness: float
-    """d of the layer."""
-    poisson_ratio: float
-    """nu of the layer."""
+    layer: ElasticLayer
+    """The layer, with E* = 1 and its thickness in units of L."""
     num_nodes: int
     """Gauss-Chebyshev nodes on both halves of the contact."""
     period: float
@@ -113,14 +113,13 @@ class _System:
         half_width: float,
         exponent: float,
         radius: float,
-        thickness: float,
-        poisson_ratio: float,
+        layer: ElasticLayer,
         num_nodes: int,
         resolution: float,
     ) -> "_System":
-        a = half_width
+        a, thickness = half_width, layer.thickness
         num_nodes = max(num_nodes, 2 * round(resolution * math.sqrt(a / thickness)))
-        period = min(1.0, 2 * a + _DECAY * thickness)
+        period = min(1.0, 2 * a + _DECAY * thickness) if layer.foundation_modulus(1.0) else 1.0
         count = _MODES / thickness * period / (2 * np.pi)
         if num_nodes * max(num_nodes, count) > _MOST_VALUES:
             raise ValueError(
@@ -134,14 +133,14 @@ class _System:
         weights = np.pi / (num_nodes + 1) * np.sin(theta) ** 2
         z = np.pi * a / period
         kernel = 2 * a / period * (1 / np.tan(z * (x[:, None] - t)) + 1 / np.tan(z * (x[:, None] + t)))
-        q, compliance = modes = _layer_modes(period, thickness, poisson_ratio)
+        q, compliance = modes = _layer_modes(period, layer)
         if q.size:
             sines, cosines = np.sin(np.outer(a * x, q)), np.cos(np.outer(a * t, q))
             kernel += 4 * a / period * (sines * (q * compliance)) @ cosines.T
         with np.errstate(over="ignore"):
             slope = np.minimum((a * x / radius) ** (exponent - 1), STEEPEST)
         phi = np.asarray(np.linalg.solve(kernel * weights, slope), dtype=np.float64)
-        return cls(a, exponent, radius, thickness, poisson_ratio, num_nodes, period, theta, weights, phi, modes)
+        return cls(a, exponent, radius, layer, num_nodes, period, theta, weights, phi, modes)
 
     @property
     def load(self) -> float:
@@ -159,8 +158,8 @@ class _System:
         smooth = -2 / np.pi * np.log(2 * np.sin(np.pi * a / self.period * t) / t)
         smooth += 2 / self.period * np.cos(np.outer(a * t, q)) @ compliance
         approach = 2 * a * float((self.weights * self.phi) @ smooth) - 2 / np.pi * a * float(b @ _log_moments(k))
-        if np.isfinite(self.thickness):
-            approach += load / self.period / foundation_modulus(self.thickness, self.poisson_ratio)
+        foundation = self.layer.foundation_modulus(1.0)
+        approach += load / self.period / foundation if foundation else 0.0
         kappa = kappa_from_area(self.exponent, 2 * a, self.radius, load)
         return Asperity(
             half_width=a,
@@ -170,7 +169,7 @@ class _System:
             approach=approach,
             kappa=kappa,
             kappa_ratio=kappa / kappa_half_space(self.exponent),
-            reduced_thickness=self.thickness / (2 * a),
+            reduced_thickness=self.layer.thickness / (2 * a),
             t=t,
             pressure=np.sin(self.theta) * self.phi,
             waves=b,
@@ -191,14 +190,32 @@ def solve_load(
     num_nodes: Gauss-Chebyshev nodes, even; 160 reach 12 digits for even exponents. Thin layers need about sqrt(a/d)
     times more and get them, see `RESOLUTION`. Raises `ValueError`, also beyond 0.98 of full contact.
     """
-    _check(load, exponent, radius, poisson_ratio, num_nodes)
-    checks.real("thickness", thickness, "a length > 0, or inf", 0, infinite=True)
+    layer = Layer(thickness, poisson_ratio)
+    _check(load, exponent, radius, num_nodes)
+    guess = guessed_half_width(load, exponent, radius, thickness, poisson_ratio)
+    return solve_layer(layer, load, exponent, radius, num_nodes, resolution, guess)
+
+
+def solve_layer(
+    layer: ElasticLayer,
+    load: float,
+    exponent: float,
+    radius: float,
+    num_nodes: int = 160,
+    resolution: float = RESOLUTION,
+    guess: float | None = None,
+) -> Asperity:
+    """As `solve_load` for any layer whose K(q) approaches E* q/2 like exp(-2 q d), with E* = 1, lengths in units of L.
+
+    guess: half-width to begin the search with, by default that on a half-space. Raises `ValueError`.
+    """
+    _check(load, exponent, radius, num_nodes)
+    guess = lone_half_width(load, exponent, radius, 1.0) if guess is None else guess
 
     def system(a: float) -> _System:
-        return _System.solve(a, exponent, radius, thickness, poisson_ratio, num_nodes, resolution)
+        return _System.solve(a, exponent, radius, layer, num_nodes, resolution)
 
-    guess = guessed_half_width(load, exponent, radius, thickness, poisson_ratio)
-    return _match(system, load, exponent, guess).asperity()
+    return _match(system, load, exponent, min(guess, 0.4)).asperity()
 
 
 def solve_to_accuracy(
@@ -208,13 +225,14 @@ def solve_to_accuracy(
 
     Raises `ValueError` where `MOST_NODES` are too few.
     """
-    _check(load, exponent, radius, poisson_ratio, 16)
+    _check(load, exponent, radius, 16)
+    layer = Layer(thickness, poisson_ratio)
     num_nodes, resolution, error = 16, 10.0, math.inf
     guess = guessed_half_width(load, exponent, radius, thickness, poisson_ratio)
     while num_nodes <= MOST_NODES:
 
         def system(a: float, num_nodes: int = num_nodes, resolution: float = resolution) -> _System:
-            return _System.solve(a, exponent, radius, thickness, poisson_ratio, num_nodes, resolution)
+            return _System.solve(a, exponent, radius, layer, num_nodes, resolution)
 
         found = _match(system, load, exponent, guess)
         if not resolution:
@@ -229,11 +247,12 @@ def solve_reduced_thickness(
     load: float, exponent: float, radius: float, reduced_thickness: float, poisson_ratio: float, num_nodes: int = 160
 ) -> tuple[float, Asperity]:
     """The thickness d (units of L) at which d/a_r has the given value under `load`, and its solution."""
-    _check(load, exponent, radius, poisson_ratio, num_nodes)
+    _check(load, exponent, radius, num_nodes)
     checks.real("reduced_thickness", reduced_thickness, "a finite number > 0", 0)
 
     def system(a: float) -> _System:
-        return _System.solve(a, exponent, radius, 2 * a * reduced_thickness, poisson_ratio, num_nodes, RESOLUTION)
+        layer = Layer(2 * a * reduced_thickness, poisson_ratio)
+        return _System.solve(a, exponent, radius, layer, num_nodes, RESOLUTION)
 
     thin = thin_layer_kappa_ratio(exponent, poisson_ratio, reduced_thickness, max(0.0, edge_shift(poisson_ratio)))
     guess = lone_half_width(load, exponent, radius, 1 / (1 + 1 / thin))
@@ -241,11 +260,10 @@ def solve_reduced_thickness(
     return reduced_thickness * asperity.contact_area, asperity
 
 
-def _check(load: float, exponent: float, radius: float, poisson_ratio: float, num_nodes: int) -> None:
+def _check(load: float, exponent: float, radius: float, num_nodes: int) -> None:
     checks.real("load", load, "a finite number > 0", 0)
     checks.real("exponent", exponent, "1 < n <= 100", 1, 100)
     checks.real("radius", radius, "a finite number > 0", 0)
-    checks.real("poisson_ratio", poisson_ratio, "-1 < nu <= 0.5", -1, 0.5)
     checks.integer("num_nodes", num_nodes, "an even integer from 4 to 10000", 4, 10_000, 2)
 
 
@@ -281,11 +299,11 @@ def _match(system: Callable[[float], _System], load: float, exponent: float, gue
     return best
 
 
-def _layer_modes(period: float, thickness: float, poisson_ratio: float) -> tuple[Array64, Array64]:
+def _layer_modes(period: float, layer: ElasticLayer) -> tuple[Array64, Array64]:
     """Wave numbers q_k and the layer's extra compliance 1/K - 2/q_k, shape (M,) each; empty for the half-space."""
-    count = math.ceil(_MODES / thickness * period / (2 * np.pi))
+    count = math.ceil(_MODES / layer.thickness * period / (2 * np.pi))
     q = 2 * np.pi / period * np.arange(1.0, count + 1)
-    k = stiffness(2 * np.pi * np.arange(1.0, count + 1), thickness / period, poisson_ratio) / period
+    k = layer.stiffness(2 * np.pi * np.arange(1.0, count + 1), period) / period
     return q, 1 / k - 2 / q
 
 

@@ -27,8 +27,8 @@ def make_solution(
     np.minimum(displacement, profile, out=displacement)  # units round
     displacement[contact] = profile[contact]
     pressure *= scene.pressure
+    observables = observe(scene, profile, displacement, pressure, contact)
     del profile
-    observables = observe(scene, displacement, pressure, contact)
     observables = discretisation_error(observables, levels)
     return Solution(
         scene=scene,

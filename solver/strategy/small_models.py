@@ -70,11 +70,13 @@ def asperity(scene: Scene, layer: ElasticLayer, accuracy: float) -> Modelled:
     pressure *= scene.pressure / pressure.mean()  # the sampled load is off by the sampling
     problem = Problem.from_scene(scene)
     displacement = problem.displacement_under(pressure / scene.pressure) * problem.length_unit
-    displacement = np.where(pressure > 0, scene.profile, np.minimum(displacement, scene.profile))
+    profile = scene.profile
+    displacement = np.where(pressure > 0, profile, np.minimum(displacement, profile))
     approach = length * found.approach
     if layer is not scene.layer:  # the mean compression of the layer that there is
         approach += length * scene.pressure / modulus / scene.layer.foundation_modulus(length)
-    observables = _with_area(scene, observe(scene, displacement, pressure, pressure > 0), found.contact_area, error)
+    observables = observe(scene, profile, displacement, pressure, pressure > 0)
+    observables = _with_area(scene, observables, found.contact_area, error)
     observables = replace(observables, peak_pressure=modulus * found.peak_pressure, approach=approach)
     return Modelled(scene, displacement, pressure, pressure > 0, observables, error)
 
@@ -131,8 +133,9 @@ def winkler(scene: Scene) -> Modelled:
     pressure, contact = modulus * np.maximum(depth, 0.0) * scene.pressure, depth > 0
     if sampled:
         pressure *= scene.pressure / pressure.mean()  # the sampled load is off by the sampling
-    displacement = np.where(contact, scene.profile, np.minimum(level * problem.length_unit, scene.profile))
-    observables = observe(scene, displacement, pressure, contact)
+    profile = scene.profile
+    displacement = np.where(contact, profile, np.minimum(level * problem.length_unit, profile))
+    observables = observe(scene, profile, displacement, pressure, contact)
     if sampled:
         error = _edges(scene) / area
         observables = _with_area(scene, observables, area, error)

@@ -29,7 +29,7 @@ GRID_FREE = ("collocation", "winkler-foundation")
 
 _REASON = re.compile(r"\S+ is .+; allowed: .+", re.DOTALL)
 _ASKED = ("tolerance", "accuracy")
-_INFINITE = {"scene.thickness", "reduced_thickness", "reduced_pressure", "kappa_error"}
+_INFINITE = {"scene.thickness", "reduced_thickness", "reduced_pressure", "kappa_error", "contact_stiffness"}
 _OTHER_UNITS = 2.0**-60, 2.0**80  # times those of length and pressure: ratios are the same to the last bit
 _MOST_ENERGY = 0.1  # of the bound over the elastic energy, where no tolerance was asked for
 _CLAIM = 5.0  # how often the claimed error, an estimate, may be passed

@@ -1,0 +1,157 @@
+"""A layer bonded to an elastic half-space of its own modulus and Poisson's ratio: the coated half-space.
+
+With the shear moduli's ratio m = mu_1/mu_2 of layer and half-space, alpha = 3 - 4 nu_1, beta = 3 - 4 nu_2, x = 2 q d
+and e = exp(-x), the response function of T. Nogi and T. Kato (J. Tribology 119, 493 (1997)), both parts multiplied by
+(1 + m beta)(m + alpha), is
+
+    K(q) = (E* q/2) D/N
+    D = alpha [1 + e^2] + (alpha^2 + 1 + x^2) e + m [(1-e)(1 + alpha beta + (alpha + beta) e) + (beta-1) x^2 e]
+        + m^2 beta [(1-e)^2 - x^2 e]
+    N = [alpha (1-e^2) - 2 x e] + m [(2 + beta (alpha-1)) + (alpha + 2 beta - 1) e^2 + (beta-1)(1 - e^2 - 2 x e)]
+        + m^2 beta [1 - e^2 + 2 x e]
+
+E* the layer's. Every bracket is positive, and those that cancel for small x come from the series of sinh: 1 - e^2 -
+2 x e = 2 (sinh x - x) e and, with z = x/2, (1-e)^2 - x^2 e = 4 (sinh^2 z - z^2) e. For m = 0 it is the bonded layer,
+for equal materials the half-space; long waves find the half-space below, short ones that of the layer's material.
+"""
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Self
+
+import numpy as np
+
+from .. import checks, display
+from ..arrays import Array64
+from .exponentials import sinh_minus_argument
+from .layer import EdgeSymbol, ElasticLayer
+
+_HALF_SPACE_FROM = 25.0  # q d from which f differs from 1 by less than rounding
+_THIN = 8.0  # grid spacings; thicker layers have the half-space's edge
+_LEAST_RATIO, _MOST_RATIO = 1e-6, 1e6
+"""Of the two contact moduli (dimensionless)."""
+
+
+def coated_factor(y: Array64, poisson_ratio: float, base_poisson_ratio: float, shear_ratio: float) -> Array64:
+    """f(y), the stiffness over that of a half-space of the layer's material, for y = q d > 0; shape of `y`.
+
+    shear_ratio: m, the layer's shear modulus over that of the half-space below. All dimensionless.
+    """
+    y = np.asarray(y, dtype=np.float64)
+    found, m = np.ones_like(y), shear_ratio
+    alpha, beta = 3 - 4 * poisson_ratio, 3 - 4 * base_poisson_ratio
+    deep = y < _HALF_SPACE_FROM
+    x = 2 * y[deep]
+    with np.errstate(under="ignore"):
+        e = np.exp(-x)
+        e2, below, below2 = e * e, -np.expm1(-x), -np.expm1(-2 * x)  # 1 - e, 1 - e^2
+        tiny = 2 * sinh_minus_argument(x)  # 1 - e^2 - 2 x e
+        z = x / 2
+        flat = 4 * sinh_minus_argument(z) * (below / 2 + z * np.exp(-z))  # (1-e)^2 - x^2 e
+        stiff = alpha * (1 + e2) + (alpha**2 + 1 + x**2) * e
+        stiff += m * (below * (1 + alpha * beta + (alpha + beta) * e) + (beta - 1) * x**2 * e) + m**2 * beta * flat
+        soft = (alpha - 1) * below2 + tiny
+        soft += m * (2 + beta * (alpha - 1) + (alpha + 2 * beta - 1) * e2 + (beta - 1) * tiny)
+        soft += m**2 * beta * (below2 + 2 * x * e)
+    found[deep] = stiff / soft
+    return found
+
+
+@dataclass(frozen=True)
+class _CoatedEdge:
+    """The edge on the scale of a grid: always that of a half-space, see `EdgeSymbol`."""
+
+    layer: float
+    """Thickness of the layer [grid spacings]."""
+    contrast: float
+    """The base's modulus over the layer's (dimensionless)."""
+
+    @property
+    def thickness(self) -> float:
+        return math.inf
+
+    @property
+    def shift(self) -> float:
+        return 0.0
+
+    @property
+    def error(self) -> float:
+        """Measured against the collocation oracle: on thin layers up to 0.15 times the contrast's logarithm."""
+        if self.layer < _THIN:
+            return 0.02 + min(0.2 * abs(math.log(self.contrast)), 1.2)
+        return 0.1 / self.layer + 0.5 / self.layer**2
+
+    def symbol(self, wave_numbers: Array64) -> Array64:
+        return np.ones_like(wave_numbers)
+
+
+@dataclass(frozen=True)
+class CoatedHalfSpace(ElasticLayer):
+    """An elastic layer bonded to an elastic half-space.
+
+    Raises `ValueError`.
+    """
+
+    thickness: float
+    """Layer thickness d > 0 [length]."""
+    base_modulus: float
+    """E* = E/(1-nu^2) > 0 of the half-space below [pressure], from 1e-6 to 1e6 of the layer's."""
+    poisson_ratio: float = 0.25
+    """Poisson's ratio of the layer, -1 < nu <= 0.5 (dimensionless)."""
+    base_poisson_ratio: float = 0.25
+    """Poisson's ratio of the half-space below, -1 < nu <= 0.5 (dimensionless)."""
+    contact_modulus: float = 1.0
+    """E* = E/(1-nu^2) > 0 of the layer [pressure]."""
+
+    name: ClassVar[str] = "coated"
+
+    def __post_init__(self) -> None:
+        pressure, ratio = "a finite pressure > 0", "-1 < nu <= 0.5"
+        checks.assign(
+            self,
+            thickness=checks.real("thickness", self.thickness, "a finite length > 0", 0),
+            contact_modulus=checks.real("contact_modulus", self.contact_modulus, pressure, 0),
+            base_modulus=checks.real("base_modulus", self.base_modulus, pressure, 0),
+            poisson_ratio=checks.real("poisson_ratio", self.poisson_ratio, ratio, -1, 0.5),
+            base_poisson_ratio=checks.real("base_poisson_ratio", self.base_poisson_ratio, ratio, -1, 0.5),
+        )
+        if not _LEAST_RATIO <= self.base_modulus / self.contact_modulus <= _MOST_RATIO:
+            allowed = (
+                f"from {_LEAST_RATIO:g} to {_MOST_RATIO:g} of the layer's contact_modulus, {self.contact_modulus:g}"
+            )
+            raise ValueError(f"base_modulus is {self.base_modulus!r}; allowed: {allowed}")
+
+    def __repr__(self) -> str:
+        return display.line(self)
+
+    @property
+    def shear_ratio(self) -> float:
+        """The layer's shear modulus over that of the half-space below; E* = 2 mu/(1-nu)."""
+        of_layer, of_base = (1 - self.poisson_ratio), (1 - self.base_poisson_ratio)
+        return self.contact_modulus * of_layer / (self.base_modulus * of_base)
+
+    def stiffness(self, wave_numbers: Array64, period: float) -> Array64:
+        y = wave_numbers * (self.thickness / period)
+        factor = coated_factor(y, self.poisson_ratio, self.base_poisson_ratio, self.shear_ratio)
+        return np.asarray(wave_numbers / 2 * factor)
+
+    def foundation_modulus(self, period: float) -> float:
+        return 0.0  # long waves find a half-space
+
+    def edge_symbol(self, num_points: int, period: float) -> EdgeSymbol:
+        return _CoatedEdge(self.thickness / period * num_points, self.base_modulus / self.contact_modulus)
+
+    def to_dict(self) -> dict[str, Any]:
+        names = ("thickness", "poisson_ratio", "contact_modulus", "base_modulus", "base_poisson_ratio")
+        return {"layer": self.name} | {name: getattr(self, name) for name in names}
+
+    def ratios(self, period: float) -> dict[str, float]:
+        return {"thickness/period": self.thickness / period}
+
+    def in_units(self, length: float, pressure: float) -> Self:
+        return replace(
+            self,
+            thickness=self.thickness * length,
+            contact_modulus=self.contact_modulus * pressure,
+            base_modulus=self.base_modulus * pressure,
+        )

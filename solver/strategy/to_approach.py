@@ -1,0 +1,138 @@
+"""A solve to a given rigid approach: the mean pressure that brings it is found by Newton's method.
+
+The approach grows with the pressure, and its derivative is known exactly from the problem linearised on the contact.
+Newton's method is applied to the logarithms, between which power profiles have nearly a straight line. It begins on
+coarse grids, where it costs little. Between the pressures at which the contact changes the approach is linear in the
+pressure, so two or three solves on the scene's own grid do.
+"""
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..endings import Cause, Reason, Status
+from ..grid.observables import foundation_modulus
+from ..scene import Scene
+from ..solution import Choice, Solution
+from .grids import grids
+from .linearised import contact_compliance
+
+_COARSEST = 2**10  # points
+_EXACT, _GUESS = 1e-10, 1e-3  # relative error of the approach at which to stop, on the scene's grid and on coarse ones
+_AT_THE_FLOOR = 1e3  # times that: an error that grows again, and is smaller, is rounding
+_MOST_SOLVES = 40  # on a grid
+_LONGEST_STEP = 30.0  # factor of the pressure
+
+
+@dataclass
+class _Newton:
+    """Newton's method for the pressure, kept between the pressures that are known to be too low and too high."""
+
+    approach: float
+    """That is wanted [length]."""
+    low: float = 0.0
+    """A pressure whose approach is too small [pressure]."""
+    high: float = math.inf
+    """A pressure whose approach is too large [pressure]."""
+
+    def next(self, pressure: float, found: float, compliance: float) -> float:
+        """The next pressure, from one, its approach [length] and d(approach)/dp."""
+        if found < self.approach:
+            self.low = max(self.low, pressure)
+        else:
+            self.high = min(self.high, pressure)
+        step = math.copysign(math.log(_LONGEST_STEP), self.approach - found)
+        slope = pressure * compliance / found if found > 0 else math.nan
+        if slope > 0:  # not so where rounding has eaten it, or at full contact
+            step = math.copysign(min(abs(math.log(self.approach / found) / slope), abs(step)), step)
+        better = pressure * math.exp(step)
+        if self.low < better < self.high:
+            return better
+        return math.sqrt(max(self.low, self.high / _LONGEST_STEP**2) * self.high)
+
+
+def solve_to_approach(scene: Scene, solve: Callable[[Scene], Solution]) -> Solution:
+    """Solve a scene whose approach is given; the pressure that was found is that of the solution's scene.
+
+    solve: solves a scene that has a pressure. Raises `ValueError` for an approach that no pressure brings.
+    """
+    begin = time.perf_counter()
+    approach, iterations, points = scene.approach, 0, 0.0
+    assert approach is not None
+
+    def counted(scene: Scene) -> Solution:
+        nonlocal iterations, points
+        solution = solve(scene)
+        iterations, points = iterations + solution.iterations, points + solution.transform_pairs * scene.num_points
+        return solution
+
+    guess = _foundation_guess(scene, approach)
+    for size in grids(scene.num_points)[:-1]:
+        if size >= _COARSEST:
+            guess = _coarse_guess(scene, size, counted, guess)
+    found, solves = _found(scene, counted, guess, _EXACT)
+    pressure, seconds = found.scene.pressure, found.seconds | {"total": time.perf_counter() - begin}
+    seconds["solve"] += seconds["total"] - found.seconds["total"]
+    why = f"it brings the approach of {approach:g}; solves on this grid: {solves}"
+    found = replace(
+        found,
+        iterations=iterations,
+        transform_pairs=points / scene.num_points,
+        seconds=seconds,
+        choices=(Choice("pressure", f"{pressure:.10g}", why), *found.choices),
+    )
+    off = abs(found.observables.approach / approach - 1)
+    if found.status is Status.CONVERGED and off > found.tolerance:
+        reason = Reason(Cause.METHOD, "approach", f"{approach:g}, missed by a share of {off:.1g}", "another one")
+        return replace(found, status=Status.STAGNATED, reason=reason)
+    return found
+
+
+def _found(scene: Scene, solve: Callable[[Scene], Solution], pressure: float, exact: float) -> tuple[Solution, int]:
+    """The solution whose approach is right but for a share `exact`, or as near as Newton's method comes to that, and
+    the number of solves.
+
+    pressure: to begin with.
+    """
+    approach = scene.approach
+    assert approach is not None
+    newton, best, least = _Newton(approach), None, math.inf
+    for solves in range(1, _MOST_SOLVES + 1):
+        solution = solve(replace(scene, approach=None, pressure=pressure))
+        found = solution.observables.approach
+        off = abs(found / approach - 1)
+        worse = off >= least
+        if best is None or not worse:
+            best, least = solution, off
+        if solution.status is not Status.CONVERGED:
+            return solution, solves
+        if least <= exact or (worse and least < _AT_THE_FLOOR * exact):
+            break
+        pressure = newton.next(pressure, found, contact_compliance(solution.scene, solution.contact))
+    assert best is not None
+    return best, solves
+
+
+def _coarse_guess(scene: Scene, num_points: int, solve: Callable[[Scene], Solution], guess: float) -> float:
+    """The pressure on a coarse grid; the guess itself where the indenter is not to be had there."""
+    try:
+        coarse = scene.on_grid(num_points)
+    except ValueError:
+        return guess
+    return _found(coarse, solve, guess, _GUESS)[0].scene.pressure
+
+
+def _foundation_guess(scene: Scene, approach: float) -> float:
+    """The pressure of a Winkler foundation as stiff as the layer's longest wave. Raises `ValueError`."""
+    profile, compression = scene.profile, foundation_modulus(scene)
+    full = float(profile.mean())
+    if compression in (0.0, math.inf) and not approach < full:
+        what = "half-space" if compression == 0 else "incompressible layer"
+        allowed = f"below {full:g}, the mean height of the indenter: there the contact with the {what} is full"
+        raise ValueError(f"approach is {approach:g}; allowed: {allowed}")
+    stiffness = float(scene.layer.stiffness(np.array([2 * math.pi]), scene.period)[0])
+    modulus = stiffness * scene.layer.contact_modulus / scene.period
+    return modulus * float(np.maximum(approach - profile, 0.0).mean())

@@ -1,0 +1,180 @@
+"""Approach instead of pressure, mean gap and contact stiffness."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from linecontact import contact_stiffness
+from linecontact.solver import CoatedHalfSpace, Layer, PowerIndenter, RoughIndenter, Scene, SlidingLayer, Status, solve
+from linecontact.solver.grid.problem import full_contact_pressure
+from linecontact.studies.command_line import main
+
+ROUGH = RoughIndenter(0.8, 0, cut_off_ratio=1 / 16)
+LAYERS = [Layer(), Layer(0.1, 0.3), Layer(1e-3, 0.45), Layer(0.01, 0.5), SlidingLayer(0.03), CoatedHalfSpace(0.01, 0.1)]
+
+
+def random_scene(seed):
+    """Any indenter, layer and load; grids of up to 2^12 points."""
+    rng = np.random.default_rng(seed)
+    n, nu = int(2 ** rng.integers(7, 13)), float(rng.choice([-0.5, 0, 0.25, 0.45, 0.5]))
+    thickness = float(10 ** rng.uniform(-4, 1))
+    kinds = (
+        lambda: Layer(math.inf, nu),
+        lambda: Layer(thickness, nu),
+        lambda: SlidingLayer(thickness),
+        lambda: CoatedHalfSpace(thickness, float(10 ** rng.uniform(-2, 2)), nu),
+    )
+    layer = kinds[seed % 4]()
+    power = PowerIndenter(float(rng.uniform(1.2, 6)), float(10 ** rng.uniform(-1, 1)))
+    rough = RoughIndenter(float(rng.uniform(0.2, 1)), seed, cut_off_ratio=min(1.0, 64 / n))
+    return Scene(layer, power if rng.random() < 0.5 or n < 1024 else rough, float(10 ** rng.uniform(-5, -0.5)), 1.0, n)
+
+
+@pytest.mark.parametrize("seed", [*range(40), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(40, 200))])
+def test_there_and_back(seed):
+    """The approach of a pressure, and the pressure of that approach."""
+    scene = random_scene(seed)
+    there = solve(scene)
+    approach = there.observables.approach
+    if there.contact.all():
+        return  # see below
+    back = solve(replace(scene, pressure=math.nan, approach=approach))
+    assert back.status is Status.CONVERGED
+    assert back.observables.approach == pytest.approx(approach, rel=1e-9)
+    assert back.scene.approach is None
+    assert back.choices[0].what == "pressure"
+    # an error of the approach comes back as one of the pressure, times how steep the load is there
+    steepness = max(1.0, there.contact_stiffness * approach / scene.pressure)
+    assert back.scene.pressure == pytest.approx(scene.pressure, rel=1e-8 * steepness)
+
+
+def test_beyond_full_contact_the_foundation_yields():
+    scene = Scene(Layer(0.1, 0.3), ROUGH, 10.0, num_points=2**10)
+    there = solve(scene)
+    assert there.contact.all()
+    back = solve(replace(scene, pressure=math.nan, approach=there.observables.approach))
+    assert back.scene.pressure == pytest.approx(10.0, rel=1e-8)
+    assert back.contact_stiffness == pytest.approx(scene.layer.foundation_modulus(1.0), rel=1e-12)
+
+
+@pytest.mark.parametrize("layer", [Layer(), Layer(0.1, 0.5), CoatedHalfSpace(0.1, 2.0)])
+def test_no_pressure_brings_a_half_space_beyond_full_contact(layer):
+    mean = float(Scene(layer, ROUGH, num_points=2**10).profile.mean())
+    with pytest.raises(ValueError, match=r"approach is .*; allowed: below .*, the mean height of the indenter"):
+        solve(Scene(layer, ROUGH, num_points=2**10, approach=1.01 * mean))
+    near = solve(Scene(layer, ROUGH, num_points=2**10, approach=0.999 * mean))
+    assert near.status is Status.CONVERGED
+    assert near.observables.contact_area > 0.9
+
+
+@pytest.mark.parametrize("method", ["active-set", "mass-weighted-fire"])
+def test_every_method_finds_the_pressure(method):
+    scene = Scene(Layer(0.05), num_points=2**10, approach=1e-3)
+    found = solve(scene, method=method, nested=True, tolerance=1e-8)
+    assert found.observables.approach == pytest.approx(1e-3, rel=1e-8)
+    assert found.scene.pressure == pytest.approx(solve(scene).scene.pressure, rel=1e-7)
+    assert found.iterations > 0
+    assert found.transform_pairs > 0
+
+
+def test_units_do_not_matter():
+    one = solve(Scene(Layer(0.05), num_points=2**10, approach=1e-3))
+    other = solve(
+        Scene(Layer(50.0, contact_modulus=7.0), PowerIndenter(2.0, 1e3), period=1e3, num_points=2**10, approach=1.0)
+    )
+    assert other.scene.pressure == pytest.approx(7 * one.scene.pressure, rel=1e-9)
+
+
+def test_the_approach_of_a_scene_is_shown_and_kept_on_other_grids():
+    scene = Scene(num_points=2**10, approach=1e-3)
+    assert "approach 0.001 [length]" in repr(scene)
+    assert "nan" not in repr(scene)
+    assert "approach" in scene._repr_html_()
+    assert scene.to_dict()["approach"] == 1e-3
+    assert "pressure" not in scene.to_dict()
+    assert scene.on_grid(2**9).approach == 1e-3
+    assert scene == replace(scene)
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"pressure": 0.01, "approach": 0.01}, "approach is 0.01, and pressure 0.01; allowed: one of the two"),
+        ({"approach": 0.0}, "approach is 0.0; allowed: a finite length > 0; up to 0 nothing touches"),
+        ({"approach": -1.0}, "nothing touches: pressure and contact area are 0"),
+        ({"approach": math.inf}, "approach is inf; allowed: a finite length > 0"),
+        ({"approach": "deep"}, "approach is 'deep'; allowed: a finite length > 0"),
+        ({"approach": 1e-70}, "approach/period is 1e-70; allowed: from 1e-60 to 1e"),
+        ({"pressure": math.nan}, "pressure is nan; allowed: a finite pressure > 0"),
+    ],
+)
+def test_bad_loads_are_named(given, said):
+    with pytest.raises(ValueError, match=said):
+        Scene(num_points=2**8, **given)
+
+
+def test_an_accuracy_takes_a_pressure():
+    with pytest.raises(ValueError, match=r"accuracy is 0.001; allowed: for a scene with a pressure"):
+        solve(Scene(num_points=2**10, approach=1e-3), accuracy=1e-3)
+
+
+def test_the_command_takes_an_approach(capsys):
+    assert main.main(["solve", "--approach", "0.001", "--num-points", "2^10"]) == 0
+    shown = capsys.readouterr().out
+    assert "pressure" in shown
+    assert "it brings the approach" in shown.replace("\n", " ")
+    assert main.main(["solve", "--approach", "1", "--num-points", "2^10"]) == 2
+    assert capsys.readouterr().err.startswith("linecontact: approach is 1; allowed: below 0.0416667")
+
+
+@pytest.mark.parametrize("indenter", [PowerIndenter(), PowerIndenter(1.5), ROUGH])
+@pytest.mark.parametrize("layer", LAYERS)
+def test_contact_stiffness_is_the_derivative(layer, indenter):
+    """Against central differences of the approach, over a step that leaves the contact as it is."""
+    step = 1e-6
+    scene = Scene(layer, indenter, 0.01, num_points=2**11)
+    middle = solve(scene, tolerance=1e-12)
+    low, high = (solve(replace(scene, pressure=0.01 * (1 + k * step)), tolerance=1e-12) for k in (-1, 1))
+    if not (low.contact == high.contact).all():
+        pytest.skip("a node joins the contact within the step")
+    rise = high.observables.approach - low.observables.approach
+    # the approach of 12 digits, over a difference that leaves 2e-6 of it
+    bound = 1e-6 + 2e-15 * middle.observables.approach / rise
+    assert middle.contact_stiffness == pytest.approx(2 * step * 0.01 / rise, rel=bound)
+    assert contact_stiffness(middle) == middle.contact_stiffness
+
+
+@pytest.mark.parametrize("num_points", [2**12, 2**16])
+def test_contact_stiffness_of_one_patch_on_the_half_space(num_points):
+    """d(approach)/dp = -(2 L/(pi E*)) ln sin(pi a/L) for one patch of half-width a.
+
+    Counted nodes stand for the width, half a spacing too much or too little at each end: so the bound.
+    """
+    solution = solve(Scene(num_points=num_points))
+    half = solution.observables.contact_area_subgrid / 2
+    exact = -2 / math.pi * math.log(math.sin(math.pi * half))
+    bound = 1 / num_points / math.tan(math.pi * half) * 2 / exact
+    assert 1 / solution.contact_stiffness == pytest.approx(exact, rel=bound)
+
+
+def test_stiffness_without_and_with_full_contact():
+    full = solve(Scene(Layer(), ROUGH, 10.0, num_points=2**10))
+    assert full.contact.all()
+    assert full.contact_stiffness == math.inf
+    assert full.observables.mean_gap == pytest.approx(0, abs=1e-15)
+
+
+def test_mean_gap():
+    solution = solve(Scene(Layer(0.1), ROUGH, 0.01, num_points=2**10))
+    gap = solution.scene.profile - solution.displacement
+    assert solution.observables.mean_gap == pytest.approx(float(gap.mean()), rel=1e-12)
+
+
+@pytest.mark.parametrize("layer", LAYERS)
+def test_full_contact_pressure(layer):
+    scene = Scene(layer, ROUGH, num_points=2**10)
+    full = full_contact_pressure(scene)
+    below, above = (solve(replace(scene, pressure=full * share)) for share in (0.99, 1.01))
+    assert above.contact.all()
+    assert not below.contact.all()
