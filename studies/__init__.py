@@ -24,5 +24,6 @@ STUDIES = {
     "tradeoff": "linecontact.studies.tradeoff.study",
     "extremes": "linecontact.studies.extremes.study",
     "soak": "linecontact.studies.extremes.soak",
+    "curve": "linecontact.studies.curve.study",
 }
 """Every study by its name, with the module that offers it; a module is imported only when its study is needed."""

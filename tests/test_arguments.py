@@ -10,11 +10,12 @@ from typing import ClassVar, Literal, Optional
 import pytest
 from linecontact.solver import INDENTERS, Layer, PowerIndenter, RoughIndenter
 from linecontact.studies import STUDIES
-from linecontact.studies.command_line import kinds, main, plot, solve
+from linecontact.studies.command_line import main, plot, solve
 from linecontact.studies.kernel_benchmark import study as kernels
 from linecontact.studies.power_profiles import study as power_profiles
 from linecontact.studies.runner import study as runner
 from linecontact.studies.scans import reading
+from linecontact.studies.scenes import kinds
 from linecontact.studies.terminal import arguments, declarations
 from linecontact.studies.terminal.options import one_of, options_of
 

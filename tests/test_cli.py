@@ -183,7 +183,10 @@ def test_methods_and_grids(method, grids):
             "workers is 'two'; allowed: an integer, like 262144 or 2^18\n",
         ),
         ([], "solve"),
-        (["stdy"], "command is 'stdy', perhaps meant as study; allowed: solve, explore, study, plot, export, info"),
+        (
+            ["stdy"],
+            "command is 'stdy', perhaps meant as study; allowed: solve, curve, explore, study, plot, export, info",
+        ),
         (["study", "hertz", "--quik"], "option --quik is unknown, perhaps meant as --quick"),
         (["solve", "--tolerence", "1"], "option --tolerence is unknown, perhaps meant as --tolerance"),
     ],

@@ -6,9 +6,10 @@ A short run with fixed seeds; longer ones were made.
 from fuzzing import fuzz
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from linecontact.studies.command_line import kinds, solve
 from linecontact.studies.command_line import main as cli
+from linecontact.studies.command_line import solve
 from linecontact.studies.runner import run
+from linecontact.studies.scenes import kinds
 from linecontact.studies.terminal.options import flag
 
 KINDS = [solve.Options, *kinds.titled().values()]

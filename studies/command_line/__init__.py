@@ -1,7 +1,7 @@
-"""The command line: linecontact solve | explore | study | plot | export | info; a file for each, and `main` for all.
+"""The commands, a file for each: solve, explore, study, plot, export, info; and `main` for all. `curve` is a study.
 
 Such a file offers `Options`, a dataclass of what the command can be asked for, and `command(options)`, which does it
 and returns the exit status. `main` looks for mistyped options before it imports any of them.
 
-May import: linecontact.kernels, linecontact.solver, terminal, files, figures, runner, scans, explore.
+May import: linecontact.kernels, linecontact.solver, terminal, files, figures, runner, scans, scenes, explore.
 """

@@ -3,17 +3,16 @@
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
-from linecontact.solver import INDENTERS, LAYERS, MeasuredIndenter, Scene, solve
+from linecontact.solver import MeasuredIndenter, Scene, solve
 
-from ..terminal.options import one_of
-from . import kinds
-from .solve import Given, make_scene
+from ..scenes import kinds, making
+from ..scenes.making import Given, make_scene
 
 _NUM_POINTS = 2**14
 
 
 @dataclass(frozen=True)
-class Options:
+class Options(making.Options):
     """Move a scene by sliders, on a page in the browser: thickness, Poisson's ratio, load, and the indenter's numbers.
 
     The page is served to this machine only, by this process, until Ctrl-C. It shows indenter and surface, contact
@@ -21,14 +20,6 @@ class Options:
     milliseconds. A link and a command line on the page repeat the scene that it shows.
     """
 
-    profile: str = one_of(INDENTERS, next(iter(INDENTERS)))
-    """Indenter at the start; what each one is, and takes, is told below."""
-    layer: str = one_of(LAYERS, next(iter(LAYERS)))
-    """Layer; what each one is, and takes, is told below."""
-    pressure: float | None = None
-    """Mean external pressure p > 0 at the start [pressure]; default 0.002, but for a file it must be given."""
-    period: float | None = None
-    """Period L > 0 [length]; default 1; not for a file, whose scan is the period, or half of it."""
     num_points: int | None = None
     """Grid points, at least 4, like 16384 or 2^14; default 2^14, for a file four or more to a value."""
     precision: ClassVar[str] = Scene.precision

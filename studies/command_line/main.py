@@ -9,17 +9,18 @@ from collections.abc import Callable, Sequence
 
 from ... import __version__
 from .. import STUDIES
+from ..scenes import kinds
 from ..terminal import arguments, declarations, text
-from . import kinds, study
+from . import study
 
 PROG = "linecontact"
 ABOUT = f"""What is pressed against what, how large is the true contact, and how wrong can the answer be?
 
 {PROG} COMMAND --help lists the options of a command, {PROG} --version shows the version."""
-COMMANDS = ("solve", "explore", "study", "plot", "export", "info")
-"""Each has a module of its name beside this one."""
+COMMANDS = ("solve", "curve", "explore", "study", "plot", "export", "info")
+"""Each has a module of its name beside this one, but for studies that are commands by themselves."""
 
-SCENES = ("solve", "explore")
+SCENES = ("solve", "curve", "explore")
 """Those that take the options of layers and profiles."""
 
 BAD_INPUT = 2
@@ -46,7 +47,7 @@ def _command(words: list[str]) -> Callable[[], int]:
         print(PROG, __version__)
         return lambda: 0
     name, words = arguments.choose("command", words, COMMANDS, PROG, ABOUT, _summary)
-    prog, module = f"{PROG} {name}", f"{__package__}.{name}"
+    prog, module = f"{PROG} {name}", _module(name)
     if name == "study":
         name, words = study.choose(words, prog)
         prog, module = f"{prog} {name}", STUDIES[name]
@@ -69,8 +70,12 @@ def _command(words: list[str]) -> Callable[[], int]:
     return lambda: console.guard(lambda: int(found.command(options, *others)), kept)
 
 
+def _module(name: str) -> str:
+    return STUDIES.get(name, f"{__package__}.{name}")
+
+
 def _summary(name: str) -> str:
-    return study.ABOUT if name == "study" else declarations.summary(f"{__package__}.{name}:Options")
+    return study.ABOUT if name == "study" else declarations.summary(f"{_module(name)}:Options")
 
 
 def _check_names(words: Sequence[str], asked: Sequence[str], prog: str) -> None:

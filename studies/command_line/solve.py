@@ -3,13 +3,13 @@
 import inspect
 import json
 import math
+import re
 import sys
-from collections.abc import Mapping
-from dataclasses import MISSING, dataclass
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
-from linecontact.solver import INDENTERS, LAYERS, METHODS, MeasuredIndenter, Scene, Solution, Status, solve
+from linecontact.solver import METHODS, MeasuredIndenter, Scene, Solution, Status, solve
 from linecontact.solver.scene import PRECISIONS
 from linecontact.solver.strategy.errors import claimed_error
 from linecontact.solver.transforms.planned import PLANNING
@@ -18,17 +18,18 @@ from rich.table import Table
 
 from ..figures.names import FORMATS
 from ..files import solution_files, writing
-from ..scans import reading, summary
+from ..scans import summary
+from ..scenes import kinds, making
+from ..scenes.making import Given, make_scene
 from ..terminal import console
-from ..terminal.options import one_of, options_of
-from . import kinds
+from ..terminal.options import one_of
 
 _DEFAULTS = {name: parameter.default for name, parameter in inspect.signature(solve).parameters.items()}
 """Of the parameters of `solve`."""
 
 
 @dataclass(frozen=True)
-class Options:
+class Options(making.Options):
     """Solve one scene. Lengths and pressures in consistent units of your own; the published study's are 1.
 
     What is solved: a linear elastic layer on a rigid base, and a rigid indenter, the same along a second axis (plane
@@ -36,14 +37,8 @@ class Options:
     surface, which is taken to be the same along the second axis. E* = E/(1 - nu^2).
     """
 
-    profile: str = one_of(INDENTERS, next(iter(INDENTERS)))
-    """Indenter; what each one is, and takes, is told below."""
-    layer: str = one_of(LAYERS, next(iter(LAYERS)))
-    """Layer; what each one is, and takes, is told below."""
-    pressure: float | None = None
-    """Mean external pressure p > 0 [pressure]; default 0.002, but for a file it must be given."""
-    period: float | None = None
-    """Period L > 0 [length]; default 1; not for a file, whose scan is the period, or half of it."""
+    approach: float | None = None
+    """Rigid approach > 0 since first touch [length], instead of the pressure, which is then found."""
     num_points: int | None = None
     """Grid points, at least 4, like 262144 or 2^18; default 2^18, for a file four or more to a value."""
     accuracy: float | None = _DEFAULTS["accuracy"]
@@ -75,10 +70,6 @@ class Options:
     """Let --save and --patches replace an existing file."""
     strict: bool = False
     """Give exit status 3 if there is a warning."""
-
-
-Given = Mapping[str, Mapping[str, Any]]
-"""The options of the layer and of the profiles that are given, by the titles of `kinds` and by name."""
 
 
 def command(options: Options, given: Given) -> int:
@@ -163,58 +154,6 @@ def check_targets(options: Options, given: Given) -> None:
         writing.check_target(options.save.with_suffix(suffix), options.overwrite)
 
 
-def make_scene(options: Any, given: Given) -> Scene:
-    """The scene that the options of this command, or of another that has those of a scene, describe.
-
-    Raises `ValueError`.
-    """
-    profile = _made("profile", options, given)
-    if isinstance(profile, reading.Options):
-        indenter, period, num_points = reading.read(profile)
-        _check_scales(options, given)
-        grid: dict[str, Any] = {"period": period, "num_points": num_points}
-    else:
-        indenter = profile
-        grid = {name: getattr(options, name) for name in ("period", "num_points") if getattr(options, name) is not None}
-    layer = _made("layer", options, given)
-    if options.pressure is not None:
-        grid["pressure"] = options.pressure
-    return Scene(layer=layer, indenter=indenter, precision=options.precision, **grid)
-
-
-def _check_scales(options: Any, given: Given) -> None:
-    """Raise `ValueError` where a file, whose lengths have units, would meet a pressure or modulus that nobody gave."""
-    own = given[kinds.title("layer", options.layer)]
-    known = {"contact_modulus", "youngs_modulus"} & own.keys()
-    needed = "contact_modulus" in options_of(kinds.classes("layer")[options.layer]) and not known
-    missing = ["contact_modulus (or youngs_modulus)"] * needed + ["pressure"] * (options.pressure is None)
-    if missing:
-        names = f"{' and '.join(missing)} {'are' if len(missing) > 1 else 'is'} missing"
-        raise ValueError(f"{names}; allowed: with a file, whose lengths have units, both must be given, in one unit")
-
-
-def _made(what: str, options: Any, given: Given) -> Any:
-    """The layer or the profile that the option `what` chooses, with its own options.
-
-    Raises `ValueError` if one of them is missing, and for those of another kind, unless they have their default.
-    """
-    chosen = getattr(options, what)
-    classes = kinds.classes(what)
-    own = options_of(classes[chosen])
-    for other, kind in classes.items():
-        defaults = {name: option.default for name, option in options_of(kind).items()}
-        for name, value in given[kinds.title(what, other)].items():
-            if name not in own and not hasattr(options, name) and value != defaults[name]:
-                raise ValueError(f"{name} is {value}; allowed: only with --{what} {other}, not {chosen}")
-    values = given[kinds.title(what, chosen)]
-    for name, option in own.items():
-        if option.default is MISSING and name not in values:
-            raise ValueError(f"{name} is missing; allowed: {option.allowed}, with --{what} {chosen}")
-    if missing := getattr(classes[chosen], "__abstractmethods__", ()):
-        raise ValueError(f"{what} {chosen} lacks {', '.join(sorted(missing))}; allowed: one that offers what it must")
-    return classes[chosen](**values)
-
-
 def solution_table(solution: Solution) -> Table:
     """What a solve found, with units."""
     record = solution.to_dict()
@@ -252,6 +191,12 @@ def solution_table(solution: Solution) -> Table:
         *([("kappa over the half-space's", record["kappa_ratio"], "-")] if "kappa_ratio" in record else []),
         ("reduced thickness d/(a_r L)", record["reduced_thickness"], "-"),
         ("approach", record["approach"], "length"),
+        ("mean gap", record["mean_gap"], "length"),
+        *(
+            [("contact stiffness dp/d(approach)", record["contact_stiffness"], "pressure/length")]
+            if "contact_stiffness" in record
+            else []
+        ),
         ("peak pressure", record["peak_pressure"], "pressure"),
         ("iterations", record["iterations"], "-"),
         ("transform pairs", record["transform_pairs"], "-"),
@@ -260,7 +205,7 @@ def solution_table(solution: Solution) -> Table:
     ]
     known = record["scene"].get("profile_length_unit", SCENE)
     for name, value, unit in rows:
-        unit = known if unit == "length" and known != SCENE else unit
+        unit = unit if known == SCENE else re.sub(r"\blength$", known, unit)
         table.add_row(name, f"{value:.7g}" if isinstance(value, float) else str(value), unit)
     return table
 

@@ -2,10 +2,13 @@
 
 from collections.abc import Sequence
 
-from .. import STUDIES
+from .. import STUDIES as EVERY
 from ..terminal import arguments, declarations
 
 ABOUT = "Run a study: data, figures and a table in one folder."
+
+STUDIES = {name: module for name, module in EVERY.items() if name != "curve"}
+"""Those of this command; a curve is a command by itself."""
 
 
 def choose(words: Sequence[str], prog: str) -> tuple[str, list[str]]:

@@ -53,7 +53,7 @@ def given(words: Sequence[str], kinds: Mapping[str, type], prog: str) -> dict[st
     try:
         found, more = _parser(prog, groups, required, {}).parse_known_args(words)
     except argparse.ArgumentError as error:
-        option = every[(error.argument_name or "").lstrip("-").replace("-", "_")]
+        option = next(option for option in every.values() if flag(option.name) == error.argument_name)
         if option.count:
             raise ValueError(f"{option.name} has no value; allowed: {option.allowed}") from None
         raise ValueError(f"{option.name} has a value; allowed: {flag(option.name)} alone") from None
@@ -146,14 +146,19 @@ def _parser(
         declared = _declaration(told[title]) if told else _NOTHING
         if not title:
             parser.description = declared.text
-        shared = [f"{flag(name)} (default: {option.default})" for name, option in group.items() if name in added]
+        shared = [f"{flag(name)} ({_default(option)})" for name, option in group.items() if name in added]
         also = f" It takes {', '.join(shared)}, too." if shared and told else ""
-        section = parser.add_argument_group(title, declared.summary + also) if title else parser
+        about = textwrap.fill(declared.summary + also, _WIDTH - 2)
+        section = parser.add_argument_group(title, about) if title else parser
         for name, option in group.items():
             if name not in added:
                 _add(section, option, name in required, declared.fields.get(name, ""))
         added |= set(group)
     return parser
+
+
+def _default(option: Option) -> str:
+    return "must be given" if option.default is MISSING else f"default: {option.default}"
 
 
 def _declaration(kind: type) -> declarations.Declaration:

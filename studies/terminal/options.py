@@ -75,8 +75,8 @@ def _power(words: str) -> int:
 
 
 def flag(name: str) -> str:
-    """The name of a field as it is written on the command line."""
-    return f"--{name.replace('_', '-')}"
+    """The name of a field as it is written on the command line; `from_`, which Python needs, is --from there."""
+    return f"--{name.rstrip('_').replace('_', '-')}"
 
 
 def options_of(kind: type) -> dict[str, Option]:

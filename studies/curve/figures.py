@@ -1,0 +1,75 @@
+"""The figure of a curve: contact area, kappa and contact stiffness over the number that is varied."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
+
+from ..figures.style import COLOURS, ONE_COLUMN, NothingToDraw, load, panels, typeset
+from .tasks import VALUE, unit_in
+
+_DECADE = 10.0  # ratio of the ends from which an axis is logarithmic
+
+
+def draw(path: Path) -> dict[str, Figure]:
+    """The three panels of a stored curve."""
+    study = load(path)
+    order = np.argsort(study.column(VALUE))
+    value = study.column(VALUE)[order]
+    shown = np.isfinite(value)
+    if not shown.any():
+        raise NothingToDraw("a curve whose only value is infinite has no place on an axis")
+    over = str(study.configuration["over"])
+    figure, grid = panels(3, 1, ONE_COLUMN, 6.0, sharex=True)
+    for axes, (name, error, label) in zip(grid[:, 0], _PANELS, strict=True):
+        y = study.column(name).astype(np.float64)[order]
+        bars = study.column(error).astype(np.float64)[order] if error else np.zeros_like(y)
+        _panel(axes, value[shown], y[shown], bars[shown], joined=over != "seed")
+        axes.set_ylabel(label if error else f"{label}\n[{unit_in(study, name)}]")
+        for beyond in y[~shown] if error else ():  # a half-space, whose approach compares with no other
+            axes.axhline(beyond, color=COLOURS[3], ls="--", lw=0.8, label="half-space")
+    if over == "seed":
+        grid[-1, 0].xaxis.set_major_locator(MaxNLocator(integer=True))
+    grid[-1, 0].set_xlabel(f"{over.replace('_', ' ')} [{unit_in(study, over)}]")
+    figure.suptitle(_scene(study.runs[0], over), fontsize=8)
+    if not shown.all():
+        figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside lower center")
+    return {"": figure}
+
+
+_PANELS = (
+    ("contact_area_subgrid", "contact_area_error", "contact area $a_r$\n(dimensionless)"),
+    ("kappa_subgrid", "kappa_error", "$\\kappa=a_r/p^*$\n(dimensionless)"),
+    ("contact_stiffness", "", "contact stiffness\n$dp/d$(approach)"),
+)
+"""Column, column of its error, and label of each panel."""
+
+
+def _panel(
+    axes: Axes, x: NDArray[np.float64], y: NDArray[np.float64], error: NDArray[np.float64], joined: bool
+) -> None:
+    there = np.isfinite(y)
+    error = np.where(np.isfinite(error), error, 0.0)
+    line = "o" if not joined else "o-" if x.size < 100 else "-"
+    axes.errorbar(x[there], y[there], yerr=error[there], fmt=line, ms=2.5, lw=0.9, color=COLOURS[0])
+    for values, scale in ((x, axes.set_xscale), (y[there], axes.set_yscale)):
+        if values.size and values.min() > 0 and values.max() >= _DECADE * values.min():
+            scale("log")
+
+
+def _scene(run: Mapping[str, Any], over: str) -> str:
+    """What all points have in common, in a line: numbers in the units of the scene."""
+    told = {name: run[f"scene.{name}"] for name in _SYMBOLS if name != over and f"scene.{name}" in run}
+    numbers = [f"${_SYMBOLS[name]}={typeset(float(value))}$" for name, value in told.items() if np.isfinite(value)]
+    half_space = ["half-space"] * (told.get("thickness") == np.inf)
+    points = [] if over == "num_points" else [f"{run['scene.num_points']} points"]
+    return ", ".join([str(run["scene.profile"]), *half_space, *numbers, *points])
+
+
+_SYMBOLS = {"exponent": "n", "hurst": "H", "thickness": "d", "poisson_ratio": "\\nu"}
+"""Numbers of a scene that are told above its curve, with their symbols."""

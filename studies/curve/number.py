@@ -1,0 +1,94 @@
+"""The number of a scene that a curve varies: its name, its values, and scenes with one of them."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import fields, replace
+from typing import Any, Literal
+
+import numpy as np
+from linecontact.solver import Scene
+from linecontact.solver.units import unit
+
+from ..scans.units import UNITS, unit_of
+
+Spacing = Literal["auto", "log", "linear"]
+
+_DECADE = 10.0  # ratio of the ends from which values are spaced evenly in their logarithm
+MOST = 2**14
+"""Values of a curve."""
+
+
+def numbers(scene: Scene) -> dict[str, float]:
+    """The numbers of a scene that can be varied, by the names of their options."""
+    found = {"pressure": scene.pressure, "approach": math.nan, "period": scene.period, "num_points": scene.num_points}
+    return found | dict(_own(scene.layer)) | dict(_own(scene.indenter))
+
+
+def _own(part: Any) -> Iterator[tuple[str, float]]:
+    for entry in fields(part):
+        value = getattr(part, entry.name)
+        if isinstance(value, int | float) and not isinstance(value, bool):
+            yield entry.name, value
+
+
+def put(scene: Scene, name: str, value: float) -> Scene:
+    """The scene with another value of one of its `numbers`. Raises `ValueError`."""
+    if name == "num_points":
+        return scene.on_grid(int(value))
+    for part in ("layer", "indenter"):
+        owner: Any = getattr(scene, part)
+        own = dict(_own(owner))
+        if name in own:
+            number = int(value) if isinstance(own[name], int) else value
+            return replace(scene, **{part: replace(owner, **{name: number})})
+    return replace(scene, **{name: value})  # type: ignore[arg-type]
+
+
+def whole(scene: Scene, name: str) -> bool:
+    """Whether a number is an integer."""
+    return isinstance(numbers(scene)[name], int)
+
+
+def read(option: str, text: str, name: str, length_unit: str) -> float:
+    """A value as it is written on the command line: a number, or a length with its unit. Raises `ValueError`.
+
+    option: that it is given with, for messages. name: of the number. length_unit: of the scene, where it is known.
+    """
+    digits = text.rstrip('\u00b5\u03bcabcdefghijklmnopqrstuvwxyz"') if text.strip().lower() not in _INFINITE else text
+    written = text[len(digits) :].strip()
+    if "^" in digits:
+        base, _, power = digits.partition("^")
+        digits = str(float(base) ** float(power)) if base.isdigit() and power.isdigit() else digits
+    try:
+        value = float(digits)
+    except ValueError:
+        raise ValueError(f"{option} is {text!r}; allowed: a number, or a length with its unit, like 50um") from None
+    if not written:
+        return value
+    known = unit_of(written)
+    if known is None or unit(name) != "length":
+        raise ValueError(f"{option} is {text!r}; allowed: a number{' or a length' * (unit(name) == 'length')}")
+    if length_unit not in UNITS:
+        raise ValueError(f"{option} is {text!r}; allowed: a number alone, the lengths of this scene have no unit")
+    return value * (UNITS[known] / UNITS[length_unit])
+
+
+_INFINITE = ("inf", "infinity")
+
+
+def spaced(first: float, last: float, count: int, spacing: Spacing, integers: bool) -> tuple[float, ...]:
+    """Values from the first to the last, evenly spaced in their logarithm or as they are. Raises `ValueError`.
+
+    spacing: 'auto' is the logarithm from a decade on. integers: whether the values are rounded, and none comes twice.
+    """
+    low, high = min(first, last), max(first, last)
+    if not (math.isfinite(low) and math.isfinite(high)):
+        raise ValueError(f"to is {last:g}, and from {first:g}; allowed: finite numbers; --values takes inf")
+    if spacing == "log" and not low > 0:
+        raise ValueError(f"from is {first:g}, and to {last:g}; allowed: numbers > 0, with --spacing log")
+    if spacing == "auto":
+        spacing = "log" if low > 0 and high >= _DECADE * low else "linear"
+    values = np.geomspace(first, last, count) if spacing == "log" else np.linspace(first, last, count)
+    if integers:
+        return tuple(dict.fromkeys(float(value) for value in np.round(values)))
+    return tuple(float(f"{value:.12g}") for value in values)

@@ -1,0 +1,141 @@
+"""`linecontact curve`: contact area, kappa, approach and stiffness over the load, or over another number of a scene."""
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from linecontact.solver import Scene, checks
+from linecontact.solver.grid.problem import full_contact_pressure
+
+from ..runner import study
+from ..runner.run import run_study
+from ..runner.study import Plan, Study
+from ..scenes import kinds, making
+from ..scenes.making import Given
+from . import number
+from .report import report
+from .tasks import Task, base_scene, described
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+NAME = "curve"
+_SMALLEST_LOAD = 1e-5  # over that of full contact: where a curve over the load begins by itself
+_LOADS = ("pressure", "approach")
+
+
+@dataclass(frozen=True)
+class Options(making.Options, study.Options):
+    """Vary one number of a scene: area, kappa, approach and stiffness for every value; table, file and figure.
+
+    For instance the area over the load, --over pressure, over the layer's thickness, --over thickness --from 0.001
+    --to 1, or over ten random surfaces, --over seed --from 0 --to 9, with mean and standard error. Every point is
+    solved and certified by itself. Run again after an interruption, it continues. `linecontact export` makes a CSV file
+    of the result.
+    """
+
+    approach: float | None = None
+    """Rigid approach > 0 since first touch [length], instead of the pressure."""
+    num_points: int | None = None
+    """Grid points, at least 4, like 262144 or 2^18; default 2^18, for a file four or more to a value."""
+    precision: ClassVar[str] = Scene.precision
+    accuracy: float | None = None
+    """Relative error wanted of every a_r, 1e-9 to 0.1 (dimensionless); num_points is then the most to use."""
+    over: str = "pressure"
+    """The number that is varied: pressure, approach, period, num_points, or one of the layer's or the indenter's own,
+    like thickness, poisson_ratio, exponent, hurst or seed."""
+    from_: str | None = None
+    """First value, in the scene's unit or, with a scan, with its own, like 50um; default for the pressure: 1e-5 of that
+    of full contact."""
+    to: str | None = None
+    """Last value; default for the pressure: that of full contact, the last node included."""
+    points: int = 30
+    """Number of values, 2 to 16384; of seeds and other integers every one, if they are fewer."""
+    spacing: number.Spacing = "auto"
+    """Of the values: even in their logarithm, or linear; auto: the logarithm from a decade on."""
+    values: str | None = None
+    """Values separated by commas, instead of --from and --to; inf is a half-space's thickness."""
+
+
+def plan(options: Options, given: Given) -> Plan:
+    """The tasks. Raises `ValueError`."""
+    told: dict[str, Any] = {name: getattr(options, name) for name in _SCENE}
+    if options.over in _LOADS:
+        for name in _LOADS:
+            if told[name] is not None:
+                raise ValueError(f"{name} is {told[name]:g}; allowed: none with --over {options.over}")
+        told[options.over] = 1.0  # in place of the values, for what all points have in common
+    description = described(told, given)
+    scene = base_scene(description)
+    allowed = number.numbers(scene)
+    if options.over not in allowed:
+        raise ValueError(f"over is {options.over!r}; allowed: {', '.join(allowed)}")
+    values = _values(options, scene)
+    for value in values:
+        _check(scene, options.over, value)
+    return Plan(
+        kind=NAME,
+        configuration={"scene": description, "over": options.over, "values": values, "accuracy": options.accuracy},
+        runs=[Task(description, options.over, value, options.accuracy) for value in values],
+    )
+
+
+_SCENE = ("profile", "layer", "pressure", "approach", "period", "num_points", "precision")
+"""The options that make a scene."""
+
+
+def _values(options: Options, scene: Scene) -> tuple[float, ...]:
+    ends = {"from": options.from_, "to": options.to}
+    given = {name: text for name, text in ends.items() if text is not None}
+    if options.values is not None:
+        if given:
+            name, text = next(iter(given.items()))
+            raise ValueError(f"{name} is {text!r}; allowed: none with --values")
+        texts = options.values.split(",")
+        if len(texts) > number.MOST:
+            raise ValueError(f"values are {len(texts)}; allowed: up to {number.MOST}")
+        return tuple(dict.fromkeys(_read(options, scene, "values", text) for text in texts))
+    found = {name: _read(options, scene, name, text) for name, text in given.items()}
+    if options.over == "pressure" and len(found) < len(ends):
+        full = full_contact_pressure(scene)
+        found = {"from": _SMALLEST_LOAD * full, "to": full} | found
+    for name in ends:
+        if name not in found:
+            raise ValueError(f"{name} is missing; allowed: a number, or --values, with --over {options.over}")
+    whole, count = number.whole(scene, options.over), options.points
+    checks.integer("points", count, f"an integer from 2 to {number.MOST}", 2, number.MOST)
+    if whole and options.over == "seed":
+        count = min(count, round(abs(found["to"] - found["from"])) + 1)
+    return number.spaced(found["from"], found["to"], count, options.spacing, whole)
+
+
+def _read(options: Options, scene: Scene, option: str, text: str) -> float:
+    return number.read(option, text, options.over, scene.length_unit)
+
+
+def _check(scene: Scene, name: str, value: float) -> None:
+    """Raise `ValueError` for a value that makes no scene, before anything is solved."""
+    if number.whole(scene, name) and not (math.isfinite(value) and value == int(value)):
+        raise ValueError(f"{name} is {value:g}; allowed: an integer")
+    number.put(scene, name, value)
+
+
+def draw(path: Path) -> "dict[str, Figure]":
+    """The figure of a stored curve."""
+    from . import figures
+
+    return figures.draw(path)
+
+
+def _study(given: Given) -> Study:
+    return Study(name=NAME, options=Options, plans=lambda options: [plan(options, given)], report=report, draw=draw)
+
+
+STUDY = _study({title: {} for title in kinds.titled()})
+"""The study of a scene whose layer and indenter have their defaults."""
+
+
+def command(options: Options, given: Given) -> int:
+    """Solve the curve as asked, or what is left of it; returns the exit status."""
+    return run_study(_study(given), options)

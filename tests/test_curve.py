@@ -1,0 +1,162 @@
+"""`linecontact curve`: every number of a scene can be varied, and what is wrong is said before anything is solved."""
+
+import itertools
+import json
+import math
+import os
+
+import h5py
+import numpy as np
+import pytest
+from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, solve
+from linecontact.studies.command_line import main
+from linecontact.studies.curve import number
+from linecontact.studies.files.study_files import load_study
+
+
+def curve(folder, *words):
+    return main.main(["curve", "--folder", str(folder), "--workers", "1", *words])
+
+
+def runs(folder):
+    return load_study(folder / "curve.h5").runs
+
+
+@pytest.fixture(scope="module")
+def loads(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("loads")
+    assert curve(folder, "--num-points", "2^10", "--points", "6", "--thickness", "0.1") == 0
+    return folder
+
+
+def test_over_the_load_from_first_touch_to_full_contact(loads, capsys):
+    found = runs(loads)
+    pressure, area = ([run[name] for run in found] for name in ("value", "contact_area"))
+    assert len(found) == 6
+    assert pressure[-1] == pytest.approx(1e5 * pressure[0], rel=1e-9)
+    assert area == sorted(area)
+    assert area[0] < 0.01
+    assert area[-1] > 0.99
+    one = found[2]
+    alone = solve(Scene(Layer(0.1), pressure=one["value"], num_points=2**10))
+    assert one["contact_area_subgrid"] == pytest.approx(alone.observables.contact_area_subgrid, rel=1e-12)
+    assert one["contact_stiffness"] == pytest.approx(alone.contact_stiffness, rel=1e-9)
+    # the stiffness is the slope of the curve: between two loads it lies between those at the loads
+    for left, right in itertools.pairwise(found):
+        slope = (right["value"] - left["value"]) / (right["approach"] - left["approach"])
+        assert left["contact_stiffness"] < slope < right["contact_stiffness"]
+    capsys.readouterr()
+    assert curve(loads, "--num-points", "2^10", "--points", "6", "--thickness", "0.1") == 0
+    assert "Finished before; nothing computed." in capsys.readouterr().out
+    assert (loads / "curve.png").is_file()
+
+
+def test_another_curve_does_not_replace_it(loads, capsys):
+    assert curve(loads, "--num-points", "2^9", "--points", "2") == 2
+    assert "allowed: --overwrite, or a new --folder" in capsys.readouterr().err
+
+
+def test_more_values_continue(loads, tmp_path, capsys):
+    """Values that are known are not solved again."""
+    known = ["--num-points", "2^9", "--over", "thickness"]
+    assert curve(tmp_path, *known, "--values", "0.1,0.2") == 0
+    records = {file: file.stat().st_mtime_ns for file in (tmp_path / "tasks").iterdir()}
+    os.remove(tmp_path / "curve.h5")
+    assert curve(tmp_path, *known, "--values", "0.1,0.2,inf") == 0
+    assert "continuing: 2 of 3 tasks are done" in capsys.readouterr().err
+    assert all(file.stat().st_mtime_ns == then for file, then in records.items())
+    assert [run["scene.thickness"] for run in runs(tmp_path)] == [0.1, 0.2, math.inf]
+
+
+@pytest.mark.parametrize(
+    ("words", "column", "values"),
+    [
+        ("--over approach --from 1e-4 --to 1e-2 --points 3", "approach", [1e-4, 1e-3, 1e-2]),
+        ("--over poisson_ratio --from 0 --to 0.5 --points 3", "scene.poisson_ratio", [0, 0.25, 0.5]),
+        ("--over exponent --values 1.5,2", "scene.exponent", [1.5, 2]),
+        ("--over num_points --from 2^6 --to 2^8 --points 3 --spacing log", "scene.num_points", [64, 128, 256]),
+        (
+            "--layer coated --thickness 0.1 --base-modulus 2 --over base_modulus --values 0.1,10",
+            "scene.base_modulus",
+            [0.1, 10],
+        ),
+        ("--profile rough --cut-off-ratio 0.25 --over seed --from 3 --to 5", "scene.seed", [3, 4, 5]),
+    ],
+)
+def test_over_any_number(tmp_path, words, column, values):
+    assert curve(tmp_path, "--num-points", "2^9", *words.split()) == 0
+    assert [float(run[column]) for run in runs(tmp_path)] == pytest.approx(values, rel=1e-9)
+    assert {run["status"] for run in runs(tmp_path)} == {"converged"}
+
+
+def test_over_seeds_mean_and_standard_error_are_told(tmp_path, capsys):
+    words = ["--profile", "rough", "--cut-off-ratio", "0.25", "--over", "seed", "--from", "0", "--to", "3"]
+    assert curve(tmp_path, "--num-points", "2^10", "--pressure", "0.05", *words) == 0
+    areas = np.array([run["contact_area_subgrid"] for run in runs(tmp_path)])
+    told = f"a_r = {areas.mean():.6g} +- {areas.std(ddof=1) / 2:.2g}"
+    assert told in capsys.readouterr().out.replace("\n", " ")
+
+
+def test_a_scan_with_lengths_in_units(tmp_path):
+    x = np.arange(200) * 0.5
+    scan = tmp_path / "scan.csv"
+    scan.write_text("x [um],z [nm]\n" + "\n".join(f"{a},{40 * math.sin(a / 7)}" for a in x))
+    words = ["--profile", "file", "--profile-file", str(scan), "--pressure", "1e6", "--youngs-modulus", "5e9"]
+    words += ["--num-points", "2^10", "--over", "thickness"]
+    assert curve(tmp_path / "out", *words, "--from", "1um", "--to", "0.1mm", "--points", "3") == 0
+    assert [run["scene.thickness"] for run in runs(tmp_path / "out")] == pytest.approx([1e-6, 1e-5, 1e-4])
+    with h5py.File(tmp_path / "out" / "curve.h5") as file:
+        told = json.loads(json.loads(file.attrs["configuration"])["scene"])
+    assert list(told["files"]) == [str(scan)]
+    scan.write_text(scan.read_text().replace("40", "41", 1) + "\n")
+    os.remove(tmp_path / "out" / "curve.h5")
+    assert curve(tmp_path / "out", *words, "--from", "1um", "--to", "0.1mm", "--points", "3") == 0
+    assert len(list((tmp_path / "out" / "tasks").glob("*.json"))) == 6  # other contents are another scene
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("--over thicknes", "over is 'thicknes'; allowed: pressure, approach, period, num_points, thickness"),
+        ("--over hurst --from 0 --to 1", "over is 'hurst'; allowed: "),
+        ("--over thickness", "from is missing; allowed: a number, or --values, with --over thickness"),
+        ("--over thickness --from 0.1", "to is missing; allowed: a number"),
+        ("--pressure 0.1", "pressure is 0.1; allowed: none with --over pressure"),
+        ("--approach 0.1", "approach is 0.1; allowed: none with --over pressure"),
+        ("--over approach --pressure 1 --values 1e-3", "pressure is 1; allowed: none with --over approach"),
+        ("--over thickness --from 0.1 --to 1mm", "to is '1mm'; allowed: a number alone, the lengths"),
+        ("--over exponent --from 1.5 --to 2um", "to is '2um'; allowed: a number"),
+        ("--from first --to 1", "from is 'first'; allowed: a number, or a length with its unit"),
+        ("--from 0 --to 1", "pressure is 0.0; allowed: a finite pressure > 0"),
+        ("--from 0 --to 1 --spacing log", "from is 0, and to 1; allowed: numbers > 0, with --spacing log"),
+        ("--from 1e-4 --to inf", "to is inf, and from 0.0001; allowed: finite numbers"),
+        ("--points 1", "points is 1; allowed: an integer from 2 to 16384"),
+        ("--values 1e-3 --from 1e-3", "from is '1e-3'; allowed: none with --values"),
+        ("--values 1e-3,-1", "pressure is -1.0; allowed: a finite pressure > 0"),
+        ("--over num_points --values 100.5", "num_points is 100.5; allowed: an integer"),
+        ("--over num_points --from 2 --to 9", "num_points is 2; allowed: an integer from 4"),
+        ("--over poisson_ratio --values 0.3,0.6", "poisson_ratio is 0.6; allowed: -1 < nu <= 0.5"),
+        ("--accuracy 2", "accuracy is 2.0; allowed: "),
+        ("--layer coated --thickness 0.1", "base_modulus is missing; allowed: a number, with --layer coated"),
+    ],
+)
+def test_what_is_wrong_is_said_before_anything_is_solved(tmp_path, capsys, words, said):
+    assert curve(tmp_path / "out", "--num-points", "2^9", *words.split()) == 2
+    assert capsys.readouterr().err.startswith(f"linecontact: {said}")
+    assert not (tmp_path / "out" / "tasks").exists()
+
+
+def test_spacing():
+    assert number.spaced(1.0, 100.0, 3, "auto", False) == (1.0, 10.0, 100.0)
+    assert number.spaced(1.0, 3.0, 3, "auto", False) == (1.0, 2.0, 3.0)
+    assert number.spaced(100.0, 1.0, 3, "auto", False) == (100.0, 10.0, 1.0)
+    assert number.spaced(1.0, 4.0, 10, "linear", True) == (1.0, 2.0, 3.0, 4.0)
+
+
+def test_a_number_of_a_scene_is_put_where_it_belongs():
+    scene = Scene(indenter=RoughIndenter(0.8, 0, cut_off_ratio=0.25), num_points=2**9)
+    assert number.put(scene, "seed", 3.0).indenter.seed == 3
+    assert number.put(scene, "thickness", 0.1).layer.thickness == 0.1
+    assert number.put(scene, "num_points", 1024.0).num_points == 1024
+    assert number.put(Scene(indenter=PowerIndenter(), num_points=2**9), "radius", 2.0).indenter.radius == 2.0
+    assert "youngs_modulus" not in number.numbers(scene)
