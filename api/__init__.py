@@ -13,6 +13,7 @@ What is pressed against what:
     Layer             an elastic layer bonded to a rigid base, or a half-space
     SlidingLayer      an elastic layer on a rigid base without friction
     CoatedHalfSpace   an elastic layer bonded to an elastic half-space
+    TabulatedLayer    any layer, by a table of its stiffness K(q)
     PowerIndenter     one asperity: sharp, Hertzian (a parabola), blunt
     RoughIndenter     a random self-affine surface
     MeasuredIndenter  heights given point by point
@@ -54,6 +55,7 @@ if TYPE_CHECKING:
         SlidingLayer,
         Solution,
         Status,
+        TabulatedLayer,
     )
     from .solver.solve import solve
     from .solver.strategy.linearised import contact_stiffness
@@ -83,6 +85,7 @@ __all__ = [
     "SlidingLayer",
     "Solution",
     "Status",
+    "TabulatedLayer",
     "__version__",
     "contact_stiffness",
     "load",

@@ -11,7 +11,7 @@ from .endings import Reason, Status
 from .grid.certificate import Certificate, certify
 from .grid.observables import Observables
 from .indenters import INDENTERS, Indenter, MeasuredIndenter, PowerIndenter, RoughIndenter
-from .layers import LAYERS, CoatedHalfSpace, ElasticLayer, Layer, SlidingLayer
+from .layers import LAYERS, CoatedHalfSpace, ElasticLayer, Layer, SlidingLayer, TabulatedLayer
 from .methods import METHODS, Method, MethodKind
 from .scene import Scene
 from .solution import Choice, Solution
@@ -40,6 +40,7 @@ __all__ = [
     "SlidingLayer",
     "Solution",
     "Status",
+    "TabulatedLayer",
     "certify",
     "contact_stiffness",
     "default_tolerance",

@@ -9,8 +9,11 @@ from .bonded import Layer
 from .coated import CoatedHalfSpace
 from .layer import EdgeSymbol, ElasticLayer
 from .sliding import SlidingLayer
+from .tabulated import TabulatedLayer
 
-LAYERS: dict[str, type[ElasticLayer]] = {kind.name: kind for kind in (Layer, SlidingLayer, CoatedHalfSpace)}
+LAYERS: dict[str, type[ElasticLayer]] = {
+    kind.name: kind for kind in (Layer, SlidingLayer, CoatedHalfSpace, TabulatedLayer)
+}
 """The one list of layers, by name; the first is the default."""
 
-__all__ = ["LAYERS", "CoatedHalfSpace", "EdgeSymbol", "ElasticLayer", "Layer", "SlidingLayer"]
+__all__ = ["LAYERS", "CoatedHalfSpace", "EdgeSymbol", "ElasticLayer", "Layer", "SlidingLayer", "TabulatedLayer"]

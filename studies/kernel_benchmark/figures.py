@@ -128,13 +128,14 @@ def _names(axes: Axes, own: Sequence[Cell]) -> None:
         axes.annotate(
             name,
             (intensity, 0.33),
-            (place, 0.02),
+            (place, 0.27),
             xycoords=across,
             textcoords=across,
             fontsize=7,
             rotation=90,
             ha="center",
-            arrowprops={"arrowstyle": "-", "lw": 0.4, "color": "0.6"},
+            va="top",
+            arrowprops={"arrowstyle": "-", "lw": 0.4, "color": "0.6", "relpos": (0.5, 1.0)},
         )
 
 

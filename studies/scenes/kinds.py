@@ -5,22 +5,26 @@ from ..terminal import declarations
 CHOICES = {"layer": "linecontact.solver.layers:LAYERS", "profile": "linecontact.solver.indenters:INDENTERS"}
 """What there is to choose, by the name of its option, and the list that it is chosen from."""
 
-READER = "linecontact.studies.scans.reading:Options"
-"""How heights are read from a file; it stands for the indenter whose heights are given point by point."""
+READERS = ("linecontact.studies.scans.reading:Options", "linecontact.studies.scenes.stiffness_file:Options")
+"""How heights and a layer's stiffness are read from a file; they stand for the indenter and the layer that are given
+point by point."""
 
 
 def declared() -> list[str]:
     """All of them as "module:Class", without importing any."""
-    return [*(kind for listed in CHOICES.values() for kind in declarations.members(listed)), READER]
+    return [*(kind for listed in CHOICES.values() for kind in declarations.members(listed)), *READERS]
 
 
 def classes(choice: str) -> dict[str, type]:
     """The dataclasses that an option chooses from, by name."""
-    from linecontact.solver import INDENTERS, LAYERS, MeasuredIndenter
+    from linecontact.solver import INDENTERS, LAYERS, MeasuredIndenter, TabulatedLayer
 
     from ..scans import reading
+    from . import stiffness_file
 
-    return dict(LAYERS) if choice == "layer" else dict(INDENTERS) | {MeasuredIndenter.name: reading.Options}
+    if choice == "layer":
+        return dict(LAYERS) | {TabulatedLayer.name: stiffness_file.Options}
+    return dict(INDENTERS) | {MeasuredIndenter.name: reading.Options}
 
 
 def title(choice: str, name: str) -> str:

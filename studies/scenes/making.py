@@ -8,7 +8,7 @@ from linecontact.solver import INDENTERS, LAYERS, Scene
 
 from ..scans import reading
 from ..terminal.options import one_of, options_of
-from . import kinds
+from . import kinds, stiffness_file
 
 Given = Mapping[str, Mapping[str, Any]]
 """The options of the layer and of the profiles that are given, by the titles of `kinds` and by name."""
@@ -42,6 +42,8 @@ def make_scene(options: Any, given: Given) -> Scene:
         indenter = profile
         more = {name: getattr(options, name) for name in ("period", "num_points") if getattr(options, name) is not None}
     layer = _made("layer", options, given)
+    if isinstance(layer, stiffness_file.Options):
+        layer = stiffness_file.read(layer)
     more |= {name: getattr(options, name) for name in _LOADS if getattr(options, name, None) is not None}
     return Scene(layer=layer, indenter=indenter, precision=options.precision, **more)
 
@@ -53,7 +55,8 @@ def _check_scales(options: Any, given: Given) -> None:
     """Raise `ValueError` where a file, whose lengths have units, would meet a load or modulus that nobody gave."""
     own = given[kinds.title("layer", options.layer)]
     known = {"contact_modulus", "youngs_modulus"} & own.keys()
-    needed = "contact_modulus" in options_of(kinds.classes("layer")[options.layer]) and not known
+    modulus = options_of(kinds.classes("layer")[options.layer]).get("contact_modulus")
+    needed = modulus is not None and modulus.default is not None and not known
     unloaded = all(getattr(options, name, None) is None for name in _LOADS)
     missing = ["contact_modulus (or youngs_modulus)"] * needed + ["pressure"] * unloaded
     if missing:

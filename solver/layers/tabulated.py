@@ -1,0 +1,188 @@
+"""A layer given by a table of its stiffness K(q): graded layers, several layers, whatever was computed elsewhere.
+
+Between the rows ln K is a cubic in ln q, with the slopes of F. N. Fritsch and R. E. Carlson (SIAM J. Numer. Anal. 17,
+238 (1980)), so it does not overshoot. Beyond the last row short waves may find a half-space, K = E* q/2, before the
+first one long waves a foundation, K constant, or a half-space, if the table's ends say so; otherwise waves that it
+lacks are refused.
+"""
+
+import math
+from dataclasses import dataclass, field, replace
+from typing import Any, ClassVar, Self
+
+import numpy as np
+
+from .. import checks, display
+from ..arrays import Array64
+from .layer import EdgeSymbol, ElasticLayer
+
+_FEWEST = 8  # rows
+_COARSE = 0.02  # change of K where every other row is left out; with all rows it is some sixteenth of that
+_STRAIGHT = 0.01  # difference of a slope d ln K/d ln q from 0 or 1 at which a law is taken to go on
+_UNKNOWN_EDGE = 0.5  # grid spacings
+
+
+@dataclass(frozen=True)
+class _TabulatedEdge:
+    """The edge on the scale of a grid, taken for a half-space's, see `EdgeSymbol`."""
+
+    half_space: bool
+    """Whether the grid's shortest waves find a half-space."""
+
+    @property
+    def thickness(self) -> float:
+        return math.inf
+
+    @property
+    def shift(self) -> float:
+        return 0.0
+
+    @property
+    def error(self) -> float:
+        return 0.0 if self.half_space else _UNKNOWN_EDGE
+
+    def symbol(self, wave_numbers: Array64) -> Array64:
+        return np.ones_like(wave_numbers)
+
+
+@dataclass(frozen=True)
+class TabulatedLayer(ElasticLayer):
+    """A layer whose stiffness K(q) is given by a table.
+
+    Raises `ValueError`.
+    """
+
+    wave_numbers: tuple[float, ...]
+    """q > 0 in increasing order, eight or more [1/length]."""
+    stiffnesses: tuple[float, ...]
+    """K(q) > 0 [pressure/length]."""
+    contact_modulus: float = field(default=math.nan)
+    """E* [pressure] of p* and of kappa; default: 2 K/q of the last row."""
+    source: str = ""
+    """Where the table is from."""
+
+    name: ClassVar[str] = "file"
+
+    def __post_init__(self) -> None:
+        q, k = (_column(name, getattr(self, name)) for name in ("wave_numbers", "stiffnesses"))
+        if q.size != k.size:
+            raise ValueError(f"stiffnesses are {k.size}; allowed: {q.size}, as many as wave_numbers")
+        down = np.flatnonzero(np.diff(q) <= 0)
+        if down.size:
+            after = f"{q[down[0] + 1]:.6g} after {q[down[0]]:.6g}"
+            raise ValueError(f"wave_numbers are {after} in row {down[0] + 2}; allowed: increasing ones")
+        modulus = 2 * float(k[-1] / q[-1]) if math.isnan(self.contact_modulus) else self.contact_modulus
+        checks.assign(
+            self,
+            wave_numbers=tuple(q.tolist()),
+            stiffnesses=tuple(k.tolist()),
+            contact_modulus=checks.real("contact_modulus", modulus, "a finite pressure > 0", 0),
+        )
+        every = np.arange(0, q.size, 2)
+        left_out = np.arange(1, every[-1], 2)
+        log_q, log_k = np.log(q), np.log(k)
+        error = np.abs(np.expm1(_cubic(log_q[every], log_k[every], log_q[left_out]) - log_k[left_out]))
+        worst = int(np.argmax(error))
+        if error[worst] > _COARSE:
+            change = f"{error[worst]:.2g} about q = {q[left_out[worst]]:.3g}"
+            allowed = f"below {_COARSE:g}, by more rows"
+            raise ValueError(f"stiffnesses change without every other row by a share of {change}; allowed: {allowed}")
+
+    def __repr__(self) -> str:
+        of = f" of {self.source}" * bool(self.source)
+        span = f"{self.wave_numbers[0]:.3g} to {self.wave_numbers[-1]:.3g} [1/length]"
+        modulus = f"contact_modulus {display.number(self.contact_modulus)} [pressure]"
+        return f"TabulatedLayer: {len(self.wave_numbers)} rows{of}, q {span}, {modulus}"
+
+    @property
+    def thickness(self) -> float:  # type: ignore[override]
+        """The length beyond which waves do not find the half-space of short waves any more [length]."""
+        q, k = np.array(self.wave_numbers), np.array(self.stiffnesses)
+        other = np.flatnonzero(np.abs(2 * k / (self.contact_modulus * q) - 1) > _STRAIGHT)
+        return float(1 / q[other[-1]]) if other.size else math.inf
+
+    def stiffness(self, wave_numbers: Array64, period: float) -> Array64:
+        q = wave_numbers / period
+        first, last = self.wave_numbers[0], self.wave_numbers[-1]
+        low, high = self._slopes
+        if float(q.min()) < first * (1 - 1e-12) and not any(abs(low - law) < _STRAIGHT for law in (0, 1)):
+            raise ValueError(_missing("long", float(q.min()), first, "foundation or half-space"))
+        if float(q.max()) > last * (1 + 1e-12) and abs(high - 1) >= _STRAIGHT:
+            raise ValueError(_missing("short", float(q.max()), last, "half-space"))
+        table = np.log(self.wave_numbers), np.log(self.stiffnesses)
+        inside = np.log(np.clip(q, first, last))
+        values = np.exp(_cubic(*table, inside))
+        values *= np.where(q < first, (q / first) ** round(low), np.where(q > last, q / last, 1.0))
+        return np.asarray(values * period / self.contact_modulus)
+
+    @property
+    def _slopes(self) -> tuple[float, float]:
+        """d ln K/d ln q between the first two rows, and between the last two."""
+        q, k = np.log(self.wave_numbers), np.log(self.stiffnesses)
+        return float((k[1] - k[0]) / (q[1] - q[0])), float((k[-1] - k[-2]) / (q[-1] - q[-2]))
+
+    def foundation_modulus(self, period: float) -> float:
+        """The first row's K where the table begins flat; 0 where it rises from there, `inf` where it falls."""
+        slope = self._slopes[0]
+        if abs(slope) < _STRAIGHT:
+            return self.stiffnesses[0] * period / self.contact_modulus
+        return 0.0 if slope > 0 else math.inf
+
+    def edge_symbol(self, num_points: int, period: float) -> EdgeSymbol:
+        # as many spacings as the bonded layer needs
+        return _TabulatedEdge(half_space=8 * period / num_points < self.thickness)
+
+    def to_dict(self) -> dict[str, Any]:
+        return {
+            "layer": self.name,
+            "thickness": self.thickness,
+            "contact_modulus": self.contact_modulus,
+            "stiffness_rows": len(self.wave_numbers),
+            "stiffness_source": self.source,
+        }
+
+    def in_units(self, length: float, pressure: float) -> Self:
+        return replace(
+            self,
+            wave_numbers=tuple(q / length for q in self.wave_numbers),
+            stiffnesses=tuple(k * pressure / length for k in self.stiffnesses),
+            contact_modulus=self.contact_modulus * pressure,
+        )
+
+
+def _column(name: str, values: Any) -> Array64:
+    allowed = f"{_FEWEST} or more finite numbers > 0"
+    try:
+        column = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} are {str(values)[:40]!r}; allowed: {allowed}") from None
+    if column.ndim != 1 or column.size < _FEWEST:
+        raise ValueError(f"{name} have shape {column.shape}; allowed: {allowed}")
+    bad = np.flatnonzero(~((column > 0) & np.isfinite(column)))
+    if bad.size:
+        raise ValueError(f"{name} are {column[bad[0]]:.6g} in row {bad[0] + 1}; allowed: {allowed}")
+    return column
+
+
+def _missing(which: str, q: float, end: float, law: str) -> str:
+    place, other = ("begins", "period") if which == "long" else ("ends", "num_points")
+    lack = f"the {which} waves of this scene, q = {q:.4g}: the table {place} at {end:.4g}, and not as a {law}"
+    return f"stiffnesses lack {lack}; allowed: a longer table, or another {other}"
+
+
+def _cubic(x: Array64, y: Array64, at: Array64) -> Array64:
+    """The monotone piecewise cubic through the points (x, y) at places inside of them."""
+    step = np.diff(x)
+    secant = np.diff(y) / step
+    slope = np.empty_like(y)
+    weight = (2 * step[1:] + step[:-1], step[1:] + 2 * step[:-1])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        mean = (weight[0] + weight[1]) / (weight[0] / secant[:-1] + weight[1] / secant[1:])
+    slope[1:-1] = np.where(secant[:-1] * secant[1:] > 0, mean, 0.0)
+    slope[0], slope[-1] = secant[0], secant[-1]
+    place = np.clip(np.searchsorted(x, at, side="right") - 1, 0, step.size - 1)
+    h = step[place]
+    t = (at - x[place]) / h
+    left, right = h * slope[place], h * slope[place + 1]
+    rise = y[place + 1] - y[place]
+    return np.asarray(y[place] + t * (left + t * ((3 * rise - 2 * left - right) + t * (left + right - 2 * rise))))

@@ -1,0 +1,41 @@
+"""A layer's stiffness from a file: two columns, wave number and K."""
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from linecontact.solver import TabulatedLayer
+
+_MOST_BYTES = 2**24
+
+
+@dataclass(frozen=True)
+class Options:
+    """A layer whose stiffness K(q) is read from a file, for instance a graded one."""
+
+    stiffness_file: Path
+    """Text of two columns, parted by spaces or commas: q [1/length] in increasing order, K(q) [pressure/length], in the
+    scene's units. Lines that begin with # are left out."""
+    contact_modulus: float | None = None
+    """E* [pressure] of p* and kappa; default: 2 K/q of the last row."""
+
+
+def read(options: Options) -> TabulatedLayer:
+    """The layer. Raises `ValueError` for a file that is none, and like `TabulatedLayer`."""
+    path = options.stiffness_file
+    what = f"stiffness_file is {path}"
+    if not path.is_file():
+        raise ValueError(f"{what}, which is not a file; allowed: text of two columns, q and K(q)")
+    if path.stat().st_size > _MOST_BYTES:
+        raise ValueError(f"{what}, of {path.stat().st_size} bytes; allowed: up to {_MOST_BYTES}")
+    try:
+        lines = [line.replace(",", " ") for line in path.read_text(encoding="utf-8-sig").splitlines()]
+        rows = np.loadtxt(lines, ndmin=2)
+    except (OSError, UnicodeDecodeError, ValueError) as error:
+        said = str(error).splitlines()[0]
+        raise ValueError(f"{what}, which cannot be read ({said}); allowed: text of two columns, q and K(q)") from None
+    if rows.shape[1] != 2:
+        raise ValueError(f"{what}, of {rows.shape[1]} columns; allowed: two, q and K(q)")
+    modulus = math.nan if options.contact_modulus is None else options.contact_modulus
+    return TabulatedLayer(tuple(rows[:, 0].tolist()), tuple(rows[:, 1].tolist()), modulus, path.name)

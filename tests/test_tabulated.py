@@ -1,0 +1,120 @@
+"""A layer given by a table of K(q): what lies between the rows and beyond them, files, and bad tables."""
+
+import math
+
+import numpy as np
+import pytest
+from linecontact.solver import CoatedHalfSpace, Layer, RoughIndenter, Scene, SlidingLayer, TabulatedLayer, solve
+from linecontact.studies.command_line import main
+
+Q = np.geomspace(1.0, 1e5, 200)
+WAVES = 2 * np.pi * np.arange(1.0, 2**11 + 1)
+
+
+def tabulated(layer, q=Q, **more):
+    return TabulatedLayer(tuple(q), tuple(layer.stiffness(q, 1.0) * layer.contact_modulus), **more)
+
+
+@pytest.mark.parametrize(
+    "layer", [Layer(0.1, 0.25), Layer(0.01, 0.45), Layer(0.01, 0.5), SlidingLayer(0.03, 2.0), CoatedHalfSpace(0.1, 5.0)]
+)
+def test_a_table_of_a_layer_is_the_layer(layer):
+    """Cubics in ln q: an error of the order of the step, ln(10)/40, to the fourth power, times what K bends."""
+    table = tabulated(layer)
+    np.testing.assert_allclose(
+        table.stiffness(WAVES, 1.0) * table.contact_modulus, layer.stiffness(WAVES, 1.0) * layer.contact_modulus, 1e-3
+    )
+    assert table.contact_modulus == pytest.approx(layer.contact_modulus, rel=1e-6)
+    foundation = layer.foundation_modulus(1.0)
+    assert table.foundation_modulus(1.0) == pytest.approx(foundation, rel=1e-2)
+    scene = Scene(layer, RoughIndenter(0.8, 0, cut_off_ratio=1 / 16), 0.02, num_points=2**12)
+    exact, found = (solve(scene).observables, solve(Scene(table, scene.indenter, 0.02, num_points=2**12)).observables)
+    assert found.contact_area_subgrid == pytest.approx(exact.contact_area_subgrid, rel=1e-3)
+    assert found.approach == pytest.approx(exact.approach, rel=1e-3)
+
+
+def test_beyond_the_ends_a_law_goes_on():
+    half_space = tabulated(Layer(), np.geomspace(100, 1000, 10))
+    np.testing.assert_allclose(half_space.stiffness(WAVES, 1.0), WAVES / 2, rtol=1e-12)
+    assert half_space.foundation_modulus(1.0) == 0
+    assert half_space.thickness == math.inf
+    thin = Layer(1e-4, 0.3)  # on waves of 100 and more still the foundation
+    table = tabulated(thin, np.geomspace(50, 1e6, 200))
+    np.testing.assert_allclose(table.stiffness(WAVES, 1.0), thin.stiffness(WAVES, 1.0), rtol=1e-4)
+    assert table.foundation_modulus(1.0) == pytest.approx(thin.foundation_modulus(1.0), rel=1e-4)
+
+
+def test_other_units_are_the_same_layer():
+    table = tabulated(Layer(0.1))
+    scaled = table.in_units(1e3, 7.0)
+    one = solve(Scene(table, num_points=2**10)).observables
+    other = solve(Scene(scaled, Scene().indenter.in_units(1e3), 7 * 2e-3, 1e3, 2**10)).observables
+    assert other.contact_area_subgrid == pytest.approx(one.contact_area_subgrid, rel=1e-9)
+    assert scaled.thickness == pytest.approx(1e3 * table.thickness)
+
+
+def test_missing_waves_are_named():
+    middle = tabulated(Layer(0.01, 0.25), np.geomspace(150, 300, 40))
+    with pytest.raises(ValueError, match=r"stiffnesses lack the long waves of this scene, q = 6.283: the table begins"):
+        solve(Scene(middle, num_points=64))
+    short = tabulated(Layer(0.01, 0.25), np.geomspace(1, 300, 80))
+    with pytest.raises(ValueError, match=r"lack the short waves of this scene, q = 3217: the table ends at 300"):
+        solve(Scene(short, num_points=2**10))
+
+
+@pytest.mark.parametrize(
+    ("q", "k", "said"),
+    [
+        (range(1, 8), range(1, 8), r"wave_numbers have shape \(7,\); allowed: 8 or more"),
+        (range(1, 10), range(1, 9), "stiffnesses are 8; allowed: 9, as many as wave_numbers"),
+        ([1, 2, 3, 3, 5, 6, 7, 8], range(1, 9), "wave_numbers are 3 after 3 in row 4; allowed: increasing ones"),
+        (range(9), range(1, 10), "wave_numbers are 0 in row 1; allowed: 8 or more finite numbers > 0"),
+        (range(1, 9), [1, 2, 3, -4, 5, 6, 7, 8], "stiffnesses are -4 in row 4; allowed"),
+        (range(1, 9), [1, 2, 3, math.nan, 5, 6, 7, 8], "stiffnesses are nan in row 4; allowed"),
+        (range(1, 9), ["a"] * 8, "stiffnesses are .* allowed: 8 or more finite numbers"),
+        (
+            range(1, 9),
+            [1, 2, 3, 9, 5, 6, 7, 8],
+            "stiffnesses change without every other row by a share .* about q = 4",
+        ),
+    ],
+)
+def test_bad_tables_are_named(q, k, said):
+    with pytest.raises(ValueError, match=said):
+        TabulatedLayer(tuple(q), tuple(k))
+
+
+@pytest.fixture
+def file(tmp_path):
+    path = tmp_path / "graded.csv"
+    k = Layer(0.1).stiffness(Q, 1.0)
+    path.write_text("# q, K\n" + "\n".join(f"{a!r}, {b!r}" for a, b in zip(Q.tolist(), k.tolist(), strict=True)))
+    return path
+
+
+def test_from_a_file(file, capsys):
+    assert main.main(["solve", "--layer", "file", "--stiffness-file", str(file), "--num-points", "2^10", "--json"]) == 0
+    shown = capsys.readouterr().out
+    assert '"stiffness_source": "graded.csv"' in shown
+    area = solve(Scene(Layer(0.1), num_points=2**10)).observables.contact_area_subgrid
+    assert f'"contact_area_subgrid": {area:.5f}'[:-1] in shown
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (None, "which is not a file; allowed: text of two columns"),
+        ("1 2 3\n4 5 6\n", "of 3 columns; allowed: two, q and K(q)"),
+        ("1 2\n3\n", "which cannot be read ("),
+        ("q K\n", "which cannot be read (could not convert string 'q'"),
+        ("1 2\n2 3\n", "wave_numbers have shape (2,)"),
+    ],
+)
+def test_bad_files_are_one_line_and_status_2(tmp_path, capsys, text, said):
+    path = tmp_path / "k.txt"
+    if text is not None:
+        path.write_text(text)
+    assert main.main(["solve", "--layer", "file", "--stiffness-file", str(path), "--num-points", "64"]) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1
