@@ -19,7 +19,8 @@ from linecontact.studies.scenes import kinds
 from linecontact.studies.terminal import arguments, declarations
 from linecontact.studies.terminal.options import one_of, options_of
 
-WORDED = [name for name in kinds.declared() if not name.endswith("MeasuredIndenter")]  # whose heights are no words
+GIVEN_BY_NUMBERS = ("MeasuredIndenter", "TabulatedLayer")  # which are no words
+WORDED = [name for name in kinds.declared() if not name.endswith(GIVEN_BY_NUMBERS)]
 WORDS = {"one": 1, "two": 2}
 
 

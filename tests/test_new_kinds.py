@@ -334,7 +334,7 @@ def test_options_of_another_kind_are_refused(capsys):
     )
     assert main.main(["solve", "--layer", "frictionles"]) == 2
     assert capsys.readouterr().err.startswith(
-        "linecontact: layer is 'frictionles'; allowed: bonded, sliding, coated, frictionless"
+        "linecontact: layer is 'frictionles'; allowed: bonded, sliding, coated, file, frictionless"
     )
 
 

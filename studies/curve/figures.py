@@ -5,13 +5,17 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from linecontact.solver.units import unit
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from ..figures.style import COLOURS, ONE_COLUMN, NothingToDraw, load, panels, typeset
+from ..files.study_files import StudyFile
 from .tasks import VALUE, unit_in
+
+Array64 = NDArray[np.float64]
 
 _DECADE = 10.0  # ratio of the ends from which an axis is logarithmic
 
@@ -19,23 +23,25 @@ _DECADE = 10.0  # ratio of the ends from which an axis is logarithmic
 def draw(path: Path) -> dict[str, Figure]:
     """The three panels of a stored curve."""
     study = load(path)
-    order = np.argsort(study.column(VALUE))
-    value = study.column(VALUE)[order]
+    over = str(study.configuration["over"])
+    value, along = _shown(study, over, VALUE)
+    order = np.argsort(value)
+    value = value[order]
     shown = np.isfinite(value)
     if not shown.any():
         raise NothingToDraw("a curve whose only value is infinite has no place on an axis")
-    over = str(study.configuration["over"])
     figure, grid = panels(3, 1, ONE_COLUMN, 6.0, sharex=True)
     for axes, (name, error, label) in zip(grid[:, 0], _PANELS, strict=True):
-        y = study.column(name).astype(np.float64)[order]
+        y, said = _shown(study, name)
+        y = y[order]
         bars = study.column(error).astype(np.float64)[order] if error else np.zeros_like(y)
         _panel(axes, value[shown], y[shown], bars[shown], joined=over != "seed")
-        axes.set_ylabel(label if error else f"{label}\n[{unit_in(study, name)}]")
+        axes.set_ylabel(f"{label}\n({said})")
         for beyond in y[~shown] if error else ():  # a half-space, whose approach compares with no other
             axes.axhline(beyond, color=COLOURS[3], ls="--", lw=0.8, label="half-space")
     if over == "seed":
         grid[-1, 0].xaxis.set_major_locator(MaxNLocator(integer=True))
-    grid[-1, 0].set_xlabel(f"{over.replace('_', ' ')} [{unit_in(study, over)}]")
+    grid[-1, 0].set_xlabel(f"{over.replace('_', ' ')} ({along})")
     figure.suptitle(_scene(study.runs[0], over), fontsize=8)
     if not shown.all():
         figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside lower center")
@@ -43,16 +49,38 @@ def draw(path: Path) -> dict[str, Figure]:
 
 
 _PANELS = (
-    ("contact_area_subgrid", "contact_area_error", "contact area $a_r$\n(dimensionless)"),
-    ("kappa_subgrid", "kappa_error", "$\\kappa=a_r/p^*$\n(dimensionless)"),
+    ("contact_area_subgrid", "contact_area_error", "contact area $a_r$"),
+    ("kappa_subgrid", "kappa_error", "$\\kappa=a_r/p^*$"),
     ("contact_stiffness", "", "contact stiffness\n$dp/d$(approach)"),
 )
 """Column, column of its error, and label of each panel."""
 
 
-def _panel(
-    axes: Axes, x: NDArray[np.float64], y: NDArray[np.float64], error: NDArray[np.float64], joined: bool
-) -> None:
+def _shown(study: StudyFile, name: str, column: str = "") -> tuple[Array64, str]:
+    """A quantity over the runs as it is drawn, shape (M,), and what it is over: E*, L, or the unit of a scan.
+
+    name: of the quantity; column: that holds it, by default of its name.
+    """
+    values = study.column(column or name).astype(np.float64)
+    dimension, known = unit(name), unit_in(study, "period")
+    if dimension == "1":
+        return values, "dimensionless"
+    scales = [np.array([float(run.get(f"scene.{of}", np.nan)) for run in study.runs]) for of in _SCALES]
+    if name in _SCALES or np.isnan(scales).any():
+        return values, "in the scene's unit"
+    modulus, period = scales
+    length, over = (period, "$L$") if known == "length" else (np.ones_like(period), known)
+    if dimension == "pressure":
+        return values / modulus, "over $E^*$"
+    if dimension == "length":
+        return values / length, f"over {over}" if known == "length" else over
+    return values / modulus * length, f"over $E^*$/{over}"
+
+
+_SCALES = ("contact_modulus", "period")
+
+
+def _panel(axes: Axes, x: Array64, y: Array64, error: Array64, joined: bool) -> None:
     there = np.isfinite(y)
     error = np.where(np.isfinite(error), error, 0.0)
     line = "o" if not joined else "o-" if x.size < 100 else "-"
