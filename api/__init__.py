@@ -28,6 +28,7 @@ The answer:
     Certificate       how wrong the solution can be
     Status            how the solve ended
     contact_stiffness what a small change of the load does to the approach
+    curve             solves a scene for several values of one of its numbers
     plot              draws a solution, also one that was read from its file
     save, load        write a solution to an HDF5 file, read it back
 
@@ -59,6 +60,7 @@ if TYPE_CHECKING:
     )
     from .solver.solve import solve
     from .solver.strategy.linearised import contact_stiffness
+    from .studies.curve.columns import curve
     from .studies.figures.solution import plot
     from .studies.files.solution_files import load, save
     from .studies.scans.reading import read_scan
@@ -66,6 +68,7 @@ if TYPE_CHECKING:
     __version__: str
 
 _ELSEWHERE = {
+    "curve": "linecontact.studies.curve.columns",
     "load": "linecontact.studies.files.solution_files",
     "plot": "linecontact.studies.figures.solution",
     "read_scan": "linecontact.studies.scans.reading",
@@ -88,6 +91,7 @@ __all__ = [
     "TabulatedLayer",
     "__version__",
     "contact_stiffness",
+    "curve",
     "load",
     "plot",
     "read_scan",

@@ -354,13 +354,14 @@ def random_scene(rng, rough):
     return scene, 10 ** rng.uniform(-5, -1.5), exact
 
 
-def test_random_scenes_get_the_accuracy_they_asked_for():
+@pytest.mark.parametrize("count", [40, pytest.param(100, marks=pytest.mark.slow)])
+def test_random_scenes_get_the_accuracy_they_asked_for(count):
     """Scenes that nothing was calibrated on: at least 95 of 100."""
     rng, misses = np.random.default_rng(20261121), []
-    for i in range(100):
+    for i in range(count):
         scene, accuracy, exact = random_scene(rng, rough=i % 2 == 1)
         solution = solve(scene, accuracy=accuracy)
         assert solution.status in (Status.CONVERGED, Status.INACCURATE)
         if error(solution, exact) > accuracy:
             misses.append((scene, accuracy, error(solution, exact), solution.status))
-    assert len(misses) <= 5, misses
+    assert len(misses) <= count / 20, misses

@@ -8,6 +8,7 @@ import os
 import h5py
 import numpy as np
 import pytest
+from linecontact import curve as curve_of
 from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, solve
 from linecontact.studies.command_line import main
 from linecontact.studies.curve import number
@@ -144,6 +145,26 @@ def test_what_is_wrong_is_said_before_anything_is_solved(tmp_path, capsys, words
     assert curve(tmp_path / "out", "--num-points", "2^9", *words.split()) == 2
     assert capsys.readouterr().err.startswith(f"linecontact: {said}")
     assert not (tmp_path / "out" / "tasks").exists()
+
+
+def test_columns_in_python():
+    scene = Scene(Layer(0.1), num_points=2**9)
+    found = curve_of(scene, "pressure", [1e-3, 2e-3])
+    one = solve(Scene(Layer(0.1), pressure=2e-3, num_points=2**9))
+    assert found["contact_area_subgrid"][1] == one.observables.contact_area_subgrid
+    assert found["contact_stiffness"][1] == one.contact_stiffness
+    assert found["status"].tolist() == ["converged", "converged"]
+    assert {len(column) for column in found.values()} == {2}
+    loaded = Scene(Layer(0.1), pressure=0.1, num_points=2**9)
+    assert curve_of(loaded, "approach", [1e-3])["approach"] == pytest.approx([1e-3])
+    assert curve_of(scene, "thickness", [math.inf])["reduced_thickness"].tolist() == [math.inf]
+    for over, values, said in (
+        ("depth", [1.0], "over is 'depth'; allowed: pressure, approach, period"),
+        ("pressure", [], "values are empty; allowed: one number or more"),
+        ("pressure", [1e-3, -1.0], "pressure is -1.0; allowed: a finite pressure > 0"),
+    ):
+        with pytest.raises(ValueError, match=said):
+            curve_of(scene, over, values)
 
 
 def test_spacing():

@@ -41,7 +41,8 @@ def put(scene: Scene, name: str, value: float) -> Scene:
         if name in own:
             number = int(value) if isinstance(own[name], int) else value
             return replace(scene, **{part: replace(owner, **{name: number})})
-    return replace(scene, **{name: value})  # type: ignore[arg-type]
+    other = {"pressure": {"approach": None}, "approach": {"pressure": math.nan}}.get(name, {})
+    return replace(scene, **{name: value}, **other)  # type: ignore[arg-type]
 
 
 def whole(scene: Scene, name: str) -> bool:

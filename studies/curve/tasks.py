@@ -77,6 +77,10 @@ class Task:
 
     def run(self, report: Progress | None) -> Record:
         """The solution's record, with the contact stiffness."""
-        scene = number.put(base_scene(self.scene), self.over, self.value)
-        solution = solve(scene, accuracy=self.accuracy, progress=report)
-        return run_record(solution) | {VALUE: self.value, "contact_stiffness": solution.contact_stiffness}
+        return point(number.put(base_scene(self.scene), self.over, self.value), self.value, self.accuracy, report)
+
+
+def point(scene: Scene, value: float, accuracy: float | None, report: Progress | None = None) -> Record:
+    """The record of a curve's scene with its value, and with the contact stiffness."""
+    solution = solve(scene, accuracy=accuracy, progress=report)
+    return run_record(solution) | {VALUE: value, "contact_stiffness": solution.contact_stiffness}
