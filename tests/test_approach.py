@@ -6,8 +6,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from linecontact import contact_stiffness
-from linecontact.solver import CoatedHalfSpace, Layer, PowerIndenter, RoughIndenter, Scene, SlidingLayer, Status, solve
+from linecontact.solver import (
+    CoatedHalfSpace,
+    Layer,
+    MeasuredIndenter,
+    PowerIndenter,
+    RoughIndenter,
+    Scene,
+    SlidingLayer,
+    Status,
+    solve,
+)
 from linecontact.solver.grid.problem import full_contact_pressure
+from linecontact.solver.reference import collocation
+from linecontact.solver.strategy.linearised import contact_compliance
 from linecontact.studies.command_line import main
 
 ROUGH = RoughIndenter(0.8, 0, cut_off_ratio=1 / 16)
@@ -130,7 +142,7 @@ def test_the_command_takes_an_approach(capsys):
 
 @pytest.mark.parametrize("indenter", [PowerIndenter(), PowerIndenter(1.5), ROUGH])
 @pytest.mark.parametrize("layer", LAYERS)
-def test_contact_stiffness_is_the_derivative(layer, indenter):
+def test_compliance_is_the_derivative_on_the_grid(layer, indenter):
     """Against central differences of the approach, over a step that leaves the contact as it is."""
     step = 1e-6
     scene = Scene(layer, indenter, 0.01, num_points=2**11)
@@ -141,21 +153,30 @@ def test_contact_stiffness_is_the_derivative(layer, indenter):
     rise = high.observables.approach - low.observables.approach
     # the approach of 12 digits, over a difference that leaves 2e-6 of it
     bound = 1e-6 + 2e-15 * middle.observables.approach / rise
-    assert middle.contact_stiffness == pytest.approx(2 * step * 0.01 / rise, rel=bound)
-    assert contact_stiffness(middle) == middle.contact_stiffness
+    assert contact_compliance(scene, middle.contact) == pytest.approx(rise / (2 * step * 0.01), rel=bound)
 
 
-@pytest.mark.parametrize("num_points", [2**12, 2**16])
-def test_contact_stiffness_of_one_patch_on_the_half_space(num_points):
-    """d(approach)/dp = -(2 L/(pi E*)) ln sin(pi a/L) for one patch of half-width a.
-
-    Counted nodes stand for the width, half a spacing too much or too little at each end: so the bound.
-    """
-    solution = solve(Scene(num_points=num_points))
-    half = solution.observables.contact_area_subgrid / 2
-    exact = -2 / math.pi * math.log(math.sin(math.pi * half))
-    bound = 1 / num_points / math.tan(math.pi * half) * 2 / exact
+@pytest.mark.parametrize("num_points", [2**8, 2**10, 2**14])
+@pytest.mark.parametrize("share", [0.1, 0.317, 0.5, 0.8])
+def test_contact_stiffness_under_a_sine_wave(num_points, share):
+    """Westergaard: sin^2(pi a/L) = p L/(pi E* D) and d(approach)/dp = -(2 L/(pi E*)) ln sin(pi a/L); second order."""
+    x = np.arange(num_points) / num_points
+    indenter = MeasuredIndenter(0.01 * (1 - np.cos(2 * np.pi * (x - 0.5))))
+    load = math.pi * 0.01 * math.sin(math.pi * share / 2) ** 2
+    solution = solve(Scene(Layer(), indenter, load, num_points=num_points), tolerance=1e-10)
+    exact = -2 / math.pi * math.log(math.sin(math.pi * share / 2))
+    bound = 1e-7 + 2 / (num_points * min(share, 1 - share)) ** 2
     assert 1 / solution.contact_stiffness == pytest.approx(exact, rel=bound)
+    assert contact_stiffness(solution) == solution.contact_stiffness
+
+
+@pytest.mark.parametrize("layer", [Layer(0.1, 0.3), Layer(0.02, 0.5), SlidingLayer(0.03), CoatedHalfSpace(0.05, 10.0)])
+def test_contact_stiffness_on_layers(layer):
+    """Against differences of the collocation oracle's approach."""
+    low, high = (collocation.solve_layer(layer, load, 2.0, 1.0) for load in (2e-3 * (1 - 1e-4), 2e-3 * (1 + 1e-4)))
+    solution = solve(Scene(layer, num_points=2**13))
+    exact = (high.load - low.load) / (high.approach - low.approach)
+    assert solution.contact_stiffness == pytest.approx(exact, rel=1e-5)  # (spacing/d)^2: 4e-5
 
 
 def test_stiffness_without_and_with_full_contact():

@@ -95,11 +95,26 @@ def thin_curve(symbol: EdgeSymbol) -> EdgeCurve:
 
 
 @cache
-def half_space_curve() -> EdgeCurve:
-    """The universal edge, to 1e-14."""
+def _half_space_factor() -> tuple[Array64, float]:
     nodes, weights = gauss_legendre(120)
     q = (nodes + 1) * np.pi / 2
-    factor, slope = _factor(q, weights * np.pi / 2 * np.log(q / 2 / np.sin(q / 2)), _TABLE)
+    return _factor(q, weights * np.pi / 2 * np.log(q / 2 / np.sin(q / 2)), _TABLE)
+
+
+def punch_end() -> tuple[float, float]:
+    """How far outside of its last node a flat punch ends [grid spacings], and the last node's pressure over that which
+    goes like 1/sqrt(distance) far from the end, at the distance 1 (dimensionless).
+
+    Its pressure is the family m = 0, the coefficients of c_+(z) (1-z)^-1/2.
+    """
+    factor, slope = _half_space_factor()
+    return 0.25 - slope, float(factor[0]) * math.sqrt(math.pi)
+
+
+@cache
+def half_space_curve() -> EdgeCurve:
+    """The universal edge, to 1e-14."""
+    factor, slope = _half_space_factor()
     families = [np.convolve(factor, _binomial(m + 0.5))[:_TABLE] for m in range(3)]
     # c_+ about z = 1: 1 - slope (1-z) + bend (1-z)^2, from ln c_+ = slope (z-1) + ... and |ln c_+|'' = 1/24 at q = 0
     bend = (-1 / 24 - slope + slope**2) / 2

@@ -3,6 +3,12 @@
 While no node joins or leaves the contact, the gap there stays 0: d sigma/dp is the pressure under a flat punch of the
 contact's shape that carries the mean pressure 1, and du/dp the surface's displacement under it, 0 on the contact. The
 contact stiffness is one over d(approach)/dp, the mean of du/dp and the layer's mean compression 1/k_W.
+
+On the grid that is exact. In the continuum the contact ends between two nodes (`grid.edges`), and the punch's pressure
+goes like k/sqrt(r) with the distance r from an end. Moving an end outwards by x takes 2 pi k^2 x/(E* L) off
+d(approach)/dp (for one patch on a half-space, -(2 L/(pi E*)) ln sin(pi a/L) with k^2 = L cot(pi a/L)/(2 pi), it is the
+derivative). A punch on nodes ends at a known place outside of its last node, and that node's pressure tells k: both are
+the edge's universal curve (`grid.edge_curves.punch_end`). With that the error falls from first to second order.
 """
 
 import math
@@ -10,8 +16,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..arrays import Mask
-from ..grid.observables import foundation_modulus
+from ..arrays import Array64, Mask
+from ..grid.edge_curves import edge_curve, punch_end
+from ..grid.observables import contact_edges, foundation_modulus
 from ..grid.problem import Problem
 from ..methods import active_set, relax
 from ..methods.method import Setting
@@ -25,33 +32,58 @@ _WORTHLESS = 1e-3  # residual beyond which nothing is known
 
 
 def contact_compliance(scene: Scene, contact: Mask) -> float:
-    """d(approach)/dp on an unchanged contact [length/pressure]; NaN where rounding leaves nothing of it.
+    """d(approach)/dp on the grid, the contact unchanged [length/pressure]; NaN where rounding leaves nothing of it.
 
     contact: nodes that the wall carries, shape (N,), one of them at least.
     """
-    modulus = foundation_modulus(scene)
-    compression = 1 / modulus if modulus else 0.0
-    if contact.all():  # the surface stays where it is, and the layer below is compressed
-        return compression
-    problem = Problem.from_scene(scene)
-    punch = replace(problem, height=np.where(contact, 0.0, problem.reach))
-    # as many nodes as there are may be wrong: the set stays as it is
-    backend = "warp" if problem.num_points >= SMALLEST_WARP else "numpy"
-    method = active_set.begin(punch, Setting(_TOLERANCE, wrong_nodes_per_patch=math.inf, backend=backend))
-    method.start_from_pressure(contact.astype(np.float64))
-    relax(method, _MOST_ITERATIONS, None)
-    if not method.residual < _WORTHLESS:
-        return math.nan
-    return float(method.displacement.mean()) * problem.length_unit / scene.pressure + compression
+    return _punch(scene, contact)[0]
 
 
 def contact_stiffness(solution: Solution) -> float:
-    """dp/d(approach) of a solution [pressure/length], exact for its grid and contact; 0 where nothing touches.
+    """dp/d(approach) of a solution [pressure/length]; 0 where nothing touches.
 
     For a half-space, whose approach is the mean of u by convention, it is infinite at full contact, as it is for an
     incompressible layer. It takes a quarter of the time of the solve.
     """
-    if not solution.contact.any():
+    scene, contact = solution.scene, solution.contact
+    if not contact.any():
         return 0.0
-    compliance = contact_compliance(solution.scene, solution.contact)
+    compliance, punch = _punch(scene, contact)
+    if not contact.all():
+        compliance -= _beyond_nodes(scene, np.where(contact, solution.contact_pressure, 0.0), punch)
     return 1 / compliance if compliance else math.inf
+
+
+def _punch(scene: Scene, contact: Mask) -> tuple[float, Array64]:
+    """d(approach)/dp on the grid [length/pressure], and d sigma/dp, shape (N,) (dimensionless)."""
+    modulus = foundation_modulus(scene)
+    compression = 1 / modulus if modulus else 0.0
+    if contact.all():  # the surface stays where it is, and the layer below is compressed
+        return compression, np.ones(contact.size)
+    problem = Problem.from_scene(scene)
+    punch = replace(problem, height=np.where(contact, 0.0, problem.reach))
+    backend = "warp" if problem.num_points >= SMALLEST_WARP else "numpy"
+    # as many nodes as there are may be wrong: the set stays as it is
+    method = active_set.begin(punch, Setting(_TOLERANCE, wrong_nodes_per_patch=math.inf, backend=backend))
+    method.start_from_pressure(contact.astype(np.float64))
+    relax(method, _MOST_ITERATIONS, None)
+    found = float(method.displacement.mean()) * problem.length_unit / scene.pressure + compression
+    return found if method.residual < _WORTHLESS else math.nan, method.contact_pressure
+
+
+def _beyond_nodes(scene: Scene, pressure: Array64, punch: Array64) -> float:
+    """What d(approach)/dp is less because the contact ends beyond the ends of a punch on its nodes [length/pressure].
+
+    pressure: contact pressure [any unit]; punch: d sigma/dp; both shape (N,). It is not known, and 0, for patches of one
+    or two nodes, and on layers of a few grid spacings.
+    """
+    patches, edges = contact_edges(scene, pressure)
+    if edge_curve(scene.layer.edge_symbol(pressure.size, scene.period)).thin:
+        return 0.0
+    end, first = punch_end()
+    total = 0.0
+    for node, beyond in ((patches.first, patches.first - edges.left), (patches.last, edges.right - patches.last)):
+        squared = (punch[node % pressure.size] / first) ** 2  # k^2 over the grid spacing
+        total += float(np.sum(np.where(edges.counted, 0.0, squared * (beyond - end))))
+    spacing = scene.period / pressure.size
+    return 2 * math.pi / scene.layer.contact_modulus * total * spacing**2 / scene.period
