@@ -74,8 +74,8 @@ def _punch(scene: Scene, contact: Mask) -> tuple[float, Array64]:
 def _beyond_nodes(scene: Scene, pressure: Array64, punch: Array64) -> float:
     """What d(approach)/dp is less because the contact ends beyond the ends of a punch on its nodes [length/pressure].
 
-    pressure: contact pressure [any unit]; punch: d sigma/dp; both shape (N,). It is not known, and 0, for patches of one
-    or two nodes, and on layers of a few grid spacings.
+    pressure: contact pressure [any unit]; punch: d sigma/dp; both shape (N,). It is not known, and 0, for patches of
+    one or two nodes, and on layers of a few grid spacings.
     """
     patches, edges = contact_edges(scene, pressure)
     if edge_curve(scene.layer.edge_symbol(pressure.size, scene.period)).thin:
