@@ -7,7 +7,7 @@ May import: arrays, checks, display, quadrature.
 
 from .bonded import Layer
 from .coated import CoatedHalfSpace
-from .layer import EdgeSymbol, ElasticLayer
+from .layer import EdgeSymbol, ElasticLayer, HalfSpaceEdge
 from .sliding import SlidingLayer
 from .tabulated import TabulatedLayer
 
@@ -16,4 +16,13 @@ LAYERS: dict[str, type[ElasticLayer]] = {
 }
 """The one list of layers, by name; the first is the default."""
 
-__all__ = ["LAYERS", "CoatedHalfSpace", "EdgeSymbol", "ElasticLayer", "Layer", "SlidingLayer", "TabulatedLayer"]
+__all__ = [
+    "LAYERS",
+    "CoatedHalfSpace",
+    "EdgeSymbol",
+    "ElasticLayer",
+    "HalfSpaceEdge",
+    "Layer",
+    "SlidingLayer",
+    "TabulatedLayer",
+]

@@ -4,8 +4,12 @@ A new layer is a frozen dataclass that inherits from `ElasticLayer`. It must off
 the defaults of the rest say "not known", and then no shortcut is taken.
 """
 
+import math
 from abc import abstractmethod
+from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol, Self
+
+import numpy as np
 
 from ..arrays import Array64
 
@@ -34,6 +38,19 @@ class EdgeSymbol(Protocol):
         """K(q)/K(0) for wave numbers 0 < q <= pi [1/grid spacing], of their shape; regular at q = 0 (dimensionless)."""
 
     def __hash__(self) -> int: ...
+
+
+@dataclass(frozen=True)
+class HalfSpaceEdge:
+    """An edge that is always taken for a half-space's, see `EdgeSymbol`."""
+
+    error: float
+    """By how much it may be wrong [grid spacings]."""
+    thickness: float = math.inf
+    shift: float = 0.0
+
+    def symbol(self, wave_numbers: Array64) -> Array64:
+        return np.ones_like(wave_numbers)
 
 
 class ElasticLayer(Protocol):

@@ -14,35 +14,13 @@ import numpy as np
 
 from .. import checks, display
 from ..arrays import Array64
-from .layer import EdgeSymbol, ElasticLayer
+from .layer import EdgeSymbol, ElasticLayer, HalfSpaceEdge
 
 _FEWEST = 8  # rows
 _COARSE = 0.02  # change of K where every other row is left out; with all rows it is some sixteenth of that
 _STRAIGHT = 0.01  # difference of a slope d ln K/d ln q from 0 or 1 at which a law is taken to go on
+_SPACINGS = 8.0  # thicker than so many grid spacings, a bonded layer has the half-space's edge
 _UNKNOWN_EDGE = 0.5  # grid spacings
-
-
-@dataclass(frozen=True)
-class _TabulatedEdge:
-    """The edge on the scale of a grid, taken for a half-space's, see `EdgeSymbol`."""
-
-    half_space: bool
-    """Whether the grid's shortest waves find a half-space."""
-
-    @property
-    def thickness(self) -> float:
-        return math.inf
-
-    @property
-    def shift(self) -> float:
-        return 0.0
-
-    @property
-    def error(self) -> float:
-        return 0.0 if self.half_space else _UNKNOWN_EDGE
-
-    def symbol(self, wave_numbers: Array64) -> Array64:
-        return np.ones_like(wave_numbers)
 
 
 @dataclass(frozen=True)
@@ -129,8 +107,9 @@ class TabulatedLayer(ElasticLayer):
         return 0.0 if slope > 0 else math.inf
 
     def edge_symbol(self, num_points: int, period: float) -> EdgeSymbol:
-        # as many spacings as the bonded layer needs
-        return _TabulatedEdge(half_space=8 * period / num_points < self.thickness)
+        """A half-space's, which nobody has measured where the grid's shortest waves do not find one."""
+        half_space = _SPACINGS * period / num_points < self.thickness
+        return HalfSpaceEdge(0.0 if half_space else _UNKNOWN_EDGE)
 
     def to_dict(self) -> dict[str, Any]:
         return {
