@@ -21,7 +21,7 @@ MIN_POINTS, MAX_POINTS = 4, 2**30  # Warp indices are int32
 SMALLEST, LARGEST = 1e-60, 1e60
 """Bounds on the units and on the dimensionless ratios of a scene."""
 
-_PRESSURE = float("2e-3")  # the default, an object of its own: a pressure that is given is another one
+_PRESSURE = float("2e-3")  # the default, an object of its own, by which it is told from a pressure that is given
 
 
 @dataclass(frozen=True)
@@ -73,14 +73,15 @@ class Scene:
             pressure = checks.real("pressure", self.pressure, "a finite pressure > 0", 0)
             checks.assign(self, pressure=pressure)
             return
-        if self.pressure is not _PRESSURE and not math.isnan(self.pressure):
+        unknown = isinstance(self.pressure, float) and math.isnan(self.pressure)
+        if self.pressure is not _PRESSURE and not unknown:
             raise ValueError(f"approach is {self.approach!r}, and pressure {self.pressure!r}; allowed: one of the two")
         allowed = "a finite length > 0; up to 0 nothing touches: pressure and contact area are 0"
         checks.assign(self, approach=checks.real("approach", self.approach, allowed, 0), pressure=math.nan)
 
     def __repr__(self) -> str:
         """What is pressed against what, in a few lines with units; arrays and long texts are left out."""
-        rows = (self._row(name, value) for name, value in [*self._load, *self._grid][:3])
+        rows = (self._row(name, value) for name, value in [*self._load, *self._grid[:2]])
         parts = (repr(part).replace("[length]", f"[{self.length_unit}]") for part in (self.layer, self.indenter))
         lines = "\n".join([f"{display.sentence('Scene', rows)}, {self.precision}", *parts])
         return lines.replace("\n", "\n  ")

@@ -39,7 +39,8 @@ def solve(
     nested: start from the solution on coarser grids; by default for the active set only, and not with `initial`.
     tolerance: rms net force on free nodes over the mean pressure at which to stop, 1e-14 to 0.5 (dimensionless); by
         default `default_tolerance`, or what rounding leaves if that is more.
-    max_iterations: at least 1, all grids, hand-over included; default by method.
+    max_iterations: at least 1, all grids, hand-over included; default by method. Where an approach is given, of each
+        of the solves that it takes.
     initial: displacement to start from, shape (N,) [length], for instance a neighbour's solution.
     threads: of FFTW. planning: FFTW's effort, 'estimate', 'measure' or 'patient'; what it finds is kept at once.
     backend: 'warp', or 'numpy' for the twins.
@@ -58,7 +59,7 @@ def solve(
     means = Means(threads, planning, checks.choice("backend", backend, BACKENDS), progress)
     if scene.approach is not None and not (accuracy is None and initial is None):
         given = f"accuracy is {accuracy!r}" if initial is None else "initial is given"
-        raise ValueError(f"{given}; allowed: for a scene with a pressure, not with an approach")
+        raise ValueError(f"{given}; allowed: none for a scene with an approach")
     if accuracy is not None:
         chosen = {"method": method, "nested": nested, "tolerance": tolerance, "initial": initial}
         for name, value in (chosen | {"max_iterations": max_iterations}).items():

@@ -17,6 +17,7 @@ _UNITS = {
     "pressure": "pressure",
     "contact_modulus": "pressure",
     "youngs_modulus": "pressure",
+    "base_modulus": "pressure",
     "contact_stiffness": "pressure/length",
     "profile_scan_length": "length",
     "profile_spacing": "length",

@@ -115,12 +115,13 @@ def _of_grid(scene: Scene, found: Observables, patches: PatchTable) -> Iterator[
 def _strain(scene: Scene, found: Observables, patches: PatchTable, displacement: Array64) -> float:
     """The largest strain, estimated (dimensionless).
 
-    Below patches narrower than the layer is thick it is about the pressure over E*. Below wide ones it is the layer's
-    compression over its thickness, or the shear at the base, d/G times the pressure's gradient, by which a nearly
-    incompressible layer is squeezed out sideways.
+    Below patches narrower than the layer is thick, and on an elastic base, it is about the pressure over E*. Below wide
+    ones on a rigid base it is the layer's compression over its thickness, or the shear at the base, d/G times the
+    pressure's gradient, by which a nearly incompressible layer is squeezed out sideways.
     """
     layer = scene.layer
-    wide = patches.width > 2 * layer.thickness
+    on_rigid_base = layer.foundation_modulus(scene.period) > 0
+    wide = (patches.width > 2 * layer.thickness) & on_rigid_base
     largest = float(patches.peak_pressure[~wide].max(initial=0.0)) / layer.contact_modulus
     if wide.any():
         largest = max(largest, float(np.abs(found.approach - displacement).max()) / layer.thickness)

@@ -1,6 +1,7 @@
 """Approach instead of pressure, mean gap and contact stiffness."""
 
 import math
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -20,6 +21,7 @@ from linecontact.solver import (
 from linecontact.solver.grid.problem import full_contact_pressure
 from linecontact.solver.reference import collocation
 from linecontact.solver.strategy.linearised import contact_compliance
+from linecontact.solver.strategy.to_tolerance import solve_to_tolerance
 from linecontact.studies.command_line import main
 
 ROUGH = RoughIndenter(0.8, 0, cut_off_ratio=1 / 16)
@@ -90,6 +92,27 @@ def test_every_method_finds_the_pressure(method):
     assert found.transform_pairs > 0
 
 
+@pytest.mark.parametrize("precision", ["float32", "mixed"])
+def test_where_rounding_is_coarse_few_solves_do(precision):
+    scene = Scene(Layer(0.1), num_points=2**11, precision=precision, approach=1e-3)
+    found = solve(scene)
+    assert found.status is Status.CONVERGED
+    assert found.observables.approach == pytest.approx(1e-3, rel=1e-3)
+    assert int(found.choices[0].reason.rsplit(" ", 1)[1]) <= 8
+
+
+def test_ctrl_c_while_the_pressure_is_found_on_a_coarse_grid(monkeypatch):
+    module = sys.modules["linecontact.solver.solve"]
+
+    def interrupted(effort, *rest):
+        return replace(solve_to_tolerance(effort, *rest), status=Status.INTERRUPTED)
+
+    monkeypatch.setattr(module, "solve_to_tolerance", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        solve(Scene(Layer(0.1), num_points=2**14, approach=1e-3))
+    assert solve(Scene(Layer(0.1), num_points=2**10, approach=1e-3)).status is Status.INTERRUPTED
+
+
 def test_units_do_not_matter():
     one = solve(Scene(Layer(0.05), num_points=2**10, approach=1e-3))
     other = solve(
@@ -118,6 +141,7 @@ def test_the_approach_of_a_scene_is_shown_and_kept_on_other_grids():
         ({"approach": math.inf}, "approach is inf; allowed: a finite length > 0"),
         ({"approach": "deep"}, "approach is 'deep'; allowed: a finite length > 0"),
         ({"approach": 1e-70}, "approach/period is 1e-70; allowed: from 1e-60 to 1e"),
+        ({"pressure": "x", "approach": 1e-3}, "approach is 0.001, and pressure 'x'; allowed: one of the two"),
         ({"pressure": math.nan}, "pressure is nan; allowed: a finite pressure > 0"),
     ],
 )
@@ -127,7 +151,7 @@ def test_bad_loads_are_named(given, said):
 
 
 def test_an_accuracy_takes_a_pressure():
-    with pytest.raises(ValueError, match=r"accuracy is 0.001; allowed: for a scene with a pressure"):
+    with pytest.raises(ValueError, match=r"accuracy is 0.001; allowed: none for a scene with an approach"):
         solve(Scene(num_points=2**10, approach=1e-3), accuracy=1e-3)
 
 
@@ -135,7 +159,7 @@ def test_the_command_takes_an_approach(capsys):
     assert main.main(["solve", "--approach", "0.001", "--num-points", "2^10"]) == 0
     shown = capsys.readouterr().out
     assert "pressure" in shown
-    assert "it brings the approach" in shown.replace("\n", " ")
+    assert "for the approach of" in shown.replace("\n", " ")
     assert main.main(["solve", "--approach", "1", "--num-points", "2^10"]) == 2
     assert capsys.readouterr().err.startswith("linecontact: approach is 1; allowed: below 0.0416667")
 

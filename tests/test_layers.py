@@ -104,7 +104,10 @@ def test_the_grid_agrees_with_the_oracle(kind, exponent):
 
 
 @pytest.mark.parametrize("spacings", [0.3, 1.0, 3.0])
-@pytest.mark.parametrize("layer", [SlidingLayer(1.0), CoatedHalfSpace(1.0, 0.02), CoatedHalfSpace(1.0, 50.0)])
+@pytest.mark.parametrize(
+    "layer",
+    [SlidingLayer(1.0), CoatedHalfSpace(1.0, 0.02), CoatedHalfSpace(1.0, 50.0), CoatedHalfSpace(1.0, 1.0, 0.5, -0.9)],
+)
 def test_edges_on_layers_as_thin_as_the_grid_are_claimed_honestly(layer, spacings):
     n = 2**8
     layer = layer.in_units(spacings / n, 1.0)
@@ -145,3 +148,7 @@ def test_rough_surfaces_on_other_layers(layer):
 def test_bad_numbers_are_named(make, said):
     with pytest.raises(ValueError, match=said):
         make()
+
+
+def test_a_thin_coating_of_the_same_material_is_no_reason_to_warn():
+    assert not solve(Scene(CoatedHalfSpace(1e-4, 1.0), num_points=2**12)).warnings

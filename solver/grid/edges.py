@@ -129,8 +129,8 @@ def _claimed(patches: Patches, spread: Array64, layer: Array64) -> Array64:
     fitted = np.where(spread < _CLOSE, _OF_SPREAD * spread, spread)
     fitted = fitted + _OVER_SIZE / patches.size + _OVER_SIZE_SQUARED / patches.size**2
     fitted += layer + narrow_gap
-    counting = np.maximum(layer, 0.5)  # as good as counting nodes, unless the layer's own edge is not known
-    return np.where(spread < _ALIKE, np.minimum(fitted, counting), np.clip(spread, counting, 1.0))
+    counting = np.maximum(layer, 0.5)  # an edge is known as well as by counting, unless the layer spoils it
+    return np.where(spread < _ALIKE, np.minimum(fitted, counting), np.clip(spread, counting, np.maximum(counting, 1.0)))
 
 
 def _offsets(curve: EdgeCurve, patches: Patches, pressure: Array64) -> tuple[Array64, Array64]:

@@ -115,7 +115,8 @@ class CoatedHalfSpace(ElasticLayer):
         up to 0.15 times the logarithm of the moduli's ratio.
         """
         thickness, ratio = self.thickness / period * num_points, self.base_modulus / self.contact_modulus
-        thin = 0.02 + min(0.2 * abs(math.log(ratio)), 1.2)
+        contrast = max(abs(math.log(ratio)), abs(math.log(self.shear_ratio)))
+        thin = 0.02 + min(0.25 * contrast, 1.2)
         return HalfSpaceEdge(thin if thickness < _THIN else 0.1 / thickness + 0.5 / thickness**2)
 
     def to_dict(self) -> dict[str, Any]:

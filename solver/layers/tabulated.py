@@ -56,15 +56,19 @@ class TabulatedLayer(ElasticLayer):
             stiffnesses=tuple(k.tolist()),
             contact_modulus=checks.real("contact_modulus", modulus, "a finite pressure > 0", 0),
         )
+        if self._start is None:
+            slope = f"goes like q^{self._slopes[0]:.2g}"
+            allowed = "a table that begins where K is constant (a foundation), or goes like q (a half-space) or 1/q^2"
+            raise ValueError(f"stiffnesses begin at q = {q[0]:.4g}, where K {slope}; allowed: {allowed}")
         every = np.arange(0, q.size, 2)
         left_out = np.arange(1, every[-1], 2)
         log_q, log_k = np.log(q), np.log(k)
         error = np.abs(np.expm1(_cubic(log_q[every], log_k[every], log_q[left_out]) - log_k[left_out]))
         worst = int(np.argmax(error))
         if error[worst] > _COARSE:
-            change = f"{error[worst]:.2g} about q = {q[left_out[worst]]:.3g}"
-            allowed = f"below {_COARSE:g}, by more rows"
-            raise ValueError(f"stiffnesses change without every other row by a share of {change}; allowed: {allowed}")
+            change = f"{error[worst]:.0%} about q = {q[left_out[worst]]:.3g}"
+            allowed = f"rows so close that it is below {_COARSE:.0%}"
+            raise ValueError(f"stiffnesses, where every other row is left out, change by {change}; allowed: {allowed}")
 
     def __repr__(self) -> str:
         of = f" of {self.source}" * bool(self.source)
@@ -82,16 +86,22 @@ class TabulatedLayer(ElasticLayer):
     def stiffness(self, wave_numbers: Array64, period: float) -> Array64:
         q = wave_numbers / period
         first, last = self.wave_numbers[0], self.wave_numbers[-1]
-        low, high = self._slopes
-        if float(q.min()) < first * (1 - 1e-12) and not any(abs(low - law) < _STRAIGHT for law in (0, 1)):
+        low, high = self._start, self._slopes[1]
+        if float(q.min()) < first * (1 - 1e-12) and low not in (0, 1):
             raise ValueError(_missing("long", float(q.min()), first, "foundation or half-space"))
         if float(q.max()) > last * (1 + 1e-12) and abs(high - 1) >= _STRAIGHT:
             raise ValueError(_missing("short", float(q.max()), last, "half-space"))
         table = np.log(self.wave_numbers), np.log(self.stiffnesses)
         inside = np.log(np.clip(q, first, last))
         values = np.exp(_cubic(*table, inside))
-        values *= np.where(q < first, (q / first) ** round(low), np.where(q > last, q / last, 1.0))
+        values *= np.where(q < first, (q / first) ** low, np.where(q > last, q / last, 1.0))
         return np.asarray(values * period / self.contact_modulus)
+
+    @property
+    def _start(self) -> int | None:
+        """The power of q with which K begins: 0, 1 or -2; None for anything else."""
+        slope = self._slopes[0]
+        return next((law for law in (0, 1, -2) if abs(slope - law) < _STRAIGHT * max(1, abs(law))), None)
 
     @property
     def _slopes(self) -> tuple[float, float]:
@@ -100,11 +110,9 @@ class TabulatedLayer(ElasticLayer):
         return float((k[1] - k[0]) / (q[1] - q[0])), float((k[-1] - k[-2]) / (q[-1] - q[-2]))
 
     def foundation_modulus(self, period: float) -> float:
-        """The first row's K where the table begins flat; 0 where it rises from there, `inf` where it falls."""
-        slope = self._slopes[0]
-        if abs(slope) < _STRAIGHT:
-            return self.stiffnesses[0] * period / self.contact_modulus
-        return 0.0 if slope > 0 else math.inf
+        """The first row's K where the table begins flat; 0 where K goes like q there, `inf` where like 1/q^2."""
+        flat = self.stiffnesses[0] * period / self.contact_modulus
+        return flat if self._start == 0 else 0.0 if self._start == 1 else math.inf
 
     def edge_symbol(self, num_points: int, period: float) -> EdgeSymbol:
         """A half-space's, which nobody has measured where the grid's shortest waves do not find one."""

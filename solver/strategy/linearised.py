@@ -17,6 +17,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..arrays import Array64, Mask
+from ..endings import Status
 from ..grid.edge_curves import edge_curve, punch_end
 from ..grid.observables import contact_edges, foundation_modulus
 from ..grid.problem import Problem
@@ -28,7 +29,7 @@ from .effort import SMALLEST_WARP
 
 _TOLERANCE = 1e-7  # on the punch's pressure; the stiffness then has eight digits
 _MOST_ITERATIONS = 500
-_WORTHLESS = 1e-3  # residual beyond which nothing is known
+_WORTHLESS = 1e-4  # residual beyond which nothing is said
 
 
 def contact_compliance(scene: Scene, contact: Mask) -> float:
@@ -63,10 +64,11 @@ def _punch(scene: Scene, contact: Mask) -> tuple[float, Array64]:
     problem = Problem.from_scene(scene)
     punch = replace(problem, height=np.where(contact, 0.0, problem.reach))
     backend = "warp" if problem.num_points >= SMALLEST_WARP else "numpy"
-    # as many nodes as there are may be wrong: the set stays as it is
+    # with any number of wrong nodes allowed, the set stays as it is
     method = active_set.begin(punch, Setting(_TOLERANCE, wrong_nodes_per_patch=math.inf, backend=backend))
     method.start_from_pressure(contact.astype(np.float64))
-    relax(method, _MOST_ITERATIONS, None)
+    if relax(method, _MOST_ITERATIONS, None) is Status.INTERRUPTED:
+        raise KeyboardInterrupt
     found = float(method.displacement.mean()) * problem.length_unit / scene.pressure + compression
     return found if method.residual < _WORTHLESS else math.nan, method.contact_pressure
 

@@ -30,14 +30,19 @@ _FEWEST_POINTS = 16
 """Points of the smallest coarser grid."""
 
 
+def check_accuracy(accuracy: float) -> float:
+    """The accuracy, if it is one that may be asked for. Raises `ValueError`."""
+    allowed = "1e-9 <= accuracy <= 0.1"
+    return checks.real("accuracy", accuracy, allowed, math.nextafter(1e-9, 0), MOST_ACCURACY)
+
+
 def solve_to_accuracy(scene: Scene, accuracy: float, means: Means) -> Solution:
     """Solve a scene to an accuracy, the relative error of a_r (dimensionless). Raises `ValueError`.
 
     The first model that is good enough gives the answer; the grid always does, or says that it is not good enough.
     """
     begin = time.perf_counter()
-    allowed = "1e-9 <= accuracy <= 0.1"
-    accuracy = checks.real("accuracy", accuracy, allowed, math.nextafter(1e-9, 0), MOST_ACCURACY)
+    accuracy = check_accuracy(accuracy)
     check_memory(_FEWEST_POINTS if scene.indenter.power_law else scene.num_points)  # most likely needs no grid
     if scene.precision != "float64":
         raise ValueError(f"precision is {scene.precision!r}; allowed: float64, accuracy chooses the precision")

@@ -22,8 +22,10 @@ from .linearised import contact_compliance
 
 _COARSEST = 2**10  # points
 _EXACT, _GUESS = 1e-10, 1e-3  # relative error of the approach at which to stop, on the scene's grid and on coarse ones
-_AT_THE_FLOOR = 1e3  # times that: an error that grows again, and is smaller, is rounding
-_MOST_SOLVES = 40  # on a grid
+_SHARE = 0.01  # of the tolerance of the solves, where that is more
+_GOOD, _LOOSE = 1e-8, 1e-3  # relative error at which an approach is met; the tolerance of the solves between the two
+_FULL = 1e-9  # relative distance from the approach of full contact, within which the pressure is not known
+_MOST_SOLVES, _PATIENCE = 40, 4  # on a grid; and without a half of the error before
 _LONGEST_STEP = 30.0  # factor of the pressure
 
 
@@ -69,6 +71,7 @@ def solve_to_approach(scene: Scene, solve: Callable[[Scene], Solution]) -> Solut
         iterations, points = iterations + solution.iterations, points + solution.transform_pairs * scene.num_points
         return solution
 
+    check_approach(scene)
     guess = _foundation_guess(scene, approach)
     for size in grids(scene.num_points)[:-1]:
         if size >= _COARSEST:
@@ -76,7 +79,8 @@ def solve_to_approach(scene: Scene, solve: Callable[[Scene], Solution]) -> Solut
     found, solves = _found(scene, counted, guess, _EXACT)
     pressure, seconds = found.scene.pressure, found.seconds | {"total": time.perf_counter() - begin}
     seconds["solve"] += seconds["total"] - found.seconds["total"]
-    why = f"it brings the approach of {approach:g}; solves on this grid: {solves}"
+    off = abs(found.observables.approach / approach - 1)
+    why = f"for the approach of {approach:g}, met to a share of {off:.0e}; solves on this grid: {solves}"
     found = replace(
         found,
         iterations=iterations,
@@ -84,9 +88,9 @@ def solve_to_approach(scene: Scene, solve: Callable[[Scene], Solution]) -> Solut
         seconds=seconds,
         choices=(Choice("pressure", f"{pressure:.10g}", why), *found.choices),
     )
-    off = abs(found.observables.approach / approach - 1)
-    if found.status is Status.CONVERGED and off > found.tolerance:
-        reason = Reason(Cause.METHOD, "approach", f"{approach:g}, missed by a share of {off:.1g}", "another one")
+    if found.status is Status.CONVERGED and off > max(_GOOD, min(found.tolerance, _LOOSE)):
+        met = f"{approach:g}, and {found.observables.approach:.10g} was found"
+        reason = Reason(Cause.METHOD, "approach", met, "another approach, or a smaller tolerance")
         return replace(found, status=Status.STAGNATED, reason=reason)
     return found
 
@@ -99,17 +103,18 @@ def _found(scene: Scene, solve: Callable[[Scene], Solution], pressure: float, ex
     """
     approach = scene.approach
     assert approach is not None
-    newton, best, least = _Newton(approach), None, math.inf
+    newton, best, least, halved = _Newton(approach), None, math.inf, 0
     for solves in range(1, _MOST_SOLVES + 1):
         solution = solve(replace(scene, approach=None, pressure=pressure))
         found = solution.observables.approach
         off = abs(found / approach - 1)
-        worse = off >= least
-        if best is None or not worse:
+        if off < least / 2:
+            halved = solves
+        if best is None or off < least:
             best, least = solution, off
         if solution.status is not Status.CONVERGED:
             return solution, solves
-        if least <= exact or (worse and least < _AT_THE_FLOOR * exact):
+        if least <= max(exact, _SHARE * solution.tolerance) or solves >= halved + _PATIENCE:
             break
         pressure = newton.next(pressure, found, contact_compliance(solution.scene, solution.contact))
     assert best is not None
@@ -122,17 +127,26 @@ def _coarse_guess(scene: Scene, num_points: int, solve: Callable[[Scene], Soluti
         coarse = scene.on_grid(num_points)
     except ValueError:
         return guess
-    return _found(coarse, solve, guess, _GUESS)[0].scene.pressure
+    found = _found(coarse, solve, guess, _GUESS)[0]
+    if found.status is Status.INTERRUPTED:
+        raise KeyboardInterrupt  # nothing is known on the scene's grid
+    return found.scene.pressure
+
+
+def check_approach(scene: Scene) -> None:
+    """Raise `ValueError` for a scene whose approach no pressure brings."""
+    modulus, approach = foundation_modulus(scene), scene.approach
+    if approach is None or modulus not in (0.0, math.inf):
+        return
+    full = float(scene.profile.mean())
+    if not approach < full * (1 - _FULL):
+        what = "half-space" if modulus == 0 else "incompressible layer"
+        allowed = f"below {full:g}, the mean height of the indenter: there the contact with the {what} is full"
+        raise ValueError(f"approach is {approach:g}; allowed: {allowed}")
 
 
 def _foundation_guess(scene: Scene, approach: float) -> float:
-    """The pressure of a Winkler foundation as stiff as the layer's longest wave. Raises `ValueError`."""
-    profile, compression = scene.profile, foundation_modulus(scene)
-    full = float(profile.mean())
-    if compression in (0.0, math.inf) and not approach < full:
-        what = "half-space" if compression == 0 else "incompressible layer"
-        allowed = f"below {full:g}, the mean height of the indenter: there the contact with the {what} is full"
-        raise ValueError(f"approach is {approach:g}; allowed: {allowed}")
+    """The pressure of a Winkler foundation as stiff as the layer's longest wave."""
     stiffness = float(scene.layer.stiffness(np.array([2 * math.pi]), scene.period)[0])
     modulus = stiffness * scene.layer.contact_modulus / scene.period
-    return modulus * float(np.maximum(approach - profile, 0.0).mean())
+    return modulus * float(np.maximum(approach - scene.profile, 0.0).mean())

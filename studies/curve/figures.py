@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..figures.style import COLOURS, ONE_COLUMN, NothingToDraw, load, panels, typeset
 from ..files.study_files import StudyFile
-from .tasks import VALUE, unit_in
+from .tasks import column, unit_in
 
 Array64 = NDArray[np.float64]
 
@@ -24,7 +24,7 @@ def draw(path: Path) -> dict[str, Figure]:
     """The three panels of a stored curve."""
     study = load(path)
     over = str(study.configuration["over"])
-    value, along = _shown(study, over, VALUE)
+    value, along = _shown(study, over, column(over))
     order = np.argsort(value)
     value = value[order]
     shown = np.isfinite(value)
@@ -56,12 +56,12 @@ _PANELS = (
 """Column, column of its error, and label of each panel."""
 
 
-def _shown(study: StudyFile, name: str, column: str = "") -> tuple[Array64, str]:
+def _shown(study: StudyFile, name: str, stored: str = "") -> tuple[Array64, str]:
     """A quantity over the runs as it is drawn, shape (M,), and what it is over: E*, L, or the unit of a scan.
 
-    name: of the quantity; column: that holds it, by default of its name.
+    name: of the quantity; stored: name of its column, by default the same.
     """
-    values = study.column(column or name).astype(np.float64)
+    values = study.column(stored or name).astype(np.float64)
     dimension, known = unit(name), unit_in(study, "period")
     if dimension == "1":
         return values, "dimensionless"

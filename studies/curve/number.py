@@ -1,12 +1,15 @@
 """The number of a scene that a curve varies: its name, its values, and scenes with one of them."""
 
 import math
-from collections.abc import Iterator
+import string
+from collections.abc import Iterator, Sequence
 from dataclasses import fields, replace
 from typing import Any, Literal
 
 import numpy as np
 from linecontact.solver import Scene
+from linecontact.solver.grid.problem import half_spectrum
+from linecontact.solver.strategy.to_approach import check_approach
 from linecontact.solver.units import unit
 
 from ..scans.units import UNITS, unit_of
@@ -20,8 +23,10 @@ MOST = 2**14
 
 def numbers(scene: Scene) -> dict[str, float]:
     """The numbers of a scene that can be varied, by the names of their options."""
-    found = {"pressure": scene.pressure, "approach": math.nan, "period": scene.period, "num_points": scene.num_points}
-    return found | dict(_own(scene.layer)) | dict(_own(scene.indenter))
+    found = {"pressure": scene.pressure, "approach": math.nan, "num_points": scene.num_points} | dict(_own(scene.layer))
+    if scene.indenter.given_points is None:  # a scan has its own
+        found |= {"period": scene.period} | dict(_own(scene.indenter))
+    return found
 
 
 def _own(part: Any) -> Iterator[tuple[str, float]]:
@@ -29,6 +34,17 @@ def _own(part: Any) -> Iterator[tuple[str, float]]:
         value = getattr(part, entry.name)
         if isinstance(value, int | float) and not isinstance(value, bool):
             yield entry.name, value
+
+
+def check(scene: Scene, name: str, values: Sequence[float]) -> None:
+    """Raise `ValueError` for a value that makes no scene, and for the largest if that has no solution."""
+    for value in values:
+        if whole(scene, name) and not (math.isfinite(value) and value == int(value)):
+            raise ValueError(f"{name} is {value:g}; allowed: an integer")
+        put(scene, name, value)
+    largest = put(scene, name, max(values))
+    check_approach(largest)
+    half_spectrum(largest.layer, largest.num_points, largest.period)  # a table may lack waves
 
 
 def put(scene: Scene, name: str, value: float) -> Scene:
@@ -55,14 +71,13 @@ def read(option: str, text: str, name: str, length_unit: str) -> float:
 
     option: that it is given with, for messages. name: of the number. length_unit: of the scene, where it is known.
     """
-    digits = text.rstrip('\u00b5\u03bcabcdefghijklmnopqrstuvwxyz"') if text.strip().lower() not in _INFINITE else text
+    text = text.strip()
+    digits = text if text.lower() in _INFINITE else text.rstrip(_LETTERS)
     written = text[len(digits) :].strip()
-    if "^" in digits:
-        base, _, power = digits.partition("^")
-        digits = str(float(base) ** float(power)) if base.isdigit() and power.isdigit() else digits
     try:
-        value = float(digits)
-    except ValueError:
+        base, _, power = digits.partition("^")
+        value = float(base) ** int(power) if power else float(digits)
+    except (ValueError, OverflowError):
         raise ValueError(f"{option} is {text!r}; allowed: a number, or a length with its unit, like 50um") from None
     if not written:
         return value
@@ -75,6 +90,7 @@ def read(option: str, text: str, name: str, length_unit: str) -> float:
 
 
 _INFINITE = ("inf", "infinity")
+_LETTERS = string.ascii_lowercase + '"\u00b5\u03bc'  # of units
 
 
 def spaced(first: float, last: float, count: int, spacing: Spacing, integers: bool) -> tuple[float, ...]:

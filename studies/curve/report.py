@@ -11,7 +11,7 @@ from rich.table import Table
 
 from ..files.study_files import StudyFile
 from ..terminal import console
-from .tasks import VALUE, unit_in
+from .tasks import column, unit_in
 
 _MEANS = {"contact_area_subgrid": "a_r", "kappa_subgrid": "kappa"}
 """What is averaged over seeds, and its symbol."""
@@ -46,7 +46,7 @@ def _row(run: dict[str, Any], over: str) -> list[str]:
     load = float(run["scene.pressure" if over == "approach" else "approach"])
     cells = [f"{float(run['kappa_subgrid']):.5g}", f"{load:.4g}"]
     return [
-        f"{run[VALUE]:.4g}{mark}",
+        f"{float(run[column(over)]):.4g}{mark}",
         f"{run['contact_area_subgrid']:.6g}",
         f"{run['contact_area_error']:.0e}",
         *(reversed(cells) if over == "approach" else cells),

@@ -1,28 +1,29 @@
 """`linecontact curve`: contact area, kappa, approach and stiffness over the load, or over another number of a scene."""
 
-import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import MISSING, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from linecontact.solver import Scene, checks
 from linecontact.solver.grid.problem import full_contact_pressure
+from linecontact.solver.strategy.to_accuracy import check_accuracy
 
 from ..runner import study
 from ..runner.run import run_study
 from ..runner.study import Plan, Study
 from ..scenes import kinds, making
 from ..scenes.making import Given
+from ..terminal.options import options_of
 from . import number
 from .report import report
-from .tasks import Task, base_scene, described
+from .tasks import Task, base_scene, described, shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 NAME = "curve"
-_SMALLEST_LOAD = 1e-5  # over that of full contact: where a curve over the load begins by itself
-_LOADS = ("pressure", "approach")
+_SMALLEST_LOAD, _BEYOND = 1e-5, 1 + 1e-9  # over that of full contact: where a curve over the load begins and ends
 
 
 @dataclass(frozen=True)
@@ -49,39 +50,65 @@ class Options(making.Options, study.Options):
     """First value, in the scene's unit or, with a scan, with its own, like 50um; default for the pressure: 1e-5 of that
     of full contact."""
     to: str | None = None
-    """Last value; default for the pressure: that of full contact, the last node included."""
+    """Last value; default for the pressure: that of full contact."""
     points: int = 30
-    """Number of values, 2 to 16384; of seeds and other integers every one, if they are fewer."""
+    """Number of values, 2 to 16384; of seeds every one, if they are fewer."""
     spacing: number.Spacing = "auto"
-    """Of the values: even in their logarithm, or linear; auto: the logarithm from a decade on."""
+    """Of the values: even in their logarithm, or linear; auto: the logarithm from a decade on, but for seeds."""
     values: str | None = None
     """Values separated by commas, instead of --from and --to; inf is a half-space's thickness."""
 
 
 def plan(options: Options, given: Given) -> Plan:
     """The tasks. Raises `ValueError`."""
+    over, accuracy = options.over, options.accuracy
     told: dict[str, Any] = {name: getattr(options, name) for name in _SCENE}
-    if options.over in _LOADS:
-        for name in _LOADS:
-            if told[name] is not None:
-                raise ValueError(f"{name} is {told[name]:g}; allowed: none with --over {options.over}")
-        told[options.over] = 1.0  # in place of the values, for what all points have in common
+    _check_options(options, given, told)
+    if over in making.LOADS:
+        told[over] = 1.0  # any number will do for the scene whose number is varied
+    given = {title: dict(group) for title, group in given.items()}
+    for what in ("layer", "profile"):
+        kind = told[what]
+        option = options_of(kinds.classes(what)[kind]).get(over) if kind in kinds.classes(what) else None
+        if option and option.default is MISSING and option.type is not Path:
+            given[kinds.title(what, kind)][over] = 1.0
     description = described(told, given)
     scene = base_scene(description)
     allowed = number.numbers(scene)
-    if options.over not in allowed:
-        raise ValueError(f"over is {options.over!r}; allowed: {', '.join(allowed)}")
+    if over not in allowed:
+        raise ValueError(f"over is {over!r}; allowed: {', '.join(allowed)}")
     values = _values(options, scene)
-    for value in values:
-        _check(scene, options.over, value)
+    number.check(scene, over, values)
     return Plan(
         kind=NAME,
-        configuration={"scene": description, "over": options.over, "values": values, "accuracy": options.accuracy},
-        runs=[Task(description, options.over, value, options.accuracy) for value in values],
+        configuration={"scene": shown(description), "over": over, "values": values, "accuracy": accuracy},
+        runs=[Task(description, over, value, accuracy) for value in values],
     )
 
 
-_SCENE = ("profile", "layer", "pressure", "approach", "period", "num_points", "precision")
+def _check_options(options: Options, given: Given, told: Mapping[str, Any]) -> None:
+    """Raise `ValueError` for options that do not go together."""
+    over = options.over
+    known = {name: value for group in given.values() for name, value in group.items()} | told
+    fixed = making.LOADS if over in making.LOADS else (over,)
+    for name in fixed:
+        if known.get(name) is not None:
+            raise ValueError(f"{name} is {known[name]}; allowed: none with --over {over}")
+    if over == "poisson_ratio" and known.get("youngs_modulus") is not None:
+        allowed = "contact_modulus with --over poisson_ratio, which is kept"
+        raise ValueError(f"youngs_modulus is {known['youngs_modulus']:g}; allowed: {allowed}")
+    if options.accuracy is not None:
+        check_accuracy(options.accuracy)
+        if over in ("approach", "num_points") or options.approach is not None:
+            what = "an approach" if over != "num_points" else "--over num_points"
+            raise ValueError(f"accuracy is {options.accuracy:g}; allowed: none with {what}")
+    if options.values is not None:
+        for name, default in (("points", Options.points), ("spacing", Options.spacing)):
+            if getattr(options, name) != default:
+                raise ValueError(f"{name} is {getattr(options, name)}; allowed: none with --values")
+
+
+_SCENE = ("profile", "layer", "pressure", "approach", "period", "num_points", "precision", "accuracy")
 """The options that make a scene."""
 
 
@@ -99,26 +126,20 @@ def _values(options: Options, scene: Scene) -> tuple[float, ...]:
     found = {name: _read(options, scene, name, text) for name, text in given.items()}
     if options.over == "pressure" and len(found) < len(ends):
         full = full_contact_pressure(scene)
-        found = {"from": _SMALLEST_LOAD * full, "to": full} | found
+        found = {"from": _SMALLEST_LOAD * full, "to": _BEYOND * full} | found
     for name in ends:
         if name not in found:
             raise ValueError(f"{name} is missing; allowed: a number, or --values, with --over {options.over}")
-    whole, count = number.whole(scene, options.over), options.points
+    count, spacing = options.points, options.spacing
     checks.integer("points", count, f"an integer from 2 to {number.MOST}", 2, number.MOST)
-    if whole and options.over == "seed":
-        count = min(count, round(abs(found["to"] - found["from"])) + 1)
-    return number.spaced(found["from"], found["to"], count, options.spacing, whole)
+    if options.over == "seed":
+        spacing = "linear"
+        count = int(min(count, abs(found["to"] - found["from"]) + 1))
+    return number.spaced(found["from"], found["to"], count, spacing, number.whole(scene, options.over))
 
 
 def _read(options: Options, scene: Scene, option: str, text: str) -> float:
     return number.read(option, text, options.over, scene.length_unit)
-
-
-def _check(scene: Scene, name: str, value: float) -> None:
-    """Raise `ValueError` for a value that makes no scene, before anything is solved."""
-    if number.whole(scene, name) and not (math.isfinite(value) and value == int(value)):
-        raise ValueError(f"{name} is {value:g}; allowed: an integer")
-    number.put(scene, name, value)
 
 
 def draw(path: Path) -> "dict[str, Figure]":

@@ -9,7 +9,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, ClassVar
 
-from linecontact.solver import Scene, solve
+from linecontact.solver import Scene, Status, solve
 from linecontact.solver.methods import Progress
 from linecontact.solver.units import SCENE, unit
 
@@ -19,8 +19,10 @@ from ..runner.tasks import Record
 from ..scenes.making import Given, make_scene
 from . import number
 
-VALUE = "value"
-"""The column of the number that is varied, in its own unit."""
+
+def column(over: str) -> str:
+    """The column of a curve's file that holds the number that is varied."""
+    return over if over == "approach" else f"scene.{over}"
 
 
 def unit_in(file: StudyFile, name: str) -> str:
@@ -49,6 +51,19 @@ def _as_given(value: Any) -> Any:
     return Path(value["path"]) if isinstance(value, Mapping) else value
 
 
+def shown(description: str) -> str:
+    """The same without the folders of files: what is stored with the results."""
+    told = json.loads(description)
+    files = told.pop("files")
+    groups = {title: {name: _name(v) for name, v in group.items()} for title, group in told["given"].items()}
+    sums = {Path(name).name: known for name, known in files.items()}
+    return json.dumps(told | {"given": groups, "files": sums}, sort_keys=True)
+
+
+def _name(value: Any) -> Any:
+    return Path(value["path"]).name if isinstance(value, Mapping) else value
+
+
 @lru_cache(maxsize=1)
 def base_scene(description: str) -> Scene:
     """The scene that `described` has put down. Raises `ValueError`, also for a file that has changed since."""
@@ -56,7 +71,7 @@ def base_scene(description: str) -> Scene:
     given = {title: {name: _as_given(v) for name, v in group.items()} for title, group in told["given"].items()}
     for name, known in told["files"].items():
         if not Path(name).is_file() or hashlib.sha256(Path(name).read_bytes()).hexdigest() != known:
-            raise ValueError(f"profile_file {name} is not what it was at the start; allowed: the same contents")
+            raise ValueError(f"file {name} is not there, or not what it was at the start; allowed: the same contents")
     return make_scene(SimpleNamespace(**told["options"]), given)
 
 
@@ -77,10 +92,12 @@ class Task:
 
     def run(self, report: Progress | None) -> Record:
         """The solution's record, with the contact stiffness."""
-        return point(number.put(base_scene(self.scene), self.over, self.value), self.value, self.accuracy, report)
+        return point(number.put(base_scene(self.scene), self.over, self.value), self.accuracy, report)
 
 
-def point(scene: Scene, value: float, accuracy: float | None, report: Progress | None = None) -> Record:
-    """The record of a curve's scene with its value, and with the contact stiffness."""
+def point(scene: Scene, accuracy: float | None, report: Progress | None = None) -> Record:
+    """The record of a curve's scene, with the contact stiffness."""
     solution = solve(scene, accuracy=accuracy, progress=report)
-    return run_record(solution) | {VALUE: value, "contact_stiffness": solution.contact_stiffness}
+    if solution.status is Status.INTERRUPTED:
+        raise KeyboardInterrupt
+    return run_record(solution) | {"contact_stiffness": solution.contact_stiffness}

@@ -44,11 +44,12 @@ def make_scene(options: Any, given: Given) -> Scene:
     layer = _made("layer", options, given)
     if isinstance(layer, stiffness_file.Options):
         layer = stiffness_file.read(layer)
-    more |= {name: getattr(options, name) for name in _LOADS if getattr(options, name, None) is not None}
+    more |= {name: getattr(options, name) for name in LOADS if getattr(options, name, None) is not None}
     return Scene(layer=layer, indenter=indenter, precision=options.precision, **more)
 
 
-_LOADS = ("pressure", "approach")
+LOADS = ("pressure", "approach")
+"""The options of which one tells the load."""
 
 
 def _check_scales(options: Any, given: Given) -> None:
@@ -57,8 +58,8 @@ def _check_scales(options: Any, given: Given) -> None:
     known = {"contact_modulus", "youngs_modulus"} & own.keys()
     modulus = options_of(kinds.classes("layer")[options.layer]).get("contact_modulus")
     needed = modulus is not None and modulus.default is not None and not known
-    unloaded = all(getattr(options, name, None) is None for name in _LOADS)
-    missing = ["contact_modulus (or youngs_modulus)"] * needed + ["pressure"] * unloaded
+    unloaded = all(getattr(options, name, None) is None for name in LOADS)
+    missing = ["contact_modulus (or youngs_modulus)"] * needed + ["pressure (or approach)"] * unloaded
     if missing:
         names = f"{' and '.join(missing)} {'are' if len(missing) > 1 else 'is'} missing"
         raise ValueError(f"{names}; allowed: with a file, whose lengths have units, both must be given, in one unit")

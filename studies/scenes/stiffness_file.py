@@ -1,6 +1,7 @@
 """A layer's stiffness from a file: two columns, wave number and K."""
 
 import math
+import os
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -25,12 +26,14 @@ def read(options: Options) -> TabulatedLayer:
     """The layer. Raises `ValueError` for a file that is none, and like `TabulatedLayer`."""
     path = options.stiffness_file
     what = f"stiffness_file is {path}"
-    if not path.is_file():
+    if not os.path.isfile(path):  # Path's own raises for some names
         raise ValueError(f"{what}, which is not a file; allowed: text of two columns, q and K(q)")
     if path.stat().st_size > _MOST_BYTES:
         raise ValueError(f"{what}, of {path.stat().st_size} bytes; allowed: up to {_MOST_BYTES}")
     try:
         lines = [line.replace(",", " ") for line in path.read_text(encoding="utf-8-sig").splitlines()]
+        if all(not line.partition("#")[0].strip() for line in lines):
+            raise ValueError("it has no rows")
         rows = np.loadtxt(lines, ndmin=2)
     except (OSError, UnicodeDecodeError, ValueError) as error:
         said = str(error).splitlines()[0]
