@@ -330,7 +330,7 @@ def test_the_command_line_knows_them(tmp_path, capsys, options):
 def test_options_of_another_kind_are_refused(capsys):
     assert main.main(["solve", "--layer", "frictionless", "--poisson-ratio", "0.3"]) == 2
     assert capsys.readouterr().err == (
-        "linecontact: poisson_ratio is 0.3; allowed: only with --layer bonded, not frictionless\n"
+        "linecontact: poisson_ratio is 0.3; allowed: only with --layer bonded or coated, not frictionless\n"
     )
     assert main.main(["solve", "--layer", "frictionles"]) == 2
     assert capsys.readouterr().err.startswith(

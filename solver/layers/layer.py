@@ -54,7 +54,7 @@ class HalfSpaceEdge:
 
 
 class ElasticLayer(Protocol):
-    """An elastic layer on a rigid base, as the program needs to know it."""
+    """An elastic layer and what it rests on, as the program needs to know them."""
 
     name: ClassVar[str]
     """The layer's name on the command line and in stored results."""

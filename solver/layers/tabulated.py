@@ -86,15 +86,15 @@ class TabulatedLayer(ElasticLayer):
     def stiffness(self, wave_numbers: Array64, period: float) -> Array64:
         q = wave_numbers / period
         first, last = self.wave_numbers[0], self.wave_numbers[-1]
-        low, high = self._start, self._slopes[1]
-        if float(q.min()) < first * (1 - 1e-12) and low not in (0, 1):
+        low, high = self._start or 0, self._slopes[1]
+        if float(q.min()) < first * (1 - 1e-12) and low < 0:
             raise ValueError(_missing("long", float(q.min()), first, "foundation or half-space"))
         if float(q.max()) > last * (1 + 1e-12) and abs(high - 1) >= _STRAIGHT:
             raise ValueError(_missing("short", float(q.max()), last, "half-space"))
         table = np.log(self.wave_numbers), np.log(self.stiffnesses)
         inside = np.log(np.clip(q, first, last))
         values = np.exp(_cubic(*table, inside))
-        values *= np.where(q < first, (q / first) ** low, np.where(q > last, q / last, 1.0))
+        values *= np.minimum(q / first, 1.0) ** max(low, 0) * np.maximum(q / last, 1.0)
         return np.asarray(values * period / self.contact_modulus)
 
     @property

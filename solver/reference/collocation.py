@@ -4,8 +4,8 @@ In |x| < a the slope of the surface is prescribed, int D(x-s) sigma(s) ds = h'(x
 
     D(x) = (2/(E* P)) cot(pi x/P) + sum_k w_k sin(q_k x),   w_k = (2/P) q_k [1/K(q_k) - 2/(E* q_k)],  q_k = 2 pi k/P
 
-the half-space's periodic Cauchy kernel and the layer's part, a sum that converges like exp(-2 q d) for layers that one
-surface or interface ends in the depth d. With x = a t and
+the half-space's periodic Cauchy kernel and the layer's part, a sum that converges like exp(-2 q d) for a homogeneous
+layer of thickness d on any base. With x = a t and
 sigma = sqrt(1-t^2) phi(t), Gauss-Chebyshev quadrature of the second kind (F. Erdogan and G. D. Gupta, Q. Appl. Math.
 29, 525 (1972)) turns it into a linear system of spectral accuracy. For even profiles only t > 0 is kept.
 

@@ -69,7 +69,7 @@ def _half_space(scene: Scene, most: float) -> tuple[ElasticLayer, tuple[Choice, 
         unknown = "by how much a half-space's stiffness differs is not known for this layer"
         return layer, (Choice("layer", "as it is", unknown),)
     half_space, difference = known
-    reason = f"a half-space's stiffness differs by a share of up to {difference:.1g}"
+    reason = f"its stiffness differs from a half-space's by up to {100 * difference:.1g} %"
     if difference > most:
         return layer, (Choice("layer", "as it is", reason),)
     return half_space, (Choice("layer", "half-space", reason, math.sqrt(difference)),)

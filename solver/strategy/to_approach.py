@@ -140,8 +140,7 @@ def check_approach(scene: Scene) -> None:
         return
     full = float(scene.profile.mean())
     if not approach < full * (1 - _FULL):
-        what = "half-space" if modulus == 0 else "incompressible layer"
-        allowed = f"below {full:g}, the mean height of the indenter: there the contact with the {what} is full"
+        allowed = f"below {full:g}, the mean height of the indenter: there the contact is full"
         raise ValueError(f"approach is {approach:g}; allowed: {allowed}")
 
 

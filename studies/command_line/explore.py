@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
-from linecontact.solver import MeasuredIndenter, Scene, solve
+from linecontact.solver import MeasuredIndenter, Scene, TabulatedLayer, solve
 
 from ..scenes import kinds, making
 from ..scenes.making import Given, make_scene
@@ -39,6 +39,8 @@ def command(options: Options, given: Given) -> int:
         raise ValueError("bokeh is missing; allowed: explore after `pip install bokeh`") from None
     from ..explore import server, start
 
+    if options.layer == TabulatedLayer.name:
+        raise ValueError(f"layer is {options.layer}; allowed: one that sliders can move, which a table is not")
     words, scan = given[kinds.title("profile", MeasuredIndenter.name)], None
     if "accuracy" in words:
         raise ValueError(f"accuracy is {words['accuracy']}; allowed: none, the grid is that of num_points")

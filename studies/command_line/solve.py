@@ -32,7 +32,7 @@ _DEFAULTS = {name: parameter.default for name, parameter in inspect.signature(so
 class Options(making.Options):
     """Solve one scene. Lengths and pressures in consistent units of your own; the published study's are 1.
 
-    What is solved: a linear elastic layer on a rigid base, and a rigid indenter, the same along a second axis (plane
+    What is solved: a linear elastic layer on its base, and a rigid indenter, the same along a second axis (plane
     strain), periodic along the first; no friction, no adhesion; small strains and slopes. A scan is one line of a
     surface, which is taken to be the same along the second axis. E* = E/(1 - nu^2).
     """
@@ -182,6 +182,7 @@ def solution_table(solution: Solution) -> Table:
             if solution.certificate
             else []
         ),
+        ("mean pressure p", solution.scene.pressure, "pressure"),
         ("contact patches", record["num_patches"], f"- ({record['num_counted_patches']} of 1 or 2 nodes)"),
         ("rms gradient in contact g_c", record["rms_gradient_contact"], "-"),
         ("reduced pressure p* = p/(E* g_c)", record["reduced_pressure"], "-"),

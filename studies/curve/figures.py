@@ -85,16 +85,28 @@ def _panel(axes: Axes, x: Array64, y: Array64, error: Array64, joined: bool) -> 
     error = np.where(np.isfinite(error), error, 0.0)
     line = "o" if not joined else "o-" if x.size < 100 else "-"
     axes.errorbar(x[there], y[there], yerr=error[there], fmt=line, ms=2.5, lw=0.9, color=COLOURS[0])
-    for values, scale in ((x, axes.set_xscale), (y[there], axes.set_yscale)):
-        if values.size and values.min() > 0 and values.max() >= _DECADE * values.min():
-            scale("log")
+    if _logarithmic(x):
+        axes.set_xscale("log")
+    if _logarithmic(y[there]):
+        axes.set_yscale("log")
+    elif there.any() and np.ptp(y[there]) > 0:  # long error bars do not hide the curve
+        margin = 0.1 * float(np.ptp(y[there]))
+        axes.set_ylim(float(y[there].min()) - margin, float(y[there].max()) + margin)
+
+
+def _logarithmic(values: Array64) -> bool:
+    return bool(values.size and values.min() > 0 and values.max() >= _DECADE * values.min())
 
 
 def _scene(run: Mapping[str, Any], over: str) -> str:
     """What all points have in common, in a line: numbers in the units of the scene."""
     told = {name: run[f"scene.{name}"] for name in _SYMBOLS if name != over and f"scene.{name}" in run}
     numbers = [f"${_SYMBOLS[name]}={typeset(float(value))}$" for name, value in told.items() if np.isfinite(value)]
-    half_space = ["half-space"] * (told.get("thickness") == np.inf)
+    base = str(run["scene.layer"])
+    half_space = ["half-space"] * (told.get("thickness") == np.inf) + [base] * (base != "bonded")
+    load = float(run["scene.pressure"]) / float(run.get("scene.contact_modulus", np.nan))
+    if over not in ("pressure", "approach") and np.isfinite(load):
+        half_space.append(f"$p={typeset(load)}\\,E^*$")
     points = [] if over == "num_points" else [f"{run['scene.num_points']} points"]
     return ", ".join([str(run["scene.profile"]), *half_space, *numbers, *points])
 

@@ -78,12 +78,13 @@ def read(option: str, text: str, name: str, length_unit: str) -> float:
         base, _, power = digits.partition("^")
         value = float(base) ** int(power) if power else float(digits)
     except (ValueError, OverflowError):
-        raise ValueError(f"{option} is {text!r}; allowed: a number, or a length with its unit, like 50um") from None
+        length = ", or a length with its unit, like 50um" * (unit(name) == "length")
+        raise ValueError(f"{option} is {text!r}; allowed: a number{length}") from None
     if not written:
         return value
     known = unit_of(written)
     if known is None or unit(name) != "length":
-        raise ValueError(f"{option} is {text!r}; allowed: a number{' or a length' * (unit(name) == 'length')}")
+        raise ValueError(f"{option} is {text!r}; allowed: a number{', or a length' * (unit(name) == 'length')}")
     if length_unit not in UNITS:
         raise ValueError(f"{option} is {text!r}; allowed: a number alone, the lengths of this scene have no unit")
     return value * (UNITS[known] / UNITS[length_unit])
@@ -101,11 +102,12 @@ def spaced(first: float, last: float, count: int, spacing: Spacing, integers: bo
     low, high = min(first, last), max(first, last)
     if not (math.isfinite(low) and math.isfinite(high)):
         raise ValueError(f"to is {last:g}, and from {first:g}; allowed: finite numbers; --values takes inf")
+    if integers and not (low == int(low) and high == int(high)):
+        raise ValueError(f"to is {last:g}, and from {first:g}; allowed: integers")
     if spacing == "log" and not low > 0:
         raise ValueError(f"from is {first:g}, and to {last:g}; allowed: numbers > 0, with --spacing log")
     if spacing == "auto":
         spacing = "log" if low > 0 and high >= _DECADE * low else "linear"
     values = np.geomspace(first, last, count) if spacing == "log" else np.linspace(first, last, count)
-    if integers:
-        return tuple(dict.fromkeys(float(value) for value in np.round(values)))
-    return tuple(float(f"{value:.12g}") for value in values)
+    shown = np.round(values) if integers else [f"{value:.12g}" for value in values]
+    return tuple(dict.fromkeys(map(float, shown)))

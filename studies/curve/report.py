@@ -20,7 +20,14 @@ _MEANS = {"contact_area_subgrid": "a_r", "kappa_subgrid": "kappa"}
 def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
     """The table, and the means over seeds."""
     (file,) = files.values()
-    return [summary(file), *means(file)]
+    return [summary(file), *means(file), *warned(file)]
+
+
+def warned(file: StudyFile) -> list[str]:
+    """A sentence on the values whose solutions have warnings; none where there are none."""
+    found = [kind for run in file.runs for kind in str(run.get("warnings", "")).split(", ") if kind]
+    told = ", ".join(f"{kind} ({found.count(kind)})" for kind in dict.fromkeys(found))
+    return [f"Warnings, and the number of values: {told}; `linecontact solve` says why."] if told else []
 
 
 def summary(file: StudyFile) -> Table:

@@ -1,19 +1,21 @@
 """`linecontact curve`: contact area, kappa, approach and stiffness over the load, or over another number of a scene."""
 
 from collections.abc import Mapping
-from dataclasses import MISSING, dataclass
+from dataclasses import MISSING, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from linecontact.solver import Scene, checks
+from linecontact.solver import MeasuredIndenter, Scene, checks
 from linecontact.solver.grid.problem import full_contact_pressure
 from linecontact.solver.strategy.to_accuracy import check_accuracy
 
 from ..runner import study
 from ..runner.run import run_study
 from ..runner.study import Plan, Study
+from ..scans import summary
 from ..scenes import kinds, making
 from ..scenes.making import Given
+from ..terminal import console
 from ..terminal.options import options_of
 from . import number
 from .report import report
@@ -61,18 +63,19 @@ class Options(making.Options, study.Options):
 
 def plan(options: Options, given: Given) -> Plan:
     """The tasks. Raises `ValueError`."""
+    options = replace(options, over=options.over.replace("-", "_"))
     over, accuracy = options.over, options.accuracy
     told: dict[str, Any] = {name: getattr(options, name) for name in _SCENE}
     _check_options(options, given, told)
     if over in making.LOADS:
         told[over] = 1.0  # any number will do for the scene whose number is varied
-    given = {title: dict(group) for title, group in given.items()}
+    every = {title: dict(group) for title, group in given.items()}
     for what in ("layer", "profile"):
         kind = told[what]
         option = options_of(kinds.classes(what)[kind]).get(over) if kind in kinds.classes(what) else None
         if option and option.default is MISSING and option.type is not Path:
-            given[kinds.title(what, kind)][over] = 1.0
-    description = described(told, given)
+            every[kinds.title(what, kind)][over] = 1.0
+    description = described(told, every)
     scene = base_scene(description)
     allowed = number.numbers(scene)
     if over not in allowed:
@@ -89,7 +92,7 @@ def plan(options: Options, given: Given) -> Plan:
 def _check_options(options: Options, given: Given, told: Mapping[str, Any]) -> None:
     """Raise `ValueError` for options that do not go together."""
     over = options.over
-    known = {name: value for group in given.values() for name, value in group.items()} | told
+    known = {name: value for group in given.values() for name, value in group.items()} | dict(told)
     fixed = making.LOADS if over in making.LOADS else (over,)
     for name in fixed:
         if known.get(name) is not None:
@@ -159,4 +162,7 @@ STUDY = _study({title: {} for title in kinds.titled()})
 
 def command(options: Options, given: Given) -> int:
     """Solve the curve as asked, or what is left of it; returns the exit status."""
+    ready = plan(options, given)
+    if options.profile == MeasuredIndenter.name:
+        console.Output().print(summary.table(ready.runs[0].point))  # type: ignore[attr-defined]
     return run_study(_study(given), options)

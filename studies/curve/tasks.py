@@ -92,12 +92,18 @@ class Task:
 
     def run(self, report: Progress | None) -> Record:
         """The solution's record, with the contact stiffness."""
-        return point(number.put(base_scene(self.scene), self.over, self.value), self.accuracy, report)
+        return point(self.point, self.accuracy, report)
+
+    @property
+    def point(self) -> Scene:
+        """The scene of this value."""
+        return number.put(base_scene(self.scene), self.over, self.value)
 
 
 def point(scene: Scene, accuracy: float | None, report: Progress | None = None) -> Record:
-    """The record of a curve's scene, with the contact stiffness."""
+    """The record of a curve's scene, with the contact stiffness and the kinds of its warnings."""
     solution = solve(scene, accuracy=accuracy, progress=report)
     if solution.status is Status.INTERRUPTED:
         raise KeyboardInterrupt
-    return run_record(solution) | {"contact_stiffness": solution.contact_stiffness}
+    warned = ", ".join(str(warning.kind) for warning in solution.warnings)
+    return run_record(solution) | {"contact_stiffness": solution.contact_stiffness, "warnings": warned}

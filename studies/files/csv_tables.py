@@ -52,11 +52,14 @@ def _runs(path: Path) -> Columns:
         raise StoreError(f"file {path} holds no finished run yet; allowed: a study with at least one")
     columns = {name: [run[name] for run in study.runs] for name in study.runs[0]}
     texts = {name for name, values in columns.items() if any(isinstance(value, str) for value in values)}
-    return {name if name in texts else _heading(name): values for name, values in columns.items()}
+    known = {str(run.get("scene.profile_length_unit", SCENE)) for run in study.runs}
+    length = known.pop() if len(known) == 1 and SCENE not in known else "length"
+    return {name if name in texts else _heading(name, length): values for name, values in columns.items()}
 
 
 def _heading(name: str, length: str = "length") -> str:
-    return f"{name} [{ {'1': '-', 'length': length}.get(unit(name), unit(name)) }]"
+    own = "-" if unit(name) == "1" else unit(name)
+    return f"{name} [{own.replace('length', length)}]"
 
 
 def _written(columns: Columns) -> Iterator[bytes]:

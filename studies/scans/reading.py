@@ -105,9 +105,12 @@ class Scan(NamedTuple):
     num_points: int
     """Grid points of the scene."""
 
-    def scene(self, layer: ElasticLayer, pressure: float) -> Scene:
-        """The scan pressed against a layer by a mean pressure [pressure]; lengths in the same unit as the scan's."""
-        return Scene(layer, self.indenter, pressure, self.period, self.num_points)
+    def scene(self, layer: ElasticLayer, pressure: float = math.nan, approach: float | None = None) -> Scene:
+        """The scan pressed against a layer, by a mean pressure [pressure] or to an approach [length].
+
+        Lengths are in the same unit as the scan's.
+        """
+        return Scene(layer, self.indenter, pressure, self.period, self.num_points, approach=approach)
 
 
 def read_scan(path: str | os.PathLike[str], **options: Any) -> Scan:

@@ -59,7 +59,8 @@ def _check_scales(options: Any, given: Given) -> None:
     modulus = options_of(kinds.classes("layer")[options.layer]).get("contact_modulus")
     needed = modulus is not None and modulus.default is not None and not known
     unloaded = all(getattr(options, name, None) is None for name in LOADS)
-    missing = ["contact_modulus (or youngs_modulus)"] * needed + ["pressure (or approach)"] * unloaded
+    either = " (or youngs_modulus)" * ("youngs_modulus" in options_of(kinds.classes("layer")[options.layer]))
+    missing = [f"contact_modulus{either}"] * needed + ["pressure (or approach)"] * unloaded
     if missing:
         names = f"{' and '.join(missing)} {'are' if len(missing) > 1 else 'is'} missing"
         raise ValueError(f"{names}; allowed: with a file, whose lengths have units, both must be given, in one unit")
@@ -77,7 +78,8 @@ def _made(what: str, options: Any, given: Given) -> Any:
         defaults = {name: option.default for name, option in options_of(kind).items()}
         for name, value in given[kinds.title(what, other)].items():
             if name not in own and not hasattr(options, name) and value != defaults[name]:
-                raise ValueError(f"{name} is {value}; allowed: only with --{what} {other}, not {chosen}")
+                takers = " or ".join(one for one, taker in classes.items() if name in options_of(taker))
+                raise ValueError(f"{name} is {value}; allowed: only with --{what} {takers}, not {chosen}")
     values = given[kinds.title(what, chosen)]
     for name, option in own.items():
         if option.default is MISSING and name not in values:

@@ -16,8 +16,8 @@ class Options:
     """A layer whose stiffness K(q) is read from a file, for instance a graded one."""
 
     stiffness_file: Path
-    """Text of two columns, parted by spaces or commas: q [1/length] in increasing order, K(q) [pressure/length], in the
-    scene's units. Lines that begin with # are left out."""
+    """Text of two columns, parted by spaces or commas, with eight rows or more: q [1/length] in increasing order, K(q)
+    [pressure/length], in the scene's units. Lines that begin with # are left out."""
     contact_modulus: float | None = None
     """E* [pressure] of p* and kappa; default: 2 K/q of the last row."""
 
@@ -37,8 +37,13 @@ def read(options: Options) -> TabulatedLayer:
         rows = np.loadtxt(lines, ndmin=2)
     except (OSError, UnicodeDecodeError, ValueError) as error:
         said = str(error).splitlines()[0]
-        raise ValueError(f"{what}, which cannot be read ({said}); allowed: text of two columns, q and K(q)") from None
+        raise ValueError(
+            f"{what}, which cannot be read ({said}); allowed: text of two columns, q and K(q), with # before a header"
+        ) from None
     if rows.shape[1] != 2:
         raise ValueError(f"{what}, of {rows.shape[1]} columns; allowed: two, q and K(q)")
     modulus = math.nan if options.contact_modulus is None else options.contact_modulus
-    return TabulatedLayer(tuple(rows[:, 0].tolist()), tuple(rows[:, 1].tolist()), modulus, path.name)
+    try:
+        return TabulatedLayer(tuple(rows[:, 0].tolist()), tuple(rows[:, 1].tolist()), modulus, path.name)
+    except ValueError as error:
+        raise ValueError(f"{what}, whose {error}") from None

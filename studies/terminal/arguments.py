@@ -53,10 +53,13 @@ def given(words: Sequence[str], kinds: Mapping[str, type], prog: str) -> dict[st
     try:
         found, more = _parser(prog, groups, required, {}).parse_known_args(words)
     except argparse.ArgumentError as error:
-        option = next(option for option in every.values() if flag(option.name) == error.argument_name)
+        option = next((option for option in every.values() if flag(option.name) == error.argument_name), None)
+        if option is None:
+            raise ValueError("help has a value; allowed: --help alone") from None
+        name = option.name.rstrip("_")
         if option.count:
-            raise ValueError(f"{option.name} has no value; allowed: {option.allowed}") from None
-        raise ValueError(f"{option.name} has a value; allowed: {flag(option.name)} alone") from None
+            raise ValueError(f"{name} has no value; allowed: {option.allowed}") from None
+        raise ValueError(f"{name} has a value; allowed: {flag(option.name)} alone") from None
     if more:
         raise ValueError(f"{more[0]!r} is no option; allowed: the options of `{prog} --help`")
     for name in required:
@@ -116,8 +119,9 @@ def _plain(words: Sequence[str]) -> list[str]:
 
 
 def _is_number(word: str) -> bool:
+    """Whether it is a number, or several separated by commas."""
     try:
-        float(word)
+        [float(part) for part in word.split(",")]
     except ValueError:
         return False
     return True
@@ -158,6 +162,8 @@ def _parser(
 
 
 def _default(option: Option) -> str:
+    if option.default is None:
+        return "not needed"
     return "must be given" if option.default is MISSING else f"default: {option.default}"
 
 

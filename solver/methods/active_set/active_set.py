@@ -33,8 +33,8 @@ from .response import Response
 from .storage import Whole
 
 _FORCING_TERM = 0.05  # residual of a set over that when it was new, at which it is updated
-_PROGRESS = 0.8  # of the nodes that updates have changed so far, below which an update has brought the search on
-_PATIENCE, _TIGHT = 8, 1e-3  # updates that have not, after which the forcing term falls, and how far
+_PROGRESS = 0.8  # an update that changes fewer nodes than this share of the fewest so far counts as progress
+_PATIENCE, _TIGHT = 8, 1e-3  # updates without progress before the forcing term falls, and its lowest value then
 _TIGHTER, _TIGHTEST = 0.1, 1e-7  # factor of the forcing term when a set comes back, and where the search gives up
 _SAFETY = 0.4  # residual to stop at over the tolerance: the free residual is up to twice the pressure's error
 _LOOSEST = 1e-3  # tolerance on coarse grids
