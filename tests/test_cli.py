@@ -121,8 +121,8 @@ def test_a_scan_from_file_to_figure_in_one_command(tmp_path):
 def test_a_scan_is_not_pressed_by_defaults(tmp_path):
     np.savetxt(tmp_path / "scan.csv", np.random.default_rng(0).random((20, 1)), header="Height [um]")
     words = ["solve", "--profile", "file", "--profile-file", tmp_path / "scan.csv", "--scan-length", 1e-4]
-    both = "contact_modulus (or youngs_modulus) and pressure are"
-    for more, missing in (((), both), (("--youngs-modulus", 1), "pressure is")):
+    both = "contact_modulus (or youngs_modulus) and pressure (or approach) are"
+    for more, missing in (((), both), (("--youngs-modulus", 1), "pressure (or approach) is")):
         refused = run(*words, *more)
         assert refused.returncode == 2
         assert refused.stderr.startswith(f"linecontact: {missing} missing; allowed: ")

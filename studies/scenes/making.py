@@ -59,8 +59,9 @@ def _check_scales(options: Any, given: Given) -> None:
     modulus = options_of(kinds.classes("layer")[options.layer]).get("contact_modulus")
     needed = modulus is not None and modulus.default is not None and not known
     unloaded = all(getattr(options, name, None) is None for name in LOADS)
+    alternative = " (or approach)" * hasattr(options, "approach")
     either = " (or youngs_modulus)" * ("youngs_modulus" in options_of(kinds.classes("layer")[options.layer]))
-    missing = [f"contact_modulus{either}"] * needed + ["pressure (or approach)"] * unloaded
+    missing = [f"contact_modulus{either}"] * needed + [f"pressure{alternative}"] * unloaded
     if missing:
         names = f"{' and '.join(missing)} {'are' if len(missing) > 1 else 'is'} missing"
         raise ValueError(f"{names}; allowed: with a file, whose lengths have units, both must be given, in one unit")
