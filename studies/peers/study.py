@@ -4,8 +4,8 @@ that solves areas the time of a point.
 linecontact study peers [--quick] [--folder FOLDER]
 
 A peer is timed at its loosest tolerance that keeps the rms gap inside the contact, over that of the heights, below a
-limit; linecontact runs at its default tolerance, or at half of it where the gap is larger. Rough surfaces have 64 grid points to their
-shortest wave on every grid, as in the published study; at 2^18 points that is the published surface.
+limit; linecontact runs at its default tolerance, or at a smaller one if it takes that. Rough surfaces have 64 grid
+points to their shortest wave on every grid, as in the published study; at 2^18 points that is the published surface.
 """
 
 import math
