@@ -1,6 +1,6 @@
 """`linecontact curve`: contact area, kappa, approach and stiffness over the load, or over another number of a scene."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -136,7 +136,7 @@ def _values(options: Options, scene: Scene) -> tuple[float, ...]:
     count, spacing = options.points, options.spacing
     checks.integer("points", count, f"an integer from 2 to {number.MOST}", 2, number.MOST)
     if options.over == "seed":
-        spacing = "linear"
+        spacing = "linear" if spacing == "auto" else spacing
         count = int(min(count, abs(found["to"] - found["from"]) + 1))
     return number.spaced(found["from"], found["to"], count, spacing, number.whole(scene, options.over))
 
@@ -152,12 +152,12 @@ def draw(path: Path) -> "dict[str, Figure]":
     return figures.draw(path)
 
 
-def _study(given: Given) -> Study:
-    return Study(name=NAME, options=Options, plans=lambda options: [plan(options, given)], report=report, draw=draw)
+def plans(options: Options) -> Sequence[Plan]:
+    """The tasks of a scene whose layer and indenter have their defaults."""
+    return [plan(options, {title: {} for title in kinds.titled()})]
 
 
-STUDY = _study({title: {} for title in kinds.titled()})
-"""The study of a scene whose layer and indenter have their defaults."""
+STUDY = Study(name=NAME, options=Options, plans=plans, report=report, draw=draw)
 
 
 def command(options: Options, given: Given) -> int:
@@ -165,4 +165,4 @@ def command(options: Options, given: Given) -> int:
     ready = plan(options, given)
     if options.profile == MeasuredIndenter.name:
         console.Output().print(summary.table(ready.runs[0].point))  # type: ignore[attr-defined]
-    return run_study(_study(given), options)
+    return run_study(replace(STUDY, plans=lambda _: [ready]), options)
