@@ -25,6 +25,7 @@ from linecontact.solver.grid.patches import Patches
 from linecontact.solver.grid.problem import Problem, half_spectrum
 from linecontact.solver.methods import Setting, active_set
 from linecontact.solver.methods.active_set import active_set as search_for_sets
+from linecontact.solver.methods.active_set import local_inverses
 from linecontact.solver.methods.active_set import preconditioner as deflation
 from linecontact.solver.methods.active_set.active_set import ActiveSet
 from linecontact.solver.methods.active_set.greens_function import GreensFunction, inverse_cholesky, patch_sums
@@ -89,10 +90,24 @@ def test_one_factor_inverts_every_patch(d, nu):
 @pytest.mark.parametrize(("d", "nu"), LAYERS)
 def test_preconditioner(d, nu, unknowns, longest, monkeypatch):
     """Symmetric, positive on loads of zero sum, near the inverse; long patches and shared unknowns included."""
-    monkeypatch.setattr(deflation, "LONGEST_DENSE", longest)
-    monkeypatch.setattr(deflation, "_FEW_PATCHES", 0)
+    monkeypatch.setattr(local_inverses, "LONGEST_DENSE", longest)
+    monkeypatch.setattr(local_inverses, "_FEW_PATCHES", 0)
     monkeypatch.setattr(deflation, "_unknowns", lambda n: unknowns)
     patches = Patches.of(PATCHES)
+    check_preconditioner(d, nu, patches, 6 if unknowns == 100 else 60)
+
+
+@pytest.mark.parametrize(("d", "nu"), LAYERS)
+def test_preconditioner_of_a_contact_nearly_everywhere(d, nu, monkeypatch):
+    """The same where K of all nodes stands for every patch."""
+    monkeypatch.setattr(local_inverses, "_FEW_PATCHES", 0)
+    patches = Patches.of(~contact_map(512, (20, 3), (70, 40), (130, 1), (300, 9), (310, 8), (505, 5)))
+    green = GreensFunction(stiffness(512, d, nu), 512)
+    assert isinstance(local_inverses.local_inverse(green, patches, None), local_inverses.Together)
+    check_preconditioner(d, nu, patches, 60)
+
+
+def check_preconditioner(d, nu, patches, condition):
     m = patches.nodes.size
     preconditioner = deflation.PatchDeflation(GreensFunction(stiffness(512, d, nu), 512), patches)
     matrix = np.stack([preconditioner.apply(e) for e in np.eye(m)], axis=1)
@@ -103,7 +118,7 @@ def test_preconditioner(d, nu, unknowns, longest, monkeypatch):
     values = np.sort(np.linalg.eigvals(matrix @ green).real)[1:]
     assert values[0] > 0
     # what deflation is for: a small condition number whatever the layer and the patches
-    assert values[-1] / values[0] < (6 if unknowns == 100 else 60)
+    assert values[-1] / values[0] < condition
 
 
 def test_a_coarse_inverse_serves_the_next_set():

@@ -2,8 +2,8 @@
 
 `active_set` is the method, `contact_set` what belongs to one set of nodes, `response` what the surface does under its
 pressure, `compliance` the operator on all nodes, `packed` that near the contact with `nearby`, the nodes there,
-`storage` where nodes have their values, `preconditioner` with `long_patch` and `greens_function` what makes its
-iterations few.
+`storage` where nodes have their values, `preconditioner` with `local_inverses`, `long_patch` and `greens_function` what
+makes its iterations few.
 
 May import: method, linecontact.solver.arrays, linecontact.solver.transforms, linecontact.solver.grid,
 linecontact.kernels.

@@ -21,17 +21,13 @@ class LongPatch:
         # twice the patch keeps its ends apart; patches of similar size share a length
         step = 2 ** (size.bit_length() - 3)
         self._convolve = convolve = green.convolution(min(2 * step * -(-size // step), green.num_points))
-        self.whole = size == green.num_points
-        if not self.whole:
-            self._basis = np.stack([convolve(convolve.rigidity, x) for x in (np.ones(size), np.linspace(-1, 1, size))])
-            self._image = np.stack([convolve(convolve.compliance, z) for z in self._basis])
-            self._inverse = np.linalg.inv(self._basis @ self._image.T)
+        self._basis = np.stack([convolve(convolve.rigidity, x) for x in (np.ones(size), np.linspace(-1, 1, size))])
+        self._image = np.stack([convolve(convolve.compliance, z) for z in self._basis])
+        self._inverse = np.linalg.inv(self._basis @ self._image.T)
 
     def solve(self, residual: Array64) -> Array64:
         """About G_bb^-1 residual, shape (m,); symmetric and positive definite."""
         convolve = self._convolve
-        if self.whole:
-            return convolve(convolve.rigidity, residual)
         coarse = self._inverse @ (self._basis @ residual)
         z = convolve(convolve.rigidity, residual - coarse @ self._image)
         return np.asarray(z + (coarse - self._inverse @ (self._image @ z)) @ self._basis)

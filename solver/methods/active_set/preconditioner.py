@@ -2,8 +2,8 @@
 
 Unknown is the contact pressure on the contact nodes C; the operator is G_CC, G = 1/K without the mean mode.
 
-Local part. G is a Toeplitz matrix, so all patches share one inverse Cholesky factor, whose leading m x m block serves a
-patch of m nodes (`inverse_cholesky`). Patches too long for that use K restricted to the patch (`long_patch`).
+Local part. Every patch on its own, or all patches through the stiffness of all nodes where they fill most of the period
+(`local_inverses`).
 
 Coarse part (deflation). One unknown per patch: the load of its flat punch, G_bb^-1 1. The entries of Z'GZ need no
 transform: the sum of the Green's function over two patches is a four-term difference of its second running sum
@@ -14,18 +14,13 @@ The parts are kept apart: the local part carries no load, the coarse one makes t
 leaves the total load as it is, and a constant in the residual (the rigid approach) has no effect.
 """
 
-from collections.abc import Iterator
-
 import numpy as np
 
-from ...arrays import Array64, Indices, Mask
+from ...arrays import Array64
 from ...grid.patches import Patches
 from .greens_function import GreensFunction, patch_sums
-from .long_patch import LongPatch
+from .local_inverses import local_inverse
 
-LONGEST_DENSE = 256  # nodes; the factor of longer patches costs more than short transforms
-
-_FEW_PATCHES = 8  # up to so many, the dense factor serves only patches of LONGEST_DENSE/4 nodes
 _EXACT_SHARE = 16  # patches of one unknown whose mutual influence is summed up, patch by patch
 
 
@@ -37,28 +32,19 @@ class PatchDeflation:
         patches do if they have the same size.
         """
         self.patches, self._green = patches, green
-        dense = 0 if patches.full else LONGEST_DENSE if patches.count > _FEW_PATCHES else LONGEST_DENSE // 4
-        known = {long.size: long for long in previous._long.values()} if previous else {}
-        self._long: dict[int, LongPatch] = {
-            p: known.get(int(patches.size[p])) or LongPatch(green, int(patches.size[p]))
-            for p in _indices(patches.size > dense)
-        }
-        self._blocks = list(self._dense_blocks())
+        self._local = local_inverse(green, patches, previous._local if previous else None)
         self._build, self._borders, self._factor = 0, np.zeros(0), np.ones((1, 1))
         if patches.full:
             return
-        self._punch = self._local(np.ones(patches.nodes.size))
-        for p, long in self._long.items():
-            if patches.count > 1:  # the only patch keeps its load anyway
-                self._punch[self._part(p)] = long.flat_punch
+        self._punch = self._local.punch
         loads = patches.sums(self._punch)
         if previous and patches.count == previous._build:
             self._build, self._borders, self._factor = previous._build, previous._borders, previous._factor
         elif patches.count > 1:
             self._couple(loads)
-        unknown = np.searchsorted(self._borders, patches.first, side="right")
-        self._unknown = unknown[patches.label]
-        self._loads = np.bincount(unknown, weights=loads, minlength=len(self._factor))
+        self._of_patch = np.searchsorted(self._borders, patches.first, side="right")
+        self._of_node = self._of_patch[patches.label]
+        self._loads = np.bincount(self._of_patch, weights=loads, minlength=len(self._factor))
         self._constant = self._factor.T @ (self._factor @ self._loads)
 
     def _couple(self, loads: Array64) -> None:
@@ -92,39 +78,9 @@ class PatchDeflation:
         """Patches over coarse unknowns (dimensionless): how many share one."""
         return self.patches.count / len(self._factor)
 
-    def _part(self, patch: int) -> slice:
-        start = self.patches.offset[patch]
-        return slice(start, start + self.patches.size[patch])
-
-    def _dense_blocks(self) -> Iterator[tuple[Array64, Indices, Mask]]:
-        """(factor, compact indices, mask) of the patches of similar size, both of shape (patches, width)."""
-        size, offset = self.patches.size, self.patches.offset
-        widths = np.where(
-            np.isin(np.arange(size.size), list(self._long)),
-            0,
-            np.maximum(8, 2 ** np.ceil(np.log2(size)).astype(np.int64)),
-        )
-        for width in np.unique(widths[widths > 0])[::-1]:  # the longest first, whose factor serves the others
-            chosen = np.flatnonzero(widths == width)
-            width = int(size[chosen].max())
-            mask = np.arange(width) < size[chosen, None]
-            # outside of a patch: the slot behind the last contact node
-            index = np.where(mask, offset[chosen, None] + np.arange(width), self.patches.nodes.size)
-            yield self._green.factor(width)[:width, :width], index, mask
-
-    def _local(self, residual: Array64) -> Array64:
-        """Patch by patch G_bb^-1 residual, in compact order."""
-        padded = np.append(residual, 0.0)
-        z = np.zeros_like(padded)
-        for factor, index, mask in self._blocks:
-            z[index] = ((padded[index] @ factor.T) * mask) @ factor * mask
-        for p, long in self._long.items():
-            z[self._part(p)] = long.solve(residual[self._part(p)])
-        return z[:-1]
-
     def _sums(self, values: Array64) -> Array64:
         """Sums over the patches of each unknown."""
-        return np.bincount(self._unknown, values, len(self._factor)).astype(np.float64)
+        return np.bincount(self._of_patch, self.patches.sums(values), len(self._factor)).astype(np.float64)
 
     def apply(self, residual: Array64) -> Array64:
         """Preconditioned residual (a pressure), both shape (contact nodes,) in compact order; its sum is 0."""
@@ -132,15 +88,11 @@ class PatchDeflation:
             return self._local(residual)
         loads = np.maximum(self._loads, 1e-300)  # 0 where an unknown has lost its patches
         moments = self._sums(self._punch * residual)
-        z = self._local(residual - (moments / loads)[self._unknown])
+        z = self._local(residual - (moments / loads)[self._of_node])
         coarse = self._factor.T @ (self._factor @ moments)
         coarse -= self._constant * (self._loads @ coarse) / (self._loads @ self._constant)
         coarse -= self._sums(z) / loads
-        return np.asarray(z + coarse[self._unknown] * self._punch)
-
-
-def _indices(chosen: Mask) -> list[int]:
-    return [int(p) for p in np.flatnonzero(chosen)]
+        return np.asarray(z + coarse[self._of_node] * self._punch)
 
 
 def _unknowns(num_points: int) -> int:

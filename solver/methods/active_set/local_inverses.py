@@ -1,0 +1,122 @@
+"""Approximate inverses of the response G on the contact, patch by patch or through the gaps between them.
+
+Patch by patch: G is a Toeplitz matrix, so all patches share one inverse Cholesky factor, whose leading m x m block
+serves a patch of m nodes (`inverse_cholesky`). Patches too long for that use K restricted to the patch (`long_patch`).
+
+Where many patches fill most of the period, K restricted to all contact nodes is a better inverse, and takes less time
+than short transforms for each of them.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ...arrays import Array64, Indices, Mask
+from ...grid.patches import Patches
+from .greens_function import GreensFunction
+from .long_patch import LongPatch
+
+LONGEST_DENSE = 256  # nodes; the factor of longer patches costs more than short transforms
+
+_FEW_PATCHES = 8  # up to so many, the dense factor serves only patches of LONGEST_DENSE/4 nodes
+_MOST = 0.65  # share of the nodes in contact from which many patches are inverted together
+
+
+class PatchByPatch:
+    """Every patch on its own."""
+
+    def __init__(self, green: GreensFunction, patches: Patches, known: dict[int, LongPatch]) -> None:
+        """known: long patches of the same grid, by their size."""
+        self._green, self._patches = green, patches
+        dense = LONGEST_DENSE if patches.count > _FEW_PATCHES else LONGEST_DENSE // 4
+        self._long = {
+            p: known.get(int(patches.size[p])) or LongPatch(green, int(patches.size[p]))
+            for p in map(int, np.flatnonzero(patches.size > dense))
+        }
+        self._blocks = list(self._dense_blocks())
+
+    @property
+    def long_patches(self) -> dict[int, LongPatch]:
+        """The long ones, by their size."""
+        return {long.size: long for long in self._long.values()}
+
+    @property
+    def punch(self) -> Array64:
+        """The pressure of a flat punch on every patch, for a displacement of 1; in compact order."""
+        punch = self(np.ones(self._patches.nodes.size))
+        for p, long in self._long.items():
+            if self._patches.count > 1:  # the only patch keeps its load anyway
+                punch[self._part(p)] = long.flat_punch
+        return punch
+
+    def _part(self, patch: int) -> slice:
+        start = self._patches.offset[patch]
+        return slice(start, start + self._patches.size[patch])
+
+    def _dense_blocks(self) -> Iterator[tuple[Array64, Indices, Mask]]:
+        """(factor, compact indices, mask) of the patches of similar size, both of shape (patches, width)."""
+        size, offset = self._patches.size, self._patches.offset
+        widths = np.where(
+            np.isin(np.arange(size.size), list(self._long)),
+            0,
+            np.maximum(8, 2 ** np.ceil(np.log2(size)).astype(np.int64)),
+        )
+        for width in np.unique(widths[widths > 0])[::-1]:  # the longest first, whose factor serves the others
+            chosen = np.flatnonzero(widths == width)
+            width = int(size[chosen].max())
+            mask = np.arange(width) < size[chosen, None]
+            # outside of a patch: the slot behind the last contact node
+            index = np.where(mask, offset[chosen, None] + np.arange(width), self._patches.nodes.size)
+            yield self._green.factor(width)[:width, :width], index, mask
+
+    def __call__(self, residual: Array64) -> Array64:
+        """About G_bb^-1 residual on every patch b, in compact order."""
+        padded = np.append(residual, 0.0)
+        z = np.zeros_like(padded)
+        for factor, index, mask in self._blocks:
+            z[index] = ((padded[index] @ factor.T) * mask) @ factor * mask
+        for p, long in self._long.items():
+            z[self._part(p)] = long.solve(residual[self._part(p)])
+        return z[:-1]
+
+
+class Together:
+    """K of all nodes, restricted to the contact."""
+
+    def __init__(self, green: GreensFunction, patches: Patches) -> None:
+        self._green, self._patches = green, patches
+        self._convolve = green.convolution(patches.num_points)
+        self._values = np.zeros(patches.num_points)
+        self.long_patches: dict[int, LongPatch] = {}
+        """None."""
+
+    @property
+    def punch(self) -> Array64:
+        """About the pressure of a flat punch on every patch, for a displacement of 1; in compact order.
+
+        The half-space's shape, with the load of a uniform pressure for that displacement on the average.
+        """
+        patches, second_sum = self._patches, self._green.second_sum()
+        size = patches.size
+        at = (2 * (np.arange(patches.nodes.size) - np.repeat(patches.offset, size)) + 1) / np.repeat(size, size) - 1
+        shape = 1 / np.sqrt(1 - at**2)
+        within = 2 * (second_sum[size - 1] - second_sum[-1])  # the sum of G over a patch and itself
+        within = np.maximum(within, size * self._green.compliance[1:].min())  # rounding may have eaten it
+        return np.asarray(shape * np.repeat(size**2 / within / patches.sums(shape), size))
+
+    def __call__(self, residual: Array64) -> Array64:
+        """About G_CC^-1 residual, but for the loads of the patches; in compact order."""
+        nodes = self._patches.nodes
+        self._values[nodes] = residual
+        return np.asarray(self._convolve(self._convolve.rigidity, self._values)[nodes])
+
+
+LocalInverse = PatchByPatch | Together
+
+
+def local_inverse(green: GreensFunction, patches: Patches, previous: LocalInverse | None) -> LocalInverse:
+    """The one that suits these patches. previous: of a similar set; its long patches serve again."""
+    many = patches.count > _FEW_PATCHES and patches.nodes.size > _MOST * patches.num_points
+    if many or patches.full:
+        return Together(green, patches)
+    return PatchByPatch(green, patches, previous.long_patches if previous else {})
