@@ -24,6 +24,7 @@ STUDIES = {
     "tradeoff": "linecontact.studies.tradeoff.study",
     "extremes": "linecontact.studies.extremes.study",
     "soak": "linecontact.studies.extremes.soak",
+    "pressure": "linecontact.studies.pressure.study",
     "curve": "linecontact.studies.curve.study",
 }
 """Every study by its name, with the module that offers it; a module is imported only when its study is needed."""

@@ -197,8 +197,9 @@ def test_persson_s_limits():
     surface = RoughIndenter(0.8, 0, cut_off_ratio=0.25)
     k = np.pi * np.arange(2**9 + 1)
     height = surface.profile(2**10, 1.0)
-    assert closed_forms.persson_area(1e-4, k, height) / 1e-4 == pytest.approx(math.sqrt(8 / math.pi), rel=1e-3)
-    assert closed_forms.persson_area(10.0, k, height) == pytest.approx(1.0)
+    rms = closed_forms.full_contact_rms_pressure(k, height)
+    assert closed_forms.persson_area(1e-4, rms) / 1e-4 == pytest.approx(math.sqrt(8 / math.pi), rel=1e-3)
+    assert closed_forms.persson_area(10.0, rms) == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize(

@@ -139,15 +139,22 @@ def thin_layer_kappa_ratio(
     return float(limit / stretched ** (n + 1))
 
 
-def persson_area(reduced_load: float, stiffness: Array64, height: Array64) -> float:
+def persson_area(reduced_load: float, rms_pressure: float) -> float:
     """Relative contact area by B. N. J. Persson's theory for a random surface (J. Chem. Phys. 115, 3840 (2001)).
 
-    erf(p/(sqrt(2) s)), s the rms pressure in full contact. reduced_load: p/E*; stiffness: K(q_k), shape (N//2 + 1,)
-    [E*/L], its mean mode without effect; height: h, shape (N,) [L].
+    erf(p/(sqrt(2) s)). reduced_load: p/E*; rms_pressure: s/E*, see `full_contact_rms_pressure`. For small loads on the
+    half-space a_r = sqrt(8/pi) p/(E* g), g the rms gradient of the whole surface.
+    """
+    return math.erf(reduced_load / math.sqrt(2) / rms_pressure)
+
+
+def full_contact_rms_pressure(stiffness: Array64, height: Array64) -> float:
+    """Rms of the pressure's variation in full contact [E*].
+
+    stiffness: K(q_k), shape (N//2 + 1,) [E*/L], its mean mode without effect; height: h, shape (N,) [L].
     """
     modes = rfft(height - height.mean())
-    pressure = irfft(stiffness * modes, height.size)
-    return math.erf(reduced_load / math.sqrt(2 * float(np.mean(pressure**2))))
+    return math.sqrt(float(np.mean(irfft(stiffness * modes, height.size) ** 2)))
 
 
 def _gamma_ratio(a: float, b: float) -> float:
