@@ -22,6 +22,7 @@ SMALLEST, LARGEST = 1e-60, 1e60
 """Bounds on the units and on the dimensionless ratios of a scene."""
 
 _PRESSURE = float("2e-3")  # the default, an object of its own, by which it is told from a pressure that is given
+_BELOW_ZERO = -math.ulp(0.0)  # a bound that leaves 0 itself allowed
 
 
 @dataclass(frozen=True)
@@ -39,7 +40,8 @@ class Scene:
     indenter: Indenter = field(default_factory=PowerIndenter)
     """The indenter, for instance a `PowerIndenter`; see `Indenter` for what it must offer."""
     pressure: float = _PRESSURE
-    """Mean external pressure p > 0 [pressure]; beyond full contact is allowed. NaN where the approach is given."""
+    """Mean external pressure p >= 0 [pressure]; at 0 nothing touches, and beyond full contact is allowed. NaN where the
+    approach is given."""
     period: float = 1.0
     """Period L > 0 [length]."""
     num_points: int = 2**18
@@ -48,8 +50,8 @@ class Scene:
     """Precision of the iteration: 'float64', 'float32', or 'mixed': float32 transforms inside, residuals in
     float64. The certificate is always float64."""
     approach: float | None = None
-    """Rigid approach > 0 since first touch [length], to give instead of the pressure, which is then found; see
-    `Observables.approach`."""
+    """Rigid approach since first touch [length], to give instead of the pressure, which is then found; up to 0 nothing
+    touches. See `Observables.approach`."""
 
     def __post_init__(self) -> None:
         checks.offers("layer", self.layer, ElasticLayer, "a Layer, or what `ElasticLayer` describes")
@@ -70,14 +72,14 @@ class Scene:
     def _check_load(self) -> None:
         """Of pressure and approach one must be given, or none."""
         if self.approach is None:
-            pressure = checks.real("pressure", self.pressure, "a finite pressure > 0", 0)
+            pressure = checks.real("pressure", self.pressure, "a finite pressure >= 0", _BELOW_ZERO)
             checks.assign(self, pressure=pressure)
             return
         unknown = isinstance(self.pressure, float) and math.isnan(self.pressure)
         if self.pressure is not _PRESSURE and not unknown:
             raise ValueError(f"approach is {self.approach!r}, and pressure {self.pressure!r}; allowed: one of the two")
-        allowed = "a finite length > 0; up to 0 nothing touches: pressure and contact area are 0"
-        checks.assign(self, approach=checks.real("approach", self.approach, allowed, 0), pressure=math.nan)
+        approach = checks.real("approach", self.approach, "a finite length; up to 0 nothing touches")
+        checks.assign(self, approach=approach, pressure=math.nan)
 
     def __repr__(self) -> str:
         """What is pressed against what, in a few lines with units; arrays and long texts are left out."""
@@ -109,8 +111,11 @@ class Scene:
     def _check_scales(self) -> None:
         """Refuse units and ratios whose products would overflow or underflow."""
         numbers = {"period [length]": self.period, "contact_modulus [pressure]": self.layer.contact_modulus}
-        load = self.reduced_load if self.approach is None else self.approach / self.period
-        numbers |= {"approach/period" if self.approach else "pressure/contact_modulus": load}
+        if self.approach is None:
+            load = {"pressure/contact_modulus": self.reduced_load}
+        else:
+            load = {"|approach|/period": abs(self.approach) / self.period}
+        numbers |= {name: value for name, value in load.items() if value}
         numbers |= self.indenter.ratios(self.period) | self.layer.ratios(self.period)
         for name, value in numbers.items():
             if not SMALLEST <= value <= LARGEST:

@@ -9,6 +9,7 @@ from .methods import DEFAULT, METHODS, Progress
 from .scene import Scene
 from .solution import Solution
 from .strategy.effort import Effort, Means
+from .strategy.no_contact import nothing_touches, without_contact
 from .strategy.to_accuracy import solve_to_accuracy
 from .strategy.to_approach import solve_to_approach
 from .strategy.to_tolerance import solve_to_tolerance
@@ -60,6 +61,8 @@ def solve(
     if scene.approach is not None and not (accuracy is None and initial is None):
         given = f"accuracy is {accuracy!r}" if initial is None else "initial is given"
         raise ValueError(f"{given}; allowed: none for a scene with an approach")
+    if nothing_touches(scene):
+        return without_contact(scene, means)
     if accuracy is not None:
         chosen = {"method": method, "nested": nested, "tolerance": tolerance, "initial": initial}
         for name, value in (chosen | {"max_iterations": max_iterations}).items():

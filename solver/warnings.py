@@ -75,6 +75,8 @@ def find_warnings(
 ) -> Iterator[SolutionWarning]:
     """What to doubt of a solution; displacement: u, shape (N,) [length]."""
     area = found.contact_area_subgrid
+    if scene.pressure == 0:  # nothing is to be in contact
+        return
     if not (area > 0 and patches.nodes.size):
         yield SolutionWarning(WarningKind.GRID, "nothing is in contact; more num_points, or another start")
         return

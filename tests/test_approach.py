@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from linecontact import contact_stiffness
+from linecontact import load as load_solution
 from linecontact.solver import (
     CoatedHalfSpace,
     Layer,
@@ -136,18 +137,46 @@ def test_the_approach_of_a_scene_is_shown_and_kept_on_other_grids():
     ("given", "said"),
     [
         ({"pressure": 0.01, "approach": 0.01}, "approach is 0.01, and pressure 0.01; allowed: one of the two"),
-        ({"approach": 0.0}, "approach is 0.0; allowed: a finite length > 0; up to 0 nothing touches"),
-        ({"approach": -1.0}, "nothing touches: pressure and contact area are 0"),
-        ({"approach": math.inf}, "approach is inf; allowed: a finite length > 0"),
-        ({"approach": "deep"}, "approach is 'deep'; allowed: a finite length > 0"),
-        ({"approach": 1e-70}, "approach/period is 1e-70; allowed: from 1e-60 to 1e"),
+        ({"approach": math.inf}, "approach is inf; allowed: a finite length; up to 0 nothing touches"),
+        ({"approach": "deep"}, "approach is 'deep'; allowed: a finite length"),
+        ({"approach": -1e-70}, r"\|approach\|/period is 1e-70; allowed: from 1e-60 to 1e"),
         ({"pressure": "x", "approach": 1e-3}, "approach is 0.001, and pressure 'x'; allowed: one of the two"),
-        ({"pressure": math.nan}, "pressure is nan; allowed: a finite pressure > 0"),
+        ({"pressure": math.nan}, "pressure is nan; allowed: a finite pressure >= 0"),
     ],
 )
 def test_bad_loads_are_named(given, said):
     with pytest.raises(ValueError, match=said):
         Scene(num_points=2**8, **given)
+
+
+@pytest.mark.parametrize("load", [{"approach": -0.01}, {"approach": 0.0}, {"pressure": 0.0}])
+@pytest.mark.parametrize("indenter", [PowerIndenter(), ROUGH])
+def test_where_nothing_touches(load, indenter, tmp_path):
+    """An answer: no area, no pressure, a flat surface as far from the indenter as the approach says."""
+    scene = Scene(Layer(0.1), indenter, num_points=2**10, **load)
+    found = solve(scene)
+    assert found.status is Status.CONVERGED
+    assert found.scene.pressure == 0
+    assert not found.contact.any()
+    assert not found.contact_pressure.any()
+    measured = found.observables
+    assert measured.contact_area_subgrid == measured.contact_area_error == measured.num_patches == 0
+    assert measured.approach == load.get("approach", 0.0)
+    assert measured.mean_gap == pytest.approx(float(scene.profile.mean()) - measured.approach)
+    assert math.isnan(measured.kappa_subgrid)
+    assert found.contact_stiffness == 0
+    assert found.warnings == ()
+    found.save(tmp_path / "apart.h5")
+    assert found.plot(tmp_path / "apart.png").axes
+    stored = load_solution(tmp_path / "apart.h5")
+    assert (stored.results["approach"], stored.results["scene.pressure"]) == (measured.approach, 0.0)
+
+
+def test_just_touching():
+    """The load goes to 0 with the approach, and the answer goes over into that without contact."""
+    near = solve(Scene(Layer(0.1), num_points=2**10, approach=1e-9))
+    assert near.observables.num_patches == 1
+    assert near.scene.pressure < 1e-9
 
 
 def test_an_accuracy_takes_a_pressure():

@@ -2,7 +2,6 @@
 
 import inspect
 import json
-import math
 import re
 import sys
 from dataclasses import dataclass
@@ -160,9 +159,9 @@ def solution_table(solution: Solution) -> Table:
     fallbacks = METHODS[solution.method].fallbacks if solution.handed_over else ()
     handed = "".join(f", handed over to {f.method}" for f in fallbacks if f.method != solution.method)
     area, error = record["contact_area_subgrid"], record["contact_area_error"]
-    relative = error / area if area else math.inf
+    relative = f" (relative {error / area:.1g})" if area else ""
     how = "converged on its grid" if solution.status is Status.CONVERGED and solution.certificate else solution.status
-    found = f"a_r = {area:.6g} +- {error:.1g} (relative {relative:.1g})"
+    found = f"a_r = {area:.6g} +- {error:.1g}{relative}"
     title = f"{solution.method}{handed}, {record['precision']}: {how}, {found}"
     table = Table(title=title, show_header=True)
     table.add_column("quantity")

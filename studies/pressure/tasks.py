@@ -24,7 +24,7 @@ from ..runner.tasks import Record
 
 FIGURES = {
     "": "kappa of rough surfaces over the load; means over the surfaces with standard errors.",
-    "-collapse": "The same as a share of the half-space's, over the reduced thickness.",
+    "-collapse": "The same over the half-space's, over the thickness.",
     "-profiles": "kappa of power profiles over the load, as a share of the lone asperity's on the half-space.",
 }
 """Endings of the figures' names, with captions."""

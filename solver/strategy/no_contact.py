@@ -1,0 +1,55 @@
+"""Where nothing touches there is nothing to solve: without load, and up to an approach of 0."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from ..endings import Status
+from ..grid.observables import observe
+from ..scene import Scene
+from ..solution import Choice, Solution
+from .effort import Means
+
+NAME = "no contact"
+
+
+def nothing_touches(scene: Scene) -> bool:
+    """Whether the load or the approach of a scene leaves the two apart, or just brings them together."""
+    return scene.pressure == 0 if scene.approach is None else scene.approach <= 0
+
+
+def without_contact(scene: Scene, means: Means) -> Solution:
+    """The solution of such a scene: the surface flat, its distance from the indenter's lowest point minus the approach.
+
+    Without load that distance may be any, and is 0. p* and kappa are NaN.
+    """
+    approach = scene.approach or 0.0
+    choices = ()
+    if scene.approach is not None:
+        choices = (Choice("pressure", "0", f"for the approach of {approach:g}: up to 0 nothing touches"),)
+        scene = replace(scene, approach=None, pressure=0.0)
+    displacement, pressure = np.full(scene.num_points, approach), np.zeros(scene.num_points)
+    contact = np.zeros(scene.num_points, dtype=bool)
+    found = observe(scene, scene.profile, displacement, pressure, contact)
+    unknown = dict.fromkeys(("reduced_pressure", "kappa", "kappa_subgrid", "kappa_error"), math.nan)
+    if found.kappa_ratio is not None:
+        unknown["kappa_ratio"] = math.nan
+    return Solution(
+        scene=scene,
+        method=NAME,
+        tolerance=0.0,
+        status=Status.CONVERGED,
+        displacement=displacement,
+        contact_pressure=pressure,
+        contact=contact,
+        observables=replace(found, contact_area_error=0.0, **unknown),
+        certificate=None,
+        iterations=0,
+        transform_pairs=0.0,
+        seconds=dict.fromkeys(("setup", "solve", "certificate", "total"), 0.0),
+        threads=means.threads,
+        planning=means.planning,
+        backend=means.backend,
+        choices=choices,
+    )
