@@ -9,8 +9,8 @@ A page says where something is to stand, and what, by two lines around it:
 
 `report: NAME` is all that a study says of its results in studies/results; with patterns behind the name, parted by
 bars, only the tables whose titles match one of them, and for `sentences` what is no table. `help: COMMAND` is the help
-text of a command, `names` the public Python names, `statements` what the published study says beside what was measured,
-`compare` a small table beside other programs.
+text of a command, `names` the public Python names, `statements: NAME` what others say beside what was measured by the
+study paper or pressure, `compare` a small table beside other programs.
 """
 
 import dataclasses
@@ -35,6 +35,7 @@ from linecontact.studies.paper import statements as paper
 from linecontact.studies.peers import areas
 from linecontact.studies.peers import report as peers
 from linecontact.studies.peers.solvers import OURS
+from linecontact.studies.pressure.findings import findings
 from linecontact.studies.runner import study
 from linecontact.studies.terminal import declarations
 from rich.console import Console
@@ -131,10 +132,11 @@ def _cell(text: str | None) -> str:
     return " ".join((text or "").replace("|", "\\|").split())
 
 
-def statements(_: str) -> str:
-    """The table of what the published study says beside what was measured."""
-    kinds = ("sharp", "hertz", "blunt", "rough")
-    found = paper.statements({kind: study_files.load_study(RESULTS / f"{kind}.h5") for kind in kinds})
+def statements(study_name: str) -> str:
+    """The table of what others say beside what was measured, by the study paper or the study pressure."""
+    kinds = {"paper": ("sharp", "hertz", "blunt", "rough"), "pressure": ("pressure",)}[study_name]
+    files = {kind: study_files.load_study(RESULTS / f"{kind}.h5") for kind in kinds}
+    found = findings(files["pressure"]) if study_name == "pressure" else paper.statements(files)
     rows = [(s.text, s.published, s.measured, s.verdict) for s in found]
     return markdown.table(("statement", "published", "measured", "verdict"), rows) + "\n"
 

@@ -14,7 +14,7 @@ from ..terminal import console
 from .analysis import CONSTANT, Curve, curves
 from .findings import findings
 
-_SHOWN = 4  # loads of a curve in the table
+_SHOWN = 3  # loads of a curve in the table
 
 
 def summary(own: Sequence[Curve]) -> Table:
