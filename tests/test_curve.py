@@ -134,12 +134,13 @@ def test_a_scan_with_lengths_in_units(tmp_path):
         ("--over thickness --from 0.1 --to 1mm", "to is '1mm'; allowed: a number alone, the lengths"),
         ("--over exponent --from 1.5 --to 2um", "to is '2um'; allowed: a number"),
         ("--from first --to 1", "from is 'first'; allowed: a number"),
-        ("--from 0 --to 1", "pressure is 0.0; allowed: a finite pressure > 0"),
+        ("--from 0 --to 1 --spacing area", "from is 0, and to 1; allowed: 0 < from < to, with --spacing area"),
+        ("--over thickness --from 1 --to 2 --spacing area", "spacing is 'area'; allowed: with --over pressure, not th"),
         ("--from 0 --to 1 --spacing log", "from is 0, and to 1; allowed: numbers > 0, with --spacing log"),
         ("--from 1e-4 --to inf", "to is inf, and from 0.0001; allowed: finite numbers"),
         ("--points 1", "points is 1; allowed: an integer from 2 to 16384"),
         ("--values 1e-3 --from 1e-3", "from is '1e-3'; allowed: none with --values"),
-        ("--values 1e-3,-1", "pressure is -1.0; allowed: a finite pressure > 0"),
+        ("--values 1e-3,-1", "pressure is -1.0; allowed: a finite pressure >= 0"),
         ("--over num_points --values 100.5", "num_points is 100.5; allowed: an integer"),
         ("--over num_points --from 2 --to 9", "num_points is 2; allowed: an integer from 4"),
         ("--over poisson-ratio --values -0.3,0.6", "poisson_ratio is 0.6; allowed: -1 < nu <= 0.5"),
@@ -184,7 +185,7 @@ def test_columns_in_python():
     for over, values, said in (
         ("depth", [1.0], "over is 'depth'; allowed: pressure, approach, num_points"),
         ("pressure", [], "values are none; allowed: numbers, one or more"),
-        ("pressure", [1e-3, -1.0], "pressure is -1.0; allowed: a finite pressure > 0"),
+        ("pressure", [1e-3, -1.0], "pressure is -1.0; allowed: a finite pressure >= 0"),
     ):
         with pytest.raises(ValueError, match=said):
             curve_of(scene, over, values)
@@ -211,6 +212,14 @@ def test_ctrl_c_ends_a_curve(monkeypatch):
     monkeypatch.setattr(tasks, "solve", lambda scene, **_: replace(solve(scene), status=Status.INTERRUPTED))
     with pytest.raises(KeyboardInterrupt):
         curve_of(Scene(num_points=64), "pressure", [1e-3, 2e-3])
+
+
+@pytest.mark.parametrize("words", ["--num-points 2^10", "--num-points 2^13 --profile rough --cut-off-ratio 0.2"])
+def test_loads_at_which_the_area_rises_evenly(words, tmp_path):
+    assert curve(tmp_path, *words.split(), "--points", "6", "--spacing", "area", "--thickness", "0.1") == 0
+    area = [run["contact_area_subgrid"] for run in runs(tmp_path)]
+    np.testing.assert_allclose(np.diff(area), (area[-1] - area[0]) / 5, rtol=0.15)
+    assert area[-1] > 0.999
 
 
 def test_spacing():

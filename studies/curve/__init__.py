@@ -1,7 +1,7 @@
 """A curve: one number of a scene varied, every value solved and certified, a row of a table each.
 
-`number` is what may be varied and how far, `tasks` are the solves, `report` and `figures` show them, `study` is the
-command.
+`number` is what may be varied and how far, `even_areas` finds loads that suit the area, `tasks` are the solves,
+`report` and `figures` show them, `study` is the command.
 
 May import: linecontact.solver, terminal, files, figures, runner, scans, scenes.
 """

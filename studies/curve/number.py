@@ -14,7 +14,7 @@ from linecontact.solver.units import unit
 
 from ..scans.units import UNITS, unit_of
 
-Spacing = Literal["auto", "log", "linear"]
+Spacing = Literal["auto", "log", "linear", "area"]
 
 _DECADE = 10.0  # ratio of the ends from which values are spaced evenly in their logarithm
 MOST = 2**14

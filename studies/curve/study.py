@@ -17,7 +17,7 @@ from ..scenes import kinds, making
 from ..scenes.making import Given
 from ..terminal import console
 from ..terminal.options import options_of
-from . import number
+from . import even_areas, number
 from .report import report
 from .tasks import Task, base_scene, described, shown
 
@@ -56,7 +56,8 @@ class Options(making.Options, study.Options):
     points: int = 30
     """Number of values, 2 to 16384; of seeds every one, if they are fewer."""
     spacing: number.Spacing = "auto"
-    """Of the values: even in their logarithm, or linear; auto: the logarithm from a decade on, but for seeds."""
+    """Of the values: even in their logarithm, or linear; auto: the logarithm from a decade on, but for seeds; area:
+    pressures at which the contact area rises evenly."""
     values: str | None = None
     """Values separated by commas, instead of --from and --to; inf is a half-space's thickness."""
 
@@ -135,6 +136,10 @@ def _values(options: Options, scene: Scene) -> tuple[float, ...]:
             raise ValueError(f"{name} is missing; allowed: a number, or --values, with --over {options.over}")
     count, spacing = options.points, options.spacing
     checks.integer("points", count, f"an integer from 2 to {number.MOST}", 2, number.MOST)
+    if spacing == "area":
+        if options.over != "pressure":
+            raise ValueError(f"spacing is 'area'; allowed: with --over pressure, not {options.over}")
+        return even_areas.loads(scene, found["from"], found["to"], count)
     if options.over == "seed":
         spacing = "linear" if spacing == "auto" else spacing
         count = int(min(count, abs(found["to"] - found["from"]) + 1))
