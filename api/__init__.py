@@ -29,6 +29,7 @@ The answer:
     Status            how the solve ended
     contact_stiffness what a small change of the load does to the approach
     curve             solves a scene for several values of one of its numbers
+    ensemble_mean     a mean over random surfaces, to a standard error
     plot              draws a solution, also one that was read from its file
     save, load        write a solution to an HDF5 file, read it back
 
@@ -63,12 +64,14 @@ if TYPE_CHECKING:
     from .studies.curve.columns import curve
     from .studies.figures.solution import plot
     from .studies.files.solution_files import load, save
+    from .studies.multilevel.mean import ensemble_mean
     from .studies.scans.reading import read_scan
 
     __version__: str
 
 _ELSEWHERE = {
     "curve": "linecontact.studies.curve.columns",
+    "ensemble_mean": "linecontact.studies.multilevel.mean",
     "load": "linecontact.studies.files.solution_files",
     "plot": "linecontact.studies.figures.solution",
     "read_scan": "linecontact.studies.scans.reading",
@@ -92,6 +95,7 @@ __all__ = [
     "__version__",
     "contact_stiffness",
     "curve",
+    "ensemble_mean",
     "load",
     "plot",
     "read_scan",

@@ -26,5 +26,6 @@ STUDIES = {
     "soak": "linecontact.studies.extremes.soak",
     "pressure": "linecontact.studies.pressure.study",
     "curve": "linecontact.studies.curve.study",
+    "ensemble": "linecontact.studies.multilevel.study",
 }
 """Every study by its name, with the module that offers it; a module is imported only when its study is needed."""

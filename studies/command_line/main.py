@@ -17,10 +17,10 @@ PROG = "linecontact"
 ABOUT = f"""What is pressed against what, how large is the true contact, and how wrong can the answer be?
 
 {PROG} COMMAND --help lists the options of a command, {PROG} --version shows the version."""
-COMMANDS = ("solve", "curve", "explore", "study", "plot", "export", "info")
+COMMANDS = ("solve", "curve", "ensemble", "explore", "study", "plot", "export", "info")
 """Each has a module of its name beside this one, but for studies that are commands by themselves."""
 
-SCENES = ("solve", "curve", "explore")
+SCENES = ("solve", "curve", "ensemble", "explore")
 """Those that take the options of layers and profiles."""
 
 BAD_INPUT = 2

@@ -7,8 +7,8 @@ from ..terminal import arguments, declarations
 
 ABOUT = "Run a study: data, figures and a table in one folder."
 
-STUDIES = {name: module for name, module in EVERY.items() if name != "curve"}
-"""Those of this command; a curve is a command by itself."""
+STUDIES = {name: module for name, module in EVERY.items() if name not in ("curve", "ensemble")}
+"""Those of this command; a curve and an ensemble are commands by themselves."""
 
 
 def choose(words: Sequence[str], prog: str) -> tuple[str, list[str]]:

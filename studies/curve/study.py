@@ -14,12 +14,13 @@ from ..runner.run import run_study
 from ..runner.study import Plan, Study
 from ..scans import summary
 from ..scenes import kinds, making
+from ..scenes.described import base_scene, described, shown
 from ..scenes.making import Given
 from ..terminal import console
 from ..terminal.options import options_of
 from . import even_areas, number
 from .report import report
-from .tasks import Task, base_scene, described, shown
+from .tasks import Task
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -4,6 +4,7 @@ import contextlib
 import math
 import time
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from ..figures.names import names
@@ -83,7 +84,13 @@ def _compute(plans: Sequence[Plan], options: Options, folder: Path) -> Files:
         with console.Bar(", ".join(plan.kind for plan in plans)) as bar:
             bar.start = ensemble.share
             try:
-                ensemble.run(pool.make, pool.limit, lambda _: bar.show(ensemble.share, str(ensemble)))
+                while True:
+                    ensemble.run(pool.make, pool.limit, lambda now: bar.show(now.share, str(now)))
+                    grown = [replace(p, runs=[*p.runs, *p.further(ensemble.records)]) for p in plans]
+                    if sum(len(p.runs) for p in grown) == sum(len(p.runs) for p in plans):
+                        break
+                    plans = grown
+                    ensemble = Ensemble([task for plan in plans for task in plan.tasks], ensemble.folder)
             except BaseException:
                 with contextlib.suppress(writing.StoreError):  # a full disk: the tasks' files are there
                     _save(plans, ensemble, folder)

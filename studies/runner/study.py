@@ -16,7 +16,7 @@ from rich.console import RenderableType
 from .. import STUDIES
 from ..files.study_files import StudyFile
 from . import executors
-from .tasks import Record, Task, identity
+from .tasks import ROWS, Record, Task, identity
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -52,11 +52,19 @@ class Plan:
     """Tasks that make reference curves, by the curve's name; their records are columns."""
     figures: Collection[str] = ("",)
     """Endings of the names of the file's figures; none for a file that is not drawn."""
+    more: Callable[[Mapping[Task, Record]], Sequence[Task]] | None = None
+    """Further tasks, from the records of all so far; none when there are enough. For a study that decides on the way.
+    """
 
     @property
     def tasks(self) -> list[Task]:
         """Everything there is to do."""
         return [*self.lines.values(), *self.runs]
+
+    def further(self, records: Mapping[Task, Record]) -> list[Task]:
+        """Tasks that are to follow those of the plan, from their records."""
+        own = {task: records[task] for task in self.runs if task in records}
+        return [task for task in (self.more(own) if self.more else ()) if task not in set(self.runs)]
 
     def path(self, folder: Path) -> Path:
         """The file."""
@@ -68,11 +76,16 @@ class Plan:
         return StudyFile(
             kind=self.kind,
             configuration=self.configuration,
-            runs=[records[task] | {"task": identity(task)} for task in self.runs if task in records],
+            runs=[row | {"task": identity(task)} for task in self.runs for row in _rows(records.get(task))],
             lines={name: records[task] for name, task in self.lines.items() if task in records},
             failures={identity(task): reason for task, reason in failures.items() if task in own},
-            complete=own <= records.keys(),
+            complete=own <= records.keys() and not self.further(records),
         )
+
+
+def _rows(record: Record | None) -> Sequence[Record]:
+    """The rows of a task in a file: its record, or several that this holds as 'rows'; none without a record."""
+    return () if record is None else record.get(ROWS, (record,))
 
 
 def _no_defects(_: StudyFile) -> Sequence[str]:

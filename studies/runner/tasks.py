@@ -19,6 +19,9 @@ from ..files import records, writing
 
 Record = dict[str, Any]
 
+ROWS = "rows"
+"""Name under which a task's record holds several."""
+
 MAX_BYTES = 2**26
 """Largest size of a task's file."""
 
@@ -33,7 +36,9 @@ class Task(Protocol):
     """
 
     def run(self, report: Progress | None) -> Record:
-        """The task's record: flat, JSON-ready; lists for curves. Runs in any process."""
+        """The task's record: flat, JSON-ready; lists for curves. Or several such records in a list, under the name
+        `ROWS`. Runs in any process.
+        """
 
     def __hash__(self) -> int: ...
 
@@ -58,13 +63,19 @@ def _fields(task: Task) -> Record:
 
 
 def _record(body: bytes) -> Record | None:
-    """The record in a task's JSON; None if it is not flat, or no JSON at all."""
+    """The record in a task's JSON; None if neither it nor its rows are flat, or no JSON at all."""
     try:
         record = json.loads(body)["record"]
     except (ValueError, LookupError, TypeError, RecursionError):
         return None
-    sound = isinstance(record, dict) and all(map(_flat, record.values()))
-    return records.renamed(record) if sound else None
+    rows = record.get(ROWS) if isinstance(record, dict) else None
+    if isinstance(rows, list):
+        return {ROWS: [records.renamed(row) for row in rows]} if all(map(_is_flat, rows)) else None
+    return records.renamed(record) if _is_flat(record) else None
+
+
+def _is_flat(record: object) -> bool:
+    return isinstance(record, dict) and all(map(_flat, record.values()))
 
 
 def _flat(value: Any) -> bool:

@@ -1,0 +1,141 @@
+"""The multilevel Monte Carlo estimator.
+
+After M. B. Giles, Multilevel Monte Carlo path simulation, Operations Research 56, 607 (2008), and Multilevel Monte
+Carlo methods, Acta Numerica 24, 259 (2015). The mean on the finest grid is that on a coarse grid plus the means of the
+changes from grid to grid. One seed is one surface on every grid, so that the changes scatter little; each mean is
+taken over surfaces of its own, but for those that were solved first on all grids, whose covariances are counted.
+Variances are those of the mean's distribution when few surfaces tell them, so that two standard errors stay 95 %.
+"""
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from .samples import Samples
+
+_CHANGES = 3  # from grid to grid, that tell how the error falls
+
+
+@dataclass(frozen=True)
+class Term:
+    """One term of the sum: the mean on the coarsest grid, or that of the change from one grid to a finer one."""
+
+    num_points: int
+    """Points of the (finer) grid."""
+    coarser: int | None
+    """Points of the coarser grid; None for the first term."""
+    count: int
+    """Surfaces."""
+    mean: float
+    """Of the observable, or of its change."""
+    variance: float
+    """Of the same for one surface; infinite where three or fewer surfaces tell it."""
+    seconds: float
+    """Time of one surface, on both grids [s]."""
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A mean over random surfaces, and how wrong it can be; in the unit of the observable."""
+
+    mean: float
+    """The mean on the finest grid."""
+    standard_error: float
+    """Of that mean, by the number of surfaces."""
+    bias: float
+    """Estimate of what the finest grid is off; NaN where one grid is all there is."""
+    terms: tuple[Term, ...]
+    """From coarse to fine."""
+    plain_variance: float
+    """Of a single surface on the finest grid."""
+    plain_seconds: float
+    """Time of a single surface on the finest grid [s]."""
+
+    def plain_cost(self, standard_error: float) -> float:
+        """Time that sampling on the finest grid alone would take for a standard error [s]."""
+        return self.plain_variance / standard_error**2 * self.plain_seconds
+
+
+def differences(samples: Samples, size: int, coarser: int | None) -> dict[int, float]:
+    """The observable on a grid, or its change from a coarser one, by seed."""
+    fine = samples.values[size]
+    if coarser is None:
+        return dict(fine)
+    return {seed: fine[seed] - samples.values[coarser][seed] for seed in samples.seeds(size, coarser)}
+
+
+def term(samples: Samples, size: int, coarser: int | None) -> Term:
+    """What is known of one term."""
+    values = np.array(list(differences(samples, size, coarser).values()))
+    # n values leave (n-1)/(n-3) of what they say: the variance of Student's distribution of the mean
+    variance = float(values.var(ddof=1)) * (values.size - 1) / (values.size - 3) if values.size > 3 else math.inf
+    seconds = samples.seconds(size) + (samples.seconds(coarser) if coarser else 0.0)
+    return Term(size, coarser, values.size, float(values.mean()), variance, seconds)
+
+
+def terms(samples: Samples, ladder: Sequence[int]) -> tuple[Term, ...]:
+    """The terms of the sum over some grids, from coarse to fine."""
+    return tuple(term(samples, size, coarser) for size, coarser in _steps(ladder))
+
+
+def _steps(ladder: Sequence[int]) -> list[tuple[int, int | None]]:
+    return list(zip(ladder, (None, *ladder), strict=False))
+
+
+def estimate(samples: Samples, ladder: Sequence[int], sizes: Sequence[int]) -> Estimate:
+    """The mean and its errors, from all surfaces that serve the grids of a ladder; sizes: all grids up to its finest,
+    whose changes tell the bias.
+    """
+    found = terms(samples, ladder)
+    variance = sum(t.variance / t.count for t in found)
+    for one, other in itertools.combinations(_steps(ladder), 2):
+        first, second = differences(samples, *one), differences(samples, *other)
+        shared = sorted(first.keys() & second.keys())
+        if len(shared) > 1:
+            covariance = float(np.cov([first[s] for s in shared], [second[s] for s in shared])[0, 1])
+            variance += 2 * len(shared) * covariance / len(first) / len(second)
+    alone = term(samples, ladder[-1], None)
+    return Estimate(
+        mean=sum(t.mean for t in found),
+        standard_error=math.sqrt(max(variance, 0.0)),
+        bias=bias(samples, sizes),
+        terms=found,
+        plain_variance=alone.variance,
+        plain_seconds=samples.seconds(ladder[-1]),
+    )
+
+
+def bias(samples: Samples, sizes: Sequence[int]) -> float:
+    """What the finest of these grids, each twice as fine as the one before, is off, from the last changes of the mean.
+
+    For an error that falls like N^-alpha; alpha is what the last three changes say, between 1 and 2. A change that is
+    small by chance does not count: the one before, as alpha would have it go on, is the least that is believed (Giles
+    2015, eq. 2.10). NaN where there is no change.
+    """
+    changes = [abs(term(samples, *step).mean) for step in zip(sizes[1:], sizes[:-1], strict=True)][-_CHANGES:]
+    if not changes:
+        return math.nan
+    falls = len(changes) > 1 and min(changes) > 0
+    alpha = math.log2(changes[0] / changes[-1]) / (len(changes) - 1) if falls else 1.0
+    factor = 2 ** min(max(alpha, 1.0), 2.0)
+    return max([changes[-1], *(change / factor for change in changes[-2:-1])]) / (factor - 1)
+
+
+def best_ladder(samples: Samples, sizes: Sequence[int]) -> tuple[int, ...]:
+    """Of these grids the ones whose sum takes the least time for any standard error; the finest is always there."""
+    finest = sizes[-1]
+
+    def cost(ladder: tuple[int, ...]) -> float:
+        return sum(math.sqrt(t.variance * t.seconds) for t in terms(samples, ladder))
+
+    chosen = (itertools.compress(sizes[:-1], kept) for kept in itertools.product((False, True), repeat=len(sizes) - 1))
+    return min(((*coarser, finest) for coarser in chosen), key=cost)
+
+
+def counts(found: Sequence[Term], standard_error: float) -> list[int]:
+    """Surfaces for each term that bring the standard error in the least time (Giles 2008, eq. 12)."""
+    effort = sum(math.sqrt(t.variance * t.seconds) for t in found)
+    return [math.ceil(math.sqrt(t.variance / t.seconds) * effort / standard_error**2) for t in found]

@@ -1,0 +1,68 @@
+"""The figure of an ensemble: scatter and change over the grids, and the error over the time."""
+
+import math
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ..figures.style import COLOURS, MARKERS, TWO_COLUMNS, NothingToDraw, load, panels
+from .estimator import Estimate, differences, term
+from .samples import Samples, unit_of
+from .tasks import found
+
+
+def draw(path: Path) -> dict[str, Figure]:
+    """Two panels for the first observable."""
+    study = load(path)
+    estimates = found(study)[1].estimates
+    if not estimates:
+        raise NothingToDraw("too few surfaces are solved on all grids yet")
+    observable, estimate = next(iter(estimates.items()))
+    samples = Samples(study.runs, observable)
+    figure, ((left, right),) = panels(1, 2, TWO_COLUMNS, 3.4)
+    _scatter(left, observable, samples)
+    _errors(right, unit_of(observable), estimate, samples)
+    return {"": figure}
+
+
+def _scatter(axes: Axes, observable: str, samples: Samples) -> None:
+    sizes = sorted(samples.values)
+    pairs = [(fine, coarse) for coarse, fine in pairwise(sizes) if samples.seeds(coarse, fine)]
+    alone = [np.std(list(differences(samples, size, None).values()), ddof=1) for size in sizes]
+    axes.plot(sizes, alone, f"{MARKERS[0]}-", ms=3.5, lw=0.8, color=COLOURS[0], label="std of one surface")
+    changes = [term(samples, *pair) for pair in pairs]
+    finer = [change.num_points for change in changes]
+    lines = {
+        "std of its change from the grid before": [math.sqrt(change.variance) for change in changes],
+        "mean of that change, absolute": [abs(change.mean) for change in changes],
+    }
+    for i, (label, values) in enumerate(lines.items(), start=1):
+        axes.plot(finer, values, f"{MARKERS[i]}-", ms=3.5, lw=0.8, color=COLOURS[i], label=label)
+    axes.set(
+        xscale="log", yscale="log", xlabel="grid points (dimensionless)", ylabel=f"{observable} ({unit_of(observable)})"
+    )
+    axes.set_xscale("log", base=2)
+    _legend(axes)
+
+
+def _legend(axes: Axes) -> None:
+    """Below the panel, where it hides nothing."""
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2))
+
+
+def _errors(axes: Axes, said: str, estimate: Estimate, samples: Samples) -> None:
+    spent, finest = samples.spent, estimate.terms[-1].num_points
+    seconds = np.geomspace(spent / 30, spent * 30, 30)
+    for i, size in enumerate(sorted({t.num_points for t in estimate.terms})):
+        alone = term(samples, size, None)
+        error = np.sqrt(alone.variance * samples.seconds(size) / seconds)
+        axes.plot(seconds, error, lw=0.8, color=COLOURS[i % len(COLOURS)], label=f"{size} points alone")
+    axes.plot(spent, estimate.standard_error, "k*", ms=8, label=f"this ensemble, up to {finest} points")
+    if estimate.bias > 0:
+        axes.axhline(estimate.bias, color="0.6", ls=":", lw=0.8, label="bias of the finest grid, about")
+    axes.set(xscale="log", yscale="log", xlabel="time of solving [s]")
+    axes.set_ylabel(f"standard error ({said})")
+    _legend(axes)

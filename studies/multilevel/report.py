@@ -1,0 +1,79 @@
+"""The report of an ensemble: the means with their errors, the surfaces of each grid, and what plain sampling takes."""
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+from rich.console import RenderableType
+from rich.table import Table
+
+from ..files.study_files import StudyFile
+from ..terminal import console
+from .allocation import State, Wanted
+from .estimator import Estimate, Term
+from .samples import unit_of
+from .tasks import found
+
+
+def reached(wanted: Wanted, state: State) -> bool:
+    """Whether every mean has the standard error that was asked for."""
+    return bool(state.estimates) and all(e.standard_error <= wanted.error(e) for e in state.estimates.values())
+
+
+def grid(term: Term) -> str:
+    """The grids of a term."""
+    return f"{term.num_points}" if term.coarser is None else f"{term.coarser} to {term.num_points}"
+
+
+def summary(observable: str, estimate: Estimate) -> Table:
+    """A row for each term of the sum."""
+    table = console.table(
+        title=f"{observable}: {estimate.mean:.6g} +- {estimate.standard_error:.2g} [{unit_of(observable)}]",
+        caption="A mean on a coarse grid, and means of the change to finer ones; std: of one surface; s: time of one "
+        "surface, and of all of them [s].",
+    )
+    for heading in ("grid points", "surfaces", "mean", "std", "s", "s, all"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for term in estimate.terms:
+        table.add_row(
+            grid(term),
+            str(term.count),
+            f"{term.mean:.5g}",
+            f"{math.sqrt(term.variance):.2g}",
+            f"{term.seconds:.2g}",
+            f"{term.seconds * term.count:.3g}",
+        )
+    return table
+
+
+def _sentences(observable: str, estimate: Estimate, wanted: Wanted, spent: float) -> str:
+    bias, error, number = estimate.bias, wanted.error(estimate), unit_of(observable)
+    finest = estimate.terms[-1].num_points
+    off = f"The finest grid, {finest} points, is off by about {bias:.1g} [{number}]"
+    if math.isnan(bias):
+        off = f"Only {finest} points hold the surfaces: this is plain sampling, whose bias is not known"
+    elif bias > error / 3:
+        off += f", more than a third of the standard error of {error:.2g} that was asked for; allowed: more num_points"
+    plain = estimate.plain_cost(estimate.standard_error)
+    return (
+        f"{observable} = {estimate.mean:.6g} +- {estimate.standard_error:.2g} (standard error) [{number}]. {off}. "
+        f"Solving took {spent:.3g} s in all processes; for the same standard error, surfaces on {finest} points alone "
+        f"would take about {plain:.3g} s, {plain / spent:.2g} times that."
+    )
+
+
+def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
+    """For each observable a table and what it means, and what is missing."""
+    parts: list[RenderableType] = []
+    for file in files.values():
+        wanted, state = found(file)
+        spent = float(sum(float(run["seconds"]) for run in file.runs))
+        for observable, estimate in state.estimates.items():
+            parts += [summary(observable, estimate), _sentences(observable, estimate, wanted, spent)]
+        lost = sum(run["status"] != "converged" for run in file.runs)
+        if lost:
+            parts.append(f"Left out: {lost} of {len(file.runs)} solves that did not converge.")
+        if not reached(wanted, state):
+            why = state.out_of_reach or "run again to continue"
+            parts.append(f"The standard error that was asked for is not reached: {why}.")
+    return parts

@@ -1,0 +1,91 @@
+"""`linecontact ensemble`: means over random surfaces to a standard error asked for."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar
+
+from linecontact.solver import Scene
+
+from ..files.study_files import load_study
+from ..runner import study
+from ..runner.run import run_study
+from ..runner.study import Plan, Study
+from ..scenes import kinds, making
+from ..scenes.described import base_scene, described
+from ..scenes.making import Given
+from ..terminal import console
+from . import tasks
+from .mean import MOST_SAMPLES, check_scene, check_wanted
+from .report import reached, report
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+NAME = tasks.KIND
+
+
+@dataclass(frozen=True)
+class Options(making.Options, study.Options):
+    """Mean over random surfaces to the standard error you ask for, bias of the grid included: table, file and figure.
+
+    Most surfaces are solved on coarse grids, where that is cheap, and few on fine ones, which tell what the coarse
+    ones are off (multilevel Monte Carlo). For instance --profile rough --hurst 0.8 --pressure 0.01 --standard-error
+    0.005. Run again after an interruption, it continues.
+    """
+
+    num_points: int | None = None
+    """Points of the finest grid that may be used, like 2^20; it is used only if the bias asks for it. Default 2^20."""
+    precision: ClassVar[str] = Scene.precision
+    observable: str = "kappa"
+    """Whose mean is wanted: kappa, contact-area, peak-pressure, approach or mean-gap, or several of them separated by
+    commas."""
+    standard_error: float | None = None
+    """Standard error wanted of every mean, > 0, in its own unit; it must be given."""
+    relative: bool = False
+    """The standard error is over the mean (dimensionless)."""
+    max_seconds: float = math.inf
+    """Time of solving that may be planned, of all processes together [s]; beyond, it stops and says what it would
+    take."""
+    max_samples: int = MOST_SAMPLES
+    """Solves that may be planned."""
+
+
+_FINEST = 2**20
+
+
+def plan(options: Options, given: Given) -> Plan:
+    """The first tasks. Raises `ValueError`."""
+    names = [name.strip().replace("_", "-") for name in options.observable.split(",")]
+    limits = options.max_seconds, options.max_samples
+    asked = check_wanted(names, options.standard_error, options.relative, *limits)
+    told = {name: getattr(options, name) for name in ("profile", "layer", "pressure", "period", "precision")}
+    told["num_points"] = _FINEST if options.num_points is None else options.num_points
+    description = described(told, given)
+    scene = base_scene(description)
+    check_scene(scene)
+    return tasks.plan(description, scene, asked)
+
+
+def draw(path: Path) -> "dict[str, Figure]":
+    """The figure of a stored ensemble."""
+    from . import figures
+
+    return figures.draw(path)
+
+
+def plans(options: Options) -> Sequence[Plan]:
+    """The first tasks of a scene whose layer and indenter have their defaults."""
+    return [plan(options, {title: {} for title in kinds.titled()})]
+
+
+STUDY = Study(name=NAME, options=Options, plans=plans, report=report, draw=draw)
+
+
+def command(options: Options, given: Given) -> int:
+    """Sample as asked, or what is left of it; returns the exit status, 3 if the standard error is not reached."""
+    ready = plan(options, given)
+    status = run_study(replace(STUDY, plans=lambda _: [ready]), options)
+    stored = load_study(ready.path(STUDY.folder(options)))
+    return status or (0 if reached(*tasks.found(stored)) else console.EXIT_NOT_CONVERGED)

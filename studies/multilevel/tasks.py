@@ -1,0 +1,64 @@
+"""The tasks of an ensemble: batches of surfaces, planned from what the ones before have found."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from linecontact.solver import Scene
+from linecontact.solver.methods import Progress
+
+from ..files.study_files import StudyFile
+from ..runner.study import Plan
+from ..runner.tasks import ROWS, Record, Task
+from ..scenes.described import base_scene, shown
+from . import samples
+from .allocation import State, Wanted, grid_sizes, state
+from .samples import Batch, Row
+
+KIND = "ensemble"
+
+
+@dataclass(frozen=True)
+class BatchTask:
+    """A batch of surfaces; its record holds a row for each solve."""
+
+    kind: ClassVar[str] = "linecontact.studies.multilevel.BatchTask"
+
+    scene: str
+    """The scene of every surface, see `scenes.described`."""
+    batch: Batch
+    """Which surfaces, on which grids."""
+
+    def run(self, report: Progress | None) -> Record:
+        """The rows of all solves."""
+        return {ROWS: list(samples.rows(base_scene(self.scene), self.batch, report))}
+
+
+def plan(description: str, scene: Scene, wanted: Wanted) -> Plan:
+    """The first tasks, and how the others follow from them."""
+    sizes, first_seed = grid_sizes(scene), scene.indenter.seed  # type: ignore[attr-defined]
+
+    def more(records: Mapping[Task, Record]) -> Sequence[Task]:
+        rows: list[Row] = [row for record in records.values() for row in record[ROWS]]
+        return [BatchTask(description, batch) for batch in state(rows, sizes, wanted, first_seed).batches]
+
+    configuration: dict[str, Any] = {
+        "scene": shown(description),
+        "sizes": sizes,
+        "first_seed": first_seed,
+        "observables": wanted.observables,
+        "standard_error": wanted.standard_error,
+        "relative": wanted.relative,
+        "max_seconds": wanted.max_seconds,
+        "max_samples": wanted.max_samples,
+    }
+    return Plan(KIND, configuration, list(more({})), more=more)
+
+
+def found(file: StudyFile) -> tuple[Wanted, State]:
+    """What was asked for, and how far a stored ensemble is."""
+    c = file.configuration
+    wanted = Wanted(
+        tuple(c["observables"]), c["standard_error"], c["relative"], float(c["max_seconds"]), c["max_samples"]
+    )
+    return wanted, state(file.runs, c["sizes"], wanted, c["first_seed"])

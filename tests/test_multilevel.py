@@ -1,0 +1,275 @@
+"""Means over random surfaces: the estimator on made-up samples, what is solved next, and the command."""
+
+import math
+import signal
+import subprocess
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from linecontact import ensemble_mean
+from linecontact.solver import Layer, MeasuredIndenter, PowerIndenter, RoughIndenter, Scene, solve
+from linecontact.studies.command_line import main
+from linecontact.studies.files.study_files import load_study
+from linecontact.studies.multilevel import allocation, estimator, tasks
+from linecontact.studies.multilevel.allocation import PILOT, Wanted
+from linecontact.studies.multilevel.samples import Samples
+
+SIZES = (256, 512, 1024, 2048)
+COSTS = {size: size / 256 for size in SIZES}  # [s]
+TRUTH = 1.7
+"""Mean of the made-up observable on an infinitely fine grid."""
+
+
+def made_up(seed, size, scatter=0.05, change=20.0):
+    """kappa of a surface on a grid: a scatter of its own, and an error that falls like 1/N."""
+    own, error = np.random.default_rng(seed).standard_normal(2)
+    return TRUTH + scatter * own + change * (1 + 0.5 * error) / size
+
+
+def solved(batches, **options):
+    return [
+        {"status": "converged", "seed": seed, "num_points": size, "seconds": COSTS[size]}
+        | {"kappa_subgrid": made_up(seed, size, **options), "contact_area_subgrid": 0.0}
+        for batch in batches
+        for seed in range(batch.first, batch.first + batch.count)
+        for size in batch.sizes
+    ]
+
+
+def sampled(wanted, first_seed=0, **options):
+    """All rows and the last state of a made-up ensemble."""
+    rows = []
+    while (now := allocation.state(rows, SIZES, wanted, first_seed)).batches:
+        new = solved(now.batches, **options)
+        assert not {(row["seed"], row["num_points"]) for row in new} & {(r["seed"], r["num_points"]) for r in rows}
+        rows += new
+    return rows, now
+
+
+def wanted(error, relative=False, seconds=math.inf, most=10**9):
+    return Wanted(("kappa",), error, relative, seconds, most)
+
+
+def test_the_terms_add_up_to_the_mean_on_the_finest_grid():
+    """With the same surfaces for every term the sum is the plain mean, and so is its error."""
+    rows = solved([allocation.Batch(0, 50, SIZES)])
+    found = estimator.estimate(Samples(rows, "kappa"), SIZES, SIZES)
+    plain = np.array([made_up(seed, SIZES[-1]) for seed in range(50)])
+    assert found.mean == pytest.approx(plain.mean(), rel=1e-12)
+    assert found.standard_error == pytest.approx(plain.std(ddof=1) / math.sqrt(50), rel=0.05)  # as 49/47 has it
+    assert found.plain_variance == pytest.approx(plain.var(ddof=1) * 49 / 47)
+
+
+@pytest.mark.parametrize("order", [1.0, 1.5, 2.0])
+def test_the_bias_is_what_the_finest_grid_is_off(order):
+    """For an error like N^-order; of two grids alone the order is not known."""
+    rows = solved([allocation.Batch(0, 9, SIZES)])
+    rows = [row | {"kappa_subgrid": TRUTH + 20 / row["num_points"] ** order} for row in rows]
+    for sizes in (SIZES, SIZES[:3]):
+        assert estimator.bias(Samples(rows, "kappa"), sizes) == pytest.approx(20 / sizes[-1] ** order)
+    assert estimator.bias(Samples(rows, "kappa"), SIZES[:2]) == pytest.approx(20 * (256**-order - 512**-order))
+    assert math.isnan(estimator.bias(Samples(rows, "kappa"), SIZES[:1]))
+
+
+def test_a_change_that_is_small_by_chance_is_not_believed():
+    means = {256: 1.74, 512: 1.70, 1024: 1.70}
+    rows = [row | {"kappa_subgrid": means[row["num_points"]]} for row in solved([allocation.Batch(0, 9, SIZES[:3])])]
+    assert estimator.bias(Samples(rows, "kappa"), SIZES[:3]) == pytest.approx(0.02)
+    rows = [row | {"kappa_subgrid": row["kappa_subgrid"] - 1e-6 * (row["num_points"] == 1024)} for row in rows]
+    assert estimator.bias(Samples(rows, "kappa"), SIZES[:3]) == pytest.approx(0.04 / 4 / 3)  # the highest order
+
+
+def test_the_best_number_of_surfaces():
+    """Giles 2008, eq. 12: no other allocation with that variance takes less time."""
+    found = [
+        estimator.Term(size, None, 9, 0.0, variance, seconds)
+        for size, variance, seconds in ((256, 0.04, 1.0), (512, 0.01, 3.0), (1024, 0.001, 6.0))
+    ]
+    numbers = np.array(estimator.counts(found, 1e-3))
+    variances, seconds = (np.array([getattr(t, name) for t in found]) for name in ("variance", "seconds"))
+    assert (variances / numbers).sum() == pytest.approx(1e-6, rel=1e-3)
+    for direction in ([1, -1, 0], [0, 1, -1], [1, 0, -1]):
+        other = numbers * (1 + 0.05 * np.array(direction))
+        other *= (variances / other).sum() / 1e-6
+        assert other @ seconds >= numbers @ seconds * (1 - 1e-3)
+
+
+def test_grids_that_do_not_pay_are_left_out():
+    """Where the coarsest grid scatters as much as the change from it, it is no help."""
+    rng = np.random.default_rng(0)
+    rows = solved([allocation.Batch(0, 200, SIZES)])
+    noise = {seed: rng.standard_normal() for seed in range(200)}
+    rows = [
+        row | {"kappa_subgrid": row["kappa_subgrid"] + noise[row["seed"]] * (row["num_points"] == 256)} for row in rows
+    ]
+    ladder = estimator.best_ladder(Samples(rows, "kappa"), SIZES)
+    assert 256 not in ladder
+    assert ladder[-1] == 2048
+
+
+@pytest.mark.parametrize(("error", "relative"), [(0.004, False), (0.004, True), (0.002, False)])
+def test_the_standard_error_is_reached_with_a_small_bias(error, relative):
+    rows, now = sampled(wanted(error, relative))
+    found = now.estimates["kappa"]
+    absolute = error * found.mean if relative else error
+    assert 0.7 * absolute < found.standard_error <= absolute
+    assert found.bias <= absolute / 3 or found.terms[-1].num_points == SIZES[-1]
+    assert abs(found.mean - TRUTH) < 4 * absolute + 20 / SIZES[-1]
+    assert not now.out_of_reach
+    assert sum(row["seconds"] for row in rows) < found.plain_cost(absolute)
+
+
+def test_the_error_is_honest():
+    """Of 200 ensembles about 95 % lie within two standard errors of the mean on their finest grid."""
+    within = 0
+    for i in range(200):
+        found = sampled(wanted(0.01), first_seed=1000 * i, change=0.5)[1].estimates["kappa"]
+        within += abs(found.mean - TRUTH - 0.5 / found.terms[-1].num_points) <= 2 * found.standard_error
+    assert 180 <= within <= 199
+
+
+def test_the_finest_grid_is_used_only_if_the_bias_asks_for_it():
+    rough, fine = (max(row["num_points"] for row in sampled(wanted(e), change=1.0)[0]) for e in (0.1, 1e-3))
+    assert (rough, fine) == (1024, 2048)
+
+
+def test_out_of_reach_is_said_before_the_time_is_spent():
+    for limits in ({"seconds": 200.0}, {"most": 60}):
+        rows, now = sampled(wanted(1e-4, **limits))
+        assert "allowed: max_s" in now.out_of_reach
+        assert len(rows) <= PILOT * len(SIZES)
+
+
+def test_surfaces_that_do_not_converge_are_left_out():
+    rows = [row | {"status": "stagnated"} if row["seed"] % 7 == 0 else row for row in sampled(wanted(0.01))[0]]
+    assert Samples(rows, "kappa").seeds(256, 512)[0] == 1
+    now = allocation.state(rows, SIZES, wanted(0.01), 0)
+    assert now.estimates["kappa"].terms[0].count < len(rows)
+
+
+SURFACE = RoughIndenter(0.8, 5, cut_off_ratio=1 / 8)
+SCENE = Scene(Layer(0.1), SURFACE, 0.02, num_points=2**11)
+
+
+def test_grids_that_hold_the_surface():
+    assert allocation.grid_sizes(SCENE) == (256, 512, 1024, 2048)
+    assert allocation.grid_sizes(replace(SCENE, num_points=3 * 2**8)) == (384, 768)
+    assert allocation.grid_sizes(Scene(indenter=RoughIndenter(cut_off_ratio=1), num_points=2**7)) == (2**7,)
+
+
+def test_the_mean_of_real_surfaces():
+    """Against plain sampling of other surfaces on the finest grid."""
+    found = ensemble_mean(SCENE, 0.01)
+    others = [replace(SCENE, indenter=replace(SURFACE, seed=10_000 + i)) for i in range(60)]
+    plain = np.array([solve(scene).observables.kappa_subgrid for scene in others])
+    error = math.hypot(found.standard_error, plain.std(ddof=1) / math.sqrt(60))
+    assert found.standard_error <= 0.01
+    assert abs(found.mean - plain.mean()) < 3.5 * error + found.bias
+
+
+def test_one_grid_is_plain_sampling(tmp_path, capsys):
+    scene = Scene(indenter=RoughIndenter(0.8, 0, cut_off_ratio=1 / 2), pressure=0.02, num_points=2**7)
+    found = ensemble_mean(scene, 0.05, relative=True)
+    assert len(found.terms) == 1
+    assert math.isnan(found.bias)
+    assert found.standard_error <= 0.05 * found.mean
+    assert ensemble(tmp_path, "--cut-off-ratio", "0.5", "--num-points", "128", "--standard-error", "0.1") == 0
+    assert "this is plain sampling" in " ".join(capsys.readouterr().out.split())
+
+
+def ensemble(folder, *words):
+    start = ["ensemble", "--folder", str(folder), "--workers", "1", "--profile", "rough", "--pressure", "0.02"]
+    return main.main([*start, *words])
+
+
+SMALL = ("--cut-off-ratio", "0.125", "--num-points", "2^11")
+
+
+def test_the_command(tmp_path, capsys):
+    words = (*SMALL, "--thickness", "0.1", "--observable", "kappa,mean_gap", "--standard-error", "0.02", "--relative")
+    assert ensemble(tmp_path, *words) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    file = load_study(tmp_path / "ensemble.h5")
+    asked, now = tasks.found(file)
+    for name, found in now.estimates.items():
+        assert f"{name} = {found.mean:.6g} +- {found.standard_error:.2g}" in said
+        assert found.standard_error <= 0.02 * abs(found.mean)
+    assert list(now.estimates) == list(asked.observables) == ["kappa", "mean-gap"]
+    assert {path.name for path in tmp_path.glob("*.p*")} == {"ensemble.png", "ensemble.pdf"}
+    one = next(row for row in file.runs if row["num_points"] == 1024)
+    indenter = RoughIndenter(0.8, one["seed"], cut_off_ratio=0.125)
+    alone = solve(Scene(Layer(0.1), indenter, 0.02, num_points=1024), tolerance=1e-10).observables
+    assert one["kappa_subgrid"] == pytest.approx(alone.kappa_subgrid, rel=1e-4)
+    assert ensemble(tmp_path, *words) == 0
+    assert "Finished before" in capsys.readouterr().out
+    assert main.main(["export", str(tmp_path / "ensemble.h5"), "--csv", str(tmp_path / "all.csv")]) == 0
+    assert len((tmp_path / "all.csv").read_text().splitlines()) == len(file.runs) + 1
+    assert main.main(["plot", str(tmp_path / "ensemble.h5")]) == 0
+
+
+def test_what_is_out_of_reach(tmp_path, capsys):
+    assert ensemble(tmp_path, *SMALL, "--standard-error", "1e-6", "--max-seconds", "10") == 3
+    said = " ".join(capsys.readouterr().out.split())
+    assert "is not reached: it takes about" in said
+    assert "allowed: max_seconds of that, or a larger standard error" in said
+    assert len(load_study(tmp_path / "ensemble.h5").runs) >= 3 * PILOT
+    with pytest.raises(
+        ValueError, match=r"standard_error is 1e-06: it takes about .* s of solving; allowed: max_seconds"
+    ):
+        ensemble_mean(SCENE, 1e-6, max_seconds=10)
+
+
+def test_a_killed_ensemble_goes_on(tmp_path):
+    """With what was decided before: the same rows as in one go."""
+    words = [*SMALL, "--standard-error", "0.01", "--profile", "rough", "--pressure", "0.02", "--workers", "1"]
+    program = [sys.executable, "-m", "linecontact.studies", "ensemble", "--folder", str(tmp_path), *words]
+    killed = subprocess.Popen(program, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    while killed.poll() is None and len(list((tmp_path / "tasks").glob("*.json"))) < 3:
+        pass
+    killed.send_signal(signal.SIGKILL)
+    killed.wait()
+    done = {path.name for path in (tmp_path / "tasks").glob("*.json")}
+    assert subprocess.run(program, capture_output=True, timeout=300).returncode == 0
+    file = load_study(tmp_path / "ensemble.h5")
+    assert done <= {f"{name}.json" for name in {run["task"] for run in file.runs}}
+    keys = [(run["seed"], run["num_points"]) for run in file.runs]
+    assert len(keys) == len(set(keys))
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("", "standard_error is missing; allowed: a number > 0"),
+        ("--standard-error 0", "standard_error is 0.0; allowed: a number > 0"),
+        ("--standard-error 2 --relative", "standard_error is 2.0; allowed: a number > 0 and at most 1"),
+        (
+            "--standard-error 0.1 --observable depth",
+            "observable is 'depth'; allowed: kappa, contact-area, peak-pre",
+        ),
+        ("--standard-error 0.1 --max-seconds -1", "max_seconds is -1.0; allowed: a time > 0"),
+        ("--standard-error 0.1 --max-samples 0", "max_samples is 0; allowed: an integer from 1"),
+        ("--standard-error 0.1 --seed 9000000000000", "seed is 9000000000000; allowed: an integer from 0 to 2^40"),
+        ("--standard-error 0.1 --num-points 64", "which does not resolve the surface"),
+    ],
+)
+def test_what_is_wrong_is_said(words, said, tmp_path, capsys):
+    assert ensemble(tmp_path / "out", *words.split()) == 2
+    assert said in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("indenter", [PowerIndenter(), MeasuredIndenter(np.arange(8.0) ** 2)])
+def test_what_is_not_random(indenter):
+    with pytest.raises(ValueError, match=r"profile is .*; allowed: one with a seed, like rough"):
+        ensemble_mean(Scene(indenter=indenter, num_points=8), 0.1)
+
+
+def test_bad_arguments_in_python():
+    with pytest.raises(ValueError, match=r"scene is 1; allowed: a Scene"):
+        ensemble_mean(1, 0.1)
+    with pytest.raises(ValueError, match=r"standard_error is nan; allowed: a number > 0"):
+        ensemble_mean(SCENE, math.nan)
+    with pytest.raises(ValueError, match=r"approach is 0.01; allowed: a scene with a pressure"):
+        ensemble_mean(replace(SCENE, pressure=math.nan, approach=0.01), 0.1)
