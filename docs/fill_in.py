@@ -70,7 +70,7 @@ def _text(part: object) -> str:
     if isinstance(part, str):
         return textwrap.fill(part, WIDTH, break_long_words=False, break_on_hyphens=False)
     output = io.StringIO()
-    Console(width=WIDTH, file=output, force_terminal=False, highlight=False).print(part)
+    Console(width=WIDTH, file=output, force_terminal=False, highlight=False, markup=False).print(part)
     return "\n".join(line.rstrip() for line in output.getvalue().rstrip().splitlines())
 
 

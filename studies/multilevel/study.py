@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
-from linecontact.solver import Scene
+from linecontact.solver import INDENTERS, RoughIndenter, Scene
 
 from ..files.study_files import load_study
 from ..runner import study
@@ -16,6 +16,7 @@ from ..scenes import kinds, making
 from ..scenes.described import base_scene, described
 from ..scenes.making import Given
 from ..terminal import console
+from ..terminal.options import one_of
 from . import tasks
 from .mean import MOST_SAMPLES, check_scene, check_wanted
 from .report import reached, report
@@ -35,6 +36,8 @@ class Options(making.Options, study.Options):
     0.005. Run again after an interruption, it continues.
     """
 
+    profile: str = one_of(INDENTERS, RoughIndenter.name)
+    """Indenter, one with a seed; what each one is, and takes, is told below."""
     num_points: int | None = None
     """Points of the finest grid that may be used, like 2^20; it is used only if the bias asks for it. Default 2^20."""
     precision: ClassVar[str] = Scene.precision
@@ -53,6 +56,7 @@ class Options(making.Options, study.Options):
 
 
 _FINEST = 2**20
+_ANY = 0.01  # standard error of a plan that nobody asked for
 
 
 def plan(options: Options, given: Given) -> Plan:
@@ -76,8 +80,9 @@ def draw(path: Path) -> "dict[str, Figure]":
 
 
 def plans(options: Options) -> Sequence[Plan]:
-    """The first tasks of a scene whose layer and indenter have their defaults."""
-    return [plan(options, {title: {} for title in kinds.titled()})]
+    """The first tasks of a scene whose layer and indenter have their defaults, also if no standard error is given."""
+    error = _ANY if options.standard_error is None else options.standard_error
+    return [plan(replace(options, standard_error=error), {title: {} for title in kinds.titled()})]
 
 
 STUDY = Study(name=NAME, options=Options, plans=plans, report=report, draw=draw)
