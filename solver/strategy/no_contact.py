@@ -25,16 +25,22 @@ def without_contact(scene: Scene, means: Means) -> Solution:
     Without load that distance may be any, and is 0. p* and kappa are NaN.
     """
     approach = scene.approach or 0.0
-    choices = ()
+    choices: tuple[Choice, ...] = ()
     if scene.approach is not None:
         choices = (Choice("pressure", "0", f"for the approach of {approach:g}: up to 0 nothing touches"),)
         scene = replace(scene, approach=None, pressure=0.0)
     displacement, pressure = np.full(scene.num_points, approach), np.zeros(scene.num_points)
     contact = np.zeros(scene.num_points, dtype=bool)
     found = observe(scene, scene.profile, displacement, pressure, contact)
-    unknown = dict.fromkeys(("reduced_pressure", "kappa", "kappa_subgrid", "kappa_error"), math.nan)
-    if found.kappa_ratio is not None:
-        unknown["kappa_ratio"] = math.nan
+    found = replace(
+        found,
+        contact_area_error=0.0,
+        reduced_pressure=math.nan,
+        kappa=math.nan,
+        kappa_ratio=None if found.kappa_ratio is None else math.nan,
+        kappa_subgrid=math.nan,
+        kappa_error=math.nan,
+    )
     return Solution(
         scene=scene,
         method=NAME,
@@ -43,7 +49,7 @@ def without_contact(scene: Scene, means: Means) -> Solution:
         displacement=displacement,
         contact_pressure=pressure,
         contact=contact,
-        observables=replace(found, contact_area_error=0.0, **unknown),
+        observables=found,
         certificate=None,
         iterations=0,
         transform_pairs=0.0,

@@ -19,7 +19,7 @@ import numpy as np
 from ...arrays import Array64
 from ...grid.patches import Patches
 from .greens_function import GreensFunction, patch_sums
-from .local_inverses import local_inverse
+from .local_inverses import LocalInverse, local_inverse
 
 _EXACT_SHARE = 16  # patches of one unknown whose mutual influence is summed up, patch by patch
 
@@ -32,7 +32,7 @@ class PatchDeflation:
         patches do if they have the same size.
         """
         self.patches, self._green = patches, green
-        self._local = local_inverse(green, patches, previous._local if previous else None)
+        self._local: LocalInverse = local_inverse(green, patches, previous._local if previous else None)
         self._build, self._borders, self._factor = 0, np.zeros(0), np.ones((1, 1))
         if patches.full:
             return
