@@ -10,7 +10,7 @@ from .scene import Scene
 from .solution import Solution
 from .strategy.effort import Effort, Means
 from .strategy.no_contact import nothing_touches, without_contact
-from .strategy.to_accuracy import solve_to_accuracy
+from .strategy.to_accuracy import check_accuracy, solve_to_accuracy
 from .strategy.to_approach import solve_to_approach
 from .strategy.to_tolerance import solve_to_tolerance
 from .transforms.planned import check_settings
@@ -61,17 +61,19 @@ def solve(
     if scene.approach is not None and not (accuracy is None and initial is None):
         given = f"accuracy is {accuracy!r}" if initial is None else "initial is given"
         raise ValueError(f"{given}; allowed: none for a scene with an approach")
-    if nothing_touches(scene):
-        return without_contact(scene, means)
     if accuracy is not None:
         chosen = {"method": method, "nested": nested, "tolerance": tolerance, "initial": initial}
         for name, value in (chosen | {"max_iterations": max_iterations}).items():
             if value is not None:
                 raise ValueError(f"{name} is {value!r}; allowed: without accuracy only, which chooses it")
-        return solve_to_accuracy(scene, accuracy, means)
+        check_accuracy(accuracy)
+        return without_contact(scene, means) if nothing_touches(scene) else solve_to_accuracy(scene, accuracy, means)
     kind = METHODS[checks.choice("method", DEFAULT.name if method is None else method, tuple(METHODS))]
     if max_iterations is not None:
         max_iterations = checks.integer("max_iterations", max_iterations, "an integer from 1 to 2^53", 1, 2**53)
+
+    if nothing_touches(scene):
+        return without_contact(scene, means)
 
     def under_load(scene: Scene) -> Solution:
         return solve_to_tolerance(Effort(scene, kind, means, max_iterations), nested, tolerance, initial)

@@ -103,8 +103,9 @@ def test_preconditioner_of_a_contact_nearly_everywhere(d, nu, monkeypatch):
     monkeypatch.setattr(local_inverses, "_FEW_PATCHES", 0)
     patches = Patches.of(~contact_map(512, (20, 3), (70, 40), (130, 1), (300, 9), (310, 8), (505, 5)))
     green = GreensFunction(stiffness(512, d, nu), 512)
-    assert isinstance(local_inverses.local_inverse(green, patches, None), local_inverses.Together)
-    check_preconditioner(d, nu, patches, 60)
+    stiff = nu == 0.5 and d < 0.1  # there every patch is inverted on its own
+    assert isinstance(local_inverses.local_inverse(green, patches, None), local_inverses.Together) is not stiff
+    check_preconditioner(d, nu, patches, 20)
 
 
 def check_preconditioner(d, nu, patches, condition):

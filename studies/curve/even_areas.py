@@ -1,7 +1,7 @@
 """Loads at which the contact area is evenly spaced, found by solves on a coarse grid."""
 
 import numpy as np
-from linecontact.solver import Scene, solve
+from linecontact.solver import Scene, Status, solve
 from linecontact.solver.grid.problem import full_contact_pressure
 
 from . import number
@@ -39,4 +39,7 @@ def _coarse(scene: Scene) -> Scene:
 
 
 def _area(scene: Scene, pressure: float) -> float:
-    return solve(number.put(scene, "pressure", pressure), tolerance=1e-4).observables.contact_area_subgrid
+    solution = solve(number.put(scene, "pressure", pressure), tolerance=1e-4)
+    if solution.status is Status.INTERRUPTED:
+        raise KeyboardInterrupt
+    return solution.observables.contact_area_subgrid

@@ -40,7 +40,7 @@ class Options(making.Options, study.Options):
     """
 
     approach: float | None = None
-    """Rigid approach > 0 since first touch [length], instead of the pressure."""
+    """Rigid approach since first touch [length], instead of the pressure; up to 0 nothing touches."""
     num_points: int | None = None
     """Grid points, at least 4, like 262144 or 2^18; default 2^18, for a file four or more to a value."""
     precision: ClassVar[str] = Scene.precision

@@ -6,7 +6,7 @@ reference curves under /lines; the reasons of failed tasks; and the study's conf
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -54,8 +54,12 @@ class StudyFile:
         return StudyFile(self.kind, self.configuration, runs, self.lines, self.failures)
 
 
-def finished(path: Path, kind: str, configuration: Mapping[str, Any]) -> StudyFile | None:
+def finished(
+    path: Path, kind: str, configuration: Mapping[str, Any], adjustable: Collection[str] = ()
+) -> StudyFile | None:
     """The study in `path` if it is complete; None if there is none yet, or only a damaged one, which is set aside.
+
+    adjustable: names in the configuration that may differ; then the study goes on, and the file is replaced.
 
     Raises `StoreError` for a file of another study, configuration or version.
     """
@@ -70,9 +74,13 @@ def finished(path: Path, kind: str, configuration: Mapping[str, Any]) -> StudyFi
     except DamagedError:
         set_aside(path)
         return None
-    if (study.configuration, study.version) != (plain(configuration), RESULTS_VERSION):
+    asked = plain(configuration)
+    other = {
+        name for name in asked.keys() | study.configuration.keys() if asked.get(name) != study.configuration.get(name)
+    }
+    if other - set(adjustable) or study.version != RESULTS_VERSION:
         raise refusal
-    return study if study.complete else None
+    return study if study.complete and not other else None
 
 
 def save_study(path: Path, study: StudyFile) -> None:

@@ -2,10 +2,12 @@
 so that a run that was killed goes on as if it had not been.
 """
 
+import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from dataclasses import dataclass
 
+import numpy as np
 from linecontact.solver import Scene
 
 from .estimator import Estimate, best_ladder, counts, estimate
@@ -13,15 +15,18 @@ from .samples import Batch, Row, Samples
 
 PILOT, FINER_PILOT = 16, 8
 """Surfaces that are solved first, on the coarsest grids and on finer ones; they tell variances and times."""
+FIRST_GRIDS = 3
+"""Grids with which to begin."""
 
 _WAVE_POINTS = 4  # of the coarsest grid to the shortest wave
 _FEWEST = 2**8  # points of the coarsest grid
-_FIRST_GRIDS = 3  # with which to begin
 _BIAS = 1 / 3  # of the standard error that the finest grid may be off
+_LEAST = 4  # surfaces that tell a variance
+_FEWEST_SURFACES = 32  # of the mean itself, whose variance counts most
 _GROWTH = 4  # factor by which a number of surfaces grows at once: variances become known better on the way
 _SECONDS = 1.0  # of a task
-_LESS = 0.97  # of an error, to be sure of it
-_APART = 2**40  # seeds between the surfaces of two terms
+_LESS = 0.97  # factor of the error aimed at, as long as what the surfaces have in common keeps the error too large
+_APART = 2**32  # seeds that belong to one term at the most
 
 
 @dataclass(frozen=True)
@@ -43,6 +48,10 @@ class Wanted:
         """The standard error wanted of a mean, in its own unit."""
         return self.standard_error * (abs(found.mean) if self.relative else 1.0)
 
+    def biased(self, found: Estimate) -> bool:
+        """Whether the finest grid is off by more than may be."""
+        return found.bias > _BIAS * self.error(found)
+
 
 @dataclass(frozen=True)
 class State:
@@ -54,6 +63,8 @@ class State:
     """What to solve next; none when it is done, or out of reach."""
     seconds_left: float
     """Time of solving that all that is left takes, as far as it is known [s]."""
+    solves_left: int = 0
+    """Solves that are left, as far as they are known."""
     out_of_reach: str = ""
     """Why it goes no further, with what is allowed instead."""
 
@@ -67,52 +78,71 @@ def grid_sizes(scene: Scene) -> tuple[int, ...]:
     return tuple(sizes)
 
 
-def state(rows: Sequence[Row], sizes: Sequence[int], wanted: Wanted, first_seed: int) -> State:
-    """From the solves so far to what is known, and what to do next."""
+def first_seed(seed: int, term: int) -> int:
+    """The first seed of the surfaces of a term, 0 for those that are solved first; far from all others."""
+    return int(np.random.SeedSequence([seed, term]).generate_state(1, np.uint64)[0]) >> 2
+
+
+def state(rows: Sequence[Row], sizes: Sequence[int], wanted: Wanted, seed: int) -> State:
+    """From the solves so far to what is known, and what to do next. seed: tells one ensemble from another."""
     known = {name: Samples(rows, name) for name in wanted.observables}
     main = known[wanted.observables[0]]
     tried = {(int(row["seed"]), int(row["num_points"])) for row in rows}
-    pilots = [PILOT if i < _FIRST_GRIDS else FINER_PILOT for i in range(len(sizes))]
+    begin = first_seed(seed, 0)
+    pilots = [PILOT if i < FIRST_GRIDS else FINER_PILOT for i in range(len(sizes))]
     reached = [
-        size
-        for size, count in zip(sizes, pilots, strict=True)
-        if all((seed, size) in tried for seed in range(first_seed, first_seed + count))
+        size for size, count in zip(sizes, pilots, strict=True) if all((begin + i, size) in tried for i in range(count))
     ]
-    if len(reached) < min(_FIRST_GRIDS, len(sizes)):
-        return State({}, _batches(first_seed, PILOT, tuple(sizes[:_FIRST_GRIDS]), math.inf), math.nan)
+    if len(reached) < min(FIRST_GRIDS, len(sizes)):
+        return State({}, _batches(begin, PILOT, tuple(sizes[:FIRST_GRIDS]), math.inf), math.nan)
+    least = min(len(main.seeds(*pair)) for pair in itertools.product(reached, reached))
+    if least < _LEAST:
+        why = f"of the surfaces solved first no more than {least} converge; allowed: a scene whose solves do"
+        return State({}, (), math.nan, out_of_reach=why)
     ladder = best_ladder(main, reached)
     estimates = {name: estimate(samples, ladder, reached) for name, samples in known.items()}
-    if any(not found.bias <= _BIAS * wanted.error(found) for found in estimates.values()) and len(reached) < len(sizes):
-        finer = sizes[len(reached)]
+    if not all(wanted.error(found) > 0 for found in estimates.values()):
+        why = "a mean is 0; allowed: a standard error that is not relative"
+        return State(estimates, (), math.nan, out_of_reach=why)
+    if any(map(wanted.biased, estimates.values())) and len(reached) < len(sizes):
+        finer, count = sizes[len(reached)], pilots[len(reached)]
         seconds = main.seconds(reached[-1]) * finer / reached[-1]
-        count = pilots[len(reached)]
-        batches = _batches(first_seed, count, (finer,), seconds)
-        return _within(State(estimates, batches, count * seconds), main, rows, wanted)
-    planned: list[Batch] = []
-    left = 0.0
+        batches = _batches(begin, count, (finer,), seconds)
+        return _within(State(estimates, batches, count * seconds, count), rows, wanted)
+    return _within(_more_surfaces(estimates, wanted, tried, seed, sizes), rows, wanted)
+
+
+def _more_surfaces(
+    estimates: dict[str, Estimate], wanted: Wanted, tried: Set[tuple[int, int]], seed: int, sizes: Sequence[int]
+) -> State:
+    """What brings the standard errors, on the grids that are chosen."""
     each = [_numbers(found, wanted.error(found)) for found in estimates.values()]
-    for i, one in enumerate(estimates[wanted.observables[0]].terms):
-        missing = max(numbers[i] for numbers in each) - one.count
-        if missing <= 0:
-            continue
-        left += missing * one.seconds
-        own = first_seed + PILOT + (1 + sizes.index(one.num_points)) * _APART
-        here = tuple(size for size in (one.coarser, one.num_points) if size)
-        while (own, here[-1]) in tried:  # of this term or, with another coarser grid, of an earlier one
-            own += 1
-        more = min(missing, _GROWTH * one.count)
-        planned += _batches(own, more, here, one.seconds)
-    return _within(State(estimates, tuple(planned), left), main, rows, wanted)
+    planned: list[Batch] = []
+    seconds, solves = 0.0, 0
+    for one, *numbers in zip(estimates[wanted.observables[0]].terms, *each, strict=True):
+        missing = max(numbers) - one.count
+        if missing > 0:
+            grids = tuple(size for size in (one.coarser, one.num_points) if size)
+            seconds, solves = seconds + missing * one.seconds, solves + missing * len(grids)
+            start = first_seed(seed, 1 + sizes.index(one.num_points))
+            own = (number + 1 for number, size in tried if size == one.num_points and 0 <= number - start < _APART)
+            more = min(missing, _GROWTH * one.count)
+            planned += _batches(max(own, default=start), more, grids, one.seconds)
+    return State(estimates, tuple(planned), seconds, solves)
 
 
 def _numbers(found: Estimate, error: float) -> list[int]:
-    """Surfaces for each term; as many as there are where the standard error is small enough."""
+    """Surfaces for each term; as many as there are where the standard error is small enough, and else more of one."""
+    have = [one.count for one in found.terms]
+    if have[0] < _FEWEST_SURFACES:
+        return [_FEWEST_SURFACES, *have[1:]]
     if found.standard_error <= error:
-        return [one.count for one in found.terms]
-    numbers = counts(found.terms, error)
-    enough = all(number <= one.count for number, one in zip(numbers, found.terms, strict=True))
-    # what the surfaces solved first have in common counts as well
-    return counts(found.terms, error**2 / found.standard_error * _LESS) if enough else numbers
+        return have
+    numbers, aim = counts(found.terms, error), error
+    while all(number <= count for number, count in zip(numbers, have, strict=True)):
+        aim *= _LESS  # what surfaces that serve several terms have in common counts as well
+        numbers = counts(found.terms, aim)
+    return numbers
 
 
 def _batches(first: int, count: int, sizes: tuple[int, ...], seconds: float) -> tuple[Batch, ...]:
@@ -121,15 +151,16 @@ def _batches(first: int, count: int, sizes: tuple[int, ...], seconds: float) -> 
     return tuple(Batch(first + done, min(size, count - done), sizes) for done in range(0, count, size))
 
 
-def _within(found: State, samples: Samples, rows: Sequence[Row], wanted: Wanted) -> State:
+def _within(found: State, rows: Sequence[Row], wanted: Wanted) -> State:
     """The same, without anything left to do if that would go beyond what may be planned."""
     if not found.batches:
         return found
-    seconds = samples.spent + found.seconds_left
-    planned = len(rows) + sum(batch.count * len(batch.sizes) for batch in found.batches)
-    why = ""
+    seconds = sum(float(row["seconds.total"]) for row in rows) + found.seconds_left
+    solves = len(rows) + found.solves_left
     if seconds > wanted.max_seconds:
         why = f"it takes about {seconds:.2g} s of solving; allowed: max_seconds of that, or a larger standard error"
-    elif planned > wanted.max_samples:
-        why = f"it takes {planned} solves and more; allowed: max_samples of that, or a larger standard error"
-    return State(found.estimates, () if why else found.batches, found.seconds_left, why)
+    elif solves > wanted.max_samples:
+        why = f"it takes about {solves:.2g} solves; allowed: max_samples of that, or a larger standard error"
+    else:
+        return found
+    return State(found.estimates, (), found.seconds_left, found.solves_left, why)

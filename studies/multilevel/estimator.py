@@ -2,15 +2,16 @@
 
 After M. B. Giles, Multilevel Monte Carlo path simulation, Operations Research 56, 607 (2008), and Multilevel Monte
 Carlo methods, Acta Numerica 24, 259 (2015). The mean on the finest grid is that on a coarse grid plus the means of the
-changes from grid to grid. One seed is one surface on every grid, so that the changes scatter little; each mean is
-taken over surfaces of its own, but for those that were solved first on all grids, whose covariances are counted.
-Variances are those of the mean's distribution when few surfaces tell them, so that two standard errors stay 95 %.
+changes from grid to grid. One seed is one surface on every grid, so that the changes scatter little. A term takes every
+surface that is solved on its grids; what two terms have in common through their surfaces is counted by their
+covariance. Where few surfaces tell a variance it is made larger, as Student's distribution has it.
 """
 
 import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -32,9 +33,14 @@ class Term:
     mean: float
     """Of the observable, or of its change."""
     variance: float
-    """Of the same for one surface; infinite where three or fewer surfaces tell it."""
+    """Of the same for one surface."""
     seconds: float
     """Time of one surface, on both grids [s]."""
+
+    @property
+    def believed(self) -> float:
+        """The variance that the standard error is made of: (n-1)/(n-3) of what n surfaces say."""
+        return self.variance * (self.count - 1) / (self.count - 3)
 
 
 @dataclass(frozen=True)
@@ -55,7 +61,7 @@ class Estimate:
     """Time of a single surface on the finest grid [s]."""
 
     def plain_cost(self, standard_error: float) -> float:
-        """Time that sampling on the finest grid alone would take for a standard error [s]."""
+        """Time that sampling on the finest grid alone would take for a standard error > 0 [s]."""
         return self.plain_variance / standard_error**2 * self.plain_seconds
 
 
@@ -70,8 +76,7 @@ def differences(samples: Samples, size: int, coarser: int | None) -> dict[int, f
 def term(samples: Samples, size: int, coarser: int | None) -> Term:
     """What is known of one term."""
     values = np.array(list(differences(samples, size, coarser).values()))
-    # n values leave (n-1)/(n-3) of what they say: the variance of Student's distribution of the mean
-    variance = float(values.var(ddof=1)) * (values.size - 1) / (values.size - 3) if values.size > 3 else math.inf
+    variance = float(values.var(ddof=1))
     seconds = samples.seconds(size) + (samples.seconds(coarser) if coarser else 0.0)
     return Term(size, coarser, values.size, float(values.mean()), variance, seconds)
 
@@ -90,7 +95,7 @@ def estimate(samples: Samples, ladder: Sequence[int], sizes: Sequence[int]) -> E
     whose changes tell the bias.
     """
     found = terms(samples, ladder)
-    variance = sum(t.variance / t.count for t in found)
+    variance = sum(t.believed / t.count for t in found)
     for one, other in itertools.combinations(_steps(ladder), 2):
         first, second = differences(samples, *one), differences(samples, *other)
         shared = sorted(first.keys() & second.keys())
@@ -128,8 +133,13 @@ def best_ladder(samples: Samples, sizes: Sequence[int]) -> tuple[int, ...]:
     """Of these grids the ones whose sum takes the least time for any standard error; the finest is always there."""
     finest = sizes[-1]
 
+    @cache
+    def effort(size: int, coarser: int | None) -> float:
+        known = term(samples, size, coarser)
+        return math.sqrt(known.variance * known.seconds)
+
     def cost(ladder: tuple[int, ...]) -> float:
-        return sum(math.sqrt(t.variance * t.seconds) for t in terms(samples, ladder))
+        return sum(effort(*step) for step in _steps(ladder))
 
     chosen = (itertools.compress(sizes[:-1], kept) for kept in itertools.product((False, True), repeat=len(sizes) - 1))
     return min(((*coarser, finest) for coarser in chosen), key=cost)
@@ -137,5 +147,5 @@ def best_ladder(samples: Samples, sizes: Sequence[int]) -> tuple[int, ...]:
 
 def counts(found: Sequence[Term], standard_error: float) -> list[int]:
     """Surfaces for each term that bring the standard error in the least time (Giles 2008, eq. 12)."""
-    effort = sum(math.sqrt(t.variance * t.seconds) for t in found)
-    return [math.ceil(math.sqrt(t.variance / t.seconds) * effort / standard_error**2) for t in found]
+    effort = sum(math.sqrt(t.believed * t.seconds) for t in found)
+    return [math.ceil(math.sqrt(t.believed / t.seconds) * effort / standard_error**2) for t in found]

@@ -21,10 +21,13 @@ def draw(path: Path) -> dict[str, Figure]:
     if not estimates:
         raise NothingToDraw("too few surfaces are solved on all grids yet")
     observable, estimate = next(iter(estimates.items()))
+    if not estimate.standard_error > 0:
+        raise NothingToDraw("all surfaces have the same value")
     samples = Samples(study.runs, observable)
+    spent = float(sum(study.column("seconds.total")))
     figure, ((left, right),) = panels(1, 2, TWO_COLUMNS, 3.4)
     _scatter(left, observable, samples)
-    _errors(right, unit_of(observable), estimate, samples)
+    _errors(right, unit_of(observable), estimate, samples, spent)
     return {"": figure}
 
 
@@ -53,8 +56,8 @@ def _legend(axes: Axes) -> None:
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2))
 
 
-def _errors(axes: Axes, said: str, estimate: Estimate, samples: Samples) -> None:
-    spent, finest = samples.spent, estimate.terms[-1].num_points
+def _errors(axes: Axes, said: str, estimate: Estimate, samples: Samples, spent: float) -> None:
+    finest = estimate.terms[-1].num_points
     seconds = np.geomspace(spent / 30, spent * 30, 30)
     for i, size in enumerate(sorted({t.num_points for t in estimate.terms})):
         alone = term(samples, size, None)

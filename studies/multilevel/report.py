@@ -16,8 +16,10 @@ from .tasks import found
 
 
 def reached(wanted: Wanted, state: State) -> bool:
-    """Whether every mean has the standard error that was asked for."""
-    return bool(state.estimates) and all(e.standard_error <= wanted.error(e) for e in state.estimates.values())
+    """Whether every mean has the standard error that was asked for, and the finest grid is fine enough for it."""
+    found = state.estimates.values()
+    small = all(e.standard_error <= wanted.error(e) and not wanted.biased(e) for e in found)
+    return bool(found) and small and not state.out_of_reach
 
 
 def grid(term: Term) -> str:
@@ -47,18 +49,21 @@ def summary(observable: str, estimate: Estimate) -> Table:
 
 
 def _sentences(observable: str, estimate: Estimate, wanted: Wanted, spent: float) -> str:
-    bias, error, number = estimate.bias, wanted.error(estimate), unit_of(observable)
+    bias, number = estimate.bias, unit_of(observable)
     finest = estimate.terms[-1].num_points
     off = f"The finest grid, {finest} points, is off by about {bias:.1g} [{number}]"
     if math.isnan(bias):
         off = f"Only {finest} points hold the surfaces: this is plain sampling, whose bias is not known"
-    elif bias > error / 3:
-        off += f", more than a third of the standard error of {error:.2g} that was asked for; allowed: more num_points"
+    elif wanted.biased(estimate):
+        off += f", more than a third of the standard error of {wanted.error(estimate):.2g} that was asked for"
+    said = f"{observable} = {estimate.mean:.6g} +- {estimate.standard_error:.2g} (standard error) [{number}]. {off}. "
+    said += f"Solving took {spent:.3g} s in all processes"
+    if not estimate.standard_error > 0:
+        return f"{said}; all surfaces have the same value."
     plain = estimate.plain_cost(estimate.standard_error)
     return (
-        f"{observable} = {estimate.mean:.6g} +- {estimate.standard_error:.2g} (standard error) [{number}]. {off}. "
-        f"Solving took {spent:.3g} s in all processes; for the same standard error, surfaces on {finest} points alone "
-        f"would take about {plain:.3g} s, {plain / spent:.2g} times that."
+        f"{said}; for the same standard error, surfaces on {finest} points alone would take about {plain:.2g} s, "
+        f"{plain / spent:.1g} times that."
     )
 
 
@@ -67,13 +72,15 @@ def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
     parts: list[RenderableType] = []
     for file in files.values():
         wanted, state = found(file)
-        spent = float(sum(float(run["seconds"]) for run in file.runs))
+        spent = float(sum(float(run["seconds.total"]) for run in file.runs))
         for observable, estimate in state.estimates.items():
             parts += [summary(observable, estimate), _sentences(observable, estimate, wanted, spent)]
         lost = sum(run["status"] != "converged" for run in file.runs)
         if lost:
             parts.append(f"Left out: {lost} of {len(file.runs)} solves that did not converge.")
         if not reached(wanted, state):
-            why = state.out_of_reach or "run again to continue"
-            parts.append(f"The standard error that was asked for is not reached: {why}.")
+            finer = "a finer grid is needed; allowed: more num_points, or a larger standard error"
+            biased = any(map(wanted.biased, state.estimates.values()))
+            why = state.out_of_reach or (finer if biased else "run again to continue")
+            parts.append(f"What was asked for is not reached: {why}.")
     return parts

@@ -29,7 +29,7 @@ NAME = tasks.KIND
 
 @dataclass(frozen=True)
 class Options(making.Options, study.Options):
-    """Mean over random surfaces to the standard error you ask for, bias of the grid included: table, file and figure.
+    """Mean over random surfaces to the standard error you ask for, on as fine a grid as it needs: table, file, figure.
 
     Most surfaces are solved on coarse grids, where that is cheap, and few on fine ones, which tell what the coarse
     ones are off (multilevel Monte Carlo). For instance --profile rough --hurst 0.8 --pressure 0.01 --standard-error
@@ -61,9 +61,8 @@ _ANY = 0.01  # standard error of a plan that nobody asked for
 
 def plan(options: Options, given: Given) -> Plan:
     """The first tasks. Raises `ValueError`."""
-    names = [name.strip().replace("_", "-") for name in options.observable.split(",")]
     limits = options.max_seconds, options.max_samples
-    asked = check_wanted(names, options.standard_error, options.relative, *limits)
+    asked = check_wanted(options.observable.split(","), options.standard_error, options.relative, *limits)
     told = {name: getattr(options, name) for name in ("profile", "layer", "pressure", "period", "precision")}
     told["num_points"] = _FINEST if options.num_points is None else options.num_points
     description = described(told, given)
@@ -89,7 +88,7 @@ STUDY = Study(name=NAME, options=Options, plans=plans, report=report, draw=draw)
 
 
 def command(options: Options, given: Given) -> int:
-    """Sample as asked, or what is left of it; returns the exit status, 3 if the standard error is not reached."""
+    """Sample as asked, or what is left of it; returns the exit status, 3 if that is not reached."""
     ready = plan(options, given)
     status = run_study(replace(STUDY, plans=lambda _: [ready]), options)
     stored = load_study(ready.path(STUDY.folder(options)))

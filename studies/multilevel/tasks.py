@@ -36,23 +36,24 @@ class BatchTask:
 
 def plan(description: str, scene: Scene, wanted: Wanted) -> Plan:
     """The first tasks, and how the others follow from them."""
-    sizes, first_seed = grid_sizes(scene), scene.indenter.seed  # type: ignore[attr-defined]
+    sizes, seed = grid_sizes(scene), scene.indenter.seed  # type: ignore[attr-defined]
 
     def more(records: Mapping[Task, Record]) -> Sequence[Task]:
         rows: list[Row] = [row for record in records.values() for row in record[ROWS]]
-        return [BatchTask(description, batch) for batch in state(rows, sizes, wanted, first_seed).batches]
+        return [BatchTask(description, batch) for batch in state(rows, sizes, wanted, seed).batches]
 
     configuration: dict[str, Any] = {
         "scene": shown(description),
         "sizes": sizes,
-        "first_seed": first_seed,
+        "seed": seed,
         "observables": wanted.observables,
         "standard_error": wanted.standard_error,
         "relative": wanted.relative,
         "max_seconds": wanted.max_seconds,
         "max_samples": wanted.max_samples,
     }
-    return Plan(KIND, configuration, list(more({})), more=more)
+    adjustable = ("observables", "standard_error", "relative", "max_seconds", "max_samples")
+    return Plan(KIND, configuration, list(more({})), adjustable=adjustable, more=more)
 
 
 def found(file: StudyFile) -> tuple[Wanted, State]:
@@ -61,4 +62,4 @@ def found(file: StudyFile) -> tuple[Wanted, State]:
     wanted = Wanted(
         tuple(c["observables"]), c["standard_error"], c["relative"], float(c["max_seconds"]), c["max_samples"]
     )
-    return wanted, state(file.runs, c["sizes"], wanted, c["first_seed"])
+    return wanted, state(file.runs, c["sizes"], wanted, c["seed"])

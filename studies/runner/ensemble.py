@@ -57,16 +57,32 @@ class Ensemble:
     """Tasks in a row that lost their worker, after which the run gives up."""
 
     def __init__(self, tasks: Iterable[Task], folder: TaskFolder) -> None:
-        self.tasks, self.folder = list(dict.fromkeys(tasks)), folder
-        self.records = {task: record for task in self.tasks if (record := folder.load(task)) is not None}
+        self.folder = folder
+        self.tasks: list[Task] = []
+        self.records: dict[Task, Record] = {}
         self.failures: dict[Task, str] = {}
+        self.worst = 0.0
+        self._waiting: deque[Task] = deque()
+        self.add(tasks)
         self.found = len(self.records)
-        self.worst = max([0.0, *map(_residual, self.records.values())])
-        self._waiting = deque(task for task in self.tasks if task not in self.records)
         self._running: dict[Future[Record], Task] = {}
         self._died: dict[Task, int] = {}
         self._lost_in_a_row = 0
         self._begin = time.monotonic()
+
+    def add(self, tasks: Iterable[Task]) -> None:
+        """Take on further tasks; those that are done, in this run or a former one, have their records at once."""
+        known = set(self.tasks)
+        for task in dict.fromkeys(tasks):
+            if task in known:
+                continue
+            self.tasks.append(task)
+            record = self.folder.load(task)
+            if record is None:
+                self._waiting.append(task)
+            else:
+                self.records[task] = record
+                self.worst = max(self.worst, _residual(record))
 
     @property
     def share(self) -> float:
@@ -86,19 +102,21 @@ class Ensemble:
         make_executor: Callable[[], Executor],
         limit: Callable[[], int] = lambda: 8,
         show: Callable[["Ensemble"], None] = lambda _: None,
+        more: Callable[[], Iterable[Task]] = tuple,
     ) -> tuple[dict[Task, Record], dict[Task, str]]:
         """Do what is left; returns the records and the reasons of failures, by task.
 
         make_executor: called at the start, and again when a worker's death has broken the executor.
         limit: tasks to have submitted at a time; a killed run loses no more than these.
+        more: called when everything is done; gives further tasks, or none at the end.
 
         Raises `StoreError` when a record cannot be written, `LostError` when the executor is gone for good, and passes
         `KeyboardInterrupt` through.
         """
-        while self._waiting or self._running:
+        while self._left(more):
             with make_executor() as executor, _flag_for_ctrl_c(executor) as interrupted:
                 try:
-                    while (self._waiting or self._running) and not interrupted.is_set:
+                    while not interrupted.is_set and self._left(more):
                         if not self._submit(executor, limit(), show):
                             break
                         self._receive()
@@ -109,6 +127,15 @@ class Ensemble:
                     executors.abandon(executor, self._running)
                     raise
         return self.records, self.failures
+
+    def _left(self, more: Callable[[], Iterable[Task]]) -> bool:
+        """Whether anything is left to do, further tasks included."""
+        while not (self._waiting or self._running):
+            before = len(self.tasks)
+            self.add(more())
+            if len(self.tasks) == before:
+                return False
+        return True
 
     def _submit(self, executor: Executor, limit: int, show: Callable[["Ensemble"], None]) -> bool:
         """Submit tasks up to the limit; False if the executor is broken."""

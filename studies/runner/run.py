@@ -15,7 +15,7 @@ from ..terminal import console
 from . import executors
 from .ensemble import Ensemble
 from .study import Options, Plan, Study
-from .tasks import TaskFolder, lock
+from .tasks import Task, TaskFolder, lock
 
 Files = dict[str, StudyFile]
 
@@ -66,7 +66,10 @@ def _exit_status(study: Study, files: Iterable[StudyFile]) -> int:
 
 
 def _finished(plans: Sequence[Plan], folder: Path) -> Files:
-    files = {plan.kind: study_files.finished(plan.path(folder), plan.kind, plan.configuration) for plan in plans}
+    files = {
+        plan.kind: study_files.finished(plan.path(folder), plan.kind, plan.configuration, plan.adjustable)
+        for plan in plans
+    }
     return {kind: file for kind, file in files.items() if file}
 
 
@@ -78,19 +81,23 @@ def _compute(plans: Sequence[Plan], options: Options, folder: Path) -> Files:
         known = "" if math.isnan(residual) else f", residual {residual:.1e}"
         bar.show(ensemble.share, f"{ensemble}; iteration {iteration}{known}")
 
+    def more() -> list[Task]:
+        """What the plans ask for when they have the records so far."""
+        nonlocal plans
+        further = [plan.further(ensemble.records) for plan in plans]
+        plans = [replace(plan, runs=[*plan.runs, *new]) for plan, new in zip(plans, further, strict=True)]
+        tasks = [task for new in further for task in new]
+        if options.overwrite:
+            ensemble.folder.forget(tasks)
+        return tasks
+
     with executors.choose(options.workers, options.memory, options.scheduler, report) as pool:
         with writing.expecting(folder):
             ensemble = _begin(plans, options, folder)
         with console.Bar(", ".join(plan.kind for plan in plans)) as bar:
             bar.start = ensemble.share
             try:
-                while True:
-                    ensemble.run(pool.make, pool.limit, lambda now: bar.show(now.share, str(now)))
-                    grown = [replace(p, runs=[*p.runs, *p.further(ensemble.records)]) for p in plans]
-                    if sum(len(p.runs) for p in grown) == sum(len(p.runs) for p in plans):
-                        break
-                    plans = grown
-                    ensemble = Ensemble([task for plan in plans for task in plan.tasks], ensemble.folder)
+                ensemble.run(pool.make, pool.limit, lambda now: bar.show(now.share, str(now)), more)
             except BaseException:
                 with contextlib.suppress(writing.StoreError):  # a full disk: the tasks' files are there
                     _save(plans, ensemble, folder)

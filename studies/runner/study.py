@@ -52,6 +52,8 @@ class Plan:
     """Tasks that make reference curves, by the curve's name; their records are columns."""
     figures: Collection[str] = ("",)
     """Endings of the names of the file's figures; none for a file that is not drawn."""
+    adjustable: Collection[str] = ()
+    """Names in the configuration that may be others when the study goes on."""
     more: Callable[[Mapping[Task, Record]], Sequence[Task]] | None = None
     """Further tasks, from the records of all so far; none when there are enough. For a study that decides on the way.
     """
@@ -63,8 +65,11 @@ class Plan:
 
     def further(self, records: Mapping[Task, Record]) -> list[Task]:
         """Tasks that are to follow those of the plan, from their records."""
-        own = {task: records[task] for task in self.runs if task in records}
-        return [task for task in (self.more(own) if self.more else ()) if task not in set(self.runs)]
+        if not self.more:
+            return []
+        planned = set(self.runs)
+        found = self.more({task: records[task] for task in self.runs if task in records})
+        return [task for task in dict.fromkeys(found) if task not in planned]
 
     def path(self, folder: Path) -> Path:
         """The file."""

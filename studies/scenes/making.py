@@ -23,7 +23,7 @@ class Options:
     layer: str = one_of(LAYERS, next(iter(LAYERS)))
     """Layer; what each one is, and takes, is told below."""
     pressure: float | None = None
-    """Mean external pressure p > 0 [pressure]; default 0.002, but for a file it must be given."""
+    """Mean external pressure p >= 0 [pressure]; default 0.002, but for a file it must be given."""
     period: float | None = None
     """Period L > 0 [length]; default 1; not for a file, whose scan is the period, or half of it."""
 

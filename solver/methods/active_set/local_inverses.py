@@ -4,7 +4,7 @@ Patch by patch: G is a Toeplitz matrix, so all patches share one inverse Cholesk
 serves a patch of m nodes (`inverse_cholesky`). Patches too long for that use K restricted to the patch (`long_patch`).
 
 Where many patches fill most of the period, K restricted to all contact nodes is a better inverse, and takes less time
-than short transforms for each of them.
+than short transforms for each of them; not so on thin incompressible layers, whose longest waves are the stiffest.
 """
 
 from collections.abc import Iterator
@@ -20,6 +20,7 @@ LONGEST_DENSE = 256  # nodes; the factor of longer patches costs more than short
 
 _FEW_PATCHES = 8  # up to so many, the dense factor serves only patches of LONGEST_DENSE/4 nodes
 _MOST = 0.65  # share of the nodes in contact from which many patches are inverted together
+_SOFT = 0.1  # least G of the longest wave over the largest: where that is stiffer, K is no near inverse
 
 
 class PatchByPatch:
@@ -117,6 +118,6 @@ LocalInverse = PatchByPatch | Together
 def local_inverse(green: GreensFunction, patches: Patches, previous: LocalInverse | None) -> LocalInverse:
     """The one that suits these patches. previous: of a similar set; its long patches serve again."""
     many = patches.count > _FEW_PATCHES and patches.nodes.size > _MOST * patches.num_points
-    if many or patches.full:
+    if patches.full or (many and green.compliance[1] >= _SOFT * green.compliance.max()):
         return Together(green, patches)
     return PatchByPatch(green, patches, previous.long_patches if previous else {})
