@@ -78,9 +78,9 @@ def finished(
     other = {
         name for name in asked.keys() | study.configuration.keys() if asked.get(name) != study.configuration.get(name)
     }
-    if other - set(adjustable) or study.version != RESULTS_VERSION:
+    if differ - set(adjustable) or study.version != RESULTS_VERSION:
         raise refusal
-    return study if study.complete and not other else None
+    return study if study.complete and not differ else None
 
 
 def save_study(path: Path, study: StudyFile) -> None:
