@@ -27,7 +27,7 @@ class Options(study.Options):
     """
 
     quick: bool = False
-    """2^14 points, 3 layers and up to 8 surfaces."""
+    """2^14 points, 3 layers and up to 8 surfaces of another roughness, down to waves of L/256 only."""
 
 
 def plans(options: Options) -> Sequence[Plan]:
