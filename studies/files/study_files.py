@@ -75,9 +75,8 @@ def finished(
         set_aside(path)
         return None
     asked = plain(configuration)
-    other = {
-        name for name in asked.keys() | study.configuration.keys() if asked.get(name) != study.configuration.get(name)
-    }
+    names = asked.keys() | study.configuration.keys()
+    differ = {name for name in names if asked.get(name) != study.configuration.get(name)}
     if differ - set(adjustable) or study.version != RESULTS_VERSION:
         raise refusal
     return study if study.complete and not differ else None

@@ -1,7 +1,7 @@
 """The tasks of the study pressure: solves over the load, and Persson's theory beside the rough ones.
 
-The same surfaces (common seeds) are taken for every Hurst exponent, layer and load. At large loads a solve takes longer,
-and on the half-space the surfaces differ less: so fewer of them are taken.
+The same surfaces (common seeds) are taken for every Hurst exponent, layer and load. At large loads a solve takes
+longer, and on the half-space the surfaces differ less: so fewer of them are taken.
 """
 
 import math
