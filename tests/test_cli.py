@@ -185,7 +185,7 @@ def test_methods_and_grids(method, grids):
         ([], "solve"),
         (
             ["stdy"],
-            "command is 'stdy', perhaps meant as study; allowed: solve, curve, explore, study, plot, export, info",
+            "command is 'stdy', perhaps meant as study; allowed: solve, curve, ensemble, explore, stu",
         ),
         (["study", "hertz", "--quik"], "option --quik is unknown, perhaps meant as --quick"),
         (["solve", "--tolerence", "1"], "option --tolerence is unknown, perhaps meant as --tolerance"),

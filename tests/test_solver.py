@@ -263,7 +263,7 @@ def test_scaling_is_exact(length, pressure, d, precision):
         (lambda: PowerIndenter(1.0), "exponent is 1.0"),
         (lambda: PowerIndenter(math.inf), "exponent"),
         (lambda: PowerIndenter(2.0, 0.0), "radius"),
-        (lambda: Scene(pressure=0.0), "pressure is 0.0"),
+        (lambda: Scene(pressure=-1.0), "pressure is -1.0"),
         (lambda: Scene(pressure=-1.0), "pressure"),
         (lambda: Scene(pressure=math.inf), "pressure"),
         (lambda: Scene(period=math.nan), "period"),
