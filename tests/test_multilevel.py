@@ -18,6 +18,8 @@ from linecontact.studies.multilevel import allocation, estimator, tasks
 from linecontact.studies.multilevel.allocation import PILOT, Wanted
 from linecontact.studies.multilevel.samples import Samples
 
+pytestmark = pytest.mark.once
+
 SIZES = (256, 512, 1024, 2048)
 COSTS = {size: size / 256 for size in SIZES}  # [s]
 TRUTH = 1.7

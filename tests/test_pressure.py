@@ -15,9 +15,10 @@ from linecontact.studies.pressure import analysis, figures, findings
 from linecontact.studies.pressure.study import STUDY
 from linecontact.studies.pressure.tasks import FIGURES, QUICK, line_name, plan
 from linecontact.studies.rough_surfaces.means import Mean
-from linecontact.studies.runner import drawing
 from rich.console import Console
 from running import run_plans
+
+pytestmark = pytest.mark.once
 
 SMALL = replace(
     QUICK,
@@ -165,9 +166,6 @@ def test_the_figures_hold_the_stored_numbers(file, folder):
     below = drawn["-collapse"].axes[2].get_lines()[0]
     own = curve(file, True, 0.5, 0.1).points
     np.testing.assert_allclose(below.get_xydata(), [(p.per_width.value, p.ratio.value) for p in own])
-    assert {path.name for path in drawing.draw(folder / "pressure.h5")} == {
-        f"pressure{ending}.{kind}" for ending in FIGURES for kind in ("png", "pdf")
-    }
 
 
 @pytest.mark.parametrize("share", [0.02, 0.4, 0.9])
