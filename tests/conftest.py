@@ -1,9 +1,13 @@
-"""What tests of running studies share: where the dummies log, and a folder for a study."""
+"""What tests share: one thread for linear algebra, where the dummies of a study log, and a folder for a study."""
 
 import os
 from pathlib import Path
 
 import pytest
+
+# Tests run side by side, and so do the studies in them. Threads of several of them on the same cores wait for each
+# other, and their number may change the last bit. To be set before NumPy is loaded.
+os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"))
 
 
 @pytest.fixture
@@ -13,8 +17,6 @@ def dummies(tmp_path, monkeypatch):
     monkeypatch.setenv("DUMMY_FOLDER", str(tmp_path / "dummies"))
     path = [str(Path(__file__).parent), *filter(None, [os.environ.get("PYTHONPATH")])]
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join(path))
-    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):  # they may change the last bit
-        monkeypatch.setenv(name, "1")
 
 
 @pytest.fixture
