@@ -1,6 +1,7 @@
 """The entry point of the command line: Ctrl-C while Python imports everything else is no traceback either.
 
-A scheduler's SIGTERM is taken like Ctrl-C: what there is gets saved.
+A scheduler's SIGTERM is taken like Ctrl-C: what there is gets saved. Linear algebra has one thread, unless the user's
+environment says otherwise: its matrices are small, and on busy cores its threads wait for each other.
 """
 
 import os
@@ -11,6 +12,8 @@ from typing import Any, NoReturn
 
 def main() -> int:
     """Run `linecontact`; returns the exit status."""
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):  # read when NumPy is loaded
+        os.environ.setdefault(name, "1")
     interrupt, term = signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)
     if interrupt is signal.default_int_handler:  # else someone wants it ignored
         signal.signal(signal.SIGINT, _leave)
