@@ -16,6 +16,7 @@ from .methods import METHODS, Method, MethodKind
 from .scene import Scene
 from .solution import Choice, Solution
 from .solve import solve
+from .strategy.errors import QUANTITIES
 from .strategy.linearised import contact_stiffness
 from .strategy.precision import default_tolerance
 
@@ -23,6 +24,7 @@ __all__ = [
     "INDENTERS",
     "LAYERS",
     "METHODS",
+    "QUANTITIES",
     "Certificate",
     "Choice",
     "CoatedHalfSpace",

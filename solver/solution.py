@@ -35,8 +35,14 @@ class Level:
     """a_r between sub-grid edges (dimensionless)."""
     kappa_subgrid: float
     """kappa between sub-grid edges (dimensionless)."""
-    edges_error: float
-    """Estimated error of a_r that its edges leave (dimensionless)."""
+    peak_pressure: float
+    """Largest contact pressure [pressure]."""
+    approach: float
+    """Rigid approach since first touch [length]."""
+    contact_area_edges_error: float
+    """What is claimed of a_r's error from the edges alone (dimensionless)."""
+    kappa_edges_error: float
+    """The same for kappa (dimensionless)."""
     iterations: int
     """Iterations on this grid."""
     transform_pairs: float
@@ -61,7 +67,7 @@ class Choice:
     reason: str
     """Why."""
     error: float = 0.0
-    """Estimate of the relative error of a_r that it brings (dimensionless); 0 where it brings none."""
+    """Estimate of the relative error that it brings into what the accuracy is asked of (dimensionless); 0: none."""
 
     def __repr__(self) -> str:
         return f"Choice of {self.what}: {self.chosen}, error {self.error:.1g} [-], because {self.reason}"
@@ -76,7 +82,7 @@ class Solution:
     method: str
     """Name of the method; of the smaller model where no iteration was needed."""
     tolerance: float
-    """On the free residual over p; where no iteration was needed, the error of a_r that was allowed (dimensionless)."""
+    """On the free residual over p; where no iteration was needed, the error that was allowed (dimensionless)."""
     status: Status
     """Only `Status.CONVERGED` is certified at `tolerance`, or is as accurate as was asked for."""
     displacement: Array64
@@ -108,7 +114,9 @@ class Solution:
     levels: tuple[Level, ...] = field(default_factory=tuple)
     """The coarser grids, from coarse to fine; empty without nested grids."""
     accuracy: float | None = None
-    """The relative error of a_r asked for, if any (dimensionless)."""
+    """The relative error asked for, if any (dimensionless)."""
+    accuracy_of: str = "contact-area"
+    """Of what: one of `linecontact.solver.QUANTITIES`."""
     choices: tuple[Choice, ...] = field(default_factory=tuple)
     """What was chosen for the user, and why."""
 
@@ -207,7 +215,7 @@ class Solution:
             "iterations": self.iterations,
             "transform_pairs": round(self.transform_pairs, 3),
             "handed_over": self.handed_over,
-            **({"accuracy": self.accuracy} if self.accuracy else {}),
+            **({"accuracy": self.accuracy, "accuracy_of": self.accuracy_of} if self.accuracy else {}),
             "choices": {c.what: {"chosen": c.chosen, "reason": c.reason, "error": c.error} for c in self.choices},
             "seconds": dict(self.seconds),
             "certificate": asdict(self.certificate) if self.certificate else {},

@@ -9,6 +9,7 @@ from .methods import DEFAULT, METHODS, Progress
 from .scene import Scene
 from .solution import Solution
 from .strategy.effort import Effort, Means
+from .strategy.errors import QUANTITIES
 from .strategy.no_contact import nothing_touches, without_contact
 from .strategy.to_accuracy import check_accuracy, solve_to_accuracy
 from .strategy.to_approach import solve_to_approach
@@ -20,6 +21,7 @@ def solve(
     scene: Scene,
     *,
     accuracy: float | None = None,
+    accuracy_of: str = "contact-area",
     method: str | None = None,
     nested: bool | None = None,
     tolerance: float | None = None,
@@ -32,10 +34,12 @@ def solve(
 ) -> Solution:
     """Solve a scene.
 
-    accuracy: the relative error wanted of `contact_area_subgrid`, 1e-9 to 0.1 (dimensionless). Model, method, grid and
-        tolerance are then chosen for it and must not be given; the scene's grid is the finest allowed, its precision
-        must be the default. It concerns a_r alone. See `Solution.choices` and `Status.INACCURATE`.
-        A scene whose approach is given takes neither this nor an initial displacement.
+    accuracy: the relative error wanted, 1e-9 to 0.1 (dimensionless). Model, method, grid and tolerance are then chosen
+        for it and must not be given; the scene's grid is the finest allowed, its precision must be the default. See
+        `Solution.choices` and `Status.INACCURATE`. A scene whose approach is given takes neither this nor an initial
+        displacement.
+    accuracy_of: what the accuracy is wanted of, one of `QUANTITIES`: 'contact-area', 'kappa' (both between sub-grid
+        edges), 'peak-pressure' or 'approach'. It concerns that alone.
     method: one of `METHODS`, by default `DEFAULT`.
     nested: start from the solution on coarser grids; by default for the active set only, and not with `initial`.
     tolerance: rms net force on free nodes over the mean pressure at which to stop, 1e-14 to 0.5 (dimensionless); by
@@ -61,13 +65,18 @@ def solve(
     if scene.approach is not None and not (accuracy is None and initial is None):
         given = f"accuracy is {accuracy!r}" if initial is None else "initial is given"
         raise ValueError(f"{given}; allowed: none for a scene with an approach")
+    checks.choice("accuracy_of", accuracy_of, tuple(QUANTITIES))
+    if accuracy is None and accuracy_of != "contact-area":
+        raise ValueError(f"accuracy_of is {accuracy_of!r}; allowed: together with an accuracy")
     if accuracy is not None:
         chosen = {"method": method, "nested": nested, "tolerance": tolerance, "initial": initial}
         for name, value in (chosen | {"max_iterations": max_iterations}).items():
             if value is not None:
                 raise ValueError(f"{name} is {value!r}; allowed: without accuracy only, which chooses it")
         check_accuracy(accuracy)
-        return without_contact(scene, means) if nothing_touches(scene) else solve_to_accuracy(scene, accuracy, means)
+        if nothing_touches(scene):
+            return without_contact(scene, means)
+        return solve_to_accuracy(scene, accuracy, accuracy_of, means)
     kind = METHODS[checks.choice("method", DEFAULT.name if method is None else method, tuple(METHODS))]
     if max_iterations is not None:
         max_iterations = checks.integer("max_iterations", max_iterations, "an integer from 1 to 2^53", 1, 2**53)

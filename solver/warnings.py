@@ -30,8 +30,8 @@ NEARLY_FULL = 0.97
 
 # Calibrated on 1400 random scenes (power, rough and measured profiles, 2^8 to 2^15 points) against eight times as many
 # points: every area that is off by more than 5 % is warned of, and 4 % of those within 1 %. What is claimed for the
-# edges of small patches is careful, the more where the profile is smooth in them. What is claimed for the
-# discretisation tells the two apart no better.
+# edges of small patches is careful, the more where the profile is smooth in them. The change from a coarser grid tells
+# the two apart no better.
 _UNRESOLVED_SHARE = 0.2  # of the contact nodes, in patches that are not resolved
 _LIKELY, _LIKELY_IF_SMOOTH = 0.2, 0.09  # likely error of the edges over the one claimed
 _SMOOTH = 1 / 3  # of half a shortest wave: in patches narrower on the average the profile is smooth
@@ -101,9 +101,9 @@ def _of_grid(scene: Scene, found: Observables, patches: PatchTable) -> Iterator[
             WarningKind.WAVES, "the grid is coarser than the profile and leaves out waves of it; more num_points"
         )
     smooth = waves and patches.nodes.mean() <= _SMOOTH * half_wave
-    edges = found.contact_area_error - (found.contact_area_discretisation_error or 0.0)
+    edges = found.contact_area_edges_error
     if (_LIKELY_IF_SMOOTH if smooth else _LIKELY) * edges > LARGEST_ERROR * area:
-        claimed = found.contact_area_error / area
+        claimed = max(edges, found.contact_area_error) / area
         text = f"the area is likely off by more than {LARGEST_ERROR:.0%}, and may be by {claimed:.2g} of itself"
         yield SolutionWarning(WarningKind.ERROR, f"{text}: few nodes tell where its edges are; more num_points")
     if scene.indenter.given_points and waves:

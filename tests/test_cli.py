@@ -30,10 +30,8 @@ def test_solve_json():
     keys = "rms_gradient_contact reduced_pressure kappa kappa_ratio reduced_thickness approach peak_pressure iterations"
     assert set(keys.split()) < set(record)
     assert {"transform_pairs", "method", "precision", "scene", "version", "handed_over", "levels"} < set(record)
-    keys = (
-        "contact_area_subgrid contact_area_error contact_area_discretisation_error rms_gradient_subgrid kappa_subgrid"
-    )
-    assert {*keys.split(), "kappa_error", "num_patches", "num_counted_patches"} < set(record)
+    keys = "contact_area_subgrid contact_area_error contact_area_edges_error rms_gradient_subgrid kappa_subgrid"
+    assert {*keys.split(), "kappa_error", "peak_pressure_error", "num_patches", "num_counted_patches"} < set(record)
     assert abs(record["contact_area_subgrid"] - 0.094482408562) < record["contact_area_error"] < 0.01 / 4096
     assert record["method"] == "active-set"
     assert list(record["levels"]) == ["1024"]

@@ -76,8 +76,8 @@ def test_area_within_a_hundredth_of_a_spacing_per_edge(n, d):
         found = solve(Scene(Layer(d, 0.25), PowerIndenter(n), load, num_points=2**12)).observables
         error = abs(found.contact_area_subgrid - exact.contact_area)
         assert error < 0.02 / 2**12  # two edges
-        assert error < found.contact_area_error < 0.2 / 2**12
-        assert abs(found.kappa_subgrid - exact.kappa) < found.kappa_error
+        assert error < 2 * found.contact_area_error < 0.2 / 2**12  # the estimate holds in 97 of 100
+        assert abs(found.kappa_subgrid - exact.kappa) < 2 * found.kappa_error
         assert found.kappa_error < 3e-3 * exact.kappa
 
 
@@ -91,7 +91,7 @@ def test_layers_of_few_spacings_have_an_edge_of_their_own(nu, spacings):
         found = solve(Scene(Layer(spacings / n, nu), pressure=load, num_points=n)).observables
         error = abs(found.contact_area_subgrid - exact.contact_area)
         assert error < 2 * (0.02 if nu < 0.5 else 0.05) / n
-        assert error < found.contact_area_error < 0.6 / n
+        assert error < 2 * found.contact_area_error < 0.6 / n
 
 
 def test_the_layer_s_edge_grows_into_the_half_space_s():
@@ -117,7 +117,7 @@ def test_nested_grids_tell_the_discretisation_error():
         solution = solve(Scene(Layer(0.05, 0.3), pressure=load, num_points=2**13))
         o = solution.observables
         assert [level.num_points for level in solution.levels] == [512, 2048]
-        assert 0 < o.contact_area_discretisation_error < 0.1 / 2**13
+        assert 0 < o.contact_area_error < o.contact_area_edges_error < 0.1 / 2**13
         error = abs(o.contact_area_subgrid - exact.contact_area)
         assert error < o.contact_area_error
         assert abs(o.kappa_subgrid - exact.kappa) < o.kappa_error
@@ -126,7 +126,8 @@ def test_nested_grids_tell_the_discretisation_error():
         assert error < max(coarse / 3, 1e-7)
     single = solve(Scene(num_points=2**10), nested=False)
     assert not single.levels
-    assert single.observables.contact_area_discretisation_error is None
+    assert single.observables.contact_area_error > single.observables.contact_area_edges_error
+    assert single.observables.peak_pressure_error == single.observables.approach_error == math.inf
 
 
 @pytest.mark.parametrize("exponent", [1.5, 2.0, 4.0])

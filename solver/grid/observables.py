@@ -46,18 +46,22 @@ class Observables:
     contact_area_subgrid: float
     """a_r between the sub-grid edges."""
     contact_area_error: float
-    """Estimated error of the sub-grid a_r: of the edges (1 if a solve ended without a contact), of the unfinished
-    iteration and, with nested grids, of the discretisation."""
+    """Estimated error of the sub-grid a_r: what the edges and, with nested grids, the change from grid to grid leave
+    (1 if a solve ended without a contact), and the unfinished iteration."""
     rms_gradient_subgrid: float
     """Rms of h' between the sub-grid edges."""
     kappa_subgrid: float
     """kappa between the sub-grid edges."""
     kappa_error: float
     """Estimated error of `kappa_subgrid`; `inf` where the contact is flat."""
-    contact_area_discretisation_error: float | None = None
-    """A third of the change of a_r from the last coarser grid; None without nested grids."""
-    kappa_discretisation_error: float | None = None
+    contact_area_edges_error: float
+    """What is claimed of a_r's error from the edges alone; careful, it has to hold without a coarser grid."""
+    kappa_edges_error: float
     """The same for kappa."""
+    peak_pressure_error: float = math.inf
+    """Estimated error of the largest contact pressure [pressure]; `inf` where no coarser grid tells."""
+    approach_error: float = math.inf
+    """The same for the approach [length]."""
 
     def __repr__(self) -> str:
         return display.line(self)
@@ -79,7 +83,7 @@ def observe(
     patches, edges = contact_edges(scene, contact_pressure)
     area_subgrid, gradient_subgrid, kappa_subgrid, sensitivity = subgrid_measures(scene, patches, edges, squared_slope)
     area_error = edges.total_error / scene.num_points if area else 1.0
-    modulus = foundation_modulus(scene)
+    kappa_error = sensitivity * area_error if area_error else 0.0
     return Observables(
         contact_area=area,
         rms_gradient_contact=gradient,
@@ -87,7 +91,7 @@ def observe(
         kappa=kappa,
         kappa_ratio=kappa / kappa_half_space(power[0]) if power else None,
         reduced_thickness=layer.thickness / (area * scene.period) if area else math.inf,
-        approach=float(displacement.mean()) + (scene.pressure / modulus if modulus else 0.0),
+        approach=approach(scene, displacement),
         mean_gap=float((profile - displacement).mean()),
         peak_pressure=float(contact_pressure.max(initial=0.0)),
         num_patches=patches.count,
@@ -96,13 +100,21 @@ def observe(
         contact_area_error=area_error,
         rms_gradient_subgrid=gradient_subgrid,
         kappa_subgrid=kappa_subgrid,
-        kappa_error=sensitivity * area_error if area_error else 0.0,
+        kappa_error=kappa_error,
+        contact_area_edges_error=area_error,
+        kappa_edges_error=kappa_error,
     )
 
 
 def foundation_modulus(scene: Scene) -> float:
     """k_W of the scene's layer [pressure/length]; 0 for a half-space, `inf` for an incompressible layer."""
     return scene.layer.foundation_modulus(1.0) * scene.layer.contact_modulus
+
+
+def approach(scene: Scene, displacement: Array64) -> float:
+    """Rigid approach since first touch from u on any grid [length], see `Observables`."""
+    modulus = foundation_modulus(scene)
+    return float(displacement.mean()) + (scene.pressure / modulus if modulus else 0.0)
 
 
 def contact_edges(scene: Scene, pressure: Array64) -> tuple[Patches, Edges]:

@@ -10,7 +10,7 @@ from functools import cached_property
 from ..arrays import Array64
 from ..endings import Status
 from ..grid.edges import Edges
-from ..grid.observables import contact_edges, subgrid_measures
+from ..grid.observables import approach, contact_edges, subgrid_measures
 from ..grid.patches import Patches
 from ..methods import Method
 from ..scene import Scene
@@ -64,10 +64,21 @@ class Reached:
     @cached_property
     def level(self) -> Level:
         """What this grid gives."""
-        squared_slope = self.scene.indenter.slope(self.num_points, self.scene.period) ** 2
-        area, _, kappa, _ = subgrid_measures(self.scene, *self.contact, squared_slope)
-        error = self.contact[1].total_error / self.num_points
-        return Level(self.num_points, area, kappa, error, self.state.iteration, round(self.state.transform_pairs, 3))
+        scene, state, edges = self.scene, self.state, self.contact[1]
+        squared_slope = scene.indenter.slope(self.num_points, scene.period) ** 2
+        area, _, kappa, sensitivity = subgrid_measures(scene, *self.contact, squared_slope)
+        error = edges.total_error / self.num_points
+        return Level(
+            num_points=self.num_points,
+            contact_area_subgrid=area,
+            kappa_subgrid=kappa,
+            peak_pressure=scene.pressure * float(self.pressure.max(initial=0.0)),
+            approach=approach(scene, state.displacement * state.problem.length_unit),
+            contact_area_edges_error=error,
+            kappa_edges_error=sensitivity * error if error else 0.0,
+            iterations=state.iteration,
+            transform_pairs=round(state.transform_pairs, 3),
+        )
 
     def start(self, finer: Method) -> None:
         """Begin on a finer grid from this solution."""

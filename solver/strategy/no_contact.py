@@ -35,11 +35,15 @@ def without_contact(scene: Scene, means: Means) -> Solution:
     found = replace(
         found,
         contact_area_error=0.0,
+        contact_area_edges_error=0.0,
+        peak_pressure_error=0.0,
+        approach_error=0.0,
         reduced_pressure=math.nan,
         kappa=math.nan,
         kappa_ratio=None if found.kappa_ratio is None else math.nan,
         kappa_subgrid=math.nan,
         kappa_error=math.nan,
+        kappa_edges_error=math.nan,
     )
     return Solution(
         scene=scene,

@@ -1,7 +1,11 @@
 """What a scene needs for the accuracy asked for: the smallest sufficient model.
 
-The accuracy is that of the contact area a_r, relative. A quarter of it goes to the model, the rest to grid and
-iteration. What is decided here, before anything is solved, costs well under a millisecond.
+The accuracy is relative. A quarter of it goes to the model, the rest to grid and iteration. What is decided here,
+before anything is solved, costs well under a millisecond.
+
+Half-space and Winkler foundation are models for the contact area, and for kappa, whose error follows from the area's:
+what they leave out of pressures and approach is not known. Collocation gives them all, but not the pressure at the tip
+of a profile sharper than a parabola.
 
 Half-space. Its stiffness differs from the layer's by a share e at most. The area then changes by about e, as it would
 for such a change of the load, but near full contact by up to (2/pi) sqrt(e) (a sinusoidal indenter,
@@ -17,6 +21,7 @@ from dataclasses import dataclass
 from ..layers import ElasticLayer
 from ..scene import Scene
 from ..solution import Choice
+from .errors import QUANTITIES
 from .small_models import LEAST_EDGE
 
 _LONG_ASPERITY = 100.0  # half-width over thickness above which collocation takes longer than a grid
@@ -39,17 +44,20 @@ class Plan:
     """What has been chosen so far, and why."""
 
 
-def decide(scene: Scene, accuracy: float) -> Plan:
-    """The models worth trying, from what is known without solving anything."""
-    most = min((_MODEL_SHARE * accuracy) ** 2, 0.1 * residual(accuracy))
-    replacement, choices = _half_space(scene, most)
+def decide(scene: Scene, accuracy: float, of: str = "contact-area") -> Plan:
+    """The models worth trying for an accuracy of one of `QUANTITIES`, from what is known without solving anything."""
+    quantity = QUANTITIES[of]
+    most = min((_MODEL_SHARE * accuracy / quantity.sensitivity) ** 2, 0.1 * residual(accuracy))
+    replacement, choices = _half_space(scene, most) if quantity.of_area else (scene.layer, ())
     layer, thickness, models = scene.layer, scene.layer.thickness / scene.period, []
     half_width = scene.indenter.guessed_half_width(scene.reduced_load, layer, scene.period)
     thin = LEAST_EDGE * thickness < 2 * half_width * accuracy and layer.foundation_modulus(scene.period) < math.inf
-    if thin and layer.edge_shift is not None:
+    if thin and layer.edge_shift is not None and quantity.of_area:
         models.append("winkler")
     longest = _LONG_ASPERITY if accuracy > _FINE else _LONGEST_ASPERITY
-    if scene.indenter.power_law and layer.bonded and half_width < min(_MOST_ASPERITY, longest * thickness):
+    power = scene.indenter.power_law
+    known = power and (power[0] >= 2 or of != "peak-pressure")
+    if known and layer.bonded and half_width < min(_MOST_ASPERITY, longest * thickness):
         models.append("asperity")
     return Plan(tuple(models), replacement, choices)
 

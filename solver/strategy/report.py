@@ -10,7 +10,7 @@ from ..scene import Scene
 from ..solution import Level, Solution
 from .certification import Certified
 from .effort import Effort
-from .errors import discretisation_error, iteration_error
+from .errors import with_errors
 
 
 def make_solution(
@@ -29,7 +29,6 @@ def make_solution(
     pressure *= scene.pressure
     observables = observe(scene, profile, displacement, pressure, contact)
     del profile
-    observables = discretisation_error(observables, levels)
     return Solution(
         scene=scene,
         method=effort.kind.name,
@@ -38,7 +37,7 @@ def make_solution(
         displacement=displacement,
         contact_pressure=pressure,
         contact=contact,
-        observables=iteration_error(observables, certified.certificate.free_residual),
+        observables=with_errors(scene, observables, levels, certified.certificate.free_residual),
         certificate=certified.certificate,
         iterations=effort.iterations,
         transform_pairs=effort.points_transformed / scene.num_points,

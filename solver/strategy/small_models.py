@@ -48,22 +48,22 @@ class Modelled:
     observables: Observables
     """What is measured, with the errors of the model."""
     error: float
-    """Estimated relative error of a_r (dimensionless)."""
+    """Estimated relative error of what the accuracy is asked of (dimensionless)."""
     problem: Problem | None = None
     """What was solved on that grid; None where the fields are sampled."""
 
 
-def asperity(scene: Scene, layer: ElasticLayer, accuracy: float) -> Modelled:
+def asperity(scene: Scene, layer: ElasticLayer, accuracy: float, of: str) -> Modelled:
     """One power profile by collocation; its observables come from no grid, the fields are sampled.
 
-    layer: to solve with, the scene's or a half-space that is as good. Raises `ValueError` where collocation does not
-    get there.
+    layer: to solve with, the scene's or a half-space that is as good. accuracy: relative, of one of
+    `collocation.MEASURED`. Raises `ValueError` where collocation does not get there.
     """
     power, bonded, length, modulus = scene.indenter.power_law, layer.bonded, scene.period, scene.layer.contact_modulus
     assert power is not None
     assert bonded is not None
     shape = power[0], power[1] / length, bonded[0] / length, bonded[1]
-    found, error = collocation.solve_to_accuracy(scene.reduced_load, *shape, accuracy)
+    found, changes = collocation.solve_to_accuracy(scene.reduced_load, *shape, accuracy, of)
     scene = _field_scene(scene, found.contact_area)
     n = scene.num_points
     pressure = found.pressure_at((np.arange(n) - n // 2) / n / found.half_width)
@@ -76,9 +76,17 @@ def asperity(scene: Scene, layer: ElasticLayer, accuracy: float) -> Modelled:
     if layer is not scene.layer:  # the mean compression of the layer that there is
         approach += length * scene.pressure / modulus / scene.layer.foundation_modulus(length)
     observables = observe(scene, profile, displacement, pressure, pressure > 0)
-    observables = _with_area(scene, observables, found.contact_area, error)
-    observables = replace(observables, peak_pressure=modulus * found.peak_pressure, approach=approach)
-    return Modelled(scene, displacement, pressure, pressure > 0, observables, error)
+    observables = _with_area(scene, observables, found.contact_area, changes["contact_area"])
+    peak = modulus * found.peak_pressure
+    observables = replace(
+        observables,
+        kappa_error=changes["kappa"] * observables.kappa_subgrid,
+        peak_pressure=peak,
+        peak_pressure_error=changes["peak_pressure"] * peak if power[0] >= 2 else math.inf,
+        approach=approach,
+        approach_error=changes["approach"] * length * abs(found.approach),
+    )
+    return Modelled(scene, displacement, pressure, pressure > 0, observables, changes[of])
 
 
 def _field_scene(scene: Scene, area: float) -> Scene:
@@ -101,6 +109,7 @@ def _with_area(scene: Scene, observables: Observables, area: float, error: float
         contact_area=area,
         contact_area_subgrid=area,
         contact_area_error=error * area,
+        contact_area_edges_error=error * area,
         rms_gradient_contact=gradient,
         rms_gradient_subgrid=gradient,
         reduced_pressure=load / gradient,
@@ -108,6 +117,7 @@ def _with_area(scene: Scene, observables: Observables, area: float, error: float
         kappa=kappa,
         kappa_subgrid=kappa,
         kappa_error=n * error * kappa,
+        kappa_edges_error=n * error * kappa,
         kappa_ratio=kappa / kappa_half_space(n),
         num_patches=1,
         num_counted_patches=0,
@@ -146,7 +156,13 @@ def winkler(scene: Scene) -> Modelled:
         area = observables.contact_area_subgrid
         error = _edges(scene) * observables.num_patches / area + change + _stiffening(scene) if area else math.inf
         kappa_error = 2 * error * observables.kappa_subgrid
-        observables = replace(observables, contact_area_error=error * area, kappa_error=kappa_error)
+        observables = replace(
+            observables,
+            contact_area_error=error * area,
+            contact_area_edges_error=error * area,
+            kappa_error=kappa_error,
+            kappa_edges_error=kappa_error,
+        )
     return Modelled(scene, displacement, pressure, contact, observables, error, None if sampled else problem)
 
 

@@ -1,4 +1,4 @@
-"""A solve to a given accuracy of the contact area: the plan carried out, the smallest model first."""
+"""A solve to a given accuracy of something measured: the plan carried out, the smallest model first."""
 
 import math
 import time
@@ -16,7 +16,7 @@ from ..scene import Scene
 from ..solution import Choice, Level, Solution
 from .certification import certify_or_fall_back
 from .effort import CAUTION, COARSE_WRONG_NODES, Effort, Means
-from .errors import grid_error, iteration_share
+from .errors import QUANTITIES, Quantity, grid_error, iteration_share
 from .grids import FACTOR, Reached, coarser, grids, over_grids
 from .memory import check_memory
 from .plan import Plan, decide, residual
@@ -24,7 +24,7 @@ from .report import make_solution, stages
 from .small_models import Modelled, asperity, winkler
 
 MOST_ACCURACY = 0.1
-"""Coarsest relative error of a_r that may be asked for (dimensionless)."""
+"""Coarsest relative error that may be asked for (dimensionless)."""
 
 _FEWEST_POINTS = 16
 """Points of the smallest coarser grid."""
@@ -36,8 +36,8 @@ def check_accuracy(accuracy: float) -> float:
     return checks.real("accuracy", accuracy, allowed, math.nextafter(1e-9, 0), MOST_ACCURACY)
 
 
-def solve_to_accuracy(scene: Scene, accuracy: float, means: Means) -> Solution:
-    """Solve a scene to an accuracy, the relative error of a_r (dimensionless). Raises `ValueError`.
+def solve_to_accuracy(scene: Scene, accuracy: float, of: str, means: Means) -> Solution:
+    """Solve a scene to an accuracy, the relative error of one of `QUANTITIES` (dimensionless). Raises `ValueError`.
 
     The first model that is good enough gives the answer; the grid always does, or says that it is not good enough.
     """
@@ -46,7 +46,7 @@ def solve_to_accuracy(scene: Scene, accuracy: float, means: Means) -> Solution:
     check_memory(_FEWEST_POINTS if scene.indenter.power_law else scene.num_points)  # most likely needs no grid
     if scene.precision != "float64":
         raise ValueError(f"precision is {scene.precision!r}; allowed: float64, accuracy chooses the precision")
-    task = _Task(scene, accuracy, means, begin, decide(scene, accuracy))
+    task = _Task(scene, accuracy, of, means, begin, decide(scene, accuracy, of))
     for model in task.plan.models:
         solution = _MODELS[model](task)
         if solution:
@@ -61,7 +61,9 @@ class _Task:
     scene: Scene
     """As the user gave it; its grid is the finest allowed."""
     accuracy: float
-    """Relative error of a_r asked for (dimensionless)."""
+    """Relative error asked for (dimensionless)."""
+    of: str
+    """Of which of `QUANTITIES`."""
     means: Means
     """What to compute with."""
     begin: float
@@ -79,8 +81,13 @@ class _Task:
         self.choices.append(Choice(what, chosen, reason, error))
 
     @property
+    def quantity(self) -> Quantity:
+        """What the accuracy is asked of."""
+        return QUANTITIES[self.of]
+
+    @property
     def model_error(self) -> float:
-        """Relative error of a_r by the choices made."""
+        """Relative error of the contact area by the choices made."""
         return sum(choice.error for choice in self.choices)
 
     def judged(self, solution: Solution, model_error: float) -> Solution:
@@ -91,9 +98,10 @@ class _Task:
         o, status, reason = solution.observables, solution.status, solution.reason
         area = min(o.contact_area_error + model_error * o.contact_area_subgrid, 1.0)
         o = replace(o, contact_area_error=area, kappa_error=o.kappa_error + 2 * model_error * o.kappa_subgrid)
-        if status is Status.CONVERGED and not area <= self.accuracy * o.contact_area_subgrid:
+        value, error = abs(getattr(o, self.quantity.value)), getattr(o, self.quantity.error)
+        if status is Status.CONVERGED and not error <= self.accuracy * value:
             status = Status.INACCURATE
-            known = area / o.contact_area_subgrid if o.contact_area_subgrid else math.inf
+            known = error / value if value else math.inf
             above = f"above {known:.2g}, or " if known < MOST_ACCURACY else ""
             heights = ", with heights given there" if self.scene.indenter.given_points else ""
             allowed = f"{above}a finer grid: num_points above {solution.scene.num_points}{heights}"
@@ -103,17 +111,17 @@ class _Task:
             takes = f"{self.accuracy:g}, which takes a residual of {solution.tolerance:.2g} and got {got:.2g}"
             reason = Reason(reason.cause, "accuracy", takes, "a larger one")
         solution = replace(solution, observables=o, status=status, reason=reason)
-        return replace(solution, choices=tuple(self.choices), accuracy=self.accuracy)
+        return replace(solution, choices=tuple(self.choices), accuracy=self.accuracy, accuracy_of=self.of)
 
 
 def _asperity(task: _Task) -> Solution | None:
     """One asperity by collocation; None where that does not get there."""
     try:
-        found = asperity(task.scene, task.plan.layer, task.accuracy / 2)
+        found = asperity(task.scene, task.plan.layer, task.accuracy / 2, task.of.replace("-", "_"))
     except ValueError as error:
         task.chose("collocation", "no", str(error))
         return None
-    reason = "a power profile is one asperity; error: the change of a_r by the last doubling of the nodes"
+    reason = "a power profile is one asperity; error: the change by the last doubling of the nodes"
     task.chose("model", "collocation", reason, found.error)
     task.chose("grid", f"{found.scene.num_points} points", "for the fields only, which are sampled")
     power = task.scene.indenter.power_law
@@ -125,7 +133,8 @@ def _asperity(task: _Task) -> Solution | None:
 def _winkler(task: _Task) -> Solution | None:
     """The Winkler foundation; None where that is not accurate enough."""
     found = winkler(task.scene)
-    if found.error > task.accuracy:
+    value, error = (getattr(found.observables, name) for name in (task.quantity.value, task.quantity.error))
+    if not error <= task.accuracy * value:
         task.chose("Winkler foundation", "no", f"its a_r would be off by a share of {found.error:.1g}")
         return None
     task.chose("model", "Winkler foundation", "the layer's edges are narrow", found.error)
@@ -173,7 +182,7 @@ def _on_grids(task: _Task) -> Solution:
     scene, tolerance, ready = replace(task.scene, layer=task.plan.layer), residual(task.accuracy), time.perf_counter()
     effort = Effort(scene, DEFAULT, task.means)
     model_error = task.model_error
-    budget = task.accuracy - model_error - iteration_share(tolerance)
+    budget = task.accuracy - task.quantity.sensitivity * (model_error + iteration_share(tolerance))
 
     def begin(size: int) -> Method:
         check_memory(size)
@@ -192,7 +201,7 @@ def _on_grids(task: _Task) -> Solution:
     for reached in over_grids(scene, sizes, begin, relax, measure_last=True):
         if levels and levels[-1].num_points == reached.num_points:
             levels.pop()  # interrupted after it was reached
-        error = grid_error(reached.level, levels)
+        error = grid_error(task.quantity, scene, reached.level, levels)
         last = reached.num_points == scene.num_points or reached.status is Status.INTERRUPTED
         fine = error <= budget and scene.indenter.omitted(reached.num_points) <= budget / 2
         if last or fine:
@@ -225,7 +234,7 @@ def _finish(
     task.chose("symmetry", "even" if even else "none", f"h_i {'=' if even else '!='} h_(N-1-i) on this grid")
     task.chose("tolerance", f"{tolerance:g}", "small beside the accuracy", iteration_share(tolerance))
     solution = make_solution(scene, problem, certified, levels, effort)
-    if not levels:  # without a coarser grid nothing is known
+    if not levels:  # without a coarser grid nothing is known, and edges alone are not believed
         unknown = replace(solution.observables, contact_area_error=1.0, kappa_error=math.inf)
         solution = replace(solution, observables=unknown)
     return replace(solution, seconds=stages(task.begin, ready, relaxed + certified.seconds, time.perf_counter()))

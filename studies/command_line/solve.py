@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from linecontact.solver import METHODS, MeasuredIndenter, Scene, Solution, Status, solve
+from linecontact.solver import METHODS, QUANTITIES, MeasuredIndenter, Scene, Solution, Status, solve
 from linecontact.solver.scene import PRECISIONS
-from linecontact.solver.strategy.errors import claimed_error
 from linecontact.solver.transforms.planned import PLANNING
 from linecontact.solver.units import SCENE
 from rich.table import Table
@@ -42,8 +41,10 @@ class Options(making.Options):
     num_points: int | None = None
     """Grid points, at least 4, like 262144 or 2^18; default 2^18, for a file four or more to a value."""
     accuracy: float | None = _DEFAULTS["accuracy"]
-    """Relative error wanted of a_r, 1e-9 to 0.1 (dimensionless). Chooses model, grid, method, precision and tolerance,
-    which must not be given; num_points is then the most to use."""
+    """Relative error wanted, 1e-9 to 0.1 (dimensionless). Chooses model, grid, method, precision and tolerance, which
+    must not be given; num_points is then the most to use."""
+    accuracy_of: str = one_of(QUANTITIES, _DEFAULTS["accuracy_of"])
+    """What the accuracy is wanted of; area and kappa between sub-grid edges."""
     method: str | None = one_of(METHODS, _DEFAULTS["method"])
     """Method; default: active-set, the fastest."""
     grids: Literal["auto", "nested", "single"] = "auto"
@@ -88,6 +89,7 @@ def command(options: Options, given: Given) -> int:
             solution = solve(
                 scene,
                 accuracy=options.accuracy,
+                accuracy_of=options.accuracy_of,
                 method=options.method,
                 nested=None if options.grids == "auto" else options.grids == "nested",
                 tolerance=options.tolerance,
@@ -170,9 +172,6 @@ def solution_table(solution: Solution) -> Table:
     table.add_column("unit")
     spacing = 1 / solution.scene.num_points
     own = "" if solution.levels else "; edges only"
-    levels = solution.levels
-    if min((claimed_error(level, levels[:i]) for i, level in enumerate(levels)), default=error) < error:
-        own = "; a coarser grid claimed less, but a_r has changed since"
     rows = [
         ("contact area a_r (sub-grid edges)", f"{record['contact_area_subgrid']:.10g}", "-"),
         ("  its error, estimated", error, f"- (absolute{own})"),
@@ -213,9 +212,10 @@ def solution_table(solution: Solution) -> Table:
 
 def choices_table(solution: Solution) -> Table:
     """What was chosen for the user."""
+    of = solution.accuracy_of.replace("-", " ")
     table = Table(
-        title="chosen" + (f" for an accuracy of {solution.accuracy:g}" if solution.accuracy else ""),
-        caption="error: estimate of the relative error of a_r that it brings (dimensionless)",
+        title="chosen" + (f" for an accuracy of {solution.accuracy:g} of the {of}" if solution.accuracy else ""),
+        caption=f"error: estimate of the relative error that it brings into the {of} (dimensionless)",
     )
     for heading in ("what", "chosen", "error", "because"):
         table.add_column(heading)

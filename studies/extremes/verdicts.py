@@ -197,10 +197,10 @@ def _true_area_of_a_power(scene: Scene, method: str) -> tuple[float, float] | No
     if exponent < 1.5 or closed_forms.guessed_half_width(scene.pressure, *shape) >= _LONGEST * thickness:
         return None
     try:
-        found, error = collocation.solve_to_accuracy(scene.pressure, *shape, 1e-5)
+        found, changes = collocation.solve_to_accuracy(scene.pressure, *shape, 1e-5)
     except ValueError:
         return None
-    return found.contact_area, error * found.contact_area
+    return found.contact_area, changes["contact_area"] * found.contact_area
 
 
 def _on_a_grid(scene: Scene, num_points: int) -> tuple[float, float] | None:
