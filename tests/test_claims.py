@@ -55,7 +55,7 @@ def test_estimates_hold_and_are_not_much_too_large(ratios, name):
 
 
 def test_few_points_to_the_shortest_wave_are_told():
-    """The same edges and changes are worth less there."""
+    """The same edges and errors are worth less there."""
     quantity, coarse, fine = (
         QUANTITIES["contact-area"],
         *(replace(Scene(indenter=RoughIndenter(0.8, 0, 1 / 8, ratio)), num_points=2**12) for ratio in (1 / 32, 1 / 8)),
@@ -110,8 +110,8 @@ def test_smaller_models_stand_in_for_what_they_know_only():
 def test_collocation_tells_the_accuracy_of_each(exponent):
     exact = collocation.solve_load(2e-3, exponent, 1.0, 0.05, 0.3, 800)
     for name in collocation.MEASURED:
-        found, changes = collocation.solve_to_accuracy(2e-3, exponent, 1.0, 0.05, 0.3, 1e-5, name)
-        assert abs(getattr(found, name) / getattr(exact, name) - 1) <= changes[name] <= 1e-5
+        found, errors = collocation.solve_to_accuracy(2e-3, exponent, 1.0, 0.05, 0.3, 1e-5, name)
+        assert abs(getattr(found, name) / getattr(exact, name) - 1) <= errors[name] <= 1e-5
 
 
 @pytest.mark.parametrize(

@@ -39,8 +39,9 @@ RESOLUTION = 40.0
 MOST_NODES = 2048
 """Of `solve_to_accuracy`: half a second."""
 
-MEASURED = ("contact_area", "kappa", "peak_pressure", "approach")
-"""What `solve_to_accuracy` tells the accuracy of."""
+MEASURED = {"contact_area": 0.25, "kappa": 0.25, "peak_pressure": 1.0, "approach": 1.0}
+"""What `solve_to_accuracy` estimates the error of, and which share of the change by the last doubling of the nodes that
+is (dimensionless). In 160 random scenes it was at most 0.24, 0.24, 2 (1 in 97 of 100) and 0.6 of it."""
 
 _MOST_STEPS = 40  # of the search for a load; ten are many where the edge layers are resolved
 _MOST_VALUES = 6e7  # in one matrix: half a GiB
@@ -155,7 +156,7 @@ class _System:
         a, n, t, load = self.half_width, self.num_nodes, np.cos(self.theta), self.load
         k = np.arange(1, n + 1, 2)  # sigma = sum_k b_k sin(k theta), k odd
         b = 4 / (n + 1) * np.sin(np.outer(k, self.theta)) @ (np.sin(self.theta) * self.phi)
-        peak = float(np.max(np.sin(np.outer(np.linspace(0, np.pi / 2, 4 * n + 1), k)) @ b))
+        peak = _largest(np.sin(np.outer(np.linspace(0, np.pi / 2, 4 * n + 1), k)) @ b)
         # displacement at x = 0 by the Green's function; the half-space's logarithm integrated in closed form
         q, compliance = self.modes
         smooth = -2 / np.pi * np.log(2 * np.sin(np.pi * a / self.period * t) / t)
@@ -177,6 +178,16 @@ class _System:
             pressure=np.sin(self.theta) * self.phi,
             waves=b,
         )
+
+
+def _largest(samples: Array64) -> float:
+    """Largest value of a smooth function from even samples, the last one in its middle: of a parabola through three."""
+    at = int(np.argmax(samples))
+    if not 0 < at < samples.size - 1:
+        return float(samples[at])
+    before, largest, after = samples[at - 1 : at + 2]
+    curvature = before - 2 * largest + after
+    return float(largest - (after - before) ** 2 / (8 * curvature)) if curvature < 0 else float(largest)
 
 
 def solve_load(
@@ -230,13 +241,13 @@ def solve_to_accuracy(
     accuracy: float,
     of: str = "contact_area",
 ) -> tuple[Asperity, dict[str, float]]:
-    """As `solve_load`, and the relative changes by the last doubling of the nodes, that of `of` below `accuracy`.
+    """As `solve_load`, and the relative errors of `MEASURED`, estimated, that of `of` at most `accuracy`.
 
-    The changes are those of `MEASURED`, by their names. Raises `ValueError` where `MOST_NODES` are too few.
+    Raises `ValueError` where `MOST_NODES` are too few.
     """
     _check(load, exponent, radius, 16)
     layer = Layer(thickness, poisson_ratio)
-    num_nodes, resolution, change = 16, 10.0, math.inf
+    num_nodes, resolution, error = 16, 10.0, math.inf
     guess = guessed_half_width(load, exponent, radius, thickness, poisson_ratio)
     coarser: Asperity | None = None
     while num_nodes <= MOST_NODES:
@@ -247,17 +258,18 @@ def solve_to_accuracy(
         found = _match(system, load, exponent, guess)
         asperity = found.asperity()
         if coarser:
-            changes = {name: _change(getattr(asperity, name), getattr(coarser, name)) for name in MEASURED}
-            change = changes[of]
-            if change <= accuracy:
-                return asperity, changes
+            errors = {name: _error(asperity, coarser, name) for name in MEASURED}
+            error = errors[of]
+            if error <= accuracy:
+                return asperity, errors
         guess, num_nodes, resolution, coarser = found.half_width, 2 * found.num_nodes, 0.0, asperity
-    raise ValueError(f"accuracy is {accuracy!r}; allowed: more than {change:.1g}, by collocation at {MOST_NODES} nodes")
+    raise ValueError(f"accuracy is {accuracy!r}; allowed: more than {error:.1g}, by collocation at {MOST_NODES} nodes")
 
 
-def _change(value: float, coarser: float) -> float:
-    """Relative change, at least what rounding leaves."""
-    return max(abs(value - coarser) / abs(value), 1e-12)
+def _error(asperity: Asperity, coarser: Asperity, name: str) -> float:
+    """Relative error, estimated from the change since half as many nodes; at least what rounding leaves."""
+    value: float = getattr(asperity, name)
+    return max(MEASURED[name] * abs(value - getattr(coarser, name)) / abs(value), 1e-12)
 
 
 def solve_reduced_thickness(

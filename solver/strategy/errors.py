@@ -11,8 +11,10 @@ The area between sub-grid edges converges with the square of the spacing, which 
 careful: it has to hold without a coarser grid. Pressure and approach converge between the first and the second order,
 so their order is measured; b keeps a change that is small by accident from being believed.
 
-Where w points to the shortest wave of a surface are few, the convergence has not yet begun, and asperities are found on
-the next grid that this one does not see: s = (f/w)^1.5 for w < f, with f = 64 for area and kappa, 128 for the others.
+s is 1 for smooth profiles. On a surface with w points to its shortest wave s = (f/w)^1.5, f = 64 for area and kappa and
+128 for the others: where they are few, convergence has not yet begun, and the next grid finds asperities that this one
+does not see. It is at least 0.75 for area and kappa, because the errors of many patches are independent of each other
+while the two edges of one err alike, and at least 1 for the others.
 
 The numbers were fitted to 600 random scenes (power profiles on layers and half-spaces against collocation, rough
 surfaces against grids of at least 16 times as many points, four grids of each), so that each estimate holds in 97 of
@@ -43,7 +45,9 @@ class Quantity:
     of_change: float | None = None
     """Share of the last change between grids that is left (dimensionless); None: as the order measured says."""
     fine: float = 128.0
-    """Points to the shortest wave from which on the estimate holds without a factor (dimensionless)."""
+    """f, points to the shortest wave (dimensionless)."""
+    least: float = 1.0
+    """Smallest s on surfaces that have a shortest wave (dimensionless)."""
     sensitivity: float = 1.0
     """Its relative error over that of a_r where a model or an unfinished iteration causes both (dimensionless)."""
 
@@ -55,9 +59,9 @@ class Quantity:
 
 QUANTITIES = {
     "contact-area": Quantity(
-        "contact_area_subgrid", "contact_area_error", "contact_area_edges_error", 0.4, 1 / 12, fine=64.0
+        "contact_area_subgrid", "contact_area_error", "contact_area_edges_error", 0.4, 1 / 12, 64.0, 0.75
     ),
-    "kappa": Quantity("kappa_subgrid", "kappa_error", "kappa_edges_error", 0.5, 1 / 8, fine=64.0, sensitivity=2.0),
+    "kappa": Quantity("kappa_subgrid", "kappa_error", "kappa_edges_error", 0.5, 1 / 8, 64.0, 0.75, sensitivity=2.0),
     "peak-pressure": Quantity("peak_pressure", "peak_pressure_error"),
     "approach": Quantity("approach", "approach_error"),
 }
@@ -76,7 +80,7 @@ def estimated(
     alone, and `inf` for what does not depend on edges.
     """
     waves = scene.indenter.effective_wave(num_points)
-    few = float(max(1.0, quantity.fine * waves / num_points) ** 1.5)
+    few = float(max(quantity.least, (quantity.fine * waves / num_points) ** 1.5)) if waves else 1.0
     edges = float(getattr(found, quantity.edges)) if quantity.edges else math.inf
     if not coarser:
         return few * edges

@@ -63,7 +63,7 @@ def asperity(scene: Scene, layer: ElasticLayer, accuracy: float, of: str) -> Mod
     assert power is not None
     assert bonded is not None
     shape = power[0], power[1] / length, bonded[0] / length, bonded[1]
-    found, changes = collocation.solve_to_accuracy(scene.reduced_load, *shape, accuracy, of)
+    found, errors = collocation.solve_to_accuracy(scene.reduced_load, *shape, accuracy, of)
     scene = _field_scene(scene, found.contact_area)
     n = scene.num_points
     pressure = found.pressure_at((np.arange(n) - n // 2) / n / found.half_width)
@@ -76,17 +76,17 @@ def asperity(scene: Scene, layer: ElasticLayer, accuracy: float, of: str) -> Mod
     if layer is not scene.layer:  # the mean compression of the layer that there is
         approach += length * scene.pressure / modulus / scene.layer.foundation_modulus(length)
     observables = observe(scene, profile, displacement, pressure, pressure > 0)
-    observables = _with_area(scene, observables, found.contact_area, changes["contact_area"])
+    observables = _with_area(scene, observables, found.contact_area, errors["contact_area"])
     peak = modulus * found.peak_pressure
     observables = replace(
         observables,
-        kappa_error=changes["kappa"] * observables.kappa_subgrid,
+        kappa_error=errors["kappa"] * observables.kappa_subgrid,
         peak_pressure=peak,
-        peak_pressure_error=changes["peak_pressure"] * peak if power[0] >= 2 else math.inf,
+        peak_pressure_error=errors["peak_pressure"] * peak if power[0] >= 2 else math.inf,
         approach=approach,
-        approach_error=changes["approach"] * length * abs(found.approach),
+        approach_error=errors["approach"] * length * abs(found.approach),
     )
-    return Modelled(scene, displacement, pressure, pressure > 0, observables, changes[of])
+    return Modelled(scene, displacement, pressure, pressure > 0, observables, errors[of])
 
 
 def _field_scene(scene: Scene, area: float) -> Scene:

@@ -121,7 +121,7 @@ def _asperity(task: _Task) -> Solution | None:
     except ValueError as error:
         task.chose("collocation", "no", str(error))
         return None
-    reason = "a power profile is one asperity; error: the change by the last doubling of the nodes"
+    reason = "a power profile is one asperity; error: from the change by the last doubling of the nodes"
     task.chose("model", "collocation", reason, found.error)
     task.chose("grid", f"{found.scene.num_points} points", "for the fields only, which are sampled")
     power = task.scene.indenter.power_law

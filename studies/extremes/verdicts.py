@@ -29,7 +29,8 @@ GRID_FREE = ("collocation", "winkler-foundation")
 
 _REASON = re.compile(r"\S+ is .+; allowed: .+", re.DOTALL)
 _ASKED = ("tolerance", "accuracy")
-_INFINITE = {"scene.thickness", "reduced_thickness", "reduced_pressure", "kappa_error", "contact_stiffness"}
+_ERRORS = {"kappa_error", "kappa_edges_error", "peak_pressure_error", "approach_error"}
+_INFINITE = _ERRORS | {"thickness", "reduced_thickness", "reduced_pressure", "contact_stiffness"}
 _OTHER_UNITS = 2.0**-60, 2.0**80  # times those of length and pressure: ratios are the same to the last bit
 _MOST_ENERGY = 0.1  # of the bound over the elastic energy, where no tolerance was asked for
 _CLAIM = 5.0  # how often the claimed error, an estimate, may be passed
@@ -99,7 +100,7 @@ def _numbers(solution: Solution) -> Record:
     for name, value in _walk(record):
         number = float(value) if isinstance(value, (float, str)) and not records.is_text(value) else 0.0
         converged = solution.status is Status.CONVERGED  # else there may be no contact
-        if math.isnan(number) or (math.isinf(number) and converged and name not in _INFINITE):
+        if math.isnan(number) or (math.isinf(number) and converged and name.rpartition(".")[2] not in _INFINITE):
             raise DefectError(f"{name} is {value}")
     for field in (solution.displacement, solution.contact_pressure):
         if not np.isfinite(field).all():
@@ -197,10 +198,10 @@ def _true_area_of_a_power(scene: Scene, method: str) -> tuple[float, float] | No
     if exponent < 1.5 or closed_forms.guessed_half_width(scene.pressure, *shape) >= _LONGEST * thickness:
         return None
     try:
-        found, changes = collocation.solve_to_accuracy(scene.pressure, *shape, 1e-5)
+        found, errors = collocation.solve_to_accuracy(scene.pressure, *shape, 1e-5)
     except ValueError:
         return None
-    return found.contact_area, changes["contact_area"] * found.contact_area
+    return found.contact_area, errors["contact_area"] * found.contact_area
 
 
 def _on_a_grid(scene: Scene, num_points: int) -> tuple[float, float] | None:
