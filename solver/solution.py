@@ -39,6 +39,8 @@ class Level:
     """Largest contact pressure [pressure]."""
     approach: float
     """Rigid approach since first touch [length]."""
+    num_patches: int
+    """Contact patches."""
     contact_area_edges_error: float
     """What is claimed of a_r's error from the edges alone (dimensionless)."""
     kappa_edges_error: float

@@ -269,7 +269,7 @@ def solve_to_accuracy(
 def _error(asperity: Asperity, coarser: Asperity, name: str) -> float:
     """Relative error, estimated from the change since half as many nodes; at least what rounding leaves."""
     value: float = getattr(asperity, name)
-    return max(MEASURED[name] * abs(value - getattr(coarser, name)) / abs(value), 1e-12)
+    return max(MEASURED[name] * float(abs(value - getattr(coarser, name)) / abs(value)), 1e-12)
 
 
 def solve_reduced_thickness(

@@ -1,24 +1,25 @@
 """Estimates of the error that grid and iteration leave in what is measured on a solution.
 
 From a grid with a quarter of the points to the present one a quantity changes by c; what is claimed for it from the
-edges of the patches alone is e. Then its error is estimated as
+edges of the patches alone is e. On a surface with w points to its shortest wave its error is estimated as
 
-    contact area               s sqrt((0.4 e)^2 + (c/12)^2)
-    kappa                      s sqrt((0.5 e)^2 + (c/8)^2)
-    peak pressure, approach    s sqrt((m c)^2 + (b/16)^2), m = 1/(b/c - 1) between 1/3 and 4, b the change before c
+    contact area               sqrt(s^2 ((0.4 e)^2 + (c/12)^2) + b^2), s = max(0.6, 8/sqrt(w))
+    kappa                      sqrt(s^2 ((0.5 e)^2 + (c/8)^2) + b^2)
+    peak pressure, approach    max(1, (128/w)^1.5) sqrt((m c)^2 + (c'/16)^2)
+
+On smooth profiles s = 1, b = 0, and the factor of the others is 1.
 
 The area between sub-grid edges converges with the square of the spacing, which would leave c/15, and e alone is
-careful: it has to hold without a coarser grid. Pressure and approach converge between the first and the second order,
-so their order is measured; b keeps a change that is small by accident from being believed.
+careful: it has to hold without a coarser grid. The errors of many patches are independent but for a part that they have
+in common: patches that a grid sees with few points to a wave are too narrow, by up to 0.1 (16/w)^1.5 grid spacings each
+for the area (0.14 for kappa). Their sum is b.
 
-s is 1 for smooth profiles. On a surface with w points to its shortest wave s = (f/w)^1.5, f = 64 for area and kappa and
-128 for the others: where they are few, convergence has not yet begun, and the next grid finds asperities that this one
-does not see. It is at least 0.75 for area and kappa, because the errors of many patches are independent of each other
-while the two edges of one err alike, and at least 1 for the others.
+Pressure and approach converge between the first and the second order, so their order is measured: m = 1/(c'/c - 1),
+between 1/3 and 4, with the change c' before c, which also keeps a change that is small by accident from being believed.
 
 The numbers were fitted to 600 random scenes (power profiles on layers and half-spaces against collocation, rough
 surfaces against grids of at least 16 times as many points, four grids of each), so that each estimate holds in 97 of
-100. On scenes that nothing was fitted to, see `linecontact study trade-off`.
+100. On scenes that nothing was fitted to, see `linecontact study tradeoff`.
 """
 
 import math
@@ -42,12 +43,10 @@ class Quantity:
     """The name, in both, of what its error would be by the edges alone; None where they do not matter."""
     of_edges: float = 0.0
     """Share of that which is left beside a coarser grid (dimensionless)."""
-    of_change: float | None = None
-    """Share of the last change between grids that is left (dimensionless); None: as the order measured says."""
-    fine: float = 128.0
-    """f, points to the shortest wave (dimensionless)."""
-    least: float = 1.0
-    """Smallest s on surfaces that have a shortest wave (dimensionless)."""
+    of_change: float = 0.0
+    """Share of the last change between grids that is left (dimensionless)."""
+    per_patch: float = 0.0
+    """Error that patches have in common at 16 points to the shortest wave, in the width of each [grid spacings]."""
     sensitivity: float = 1.0
     """Its relative error over that of a_r where a model or an unfinished iteration causes both (dimensionless)."""
 
@@ -59,14 +58,16 @@ class Quantity:
 
 QUANTITIES = {
     "contact-area": Quantity(
-        "contact_area_subgrid", "contact_area_error", "contact_area_edges_error", 0.4, 1 / 12, 64.0, 0.75
+        "contact_area_subgrid", "contact_area_error", "contact_area_edges_error", 0.4, 1 / 12, 0.1
     ),
-    "kappa": Quantity("kappa_subgrid", "kappa_error", "kappa_edges_error", 0.5, 1 / 8, 64.0, 0.75, sensitivity=2.0),
+    "kappa": Quantity("kappa_subgrid", "kappa_error", "kappa_edges_error", 0.5, 1 / 8, 0.14, sensitivity=2.0),
     "peak-pressure": Quantity("peak_pressure", "peak_pressure_error"),
     "approach": Quantity("approach", "approach_error"),
 }
 """By the name under which an accuracy of it is asked for."""
 
+_INDEPENDENT = 0.6  # s of many well resolved patches, whose errors are independent; the two edges of one err alike
+_FEW, _FEW_OF_OTHERS, _COMMON = 64.0, 128.0, 16.0  # points to the shortest wave
 _LEAST, _MOST = 1.25, 4.0  # factor by which changes fall from grid to grid, as far as that is believed
 _EARLIER = 1 / 16  # share of the change before the last
 
@@ -79,20 +80,28 @@ def estimated(
     found: on this grid; coarser: the grids before it, from coarse to fine. Without any, what is claimed for the edges
     alone, and `inf` for what does not depend on edges.
     """
-    waves = scene.indenter.effective_wave(num_points)
-    few = float(max(quantity.least, (quantity.fine * waves / num_points) ** 1.5)) if waves else 1.0
-    edges = float(getattr(found, quantity.edges)) if quantity.edges else math.inf
-    if not coarser:
-        return few * edges
+    waves = scene.indenter.effective_wave(num_points) / num_points  # 1/w
     values = [float(getattr(level, quantity.value)) for level in (*coarser[-2:], found)]
-    change = abs(values[-1] - values[-2])
-    if quantity.of_change is not None:
-        return few * math.hypot(quantity.of_edges * edges, quantity.of_change * change)
+    change = abs(values[-1] - values[-2]) if coarser else 0.0
+    if not quantity.edges:
+        return math.pow(max(1.0, _FEW_OF_OTHERS * waves), 1.5) * _by_order(values, change)
+    edges = float(getattr(found, quantity.edges))
+    area = found.contact_area_subgrid
+    each = quantity.per_patch * math.pow(_COMMON * waves, 1.5) / num_points
+    common = each * found.num_patches / area * abs(values[-1]) if area else 0.0
+    if not coarser:
+        return math.hypot(edges, common)
+    several = max(_INDEPENDENT, math.sqrt(_FEW * waves)) if waves else 1.0
+    return math.hypot(several * quantity.of_edges * edges, several * quantity.of_change * change, common)
+
+
+def _by_order(values: Sequence[float], change: float) -> float:
+    """What the changes of a quantity from grid to grid, at most the last two, leave by the order that they have."""
     if len(values) < 3:
-        return few * change
+        return change if len(values) == 2 else math.inf
     before = abs(values[-2] - values[-3])
     ratio = min(max(before / change, _LEAST), _MOST) if change else _MOST
-    return few * math.hypot(change / (ratio - 1), _EARLIER * before)
+    return math.hypot(change / (ratio - 1), _EARLIER * before)
 
 
 def grid_error(quantity: Quantity, scene: Scene, level: Level, coarser: Sequence[Level]) -> float:

@@ -74,6 +74,7 @@ class Reached:
             kappa_subgrid=kappa,
             peak_pressure=scene.pressure * float(self.pressure.max(initial=0.0)),
             approach=approach(scene, state.displacement * state.problem.length_unit),
+            num_patches=self.contact[0].count,
             contact_area_edges_error=error,
             kappa_edges_error=sensitivity * error if error else 0.0,
             iterations=state.iteration,

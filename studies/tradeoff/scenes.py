@@ -19,7 +19,7 @@ KINDS = ("power", "rough")
 
 _LONGEST = 300.0  # half-widths over thicknesses: beyond, collocation takes too much memory
 _NODES, _RESOLUTION = 400, 40.0
-_FINER, _MOST = 16, 2**18  # times the solution's points; at most, but four times them in any case
+_FINER, _MOST = 16, 2**20  # times the solution's points; at most, but four times them in any case
 
 
 def draw(kind: str, seed: int, log2_points: int) -> tuple[Scene, float]:

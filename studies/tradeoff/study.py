@@ -58,7 +58,7 @@ class Configuration:
     """The least of these powers that is asked for on rough surfaces."""
     nodes: tuple[int, ...] = (8, 12, 16, 24, 32, 48, 64, 96, 128, 160)
     """Numbers of nodes of the collocation oracle."""
-    scenes: int = 50
+    scenes: int = 150
     """Random scenes of each of `scenes.KINDS`."""
     scene_points: tuple[int, ...] = (18, 16)
     """log2 of the most points of a random scene, for each of `scenes.KINDS`."""
@@ -132,7 +132,7 @@ class Options(study.Options):
     workers: int = 1
     """More than one disturb each other's times."""
     quick: bool = False
-    """Up to 2^12 points, and 20 random scenes instead of 100."""
+    """Up to 2^12 points, and 20 random scenes instead of 300."""
 
 
 def plans(options: Options) -> Sequence[Plan]:
