@@ -118,7 +118,7 @@ class Solution:
     accuracy: float | None = None
     """The relative error asked for, if any (dimensionless)."""
     accuracy_of: str = "contact-area"
-    """Of what: one of `linecontact.solver.QUANTITIES`."""
+    """Of what: one of `QUANTITIES`."""
     choices: tuple[Choice, ...] = field(default_factory=tuple)
     """What was chosen for the user, and why."""
 

@@ -9,7 +9,7 @@ from .methods import DEFAULT, METHODS, Progress
 from .scene import Scene
 from .solution import Solution
 from .strategy.effort import Effort, Means
-from .strategy.errors import QUANTITIES
+from .strategy.errors import DEFAULT_QUANTITY
 from .strategy.no_contact import nothing_touches, without_contact
 from .strategy.to_accuracy import check_accuracy, solve_to_accuracy
 from .strategy.to_approach import solve_to_approach
@@ -21,7 +21,7 @@ def solve(
     scene: Scene,
     *,
     accuracy: float | None = None,
-    accuracy_of: str = "contact-area",
+    accuracy_of: str = DEFAULT_QUANTITY,
     method: str | None = None,
     nested: bool | None = None,
     tolerance: float | None = None,
@@ -65,15 +65,12 @@ def solve(
     if scene.approach is not None and not (accuracy is None and initial is None):
         given = f"accuracy is {accuracy!r}" if initial is None else "initial is given"
         raise ValueError(f"{given}; allowed: none for a scene with an approach")
-    checks.choice("accuracy_of", accuracy_of, tuple(QUANTITIES))
-    if accuracy is None and accuracy_of != "contact-area":
-        raise ValueError(f"accuracy_of is {accuracy_of!r}; allowed: together with an accuracy")
+    accuracy = check_accuracy(accuracy, accuracy_of)
     if accuracy is not None:
         chosen = {"method": method, "nested": nested, "tolerance": tolerance, "initial": initial}
         for name, value in (chosen | {"max_iterations": max_iterations}).items():
             if value is not None:
                 raise ValueError(f"{name} is {value!r}; allowed: without accuracy only, which chooses it")
-        check_accuracy(accuracy)
         if nothing_touches(scene):
             return without_contact(scene, means)
         return solve_to_accuracy(scene, accuracy, accuracy_of, means)

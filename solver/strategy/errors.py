@@ -66,6 +66,8 @@ QUANTITIES = {
 }
 """By the name under which an accuracy of it is asked for."""
 
+DEFAULT_QUANTITY = "contact-area"
+
 _INDEPENDENT = 0.6  # s of many well resolved patches, whose errors are independent; the two edges of one err alike
 _FEW, _FEW_OF_OTHERS, _COMMON = 64.0, 128.0, 16.0  # points to the shortest wave
 _LEAST, _MOST = 1.25, 4.0  # factor by which changes fall from grid to grid, as far as that is believed

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from ..layers import ElasticLayer
 from ..scene import Scene
 from ..solution import Choice
-from .errors import QUANTITIES
+from .errors import DEFAULT_QUANTITY, QUANTITIES
 from .small_models import LEAST_EDGE
 
 _LONG_ASPERITY = 100.0  # half-width over thickness above which collocation takes longer than a grid
@@ -44,7 +44,7 @@ class Plan:
     """What has been chosen so far, and why."""
 
 
-def decide(scene: Scene, accuracy: float, of: str = "contact-area") -> Plan:
+def decide(scene: Scene, accuracy: float, of: str = DEFAULT_QUANTITY) -> Plan:
     """The models worth trying for an accuracy of one of `QUANTITIES`, from what is known without solving anything."""
     quantity = QUANTITIES[of]
     most = min((_MODEL_SHARE * accuracy / quantity.sensitivity) ** 2, 0.1 * residual(accuracy))

@@ -16,7 +16,7 @@ from ..scene import Scene
 from ..solution import Choice, Level, Solution
 from .certification import certify_or_fall_back
 from .effort import CAUTION, COARSE_WRONG_NODES, Effort, Means
-from .errors import QUANTITIES, Quantity, grid_error, iteration_share
+from .errors import DEFAULT_QUANTITY, QUANTITIES, Quantity, grid_error, iteration_share
 from .grids import FACTOR, Reached, coarser, grids, over_grids
 from .memory import check_memory
 from .plan import Plan, decide, residual
@@ -30,10 +30,15 @@ _FEWEST_POINTS = 16
 """Points of the smallest coarser grid."""
 
 
-def check_accuracy(accuracy: float) -> float:
-    """The accuracy, if it is one that may be asked for. Raises `ValueError`."""
-    allowed = "1e-9 <= accuracy <= 0.1"
-    return checks.real("accuracy", accuracy, allowed, math.nextafter(1e-9, 0), MOST_ACCURACY)
+def check_accuracy(accuracy: float | None, of: str) -> float | None:
+    """The accuracy, if it is one that may be asked for, of one of `QUANTITIES`; None for none. Raises `ValueError`."""
+    checks.choice("accuracy_of", of, tuple(QUANTITIES))
+    if accuracy is not None:
+        allowed = "1e-9 <= accuracy <= 0.1"
+        return checks.real("accuracy", accuracy, allowed, math.nextafter(1e-9, 0), MOST_ACCURACY)
+    if of != DEFAULT_QUANTITY:
+        raise ValueError(f"accuracy_of is {of!r}; allowed: together with an accuracy")
+    return None
 
 
 def solve_to_accuracy(scene: Scene, accuracy: float, of: str, means: Means) -> Solution:
@@ -42,7 +47,6 @@ def solve_to_accuracy(scene: Scene, accuracy: float, of: str, means: Means) -> S
     The first model that is good enough gives the answer; the grid always does, or says that it is not good enough.
     """
     begin = time.perf_counter()
-    accuracy = check_accuracy(accuracy)
     check_memory(_FEWEST_POINTS if scene.indenter.power_law else scene.num_points)  # most likely needs no grid
     if scene.precision != "float64":
         raise ValueError(f"precision is {scene.precision!r}; allowed: float64, accuracy chooses the precision")

@@ -188,16 +188,14 @@ def solution_table(solution: Solution) -> Table:
         ("kappa = a_r/p*", record["kappa"], "-"),
         ("kappa (sub-grid edges)", record["kappa_subgrid"], "-"),
         ("  its error, estimated", record["kappa_error"], "- (absolute)"),
-        *([("kappa over the half-space's", record["kappa_ratio"], "-")] if "kappa_ratio" in record else []),
+        *_known("kappa over the half-space's", record.get("kappa_ratio"), "-"),
         ("reduced thickness d/(a_r L)", record["reduced_thickness"], "-"),
         ("approach", record["approach"], "length"),
+        *_known("  its error, estimated", record["approach_error"], "length (absolute)"),
         ("mean gap", record["mean_gap"], "length"),
-        *(
-            [("contact stiffness dp/d(approach)", record["contact_stiffness"], "pressure/length")]
-            if "contact_stiffness" in record
-            else []
-        ),
+        *_known("contact stiffness dp/d(approach)", record.get("contact_stiffness"), "pressure/length"),
         ("peak pressure", record["peak_pressure"], "pressure"),
+        *_known("  its error, estimated", record["peak_pressure_error"], "pressure (absolute)"),
         ("iterations", record["iterations"], "-"),
         ("transform pairs", record["transform_pairs"], "-"),
         *((f"time: {stage}", f"{seconds:.3f}", "s") for stage, seconds in record["seconds"].items()),
@@ -205,9 +203,14 @@ def solution_table(solution: Solution) -> Table:
     ]
     known = record["scene"].get("profile_length_unit", SCENE)
     for name, value, unit in rows:
-        unit = unit if known == SCENE else re.sub(r"\blength$", known, unit)
+        unit = unit if known == SCENE else re.sub(r"\blength\b", known, unit)
         table.add_row(name, f"{value:.7g}" if isinstance(value, float) else str(value), unit)
     return table
+
+
+def _known(name: str, value: float | str | None, unit: str) -> list[tuple[str, float | str, str]]:
+    """A row of the table; none for what is not known."""
+    return [] if value is None or value == "inf" else [(name, value, unit)]
 
 
 def choices_table(solution: Solution) -> Table:

@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 from linecontact.solver import Observables, Scene, checks
+from linecontact.solver.strategy.errors import DEFAULT_QUANTITY
+from linecontact.solver.strategy.to_accuracy import check_accuracy
 from numpy.typing import NDArray
 
 from . import number
@@ -13,12 +15,17 @@ from .tasks import point
 
 
 def curve(
-    scene: Scene, over: str, values: Iterable[float], *, accuracy: float | None = None
+    scene: Scene,
+    over: str,
+    values: Iterable[float],
+    *,
+    accuracy: float | None = None,
+    accuracy_of: str = DEFAULT_QUANTITY,
 ) -> dict[str, NDArray[Any]]:
     """Solve a scene for several values of one of its numbers, one after the other.
 
     over: the number, like 'pressure', 'approach', 'thickness', 'poisson_ratio' or 'seed'. values: in its own unit, one
-        at least. accuracy: as in `linecontact.solve`.
+        at least. accuracy, accuracy_of: as in `linecontact.solve`.
 
     Returns columns by name, each of shape (number of values,): 'value', 'status', 'contact_stiffness'
     [pressure/length], and every field of `Observables` with its unit; NaN where a solution has none. Raises
@@ -34,7 +41,8 @@ def curve(
     if not numbers:
         raise ValueError(f"values are none; allowed: {allowed}")
     number.check(scene, over, numbers)
-    records = [point(number.put(scene, over, value), accuracy) for value in numbers]
+    check_accuracy(accuracy, accuracy_of)
+    records = [point(number.put(scene, over, value), accuracy, accuracy_of) for value in numbers]
     names = ("contact_stiffness", *(field.name for field in fields(Observables)))
     found = {name: np.array([float(record.get(name, "nan")) for record in records]) for name in names}
     return {"value": np.array(numbers), "status": np.array([record["status"] for record in records])} | found

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from linecontact.solver import MeasuredIndenter, Scene, checks
 from linecontact.solver.grid.problem import full_contact_pressure
+from linecontact.solver.strategy.errors import DEFAULT_QUANTITY, QUANTITIES
 from linecontact.solver.strategy.to_accuracy import check_accuracy
 
 from ..runner import study
@@ -17,7 +18,7 @@ from ..scenes import kinds, making
 from ..scenes.described import base_scene, described, shown
 from ..scenes.making import Given
 from ..terminal import console
-from ..terminal.options import options_of
+from ..terminal.options import one_of, options_of
 from . import even_areas, number
 from .report import report
 from .tasks import Task
@@ -45,7 +46,9 @@ class Options(making.Options, study.Options):
     """Grid points, at least 4, like 262144 or 2^18; default 2^18, for a file four or more to a value."""
     precision: ClassVar[str] = Scene.precision
     accuracy: float | None = None
-    """Relative error wanted of every a_r, 1e-9 to 0.1 (dimensionless); num_points is then the most to use."""
+    """Relative error wanted of every value, 1e-9 to 0.1 (dimensionless); num_points is then the most to use."""
+    accuracy_of: str = one_of(QUANTITIES, DEFAULT_QUANTITY)
+    """What the accuracy is wanted of; area and kappa between sub-grid edges."""
     over: str = "pressure"
     """The number that is varied: pressure, approach, period, num_points, or one of the layer's or the indenter's own,
     like thickness, poisson_ratio, exponent, hurst or seed."""
@@ -66,7 +69,7 @@ class Options(making.Options, study.Options):
 def plan(options: Options, given: Given) -> Plan:
     """The tasks. Raises `ValueError`."""
     options = replace(options, over=options.over.replace("-", "_"))
-    over, accuracy = options.over, options.accuracy
+    over, accuracy, of = options.over, options.accuracy, options.accuracy_of
     told: dict[str, Any] = {name: getattr(options, name) for name in _SCENE}
     _check_options(options, given, told)
     if over in making.LOADS:
@@ -86,8 +89,14 @@ def plan(options: Options, given: Given) -> Plan:
     number.check(scene, over, values)
     return Plan(
         kind=NAME,
-        configuration={"scene": shown(description), "over": over, "values": values, "accuracy": accuracy},
-        runs=[Task(description, over, value, accuracy) for value in values],
+        configuration={
+            "scene": shown(description),
+            "over": over,
+            "values": values,
+            "accuracy": accuracy,
+            "accuracy_of": of,
+        },
+        runs=[Task(description, over, value, accuracy, of) for value in values],
     )
 
 
@@ -102,18 +111,17 @@ def _check_options(options: Options, given: Given, told: Mapping[str, Any]) -> N
     if over == "poisson_ratio" and known.get("youngs_modulus") is not None:
         allowed = "contact_modulus with --over poisson_ratio, which is kept"
         raise ValueError(f"youngs_modulus is {known['youngs_modulus']:g}; allowed: {allowed}")
-    if options.accuracy is not None:
-        check_accuracy(options.accuracy)
-        if over in ("approach", "num_points") or options.approach is not None:
-            what = "an approach" if over != "num_points" else "--over num_points"
-            raise ValueError(f"accuracy is {options.accuracy:g}; allowed: none with {what}")
+    check_accuracy(options.accuracy, options.accuracy_of)
+    if options.accuracy is not None and (over in ("approach", "num_points") or options.approach is not None):
+        what = "an approach" if over != "num_points" else "--over num_points"
+        raise ValueError(f"accuracy is {options.accuracy:g}; allowed: none with {what}")
     if options.values is not None:
         for name, default in (("points", Options.points), ("spacing", Options.spacing)):
             if getattr(options, name) != default:
                 raise ValueError(f"{name} is {getattr(options, name)}; allowed: none with --values")
 
 
-_SCENE = ("profile", "layer", "pressure", "approach", "period", "num_points", "precision", "accuracy")
+_SCENE = ("profile", "layer", "pressure", "approach", "period", "num_points", "precision", "accuracy", "accuracy_of")
 """The options that make a scene."""
 
 

@@ -39,11 +39,13 @@ class Task:
     value: float
     """Its value here, in its own unit."""
     accuracy: float | None
-    """Relative error wanted of a_r (dimensionless); None: solved on the scene's grid to the default residual."""
+    """Relative error wanted (dimensionless); None: solved on the scene's grid to the default residual."""
+    accuracy_of: str
+    """What it is wanted of."""
 
     def run(self, report: Progress | None) -> Record:
         """The solution's record, with the contact stiffness."""
-        return point(self.point, self.accuracy, report)
+        return point(self.point, self.accuracy, self.accuracy_of, report)
 
     @property
     def point(self) -> Scene:
@@ -51,9 +53,9 @@ class Task:
         return number.put(base_scene(self.scene), self.over, self.value)
 
 
-def point(scene: Scene, accuracy: float | None, report: Progress | None = None) -> Record:
+def point(scene: Scene, accuracy: float | None, accuracy_of: str, report: Progress | None = None) -> Record:
     """The record of a curve's scene, with the contact stiffness and the kinds of its warnings."""
-    solution = solve(scene, accuracy=accuracy, progress=report)
+    solution = solve(scene, accuracy=accuracy, accuracy_of=accuracy_of, progress=report)
     if solution.status is Status.INTERRUPTED:
         raise KeyboardInterrupt
     warned = ", ".join(str(warning.kind) for warning in solution.warnings)
