@@ -9,6 +9,7 @@ from linecontact import studies
 from linecontact.solver import Layer, MeasuredIndenter, PowerIndenter, Scene, solve
 from linecontact.solver.grid import edges
 from linecontact.solver.grid.edge_curves import edge_function, half_space_curve, thin_curve
+from linecontact.solver.grid.edges import find_edges
 from linecontact.solver.grid.patches import Patches
 from linecontact.solver.methods.active_set.ends import edge_moves
 from linecontact.solver.reference import closed_forms, collocation
@@ -79,6 +80,39 @@ def test_area_within_a_hundredth_of_a_spacing_per_edge(n, d):
         assert error < 2 * found.contact_area_error < 0.2 / 2**12  # the estimate holds in 97 of 100
         assert abs(found.kappa_subgrid - exact.kappa) < 2 * found.kappa_error
         assert found.kappa_error < 3e-3 * exact.kappa
+
+
+@pytest.mark.parametrize(("n", "smallest"), [(2.0, 2.8), (4.0, 2.5)])
+def test_areas_of_smooth_contacts_converge_with_the_third_power_of_the_spacing(n, smallest):
+    """With the edges to the first order it is the second power; kappa's integral goes along with that."""
+    errors = []
+    for num_points in (2**9, 2**11):
+        found = []
+        for load in np.geomspace(1.5e-3, 3e-3, 9):  # all places between two nodes
+            exact = closed_forms.periodic_half_space_area(n, 1.0, load)
+            scene = Scene(indenter=PowerIndenter(n), pressure=load, num_points=num_points)
+            o = solve(scene, tolerance=1e-11).observables
+            kappa = closed_forms.kappa_from_area(n, exact, 1.0, load)
+            found.append((o.contact_area_subgrid / exact - 1, o.kappa_subgrid / kappa - 1))
+        errors.append(np.sqrt(np.mean(np.square(found), axis=0)))
+    orders = np.log2(errors[0] / errors[1]) / 2
+    assert (orders > smallest).all(), orders
+    assert (errors[1] < 2e-7).all()
+
+
+def test_wide_patches_on_thin_layers_have_edges_to_the_first_order_only():
+    """To the second order they would be those of a half-space, and worse: the layer's own are not known."""
+    symbol_of_layer = Layer(60 / 2**12, 0.3).edge_symbol(2**12, 1.0)
+    for load, narrow in ((2e-6, True), (2e-3, False)):
+        solution = solve(Scene(Layer(60 / 2**12, 0.3), pressure=load, num_points=2**12), tolerance=1e-10)
+        patches = Patches.of(solution.contact_pressure > 0)
+        pressure = solution.contact_pressure[patches.nodes]
+        there = find_edges(patches, pressure, symbol_of_layer)
+        half_space = find_edges(patches, pressure, Layer().edge_symbol(2**12, 1.0))
+        assert (there.width == half_space.width).all() == narrow
+        exact = collocation.solve_load(load, 2.0, 1.0, 60 / 2**12, 0.3).contact_area * 2**12
+        assert abs(there.width[0] - exact) <= abs(half_space.width[0] - exact)
+        assert abs(there.width[0] - exact) < there.total_error
 
 
 @pytest.mark.parametrize("nu", [-0.5, 0.0, 0.25, 0.45, 0.49, 0.5])

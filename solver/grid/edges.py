@@ -1,7 +1,15 @@
 """Where a contact ends between the nodes: the ends of its patches, and how well they are known.
 
 Near its edge the pressure of a contact is one of the curves of `edge_curves`, so the last two or three nodal pressures
-tell where between two nodes the edge lies.
+tell where between two nodes the edge lies. That is right to the first order in 1/w, one over the width w of a patch in
+grid spacings.
+
+To the second order, for patches that are narrow beside the layer's thickness. The last three pressures are
+a (j - theta)^1/2 + b (j - theta)^3/2 far from the edge, on the grid, but for a term e a j^-3/2, with
+e = (beta^2 - beta + 1/6)/8 for an edge at beta - s spacings: on the grid the edge's curve is not quite the root. Far
+away that is like the second derivative, with respect to the half-width A, of the pressure of a smooth indenter, times
+-4 e. It carries load, so an exact solution with the same load has another half-width; in terms of the edge that the
+three pressures tell, the edge lies 3 e/w further inside.
 """
 
 import math
@@ -27,6 +35,10 @@ _OVER_SIZE_SQUARED = 10.0  # over their square: patches of a few nodes, whose tw
 _OVER_THICKNESS, _OVER_THICKNESS_SQUARED = 0.1, 0.5  # over the layer's thickness [grid spacings]; measured 0.03
 _OVER_GAP_SQUARED = 3.0  # over the square of the nodes between neighbouring patches, whose edges disturb each other
 _OF_SPREAD = 0.3  # of the difference between two estimates of one edge, where it is below `_CLOSE`
+
+_NARROW_PATCH = 2.0  # layer thicknesses; narrower patches have the half-space's edges to the second order
+_OVER_SIZE_SQUARED_THERE = 3.0  # in their claim, instead of `_OVER_SIZE` and `_OVER_SIZE_SQUARED`
+_FEWEST = 7  # nodes of such a patch
 
 _CLOSE, _ALIKE = 0.05, 0.15
 """Grid spacings by which two estimates of an edge may differ to be as good as equal, and to be of an edge at all."""
@@ -102,6 +114,12 @@ def find_edges(patches: Patches, pressure: Array64, symbol: EdgeSymbol) -> Edges
         return Edges(patches.first - half, patches.last + half, np.ones(1), np.zeros(1, dtype=bool))
     curve, thickness = edge_curve(symbol), symbol.thickness
     theta, spread = _offsets(curve, patches, pressure)
+    second_order = np.zeros((2, patches.count), dtype=bool)
+    if not curve.thin:
+        better = _to_second_order(curve, patches, pressure)
+        narrow = (patches.size >= _FEWEST) & (patches.size < _NARROW_PATCH * thickness)
+        second_order = narrow & (np.abs(better - theta) < _ALIKE) & (spread < _ALIKE)
+        theta = np.where(second_order, better, theta)
     finite = _OVER_THICKNESS / thickness + _OVER_THICKNESS_SQUARED / thickness**2
     layer = np.full(patches.count, finite if thickness < math.inf else symbol.error)
     if curve.thin:
@@ -115,32 +133,46 @@ def find_edges(patches: Patches, pressure: Array64, symbol: EdgeSymbol) -> Edges
     left, right = patches.first - outside[0], patches.last + outside[1]
     # patches one node apart: not beyond each other
     overlap = np.maximum(right - np.append(left[1:], left[:1] + patches.num_points), 0.0) / 2
-    error = np.where(counted, math.sqrt(0.5), _claimed(patches, spread, layer))
+    error = np.where(counted, math.sqrt(0.5), _claimed(patches, spread, layer, second_order))
     return Edges(left + np.roll(overlap, 1), right - overlap, np.hypot(*error), counted)
 
 
-def _claimed(patches: Patches, spread: Array64, layer: Array64) -> Array64:
+def _claimed(patches: Patches, spread: Array64, layer: Array64, second_order: Mask) -> Array64:
     """Estimated errors of the left and the right ends, shape (2, M) [grid spacings].
 
-    spread: how little the pressures look like an edge, shape (2, M); layer: the layer's share, shape (M,).
+    spread: how little the pressures look like an edge, shape (2, M); layer: the layer's share, shape (M,);
+    second_order: which ends are known to it, shape (2, M).
     """
     beyond = np.append(patches.first[1:], patches.first[:1] + patches.num_points) - patches.last - 1
     narrow_gap = _OVER_GAP_SQUARED / np.stack([np.roll(beyond, 1), beyond]) ** 2
     fitted = np.where(spread < _CLOSE, _OF_SPREAD * spread, spread)
-    fitted = fitted + _OVER_SIZE / patches.size + _OVER_SIZE_SQUARED / patches.size**2
+    first_order = _OVER_SIZE / patches.size + _OVER_SIZE_SQUARED / patches.size**2
+    fitted = fitted + np.where(second_order, _OVER_SIZE_SQUARED_THERE / patches.size**2, first_order)
     fitted += layer + narrow_gap
     counting = np.maximum(layer, 0.5)  # an edge is known as well as by counting, unless the layer spoils it
     return np.where(spread < _ALIKE, np.minimum(fitted, counting), np.clip(spread, counting, np.maximum(counting, 1.0)))
 
 
-def _offsets(curve: EdgeCurve, patches: Patches, pressure: Array64) -> tuple[Array64, Array64]:
-    """theta of left and right ends, and how little they look like edges, shape (2, M) each; see `edge_offset`."""
-    m, inward = patches.count, np.arange(3)
-    steps = np.minimum(inward, patches.size[:, None] - 1)
+def _ends(patches: Patches, pressure: Array64) -> Array64:
+    """The last three pressures of left and right ends, last node first, shape (2, M, 3)."""
+    steps = np.minimum(np.arange(3), patches.size[:, None] - 1)
     left = pressure[patches.offset[:, None] + steps]
     right = pressure[(patches.offset + patches.size - 1)[:, None] - steps]
-    ends = np.stack([left, right])
-    away = patches.size[:, None] - 1 - inward
+    return np.stack([left, right])
+
+
+def _to_second_order(curve: EdgeCurve, patches: Patches, pressure: Array64) -> Array64:
+    """theta of left and right ends to the second order in one over the width, shape (2, M)."""
+    theta = edge_offset(curve, _ends(patches, pressure).reshape(-1, 3))[0].reshape(2, -1)
+    width = patches.size - 1 - theta.sum(axis=0)
+    beta = theta + curve.shift
+    return np.asarray(theta + 3 / 8 * (beta**2 - beta + 1 / 6) / width)
+
+
+def _offsets(curve: EdgeCurve, patches: Patches, pressure: Array64) -> tuple[Array64, Array64]:
+    """theta of left and right ends, and how little they look like edges, shape (2, M) each; see `edge_offset`."""
+    m, ends = patches.count, _ends(patches, pressure)
+    away = patches.size[:, None] - 1 - np.arange(3)
     theta = np.full((2, m), 0.5 - curve.shift)
     for _ in range(3):
         across = np.maximum(edge_function(curve, (theta + curve.shift)[::-1, :, None], away), 1e-3)
