@@ -28,8 +28,25 @@ def main() -> int:
         if interrupt is signal.default_int_handler:
             signal.signal(signal.SIGINT, interrupt)
         return run()
+    except SystemExit:  # after --help
+        return _shown()
     except KeyboardInterrupt:  # outside of any command
         _leave()
+    except BrokenPipeError:
+        return _reader_gone()
+
+
+def _shown() -> int:
+    try:
+        sys.stdout.flush()
+    except BrokenPipeError:
+        return _reader_gone()
+    return 0
+
+
+def _reader_gone() -> int:
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # the flush at exit must not fail again
+    return 141
 
 
 def _leave(*_: Any) -> NoReturn:

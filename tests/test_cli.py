@@ -278,7 +278,7 @@ def test_a_killed_study_continues(tmp_path, sign):
 
 @pytest.mark.skipif(os.name != "posix", reason="pipes of POSIX")
 def test_a_reader_that_goes_away_is_no_traceback():
-    for form in (["--json"], []):
+    for form in (["--json"], [], ["--help"]):
         command = [*CLI, "solve", "--num-points", "64", *form]
         with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
             process.stdout.close()

@@ -19,13 +19,6 @@ OBSERVABLES = {
 }
 """What a mean can be taken of, with the names of the solution's observables."""
 
-
-def unit_of(observable: str) -> str:
-    """Its unit, in words."""
-    known = unit(OBSERVABLES[observable])
-    return "dimensionless" if known == "1" else known
-
-
 TOLERANCE = 1e-5
 """Rms free residual over p of the solves (dimensionless); it leaves kappa an error of 1e-5, far below the scatter."""
 
@@ -43,6 +36,12 @@ class Batch:
     """How many, with consecutive seeds."""
     sizes: tuple[int, ...]
     """Points of the grids."""
+
+
+def unit_of(observable: str) -> str:
+    """The unit of an observable, in words."""
+    known = unit(OBSERVABLES[observable])
+    return "dimensionless" if known == "1" else known
 
 
 def rows(scene: Scene, batch: Batch, report: Progress | None = None) -> Iterator[dict[str, Any]]:

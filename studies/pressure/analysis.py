@@ -112,9 +112,7 @@ def curves(file: StudyFile) -> list[Curve]:
             persson = float(np.interp(pressure, line["pressure"], line["contact_area"])) if line else math.nan
             points.append(_rough_point(runs, half_space.get(pressure, {}), persson))
         found.append(Curve(rough, shape, nu, thickness, points))
-    return sorted(
-        found, key=lambda c: (c.rough, c.shape, c.poisson_ratio if c.thickness < math.inf else -2, -c.thickness)
-    )
+    return sorted(found, key=lambda c: (c.rough, c.shape, -2 if c.is_half_space else c.poisson_ratio, -c.thickness))
 
 
 def bending_thickness(curve: Curve) -> float:

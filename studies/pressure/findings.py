@@ -106,6 +106,10 @@ def _profile_half_space(curve: Curve) -> Iterator[Statement]:
     )
 
 
+def _range(at: Sequence[float]) -> str:
+    return f"d/a_r = {min(at):.3g} to {max(at):.3g} in {len(at)} cases"
+
+
 def _bent_profiles(layers: Sequence[Curve]) -> Iterator[Statement]:
     """From which d/(a_r L) on a layer shows under power profiles, for every Poisson's ratio."""
     by_ratio = sorted(layers, key=lambda curve: curve.poisson_ratio)
@@ -115,7 +119,7 @@ def _bent_profiles(layers: Sequence[Curve]) -> Iterator[Statement]:
             yield Statement(
                 f"power profiles, nu = {nu:g}: a layer takes {_PERCENT} off kappa at one d/a_r, whatever load and n",
                 "not studied",
-                f"d/a_r = {min(at):.3g} to {max(at):.3g} in {len(at)} cases",
+                _range(at),
                 "new" if max(at) < 1.1 * min(at) else "does not hold",
             )
 
@@ -127,7 +131,7 @@ def _bent_roughness(layers: Sequence[Curve]) -> Iterator[Statement]:
         yield Statement(
             f"{layers[0].name}: a layer takes {_PERCENT} off kappa at one d/a_r, whatever the load",
             "as for one asperity",
-            f"d/a_r = {min(at):.2g} to {max(at):.2g} in {len(at)} cases",
+            _range(at),
             "holds" if max(at) < 1.25 * min(at) else f"does not hold, it varies by a factor of {max(at) / min(at):.2g}",
         )
 

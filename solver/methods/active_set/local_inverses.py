@@ -1,4 +1,4 @@
-"""Approximate inverses of the response G on the contact, patch by patch or through the gaps between them.
+"""Approximate inverses of the response G on the contact, patch by patch or of all patches together.
 
 Patch by patch: G is a Toeplitz matrix, so all patches share one inverse Cholesky factor, whose leading m x m block
 serves a patch of m nodes (`inverse_cholesky`). Patches too long for that use K restricted to the patch (`long_patch`).
