@@ -58,12 +58,12 @@ class Indenter(Protocol):
         """The dimensionless numbers, by name, that must be neither too large nor too small to compute with."""
         return {}
 
-    def effective_wave(self, num_points: int) -> float:
+    def effective_wave(self, num_points: int) -> int:
         """Number in the period of the wave that decides how fine a grid has to be; 0 for a smooth profile.
 
         By default the shortest; less where the shortest ones hardly matter.
         """
-        return float(self.shortest_wave(num_points))
+        return self.shortest_wave(num_points)
 
     def omitted(self, num_points: int) -> float:
         """Share of the mean square slope in waves that a grid of that many points leaves out (dimensionless)."""

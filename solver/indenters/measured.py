@@ -12,7 +12,7 @@ from ..arrays import Array64, Modes
 from ..transforms.plain import irfft, rfft
 from .indenter import Indenter
 
-_OVER_RMS_WAVE = 2.45  # waves in the period: the shortest of a self-affine surface (H = 0.8) over its rms one
+_MOST_CURVATURE = 0.99  # of the mean square curvature, in the waves that decide how fine a grid has to be
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,16 +75,15 @@ class MeasuredIndenter(Indenter):
         """The shortest wave that the values and the grid hold, see `Indenter`."""
         return min(num_points, self.heights.size, self.measured_points or self.heights.size) // 2
 
-    def effective_wave(self, num_points: int) -> float:
-        """The shortest wave of a self-affine surface (H = 0.8) whose rms curvature over its rms slope is this one's."""
-        return min(_OVER_RMS_WAVE * self._rms_wave, float(self.shortest_wave(num_points)))
+    def effective_wave(self, num_points: int) -> int:
+        """The wave up to which nearly all of the mean square curvature lies."""
+        return min(self._curved_to, self.shortest_wave(num_points))
 
     @cached_property
-    def _rms_wave(self) -> float:
-        """Rms curvature over rms slope, as a number of waves in the period."""
-        k = np.arange(self._modes.size)
-        slope = k * np.abs(self._modes)
-        return float(np.linalg.norm(k * slope) / np.linalg.norm(slope))
+    def _curved_to(self) -> int:
+        """Number of that wave, of those that the heights hold."""
+        curvature = np.cumsum((np.arange(self._modes.size) ** 2 * np.abs(self._modes)) ** 2)
+        return int(np.searchsorted(curvature, _MOST_CURVATURE * curvature[-1]))
 
     def omitted(self, num_points: int) -> float:
         if num_points >= max(self.heights.size, self.measured_points or 0):
