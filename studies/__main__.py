@@ -22,31 +22,24 @@ def main() -> int:
     try:
         from .command_line.main import prepare
 
-        run = prepare()
+        try:
+            run = prepare()
+        except SystemExit:  # --help has been shown
+            sys.stdout.flush()
+            return 0
         if term is signal.SIG_DFL:
             signal.signal(signal.SIGTERM, _as_ctrl_c)
         if interrupt is signal.default_int_handler:
             signal.signal(signal.SIGINT, interrupt)
         return run()
-    except SystemExit:  # after --help
-        return _shown()
     except KeyboardInterrupt:  # outside of any command
         _leave()
-    except BrokenPipeError:
-        return _reader_gone()
-
-
-def _shown() -> int:
-    try:
-        sys.stdout.flush()
-    except BrokenPipeError:
-        return _reader_gone()
-    return 0
-
-
-def _reader_gone() -> int:
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # the flush at exit must not fail again
-    return 141
+    except OSError as error:  # of --help: its reader has gone away, or the disk is full
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # the flush at exit must not fail again
+        if isinstance(error, BrokenPipeError):
+            return 141
+        os.write(2, f"linecontact: {error}\n".encode())
+        return 2
 
 
 def _leave(*_: Any) -> NoReturn:

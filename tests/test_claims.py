@@ -4,8 +4,10 @@ import math
 
 import numpy as np
 import pytest
+from linecontact import curve
 from linecontact.solver import (
     QUANTITIES,
+    CoatedHalfSpace,
     Layer,
     MeasuredIndenter,
     PowerIndenter,
@@ -14,8 +16,10 @@ from linecontact.solver import (
     Status,
     solve,
 )
-from linecontact.solver.reference import collocation
+from linecontact.solver.reference import closed_forms, collocation
 from linecontact.solver.strategy.errors import estimated
+from linecontact.studies.command_line import main
+from linecontact.studies.files.study_files import load_study
 
 QUICK_ROUGH = RoughIndenter(0.8, 3, 1 / 8, 1 / 8)
 
@@ -126,3 +130,54 @@ def test_collocation_tells_the_accuracy_of_each(exponent):
 def test_bad_input(options, message):
     with pytest.raises(ValueError, match=message):
         solve(Scene(num_points=64), **options)
+
+
+@pytest.mark.parametrize("nodes", [1.3, 3.3, 5.3, 7.3, 12.3])
+@pytest.mark.parametrize("exponent", [1.5, 2.0, 4.0])
+def test_estimates_hold_for_lone_contacts_of_few_nodes(nodes, exponent):
+    held, num_points = [], 2**11
+    for width in np.linspace(nodes, nodes + 1.5, 6):
+        asperity = collocation.solve_load(1e-4, exponent, 1.0, math.inf, 0.3)
+        load = 1e-4 * (width / num_points / asperity.contact_area) ** exponent  # on a half-space p ~ a^n
+        exact = closed_forms.periodic_half_space_area(exponent, 1.0, load)
+        found = solve(Scene(indenter=PowerIndenter(exponent), pressure=load, num_points=num_points)).observables
+        held.append(abs(found.contact_area_subgrid - exact) <= found.contact_area_error)
+    assert np.mean(held) >= (0.6 if nodes < 3 else 0.8)
+
+
+def test_what_is_not_known_of_a_thin_coating_is_told():
+    """One spacing thick on a soft base: the edges are off by about a spacing, whatever coarser grids say."""
+    layer = CoatedHalfSpace(1 / 2**11, base_modulus=1e-3)
+    coarse, fine = (solve(Scene(layer, pressure=2e-4, num_points=n)).observables for n in (2**11, 2**16))
+    off = abs(coarse.contact_area_subgrid - fine.contact_area_subgrid)
+    assert 0.3 / 2**11 < off < coarse.contact_area_error
+
+
+def test_where_an_approach_is_given_its_error_is_how_well_it_was_met():
+    found = solve(Scene(Layer(0.1), approach=1e-3, num_points=2**12)).observables
+    assert found.approach_error == abs(found.approach - 1e-3)
+
+
+def test_where_the_layer_was_replaced_nothing_is_said_of_the_other_errors():
+    for scene in (Scene(Layer(1.8, 0.3), QUICK_ROUGH, 1e-2, num_points=2**12), Scene(Layer(1.8, 0.3))):
+        solution = solve(scene, accuracy=1e-2)
+        assert any(choice.chosen == "half-space" for choice in solution.choices)
+        assert solution.observables.approach_error == solution.observables.peak_pressure_error == math.inf
+
+
+def test_the_command_line(tmp_path, capsys):
+    words = ["--profile", "rough", "--cut-off-ratio", "0.125", "--pressure", "0.02", "--num-points", "2^13"]
+    asked = ["--accuracy", "0.01", "--accuracy-of", "kappa"]
+    assert main.main(["solve", *words, *asked]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "chosen for an accuracy of 0.01 of the kappa" in said
+    assert "length (absolute)" in said
+    assert "pressure (absolute)" in said
+    values = ["--values", "0.01,0.02", "--folder", str(tmp_path), "--workers", "1"]
+    assert main.main(["curve", *words[:4], *words[6:], *values, *asked]) == 0
+    runs = load_study(tmp_path / "curve.h5").runs
+    assert all(run["kappa_error"] <= 0.01 * run["kappa_subgrid"] for run in runs)
+    assert {run["accuracy_of"] for run in runs} == {"kappa"}
+    assert main.main(["curve", *words[:4], *values, "--accuracy-of", "kappa"]) == 2
+    columns = curve(Scene(Layer(0.1), num_points=2**12), "pressure", [1e-3], accuracy=1e-3, accuracy_of="approach")
+    assert columns["approach_error"][0] <= 1e-3 * columns["approach"][0]

@@ -287,6 +287,15 @@ def test_a_reader_that_goes_away_is_no_traceback():
         assert not stderr
 
 
+@pytest.mark.skipif(os.name != "posix", reason="pipes of POSIX")
+def test_without_a_reader_of_messages_the_status_is_the_same():
+    for words, status in ((["--pressure", "-1"], 2), (["--num-points", "64", "--max-iterations", "1"], 3)):
+        command = [*CLI, "solve", *words]
+        with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as process:
+            process.stderr.close()
+        assert process.returncode == status, words
+
+
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no /dev/full")
 def test_a_full_disk_behind_the_output_is_one_line():
     for arguments in (["solve", "--num-points", "64"], ["solve", "--num-points", "64", "--json"]):

@@ -41,6 +41,10 @@ class SlidingEdge:
     shift: float = 0.0
     error: float = 0.5  # nobody has measured it
 
+    @property
+    def length(self):
+        return self.thickness
+
     def symbol(self, wave_numbers):
         return sliding(wave_numbers * self.thickness)
 
@@ -189,7 +193,7 @@ def test_a_thin_layer_has_its_own_edges():
     fine = solve(Scene(FrictionlessLayer(1 / 2**12), num_points=2**15)).observables
     assert abs(o.contact_area_subgrid - fine.contact_area_subgrid) < o.contact_area_error
     assert o.contact_area_edges_error > 0.5 / 2**12
-    assert o.contact_area_error > 0.2 / 2**12
+    assert o.contact_area_error > 0.5 / 2**12
 
 
 @pytest.mark.parametrize("thickness", [1e-9, 1e-3, 0.1, 100.0])

@@ -4,12 +4,12 @@ Near its edge the pressure of a contact is one of the curves of `edge_curves`, s
 tell where between two nodes the edge lies. That is right to the first order in 1/w, one over the width w of a patch in
 grid spacings.
 
-To the second order, for patches that are narrow beside the layer's thickness. The last three pressures are
-a (j - theta)^1/2 + b (j - theta)^3/2 far from the edge, on the grid, but for a term e a j^-3/2, with
-e = (beta^2 - beta + 1/6)/8 for an edge at beta - s spacings: on the grid the edge's curve is not quite the root. Far
-away that is like the second derivative, with respect to the half-width A, of the pressure of a smooth indenter, times
--4 e. It carries load, so an exact solution with the same load has another half-width; in terms of the edge that the
-three pressures tell, the edge lies 3 e/w further inside.
+To the second order, for patches that are narrow beside the layer's thickness. For an edge theta = beta - s spacings
+inside the last node the curve goes over into a [(j - theta)^1/2 + e (j - theta)^-3/2], e = (beta^2 - beta + 1/6)/8, and
+not into the root alone. In a patch of half-width A that is the pressure F(x; A) under a smooth indenter plus
+-4 e F'', with F'' the second derivative with respect to A. F'' carries load, so the half-width with that load is
+4 e/A less; and F'' goes like (j - theta)^-1/2 to the next order, which the three pressures take for 5/2 e/A of that
+already. What is left, 3/2 e/A = 3 e/w, the edge lies further inside than they say.
 """
 
 import math
@@ -36,9 +36,9 @@ _OVER_THICKNESS, _OVER_THICKNESS_SQUARED = 0.1, 0.5  # over the layer's thicknes
 _OVER_GAP_SQUARED = 3.0  # over the square of the nodes between neighbouring patches, whose edges disturb each other
 _OF_SPREAD = 0.3  # of the difference between two estimates of one edge, where it is below `_CLOSE`
 
-_NARROW_PATCH = 2.0  # layer thicknesses; narrower patches have the half-space's edges to the second order
-_OVER_SIZE_SQUARED_THERE = 3.0  # in their claim, instead of `_OVER_SIZE` and `_OVER_SIZE_SQUARED`
-_FEWEST = 7  # nodes of such a patch
+_SECOND_ORDER_WIDTH = 2.0  # layer thicknesses; narrower patches have the half-space's edges to the second order
+_SECOND_ORDER_NODES = 7  # at least, of such a patch
+_SECOND_ORDER_CLAIM = 3.0  # over the square of its nodes, instead of `_OVER_SIZE` and `_OVER_SIZE_SQUARED`
 
 _CLOSE, _ALIKE = 0.05, 0.15
 """Grid spacings by which two estimates of an edge may differ to be as good as equal, and to be of an edge at all."""
@@ -102,7 +102,8 @@ class Edges:
 def find_edges(patches: Patches, pressure: Array64, symbol: EdgeSymbol) -> Edges:
     """Sub-grid edges of patches from the pressure, shape (contact nodes,) in compact order [any unit].
 
-    The pressure is first divided by the edge function of the patch's other end. Patches of fewer than three nodes end
+    The pressure is first divided by the edge function of the patch's other end; that is not needed where the edge is
+    found to the second order, see the beginning of this file. Patches of fewer than three nodes end
     half a spacing outside their last nodes, as counting has it, and a full contact has no edge at all.
 
     symbol: the layer on the scale of this grid. The error is an estimate, see the constants of this module; where the
@@ -117,7 +118,7 @@ def find_edges(patches: Patches, pressure: Array64, symbol: EdgeSymbol) -> Edges
     second_order = np.zeros((2, patches.count), dtype=bool)
     if not curve.thin:
         better = _to_second_order(curve, patches, pressure)
-        narrow = (patches.size >= _FEWEST) & (patches.size < _NARROW_PATCH * thickness)
+        narrow = (patches.size >= _SECOND_ORDER_NODES) & (patches.size < _SECOND_ORDER_WIDTH * symbol.length)
         second_order = narrow & (np.abs(better - theta) < _ALIKE) & (spread < _ALIKE)
         theta = np.where(second_order, better, theta)
     finite = _OVER_THICKNESS / thickness + _OVER_THICKNESS_SQUARED / thickness**2
@@ -147,7 +148,7 @@ def _claimed(patches: Patches, spread: Array64, layer: Array64, second_order: Ma
     narrow_gap = _OVER_GAP_SQUARED / np.stack([np.roll(beyond, 1), beyond]) ** 2
     fitted = np.where(spread < _CLOSE, _OF_SPREAD * spread, spread)
     first_order = _OVER_SIZE / patches.size + _OVER_SIZE_SQUARED / patches.size**2
-    fitted = fitted + np.where(second_order, _OVER_SIZE_SQUARED_THERE / patches.size**2, first_order)
+    fitted = fitted + np.where(second_order, _SECOND_ORDER_CLAIM / patches.size**2, first_order)
     fitted += layer + narrow_gap
     counting = np.maximum(layer, 0.5)  # an edge is known as well as by counting, unless the layer spoils it
     return np.where(spread < _ALIKE, np.minimum(fitted, counting), np.clip(spread, counting, np.maximum(counting, 1.0)))

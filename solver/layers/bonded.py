@@ -106,6 +106,10 @@ class _BondedEdge:
     """Of the layer (dimensionless)."""
 
     @property
+    def length(self) -> float:
+        return self.thickness
+
+    @property
     def _stand_in(self) -> tuple[float, float]:
         """Thickness [grid spacings] and Poisson's ratio of the layer that is computed with."""
         thickness = max(self.thickness, _THINNEST_EDGE)

@@ -117,7 +117,7 @@ class CoatedHalfSpace(ElasticLayer):
         thickness, ratio = self.thickness / period * num_points, self.base_modulus / self.contact_modulus
         contrast = max(abs(math.log(ratio)), abs(math.log(self.shear_ratio)))
         thin = 0.02 + min(0.25 * contrast, 1.2)
-        return HalfSpaceEdge(thin if thickness < _THIN else 0.1 / thickness + 0.5 / thickness**2)
+        return HalfSpaceEdge(thin if thickness < _THIN else 0.1 / thickness + 0.5 / thickness**2, thickness)
 
     def to_dict(self) -> dict[str, Any]:
         names = ("thickness", "poisson_ratio", "contact_modulus", "base_modulus", "base_poisson_ratio")

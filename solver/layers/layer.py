@@ -27,6 +27,10 @@ class EdgeSymbol(Protocol):
         """
 
     @property
+    def length(self) -> float:
+        """The layer's length scale, also where `thickness` is `inf` [grid spacings]."""
+
+    @property
     def shift(self) -> float:
         """How far the true edge of a contact lies outside of the edge on the foundation [grid spacings]."""
 
@@ -46,6 +50,8 @@ class HalfSpaceEdge:
 
     error: float
     """By how much it may be wrong [grid spacings]."""
+    length: float
+    """The layer's length scale [grid spacings]; patches much wider than that have another pressure at their edges."""
     thickness: float = math.inf
     shift: float = 0.0
 

@@ -50,6 +50,10 @@ class _SlidingEdge:
     """Of the layer [grid spacings]."""
 
     @property
+    def length(self) -> float:
+        return self.thickness
+
+    @property
     def shift(self) -> float:
         return _edge_shift() * max(self.thickness, _THINNEST_EDGE)
 

@@ -117,7 +117,7 @@ class TabulatedLayer(ElasticLayer):
     def edge_symbol(self, num_points: int, period: float) -> EdgeSymbol:
         """A half-space's, which nobody has measured where the grid's shortest waves do not find one."""
         half_space = _SPACINGS * period / num_points < self.thickness
-        return HalfSpaceEdge(0.0 if half_space else _UNKNOWN_EDGE)
+        return HalfSpaceEdge(0.0 if half_space else _UNKNOWN_EDGE, self.thickness / period * num_points)
 
     def to_dict(self) -> dict[str, Any]:
         return {

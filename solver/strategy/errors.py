@@ -10,12 +10,14 @@ edges of the patches alone is e. On a surface with w points to its shortest wave
 On smooth profiles s = 1, b = 0, and the factor of the others is 1.
 
 The area between sub-grid edges converges with the second or third power of the spacing, which would leave c/15 or c/63,
-and e alone is careful: it has to hold without a coarser grid. The errors of many patches are independent but for a part
-that they have in common: patches that a grid sees with few points to a wave are too narrow, by up to 0.1 (16/w)^1.5
-grid spacings each for the area (0.14 for kappa). Their sum is b.
+and e alone is careful: it has to hold without a coarser grid. (Not so for patches of fewer than 8 nodes, 20 under smooth
+profiles, and for layers whose edge is not known: there e is taken whole.) The errors of many patches are independent but
+for a part that they have in common: patches that a grid sees with few points to a wave are too narrow, by up to
+0.1 (16/w)^1.5 grid spacings each for the area (0.14 for kappa). Their sum is b.
 
-Pressure and approach converge between the first and the second order, so their order is measured: m = 1/(c'/c - 1),
-between 1/3 and 4, with the change c' before c, which also keeps a change that is small by accident from being believed.
+The order of pressure and approach is measured, and at best the first is believed: m = 1/(c'/c - 1), between 1/3 and 4,
+with the change c' before c, which also keeps a change that is small by accident from being believed. With one coarser
+grid alone the whole change is taken.
 
 The numbers were fitted to 600 random scenes (power profiles on layers and half-spaces against collocation, rough
 surfaces against grids of at least 16 times as many points, four grids of each), so that each estimate holds in 97 of
@@ -68,6 +70,9 @@ QUANTITIES = {
 
 DEFAULT_QUANTITY = "contact-area"
 
+_CAREFUL_FROM, _CAREFUL_FROM_IF_SMOOTH = 8.0, 20.0
+"""Nodes of a patch, on the average, from which on the claim of its edges is careful."""
+_UNKNOWN = 0.1  # error of a layer's edge that is too large to be a careful claim [grid spacings]
 _INDEPENDENT = 0.6  # s of many well resolved patches, whose errors are independent; the two edges of one err alike
 _FEW, _FEW_OF_OTHERS, _COMMON = 64.0, 128.0, 16.0  # points to the shortest wave
 _LEAST, _MOST = 1.25, 4.0  # factor by which changes fall from grid to grid, as far as that is believed
@@ -89,12 +94,18 @@ def estimated(
         return math.pow(max(1.0, _FEW_OF_OTHERS * waves), 1.5) * _by_order(values, change)
     edges = float(getattr(found, quantity.edges))
     area = found.contact_area_subgrid
+    if not area:
+        return edges
     each = quantity.per_patch * math.pow(_COMMON * waves, 1.5) / num_points
-    common = each * found.num_patches / area * abs(values[-1]) if area else 0.0
+    common = each * found.num_patches / area * abs(values[-1])
     if not coarser:
         return math.hypot(edges, common)
+    fewest = _CAREFUL_FROM if waves else _CAREFUL_FROM_IF_SMOOTH
+    careful = area * num_points >= fewest * found.num_patches
+    careful &= scene.layer.edge_symbol(num_points, scene.period).error < _UNKNOWN
     several = max(_INDEPENDENT, math.sqrt(_FEW * waves)) if waves else 1.0
-    return math.hypot(several * quantity.of_edges * edges, several * quantity.of_change * change, common)
+    of_edges = quantity.of_edges if careful else 1.0
+    return math.hypot(several * of_edges * edges, several * quantity.of_change * change, common)
 
 
 def _by_order(values: Sequence[float], change: float) -> float:

@@ -48,7 +48,7 @@ class Modelled:
     observables: Observables
     """What is measured, with the errors of the model."""
     error: float
-    """Estimated relative error of what the accuracy is asked of (dimensionless)."""
+    """Estimated relative error: by collocation of what the accuracy is asked of, of a foundation that of a_r."""
     problem: Problem | None = None
     """What was solved on that grid; None where the fields are sampled."""
 

@@ -101,7 +101,10 @@ class _Task:
         """
         o, status, reason = solution.observables, solution.status, solution.reason
         area = min(o.contact_area_error + model_error * o.contact_area_subgrid, 1.0)
-        o = replace(o, contact_area_error=area, kappa_error=o.kappa_error + 2 * model_error * o.kappa_subgrid)
+        kappa = o.kappa_error + QUANTITIES["kappa"].sensitivity * model_error * o.kappa_subgrid
+        o = replace(o, contact_area_error=area, kappa_error=kappa)
+        if self.plan.layer is not self.scene.layer:  # what that leaves out of them is not known
+            o = replace(o, peak_pressure_error=math.inf, approach_error=math.inf)
         value, error = abs(getattr(o, self.quantity.value)), getattr(o, self.quantity.error)
         if status is Status.CONVERGED and not error <= self.accuracy * value:
             status = Status.INACCURATE
@@ -139,9 +142,10 @@ def _winkler(task: _Task) -> Solution | None:
     found = winkler(task.scene)
     value, error = (getattr(found.observables, name) for name in (task.quantity.value, task.quantity.error))
     if not error <= task.accuracy * value:
-        task.chose("Winkler foundation", "no", f"its a_r would be off by a share of {found.error:.1g}")
+        what = task.of.replace("-", " ")
+        task.chose("Winkler foundation", "no", f"its {what} would be off by a share of {error / value:.1g}")
         return None
-    task.chose("model", "Winkler foundation", "the layer's edges are narrow", found.error)
+    task.chose("model", "Winkler foundation", "the layer's edges are narrow", task.quantity.sensitivity * found.error)
     task.chose("grid", f"{found.scene.num_points} points", "no transform is needed")
     return _modelled(task, "winkler-foundation", found)
 
@@ -236,7 +240,8 @@ def _finish(
     task.chose("precision", "float64", "mixed saves next to nothing where transforms are few")
     even = state.even
     task.chose("symmetry", "even" if even else "none", f"h_i {'=' if even else '!='} h_(N-1-i) on this grid")
-    task.chose("tolerance", f"{tolerance:g}", "small beside the accuracy", iteration_share(tolerance))
+    share = task.quantity.sensitivity * iteration_share(tolerance)
+    task.chose("tolerance", f"{tolerance:g}", "small beside the accuracy", share)
     solution = make_solution(scene, problem, certified, levels, effort)
     if not levels:  # without a coarser grid nothing is known, and edges alone are not believed
         unknown = replace(solution.observables, contact_area_error=1.0, kappa_error=math.inf)

@@ -87,6 +87,7 @@ def solve_to_approach(scene: Scene, solve: Callable[[Scene], Solution]) -> Solut
         transform_pairs=points / scene.num_points,
         seconds=seconds,
         choices=(Choice("pressure", f"{pressure:.10g}", why), *found.choices),
+        observables=replace(found.observables, approach_error=abs(found.observables.approach - approach)),
     )
     if found.status is Status.CONVERGED and off > max(_GOOD, min(found.tolerance, _LOOSE)):
         met = f"{approach:g}, and {found.observables.approach:.10g} was found"

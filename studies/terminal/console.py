@@ -40,6 +40,15 @@ class Plain(Console):
         return super().render_str(printable(text), **options)
 
 
+class _Messages(Plain):
+    """Standard error. Without a reader nothing more is said, and the command ends as it would have."""
+
+    def on_broken_pipe(self) -> None:
+        """Rich would end the process with status 1."""
+        self.quiet = True
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stderr.fileno())
+
+
 class Output(Plain):
     """Standard output; a reader that went away is the caller's to handle."""
 
@@ -48,7 +57,7 @@ class Output(Plain):
         raise BrokenPipeError
 
 
-errors = Plain(stderr=True, highlight=False, soft_wrap=True)
+errors = _Messages(stderr=True, highlight=False, soft_wrap=True)
 """Progress and messages; results go to standard output."""
 
 
