@@ -10,10 +10,10 @@ edges of the patches alone is e. On a surface with w points to its shortest wave
 On smooth profiles s = 1, b = 0, and the factor of the others is 1.
 
 The area between sub-grid edges converges with the second or third power of the spacing, which would leave c/15 or c/63,
-and e alone is careful: it has to hold without a coarser grid. (Not so for patches of fewer than 8 nodes, 20 under smooth
-profiles, and for layers whose edge is not known: there e is taken whole.) The errors of many patches are independent but
-for a part that they have in common: patches that a grid sees with few points to a wave are too narrow, by up to
-0.1 (16/w)^1.5 grid spacings each for the area (0.14 for kappa). Their sum is b.
+and e alone is careful: it has to hold without a coarser grid. (Not so for patches of fewer than 8 nodes, 20 under
+smooth profiles, and for layers whose edge is not known: there e is taken whole.) The errors of many patches are
+independent but for a part that they have in common: patches that a grid sees with few points to a wave are too narrow,
+by up to 0.1 (16/w)^1.5 grid spacings each for the area (0.14 for kappa). Their sum is b.
 
 The order of pressure and approach is measured, and at best the first is believed: m = 1/(c'/c - 1), between 1/3 and 4,
 with the change c' before c, which also keeps a change that is small by accident from being believed. With one coarser
