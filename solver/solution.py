@@ -1,5 +1,6 @@
 """What a solve returns."""
 
+import math
 import os
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
@@ -37,6 +38,8 @@ class Level:
     """kappa between sub-grid edges (dimensionless)."""
     peak_pressure: float
     """Largest contact pressure [pressure]."""
+    peak_pressure_sampling: float
+    """By how much the pressure between the nodes may pass that [pressure]."""
     approach: float
     """Rigid approach since first touch [length]."""
     num_patches: int
@@ -137,11 +140,13 @@ class Solution:
     def _rows(self) -> list[display.Row]:
         """What was found, as it is shown: how it ended and what it took first."""
         found, length = self.observables, self.scene.length_unit
-        area, kappa = (
-            f"{display.number(value)} +- {error:.1g}"
+        area, peak, kappa, approach = (
+            display.number(value) + (f" +- {error:.1g}" if error < math.inf else "")
             for value, error in (
                 (found.contact_area_subgrid, found.contact_area_error),
+                (found.peak_pressure, found.peak_pressure_error),
                 (found.kappa_subgrid, found.kappa_error),
+                (found.approach, found.approach_error),
             )
         )
         return [
@@ -152,9 +157,9 @@ class Solution:
             display.Row("contact_area_subgrid", area, "-"),
             display.row("contact_width", self.contact_width, length),
             display.row("num_patches", found.num_patches),
-            display.row("peak_pressure", found.peak_pressure),
+            display.Row("peak_pressure", peak, "pressure"),
             display.Row("kappa_subgrid", kappa, "-"),
-            display.row("approach", found.approach, length),
+            display.Row("approach", approach, length),
         ]
 
     @cached_property

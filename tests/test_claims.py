@@ -13,6 +13,7 @@ from linecontact.solver import (
     PowerIndenter,
     RoughIndenter,
     Scene,
+    SlidingLayer,
     Status,
     solve,
 )
@@ -179,5 +180,27 @@ def test_the_command_line(tmp_path, capsys):
     assert all(run["kappa_error"] <= 0.01 * run["kappa_subgrid"] for run in runs)
     assert {run["accuracy_of"] for run in runs} == {"kappa"}
     assert main.main(["curve", *words[:4], *values, "--accuracy-of", "kappa"]) == 2
+    capsys.readouterr()
+    coarse = ["--num-points", "2^10", "--folder", str(tmp_path / "coarse"), "--accuracy", "1e-6"]
+    assert main.main(["curve", *words[:4], *values[:2], *values[4:], *coarse]) == 3
+    said = " ".join(capsys.readouterr().out.split())
+    assert "2 values are less accurate than asked (1e-06 of the contact area); allowed: more num_points." in said
     columns = curve(Scene(Layer(0.1), num_points=2**12), "pressure", [1e-3], accuracy=1e-3, accuracy_of="approach")
     assert columns["approach_error"][0] <= 1e-3 * columns["approach"][0]
+
+
+def test_a_peak_between_nodes_that_all_grids_share_is_told():
+    """In full contact the largest node is the same on nested grids, and its pressure does not change with them."""
+    scene = Scene(indenter=RoughIndenter(0.8, 2, cut_off_ratio=0.0625), pressure=3.0, num_points=2**12)
+    coarse, fine = (solve(scene.on_grid(n)).observables for n in (2**12, 2**18))
+    assert abs(coarse.peak_pressure - fine.peak_pressure) < coarse.peak_pressure_error < 1e-3 * fine.peak_pressure
+    bought = solve(scene.on_grid(2**18), accuracy=1e-5, accuracy_of="peak-pressure").observables
+    assert abs(bought.peak_pressure - fine.peak_pressure) < 1e-5 * fine.peak_pressure
+
+
+@pytest.mark.parametrize("exponent", [1.05, 1.2, 1.35])
+def test_kappa_at_sharp_tips(exponent):
+    for layer in (SlidingLayer(0.1), Layer()):
+        scene = Scene(layer, PowerIndenter(exponent), 0.01, num_points=2**12)
+        coarse, fine = (solve(scene.on_grid(n)).observables for n in (2**12, 2**18))
+        assert abs(coarse.kappa_subgrid - fine.kappa_subgrid) < coarse.kappa_error < 0.01 * fine.kappa_subgrid

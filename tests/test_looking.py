@@ -44,7 +44,7 @@ def test_printed_results_are_short_and_have_units(solution):
     for thing in things:
         text = repr(thing)
         assert text.startswith(type(thing).__name__)
-        assert text.count("\n") < 8
+        assert text.count("\n") < 9
         assert max(map(len, text.split("\n"))) <= 110
         assert all(len(number.lstrip("0")) <= 6 for number in digits(text))
         assert "array" not in text

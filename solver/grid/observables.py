@@ -58,6 +58,9 @@ class Observables:
     """What is claimed of a_r's error from the edges alone; careful, it has to hold without a coarser grid."""
     kappa_edges_error: float
     """The same for kappa."""
+    peak_pressure_sampling: float
+    """By how much the pressure between the nodes may pass the largest one: a parabola's, through the node and its
+    neighbours [pressure]."""
     peak_pressure_error: float = math.inf
     """Estimated error of the largest contact pressure [pressure]; `inf` where no coarser grid tells."""
     approach_error: float = math.inf
@@ -103,12 +106,25 @@ def observe(
         kappa_error=kappa_error,
         contact_area_edges_error=area_error,
         kappa_edges_error=kappa_error,
+        peak_pressure_sampling=peak_sampling(contact_pressure),
     )
 
 
 def foundation_modulus(scene: Scene) -> float:
     """k_W of the scene's layer [pressure/length]; 0 for a half-space, `inf` for an incompressible layer."""
     return scene.layer.foundation_modulus(1.0) * scene.layer.contact_modulus
+
+
+def peak_sampling(pressure: Array64) -> float:
+    """By how much the pressure between the nodes may pass the largest one, in its unit; pressure: shape (N,).
+
+    Another peak may have its middle on a node where this one has it between two: half of a parabola's curvature, an
+    eighth of that at most, is told, wherever the node is.
+    """
+    at = int(np.argmax(pressure))
+    before, largest, after = (float(pressure[(at + step) % pressure.size]) for step in (-1, 0, 1))
+    inside = min(before, after) > 0
+    return max(2 * largest - before - after, 0.0) / 8 if inside else 0.0
 
 
 def approach(scene: Scene, displacement: Array64) -> float:

@@ -15,9 +15,12 @@ smooth profiles, and for layers whose edge is not known: there e is taken whole.
 independent but for a part that they have in common: patches that a grid sees with few points to a wave are too narrow,
 by up to 0.1 (16/w)^1.5 grid spacings each for the area (0.14 for kappa). Their sum is b.
 
+At tips sharper than |x|^1.5 kappa's sum over the slope converges more slowly, with the power 2n - 1, and more of c is
+taken.
+
 The order of pressure and approach is measured, and at best the first is believed: m = 1/(c'/c - 1), between 1/3 and 4,
 with the change c' before c, which also keeps a change that is small by accident from being believed. With one coarser
-grid alone the whole change is taken.
+grid alone the whole change is taken. To the peak pressure's error comes what the nodes may miss of the peak.
 
 The numbers were fitted to 600 random scenes (power profiles on layers and half-spaces against collocation, rough
 surfaces against grids of at least 16 times as many points, four grids of each), so that each estimate holds in 97 of
@@ -49,6 +52,8 @@ class Quantity:
     """Share of the last change between grids that is left (dimensionless)."""
     per_patch: float = 0.0
     """Error that patches have in common at 16 points to the shortest wave, in the width of each [grid spacings]."""
+    sampling: str | None = None
+    """The name, in both, of what nodes may miss of it; None where that is no matter."""
     sensitivity: float = 1.0
     """Its relative error over that of a_r where a model or an unfinished iteration causes both (dimensionless)."""
 
@@ -63,7 +68,7 @@ QUANTITIES = {
         "contact_area_subgrid", "contact_area_error", "contact_area_edges_error", 0.4, 1 / 12, 0.1
     ),
     "kappa": Quantity("kappa_subgrid", "kappa_error", "kappa_edges_error", 0.5, 1 / 8, 0.14, sensitivity=2.0),
-    "peak-pressure": Quantity("peak_pressure", "peak_pressure_error"),
+    "peak-pressure": Quantity("peak_pressure", "peak_pressure_error", sampling="peak_pressure_sampling"),
     "approach": Quantity("approach", "approach_error"),
 }
 """By the name under which an accuracy of it is asked for."""
@@ -77,6 +82,7 @@ _INDEPENDENT = 0.6  # s of many well resolved patches, whose errors are independ
 _FEW, _FEW_OF_OTHERS, _COMMON = 64.0, 128.0, 16.0  # points to the shortest wave
 _LEAST, _MOST = 1.25, 4.0  # factor by which changes fall from grid to grid, as far as that is believed
 _EARLIER = 1 / 16  # share of the change before the last
+_OVER_ORDER = 1.25  # share of the change over what a known order would leave of it
 
 
 def estimated(
@@ -91,7 +97,8 @@ def estimated(
     values = [float(getattr(level, quantity.value)) for level in (*coarser[-2:], found)]
     change = abs(values[-1] - values[-2]) if coarser else 0.0
     if not quantity.edges:
-        return math.pow(max(1.0, _FEW_OF_OTHERS * waves), 1.5) * _by_order(values, change)
+        sampling = float(getattr(found, quantity.sampling)) if quantity.sampling else 0.0
+        return math.hypot(math.pow(max(1.0, _FEW_OF_OTHERS * waves), 1.5) * _by_order(values, change), sampling)
     edges = float(getattr(found, quantity.edges))
     area = found.contact_area_subgrid
     if not area:
@@ -105,7 +112,11 @@ def estimated(
     careful &= scene.layer.edge_symbol(num_points, scene.period).error < _UNKNOWN
     several = max(_INDEPENDENT, math.sqrt(_FEW * waves)) if waves else 1.0
     of_edges = quantity.of_edges if careful else 1.0
-    return math.hypot(several * of_edges * edges, several * quantity.of_change * change, common)
+    of_change = quantity.of_change
+    if scene.indenter.power_law and quantity.value == "kappa_subgrid":
+        order = min(2 * scene.indenter.power_law[0] - 1, 2.0)  # of the mean square slope's sum, at a sharp tip
+        of_change = max(of_change, _OVER_ORDER / (4**order - 1))
+    return math.hypot(several * of_edges * edges, several * of_change * change, common)
 
 
 def _by_order(values: Sequence[float], change: float) -> float:

@@ -10,7 +10,7 @@ from functools import cached_property
 from ..arrays import Array64
 from ..endings import Status
 from ..grid.edges import Edges
-from ..grid.observables import approach, contact_edges, subgrid_measures
+from ..grid.observables import approach, contact_edges, peak_sampling, subgrid_measures
 from ..grid.patches import Patches
 from ..methods import Method
 from ..scene import Scene
@@ -73,6 +73,7 @@ class Reached:
             contact_area_subgrid=area,
             kappa_subgrid=kappa,
             peak_pressure=scene.pressure * float(self.pressure.max(initial=0.0)),
+            peak_pressure_sampling=scene.pressure * peak_sampling(self.pressure),
             approach=approach(scene, state.displacement * state.problem.length_unit),
             num_patches=self.contact[0].count,
             contact_area_edges_error=error,

@@ -36,6 +36,7 @@ def without_contact(scene: Scene, means: Means) -> Solution:
         found,
         contact_area_error=0.0,
         contact_area_edges_error=0.0,
+        peak_pressure_sampling=0.0,
         peak_pressure_error=0.0,
         approach_error=0.0,
         reduced_pressure=math.nan,

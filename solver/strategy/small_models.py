@@ -82,6 +82,7 @@ def asperity(scene: Scene, layer: ElasticLayer, accuracy: float, of: str) -> Mod
         observables,
         kappa_error=errors["kappa"] * observables.kappa_subgrid,
         peak_pressure=peak,
+        peak_pressure_sampling=0.0,
         peak_pressure_error=errors["peak_pressure"] * peak if power[0] >= 2 else math.inf,
         approach=approach,
         approach_error=errors["approach"] * length * abs(found.approach),

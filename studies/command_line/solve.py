@@ -171,7 +171,7 @@ def solution_table(solution: Solution) -> Table:
     table.add_column("value", justify="right")
     table.add_column("unit")
     spacing = 1 / solution.scene.num_points
-    own = "" if solution.levels else "; edges only"
+    own = "; edges only" if solution.certificate and not solution.levels else ""
     rows = [
         ("contact area a_r (sub-grid edges)", f"{record['contact_area_subgrid']:.10g}", "-"),
         ("  its error, estimated", error, f"- (absolute{own})"),

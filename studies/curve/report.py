@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from linecontact.solver import Status
 from rich.console import RenderableType
 from rich.table import Table
 
@@ -20,7 +21,15 @@ _MEANS = {"contact_area_subgrid": "a_r", "kappa_subgrid": "kappa"}
 def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
     """The table, and the means over seeds."""
     (file,) = files.values()
-    return [summary(file), *means(file), *warned(file)]
+    return [summary(file), *means(file), *short(file), *warned(file)]
+
+
+def short(file: StudyFile) -> list[str]:
+    """A sentence on the values that are less accurate than asked; none where all are."""
+    count = sum(run["status"] == str(Status.INACCURATE) for run in file.runs)
+    c = file.configuration
+    what = f"{c.get('accuracy')} of the {str(c.get('accuracy_of', '')).replace('-', ' ')}"
+    return [f"{count} values are less accurate than asked ({what}); allowed: more num_points."] if count else []
 
 
 def warned(file: StudyFile) -> list[str]:
@@ -36,7 +45,7 @@ def summary(file: StudyFile) -> Table:
     table = console.table(
         title=f"{len(file.runs)} values of {over}",
         caption="a_r and kappa between sub-grid edges, +-: the estimated error of a_r; stiffness: dp/d(approach); M: "
-        "contact patches; *: not converged. All other quantities: `linecontact export`.",
+        "contact patches; *: not converged, or less accurate than asked. All other quantities: `linecontact export`.",
     )
     columns = {over: over, "a_r": "1", "+-": "1"} | ({"pressure": "pressure"} if over == "approach" else {})
     columns |= {"kappa": "1"} | ({"approach": "approach"} if over != "approach" else {})
