@@ -152,9 +152,9 @@ def subgrid_measures(
         return 0.0, 0.0, 0.0, math.inf
     whole = float(squared_slope[patches.nodes].sum())
     # what the sum leaves of the integral over the nodes' cells, to the next order (Euler and Maclaurin)
-    after, before = (patches.last + 1) % num_points, (patches.first - 1) % num_points
-    rise = squared_slope[after] - squared_slope[patches.last % num_points]
-    rise -= squared_slope[patches.first % num_points] - squared_slope[before]
+    first, last = (ends[~edges.counted] for ends in (patches.first, patches.last))
+    rise = squared_slope[(last + 1) % num_points] - squared_slope[last % num_points]
+    rise -= squared_slope[first % num_points] - squared_slope[(first - 1) % num_points]
     whole += float(rise.sum()) / 24
     # the strips between the last nodes' cells and the edges, at the slope in their middle
     strips = np.concatenate([patches.first - 0.5 - edges.left, edges.right - patches.last - 0.5])
