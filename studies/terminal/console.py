@@ -43,6 +43,13 @@ class Plain(Console):
 class _Messages(Plain):
     """Standard error. Without a reader nothing more is said, and the command ends as it would have."""
 
+    def print(self, *objects: Any, **options: Any) -> None:
+        """As of any console; older versions of Rich do not ask `on_broken_pipe`."""
+        try:
+            super().print(*objects, **options)
+        except BrokenPipeError:
+            self.on_broken_pipe()
+
     def on_broken_pipe(self) -> None:
         """Rich would end the process with status 1."""
         self.quiet = True
