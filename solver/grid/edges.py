@@ -103,8 +103,8 @@ def find_edges(patches: Patches, pressure: Array64, symbol: EdgeSymbol) -> Edges
     """Sub-grid edges of patches from the pressure, shape (contact nodes,) in compact order [any unit].
 
     The pressure is first divided by the edge function of the patch's other end; that is not needed where the edge is
-    found to the second order, see the beginning of this file. Patches of fewer than three nodes end
-    half a spacing outside their last nodes, as counting has it, and a full contact has no edge at all.
+    found to the second order, see the beginning of this file. Patches of fewer than three nodes end half a spacing
+    outside their last nodes, as counting has it, and a full contact has no edge at all.
 
     symbol: the layer on the scale of this grid. The error is an estimate, see the constants of this module; where the
     pressures do not look like an edge, because the profile bends within a few spacings, it is as large as two estimates

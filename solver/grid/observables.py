@@ -59,8 +59,7 @@ class Observables:
     kappa_edges_error: float
     """The same for kappa."""
     peak_pressure_sampling: float
-    """By how much the pressure between the nodes may pass the largest one: a parabola's, through the node and its
-    neighbours [pressure]."""
+    """By how much the pressure between the nodes may pass the largest one, see `peak_sampling` [pressure]."""
     peak_pressure_error: float = math.inf
     """Estimated error of the largest contact pressure [pressure]; `inf` where no coarser grid tells."""
     approach_error: float = math.inf
@@ -116,10 +115,10 @@ def foundation_modulus(scene: Scene) -> float:
 
 
 def peak_sampling(pressure: Array64) -> float:
-    """By how much the pressure between the nodes may pass the largest one, in its unit; pressure: shape (N,).
+    """By how much the pressure between the nodes may pass the largest one, in the pressure's unit.
 
-    Another peak may have its middle on a node where this one has it between two: half of a parabola's curvature, an
-    eighth of that at most, is told, wherever the node is.
+    A parabola passes the largest of its nodes by an eighth of the second difference at most. 0 where a neighbour of the
+    largest node is not in contact. pressure: shape (N,).
     """
     at = int(np.argmax(pressure))
     before, largest, after = (float(pressure[(at + step) % pressure.size]) for step in (-1, 0, 1))

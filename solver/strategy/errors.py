@@ -52,6 +52,8 @@ class Quantity:
     """Share of the last change between grids that is left (dimensionless)."""
     per_patch: float = 0.0
     """Error that patches have in common at 16 points to the shortest wave, in the width of each [grid spacings]."""
+    of_slope: bool = False
+    """Whether it is made of the slope, too, whose mean square converges slowly at a sharp tip."""
     sampling: str | None = None
     """The name, in both, of what nodes may miss of it; None where that is no matter."""
     sensitivity: float = 1.0
@@ -67,7 +69,9 @@ QUANTITIES = {
     "contact-area": Quantity(
         "contact_area_subgrid", "contact_area_error", "contact_area_edges_error", 0.4, 1 / 12, 0.1
     ),
-    "kappa": Quantity("kappa_subgrid", "kappa_error", "kappa_edges_error", 0.5, 1 / 8, 0.14, sensitivity=2.0),
+    "kappa": Quantity(
+        "kappa_subgrid", "kappa_error", "kappa_edges_error", 0.5, 1 / 8, 0.14, of_slope=True, sensitivity=2.0
+    ),
     "peak-pressure": Quantity("peak_pressure", "peak_pressure_error", sampling="peak_pressure_sampling"),
     "approach": Quantity("approach", "approach_error"),
 }
@@ -95,12 +99,10 @@ def estimated(
     """
     waves = scene.indenter.effective_wave(num_points) / num_points  # 1/w
     values = [float(getattr(level, quantity.value)) for level in (*coarser[-2:], found)]
-    change = abs(values[-1] - values[-2]) if coarser else 0.0
     if not quantity.edges:
         sampling = float(getattr(found, quantity.sampling)) if quantity.sampling else 0.0
-        return math.hypot(math.pow(max(1.0, _FEW_OF_OTHERS * waves), 1.5) * _by_order(values, change), sampling)
-    edges = float(getattr(found, quantity.edges))
-    area = found.contact_area_subgrid
+        return math.hypot(math.pow(max(1.0, _FEW_OF_OTHERS * waves), 1.5) * _by_order(values), sampling)
+    edges, area = float(getattr(found, quantity.edges)), found.contact_area_subgrid
     if not area:
         return edges
     each = quantity.per_patch * math.pow(_COMMON * waves, 1.5) / num_points
@@ -112,17 +114,29 @@ def estimated(
     careful &= scene.layer.edge_symbol(num_points, scene.period).error < _UNKNOWN
     several = max(_INDEPENDENT, math.sqrt(_FEW * waves)) if waves else 1.0
     of_edges = quantity.of_edges if careful else 1.0
-    of_change = quantity.of_change
-    if scene.indenter.power_law and quantity.value == "kappa_subgrid":
-        order = min(2 * scene.indenter.power_law[0] - 1, 2.0)  # of the mean square slope's sum, at a sharp tip
-        of_change = max(of_change, _OVER_ORDER / (4**order - 1))
-    return math.hypot(several * of_edges * edges, several * of_change * change, common)
+    change = _of_change(quantity, scene) * abs(values[-1] - values[-2])
+    return math.hypot(several * of_edges * edges, several * change, common)
 
 
-def _by_order(values: Sequence[float], change: float) -> float:
-    """What the changes of a quantity from grid to grid, at most the last two, leave by the order that they have."""
-    if len(values) < 3:
-        return change if len(values) == 2 else math.inf
+def _of_change(quantity: Quantity, scene: Scene) -> float:
+    """Share of the last change between grids that is left (dimensionless)."""
+    power = scene.indenter.power_law
+    if not (power and quantity.of_slope):
+        return quantity.of_change
+    order = min(2 * power[0] - 1, 2.0)  # of the mean square slope's sum
+    return max(quantity.of_change, _OVER_ORDER / (4**order - 1))
+
+
+def _by_order(values: Sequence[float]) -> float:
+    """What the changes of a quantity from grid to grid leave by the order that they have.
+
+    values: on up to three grids, from coarse to fine; of one grid nothing is known (`inf`).
+    """
+    if len(values) == 1:
+        return math.inf
+    change = abs(values[-1] - values[-2])
+    if len(values) == 2:
+        return change
     before = abs(values[-2] - values[-3])
     ratio = min(max(before / change, _LEAST), _MOST) if change else _MOST
     return math.hypot(change / (ratio - 1), _EARLIER * before)

@@ -76,11 +76,10 @@ def asperity(scene: Scene, layer: ElasticLayer, accuracy: float, of: str) -> Mod
     if layer is not scene.layer:  # the mean compression of the layer that there is
         approach += length * scene.pressure / modulus / scene.layer.foundation_modulus(length)
     observables = observe(scene, profile, displacement, pressure, pressure > 0)
-    observables = _with_area(scene, observables, found.contact_area, errors["contact_area"])
+    observables = _with_area(scene, observables, found.contact_area, errors["contact_area"], errors["kappa"])
     peak = modulus * found.peak_pressure
     observables = replace(
         observables,
-        kappa_error=errors["kappa"] * observables.kappa_subgrid,
         peak_pressure=peak,
         peak_pressure_sampling=0.0,
         peak_pressure_error=errors["peak_pressure"] * peak if power[0] >= 2 else math.inf,
@@ -98,8 +97,10 @@ def _field_scene(scene: Scene, area: float) -> Scene:
     return replace(scene, num_points=min(num_points, scene.num_points))
 
 
-def _with_area(scene: Scene, observables: Observables, area: float, error: float) -> Observables:
-    """Observables of a power profile whose contact area is known without a grid; error: relative."""
+def _with_area(
+    scene: Scene, observables: Observables, area: float, area_error: float, kappa_error: float
+) -> Observables:
+    """Observables of a power profile whose contact area is known without a grid; errors: relative, of the model."""
     power = scene.indenter.power_law
     assert power
     n, radius, load = power[0], power[1] / scene.period, scene.reduced_load
@@ -109,16 +110,16 @@ def _with_area(scene: Scene, observables: Observables, area: float, error: float
         observables,
         contact_area=area,
         contact_area_subgrid=area,
-        contact_area_error=error * area,
-        contact_area_edges_error=error * area,
+        contact_area_error=area_error * area,
+        contact_area_edges_error=area_error * area,
         rms_gradient_contact=gradient,
         rms_gradient_subgrid=gradient,
         reduced_pressure=load / gradient,
         reduced_thickness=scene.layer.thickness / (area * scene.period),
         kappa=kappa,
         kappa_subgrid=kappa,
-        kappa_error=n * error * kappa,
-        kappa_edges_error=n * error * kappa,
+        kappa_error=kappa_error * kappa,
+        kappa_edges_error=kappa_error * kappa,
         kappa_ratio=kappa / kappa_half_space(n),
         num_patches=1,
         num_counted_patches=0,
@@ -148,8 +149,9 @@ def winkler(scene: Scene) -> Modelled:
     displacement = np.where(contact, profile, np.minimum(level * problem.length_unit, profile))
     observables = observe(scene, profile, displacement, pressure, contact)
     if sampled:
+        assert power
         error = _edges(scene) / area
-        observables = _with_area(scene, observables, area, error)
+        observables = _with_area(scene, observables, area, error, power[0] * error)
         peak, approach = modulus * level * scene.pressure, level * problem.length_unit
         observables = replace(observables, peak_pressure=peak, approach=approach)
     else:
