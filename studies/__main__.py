@@ -9,11 +9,13 @@ import signal
 import sys
 from typing import Any, NoReturn
 
+from .one_thread import ONE_THREAD
+
 
 def main() -> int:
     """Run `linecontact`; returns the exit status."""
-    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):  # read when NumPy is loaded
-        os.environ.setdefault(name, "1")
+    for name, count in ONE_THREAD.items():
+        os.environ.setdefault(name, count)
     interrupt, term = signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)
     if interrupt is signal.default_int_handler:  # else someone wants it ignored
         signal.signal(signal.SIGINT, _leave)
@@ -35,11 +37,17 @@ def main() -> int:
     except KeyboardInterrupt:  # outside of any command
         _leave()
     except OSError as error:  # of --help: its reader has gone away, or the disk is full
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # the flush at exit must not fail again
-        if isinstance(error, BrokenPipeError):
-            return 141
-        os.write(2, f"linecontact: {error}\n".encode())
-        return 2
+        return _ended_by(error)
+
+
+def _ended_by(error: OSError) -> int:
+    """The exit status, as that of any command which ends like this."""
+    from .terminal import console
+
+    def fail() -> int:
+        raise error
+
+    return console.guard(fail)
 
 
 def _leave(*_: Any) -> NoReturn:

@@ -4,10 +4,11 @@ import os
 from pathlib import Path
 
 import pytest
+from linecontact.studies.one_thread import ONE_THREAD
 
 # Tests run side by side, and so do the studies in them. Threads of several of them on the same cores wait for each
 # other, and their number may change the last bit. To be set before NumPy is loaded.
-os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"))
+os.environ.update(ONE_THREAD)
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
 """Runs studies: what a study must offer, its tasks, where they run, and what becomes of their records.
 
-May import: linecontact.solver, terminal, files, figures.
+May import: linecontact.solver, one_thread, terminal, files, figures.
 """

@@ -15,14 +15,12 @@ from typing import Any
 from linecontact.solver import checks
 from linecontact.solver.methods import Progress
 
+from ..one_thread import ONE_THREAD
 from ..terminal import console
 
 _LEAST_MEMORY = 0.5  # GiB: the interpreter with everything loaded takes half of that
 
-_WORKER_ENVIRONMENT = {
-    "OMP_NUM_THREADS": "1",
-    "OPENBLAS_NUM_THREADS": "1",
-    "MKL_NUM_THREADS": "1",
+_WORKER_ENVIRONMENT = ONE_THREAD | {
     # glibc: keep what was freed; returning it and zeroing it anew takes a sixth of a solve at 2^18
     "MALLOC_TRIM_THRESHOLD_": "1000000000",
     "MALLOC_MMAP_THRESHOLD_": "1000000000",
