@@ -81,7 +81,7 @@ class Client:
     def text(self, name):
         """What a part of the page says, as far as the server's messages were read."""
         part = self._session.document.get_model_by_name(name)
-        return part.value if name in ("status", "link", "command") else part.text
+        return part.text if name == "note" else part.value
 
     def settle(self, holds="a_r ="):
         """The answer to the newest event, once it holds this text; reads the server's messages until then."""
@@ -248,7 +248,7 @@ def test_a_scan_that_went_away_is_told_and_nothing_is_lost(tmp_path):
 
 
 needs_browser = pytest.mark.skipif(browser.PROGRAM is None, reason="no Chromium")
-_ANSWER = "Bokeh.documents[0].get_model_by_name('answer').text"
+_ANSWER = "Bokeh.documents[0].get_model_by_name('answer').value"
 
 
 @needs_browser
@@ -266,6 +266,47 @@ def test_the_page_in_a_browser(server):
         asked = [urlsplit(address) for address in page.requests if not address.startswith(("data:", "blob:"))]
         assert {one.netloc for one in asked} == {f"127.0.0.1:{server.port}"}
         assert any(one.scheme == "ws" for one in asked)
+        assert not page.troubles
+
+
+_HOOK = """(() => {
+    const walk = (view) => [view, ...(view.child_views ?? []).flatMap(walk)]
+    const figures = Object.values(Bokeh.index).flatMap(walk).filter((view) => view.model.type === 'Figure')
+    for (const figure of figures) {
+        const paint = figure._actual_paint.bind(figure)
+        figure._actual_paint = () => { paint(); setTimeout(() => { window.painted = performance.now() }) }
+    }
+    return figures.length
+})()"""
+_MOVE = """new Promise((resolve) => {
+    const page = Bokeh.documents[0], said = page.get_model_by_name('answer').properties.value.change
+    const begin = performance.now()
+    const seen = () => {
+        said.disconnect(seen)
+        const arrived = performance.now() - begin
+        setTimeout(() => resolve([arrived, window.painted - begin]), 200)  // before curves are computed
+    }
+    said.connect(seen)
+    page.get_model_by_name('pressure').value = %f
+})"""
+
+
+@pytest.mark.slow
+@needs_browser
+@pytest.mark.parametrize("profile", ["power", "rough"])
+def test_time_from_a_slider_to_the_screen(profile):
+    with Server("--num-points", 2**14, "--profile", profile) as program, browser.Browser() as page:
+        page.open(program.address)
+        page.wait("typeof Bokeh !== 'undefined' && Bokeh.documents.length > 0")
+        page.wait(f"{_ANSWER}.includes('a_r =')")
+        page.wait("Bokeh.documents[0].get_model_by_name('status').value === ''")
+        assert page.value(_HOOK) == 4
+        page.value("new Promise((resolve) => setTimeout(resolve, 4000))")  # both curves
+        times = [page.value(_MOVE % (-3 + 1.5 * (place * 0.618 % 1))) for place in range(43)][3:]
+        for what, of in zip(("answer in the page", "painted"), zip(*times, strict=True), strict=True):
+            print(f"{profile}, {what}: median {sorted(of)[20]:.0f} ms, nine of ten within {sorted(of)[36]:.0f} ms")
+            assert all(0 < time < 1e5 for time in of)
+        assert all(arrived < painted for arrived, painted in times)
         assert not page.troubles
 
 

@@ -29,7 +29,7 @@ from .curves import Curve
 from .newest import Newest
 from .panels import Fields, Surroundings
 from .start import Start
-from .wording import said
+from .wording import doubted, said
 
 Later = Callable[[Callable[[], None]], object]
 """Has something done by whoever may change the document."""
@@ -44,12 +44,12 @@ _OFTEN = 0.5
 TEMPLATE = """{% block preamble %}<meta http-equiv="Content-Security-Policy" content="default-src 'self' data: blob:
 'unsafe-inline' 'unsafe-eval'">{% endblock %}"""
 _COPY = "navigator.clipboard.writeText(shown.value)"
-_STEADY = {"overflow-y": "auto"}  # the figures below stay where they are, however many warnings there are
 # Texts that change often stand in inputs: a new text of any other kind has the browser lay out the whole page again.
 _SMALL = ["textarea { font: 11px monospace; word-break: break-all }"]
-_PLAIN = [
-    "input.bk-input { border-color: transparent; font-style: italic; padding: 0; height: 20px; min-height: 20px }"
-]
+_PLAIN = ".bk-input { border-color: transparent; padding: 0; min-height: 20px }"
+_ANSWER = [_PLAIN, "textarea { font-size: 13px }"]
+_DOUBTS = [_PLAIN, "textarea { font-size: 12px; color: #8a3a00 }"]
+_STATUS = [_PLAIN, "input { font-style: italic; height: 20px }"]
 
 
 @dataclass(frozen=True)
@@ -76,8 +76,10 @@ class Page:
         names = list(start.indenters)
         self._profile = RadioButtonGroup(name="profile", labels=names, active=names.index(values["profile"]))
         self._profile.on_change("active", lambda _, old, new: self._moved("profile", names[new]))
-        self._status = TextInput(name="status", stylesheets=_PLAIN, sizing_mode="stretch_width")
-        self._answer = Div(name="answer", height=125, styles=_STEADY, sizing_mode="stretch_width")
+        self._status = TextInput(name="status", stylesheets=_STATUS, sizing_mode="stretch_width")
+        wide: dict[str, Any] = {"max_length": None, "sizing_mode": "stretch_width"}
+        self._answer = TextAreaInput(name="answer", rows=5, stylesheets=_ANSWER, **wide)
+        self._doubts = TextAreaInput(name="doubts", rows=2, stylesheets=_DOUBTS, **wide)
         self._note = Div(name="note", styles={"color": "#8a5a00"})
         options = {"rows": 6, "max_length": None, "width": 330, "stylesheets": _SMALL}
         self._link, self._command = (TextAreaInput(name=name, **options) for name in ("link", "command"))
@@ -101,7 +103,7 @@ class Page:
         side = column(title, self._profile, *self._sliders.values(), *copies, self._note, width=350)
         curves = row(*(around.figure for around in self._around.values()), sizing_mode="stretch_width")
         fields = (self._fields.shape, self._fields.pressure)
-        wide = column(self._answer, self._status, *fields, curves, sizing_mode="stretch_width")
+        wide = column(self._answer, self._doubts, self._status, *fields, curves, sizing_mode="stretch_width")
         return row(side, wide, sizing_mode="stretch_width")
 
     def complain(self, text: str) -> None:
@@ -172,7 +174,7 @@ class Page:
 
     def _show(self, event: Event, found: Answer, curves: Mapping[Control, Curve]) -> None:
         solution = found.solution
-        self._answer.text = said(found, time.perf_counter() - event.moment)
+        self._answer.value, self._doubts.value = said(found, time.perf_counter() - event.moment), doubted(found)
         self._fields.show(solution)
         for control, around in self._around.items():
             around.show_point(solution)

@@ -23,6 +23,7 @@ def _figure(label: str, height: int, **options: object) -> figure:
     made = figure(height=height, tools=_TOOLS, sizing_mode="stretch_width", y_axis_label=label, **options)
     made.toolbar.logo = None  # it links to another host
     made.min_border_left = 75  # both panels begin at the same pixel
+    made.axis.minor_tick_line_color = made.outline_line_color = None  # a browser takes its time for every line
     return made
 
 
@@ -30,6 +31,13 @@ def _put(source: ColumnDataSource, data: Mapping[str, ArrayLike]) -> None:
     """Set a source's columns if they are others: what stays as it is is neither sent nor painted again."""
     if any(not np.array_equal(source.data[name], column) for name, column in data.items()):
         source.data = dict(data)
+
+
+def _up(number: float) -> float:
+    """The next of 1, 1.5, 2, 3, 5, 7, 10 ... of a positive number's decade: a range that seldom changes is seldom drawn
+    anew."""
+    decade = 10.0 ** math.floor(math.log10(number))
+    return next(step * decade for step in (1, 1.5, 2, 3, 5, 7, 10, 15) if step * decade >= number)
 
 
 def _clear(source: ColumnDataSource) -> None:
@@ -50,6 +58,7 @@ class Fields:
         label = f"height{self._heights.symbol}"
         self.shape = _figure(label, 255, x_range=self.x_range, y_range=Range1d(0, 1))
         self.pressure = _figure("pressure/E* (dimensionless)", 225, x_range=self.x_range, y_range=Range1d(0, 1))
+        self.shape.xaxis.visible = False
         self.pressure.xaxis.axis_label = f"position x{self._along.symbol}"
         self.shape.line("x", "y", source=self._shown["indenter"], color="black", legend_label="indenter h")
         self.shape.line("x", "y", source=self._shown["surface"], color=COLOURS[0], legend_label="surface u")
@@ -113,10 +122,11 @@ class Fields:
     def _set_ranges(self, fields: dict[str, Array64]) -> None:
         """The surface fills the lower half of its panel: what rises higher of the indenter is far from it."""
         low, high = float(fields["surface"].min()), float(fields["surface"].max())
-        room = (high - low) or float(np.ptp(fields["indenter"])) or 1.0
+        room = _up((high - low) or float(np.ptp(fields["indenter"])) or 1.0)
         top = min(high + room, max(high, float(fields["indenter"].max())))
-        self.shape.y_range.update(start=low - 0.1 * room, end=top + 0.1 * room)
-        peak = float(fields["pressure"].max()) or 1.0
+        step = 0.2 * room
+        self.shape.y_range.update(start=(math.floor(low / step) - 0.5) * step, end=(math.ceil(top / step) + 0.5) * step)
+        peak = _up(float(fields["pressure"].max()) or 1.0)
         self.pressure.y_range.update(start=-0.08 * peak, end=1.2 * peak)
 
 
@@ -127,7 +137,9 @@ class Surroundings:
         self._control, self._high = control, span[1]
         self._curve = ColumnDataSource({"x": [], "y": [], "low": [], "high": []})
         self._point = ColumnDataSource({"x": [], "y": []})
-        self.figure = _figure("contact area a_r (dimensionless)", 280, x_axis_type="log", y_axis_type="log")
+        self.figure = _figure(
+            "contact area a_r (dimensionless)", 280, x_axis_type="log", y_axis_type="log", y_range=Range1d(0.01, 1)
+        )
         self.figure.xaxis.axis_label = f"{control.title} (dimensionless)"
         self.figure.x_range.update(start=10 ** (span[0] - 0.2), end=10 ** (span[1] + 0.7))
         self.figure.title.text_font_style = "normal"
@@ -136,11 +148,10 @@ class Surroundings:
             end = self._place(math.inf)
             self.figure.xaxis.ticker = FixedTicker(ticks=[*decades, end])
             self.figure.xaxis.major_label_overrides = {end: HALF_SPACE}
-        line = self.figure.line("x", "y", source=self._curve, color=COLOURS[5])
+        self.figure.line("x", "y", source=self._curve, color=COLOURS[5])
         self.figure.scatter("x", "y", source=self._curve, color=COLOURS[5], size=4)
         self.figure.segment(x0="x", y0="low", x1="x", y1="high", source=self._curve, color=COLOURS[5])
-        point = self.figure.scatter("x", "y", source=self._point, color=COLOURS[3], size=11, line_color="black")
-        self.figure.y_range.renderers = [line, point]  # an error bar may reach down to 0
+        self.figure.scatter("x", "y", source=self._point, color=COLOURS[3], size=11, line_color="black")
 
     def show_point(self, solution: Solution | None) -> None:
         """Set the point to a solution, or take it away."""
@@ -150,6 +161,7 @@ class Surroundings:
         place = self._place(own_value(self._control, solution.scene))
         area = solution.observables.contact_area_subgrid
         _put(self._point, {"x": np.array([place]), "y": np.array([area])})
+        self._set_range()
 
     def show_curve(self, curve: Curve | None) -> None:
         """Draw a curve as far as it is known, and say on which grid it was computed; None: take it away."""
@@ -162,6 +174,13 @@ class Surroundings:
         _put(self._curve, {"x": x, "y": area, "low": np.maximum(area - error, 1e-3 * area), "high": area + error})
         failed = f", {curve.failed} without an answer" if curve.failed else ""
         self.figure.title.text = f"{value.size} scenes on {curve.num_points} points each{failed}"
+        self._set_range()
+
+    def _set_range(self) -> None:
+        """Show the point and the curve; an error bar may reach down to 0."""
+        area = np.concatenate([self._point.data["y"], self._curve.data["y"]])
+        if area.size and area.min() > 0:
+            self.figure.y_range.update(start=1 / _up(1.2 / area.min()), end=_up(1.2 * area.max()))
 
     def _place(self, value: float) -> float:
         """Where a number stands on the axis; the half-space at its end."""
