@@ -11,7 +11,8 @@ from linecontact import __version__
 
 project, author, release = "linecontact", "the linecontact developers", __version__
 copyright = author
-extensions = ["myst_parser"]
+extensions = ["myst_nb"]
+nb_execution_mode, nb_execution_timeout, nb_execution_raise_on_error = "force", 120, True
 exclude_patterns = ["build"]
 html_theme, html_title = "furo", f"linecontact {release}"
 html_math_renderer = "mathml"

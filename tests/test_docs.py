@@ -114,4 +114,7 @@ def test_the_site_is_built_without_a_warning_and_takes_nothing_from_elsewhere(tm
     for page in pages:
         loaded = re.findall(r"<(?:script|link|img)[^>]*(?:src|href)=\"([^\"]+)\"", page.read_text())
         assert not [link for link in loaded if "://" in link or link.startswith("//")], page.name
+    notebook = (tmp_path / "site" / "notebook.html").read_text()
+    assert notebook.count("<table") == 2  # a scene and a solution, as their cells have shown them
+    assert len(re.findall(r"<img [^>]*_images/", notebook)) == 3
     assert "<math" in (tmp_path / "site" / "physics.html").read_text()
