@@ -44,6 +44,8 @@ class Level:
     """Rigid approach since first touch [length]."""
     num_patches: int
     """Contact patches."""
+    num_patches_by_load: int
+    """Of these, those whose ends are found by their load."""
     contact_area_edges_error: float
     """What is claimed of a_r's error from the edges alone (dimensionless)."""
     kappa_edges_error: float

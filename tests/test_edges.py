@@ -86,7 +86,7 @@ def test_area_within_a_hundredth_of_a_spacing_per_edge(n, d):
 def test_areas_of_smooth_contacts_converge_with_the_third_power_of_the_spacing(n, smallest):
     """With the edges to the first order it is the second power; kappa's integral goes along with that."""
     errors = []
-    for num_points in (2**9, 2**11):
+    for num_points in (2**10, 2**12):  # patches so wide that their pressures tell where they end
         found = []
         for load in np.geomspace(1.5e-3, 3e-3, 9):  # all places between two nodes
             exact = closed_forms.periodic_half_space_area(n, 1.0, load)

@@ -28,7 +28,7 @@ def test_a_resolved_contact_needs_no_warning():
 
 def test_each_kind_has_its_scene():
     assert WarningKind.GRID in kinds(Scene(num_points=64, pressure=1e-8))  # one node
-    assert WarningKind.ERROR in kinds(Scene(num_points=64, pressure=1e-4))
+    assert WarningKind.ERROR in kinds(Scene(Layer(1e-3), num_points=64, pressure=1e-4))
     assert WarningKind.SLOPE in kinds(replace(rough(rms_gradient=1.0), pressure=1e-2))
     assert WarningKind.STRAIN in kinds(Scene(pressure=0.2, num_points=2**10))
     assert WarningKind.FULL in kinds(replace(rough(), pressure=0.02))

@@ -1,4 +1,4 @@
-"""Where a contact ends between the nodes: the ends of its patches, and how well they are known.
+"""Where a contact ends between the nodes, by the pressures there: the ends of its patches, and how well they are known.
 
 Near its edge the pressure of a contact is one of the curves of `edge_curves`, so the last two or three nodal pressures
 tell where between two nodes the edge lies. That is right to the first order in 1/w, one over the width w of a patch in
@@ -23,7 +23,7 @@ from .edge_curves import EdgeCurve, edge_curve, edge_function, half_space_curve
 from .patches import Patches
 
 COUNTED_BELOW = 3
-"""Nodes; the nodes of smaller patches are counted."""
+"""Nodes; smaller patches have no pressures that tell their ends."""
 
 _NARROW = 4.0  # layer thicknesses; narrower patches on layers of `_THINNEST` spacings have the half-space's edge
 _THINNEST = 2.5  # grid spacings
@@ -86,12 +86,20 @@ class Edges:
     error: Array64
     """Estimated errors of the patches' widths, shape (M,) [grid spacings]."""
     counted: Mask
-    """Which patches are too small for anything but counting their nodes, shape (M,)."""
+    """Which patches have as many spacings as nodes because nothing better is known, shape (M,)."""
+    squared_slope: Array64 | None = None
+    """Integral of h'^2 over each patch, shape (M,) [grid spacings]; NaN, or None for all, where it is to be had from
+    the nodes."""
 
     @property
     def width(self) -> Array64:
         """Widths, shape (M,) [grid spacings]."""
         return self.right - self.left
+
+    @property
+    def by_load(self) -> int:
+        """Number of patches whose ends their load has told, see `loads`."""
+        return 0 if self.squared_slope is None else int(np.isfinite(self.squared_slope).sum())
 
     @property
     def total_error(self) -> float:
@@ -131,11 +139,15 @@ def find_edges(patches: Patches, pressure: Array64, symbol: EdgeSymbol) -> Edges
             theta, spread = np.where(narrow, other, (theta, spread))
     counted = patches.size < COUNTED_BELOW
     outside = np.where(counted, 0.5, -theta)
-    left, right = patches.first - outside[0], patches.last + outside[1]
-    # patches one node apart: not beyond each other
-    overlap = np.maximum(right - np.append(left[1:], left[:1] + patches.num_points), 0.0) / 2
+    left, right = apart(patches.first - outside[0], patches.last + outside[1], patches.num_points)
     error = np.where(counted, math.sqrt(0.5), _claimed(patches, spread, layer, second_order))
-    return Edges(left + np.roll(overlap, 1), right - overlap, np.hypot(*error), counted)
+    return Edges(left, right, np.hypot(*error), counted)
+
+
+def apart(left: Array64, right: Array64, num_points: int) -> tuple[Array64, Array64]:
+    """Ends of patches in a period of `num_points` spacings, those of neighbours not beyond each other."""
+    overlap = np.maximum(right - np.append(left[1:], left[:1] + num_points), 0.0) / 2
+    return left + np.roll(overlap, 1), right - overlap
 
 
 def _claimed(patches: Patches, spread: Array64, layer: Array64, second_order: Mask) -> Array64:

@@ -9,7 +9,8 @@ from .. import display
 from ..arrays import Array64, Mask
 from ..reference.closed_forms import kappa_half_space
 from ..scene import Scene
-from .edges import Edges, find_edges
+from .contact import contact_edges
+from .edges import Edges
 from .patches import Patches
 
 
@@ -42,7 +43,9 @@ class Observables:
     num_patches: int
     """Runs of neighbouring contact nodes."""
     num_counted_patches: int
-    """Patches of fewer than three nodes, whose nodes are counted even in the sub-grid area."""
+    """Patches whose nodes are counted even in the sub-grid area: neither pressures nor loads tell their ends."""
+    num_patches_by_load: int
+    """Patches whose ends are found by their load, see `loads`."""
     contact_area_subgrid: float
     """a_r between the sub-grid edges."""
     contact_area_error: float
@@ -82,7 +85,7 @@ def observe(
     reduced = scene.reduced_load / gradient if gradient else math.inf
     kappa = area / reduced
     layer, power = scene.layer, scene.indenter.power_law
-    patches, edges = contact_edges(scene, contact_pressure)
+    patches, edges = contact_edges(scene, contact_pressure, profile)
     area_subgrid, gradient_subgrid, kappa_subgrid, sensitivity = subgrid_measures(scene, patches, edges, squared_slope)
     area_error = edges.total_error / scene.num_points if area else 1.0
     kappa_error = sensitivity * area_error if area_error else 0.0
@@ -98,6 +101,7 @@ def observe(
         peak_pressure=float(contact_pressure.max(initial=0.0)),
         num_patches=patches.count,
         num_counted_patches=int(edges.counted.sum()),
+        num_patches_by_load=edges.by_load,
         contact_area_subgrid=area_subgrid,
         contact_area_error=area_error,
         rms_gradient_subgrid=gradient_subgrid,
@@ -132,13 +136,6 @@ def approach(scene: Scene, displacement: Array64) -> float:
     return float(displacement.mean()) + (scene.pressure / modulus if modulus else 0.0)
 
 
-def contact_edges(scene: Scene, pressure: Array64) -> tuple[Patches, Edges]:
-    """Patches and their sub-grid edges, from the contact pressure [any unit], 0 off the contact, shape (N,), any N."""
-    patches = Patches.of(pressure > 0)
-    symbol = scene.layer.edge_symbol(pressure.size, scene.period)
-    return patches, find_edges(patches, pressure[patches.nodes], symbol)
-
-
 def subgrid_measures(
     scene: Scene, patches: Patches, edges: Edges, squared_slope: Array64
 ) -> tuple[float, float, float, float]:
@@ -149,19 +146,21 @@ def subgrid_measures(
     num_points, width = squared_slope.size, float(edges.width.sum())
     if width == 0:
         return 0.0, 0.0, 0.0, math.inf
-    whole = float(squared_slope[patches.nodes].sum())
+    known = np.full(patches.count, np.nan) if edges.squared_slope is None else edges.squared_slope
+    unknown = np.isnan(known)
+    whole = np.where(unknown, patches.sums(squared_slope[patches.nodes]), known)
     # what the sum leaves of the integral over the nodes' cells, to the next order (Euler and Maclaurin)
-    first, last = (ends[~edges.counted] for ends in (patches.first, patches.last))
+    first, last = patches.first, patches.last
     rise = squared_slope[(last + 1) % num_points] - squared_slope[last % num_points]
     rise -= squared_slope[first % num_points] - squared_slope[(first - 1) % num_points]
-    whole += float(rise.sum()) / 24
+    whole += np.where(unknown & ~edges.counted, rise / 24, 0.0)
     # the strips between the last nodes' cells and the edges, at the slope in their middle
-    strips = np.concatenate([patches.first - 0.5 - edges.left, edges.right - patches.last - 0.5])
-    middles = np.concatenate([(patches.first - 0.5 + edges.left) / 2, (patches.last + 0.5 + edges.right) / 2])
+    strips = np.stack([first - 0.5 - edges.left, edges.right - last - 0.5])
+    middles = np.stack([(first - 0.5 + edges.left) / 2, (last + 0.5 + edges.right) / 2])
     node = np.floor(middles).astype(np.int64)
     part = middles - node
     at = (1 - part) * squared_slope[node % num_points] + part * squared_slope[(node + 1) % num_points]
-    mean_square = (whole + float(strips @ at)) / width
+    mean_square = float((whole + np.where(unknown, (strips * at).sum(axis=0), 0.0)).sum()) / width
     if not mean_square > 0:
         return width / num_points, 0.0, 0.0, math.inf
     gradient = math.sqrt(mean_square)

@@ -11,7 +11,7 @@ import numpy as np
 from .. import display
 from ..arrays import Array64
 from ..scene import Scene
-from .observables import contact_edges
+from .contact import contact_edges
 
 
 @dataclass(frozen=True, eq=False)

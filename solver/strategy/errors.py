@@ -3,17 +3,19 @@
 From a grid with a quarter of the points to the present one a quantity changes by c; what is claimed for it from the
 edges of the patches alone is e. On a surface with w points to its shortest wave its error is estimated as
 
-    contact area               sqrt(s^2 ((0.4 e)^2 + (c/12)^2) + b^2), s = max(0.6, 8/sqrt(w))
-    kappa                      sqrt(s^2 ((0.5 e)^2 + (c/8)^2) + b^2)
+    contact area               sqrt(s^2 ((0.7 e)^2 + (c/24)^2) + b^2), s = max(0.6, 7/sqrt(w))
+    kappa                      sqrt(s^2 ((0.5 e)^2 + (c/24)^2) + b^2)
     peak pressure, approach    max(1, (128/w)^1.5) sqrt((m c)^2 + (c'/16)^2)
 
-On smooth profiles s = 1, b = 0, and the factor of the others is 1.
+On smooth profiles s = 1, b = 0, the shares of area and kappa are 0.4 and 0.5 of e, c/12 and c/8, and the factor of the
+others is 1.
 
 The area between sub-grid edges converges with the second or third power of the spacing, which would leave c/15 or c/63,
-and e alone is careful: it has to hold without a coarser grid. (Not so for patches of fewer than 8 nodes, 20 under
-smooth profiles, and for layers whose edge is not known: there e is taken whole.) The errors of many patches are
-independent but for a part that they have in common: patches that a grid sees with few points to a wave are too narrow,
-by up to 0.1 (16/w)^1.5 grid spacings each for the area (0.14 for kappa). Their sum is b.
+and e alone is careful: it has to hold without a coarser grid. (Not so under smooth profiles for patches of fewer than
+20 nodes, and for layers whose edge is not known: there e is taken whole.) The errors of many patches are independent
+but for a part that they have in common: patches that a grid sees with few points to a wave are too narrow, if their
+pressures tell where they end, by up to 0.1 (16/w)^1.5 grid spacings each for the area (0.14 for kappa), and by up to
+0.015 (16/w)^1.5 (0.02) if their loads do. Their sum is b.
 
 At tips sharper than |x|^1.5 kappa's sum over the slope converges more slowly, with the power 2n - 1, and more of c is
 taken.
@@ -46,12 +48,13 @@ class Quantity:
     """The name of its error in `Observables`."""
     edges: str | None = None
     """The name, in both, of what its error would be by the edges alone; None where they do not matter."""
-    of_edges: float = 0.0
-    """Share of that which is left beside a coarser grid (dimensionless)."""
-    of_change: float = 0.0
-    """Share of the last change between grids that is left (dimensionless)."""
-    per_patch: float = 0.0
-    """Error that patches have in common at 16 points to the shortest wave, in the width of each [grid spacings]."""
+    of_edges: tuple[float, float] = (0.0, 0.0)
+    """Share of that which is left beside a coarser grid, under smooth and rough profiles (dimensionless)."""
+    of_change: tuple[float, float] = (0.0, 0.0)
+    """Share of the last change between grids that is left, likewise (dimensionless)."""
+    per_patch: tuple[float, float] = (0.0, 0.0)
+    """Error that patches have in common at 16 points to the shortest wave, in the width of each, where pressures and
+    where loads tell their ends [grid spacings]."""
     of_slope: bool = False
     """Whether it is made of the slope, too, whose mean square converges slowly at a sharp tip."""
     sampling: str | None = None
@@ -67,10 +70,22 @@ class Quantity:
 
 QUANTITIES = {
     "contact-area": Quantity(
-        "contact_area_subgrid", "contact_area_error", "contact_area_edges_error", 0.4, 1 / 12, 0.1
+        "contact_area_subgrid",
+        "contact_area_error",
+        "contact_area_edges_error",
+        of_edges=(0.4, 0.7),
+        of_change=(1 / 12, 1 / 24),
+        per_patch=(0.1, 0.015),
     ),
     "kappa": Quantity(
-        "kappa_subgrid", "kappa_error", "kappa_edges_error", 0.5, 1 / 8, 0.14, of_slope=True, sensitivity=2.0
+        "kappa_subgrid",
+        "kappa_error",
+        "kappa_edges_error",
+        of_edges=(0.5, 0.5),
+        of_change=(1 / 8, 1 / 24),
+        per_patch=(0.14, 0.02),
+        of_slope=True,
+        sensitivity=2.0,
     ),
     "peak-pressure": Quantity("peak_pressure", "peak_pressure_error", sampling="peak_pressure_sampling"),
     "approach": Quantity("approach", "approach_error"),
@@ -79,11 +94,11 @@ QUANTITIES = {
 
 DEFAULT_QUANTITY = "contact-area"
 
-_CAREFUL_FROM, _CAREFUL_FROM_IF_SMOOTH = 8.0, 20.0
-"""Nodes of a patch, on the average, from which on the claim of its edges is careful."""
+_CAREFUL_FROM_IF_SMOOTH = 20.0
+"""Nodes of a patch under a smooth profile, on the average, from which on the claim of its edges is careful."""
 _UNKNOWN = 0.1  # error of a layer's edge that is too large to be a careful claim [grid spacings]
 _INDEPENDENT = 0.6  # s of many well resolved patches, whose errors are independent; the two edges of one err alike
-_FEW, _FEW_OF_OTHERS, _COMMON = 64.0, 128.0, 16.0  # points to the shortest wave
+_FEW, _FEW_OF_OTHERS, _COMMON = 49.0, 128.0, 16.0  # points to the shortest wave
 _LEAST, _MOST = 1.25, 4.0  # factor by which changes fall from grid to grid, as far as that is believed
 _EARLIER = 1 / 16  # share of the change before the last
 _OVER_ORDER = 1.25  # share of the change over what a known order would leave of it
@@ -105,26 +120,28 @@ def estimated(
     edges, area = float(getattr(found, quantity.edges)), found.contact_area_subgrid
     if not area:
         return edges
-    each = quantity.per_patch * math.pow(_COMMON * waves, 1.5) / num_points
-    common = each * found.num_patches / area * abs(values[-1])
+    by_load = found.num_patches_by_load
+    each = [share * of for share, of in zip(quantity.per_patch, (found.num_patches - by_load, by_load), strict=True)]
+    common = sum(each) * math.pow(_COMMON * waves, 1.5) / num_points / area * abs(values[-1])
     if not coarser:
         return math.hypot(edges, common)
-    fewest = _CAREFUL_FROM if waves else _CAREFUL_FROM_IF_SMOOTH
-    careful = area * num_points >= fewest * found.num_patches
+    rough = waves > 0
+    careful = rough or area * num_points >= _CAREFUL_FROM_IF_SMOOTH * found.num_patches
     careful &= scene.layer.edge_symbol(num_points, scene.period).error < _UNKNOWN
-    several = max(_INDEPENDENT, math.sqrt(_FEW * waves)) if waves else 1.0
-    of_edges = quantity.of_edges if careful else 1.0
-    change = _of_change(quantity, scene) * abs(values[-1] - values[-2])
+    several = max(_INDEPENDENT, math.sqrt(_FEW * waves)) if rough else 1.0
+    of_edges = quantity.of_edges[rough] if careful else 1.0
+    change = _of_change(quantity, scene, rough) * abs(values[-1] - values[-2])
     return math.hypot(several * of_edges * edges, several * change, common)
 
 
-def _of_change(quantity: Quantity, scene: Scene) -> float:
+def _of_change(quantity: Quantity, scene: Scene, rough: bool) -> float:
     """Share of the last change between grids that is left (dimensionless)."""
     power = scene.indenter.power_law
+    share = quantity.of_change[rough]
     if not (power and quantity.of_slope):
-        return quantity.of_change
+        return share
     order = min(2 * power[0] - 1, 2.0)  # of the mean square slope's sum
-    return max(quantity.of_change, _OVER_ORDER / (4**order - 1))
+    return max(share, _OVER_ORDER / (4**order - 1))
 
 
 def _by_order(values: Sequence[float]) -> float:

@@ -9,8 +9,9 @@ from functools import cached_property
 
 from ..arrays import Array64
 from ..endings import Status
+from ..grid.contact import contact_edges
 from ..grid.edges import Edges
-from ..grid.observables import approach, contact_edges, peak_sampling, subgrid_measures
+from ..grid.observables import approach, peak_sampling, subgrid_measures
 from ..grid.patches import Patches
 from ..methods import Method
 from ..scene import Scene
@@ -59,7 +60,8 @@ class Reached:
     @cached_property
     def contact(self) -> tuple[Patches, Edges]:
         """Its patches and their ends."""
-        return contact_edges(self.scene, self.pressure)
+        problem = self.state.problem
+        return contact_edges(self.scene, self.pressure, problem.height * problem.length_unit)
 
     @cached_property
     def level(self) -> Level:
@@ -76,6 +78,7 @@ class Reached:
             peak_pressure_sampling=scene.pressure * peak_sampling(self.pressure),
             approach=approach(scene, state.displacement * state.problem.length_unit),
             num_patches=self.contact[0].count,
+            num_patches_by_load=edges.by_load,
             contact_area_edges_error=error,
             kappa_edges_error=sensitivity * error if error else 0.0,
             iterations=state.iteration,

@@ -18,8 +18,10 @@ import numpy as np
 
 from ..arrays import Array64, Mask
 from ..endings import Status
+from ..grid.contact import contact_edges
 from ..grid.edge_curves import edge_curve, punch_end
-from ..grid.observables import contact_edges, foundation_modulus
+from ..grid.edges import COUNTED_BELOW
+from ..grid.observables import foundation_modulus
 from ..grid.problem import Problem
 from ..methods import active_set, relax
 from ..methods.method import Setting
@@ -86,6 +88,6 @@ def _beyond_nodes(scene: Scene, pressure: Array64, punch: Array64) -> float:
     total = 0.0
     for node, beyond in ((patches.first, patches.first - edges.left), (patches.last, edges.right - patches.last)):
         squared = (punch[node % pressure.size] / first) ** 2  # k^2 over the grid spacing
-        total += float(np.sum(np.where(edges.counted, 0.0, squared * (beyond - end))))
+        total += float(np.sum(np.where(patches.size < COUNTED_BELOW, 0.0, squared * (beyond - end))))
     spacing = scene.period / pressure.size
     return 2 * math.pi / scene.layer.contact_modulus * total * spacing**2 / scene.period

@@ -56,6 +56,8 @@ def prolong(scene: Scene, pressure: Array64, patches: Patches, ends: Edges, num_
                 basis *= np.where(m < count, (x - m) / (k - m), 1.0)
         values += basis * smooth[np.minimum(base + k, smooth.size - 1)]
     values *= edges_at(fine, nodes - first[p], factor, fine_curve)
+    if not values.any():  # single nodes, all of them outside of where their loads say that the contact is
+        values[:] = 1.0
     values *= factor * pressure.sum() / values.sum()
     fine_pressure = np.zeros(num_points)
     # never 0: the node belongs to the contact

@@ -123,6 +123,7 @@ def _with_area(
         kappa_ratio=kappa / kappa_half_space(n),
         num_patches=1,
         num_counted_patches=0,
+        num_patches_by_load=0,
     )
 
 
@@ -193,6 +194,7 @@ def _measured(
         rms_gradient_subgrid=gradient,
         kappa_subgrid=kappa,
         num_counted_patches=0,
+        num_patches_by_load=0,
     )
     return found, change
 

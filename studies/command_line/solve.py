@@ -182,7 +182,7 @@ def solution_table(solution: Solution) -> Table:
             else []
         ),
         ("mean pressure p", solution.scene.pressure, "pressure"),
-        ("contact patches", record["num_patches"], f"- ({record['num_counted_patches']} of 1 or 2 nodes)"),
+        ("contact patches", record["num_patches"], f"- ({record['num_counted_patches']} counted by nodes)"),
         ("rms gradient in contact g_c", record["rms_gradient_contact"], "-"),
         ("reduced pressure p* = p/(E* g_c)", record["reduced_pressure"], "-"),
         ("kappa = a_r/p*", record["kappa"], "-"),

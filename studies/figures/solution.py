@@ -9,7 +9,7 @@ from typing import Any
 import matplotlib
 import numpy as np
 from linecontact.solver import LAYERS, Solution, Status
-from linecontact.solver.grid.edges import find_edges
+from linecontact.solver.grid.contact import ends
 from linecontact.solver.grid.patches import Patches
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -141,7 +141,8 @@ def _contact(solution: StoredSolution) -> Contact:
     if kind is None:
         return Contact(*(np.asarray(end * spacing) for end in (patches.first - 0.5, patches.last + 0.5)))
     layer = kind(**{f.name: results[f"scene.{f.name}"] for f in fields(kind) if f"scene.{f.name}" in results})
-    edges = find_edges(patches, pressure[patches.nodes], layer.edge_symbol(pressure.size, spacing * pressure.size))
+    over_modulus = pressure / layer.contact_modulus
+    patches, edges = ends(layer, spacing * pressure.size, solution.profile, over_modulus)
     return Contact(edges.left * spacing, (edges.left + edges.width) * spacing)
 
 
