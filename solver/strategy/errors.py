@@ -7,7 +7,7 @@ edges of the patches alone is e. On a surface with w points to its shortest wave
     kappa                      sqrt(s^2 ((0.5 e)^2 + (c/24)^2) + b^2)
     peak pressure, approach    max(1, (128/w)^1.5) sqrt((m c)^2 + (c'/16)^2)
 
-On smooth profiles s = 1, b = 0, the shares of area and kappa are 0.4 and 0.5 of e, c/12 and c/8, and the factor of the
+On smooth profiles s = 1, b = 0, the shares of area and kappa are 0.36 and 0.5 of e, c/13 and c/8, and the factor of the
 others is 1.
 
 The area between sub-grid edges converges with the second or third power of the spacing, which would leave c/15 or c/63,
@@ -73,8 +73,8 @@ QUANTITIES = {
         "contact_area_subgrid",
         "contact_area_error",
         "contact_area_edges_error",
-        of_edges=(0.4, 0.7),
-        of_change=(1 / 12, 1 / 24),
+        of_edges=(0.36, 0.7),
+        of_change=(1 / 13, 1 / 24),
         per_patch=(0.1, 0.015),
     ),
     "kappa": Quantity(
