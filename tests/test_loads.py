@@ -1,0 +1,131 @@
+"""Ends of narrow patches from their loads: closed forms, neighbours, layers, and rough surfaces with few points."""
+
+import math
+
+import numpy as np
+import pytest
+from linecontact.solver import Layer, MeasuredIndenter, PowerIndenter, RoughIndenter, Scene, solve
+from linecontact.solver.grid import contact
+from linecontact.solver.grid.contact import contact_edges
+from linecontact.solver.grid.loads import from_loads, slope_between
+from linecontact.solver.grid.patches import Patches
+from linecontact.solver.reference import closed_forms, collocation
+
+FEW_POINTS = RoughIndenter(hurst=0.3, roll_off_ratio=1 / 8, cut_off_ratio=1 / 64)
+"""Shortest wave L/512."""
+
+
+def half_space(q):
+    return np.ones_like(q)
+
+
+def alone(curvature, cubic, quartic, half_width, nodes):
+    """A patch under h' = curvature x + cubic x^2 + quartic x^3 about 0, with its exact nodal load and centre.
+
+    The load is put on the nodes evenly but for a slope that puts the centre where it belongs.
+    """
+    b1 = curvature * half_width + 0.75 * quartic * half_width**3
+    b2 = 0.5 * cubic * half_width**2
+    load, centre = math.pi / 4 * half_width * b1, half_width * b2 / (2 * b1)
+    n = 4096
+    x = np.arange(n) - n // 2
+    height = curvature * x**2 / 2 + cubic * x**3 / 3.0 + quartic * x**4 / 4.0
+    first = n // 2 - nodes // 2
+    patches = Patches(n, np.array([first]), np.array([first + nodes - 1]))
+    at = x[patches.nodes]
+    second = float(((at - at.mean()) ** 2).sum())
+    share = 1 / nodes + ((centre - at.mean()) * (at - at.mean()) / second if nodes > 1 else 0.0)
+    return patches, load * share, height
+
+
+@pytest.mark.parametrize(("cubic", "quartic"), [(0.0, 0.0), (0.0, 4e-5), (2e-4, 0.0), (-2e-4, 3e-5)])
+def test_a_patch_whose_load_is_known_in_closed_form(cubic, quartic):
+    """Exact but for the own images, a^2/(24 pi) (2 pi/N)^2 of the curvature each, and the neighbours' even load."""
+    half_width, nodes = 5.3, 11
+    patches, pressure, height = alone(0.01, cubic, quartic, half_width, nodes)
+    found = from_loads(patches, np.array([0]), pressure, height, half_space, math.inf, np.array([5.0]))
+    assert found.solved[0]
+    assert found.half_width[0] == pytest.approx(half_width, rel=1e-5)
+    assert found.centre[0] == pytest.approx(2048, abs=1e-4)
+    if not cubic:
+        assert found.skew[0] < 1e-5
+    if not (cubic or quartic):
+        assert found.bend[0] < 1e-5
+
+
+def test_a_slope_between_nodes_is_that_of_the_polynomial_through_six():
+    x = np.arange(64.0)
+    first, second = slope_between(np.sin(2 * np.pi * x / 16), np.array([[3.3, 10.7, -0.2, 63.9]]))
+    at = 2 * np.pi / 16 * np.array([[3.3, 10.7, -0.2, 63.9]])
+    np.testing.assert_allclose(first, 2 * np.pi / 16 * np.cos(at), atol=1e-4)
+    np.testing.assert_allclose(second, -((2 * np.pi / 16) ** 2) * np.sin(at), atol=2e-4)
+
+
+@pytest.mark.parametrize("num_points", [32, 48, 64, 100])
+def test_a_parabola_of_few_nodes(num_points):
+    """The load is the scene's, so only what the neighbouring periods do is not exact."""
+    exact = closed_forms.periodic_half_space_area(2.0, 1.0, 5e-4)
+    found = solve(Scene(indenter=PowerIndenter(2.0), pressure=5e-4, num_points=num_points)).observables
+    assert found.num_patches_by_load == 1
+    assert found.num_counted_patches == 0
+    assert found.contact_area_subgrid == pytest.approx(exact, rel=2e-3)
+    kappa = closed_forms.kappa_from_area(2.0, exact, 1.0, 5e-4)
+    assert found.kappa_subgrid == pytest.approx(kappa, rel=5e-3)
+
+
+@pytest.mark.parametrize("poisson_ratio", [0.0, 0.25, 0.45, 0.5])
+@pytest.mark.parametrize("thickness", [0.3, 0.08, 0.03])
+def test_a_layer_bends_the_slope(thickness, poisson_ratio):
+    """Patches up to a fifth of the thickness, against collocation; 0.02 spacings is what is claimed about there."""
+    pressure = 0.004 * thickness**2
+    exact = collocation.solve_load(pressure, 2.0, 1.0, thickness, poisson_ratio).contact_area
+    num_points = 2 * round(0.5 * 10 / exact)
+    scene = Scene(Layer(thickness, poisson_ratio), PowerIndenter(2.0), pressure, num_points=num_points)
+    found = solve(scene).observables
+    assert found.num_patches_by_load == 1
+    assert found.contact_area_subgrid * num_points == pytest.approx(exact * num_points, abs=0.03)
+
+
+def area_errors(indenter, layer, num_points, seeds):
+    """Relative errors of the area, by load and by pressure and counting, against the grid of 2^15 points."""
+    errors = []
+    for seed in seeds:
+        scene = Scene(layer, RoughIndenter(indenter.hurst, seed, 1 / 8, 1 / 64), 0.01, num_points=2**15)
+        coarse, true = solve(scene.on_grid(num_points)), solve(scene).observables.contact_area_subgrid
+        with pytest.MonkeyPatch.context() as patched:
+            patched.setattr(contact, "_MOST_NODES", 0)
+            counted = contact_edges(coarse.scene, coarse.contact_pressure)[1]
+        errors.append((coarse.observables.contact_area_subgrid / true - 1, counted.width.sum() / num_points / true - 1))
+    return np.sqrt(np.mean(np.square(errors), axis=0))
+
+
+@pytest.mark.parametrize(("points", "most"), [(8, 0.015), (16, 0.004)])
+def test_areas_of_rough_surfaces_with_few_points_to_a_wave(points, most):
+    by_load, counted = area_errors(FEW_POINTS, Layer(), 512 * points, range(6))
+    assert by_load < most
+    assert by_load < counted / 4
+
+
+def test_loads_serve_layers_too():
+    by_load, counted = area_errors(FEW_POINTS, Layer(0.02, 0.4), 512 * 8, range(6))
+    assert by_load < 0.015
+    assert by_load < counted / 3
+
+
+def test_the_load_says_nothing_where_the_profile_is_not_known_between_the_nodes():
+    """Noise: the pressures go on telling, or nodes are counted; the error says how little is known."""
+    noise = np.random.default_rng(1).uniform(0, 1e-3, 2**10)
+    found = solve(Scene(indenter=MeasuredIndenter(noise), pressure=1e-4, num_points=2**10)).observables
+    assert found.contact_area_error > 0.05 * found.contact_area_subgrid
+
+
+def test_the_patches_of_a_solution_add_up():
+    solution = solve(Scene(indenter=FEW_POINTS, pressure=0.01, num_points=2**12))
+    patches, edges = contact_edges(solution.scene, solution.contact_pressure)
+    assert edges.by_load == solution.observables.num_patches_by_load > 0.8 * patches.count
+    assert edges.width.sum() / 2**12 == pytest.approx(solution.observables.contact_area_subgrid)
+    assert (edges.left[1:] >= edges.right[:-1]).all()
+    finer, slopes = 64, solution.scene.indenter.slope(2**18, 1.0)
+    for one in np.flatnonzero(np.isfinite(edges.squared_slope))[:40]:
+        inside = np.arange(math.ceil(edges.left[one] * finer), math.floor(edges.right[one] * finer) + 1) % 2**18
+        assert edges.squared_slope[one] == pytest.approx(float((slopes[inside] ** 2).sum()) / finer, rel=0.15, abs=2e-3)
