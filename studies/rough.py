@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from linecontact.studies.rough_surfaces import ensembles
 from linecontact.studies.rough_surfaces.report import report
 from linecontact.studies.rough_surfaces.tasks import QUICK, Configuration, plan
 from linecontact.studies.runner import study
@@ -30,11 +31,17 @@ class Options(study.Options):
 
     quick: bool = False
     """2^14 points and 8 realisations."""
+    standard_error: float | None = None
+    """Instead of a number of surfaces: the standard error of kappa and of the contact area wanted at every point, over
+    their means, like 0.01. Most surfaces are then solved on coarse grids. It needs a folder of its own."""
 
 
 def plans(options: Options) -> Sequence[study.Plan]:
-    """The tasks at full size, or those of the quick study."""
-    return [plan(QUICK if options.quick else CONFIGURATION)]
+    """The tasks at full size, or those of the quick study. Raises `ValueError`."""
+    configuration = QUICK if options.quick else CONFIGURATION
+    if options.standard_error is not None:
+        return [ensembles.plan(configuration, options.standard_error)]
+    return [plan(configuration)]
 
 
 def draw(path: Path) -> "dict[str, Figure]":

@@ -10,14 +10,19 @@ from matplotlib.figure import Figure
 
 from ..figures.style import COLOURS, MARKERS, TWO_COLUMNS, NothingToDraw, distinct, legend_below, load, panels
 from ..files.study_files import StudyFile
-from . import means
+from . import ensembles, means
 from .tasks import FIGURES
 
 
 def draw(path: Path) -> dict[str, Figure]:
     """The published Figure 5, the share of the patches in it, and what counting nodes adds to the area."""
     study = load(path)
-    return dict(zip(FIGURES, (ratio(study), patches(study), bias(study)), strict=True))
+    if ensembles.is_one(study):
+        found = ensembles.states(study)
+        known = {hurst: ensembles.kappa_inf(found, hurst) for hurst in study.configuration["hursts"]}
+        return {"": ratio(study, list(ensembles.points(found)), {h: k.mean for h, k in known.items() if k})}
+    kappas = {h: float(np.mean(list(means.half_space(study, h).values()))) for h in study.configuration["hursts"]}
+    return dict(zip(FIGURES, (ratio(study, _points(study), kappas), patches(study), bias(study)), strict=True))
 
 
 def _panels(study: StudyFile, rows: int) -> tuple[Figure, list[list[Axes]], list[float]]:
@@ -52,13 +57,14 @@ def _points(study: StudyFile) -> list[means.Point]:
     return points
 
 
-def ratio(study: StudyFile) -> Figure:
-    """(kappa_d/kappa_inf)/(d/a_r) over d/a_r with its limits and Persson's prediction."""
+def ratio(study: StudyFile, points: list[means.Point], kappas: dict[float, float]) -> Figure:
+    """(kappa_d/kappa_inf)/(d/a_r) over d/a_r with its limits and Persson's prediction; kappas: kappa_inf by H."""
+    if not points:
+        raise NothingToDraw("no mean is known both on a layer and on the half-space yet")
     figure, rows, hursts = _panels(study, 1)
-    points = _points(study)
     x = np.array([p.reduced_thickness.value for p in points])
     for axes, hurst in zip(rows[0], hursts, strict=True):
-        kappa = float(np.mean(list(means.half_space(study, hurst).values())))
+        kappa = kappas.get(hurst, means.PUBLISHED_KAPPA)
         for nu, colour, marker in zip(
             study.configuration["poisson_ratios"], cycle(COLOURS), cycle(MARKERS), strict=False
         ):

@@ -9,8 +9,9 @@ from rich.console import RenderableType
 from rich.table import Table
 
 from ..files.study_files import StudyFile
+from ..multilevel.allocation import State
 from ..terminal import console
-from . import means
+from . import ensembles, means
 
 
 def summary(file: StudyFile) -> Table:
@@ -68,5 +69,58 @@ def kappas(file: StudyFile) -> str:
 
 
 def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
-    """For each file a table, and a sentence on the values on the half-space."""
-    return [part for file in files.values() for part in (summary(file), kappas(file))]
+    """For each file a table, and a sentence on the values on the half-space or on what was asked for."""
+    return [
+        part
+        for file in files.values()
+        for part in (_to_standard_error(file) if ensembles.is_one(file) else (summary(file), kappas(file)))
+    ]
+
+
+def _to_standard_error(file: StudyFile) -> Sequence[RenderableType]:
+    """A row for each Hurst exponent and Poisson's ratio, and what is missing."""
+    asked, found = file.configuration["standard_error"], ensembles.states(file)
+    table = console.table(
+        title=f"rough to a standard error of {asked:g}, p = {file.configuration['pressure']:g} E*",
+        caption="ok: points whose kappa and contact area have that standard error, over their means; surfaces: the "
+        "fewest and the most of a point; grids: the finest ones of the points; y: (kappa_d/kappa_inf)/(d/a_r) at the "
+        "thinnest layer, mean and standard error, and over the single patch's 2 sqrt(3) (1-2nu)/(1-nu)^2/kappa_inf; s: "
+        "seconds of solving in all; plain: seconds that the finest grids alone would take for the same error. Rows "
+        "with nu = -: the half-space, y is kappa_inf. All but s and plain dimensionless.",
+    )
+    for heading in ("H", "nu", "ok", "surfaces", "grids", "y", "y/single", "s", "plain"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    every = list(ensembles.points(found))
+    for hurst, nu, half_space in dict.fromkeys((h, nu, math.isinf(d)) for h, nu, d in found):
+        kappa = ensembles.kappa_inf(found, hurst)
+        own = [p for p in every if (p.hurst, p.poisson_ratio) == (hurst, nu)]
+        y = ("", "")
+        if half_space and kappa:
+            y = (str(means.Mean(kappa.mean, kappa.standard_error)), "")
+        elif own and kappa:
+            thin = min(own, key=lambda p: p.thickness)
+            y = (str(thin.slope), f"{thin.slope.value / means.single_patch(nu, kappa.mean):.3g}")
+        chosen = {key: s for key, s in found.items() if (*key[:2], math.isinf(key[2])) == (hurst, nu, half_space)}
+        runs = file.select("scene.hurst", hurst).select("scene.poisson_ratio", nu).runs
+        spent = sum(run["seconds.total"] for run in runs if math.isinf(run["scene.thickness"]) == half_space)
+        ok, *sizes, plain = _sizes(list(chosen.values()))
+        table.add_row(f"{hurst:g}", "-" if half_space else f"{nu:g}", ok, *sizes, *y, f"{spent:.0f}", plain)
+    why = {state.out_of_reach for state in found.values() if state.out_of_reach}
+    return [table, *(f"What was asked for is not reached: {reason}." for reason in sorted(why))]
+
+
+def _sizes(states: Sequence[State]) -> tuple[str, str, str, str]:
+    """How many points are done, their surfaces and grids, and the time of plain sampling [s]."""
+    known = [state.estimates["kappa"] for state in states if state.estimates]
+    ok = f"{sum(bool(s.estimates) and not (s.batches or s.out_of_reach) for s in states)}/{len(states)}"
+    if not known:
+        return ok, "", "", ""
+    surfaces = [estimate.terms[0].count for estimate in known]
+    finest = [math.log2(estimate.terms[-1].num_points) for estimate in known]
+    plain = sum(estimate.plain_cost(estimate.standard_error) for estimate in known)
+    return ok, _span(surfaces), f"2^{_span(finest)}", f"{plain:.0f}"
+
+
+def _span(numbers: Sequence[float]) -> str:
+    low, high = min(numbers), max(numbers)
+    return f"{low:g}" if low == high else f"{low:g}-{high:g}"

@@ -125,16 +125,22 @@ def plan(c: Configuration) -> Plan:
         return Task(c.num_points, c.cut_off_ratio, c.pressure, hurst, nu, thickness, seed, c.tolerance, c.method)
 
     layers = [(0.0, math.inf), *((nu, d) for nu in c.poisson_ratios for d in c.thicknesses)]
-    thick, thin = c.thicknesses[0] * 2, c.thicknesses[-1]
-    line = tuple(float(f"{d:.12g}") for d in np.geomspace(thick, thin, 40))  # last digits differ by machine
     return Plan(
         kind="rough",
         configuration=asdict(c),
         runs=[task(h, *layer, seed) for h in c.hursts for layer in layers for seed in range(c.realisations)],
-        lines={
-            f"persson H={h:g} nu={nu:g}": PerssonLine(task(h, nu, math.inf, 0), line)
-            for h in c.hursts
-            for nu in c.poisson_ratios
-        },
+        lines=lines(c),
         figures=FIGURES,
     )
+
+
+def lines(c: Configuration) -> dict[str, PerssonLine]:
+    """Persson's prediction for every H and Poisson's ratio."""
+    thick, thin = c.thicknesses[0] * 2, c.thicknesses[-1]
+    line = tuple(float(f"{d:.12g}") for d in np.geomspace(thick, thin, 40))  # last digits differ by machine
+    task = Task(c.num_points, c.cut_off_ratio, c.pressure, 0.0, 0.0, math.inf, 0, c.tolerance, c.method)
+    return {
+        f"persson H={h:g} nu={nu:g}": PerssonLine(replace(task, hurst=h, poisson_ratio=nu), line)
+        for h in c.hursts
+        for nu in c.poisson_ratios
+    }
