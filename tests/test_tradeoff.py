@@ -11,6 +11,7 @@ from linecontact.studies.files import records, study_files
 from linecontact.studies.files.study_files import StudyFile
 from linecontact.studies.tradeoff import choices, families, front, measuring, report
 from linecontact.studies.tradeoff import study as tradeoff
+from linecontact.studies.tradeoff.ensembles import ALONE, ENSEMBLES, MANY
 from running import run_plans
 
 STORED = Path(studies.__file__).parent / "results" / "tradeoff.h5"
@@ -91,7 +92,7 @@ def test_misses_are_listed():
 def tiny(tmp_path_factory):
     """The study at 2^8 points, which the rough surface does not fit on."""
     folder = tmp_path_factory.mktemp("tradeoff")
-    small = tradeoff.Configuration((8,), 8, 13, (-2.0, -6.0), -4.0, (8, 32), 1, (10, 10), ())
+    small = tradeoff.Configuration((8,), 8, 13, (-2.0, -6.0), -4.0, (8, 32), 1, (10, 10), (1 / 8, 12, 0.08), ())
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(tradeoff, "TOLERANCES", (1e-5, 1e-10))
         plan = small.plan()
@@ -103,9 +104,9 @@ def test_a_tiny_study_is_drawn(tiny):
     study = study_files.load_study(tiny / "tradeoff.h5")
     assert study.complete
     assert not study.failures
-    names = [tiny / f"tradeoff{s}.{end}" for s in ("", "-field") for end in ("png", "pdf")]
+    names = [tiny / f"tradeoff{s}.{end}" for s in ("", "-field", "-ensembles") for end in ("png", "pdf")]
     assert all(path.stat().st_size > 5000 for path in names)
-    assert {run["kind"] for run in study.runs} == {"choice", "accuracy", "oracle", "precisions", "scene"}
+    assert {run["kind"] for run in study.runs} == {"choice", "accuracy", "oracle", "precisions", "scene", MANY, ALONE}
     assert all(records.unit(name) == "1" for name in study.runs[0] if name.startswith("error."))
     for point in front.points(front.runs_of(study, "choice", HERTZ), "a_r"):
         assert point.error < (2 / 256 / 0.1 if point.counted else 0.02)
@@ -114,6 +115,13 @@ def test_a_tiny_study_is_drawn(tiny):
         assert accurate["error.area"] < accurate["accuracy"]
     words = [part for part in report.parts(study) if isinstance(part, str)]
     assert any("random scenes" in text for text in words)
+    for family in ENSEMBLES:
+        *_, last = front.runs_of(study, MANY, family)
+        assert last["standard_error"] <= 0.08 * last["mean"]
+        assert any(f"surfaces, {family}: {last['mean']:.4f}" in text for text in words)
+        assert len(front.runs_of(study, ALONE, family)) >= 3
+    for run in front.runs_of(study, "scene"):
+        assert run["claimed.former"] > 0
 
 
 def test_refused_tolerances_are_recorded(tiny):

@@ -1,8 +1,10 @@
 """Figures of the tradeoff: seconds over errors for every choice, with the Pareto fronts."""
 
 import itertools
+import math
 from pathlib import Path
 
+import numpy as np
 from linecontact.solver import METHODS
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -12,6 +14,7 @@ from ..figures.style import COLOURS, MARKERS, TWO_COLUMNS, NothingToDraw, load
 from ..figures.style import panels as empty_panels
 from ..files.study_files import StudyFile
 from . import front, report
+from .ensembles import ALONE, ENSEMBLES, MANY
 from .families import FAMILIES
 
 _METHODS = dict(zip(METHODS, itertools.cycle(MARKERS), strict=False))
@@ -25,7 +28,8 @@ def draw(path: Path) -> dict[str, Figure]:
     study = load(path)
     if not front.runs_of(study, "choice"):
         raise NothingToDraw(f"file {path} holds no choice yet")
-    return {ending: panels(study, what) for ending, what in front.FIGURES.items()}
+    drawn = {ending: panels(study, what) for ending, what in front.FIGURES.items()}
+    return drawn | {front.ENSEMBLES_FIGURE: ensembles(study)}
 
 
 def panels(study: StudyFile, what: str) -> Figure:
@@ -44,6 +48,48 @@ def panels(study: StudyFile, what: str) -> Figure:
         axes.set_ylabel("seconds in all [s]")
     figure.legend(handles=_legend(study, what), loc="outside lower center", ncols=4)
     return figure
+
+
+def ensembles(study: StudyFile) -> Figure:
+    """A panel for each ensemble, and one for the claims of single scenes."""
+    figure, grid = empty_panels(2, 2, TWO_COLUMNS, 6.4)
+    for axes, family in zip(grid.flat, ENSEMBLES, strict=False):
+        _ensemble(axes, study, family)
+    _claims(grid[1, 1], study)
+    figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    return figure
+
+
+def _ensemble(axes: Axes, study: StudyFile, family: str) -> None:
+    """Relative standard errors over seconds: plain sampling on each grid, and the rounds of a multilevel ensemble."""
+    rounds, alone = (front.runs_of(study, kind, family) for kind in (MANY, ALONE))
+    axes.set(title=family, xscale="log", yscale="log", xlabel="time of solving [s]")
+    axes.set_ylabel("standard error of $\\kappa$, relative\n(dotted: bias)")
+    if not rounds:
+        return
+    mean, spent = rounds[-1]["mean"], rounds[-1]["seconds.total"]
+    seconds = np.geomspace(spent / 20, spent * 20, 40)
+    for run, colour in zip(alone, itertools.cycle(COLOURS), strict=False):
+        size = f"2^{{{math.log2(run['scene.num_points']):.0f}}}"
+        error = run["std"] / mean * np.sqrt(run["seconds.total"] / seconds)
+        axes.plot(seconds, error, color=colour, lw=0.8, label=f"plain sampling, ${size}$ points")
+        if run["bias"] > 0:
+            axes.axhline(run["bias"] / mean, color=colour, ls=":", lw=0.8)
+    x, y = ([run[name] for run in rounds] for name in ("seconds.total", "standard_error"))
+    axes.plot(x, np.array(y) / mean, "k*-", ms=7, lw=0.8, label="multilevel")
+    axes.set_ylim(0.3 * min(y) / mean, 3 * max(y) / mean)
+
+
+def _claims(axes: Axes, study: StudyFile) -> None:
+    """How many of the random scenes' claims are at most so many times the true error."""
+    solved = [run for run in front.runs_of(study, "scene") if "claimed.former" in run and run["error.area"] > 0]
+    for name, label, colour in (("claimed", "now", COLOURS[0]), ("claimed.former", "as in version 0.1.0", COLOURS[3])):
+        ratio = np.sort([run[name] / run["error.area"] for run in solved])
+        axes.step(ratio, np.arange(1, ratio.size + 1) / max(1, ratio.size), color=colour, lw=1.0, label=label)
+    axes.axvline(1, color="0.6", lw=0.6)
+    axes.set(xscale="log", xlim=(0.1, 1e5), title="claims of single scenes")
+    axes.set(xlabel="error claimed over true error of $a_r$", ylabel="share of the random scenes")
+    axes.legend(loc="lower right")
 
 
 def _panel(axes: Axes, study: StudyFile, family: str, what: str) -> None:

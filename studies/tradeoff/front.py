@@ -22,7 +22,10 @@ FRONTS = {
 """Errors that compete with each other. Those of kappa go with a_r's; the peak's change sign from grid to grid."""
 
 FIGURES = dict(zip(("", "-field"), FRONTS, strict=True))
-"""Which of the fronts each figure shows, by the ending of its name."""
+"""Which of the fronts a figure shows, by the ending of its name."""
+
+ENSEMBLES_FIGURE = "-ensembles"
+"""Ending of the name of the figure of ensembles and of claims."""
 
 
 class Point(NamedTuple):

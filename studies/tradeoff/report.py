@@ -13,6 +13,7 @@ from rich.table import Table
 
 from ..files.study_files import StudyFile
 from ..terminal import console
+from .ensembles import ALONE, ENSEMBLES, MANY
 from .families import FAMILIES, MEASURES, is_rough
 from .front import AXES, NEAR, Point, Run, Worth, front, over_front, points, runs_of, worth
 from .measuring import REFUSED
@@ -27,6 +28,7 @@ def parts(study: StudyFile) -> Iterator[RenderableType]:
     yield from published(study)
     yield from precisions(study)
     yield from random_scenes(study)
+    yield from means(study)
     yield from not_certified(study)
 
 
@@ -228,11 +230,32 @@ def random_scenes(study: StudyFile) -> Iterator[str]:
         if run not in met:
             yield f"  missed: {_scene(run)}"
     if solved:
-        ratio = float(np.median([run["claimed"] / max(run["error.area"], 1e-15) for run in solved]))
+        ratio, former = (
+            float(np.median([run.get(name, math.nan) / max(run["error.area"], 1e-15) for run in solved]))
+            for name in ("claimed", "claimed.former")
+        )
         slow = float(np.median([run["seconds.decide"] for run in runs]))
         yield (
-            f"Claims are {ratio:.2g} times the true error (median). The planner alone takes {slow * 1e6:.0f} us "
+            f"Claims are {ratio:.2g} times the true error (median; by the rule of version 0.1.0, {former:.2g}). The "
+            f"planner alone takes {slow * 1e6:.0f} us "
             f"(median, {max(run['seconds.decide'] for run in runs) * 1e6:.0f} us at most)."
+        )
+
+
+def means(study: StudyFile) -> Iterator[str]:
+    """Sentences on what means over random surfaces take, with surfaces on one grid and on several."""
+    for family in ENSEMBLES:
+        rounds, alone = (runs_of(study, kind, family) for kind in (MANY, ALONE))
+        if not rounds:
+            continue
+        last = rounds[-1]
+        error, spent, finest = last["standard_error"], last["seconds.total"], last["scene.num_points"]
+        plain = {run["scene.num_points"]: (run["std"] / error) ** 2 * run["seconds.total"] for run in alone}
+        yield (
+            f"Mean kappa of random surfaces, {family}: {last['mean']:.4f} +- {error:.1g} in {spent:.3g} s of solving, "
+            f"multilevel up to 2^{math.log2(finest):.0f} points. The same error by plain sampling: "
+            + ", ".join(f"{seconds:.3g} s on 2^{math.log2(size):.0f}" for size, seconds in sorted(plain.items()))
+            + " points, estimated."
         )
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, Status, solve
+from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, Solution, Status, solve
 from linecontact.solver.methods import Progress
 from linecontact.solver.reference import closed_forms, collocation
 from linecontact.solver.strategy import plan
@@ -76,10 +76,22 @@ class RandomScene:
             | {
                 "scene.num_points": solution.scene.num_points,
                 "claimed": o.contact_area_error / o.contact_area_subgrid,
+                "claimed.former": _former_claim(solution),
                 "error.area": abs(o.contact_area_subgrid / truth - 1),
                 "error.reference": uncertain,
             }
         )
+
+
+def _former_claim(solution: Solution) -> float:
+    """What version 0.1.0 would claim of a_r, relative: a third of the change from the last coarser grid, and what is
+    claimed of the edges. Without a coarser grid the claim of today.
+    """
+    o = solution.observables
+    if not solution.levels:
+        return o.contact_area_error / o.contact_area_subgrid
+    change = abs(o.contact_area_subgrid - solution.levels[-1].contact_area_subgrid)
+    return (change / 3 + o.contact_area_edges_error) / o.contact_area_subgrid
 
 
 def true_area(scene: Scene, accuracy: float, num_points: int) -> tuple[float, float]:

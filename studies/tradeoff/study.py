@@ -25,6 +25,7 @@ from ..runner.tasks import Task
 from . import front
 from . import report as tables
 from .choices import Accuracy, Choice, Oracle, Peer, Precisions
+from .ensembles import ENSEMBLES, Ensemble
 from .families import COARSEST_ROUGH, FAMILIES, is_rough
 from .scenes import KINDS, RandomScene
 
@@ -62,6 +63,8 @@ class Configuration:
     """Random scenes of each of `scenes.KINDS`."""
     scene_points: tuple[int, ...] = (18, 16)
     """log2 of the most points of a random scene, for each of `scenes.KINDS`."""
+    ensembles: tuple[float, int, float] = (1 / 512, 20, 0.002)
+    """Of the means over random surfaces: lambda_s/lambda_r, log2 of the most points, standard error over the mean."""
     peers: tuple[str, ...] = field(default_factory=peers.available)
     """Names of the peers that take part."""
 
@@ -73,7 +76,8 @@ class Configuration:
             runs += [Precisions(family, method, self.paper, TOLERANCES[-1]) for method in _methods(grow=False)]
         kinds = tuple(zip(KINDS, self.scene_points, strict=True))
         runs += [RandomScene(kind, seed, most) for seed in range(self.scenes) for kind, most in kinds]
-        return Plan(NAME, asdict(self), runs, figures=front.FIGURES)
+        runs += [Ensemble(name, *self.ensembles) for name in ENSEMBLES]
+        return Plan(NAME, asdict(self), runs, figures=(*front.FIGURES, front.ENSEMBLES_FIGURE))
 
     def _family(self, family: str) -> Iterator[Task]:
         rough = is_rough(family)
@@ -121,7 +125,13 @@ def _methods(grow: bool) -> list[str]:
 
 
 QUICK = Configuration(
-    sizes=(8, 12), paper=12, reference=16, accuracies=tuple(range(-2, -10, -1)), scenes=10, scene_points=(14, 14)
+    sizes=(8, 12),
+    paper=12,
+    reference=16,
+    accuracies=tuple(range(-2, -10, -1)),
+    scenes=10,
+    scene_points=(14, 14),
+    ensembles=(1 / 16, 14, 0.03),
 )
 
 
