@@ -7,7 +7,7 @@ import pytest
 from linecontact.solver import Layer, MeasuredIndenter, PowerIndenter, RoughIndenter, Scene, solve
 from linecontact.solver.grid import contact
 from linecontact.solver.grid.contact import contact_edges
-from linecontact.solver.grid.loads import from_loads, slope_between
+from linecontact.solver.grid.loads import Heights, from_loads
 from linecontact.solver.grid.patches import Patches
 from linecontact.solver.reference import closed_forms, collocation
 
@@ -43,7 +43,7 @@ def test_a_patch_whose_load_is_known_in_closed_form(cubic, quartic):
     """Exact but for the own images, a^2/(24 pi) (2 pi/N)^2 of the curvature each, and the neighbours' even load."""
     half_width, nodes = 5.3, 11
     patches, pressure, height = alone(0.01, cubic, quartic, half_width, nodes)
-    found = from_loads(patches, np.array([0]), pressure, height, half_space, math.inf, np.array([5.0]))
+    found = from_loads(patches, np.array([0]), pressure, Heights(height, 1.0), half_space, math.inf, np.array([5.0]))
     assert found.solved[0]
     assert found.half_width[0] == pytest.approx(half_width, rel=1e-5)
     assert found.centre[0] == pytest.approx(2048, abs=1e-4)
@@ -55,7 +55,7 @@ def test_a_patch_whose_load_is_known_in_closed_form(cubic, quartic):
 
 def test_a_slope_between_nodes_is_that_of_the_polynomial_through_six():
     x = np.arange(64.0)
-    first, second = slope_between(np.sin(2 * np.pi * x / 16), np.array([[3.3, 10.7, -0.2, 63.9]]))
+    first, second = Heights(np.sin(2 * np.pi * x / 16) / 5, 5.0).slope(np.array([[3.3, 10.7, -0.2, 63.9]]))
     at = 2 * np.pi / 16 * np.array([[3.3, 10.7, -0.2, 63.9]])
     np.testing.assert_allclose(first, 2 * np.pi / 16 * np.cos(at), atol=1e-4)
     np.testing.assert_allclose(second, -((2 * np.pi / 16) ** 2) * np.sin(at), atol=2e-4)

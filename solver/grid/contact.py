@@ -8,7 +8,7 @@ from ..arrays import Array64, Indices
 from ..layers import ElasticLayer
 from ..scene import Scene
 from .edges import COUNTED_BELOW, Edges, apart, find_edges
-from .loads import from_loads, slope_between
+from .loads import Heights, from_loads
 from .patches import Patches
 
 _MOST_NODES = 48  # of a patch whose ends are looked for by its load; those of wider ones are known as well by pressures
@@ -32,15 +32,18 @@ def contact_edges(scene: Scene, pressure: Array64, profile: Array64 | None = Non
     """
     if profile is None:
         profile = scene.period * scene.indenter.profile(pressure.size, scene.period)
-    over_modulus = pressure * (scene.reduced_load / (float(pressure.mean()) or 1.0))
-    return ends(scene.layer, scene.period, profile, over_modulus)
+    return ends(scene.layer, scene.period, profile, pressure, scene.reduced_load / (float(pressure.mean()) or 1.0))
 
 
-def ends(layer: ElasticLayer, period: float, profile: Array64, pressure: Array64) -> tuple[Patches, Edges]:
-    """Patches and their sub-grid edges; profile: h [length], pressure: over E*, 0 off the contact, both shape (N,)."""
+def ends(
+    layer: ElasticLayer, period: float, profile: Array64, pressure: Array64, scale: float
+) -> tuple[Patches, Edges]:
+    """Patches and their sub-grid edges. profile: h [length], pressure: 0 off the contact, both shape (N,); scale: what
+    makes of that pressure the one over E*.
+    """
     n = pressure.size
     patches, symbol = Patches.of(pressure > 0), layer.edge_symbol(n, period)
-    inside = pressure[patches.nodes]
+    inside = pressure[patches.nodes] * scale
     edges = find_edges(patches, inside, symbol)
     largest = min(_MOST_NODES, max(_NARROW * symbol.length, COUNTED_BELOW - 1))
     chosen = np.flatnonzero(patches.size <= min(largest, n / 2))
@@ -51,10 +54,10 @@ def ends(layer: ElasticLayer, period: float, profile: Array64, pressure: Array64
         wave_numbers = np.clip(q, 2 * math.pi / n, math.pi) * n  # those that the grid has
         return np.asarray(2 * layer.stiffness(wave_numbers, period) / wave_numbers)
 
-    height = profile * (n / period)
+    heights = Heights(profile, n / period)
     start = np.where(edges.counted, 0.4 * patches.size, edges.width / 2)
     thickness = max(symbol.length, _THINNEST)
-    found = from_loads(patches, chosen, inside, height, modulus, thickness, start)
+    found = from_loads(patches, chosen, inside, heights, modulus, thickness, start)
     size, counted = patches.size[chosen], edges.counted[chosen]
     left, right = found.centre - found.half_width, found.centre + found.half_width
     wide = size / thickness
@@ -62,17 +65,17 @@ def ends(layer: ElasticLayer, period: float, profile: Array64, pressure: Array64
     error += np.where(wide < _NARROW, _OF_THICKNESS * size * wide**4, _ESTIMATED * size)
     differ = np.maximum(np.abs(left - edges.left[chosen]), np.abs(right - edges.right[chosen]))
     better = found.solved & (error < edges.error[chosen]) & (differ < np.where(counted, size, _FARTHEST))
-    return patches, _with(edges, chosen[better], left[better], right[better], error[better], height)
+    return patches, _with(edges, chosen[better], left[better], right[better], error[better], heights)
 
 
-def _with(edges: Edges, which: Indices, left: Array64, right: Array64, error: Array64, height: Array64) -> Edges:
-    """Edges with other ends of some patches. error: of their widths; height: h, shape (N,) [grid spacings]."""
+def _with(edges: Edges, which: Indices, left: Array64, right: Array64, error: Array64, heights: Heights) -> Edges:
+    """Edges with other ends of some patches. error: of their widths."""
     lefts, rights, errors = (values.copy() for values in (edges.left, edges.right, edges.error))
     counted = edges.counted.copy()
     lefts[which], rights[which], errors[which], counted[which] = left, right, error, False
-    lefts, rights = apart(lefts, rights, height.size)
+    lefts, rights = apart(lefts, rights, heights.profile.size)
     half = (right - left)[:, None] / 2
-    slope = slope_between(height, (left + right)[:, None] / 2 + half * _AT)[0]
+    slope = heights.slope((left + right)[:, None] / 2 + half * _AT)[0]
     squared = np.full(lefts.size, np.nan)
     squared[which] = (slope**2 * half) @ _WEIGHTS
     return Edges(lefts, rights, errors, counted, squared)

@@ -50,6 +50,30 @@ _STEPS, _STEP, _CLOSE = 6, 0.25, 1e-3  # of Newton's method: most, their length 
 
 
 @dataclass(frozen=True, eq=False)
+class Heights:
+    """The indenter's heights, and the slope between them."""
+
+    profile: Array64
+    """h on the grid, shape (N,) [any length]."""
+    scale: float
+    """What makes grid spacings of that length."""
+
+    def slope(self, at: Array64) -> tuple[Array64, Array64]:
+        """h' and h'' [1/grid spacing] at places between the nodes [grid spacings], from six of them."""
+        node = np.floor(at).astype(np.int64)
+        part = at - node
+        nodes = node[..., None] + _STENCIL
+        if nodes.size and (nodes.min() < 0 or nodes.max() >= self.profile.size):
+            nodes %= self.profile.size
+        powers = self.profile[nodes] @ (_POWERS * self.scale)
+        first, second = np.zeros_like(part), np.zeros_like(part)
+        for k in range(_STENCIL.size - 1, 0, -1):
+            second = second * part + first
+            first = first * part + k * powers[..., k]
+        return first, second
+
+
+@dataclass(frozen=True, eq=False)
 class FromLoads:
     """Ends of some patches."""
 
@@ -69,15 +93,15 @@ def from_loads(
     patches: Patches,
     chosen: Indices,
     pressure: Array64,
-    height: Array64,
+    heights: Heights,
     modulus: Modulus,
     thickness: float,
     half_width: Array64,
 ) -> FromLoads:
     """Ends of the chosen patches.
 
-    pressure: over E*, on the contact nodes in compact order; height: h on the grid, shape (N,) [grid spacings];
-    thickness: the layer's [grid spacings]; half_width: of all patches, as far as known, shape (M,) [grid spacings].
+    pressure: over E*, on the contact nodes in compact order; thickness: the layer's [grid spacings]; half_width: of all
+    patches, as far as known, shape (M,) [grid spacings].
     """
     loads = patches.sums(pressure)
     inside = np.arange(pressure.size) - np.repeat(patches.offset, patches.size)
@@ -98,7 +122,7 @@ def from_loads(
     for _ in range(_STEPS):
         p, x, c = load[left], m[left], a[left]
         at = x[:, None] + c[:, None] * _T1
-        g, bent = slope_between(height, at)
+        g, bent = heights.slope(at)
         g += far[left] + far_bent[left] * (at - start[left])
         bent += far_bent[left]
         b = g @ _MOMENTS
@@ -136,21 +160,6 @@ def _newton(
     usable = determinant > 0
     step = np.stack([f * k_m - k * f_m, k * f_a - f * k_a]) / np.where(usable, determinant, 1.0)
     return np.where(usable, step, 0.0), usable
-
-
-def slope_between(height: Array64, at: Array64) -> tuple[Array64, Array64]:
-    """h' and h'' [1/grid spacing] between the nodes; height: h on all of them, shape (N,) [grid spacings]."""
-    node = np.floor(at).astype(np.int64)
-    part = at - node
-    nodes = node[..., None] + _STENCIL
-    if nodes.size and (nodes.min() < 0 or nodes.max() >= height.size):
-        nodes %= height.size
-    powers = height[nodes] @ _POWERS
-    first, second = np.zeros_like(part), np.zeros_like(part)
-    for k in range(_STENCIL.size - 1, 0, -1):
-        second = second * part + first
-        first = first * part + k * powers[..., k]
-    return first, second
 
 
 def _stiffness(modulus: Modulus, a: Array64) -> tuple[Array64, Array64]:

@@ -32,12 +32,16 @@ def inverse_cholesky(column: Array64, order: int) -> Array64:
     return factor
 
 
+_KEPT = 2**20  # points of the largest grid whose second sum is kept: it takes 8 bytes a point
+
+
 class GreensFunction:
     """Real-space G and K of one grid of N points. stiffness: K(q_k), shape (N//2 + 1,) [K]."""
 
     def __init__(self, stiffness: Array64, num_points: int) -> None:
         self._stiffness, self.num_points = stiffness, num_points
         self._factor = np.zeros((0, 0))
+        self._second_sum: Array64 | None = None
         self._convolutions: dict[int, Convolution] = {}
 
     @cached_property
@@ -51,10 +55,15 @@ class GreensFunction:
         return irfft(self.compliance, self.num_points)
 
     def second_sum(self) -> Array64:
-        """T(k+1) for T with T(k+1) - 2 T(k) + T(k-1) = G(k), shape (N,); made anew every time, as it is large."""
+        """T(k+1) for T with T(k+1) - 2 T(k) + T(k-1) = G(k), shape (N,); on large grids made anew every time."""
+        if self._second_sum is not None:
+            return self._second_sum
         first = np.cumsum(self.response)
         first -= first.mean()  # so that the second sum is periodic, too
-        return np.cumsum(first, out=first)
+        np.cumsum(first, out=first)
+        if self.num_points <= _KEPT:
+            self._second_sum = first
+        return first
 
     def solve(self, nodes: Indices, height: Array64) -> Array64:
         """The pressure on some nodes, not all, whose gap h + G sigma is one constant, with a mean over N of 1.
