@@ -56,7 +56,9 @@ def ensembles(study: StudyFile) -> Figure:
     for axes, family in zip(grid.flat, ENSEMBLES, strict=False):
         _ensemble(axes, study, family)
     _claims(grid[1, 1], study)
-    figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    shown = [panel.get_legend_handles_labels() for panel in (grid[0, 0], grid[1, 1])]
+    handles, labels = (list(itertools.chain(*parts)) for parts in zip(*shown, strict=True))
+    figure.legend(handles, labels, loc="outside lower center", ncols=3)
     return figure
 
 
@@ -83,13 +85,15 @@ def _ensemble(axes: Axes, study: StudyFile, family: str) -> None:
 def _claims(axes: Axes, study: StudyFile) -> None:
     """How many of the random scenes' claims are at most so many times the true error."""
     solved = [run for run in front.runs_of(study, "scene") if "claimed.former" in run and run["error.area"] > 0]
-    for name, label, colour in (("claimed", "now", COLOURS[0]), ("claimed.former", "as in version 0.1.0", COLOURS[3])):
+    for name, label, style in (
+        ("claimed", "claims now", "k-"),
+        ("claimed.former", "by the rule of version 0.1.0", "k--"),
+    ):
         ratio = np.sort([run[name] / run["error.area"] for run in solved])
-        axes.step(ratio, np.arange(1, ratio.size + 1) / max(1, ratio.size), color=colour, lw=1.0, label=label)
+        axes.step(ratio, np.arange(1, ratio.size + 1) / max(1, ratio.size), style, lw=1.0, label=label)
     axes.axvline(1, color="0.6", lw=0.6)
     axes.set(xscale="log", xlim=(0.1, 1e5), title="claims of single scenes")
     axes.set(xlabel="error claimed over true error of $a_r$", ylabel="share of the random scenes")
-    axes.legend(loc="lower right")
 
 
 def _panel(axes: Axes, study: StudyFile, family: str, what: str) -> None:
