@@ -36,7 +36,7 @@ _UNRESOLVED_SHARE = 0.2  # of the contact nodes, in patches that are not resolve
 _LIKELY, _LIKELY_IF_SMOOTH = 0.2, 0.09  # likely error of the edges over the one claimed
 _SMOOTH = 1 / 3  # of half a shortest wave: in patches narrower on the average the profile is smooth
 _MOST_OMITTED = 0.001  # share of the mean square slope in waves that the grid leaves out
-_FEWEST_NODES = 3  # of a patch whose ends can be found between nodes
+_FEWEST_NODES = 3  # of a patch that is resolved
 _WAVE_POINTS = 3  # half a shortest wave on fewer points needs as many more nodes to a patch
 _SHARE_OF_LOAD = 0.05  # on patches as narrow as two values of a scan
 

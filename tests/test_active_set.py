@@ -240,7 +240,7 @@ def test_backends_and_precisions():
 
 @pytest.mark.parametrize("threads", [1, 2])
 def test_nested_grids_round_fire(threads):
-    scene = Scene(indenter=RoughIndenter(0.8, 1, 0.25, 1 / 8), pressure=1e-2, num_points=2**12)
+    scene = Scene(indenter=RoughIndenter(0.8, 1, 0.25, 1 / 32), pressure=1e-2, num_points=2**12)
     single, nested = (
         solve(scene, method="mass-weighted-fire", nested=choice, threads=threads) for choice in (False, True)
     )

@@ -4,10 +4,19 @@ import math
 
 import numpy as np
 import pytest
-from linecontact.solver import Layer, MeasuredIndenter, PowerIndenter, RoughIndenter, Scene, solve
+from linecontact.solver import (
+    CoatedHalfSpace,
+    Layer,
+    MeasuredIndenter,
+    PowerIndenter,
+    RoughIndenter,
+    Scene,
+    TabulatedLayer,
+    solve,
+)
 from linecontact.solver.grid import contact
 from linecontact.solver.grid.contact import contact_edges
-from linecontact.solver.grid.loads import Heights, from_loads
+from linecontact.solver.grid.loads import Heights, _LayerSlope, _Neighbours, from_loads
 from linecontact.solver.grid.patches import Patches
 from linecontact.solver.reference import closed_forms, collocation
 
@@ -40,10 +49,11 @@ def alone(curvature, cubic, quartic, half_width, nodes):
 
 @pytest.mark.parametrize(("cubic", "quartic"), [(0.0, 0.0), (0.0, 4e-5), (2e-4, 0.0), (-2e-4, 3e-5)])
 def test_a_patch_whose_load_is_known_in_closed_form(cubic, quartic):
-    """Exact but for the own images, a^2/(24 pi) (2 pi/N)^2 of the curvature each, and the neighbours' even load."""
+    """Exact but for its images in the other periods, a^2/24 (2 pi/N)^2 of the curvature."""
     half_width, nodes = 5.3, 11
     patches, pressure, height = alone(0.01, cubic, quartic, half_width, nodes)
-    found = from_loads(patches, np.array([0]), pressure, Heights(height, 1.0), half_space, math.inf, np.array([5.0]))
+    one, known = (np.array([0]), np.array([True])), (half_space, math.inf, np.array([5.0]))
+    found = from_loads(patches, *one, pressure, Heights(height, 1.0), *known)
     assert found.solved[0]
     assert found.half_width[0] == pytest.approx(half_width, rel=1e-5)
     assert found.centre[0] == pytest.approx(2048, abs=1e-4)
@@ -76,14 +86,16 @@ def test_a_parabola_of_few_nodes(num_points):
 @pytest.mark.parametrize("poisson_ratio", [0.0, 0.25, 0.45, 0.5])
 @pytest.mark.parametrize("thickness", [0.3, 0.08, 0.03])
 def test_a_layer_bends_the_slope(thickness, poisson_ratio):
-    """Patches up to a fifth of the thickness, against collocation; 0.02 spacings is what is claimed about there."""
+    """Patches up to a fifth of the thickness, against collocation; without the layer's part they are off by 0.026."""
     pressure = 0.004 * thickness**2
     exact = collocation.solve_load(pressure, 2.0, 1.0, thickness, poisson_ratio).contact_area
     num_points = 2 * round(0.5 * 10 / exact)
     scene = Scene(Layer(thickness, poisson_ratio), PowerIndenter(2.0), pressure, num_points=num_points)
     found = solve(scene).observables
     assert found.num_patches_by_load == 1
-    assert found.contact_area_subgrid * num_points == pytest.approx(exact * num_points, abs=0.03)
+    assert found.contact_area_subgrid * num_points == pytest.approx(
+        exact * num_points, abs=0.016 if thickness > 0.1 else 0.004
+    )
 
 
 def area_errors(indenter, layer, num_points, seeds):
@@ -99,7 +111,7 @@ def area_errors(indenter, layer, num_points, seeds):
     return np.sqrt(np.mean(np.square(errors), axis=0))
 
 
-@pytest.mark.parametrize(("points", "most"), [(8, 0.015), (16, 0.004)])
+@pytest.mark.parametrize(("points", "most"), [(8, 0.004), (16, 0.003)])
 def test_areas_of_rough_surfaces_with_few_points_to_a_wave(points, most):
     by_load, counted = area_errors(FEW_POINTS, Layer(), 512 * points, range(6))
     assert by_load < most
@@ -108,7 +120,7 @@ def test_areas_of_rough_surfaces_with_few_points_to_a_wave(points, most):
 
 def test_loads_serve_layers_too():
     by_load, counted = area_errors(FEW_POINTS, Layer(0.02, 0.4), 512 * 8, range(6))
-    assert by_load < 0.015
+    assert by_load < 0.006
     assert by_load < counted / 3
 
 
@@ -122,10 +134,48 @@ def test_the_load_says_nothing_where_the_profile_is_not_known_between_the_nodes(
 def test_the_patches_of_a_solution_add_up():
     solution = solve(Scene(indenter=FEW_POINTS, pressure=0.01, num_points=2**12))
     patches, edges = contact_edges(solution.scene, solution.contact_pressure)
-    assert edges.by_load == solution.observables.num_patches_by_load > 0.8 * patches.count
+    assert edges.num_by_load == solution.observables.num_patches_by_load > 0.8 * patches.count
     assert edges.width.sum() / 2**12 == pytest.approx(solution.observables.contact_area_subgrid)
     assert (edges.left[1:] >= edges.right[:-1]).all()
     finer, slopes = 64, solution.scene.indenter.slope(2**18, 1.0)
     for one in np.flatnonzero(np.isfinite(edges.squared_slope))[:40]:
         inside = np.arange(math.ceil(edges.left[one] * finer), math.floor(edges.right[one] * finer) + 1) % 2**18
         assert edges.squared_slope[one] == pytest.approx(float((slopes[inside] ** 2).sum()) / finer, rel=0.15, abs=2e-3)
+
+
+def test_a_table_that_ends_where_the_grid_does():
+    """No wave is asked for that the grid has not, on odd grids either."""
+    for num_points in (10, 11):
+        q = np.geomspace(1e-3, 2 * math.pi * (num_points // 2), 200)
+        layer = TabulatedLayer(tuple(q), tuple(1 + 0.2 * q))
+        found = solve(Scene(layer, PowerIndenter(2.0), 1e-4, num_points=num_points))
+        assert found.observables.contact_area_subgrid > 0
+
+
+def test_a_coating_like_its_base_is_a_half_space():
+    """Neighbours count at any distance where the base is elastic."""
+    scene = Scene(indenter=FEW_POINTS, pressure=0.01, num_points=2**12)
+    pressure = solve(scene).contact_pressure
+    coated = Scene(CoatedHalfSpace(0.02, base_modulus=1.0, base_poisson_ratio=0.25), FEW_POINTS, 0.01)
+    widths = [contact_edges(s, pressure)[1].width.sum() for s in (scene, coated.on_grid(2**12))]
+    assert widths[0] == pytest.approx(widths[1], rel=1e-3)
+
+
+def test_the_slope_beside_a_neighbour_is_that_of_its_displacement():
+    """Hertz' displacement beside a contact, by the sum over its pressure; the layer's part by its waves."""
+    patches = Patches(2**16, np.array([1000, 1040]), np.array([1010, 1044]))
+    loads, middles, widths = np.array([0.5, 0.1]), np.array([1005.0, 1042.0]), np.array([5.5, 2.5])
+    thin = _LayerSlope.of(lambda q: 1 / np.tanh(40 * q), 40.0, 2**16)
+    for layer in (_LayerSlope.of(half_space, math.inf, 2**16), thin):
+        others = _Neighbours.of(patches, np.array([1]), loads, middles, widths, layer)
+        at = np.array([[1039.0, 1042.0, 1045.0]])
+        slope, _ = others.slope(at, layer)
+        t = np.cos((np.arange(4000) + 0.5) / 4000 * np.pi)
+        share = np.sin((np.arange(4000) + 0.5) / 4000 * np.pi) ** 2 * 2 / 4000
+        distance = at.T - middles[0] - widths[0] * t
+        expected = -2 / np.pi * loads[0] * (share / distance).sum(axis=1)
+        if layer is thin:
+            q = np.linspace(1e-4, 12 / 40, 4000)
+            part = np.sin(distance[:, ::40, None] * q) @ (2 - 2 * np.tanh(40 * q)) * (q[1] - q[0]) / np.pi
+            expected += loads[0] * (part * share[::40] * 40).sum(axis=1)
+        np.testing.assert_allclose(slope[0], expected, rtol=0.02)

@@ -4,14 +4,14 @@ import math
 
 import numpy as np
 
-from ..arrays import Array64, Indices
+from ..arrays import Array64, Indices, Mask
 from ..layers import ElasticLayer
 from ..scene import Scene
 from .edges import COUNTED_BELOW, Edges, apart, find_edges
 from .loads import Heights, from_loads
 from .patches import Patches
 
-_MOST_NODES = 48  # of a patch whose ends are looked for by its load; those of wider ones are known as well by pressures
+_MOST_NODES = 32  # of a patch whose ends are looked for by its load; wider ones have ends by pressures as well known
 _NARROW = 0.2  # layer thicknesses; wider patches can only be estimated by their load
 _THINNEST = 1e-9  # grid spacings; as if a thinner layer were so thick
 _FARTHEST = 0.5  # grid spacings by which the two may differ for the load to be believed
@@ -20,6 +20,7 @@ _FARTHEST = 0.5  # grid spacings by which the two may differ for the load to be 
 # surfaces with 4 to 32 points to the shortest wave, on half-spaces and layers.
 _OVER_SIZE, _OF_SKEW, _OF_BEND = 0.08, 0.8, 0.3  # over the nodes; of the squared skew; of the bend
 _OF_THICKNESS = 2.0  # of the fourth power of the width over the thickness, and of the width
+_OVER_GAP_SQUARED = 0.3  # over the square of the nodes between neighbouring patches
 _ESTIMATED = 0.2  # of the nodes of a patch that is not narrow
 
 _AT, _WEIGHTS = np.polynomial.legendre.leggauss(6)  # of the integral of h'^2
@@ -51,31 +52,41 @@ def ends(
         return patches, edges
 
     def modulus(q: Array64) -> Array64:
-        wave_numbers = np.clip(q, 2 * math.pi / n, math.pi) * n  # those that the grid has
+        wave_numbers = np.clip(q * n, 2 * math.pi, 2 * math.pi * (n // 2))  # those that the grid has
         return np.asarray(2 * layer.stiffness(wave_numbers, period) / wave_numbers)
 
     heights = Heights(profile, n / period)
-    start = np.where(edges.counted, 0.4 * patches.size, edges.width / 2)
+    # patches without ends begin with Hertz' law
+    curvature = heights.slope((patches.first + patches.last) / 2)[1]
+    hertz = np.sqrt(4 / math.pi * patches.sums(inside) / np.maximum(curvature, 1e-300))
+    start = np.where(edges.counted, np.clip(hertz, 0.05, patches.size), edges.width / 2)
     thickness = max(symbol.length, _THINNEST)
-    found = from_loads(patches, chosen, inside, heights, modulus, thickness, start)
     size, counted = patches.size[chosen], edges.counted[chosen]
-    left, right = found.centre - found.half_width, found.centre + found.half_width
     wide = size / thickness
+    narrow = wide < _NARROW
+    found = from_loads(patches, chosen, narrow, inside, heights, modulus, thickness, start)
+    left, right = found.centre - found.half_width, found.centre + found.half_width
     error = _OVER_SIZE / size + _OF_SKEW * found.skew**2 + _OF_BEND * found.bend
-    error += np.where(wide < _NARROW, _OF_THICKNESS * size * wide**4, _ESTIMATED * size)
+    error += np.where(narrow, _OF_THICKNESS * size * wide**4, _ESTIMATED * size)
+    gaps = np.append(patches.first[1:], patches.first[:1] + n) - patches.last - 1
+    error += _OVER_GAP_SQUARED * (1 / gaps[chosen] ** 2 + 1 / np.roll(gaps, 1)[chosen] ** 2)
     differ = np.maximum(np.abs(left - edges.left[chosen]), np.abs(right - edges.right[chosen]))
     better = found.solved & (error < edges.error[chosen]) & (differ < np.where(counted, size, _FARTHEST))
-    return patches, _with(edges, chosen[better], left[better], right[better], error[better], heights)
+    by_load = np.zeros(patches.count, dtype=bool)
+    by_load[chosen[better & narrow]] = True
+    return patches, _with(edges, chosen[better], left[better], right[better], error[better], by_load, heights)
 
 
-def _with(edges: Edges, which: Indices, left: Array64, right: Array64, error: Array64, heights: Heights) -> Edges:
-    """Edges with other ends of some patches. error: of their widths."""
+def _with(
+    edges: Edges, which: Indices, left: Array64, right: Array64, error: Array64, by_load: Mask, heights: Heights
+) -> Edges:
+    """Edges with other ends of some patches. error: of their widths; by_load: as in `Edges`."""
     lefts, rights, errors = (values.copy() for values in (edges.left, edges.right, edges.error))
     counted = edges.counted.copy()
     lefts[which], rights[which], errors[which], counted[which] = left, right, error, False
     lefts, rights = apart(lefts, rights, heights.profile.size)
-    half = (right - left)[:, None] / 2
-    slope = heights.slope((left + right)[:, None] / 2 + half * _AT)[0]
+    half = (rights - lefts)[which, None] / 2
+    slope = heights.slope((lefts + rights)[which, None] / 2 + half * _AT)[0]
     squared = np.full(lefts.size, np.nan)
     squared[which] = (slope**2 * half) @ _WEIGHTS
-    return Edges(lefts, rights, errors, counted, squared)
+    return Edges(lefts, rights, errors, counted, by_load, squared)

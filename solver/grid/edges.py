@@ -87,6 +87,8 @@ class Edges:
     """Estimated errors of the patches' widths, shape (M,) [grid spacings]."""
     counted: Mask
     """Which patches have as many spacings as nodes because nothing better is known, shape (M,)."""
+    by_load: Mask | None = None
+    """Which narrow patches have ends that their loads have told, see `loads`, shape (M,); None for none."""
     squared_slope: Array64 | None = None
     """Integral of h'^2 over each patch, shape (M,) [grid spacings]; NaN, or None for all, where it is to be had from
     the nodes."""
@@ -97,9 +99,9 @@ class Edges:
         return self.right - self.left
 
     @property
-    def by_load(self) -> int:
-        """Number of patches whose ends their load has told, see `loads`."""
-        return 0 if self.squared_slope is None else int(np.isfinite(self.squared_slope).sum())
+    def num_by_load(self) -> int:
+        """Number of narrow patches whose ends their loads have told."""
+        return 0 if self.by_load is None else int(self.by_load.sum())
 
     @property
     def total_error(self) -> float:

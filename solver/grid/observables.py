@@ -19,7 +19,7 @@ class Observables:
     """What is measured on a solution; dimensionless unless a unit is given.
 
     Areas and kappa come in two ways: by counting nodes, and with every contact edge located between two nodes
-    ("sub-grid", see `edges`).
+    ("sub-grid", see `contact`).
     """
 
     contact_area: float
@@ -45,7 +45,7 @@ class Observables:
     num_counted_patches: int
     """Patches whose nodes are counted even in the sub-grid area: neither pressures nor loads tell their ends."""
     num_patches_by_load: int
-    """Patches whose ends are found by their load, see `loads`."""
+    """Narrow patches whose ends are found by their loads, see `loads`."""
     contact_area_subgrid: float
     """a_r between the sub-grid edges."""
     contact_area_error: float
@@ -101,7 +101,7 @@ def observe(
         peak_pressure=float(contact_pressure.max(initial=0.0)),
         num_patches=patches.count,
         num_counted_patches=int(edges.counted.sum()),
-        num_patches_by_load=edges.by_load,
+        num_patches_by_load=edges.num_by_load,
         contact_area_subgrid=area_subgrid,
         contact_area_error=area_error,
         rms_gradient_subgrid=gradient_subgrid,

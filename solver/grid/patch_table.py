@@ -16,7 +16,7 @@ from .contact import contact_edges
 
 @dataclass(frozen=True, eq=False)
 class PatchTable:
-    """The M patches of a contact; ends lie between nodes where three nodes or more tell them."""
+    """The M patches of a contact; ends lie between nodes where pressures or loads tell them."""
 
     left: Array64
     """Left ends, shape (M,), from 0 to the period [length]."""

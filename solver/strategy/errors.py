@@ -3,8 +3,8 @@
 From a grid with a quarter of the points to the present one a quantity changes by c; what is claimed for it from the
 edges of the patches alone is e. On a surface with w points to its shortest wave its error is estimated as
 
-    contact area               sqrt(s^2 ((0.7 e)^2 + (c/24)^2) + b^2), s = max(0.6, 7/sqrt(w))
-    kappa                      sqrt(s^2 ((0.5 e)^2 + (c/24)^2) + b^2)
+    contact area               sqrt(s^2 ((0.7 e)^2 + (c/24)^2) + b^2), s = max(0.6, 6/sqrt(w))
+    kappa                      sqrt(s^2 ((0.4 e)^2 + (c/24)^2) + b^2)
     peak pressure, approach    max(1, (128/w)^1.5) sqrt((m c)^2 + (c'/16)^2)
 
 On smooth profiles s = 1, b = 0, the shares of area and kappa are 0.36 and 0.5 of e, c/13 and c/8, and the factor of the
@@ -81,7 +81,7 @@ QUANTITIES = {
         "kappa_subgrid",
         "kappa_error",
         "kappa_edges_error",
-        of_edges=(0.5, 0.5),
+        of_edges=(0.5, 0.4),
         of_change=(1 / 8, 1 / 24),
         per_patch=(0.14, 0.02),
         of_slope=True,
@@ -98,7 +98,7 @@ _CAREFUL_FROM_IF_SMOOTH = 20.0
 """Nodes of a patch under a smooth profile, on the average, from which on the claim of its edges is careful."""
 _UNKNOWN = 0.1  # error of a layer's edge that is too large to be a careful claim [grid spacings]
 _INDEPENDENT = 0.6  # s of many well resolved patches, whose errors are independent; the two edges of one err alike
-_FEW, _FEW_OF_OTHERS, _COMMON = 49.0, 128.0, 16.0  # points to the shortest wave
+_FEW, _FEW_OF_OTHERS, _COMMON = 36.0, 128.0, 16.0  # points to the shortest wave
 _LEAST, _MOST = 1.25, 4.0  # factor by which changes fall from grid to grid, as far as that is believed
 _EARLIER = 1 / 16  # share of the change before the last
 _OVER_ORDER = 1.25  # share of the change over what a known order would leave of it
@@ -129,7 +129,7 @@ def estimated(
     careful = rough or area * num_points >= _CAREFUL_FROM_IF_SMOOTH * found.num_patches
     careful &= scene.layer.edge_symbol(num_points, scene.period).error < _UNKNOWN
     several = max(_INDEPENDENT, math.sqrt(_FEW * waves)) if rough else 1.0
-    of_edges = quantity.of_edges[rough] if careful else 1.0
+    of_edges = quantity.of_edges[1 if rough else 0] if careful else 1.0
     change = _of_change(quantity, scene, rough) * abs(values[-1] - values[-2])
     return math.hypot(several * of_edges * edges, several * change, common)
 
@@ -137,7 +137,7 @@ def estimated(
 def _of_change(quantity: Quantity, scene: Scene, rough: bool) -> float:
     """Share of the last change between grids that is left (dimensionless)."""
     power = scene.indenter.power_law
-    share = quantity.of_change[rough]
+    share = quantity.of_change[1 if rough else 0]
     if not (power and quantity.of_slope):
         return share
     order = min(2 * power[0] - 1, 2.0)  # of the mean square slope's sum

@@ -78,7 +78,7 @@ class Reached:
             peak_pressure_sampling=scene.pressure * peak_sampling(self.pressure),
             approach=approach(scene, state.displacement * state.problem.length_unit),
             num_patches=self.contact[0].count,
-            num_patches_by_load=edges.by_load,
+            num_patches_by_load=edges.num_by_load,
             contact_area_edges_error=error,
             kappa_edges_error=sensitivity * error if error else 0.0,
             iterations=state.iteration,

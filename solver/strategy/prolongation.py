@@ -18,7 +18,7 @@ from ..scene import Scene
 def prolong(scene: Scene, pressure: Array64, patches: Patches, ends: Edges, num_points: int) -> Array64:
     """A contact pressure, shape (N,), on a grid of `num_points`, shape (num_points,); both 0 off the contact [p].
 
-    patches, ends: of that pressure, see `observables.contact_edges`.
+    patches, ends: of that pressure, see `grid.contact.contact_edges`.
     """
     factor, layer = num_points / pressure.size, scene.layer
     fine_curve = edge_curve(layer.edge_symbol(num_points, scene.period))
@@ -56,9 +56,11 @@ def prolong(scene: Scene, pressure: Array64, patches: Patches, ends: Edges, num_
                 basis *= np.where(m < count, (x - m) / (k - m), 1.0)
         values += basis * smooth[np.minimum(base + k, smooth.size - 1)]
     values *= edges_at(fine, nodes - first[p], factor, fine_curve)
-    if not values.any():  # single nodes, all of them outside of where their loads say that the contact is
-        values[:] = 1.0
-    values *= factor * pressure.sum() / values.sum()
+    # every patch keeps its load; nodes may lie outside of where that says that the patch ends
+    values = np.maximum(values, 0.0)
+    lost = fine.sums(values) <= 0
+    values[lost[p]] = 1.0
+    values *= (factor * patches.sums(pressure[patches.nodes]) / fine.sums(values))[p]
     fine_pressure = np.zeros(num_points)
     # never 0: the node belongs to the contact
     fine_pressure[nodes % num_points] = np.maximum(values, 1e-12 * pressure.max())

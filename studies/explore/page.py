@@ -79,7 +79,7 @@ class Page:
         self._status = TextInput(name="status", stylesheets=_STATUS, sizing_mode="stretch_width")
         wide: dict[str, Any] = {"max_length": None, "sizing_mode": "stretch_width"}
         self._answer = TextAreaInput(name="answer", rows=5, stylesheets=_ANSWER, **wide)
-        self._doubts = TextAreaInput(name="doubts", rows=2, stylesheets=_DOUBTS, **wide)
+        self._doubts = TextAreaInput(name="doubts", rows=3, stylesheets=_DOUBTS, **wide)
         self._note = Div(name="note", styles={"color": "#8a5a00"})
         options = {"rows": 6, "max_length": None, "width": 330, "stylesheets": _SMALL}
         self._link, self._command = (TextAreaInput(name=name, **options) for name in ("link", "command"))

@@ -34,8 +34,7 @@ def _put(source: ColumnDataSource, data: Mapping[str, ArrayLike]) -> None:
 
 
 def _up(number: float) -> float:
-    """The next of 1, 1.5, 2, 3, 5, 7, 10 ... of a positive number's decade: a range that seldom changes is seldom drawn
-    anew."""
+    """The next round number from a positive one on: a range that seldom changes is seldom drawn anew."""
     decade = 10.0 ** math.floor(math.log10(number))
     return next(step * decade for step in (1, 1.5, 2, 3, 5, 7, 10, 15) if step * decade >= number)
 
@@ -120,7 +119,7 @@ class Fields:
         _put(self._patches, {"left": left, "right": right})
 
     def _set_ranges(self, fields: dict[str, Array64]) -> None:
-        """The surface fills the lower half of its panel: what rises higher of the indenter is far from it."""
+        """The surface fills a quarter to a half of its panel: what rises higher of the indenter is far from it."""
         low, high = float(fields["surface"].min()), float(fields["surface"].max())
         room = _up((high - low) or float(np.ptp(fields["indenter"])) or 1.0)
         top = min(high + room, max(high, float(fields["indenter"].max())))

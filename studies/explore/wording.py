@@ -22,7 +22,7 @@ def said(answer: Answer, seconds: float) -> str:
 def doubted(answer: Answer) -> str:
     """Why there is no answer, or what to doubt of it."""
     if answer.solution is None:
-        return answer.refused
+        return f"No answer. {answer.refused}"
     return "\n".join(f"Warning, {w.kind}: {w.text}." for w in answer.solution.warnings)
 
 

@@ -141,7 +141,8 @@ def _contact(solution: StoredSolution) -> Contact:
     if kind is None:
         return Contact(*(np.asarray(end * spacing) for end in (patches.first - 0.5, patches.last + 0.5)))
     layer = kind(**{f.name: results[f"scene.{f.name}"] for f in fields(kind) if f"scene.{f.name}" in results})
-    patches, edges = ends(layer, spacing * pressure.size, solution.profile, pressure, 1 / layer.contact_modulus)
+    scale = float(results["scene.pressure"]) / layer.contact_modulus / float(pressure.mean())
+    patches, edges = ends(layer, spacing * pressure.size, solution.profile, pressure, scale)
     return Contact(edges.left * spacing, (edges.left + edges.width) * spacing)
 
 
