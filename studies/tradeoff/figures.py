@@ -56,9 +56,10 @@ def ensembles(study: StudyFile) -> Figure:
     for axes, family in zip(grid.flat, ENSEMBLES, strict=False):
         _ensemble(axes, study, family)
     _claims(grid[1, 1], study)
-    shown = [panel.get_legend_handles_labels() for panel in (grid[0, 0], grid[1, 1])]
-    handles, labels = (list(itertools.chain(*parts)) for parts in zip(*shown, strict=True))
-    figure.legend(handles, labels, loc="outside lower center", ncols=3)
+    shown: dict[str, Line2D] = {}
+    for panel in grid.flat:
+        shown |= {label: handle for handle, label in zip(*panel.get_legend_handles_labels(), strict=True)}
+    figure.legend(shown.values(), shown, loc="outside lower center", ncols=3)
     return figure
 
 
