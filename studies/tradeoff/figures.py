@@ -88,7 +88,7 @@ def _claims(axes: Axes, study: StudyFile) -> None:
     solved = [run for run in front.runs_of(study, "scene") if "claimed.former" in run and run["error.area"] > 0]
     for name, label, style in (
         ("claimed", "claims now", "k-"),
-        ("claimed.former", "by the rule of version 0.1.0", "k--"),
+        ("claimed.former", "claims, rule of 0.1.0", "k--"),
     ):
         ratio = np.sort([run[name] / run["error.area"] for run in solved])
         axes.step(ratio, np.arange(1, ratio.size + 1) / max(1, ratio.size), style, lw=1.0, label=label)
