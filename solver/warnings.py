@@ -95,7 +95,8 @@ def _of_grid(scene: Scene, found: Observables, patches: PatchTable) -> Iterator[
     few = float(patches.nodes[patches.nodes < needed].sum() / patches.nodes.sum())
     if few > _UNRESOLVED_SHARE:
         text = f"{few:.0%} of the contact nodes are in patches of fewer than {math.ceil(needed)} nodes"
-        yield SolutionWarning(WarningKind.GRID, f"{text}: the grid does not resolve the area; more num_points")
+        why = "the grid hardly resolves them, and may miss others between its nodes; more num_points"
+        yield SolutionWarning(WarningKind.GRID, f"{text}: {why}")
     if scene.indenter.omitted(scene.num_points) > _MOST_OMITTED:
         yield SolutionWarning(
             WarningKind.WAVES, "the grid is coarser than the profile and leaves out waves of it; more num_points"

@@ -30,7 +30,7 @@ class Options(study.Options):
     """
 
     quick: bool = False
-    """2^14 points and 8 realisations."""
+    """2^14 points, 8 realisations, two layers less, and a surface with fewer waves (lambda_s/lambda_r = 1/32)."""
     standard_error: float | None = None
     """Instead of a number of surfaces: the standard error of kappa and of the contact area wanted at every point, over
     their means, like 0.01. Most surfaces are then solved on coarse grids. It needs a folder of its own."""

@@ -81,6 +81,7 @@ def _to_standard_error(file: StudyFile) -> Sequence[RenderableType]:
     """A row for each Hurst exponent and Poisson's ratio, and what is missing."""
     asked, found = file.configuration["standard_error"], ensembles.states(file)
     table = console.table(
+        padding=0,
         title=f"rough to a standard error of {asked:g}, p = {file.configuration['pressure']:g} E*",
         caption="ok: points whose kappa and contact area have that standard error, over their means; surfaces: the "
         "fewest and the most of a point; grids: the finest ones of the points; y: (kappa_d/kappa_inf)/(d/a_r) at the "
