@@ -14,6 +14,7 @@ from .patches import Patches
 _MOST_NODES = 32  # of a patch whose ends are looked for by its load; wider ones have ends by pressures as well known
 _NARROW = 0.2  # layer thicknesses; wider patches can only be estimated by their load
 _THINNEST = 1e-9  # grid spacings; as if a thinner layer were so thick
+_JAGGED = 1.9  # fourth over second difference of the heights; 2 for a wave of four grid spacings
 _FARTHEST = 0.5  # grid spacings by which the two may differ for the load to be believed
 
 # What is claimed for a width by the load [grid spacings]: fitted so that it holds in 95 of 100 patches of rough
@@ -72,9 +73,17 @@ def ends(
     error += _OVER_GAP_SQUARED * (1 / gaps[chosen] ** 2 + 1 / np.roll(gaps, 1)[chosen] ** 2)
     differ = np.maximum(np.abs(left - edges.left[chosen]), np.abs(right - edges.right[chosen]))
     better = found.solved & (error < edges.error[chosen]) & (differ < np.where(counted, size, _FARTHEST))
+    better &= ~_jagged(profile, (patches.first + patches.last)[chosen] // 2)
     by_load = np.zeros(patches.count, dtype=bool)
     by_load[chosen[better & narrow]] = True
     return patches, _with(edges, chosen[better], left[better], right[better], error[better], by_load, heights)
+
+
+def _jagged(profile: Array64, nodes: Indices) -> Mask:
+    """Where the profile has steps or noise from node to node, so that no polynomial tells it between them."""
+    at = profile[(nodes[:, None] + np.arange(-2, 3)) % profile.size]
+    second, fourth = at @ np.array([0, 1, -2, 1, 0]), at @ np.array([1, -4, 6, -4, 1])
+    return np.asarray(np.abs(fourth) > _JAGGED * np.abs(second))
 
 
 def _with(
