@@ -119,7 +119,7 @@ class Effort:
             self.allow(_SECOND_START)
             try:
                 again = self.begin(state.problem, state.tolerance)
-                again.start_from_pressure(foundation_pressure(state.problem))
+                again.start_from_pressure(foundation_pressure(state.problem, float(state.problem.stiffness[1])))
             except KeyboardInterrupt:
                 return state, Status.INTERRUPTED
             return again, self.relax(again)

@@ -23,7 +23,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...arrays import Array64, Indices, Mask
-from ...grid.problem import Problem, foundation_pressure
+from ...grid.problem import Problem, foundation_pressure, typical_stiffness
 from ..method import Method
 from .contact_set import ContactSet
 from .ends import moved_ends
@@ -125,8 +125,8 @@ class ActiveSet(Method):
         self.start_from_pressure(self.problem.wall_pressure(displacement))
 
     def start_cold(self) -> None:
-        """Begin with the pressure of a Winkler foundation as stiff as the layer's longest wave."""
-        self.start_from_pressure(foundation_pressure(self.problem))
+        """Begin with the pressure of a Winkler foundation as stiff as the layer is for this profile."""
+        self.start_from_pressure(foundation_pressure(self.problem, typical_stiffness(self.problem)))
         self._search.moves_left = _MOVES if self._now.patches.count <= _FEW_PATCHES else 0
 
     def start_from_pressure(self, pressure: Array64) -> None:
