@@ -21,6 +21,7 @@ from bokeh.models import (
     TextAreaInput,
     TextInput,
 )
+from linecontact.solver import Solution
 
 from ..terminal.text import complain
 from .answers import Answer, DroppedError, answer
@@ -36,6 +37,9 @@ Later = Callable[[Callable[[], None]], object]
 
 _QUIET = 0.25
 """Time without an event after which curves are computed [s]."""
+
+_PAINTED = 0.05
+"""Time that a browser gets for painting an answer before it paints the curves about it [s]."""
 
 _OFTEN = 0.5
 """Time after which a curve that is not yet complete is drawn [s]: every drawing costs the browser a painting."""
@@ -162,7 +166,10 @@ class Page:
                 for curve in self._curves.values():
                     curve.aim(scene)
             curves = {control: curve.copy() for control, curve in self._curves.items()}
-            self._later(partial(self._show, event, found, curves))
+            self._later(partial(self._show, event, found))
+            if scene:
+                self._newest.outdated(_PAINTED)
+            self._later(partial(self._show_around, event, found.solution, curves))
             if scene is None or self._newest.outdated(_QUIET):
                 return
             for control, curve in self._curves.items():
@@ -172,17 +179,19 @@ class Page:
                         shown = time.perf_counter()
                         self._later(partial(self._around[control].show_curve, curve.copy()))
 
-    def _show(self, event: Event, found: Answer, curves: Mapping[Control, Curve]) -> None:
+    def _show(self, event: Event, found: Answer) -> None:
         solution = found.solution
         self._answer.value, self._doubts.value = said(found, time.perf_counter() - event.moment), doubted(found)
         self._fields.show(solution)
-        for control, around in self._around.items():
-            around.show_point(solution)
-            around.show_curve(curves[control] if solution else None)
         self._command.value = self._start.command(found.scene) if found.scene else ""
         if self._start.scan and (trouble := self._start.scan.trouble()):
             _tell(trouble)
             self.complain(f"The {trouble}: the page goes on with what was read, the command may not repeat it.")
+
+    def _show_around(self, event: Event, solution: Solution | None, curves: Mapping[Control, Curve]) -> None:
+        for control, around in self._around.items():
+            around.show_point(solution)
+            around.show_curve(curves[control] if solution else None)
         if event.values == self._values:
             self._status.value = ""
 
