@@ -1,5 +1,6 @@
 """`linecontact explore`: a page in the browser on which sliders move the scene."""
 
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
@@ -7,6 +8,7 @@ from linecontact.solver import MeasuredIndenter, Scene, TabulatedLayer, solve
 
 from ..scenes import kinds, making
 from ..scenes.making import Given, make_scene
+from ..terminal import console
 
 _NUM_POINTS = 2**14
 
@@ -37,7 +39,7 @@ def command(options: Options, given: Given) -> int:
         import bokeh  # noqa: F401
     except ModuleNotFoundError:
         raise ValueError("bokeh is missing; allowed: explore after `pip install bokeh`") from None
-    from ..explore import server, start
+    from ..explore import start
 
     if options.layer == TabulatedLayer.name:
         raise ValueError(f"layer is {options.layer}; allowed: one that sliders can move, which a table is not")
@@ -49,7 +51,10 @@ def command(options: Options, given: Given) -> int:
     if options.profile == MeasuredIndenter.name and "profile_file" in words:
         scan = start.Scan.of(words["profile_file"], words)
     begin = start.Start(make_scene(options, given), scan)
-    solve(begin.first)  # what must be compiled and planned is done before the first page
+    with console.errors.status("Preparing the page") if console.errors.is_terminal else nullcontext():
+        from ..explore import server
+
+        solve(begin.first)  # what must be compiled and planned is done before the first page
     with server.served(begin, options.port) as (address, loop):
         print(f"{address} shows the page, on this machine only, until Ctrl-C", flush=True)
         if options.browser:

@@ -103,7 +103,8 @@ class Page:
             button = Button(label=f"Copy the {text}", width=160)
             button.js_on_click(CustomJS(args={"shown": shown}, code=_COPY))
             copies += [button, shown]
-        title = Div(text="<b>linecontact explore</b>: a layer, bonded to a rigid base, under a rigid indenter")
+        kind = (type(self._start.first.layer).__doc__ or "").split(".")[0]
+        title = Div(text=f"<b>linecontact explore</b>: {kind[:1].lower() + kind[1:]}, under a rigid indenter")
         side = column(title, self._profile, *self._sliders.values(), *copies, self._note, width=350)
         curves = row(*(around.figure for around in self._around.values()), sizing_mode="stretch_width")
         fields = (self._fields.shape, self._fields.pressure)
