@@ -14,9 +14,10 @@ from linecontact import ensemble_mean
 from linecontact.solver import Layer, MeasuredIndenter, PowerIndenter, RoughIndenter, Scene, solve
 from linecontact.studies.command_line import main
 from linecontact.studies.files.study_files import load_study
-from linecontact.studies.multilevel import allocation, estimator, tasks
+from linecontact.studies.multilevel import allocation, estimator, study, tasks
 from linecontact.studies.multilevel.allocation import PILOT, Wanted
 from linecontact.studies.multilevel.samples import Samples
+from linecontact.studies.scenes import kinds
 
 pytestmark = pytest.mark.once
 
@@ -108,9 +109,17 @@ def test_grids_that_do_not_pay_are_left_out():
     rows = [
         row | {"kappa_subgrid": row["kappa_subgrid"] + noise[row["seed"]] * (row["num_points"] == 256)} for row in rows
     ]
-    ladder = estimator.best_ladder(Samples(rows, "kappa"), SIZES)
+    ladder = estimator.best_ladder(Samples(rows, "kappa"), SIZES, 1e-4)
     assert 256 not in ladder
     assert ladder[-1] == 2048
+
+
+def test_surfaces_that_are_solved_keep_their_grids():
+    """Grids that would be a little better from the beginning are worse than going on."""
+    rows = solved([allocation.Batch(0, 20, SIZES), allocation.Batch(100, 400, (512,))])
+    at_first, later = (Samples(some, "kappa") for some in (rows[: 20 * len(SIZES)], rows))
+    assert estimator.best_ladder(at_first, SIZES, 0.0025)[0] == 1024
+    assert estimator.best_ladder(later, SIZES, 0.0025)[0] == 512
 
 
 @pytest.mark.parametrize(("error", "relative"), [(0.004, False), (0.004, True), (0.002, False)])
@@ -299,6 +308,53 @@ def test_a_killed_ensemble_goes_on(tmp_path):
     assert done <= {f"{name}.json" for name in {run["task"] for run in file.runs}}
     keys = [(run["seed"], run["num_points"]) for run in file.runs]
     assert len(keys) == len(set(keys))
+
+
+def test_an_interrupted_run_does_not_replace_a_finished_one(tmp_path, capsys, monkeypatch):
+    words, path = (*SMALL, "--standard-error"), tmp_path / "ensemble.h5"
+    run, left = tasks.BatchTask.run, [5]
+
+    def few(task, report):
+        left[0] -= 1
+        if left[0] < 0:
+            raise KeyboardInterrupt
+        return run(task, report)
+
+    monkeypatch.setattr(tasks.BatchTask, "run", few)
+    assert ensemble(tmp_path, *words, "0.1") == 130
+    capsys.readouterr()
+    assert main.main(["plot", str(path)]) == 2  # nothing is known yet
+    left[0] = 10**9
+    assert ensemble(tmp_path, *words, "0.1") == 0
+    assert "`linecontact curve --over seed` on that grid costs less" in " ".join(capsys.readouterr().out.split())
+    left[0] = 2
+    assert ensemble(tmp_path, *words, "0.008") == 130
+    file = load_study(path)
+    assert (file.complete, file.configuration["standard_error"]) == (True, 0.1)
+    capsys.readouterr()
+    assert main.main(["plot", str(path)]) == 0
+    assert not capsys.readouterr().err
+    left[0] = 10**9
+    assert ensemble(tmp_path, *words, "0.008") == 0
+    assert load_study(path).configuration["standard_error"] == 0.008
+
+
+def test_progress_is_the_time_of_solving_and_says_what_is_reached():
+    records, shares, texts = {}, [], []
+    given = {title: {} for title in kinds.titled()} | {kinds.title("profile", "rough"): {"cut_off_ratio": 1 / 8}}
+    plan = study.plan(study.Options(pressure=0.02, num_points=SIZES[-1], standard_error=0.005), given)
+    todo = plan.runs
+    while todo:
+        records |= {task: {"rows": solved([task.batch])} for task in todo}
+        share, text = plan.outlook(records)
+        shares.append(share)
+        texts.append(text)
+        todo = [task for task in plan.more(records) if task not in records]
+    assert plan.outlook({}) == (0.0, "first surfaces")
+    assert 0 < shares[0] < 0.9
+    assert shares[-1] == 1
+    assert texts[-1].startswith("kappa 1.7")
+    assert texts[-1].endswith("of 0.005 wanted")
 
 
 @pytest.mark.parametrize(

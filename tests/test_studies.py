@@ -109,9 +109,10 @@ def test_another_configuration_is_refused(tmp_path):
         path, StudyFile("hertz", {"list": (1.0, math.inf)}, [{"status": "converged"}], complete=True)
     )
     assert study_files.finished(path, "hertz", {"list": (1.0, math.inf)}).runs
-    for kind, configuration in (("sharp", {"list": (1.0, math.inf)}), ("hertz", {"list": (1.0, 2.0)})):
-        with pytest.raises(writing.StoreError, match="another study, configuration or version"):
-            study_files.finished(path, kind, configuration)
+    with pytest.raises(writing.StoreError, match="holds another study; allowed"):
+        study_files.finished(path, "sharp", {"list": (1.0, math.inf)})
+    with pytest.raises(writing.StoreError, match=r"holds another configuration \(list, more\); allowed"):
+        study_files.finished(path, "hertz", {"list": (1.0, 2.0), "more": 1})
     assert study_files.finished(tmp_path / "none.h5", "hertz", {}) is None
 
 

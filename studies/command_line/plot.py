@@ -5,8 +5,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TextIO
 
+from .. import STUDIES
+from ..files import hdf5, study_files
 from ..runner import drawing
-from ..terminal.text import printable
+from ..terminal.text import complain, printable
 
 
 @dataclass(frozen=True)
@@ -21,6 +23,8 @@ def command(options: Options, output: TextIO | None = None) -> int:
     """Draw the figures and print their names, on standard output if nothing else is said; returns the exit status."""
     with warnings.catch_warnings(action="ignore"):  # of what matplotlib finds odd in a file
         drawn = drawing.draw(options.file)
+    if hdf5.file_kind(options.file) in STUDIES and not study_files.is_complete(options.file):
+        complain(f"file {options.file} is of a run that was not finished; the same command goes on with it")
     for file in drawn:
         print(printable(str(file)), file=output)
     return 0

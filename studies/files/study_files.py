@@ -65,11 +65,13 @@ def finished(
     """
     if not path.exists():
         return None
-    other = "another study, configuration or version; allowed: --overwrite, or a new --folder"
-    refusal = StoreError(f"file {path} holds {other}")
+
+    def refusal(other: str) -> StoreError:
+        return StoreError(f"file {path} holds {other}; allowed: --overwrite, or a new --folder")
+
     try:
         if file_kind(path) != kind:
-            raise refusal
+            raise refusal("another study")
         study = load_study(path)
     except DamagedError:
         set_aside(path)
@@ -77,9 +79,17 @@ def finished(
     asked = plain(configuration)
     names = asked.keys() | study.configuration.keys()
     differ = {name for name in names if asked.get(name) != study.configuration.get(name)}
-    if differ - set(adjustable) or study.version != RESULTS_VERSION:
-        raise refusal
+    if study.version != RESULTS_VERSION:
+        raise refusal(f"results of version {study.version}, not {RESULTS_VERSION}")
+    if others := sorted(differ - set(adjustable)):
+        raise refusal(f"another configuration ({', '.join(others)})")
     return study if study.complete and not differ else None
+
+
+def is_complete(path: Path) -> bool:
+    """Whether a study's file holds all that its user asked for; raises like `hdf5.open_file`."""
+    with open_file(path) as file:
+        return bool(file.attrs["complete"])
 
 
 def save_study(path: Path, study: StudyFile) -> None:

@@ -4,7 +4,7 @@ so that a run that was killed goes on as if it had not been.
 
 import itertools
 import math
-from collections.abc import Sequence, Set
+from collections.abc import Iterable, Sequence, Set
 from dataclasses import dataclass
 
 import numpy as np
@@ -99,7 +99,8 @@ def state(rows: Sequence[Row], sizes: Sequence[int], wanted: Wanted, seed: int) 
     if least < _LEAST:
         why = f"of the surfaces solved first no more than {least} converge; allowed: a scene whose solves do"
         return State({}, (), math.nan, out_of_reach=why)
-    ladder = best_ladder(main, reached)
+    of_one = estimate(main, reached[-1:], reached)
+    ladder = best_ladder(main, reached, wanted.error(of_one)) if wanted.error(of_one) > 0 else reached
     estimates = {name: estimate(samples, ladder, reached) for name, samples in known.items()}
     if not all(wanted.error(found) > 0 for found in estimates.values()):
         why = "a mean is 0; allowed: a standard error that is not relative"
@@ -110,6 +111,21 @@ def state(rows: Sequence[Row], sizes: Sequence[int], wanted: Wanted, seed: int) 
         batches = _batches(begin, count, (finer,), seconds)
         return _within(State(estimates, batches, count * seconds, count), rows, wanted)
     return _within(_more_surfaces(estimates, wanted, tried, seed, sizes), rows, wanted)
+
+
+def share_done(ensembles: Iterable[tuple[Sequence[Row], State]]) -> float:
+    """Share of the time of solving that is spent, 0 to 1, of the rows and states of some ensembles; 0 as long as it is
+    not known what one of them takes.
+    """
+    spent = left = 0.0
+    for rows, now in ensembles:
+        spent += _seconds(rows)
+        left += now.seconds_left
+    return spent / (spent + left) if spent > 0 and math.isfinite(left) else 0.0
+
+
+def _seconds(rows: Sequence[Row]) -> float:
+    return sum(float(row["seconds.total"]) for row in rows)
 
 
 def _more_surfaces(
@@ -155,7 +171,7 @@ def _within(found: State, rows: Sequence[Row], wanted: Wanted) -> State:
     """The same, without anything left to do if that would go beyond what may be planned."""
     if not found.batches:
         return found
-    seconds = sum(float(row["seconds.total"]) for row in rows) + found.seconds_left
+    seconds = _seconds(rows) + found.seconds_left
     solves = len(rows) + found.solves_left
     if seconds > wanted.max_seconds:
         why = f"it takes about {seconds:.2g} s of solving; allowed: max_seconds of that, or a larger standard error"

@@ -129,20 +129,23 @@ def bias(samples: Samples, sizes: Sequence[int]) -> float:
     return max([changes[-1], *(change / factor for change in changes[-2:-1])]) / (factor - 1)
 
 
-def best_ladder(samples: Samples, sizes: Sequence[int]) -> tuple[int, ...]:
-    """Of these grids the ones whose sum takes the least time for any standard error; the finest is always there."""
-    finest = sizes[-1]
+def best_ladder(samples: Samples, sizes: Sequence[int], standard_error: float) -> tuple[int, ...]:
+    """Of these grids the ones whose sum takes the least further time for a standard error > 0; the finest is always
+    there. Surfaces that are solved already count, so that variances which become known better on the way seldom lead to
+    other grids.
+    """
+    known = cache(lambda size, coarser: term(samples, size, coarser))
 
-    @cache
-    def effort(size: int, coarser: int | None) -> float:
-        known = term(samples, size, coarser)
-        return math.sqrt(known.variance * known.seconds)
-
-    def cost(ladder: tuple[int, ...]) -> float:
-        return sum(effort(*step) for step in _steps(ladder))
+    def seconds(ladder: tuple[int, ...]) -> tuple[float, float]:
+        """Time that is left, and that it takes from the beginning [s]."""
+        found = [known(*step) for step in _steps(ladder)]
+        numbers = counts(found, standard_error)
+        pairs = list(zip(numbers, found, strict=True))
+        left = sum(max(0, number - t.count) * t.seconds for number, t in pairs)
+        return left, sum(number * t.seconds for number, t in pairs)
 
     chosen = (itertools.compress(sizes[:-1], kept) for kept in itertools.product((False, True), repeat=len(sizes) - 1))
-    return min(((*coarser, finest) for coarser in chosen), key=cost)
+    return min(((*coarser, sizes[-1]) for coarser in chosen), key=seconds)
 
 
 def counts(found: Sequence[Term], standard_error: float) -> list[int]:

@@ -61,10 +61,9 @@ def _sentences(observable: str, estimate: Estimate, wanted: Wanted, spent: float
     if not estimate.standard_error > 0:
         return f"{said}; all surfaces have the same value."
     plain = estimate.plain_cost(estimate.standard_error)
-    return (
-        f"{said}; for the same standard error, surfaces on {finest} points alone would take about {plain:.2g} s, "
-        f"{plain / spent:.1g} times that."
-    )
+    said += f"; for the same standard error, surfaces on {finest} points alone would take about {plain:.2g} s, "
+    said += f"{plain / spent:.2g} times that."
+    return said if plain > spent else f"{said} Here `linecontact curve --over seed` on that grid costs less."
 
 
 def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:

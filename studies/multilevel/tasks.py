@@ -12,7 +12,7 @@ from ..runner.study import Plan
 from ..runner.tasks import ROWS, Record, Task
 from ..scenes.described import base_scene, shown
 from . import samples
-from .allocation import State, Wanted, grid_sizes, state
+from .allocation import State, Wanted, grid_sizes, share_done, state
 from .samples import Batch, Row
 
 KIND = "ensemble"
@@ -38,9 +38,19 @@ def plan(description: str, scene: Scene, wanted: Wanted) -> Plan:
     """The first tasks, and how the others follow from them."""
     sizes, seed = grid_sizes(scene), scene.indenter.seed  # type: ignore[attr-defined]
 
+    def rows(records: Mapping[Task, Record]) -> list[Row]:
+        return [row for record in records.values() for row in record[ROWS]]
+
     def more(records: Mapping[Task, Record]) -> Sequence[Task]:
-        rows: list[Row] = [row for record in records.values() for row in record[ROWS]]
-        return [BatchTask(description, batch) for batch in state(rows, sizes, wanted, seed).batches]
+        return [BatchTask(description, batch) for batch in state(rows(records), sizes, wanted, seed).batches]
+
+    def outlook(records: Mapping[Task, Record]) -> tuple[float, str]:
+        now = state(rows(records), sizes, wanted, seed)
+        means = (
+            f"{name} {found.mean:.5g} +- {found.standard_error:.2g} of {wanted.error(found):.2g} wanted"
+            for name, found in now.estimates.items()
+        )
+        return share_done([(rows(records), now)]), ", ".join(means) or "first surfaces"
 
     configuration: dict[str, Any] = {
         "scene": shown(description),
@@ -53,7 +63,7 @@ def plan(description: str, scene: Scene, wanted: Wanted) -> Plan:
         "max_samples": wanted.max_samples,
     }
     adjustable = ("observables", "standard_error", "relative", "max_seconds", "max_samples")
-    return Plan(KIND, configuration, list(more({})), adjustable=adjustable, more=more)
+    return Plan(KIND, configuration, list(more({})), adjustable=adjustable, more=more, outlook=outlook)
 
 
 def found(file: StudyFile) -> tuple[Wanted, State]:

@@ -13,7 +13,7 @@ from linecontact.solver.methods import Progress
 
 from ..files.study_files import StudyFile
 from ..multilevel import samples
-from ..multilevel.allocation import State, Wanted, grid_sizes, state
+from ..multilevel.allocation import State, Wanted, grid_sizes, share_done, state
 from ..multilevel.estimator import Estimate
 from ..multilevel.mean import MOST_SAMPLES, check_wanted
 from ..multilevel.samples import Batch, Row
@@ -68,23 +68,31 @@ def plan(c: Configuration, standard_error: float) -> Plan:
     points = [replace(task, hurst=h, poisson_ratio=nu, thickness=d) for h in c.hursts for nu, d in layers]
     sizes = grid_sizes(task.scene())
 
-    def more(records: Mapping[AnyTask, Record]) -> Sequence[AnyTask]:
+    def every(records: Mapping[AnyTask, Record]) -> Iterator[tuple[Task, list[Row], State]]:
+        """Every point, with its rows and how far it is."""
         rows: dict[Key, list[Row]] = {}
         for done, record in records.items():
-            assert isinstance(done, PointBatch)
-            rows.setdefault(done.key, []).extend(record[ROWS])
-        every = ((point, (point.hurst, point.poisson_ratio, point.thickness)) for point in points)
-        return [
-            PointBatch(point, batch)
-            for point, key in every
-            for batch in state(rows.get(key, []), sizes, wanted, 0).batches
-        ]
+            if isinstance(done, PointBatch):
+                rows.setdefault(done.key, []).extend(record[ROWS])
+        for point in points:
+            own = rows.get((point.hurst, point.poisson_ratio, point.thickness), [])
+            yield point, own, state(own, sizes, wanted, 0)
+
+    def more(records: Mapping[AnyTask, Record]) -> Sequence[AnyTask]:
+        return [PointBatch(point, batch) for point, _, now in every(records) for batch in now.batches]
+
+    def outlook(records: Mapping[AnyTask, Record]) -> tuple[float, str]:
+        now = [(rows, found) for _, rows, found in every(records)]
+        reached = sum(bool(found.estimates) and not (found.batches or found.out_of_reach) for _, found in now)
+        return share_done(now), f"{reached} of {len(now)} points to a standard error of {standard_error:g}"
 
     unused = ("realisations", "tolerance", "method")
     configuration: dict[str, Any] = {name: value for name, value in asdict(c).items() if name not in unused}
     configuration |= {"sizes": sizes, "standard_error": standard_error}
     adjustable = ("standard_error",)
-    return Plan("rough", configuration, list(more({})), lines(c), FIGURES, adjustable=adjustable, more=more)
+    return Plan(
+        "rough", configuration, list(more({})), lines(c), FIGURES, adjustable=adjustable, more=more, outlook=outlook
+    )
 
 
 def _wanted(standard_error: float) -> Wanted:

@@ -91,10 +91,10 @@ class Ensemble:
 
     def __str__(self) -> str:
         rate = (len(self.records) - self.found) / max(1e-9, time.monotonic() - self._begin)
-        worst = f"{self.worst:.0e}" if self.worst else "none yet"
+        worst = f", worst residual {self.worst:.0e}" if self.worst else ""
         return (
             f"{len(self.records)} of {len(self.tasks)} done, {len(self._running)} submitted, "
-            f"{len(self.failures)} failed, {rate:.3g} a second, worst residual {worst}"
+            f"{len(self.failures)} failed, {rate:.3g} a second{worst}"
         )
 
     def run(

@@ -79,7 +79,8 @@ def _compute(plans: Sequence[Plan], options: Options, folder: Path) -> Files:
 
     def report(iteration: int, residual: float) -> None:
         known = "" if math.isnan(residual) else f", residual {residual:.1e}"
-        bar.show(ensemble.share, f"{ensemble}; iteration {iteration}{known}")
+        share, state = progress(ensemble)
+        bar.show(share, f"{state}; iteration {iteration}{known}")
 
     def more() -> list[Task]:
         """What the plans ask for when they have the records so far."""
@@ -91,18 +92,42 @@ def _compute(plans: Sequence[Plan], options: Options, folder: Path) -> Files:
             ensemble.folder.forget(tasks)
         return tasks
 
+    progress = _Outlook(plans)
     with executors.choose(options.workers, options.memory, options.scheduler, report) as pool:
         with writing.expecting(folder):
             ensemble = _begin(plans, options, folder)
         with console.Bar(", ".join(plan.kind for plan in plans)) as bar:
-            bar.start = ensemble.share
+            bar.start, _ = progress(ensemble)
             try:
-                ensemble.run(pool.make, pool.limit, lambda now: bar.show(now.share, str(now)), more)
+                ensemble.run(pool.make, pool.limit, lambda now: bar.show(*progress(now)), more)
             except BaseException:
-                with contextlib.suppress(writing.StoreError):  # a full disk: the tasks' files are there
-                    _save(plans, ensemble, folder)
+                # a full disk: the tasks' files are there; a finished file, of another accuracy, is worth more
+                with contextlib.suppress(writing.StoreError):
+                    _save([plan for plan in plans if not _is_finished(plan.path(folder))], ensemble, folder)
                 raise
     return _save(plans, ensemble, folder)
+
+
+class _Outlook:
+    """How far a run is: the share of its tasks or, for a study that decides on the way, of the work that it needs."""
+
+    _SELDOM = 20.0  # times what it takes to know, that pass before it is worked out again
+
+    def __init__(self, plans: Sequence[Plan]) -> None:
+        self._outlook = plans[0].outlook if len(plans) == 1 else None
+        self._next, self._known = 0.0, (0.0, "")
+
+    def __call__(self, ensemble: Ensemble) -> tuple[float, str]:
+        """Share of the work that is done, 0 to 1, and what to say of it."""
+        if self._outlook is None:
+            return ensemble.share, str(ensemble)
+        begin = time.monotonic()
+        if begin >= self._next:
+            self._known = self._outlook(ensemble.records)
+            now = time.monotonic()
+            self._next = now + max(1.0, self._SELDOM * (now - begin))
+        share, reached = self._known
+        return share, f"{reached}; {len(ensemble.records)} batches done, {len(ensemble.failures)} failed"
 
 
 def _begin(plans: Sequence[Plan], options: Options, folder: Path) -> Ensemble:
@@ -126,6 +151,10 @@ def _save(plans: Sequence[Plan], ensemble: Ensemble, folder: Path) -> Files:
         for plan in plans:
             study_files.save_study(plan.path(folder), plan.collect(ensemble.records, ensemble.failures))
     return {plan.kind: study_files.load_study(plan.path(folder)) for plan in plans}
+
+
+def _is_finished(path: Path) -> bool:
+    return path.exists() and study_files.is_complete(path)
 
 
 def _draw(study: Study, plans: Sequence[Plan], files: Mapping[str, StudyFile], folder: Path, new: bool) -> list[Path]:

@@ -57,6 +57,8 @@ class Plan:
     more: Callable[[Mapping[Task, Record]], Sequence[Task]] | None = None
     """Further tasks, from the records of all so far; none when there are enough. For a study that decides on the way.
     """
+    outlook: Callable[[Mapping[Task, Record]], tuple[float, str]] | None = None
+    """From the same records the share of the work that is done, 0 to 1, and what is reached. For such a study, too."""
 
     @property
     def tasks(self) -> list[Task]:
