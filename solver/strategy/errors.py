@@ -3,8 +3,8 @@
 From a grid with a quarter of the points to the present one a quantity changes by c; what is claimed for it from the
 edges of the patches alone is e. On a surface with w points to its shortest wave its error is estimated as
 
-    contact area               sqrt(s^2 ((0.7 e)^2 + (c/24)^2) + b^2), s = max(0.6, 6/sqrt(w))
-    kappa                      sqrt(s^2 ((0.4 e)^2 + (c/24)^2) + b^2)
+    contact area               sqrt(s^2 ((0.6 e)^2 + (c/48)^2) + b^2), s = max(0.6, 6/sqrt(w))
+    kappa                      sqrt(s^2 ((0.4 e)^2 + (c/48)^2) + b^2)
     peak pressure, approach    max(1, (128/w)^1.5) sqrt((m c)^2 + (c'/16)^2)
 
 On smooth profiles s = 1, b = 0, the shares of area and kappa are 0.36 and 0.5 of e, c/13 and c/8, and the factor of the
@@ -14,8 +14,8 @@ The area between sub-grid edges converges with the second or third power of the 
 and e alone is careful: it has to hold without a coarser grid. (Not so under smooth profiles for patches of fewer than
 20 nodes, and for layers whose edge is not known: there e is taken whole.) The errors of many patches are independent
 but for a part that they have in common: patches that a grid sees with few points to a wave are too narrow, if their
-pressures tell where they end, by up to 0.1 (16/w)^1.5 grid spacings each for the area (0.14 for kappa), and by up to
-0.015 (16/w)^1.5 (0.02) if their loads do. Their sum is b.
+pressures tell where they end, by up to 0.06 (1 + 4 a_r) (16/w)^1.5 grid spacings each for the area (0.08 for kappa),
+and by up to 0.015 (1 + 4 a_r) (16/w)^1.5 if their loads do. Their sum is b.
 
 At tips sharper than |x|^1.5 kappa's sum over the slope converges more slowly, with the power 2n - 1, and more of c is
 taken.
@@ -24,9 +24,9 @@ The order of pressure and approach is measured, and at best the first is believe
 with the change c' before c, which also keeps a change that is small by accident from being believed. With one coarser
 grid alone the whole change is taken. To the peak pressure's error comes what the nodes may miss of the peak.
 
-The numbers were fitted to 600 random scenes (power profiles on layers and half-spaces against collocation, rough
-surfaces against grids of at least 16 times as many points, four grids of each), so that each estimate holds in 97 of
-100. On scenes that nothing was fitted to, see `linecontact study tradeoff`.
+The numbers were fitted to random scenes (power profiles on layers and half-spaces against collocation; 700 rough
+surfaces, up to five grids of each, against grids of 8 times as many points and more), so that each estimate holds in 97
+of 100. On scenes that nothing was fitted to, see `linecontact study tradeoff`.
 """
 
 import math
@@ -53,8 +53,8 @@ class Quantity:
     of_change: tuple[float, float] = (0.0, 0.0)
     """Share of the last change between grids that is left, likewise (dimensionless)."""
     per_patch: tuple[float, float] = (0.0, 0.0)
-    """Error that patches have in common at 16 points to the shortest wave, in the width of each, where pressures and
-    where loads tell their ends [grid spacings]."""
+    """Error that patches have in common at 16 points to the shortest wave and small areas, in the width of each, where
+    pressures and where loads tell their ends [grid spacings]."""
     of_slope: bool = False
     """Whether it is made of the slope, too, whose mean square converges slowly at a sharp tip."""
     sampling: str | None = None
@@ -73,17 +73,17 @@ QUANTITIES = {
         "contact_area_subgrid",
         "contact_area_error",
         "contact_area_edges_error",
-        of_edges=(0.36, 0.7),
-        of_change=(1 / 13, 1 / 24),
-        per_patch=(0.1, 0.015),
+        of_edges=(0.36, 0.6),
+        of_change=(1 / 13, 1 / 48),
+        per_patch=(0.06, 0.015),
     ),
     "kappa": Quantity(
         "kappa_subgrid",
         "kappa_error",
         "kappa_edges_error",
         of_edges=(0.5, 0.4),
-        of_change=(1 / 8, 1 / 24),
-        per_patch=(0.14, 0.02),
+        of_change=(1 / 8, 1 / 48),
+        per_patch=(0.08, 0.015),
         of_slope=True,
         sensitivity=2.0,
     ),
@@ -99,6 +99,7 @@ _CAREFUL_FROM_IF_SMOOTH = 20.0
 _UNKNOWN = 0.1  # error of a layer's edge that is too large to be a careful claim [grid spacings]
 _INDEPENDENT = 0.6  # s of many well resolved patches, whose errors are independent; the two edges of one err alike
 _FEW, _FEW_OF_OTHERS, _COMMON = 36.0, 128.0, 16.0  # points to the shortest wave
+_OF_AREA = 4.0  # growth of what patches have in common with the contact area: the gaps between them become narrow
 _LEAST, _MOST = 1.25, 4.0  # factor by which changes fall from grid to grid, as far as that is believed
 _EARLIER = 1 / 16  # share of the change before the last
 _OVER_ORDER = 1.25  # share of the change over what a known order would leave of it
@@ -122,7 +123,7 @@ def estimated(
         return edges
     by_load = found.num_patches_by_load
     each = [share * of for share, of in zip(quantity.per_patch, (found.num_patches - by_load, by_load), strict=True)]
-    common = sum(each) * math.pow(_COMMON * waves, 1.5) / num_points / area * abs(values[-1])
+    common = sum(each) * (1 + _OF_AREA * area) * math.pow(_COMMON * waves, 1.5) / num_points / area * abs(values[-1])
     if not coarser:
         return math.hypot(edges, common)
     rough = waves > 0
