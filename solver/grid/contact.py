@@ -8,7 +8,7 @@ from ..arrays import Array64, Indices, Mask
 from ..layers import ElasticLayer
 from ..scene import Scene
 from .edges import COUNTED_BELOW, Edges, apart, find_edges
-from .loads import Heights, from_loads
+from .loads import FromLoads, Heights, from_loads
 from .patches import Patches
 
 _MOST_NODES = 32  # of a patch whose ends are looked for by its load; wider ones have ends by pressures as well known
@@ -51,32 +51,39 @@ def ends(
     chosen = np.flatnonzero(patches.size <= min(largest, n / 2))
     if not chosen.size:
         return patches, edges
+    heights, thickness = Heights(profile, n / period), max(symbol.length, _THINNEST)
+    wide = patches.size[chosen] / thickness
+    narrow = wide < _NARROW
 
     def modulus(q: Array64) -> Array64:
         wave_numbers = np.clip(q * n, 2 * math.pi, 2 * math.pi * (n // 2))  # those that the grid has
         return np.asarray(2 * layer.stiffness(wave_numbers, period) / wave_numbers)
 
-    heights = Heights(profile, n / period)
     # patches without ends begin with Hertz' law
     curvature = heights.slope((patches.first + patches.last) / 2)[1]
     hertz = np.sqrt(4 / math.pi * patches.sums(inside) / np.maximum(curvature, 1e-300))
     start = np.where(edges.counted, np.clip(hertz, 0.05, patches.size), edges.width / 2)
-    thickness = max(symbol.length, _THINNEST)
-    size, counted = patches.size[chosen], edges.counted[chosen]
-    wide = size / thickness
-    narrow = wide < _NARROW
     found = from_loads(patches, chosen, narrow, inside, heights, modulus, thickness, start)
     left, right = found.centre - found.half_width, found.centre + found.half_width
-    error = _OVER_SIZE / size + _OF_SKEW * found.skew**2 + _OF_BEND * found.bend
-    error += np.where(narrow, _OF_THICKNESS * size * wide**4, _ESTIMATED * size)
-    gaps = np.append(patches.first[1:], patches.first[:1] + n) - patches.last - 1
-    error += _OVER_GAP_SQUARED * (1 / gaps[chosen] ** 2 + 1 / np.roll(gaps, 1)[chosen] ** 2)
+    error = _claimed(patches, chosen, found, wide)
     differ = np.maximum(np.abs(left - edges.left[chosen]), np.abs(right - edges.right[chosen]))
-    better = found.solved & (error < edges.error[chosen]) & (differ < np.where(counted, size, _FARTHEST))
+    better = found.solved & (error < edges.error[chosen])
+    better &= differ < np.where(edges.counted[chosen], patches.size[chosen], _FARTHEST)
     better &= ~_jagged(profile, (patches.first + patches.last)[chosen] // 2)
     by_load = np.zeros(patches.count, dtype=bool)
     by_load[chosen[better & narrow]] = True
     return patches, _with(edges, chosen[better], left[better], right[better], error[better], by_load, heights)
+
+
+def _claimed(patches: Patches, chosen: Indices, found: FromLoads, wide: Array64) -> Array64:
+    """Estimated errors of the widths of the chosen patches, shape (patches,) [grid spacings]. wide: their nodes over
+    the layer's thickness.
+    """
+    size = patches.size[chosen]
+    error = _OVER_SIZE / size + _OF_SKEW * found.skew**2 + _OF_BEND * found.bend
+    error += np.where(wide < _NARROW, _OF_THICKNESS * size * wide**4, _ESTIMATED * size)
+    gaps = np.append(patches.first[1:], patches.first[:1] + patches.num_points) - patches.last - 1
+    return np.asarray(error + _OVER_GAP_SQUARED * (1 / gaps[chosen] ** 2 + 1 / np.roll(gaps, 1)[chosen] ** 2))
 
 
 def _jagged(profile: Array64, nodes: Indices) -> Mask:
