@@ -29,11 +29,10 @@ NEARLY_FULL = 0.97
 """Contact area beyond which the gaps left have no reference to be compared with (dimensionless)."""
 
 # Calibrated on 1000 random scenes (power, rough and measured profiles, 2^8 to 2^14 points) against eight times as many
-# points: of 210 areas that are off by more than 5 % all but two are warned of, and 13 % of those within 1 %: patches of
-# a few nodes have ends that their loads tell well, if the profile is smooth between the nodes. What is claimed for the
-# edges of small patches is careful, the more where the profile is smooth in them.
+# points: of 210 areas that are off by more than 5 % all but two are warned of, and 13 % of those within 1 %. What is
+# claimed for the edges of small patches is careful, the more where the profile is smooth in them.
 _UNRESOLVED_SHARE = 0.2  # of the contact nodes, in patches that are not resolved
-_UNRESOLVED_ERROR = 0.08  # relative error claimed of a_r, up to which their ends are well known all the same
+_UNRESOLVED_ERROR = 0.08  # relative error claimed of a_r, up to which their loads tell their ends well all the same
 _LIKELY, _LIKELY_IF_SMOOTH = 0.2, 0.09  # likely error of the edges over the one claimed
 _SMOOTH = 1 / 3  # of half a shortest wave: in patches narrower on the average the profile is smooth
 _MOST_OMITTED = 0.001  # share of the mean square slope in waves that the grid leaves out

@@ -5,6 +5,7 @@ import json
 import math
 import time
 import tracemalloc
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -22,7 +23,7 @@ from linecontact.solver import (
     solve,
 )
 from linecontact.solver.grid.patches import Patches
-from linecontact.solver.grid.problem import Problem, half_spectrum
+from linecontact.solver.grid.problem import Problem, foundation_pressure, half_spectrum, typical_stiffness
 from linecontact.solver.methods import Setting, active_set
 from linecontact.solver.methods.active_set import active_set as search_for_sets
 from linecontact.solver.methods.active_set import local_inverses
@@ -425,3 +426,22 @@ def test_thousands_of_patches_whose_sets_would_keep_changing():
     assert solution.status is Status.CONVERGED
     assert not solution.handed_over
     assert solution.observables.num_patches > 5000
+
+
+@pytest.mark.parametrize("hurst", [0.3, 0.8])
+@pytest.mark.parametrize("thickness", [math.inf, 0.01])
+def test_a_cold_start_has_not_much_more_contact_than_the_solution(hurst, thickness):
+    scene = Scene(Layer(thickness, 0.25), RoughIndenter(hurst, 1, 1 / 8, 1 / 16), 0.01, num_points=2**12)
+    problem, contact = Problem.from_scene(scene), solve(scene).contact.sum()
+    typical, longest = typical_stiffness(problem), float(problem.stiffness[1])
+    start, former = ((foundation_pressure(problem, modulus) > 0).sum() for modulus in (typical, longest))
+    assert contact < start < 5 * contact
+    assert start <= former
+
+
+def test_the_typical_stiffness_is_at_least_the_longest_wave_s():
+    wave = Problem.from_scene(
+        Scene(indenter=MeasuredIndenter(1 - np.cos(2 * np.pi * np.arange(16) / 16)), num_points=16)
+    )
+    for problem in (wave, replace(wave, height=np.zeros(16))):
+        assert typical_stiffness(problem) == problem.stiffness[1]

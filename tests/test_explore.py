@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from bokeh.document import Document
-from bokeh.models import ColumnDataSource
-from linecontact.solver import Layer, MeasuredIndenter, PowerIndenter, RoughIndenter, Scene, solve
+from bokeh.models import ColumnDataSource, Div
+from linecontact.solver import CoatedHalfSpace, Layer, MeasuredIndenter, PowerIndenter, RoughIndenter, Scene, solve
 from linecontact.studies.command_line import main
 from linecontact.studies.explore import answers, page
 from linecontact.studies.explore.controls import CONTROLS, LOAD, THICKNESS
@@ -318,3 +318,14 @@ def test_memory_stays_flat(screen, events):
     before = resident()
     move(events)
     assert resident() - before < 20 * 2**20
+
+
+def test_the_page_names_its_layer():
+    for layer, said in (
+        (Layer(0.1), "elastic layer bonded to a rigid base,"),
+        (CoatedHalfSpace(0.1, base_modulus=2.0), "half-space,"),
+    ):
+        made = Screen(Scene(layer, num_points=2**8))
+        texts = [model.text for model in made.document.select({"type": Div})]
+        made.page.end(PATIENCE)
+        assert any(said in text for text in texts)

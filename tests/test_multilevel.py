@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections import Counter
 from dataclasses import replace
 
 import numpy as np
@@ -109,7 +110,7 @@ def test_grids_that_do_not_pay_are_left_out():
     rows = [
         row | {"kappa_subgrid": row["kappa_subgrid"] + noise[row["seed"]] * (row["num_points"] == 256)} for row in rows
     ]
-    ladder = estimator.best_ladder(Samples(rows, "kappa"), SIZES, 1e-4)
+    ladder = estimator.best_ladder([(Samples(rows, "kappa"), 1e-4)], SIZES)
     assert 256 not in ladder
     assert ladder[-1] == 2048
 
@@ -118,8 +119,25 @@ def test_surfaces_that_are_solved_keep_their_grids():
     """Grids that would be a little better from the beginning are worse than going on."""
     rows = solved([allocation.Batch(0, 20, SIZES), allocation.Batch(100, 400, (512,))])
     at_first, later = (Samples(some, "kappa") for some in (rows[: 20 * len(SIZES)], rows))
-    assert estimator.best_ladder(at_first, SIZES, 0.0025)[0] == 1024
-    assert estimator.best_ladder(later, SIZES, 0.0025)[0] == 512
+    assert estimator.best_ladder([(at_first, 0.0025)], SIZES)[0] == 1024
+    assert estimator.best_ladder([(later, 0.0025)], SIZES)[0] == 512
+
+
+def test_grids_suit_every_observable_in_whatever_order():
+    """The other mean needs no more surfaces than there are first; it must not choose the grids by itself."""
+    spent = []
+    for names in (("kappa",), ("kappa", "contact-area"), ("contact-area", "kappa")):
+        rows, now = sampled(Wanted(names, 0.003, False, math.inf, 10**9))
+        assert now.estimates["kappa"].standard_error <= 0.003
+        spent.append(sum(row["seconds.total"] for row in rows))
+    assert spent[0] == spent[1] == spent[2]
+
+
+def test_a_large_error_takes_few_solves():
+    """The fewest surfaces of the mean itself count where grids are chosen."""
+    rows, _ = sampled(wanted(0.1))
+    assert max(Counter(row["num_points"] for row in rows).values()) <= allocation.FEWEST_SURFACES
+    assert sum(row["num_points"] == SIZES[-1] for row in rows) < PILOT
 
 
 @pytest.mark.parametrize(("error", "relative"), [(0.004, False), (0.004, True), (0.002, False)])
@@ -219,7 +237,9 @@ def test_one_grid_is_plain_sampling(tmp_path, capsys):
     assert math.isnan(found.bias)
     assert found.standard_error <= 0.05 * found.mean
     assert ensemble(tmp_path, "--cut-off-ratio", "0.5", "--num-points", "128", "--standard-error", "0.1") == 0
-    assert "this is plain sampling" in " ".join(capsys.readouterr().out.split())
+    said = " ".join(capsys.readouterr().out.split())
+    assert "this is plain sampling" in said
+    assert "costs less" not in said
 
 
 def ensemble(folder, *words):
@@ -322,21 +342,25 @@ def test_an_interrupted_run_does_not_replace_a_finished_one(tmp_path, capsys, mo
 
     monkeypatch.setattr(tasks.BatchTask, "run", few)
     assert ensemble(tmp_path, *words, "0.1") == 130
-    capsys.readouterr()
     assert main.main(["plot", str(path)]) == 2  # nothing is known yet
+    left[0] = PILOT - 5 + 2
+    assert ensemble(tmp_path, *words, "0.008") == 130
+    capsys.readouterr()
+    assert main.main(["plot", str(path)]) == 0
+    assert "does not hold all that was asked for; run its study again" in capsys.readouterr().err
     left[0] = 10**9
     assert ensemble(tmp_path, *words, "0.1") == 0
     assert "`linecontact curve --over seed` on that grid costs less" in " ".join(capsys.readouterr().out.split())
     left[0] = 2
-    assert ensemble(tmp_path, *words, "0.008") == 130
+    assert ensemble(tmp_path, *words, "0.004") == 130
     file = load_study(path)
     assert (file.complete, file.configuration["standard_error"]) == (True, 0.1)
     capsys.readouterr()
     assert main.main(["plot", str(path)]) == 0
     assert not capsys.readouterr().err
     left[0] = 10**9
-    assert ensemble(tmp_path, *words, "0.008") == 0
-    assert load_study(path).configuration["standard_error"] == 0.008
+    assert ensemble(tmp_path, *words, "0.004") == 0
+    assert load_study(path).configuration["standard_error"] == 0.004
 
 
 def test_progress_is_the_time_of_solving_and_says_what_is_reached():
@@ -351,10 +375,20 @@ def test_progress_is_the_time_of_solving_and_says_what_is_reached():
         texts.append(text)
         todo = [task for task in plan.more(records) if task not in records]
     assert plan.outlook({}) == (0.0, "first surfaces")
-    assert 0 < shares[0] < 0.9
-    assert shares[-1] == 1
+    assert 0 < shares[0] < 0.3
+    assert all(before < after + 0.1 for before, after in itertools.pairwise(shares))  # it becomes known on the way
+    assert max(shares[:-1]) < shares[-1] == 1
     assert texts[-1].startswith("kappa 1.7")
-    assert texts[-1].endswith("of 0.005 wanted")
+    assert texts[-1].endswith("[dimensionless], 0.005 wanted")
+
+
+def test_nothing_is_left_of_an_ensemble_out_of_reach():
+    row = {"seconds.total": 2.0}
+    done, unknown = allocation.State({}, (), 6.0), allocation.State({}, (), math.nan)
+    given_up = allocation.State({}, (), math.nan, out_of_reach="it takes too long")
+    assert allocation.share_done([([row], done), ([row], given_up)]) == 0.4
+    assert allocation.share_done([([row], done), ([], unknown)]) == 0
+    assert allocation.share_done([]) == 0
 
 
 @pytest.mark.parametrize(

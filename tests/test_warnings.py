@@ -49,6 +49,15 @@ def test_strains_of_thin_layers(nu):
     assert WarningKind.STRAIN not in [warning.kind for warning in confined.warnings]
 
 
+def test_patches_of_few_nodes_whose_ends_are_known_need_no_warning():
+    scene = Scene(Layer(), RoughIndenter(0.8, 1, 1 / 8, 1 / 16), 0.002, num_points=2**10)
+    found = solve(scene)
+    assert found.patches.nodes[found.patches.nodes < 3].sum() > 0.2 * found.patches.nodes.sum()
+    assert WarningKind.GRID not in {warning.kind for warning in found.warnings}
+    truth = solve(scene.on_grid(2**14)).observables.contact_area_subgrid
+    assert found.observables.contact_area_subgrid == pytest.approx(truth, rel=0.01)
+
+
 def test_what_a_scan_does_not_resolve():
     """White noise, resampled to eight points for every value: each peak carries load on its own."""
     values = np.random.default_rng(0).standard_normal(256)

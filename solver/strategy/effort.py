@@ -111,7 +111,7 @@ class Effort:
         """Relax; a method that lost contact, on a thin and nearly incompressible layer, and did not settle starts anew.
 
         Measured with FIRE on 150 of these, nu = 0.4999 to 1/2, d = 1e-9 to 0.03: from u = 0 three did not settle, and
-        these did from the Winkler foundation's pressure.
+        these did from the pressure of a Winkler foundation as stiff as the layer's longest wave.
         """
         status = self.relax(state)
         lost = status is not Status.INTERRUPTED and not state.residual < MEANINGLESS
@@ -119,7 +119,8 @@ class Effort:
             self.allow(_SECOND_START)
             try:
                 again = self.begin(state.problem, state.tolerance)
-                again.start_from_pressure(foundation_pressure(state.problem, float(state.problem.stiffness[1])))
+                longest = float(state.problem.stiffness[1])
+                again.start_from_pressure(foundation_pressure(state.problem, longest))
             except KeyboardInterrupt:
                 return state, Status.INTERRUPTED
             return again, self.relax(again)

@@ -24,7 +24,7 @@ def command(options: Options, output: TextIO | None = None) -> int:
     with warnings.catch_warnings(action="ignore"):  # of what matplotlib finds odd in a file
         drawn = drawing.draw(options.file)
     if hdf5.file_kind(options.file) in STUDIES and not study_files.is_complete(options.file):
-        complain(f"file {options.file} is of a run that was not finished; the same command goes on with it")
+        complain(f"file {options.file} does not hold all that was asked for; run its study again to go on")
     for file in drawn:
         print(printable(str(file)), file=output)
     return 0

@@ -22,6 +22,7 @@ from bokeh.models import (
     TextInput,
 )
 from linecontact.solver import Solution
+from linecontact.solver.layers import ElasticLayer
 
 from ..terminal.text import complain
 from .answers import Answer, DroppedError, answer
@@ -103,8 +104,7 @@ class Page:
             button = Button(label=f"Copy the {text}", width=160)
             button.js_on_click(CustomJS(args={"shown": shown}, code=_COPY))
             copies += [button, shown]
-        kind = (type(self._start.first.layer).__doc__ or "").split(".")[0]
-        title = Div(text=f"<b>linecontact explore</b>: {kind[:1].lower() + kind[1:]}, under a rigid indenter")
+        title = Div(text=f"<b>linecontact explore</b>: {_described(self._start.first.layer)}, under a rigid indenter")
         side = column(title, self._profile, *self._sliders.values(), *copies, self._note, width=350)
         curves = row(*(around.figure for around in self._around.values()), sizing_mode="stretch_width")
         fields = (self._fields.shape, self._fields.pressure)
@@ -169,7 +169,7 @@ class Page:
             curves = {control: curve.copy() for control, curve in self._curves.items()}
             self._later(partial(self._show, event, found))
             if scene:
-                self._newest.outdated(_PAINTED)
+                self._newest.outdated(_PAINTED)  # a pause, which a newer event ends
             self._later(partial(self._show_around, event, found.solution, curves))
             if scene is None or self._newest.outdated(_QUIET):
                 return
@@ -195,6 +195,14 @@ class Page:
             around.show_curve(curves[control] if solution else None)
         if event.values == self._values:
             self._status.value = ""
+
+
+def _described(layer: ElasticLayer) -> str:
+    """What kind of layer it is, by the first sentence of its class's docstring, or by its name."""
+    kind, doc = type(layer), type(layer).__doc__ or ""
+    if not doc or doc.startswith(f"{kind.__name__}("):  # what a dataclass without one is given
+        return f"a layer of the kind {escape(layer.name)}"
+    return escape(doc[0].lower() + doc[1:].split(".")[0])
 
 
 @cache

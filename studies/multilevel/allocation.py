@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from linecontact.solver import Scene
 
-from .estimator import Estimate, best_ladder, counts, estimate
+from .estimator import FEWEST_SURFACES, Estimate, best_ladder, counts, estimate
 from .samples import Batch, Row, Samples
 
 PILOT, FINER_PILOT = 16, 8
@@ -22,7 +22,6 @@ _WAVE_POINTS = 4  # of the coarsest grid to the shortest wave
 _FEWEST = 2**8  # points of the coarsest grid
 _BIAS = 1 / 3  # of the standard error that the finest grid may be off
 _LEAST = 4  # surfaces that tell a variance
-_FEWEST_SURFACES = 32  # of the mean itself, whose variance counts most
 _GROWTH = 4  # factor by which a number of surfaces grows at once: variances become known better on the way
 _SECONDS = 1.0  # of a task
 _LESS = 0.97  # factor of the error aimed at, as long as what the surfaces have in common keeps the error too large
@@ -99,28 +98,31 @@ def state(rows: Sequence[Row], sizes: Sequence[int], wanted: Wanted, seed: int) 
     if least < _LEAST:
         why = f"of the surfaces solved first no more than {least} converge; allowed: a scene whose solves do"
         return State({}, (), math.nan, out_of_reach=why)
-    of_one = estimate(main, reached[-1:], reached)
-    ladder = best_ladder(main, reached, wanted.error(of_one)) if wanted.error(of_one) > 0 else reached
+    plain = [(samples, estimate(samples, reached[-1:], reached)) for samples in known.values()]
+    asked = [(samples, wanted.error(found)) for samples, found in plain]
+    ladder = best_ladder(asked, reached) if all(error > 0 for _, error in asked) else reached
     estimates = {name: estimate(samples, ladder, reached) for name, samples in known.items()}
     if not all(wanted.error(found) > 0 for found in estimates.values()):
         why = "a mean is 0; allowed: a standard error that is not relative"
         return State(estimates, (), math.nan, out_of_reach=why)
+    then = _more_surfaces(estimates, wanted, tried, seed, sizes)
     if any(map(wanted.biased, estimates.values())) and len(reached) < len(sizes):
         finer, count = sizes[len(reached)], pilots[len(reached)]
         seconds = main.seconds(reached[-1]) * finer / reached[-1]
         batches = _batches(begin, count, (finer,), seconds)
-        return _within(State(estimates, batches, count * seconds, count), rows, wanted)
-    return _within(_more_surfaces(estimates, wanted, tried, seed, sizes), rows, wanted)
+        seconds, solves = count * seconds + then.seconds_left, count + then.solves_left
+        return _within(State(estimates, batches, seconds, solves), rows, wanted)
+    return _within(then, rows, wanted)
 
 
 def share_done(ensembles: Iterable[tuple[Sequence[Row], State]]) -> float:
     """Share of the time of solving that is spent, 0 to 1, of the rows and states of some ensembles; 0 as long as it is
-    not known what one of them takes.
+    not known what one of them takes. Nothing is left of one that is out of reach.
     """
     spent = left = 0.0
     for rows, now in ensembles:
         spent += _seconds(rows)
-        left += now.seconds_left
+        left += 0.0 if now.out_of_reach else now.seconds_left
     return spent / (spent + left) if spent > 0 and math.isfinite(left) else 0.0
 
 
@@ -131,7 +133,8 @@ def _seconds(rows: Sequence[Row]) -> float:
 def _more_surfaces(
     estimates: dict[str, Estimate], wanted: Wanted, tried: Set[tuple[int, int]], seed: int, sizes: Sequence[int]
 ) -> State:
-    """What brings the standard errors, on the grids that are chosen."""
+    """What brings the standard errors, on the grids that are chosen; the coarsest one's fewest surfaces first."""
+    few = estimates[wanted.observables[0]].terms[0].count < FEWEST_SURFACES
     each = [_numbers(found, wanted.error(found)) for found in estimates.values()]
     planned: list[Batch] = []
     seconds, solves = 0.0, 0
@@ -140,9 +143,11 @@ def _more_surfaces(
         if missing > 0:
             grids = tuple(size for size in (one.coarser, one.num_points) if size)
             seconds, solves = seconds + missing * one.seconds, solves + missing * len(grids)
+            if few and one.coarser:
+                continue
             start = first_seed(seed, 1 + sizes.index(one.num_points))
             own = (number + 1 for number, size in tried if size == one.num_points and 0 <= number - start < _APART)
-            more = min(missing, _GROWTH * one.count)
+            more = FEWEST_SURFACES - one.count if few else min(missing, _GROWTH * one.count)
             planned += _batches(max(own, default=start), more, grids, one.seconds)
     return State(estimates, tuple(planned), seconds, solves)
 
@@ -150,15 +155,13 @@ def _more_surfaces(
 def _numbers(found: Estimate, error: float) -> list[int]:
     """Surfaces for each term; as many as there are where the standard error is small enough, and else more of one."""
     have = [one.count for one in found.terms]
-    if have[0] < _FEWEST_SURFACES:
-        return [_FEWEST_SURFACES, *have[1:]]
-    if found.standard_error <= error:
-        return have
-    numbers, aim = counts(found.terms, error), error
-    while all(number <= count for number, count in zip(numbers, have, strict=True)):
-        aim *= _LESS  # what surfaces that serve several terms have in common counts as well
-        numbers = counts(found.terms, aim)
-    return numbers
+    numbers, aim = have, error
+    if found.standard_error > error:
+        numbers = counts(found.terms, error)
+        while all(number <= count for number, count in zip(numbers, have, strict=True)):
+            aim *= _LESS  # what surfaces that serve several terms have in common counts as well
+            numbers = counts(found.terms, aim)
+    return [max(numbers[0], FEWEST_SURFACES), *numbers[1:]]
 
 
 def _batches(first: int, count: int, sizes: tuple[int, ...], seconds: float) -> tuple[Batch, ...]:

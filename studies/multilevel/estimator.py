@@ -17,6 +17,9 @@ import numpy as np
 
 from .samples import Samples
 
+FEWEST_SURFACES = 32
+"""Of the mean on the coarsest grid, whose variance counts most."""
+
 _CHANGES = 3  # from grid to grid, that tell how the error falls
 
 
@@ -129,17 +132,22 @@ def bias(samples: Samples, sizes: Sequence[int]) -> float:
     return max([changes[-1], *(change / factor for change in changes[-2:-1])]) / (factor - 1)
 
 
-def best_ladder(samples: Samples, sizes: Sequence[int], standard_error: float) -> tuple[int, ...]:
-    """Of these grids the ones whose sum takes the least further time for a standard error > 0; the finest is always
-    there. Surfaces that are solved already count, so that variances which become known better on the way seldom lead to
-    other grids.
+def best_ladder(asked: Sequence[tuple[Samples, float]], sizes: Sequence[int]) -> tuple[int, ...]:
+    """Of these grids the ones whose sums take the least further time; the finest is always there. Surfaces that are
+    solved already count, so that variances which become known better on the way seldom lead to other grids.
+
+    asked: samples of each observable, of the same surfaces, with the standard error > 0 that its mean is to have.
     """
-    known = cache(lambda size, coarser: term(samples, size, coarser))
+    known = cache(lambda which, size, coarser: term(asked[which][0], size, coarser))
 
     def seconds(ladder: tuple[int, ...]) -> tuple[float, float]:
         """Time that is left, and that it takes from the beginning [s]."""
-        found = [known(*step) for step in _steps(ladder)]
-        numbers = counts(found, standard_error)
+        each = []
+        for which, (_, standard_error) in enumerate(asked):
+            found = [known(which, *step) for step in _steps(ladder)]
+            each.append(counts(found, standard_error))
+        numbers = [max(column) for column in zip(*each, strict=True)]
+        numbers[0] = max(numbers[0], FEWEST_SURFACES)
         pairs = list(zip(numbers, found, strict=True))
         left = sum(max(0, number - t.count) * t.seconds for number, t in pairs)
         return left, sum(number * t.seconds for number, t in pairs)

@@ -60,10 +60,13 @@ def _sentences(observable: str, estimate: Estimate, wanted: Wanted, spent: float
     said += f"Solving took {spent:.3g} s in all processes"
     if not estimate.standard_error > 0:
         return f"{said}; all surfaces have the same value."
+    if math.isnan(bias):
+        return f"{said}."
     plain = estimate.plain_cost(estimate.standard_error)
     said += f"; for the same standard error, surfaces on {finest} points alone would take about {plain:.2g} s, "
     said += f"{plain / spent:.2g} times that."
-    return said if plain > spent else f"{said} Here `linecontact curve --over seed` on that grid costs less."
+    cheaper = "Here `linecontact curve --over seed` on that grid costs less, but tells no bias."
+    return said if plain > spent else f"{said} {cheaper}"
 
 
 def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:

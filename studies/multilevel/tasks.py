@@ -47,7 +47,8 @@ def plan(description: str, scene: Scene, wanted: Wanted) -> Plan:
     def outlook(records: Mapping[Task, Record]) -> tuple[float, str]:
         now = state(rows(records), sizes, wanted, seed)
         means = (
-            f"{name} {found.mean:.5g} +- {found.standard_error:.2g} of {wanted.error(found):.2g} wanted"
+            f"{name} {found.mean:.5g} +- {found.standard_error:.2g} [{samples.unit_of(name)}], "
+            f"{wanted.error(found):.2g} wanted"
             for name, found in now.estimates.items()
         )
         return share_done([(rows(records), now)]), ", ".join(means) or "first surfaces"

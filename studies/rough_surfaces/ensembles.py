@@ -84,7 +84,8 @@ def plan(c: Configuration, standard_error: float) -> Plan:
     def outlook(records: Mapping[AnyTask, Record]) -> tuple[float, str]:
         now = [(rows, found) for _, rows, found in every(records)]
         reached = sum(bool(found.estimates) and not (found.batches or found.out_of_reach) for _, found in now)
-        return share_done(now), f"{reached} of {len(now)} points to a standard error of {standard_error:g}"
+        asked = f"to a standard error of {standard_error:g} over the mean"
+        return share_done(now), f"{reached} of {len(now)} points {asked}"
 
     unused = ("realisations", "tolerance", "method")
     configuration: dict[str, Any] = {name: value for name, value in asdict(c).items() if name not in unused}
