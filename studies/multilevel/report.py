@@ -63,7 +63,7 @@ def _sentences(observable: str, estimate: Estimate, wanted: Wanted, spent: float
     if math.isnan(bias):
         return f"{said}."
     plain = estimate.plain_cost(estimate.standard_error)
-    said += f"; for the same standard error, surfaces on {finest} points alone would take about {plain:.2g} s, "
+    said += f"; for the same standard error, surfaces on {finest} points alone would take about {plain:.3g} s, "
     said += f"{plain / spent:.2g} times that."
     cheaper = "Here `linecontact curve --over seed` on that grid costs less, but tells no bias."
     return said if plain > spent else f"{said} {cheaper}"
