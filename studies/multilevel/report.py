@@ -57,7 +57,7 @@ def _sentences(observable: str, estimate: Estimate, wanted: Wanted, spent: float
     elif wanted.biased(estimate):
         off += f", more than a third of the standard error of {wanted.error(estimate):.2g} that was asked for"
     said = f"{observable} = {estimate.mean:.6g} +- {estimate.standard_error:.2g} (standard error) [{number}]. {off}. "
-    said += f"Solving took {spent:.3g} s in all processes"
+    said += f"Solving took {spent:.3g} s in all processes, with the first surfaces on other grids"
     if not estimate.standard_error > 0:
         return f"{said}; all surfaces have the same value."
     if math.isnan(bias):

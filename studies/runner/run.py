@@ -127,7 +127,7 @@ class _Outlook:
             now = time.monotonic()
             self._next = now + max(1.0, self._SELDOM * (now - begin))
         share, reached = self._known
-        return share, f"{reached}; {len(ensemble.records)} batches done, {len(ensemble.failures)} failed"
+        return share, f"{reached}; {len(ensemble.records)} of {len(ensemble.tasks)} batches planned so far"
 
 
 def _begin(plans: Sequence[Plan], options: Options, folder: Path) -> Ensemble:
@@ -141,7 +141,8 @@ def _begin(plans: Sequence[Plan], options: Options, folder: Path) -> Ensemble:
         results.forget(tasks)
     ensemble = Ensemble(tasks, results)
     if ensemble.found:
-        console.errors.print(f"continuing: {ensemble.found} of {len(ensemble.tasks)} tasks are done")
+        first = "the first " if any(plan.more for plan in plans) else ""
+        console.errors.print(f"continuing: {ensemble.found} of {first}{len(ensemble.tasks)} tasks are done")
     return ensemble
 
 
