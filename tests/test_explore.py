@@ -329,3 +329,11 @@ def test_the_page_names_its_layer():
         texts = [model.text for model in made.document.select({"type": Div})]
         made.page.end(PATIENCE)
         assert any(said in text for text in texts)
+
+
+def test_only_layers_that_may_be_half_spaces_have_one_on_their_curve():
+    for layer, has in ((Layer(0.1), True), (CoatedHalfSpace(0.1, base_modulus=2.0), False)):
+        scene = Scene(layer, num_points=2**12)
+        curve = Curve(THICKNESS)
+        curve.aim(scene)
+        assert (math.inf in curve.missing(scene, (-2, 1))) == has
