@@ -67,6 +67,11 @@ class State:
     out_of_reach: str = ""
     """Why it goes no further, with what is allowed instead."""
 
+    @property
+    def done(self) -> bool:
+        """Whether nothing is left to solve, because every mean is as it was asked for."""
+        return bool(self.estimates) and not (self.batches or self.out_of_reach)
+
 
 def grid_sizes(scene: Scene) -> tuple[int, ...]:
     """The grids that hold the surface, from coarse to fine, each twice the one before; the scene's is the finest."""

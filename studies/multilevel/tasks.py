@@ -45,13 +45,14 @@ def plan(description: str, scene: Scene, wanted: Wanted) -> Plan:
         return [BatchTask(description, batch) for batch in state(rows(records), sizes, wanted, seed).batches]
 
     def outlook(records: Mapping[Task, Record]) -> tuple[float, str]:
-        now = state(rows(records), sizes, wanted, seed)
+        known = rows(records)
+        now = state(known, sizes, wanted, seed)
         means = (
             f"{name} {found.mean:.5g} +- {found.standard_error:.2g} [{samples.unit_of(name)}], "
             f"{wanted.error(found):.2g} wanted"
             for name, found in now.estimates.items()
         )
-        return share_done([(rows(records), now)]), ", ".join(means) or "first surfaces"
+        return share_done([(known, now)]), ", ".join(means) or "first surfaces"
 
     configuration: dict[str, Any] = {
         "scene": shown(description),

@@ -83,7 +83,7 @@ def plan(c: Configuration, standard_error: float) -> Plan:
 
     def outlook(records: Mapping[AnyTask, Record]) -> tuple[float, str]:
         now = [(rows, found) for _, rows, found in every(records)]
-        reached = sum(bool(found.estimates) and not (found.batches or found.out_of_reach) for _, found in now)
+        reached = sum(found.done for _, found in now)
         asked = f"to a standard error of {standard_error:g} over the mean"
         return share_done(now), f"{reached} of {len(now)} points {asked}"
 

@@ -113,7 +113,7 @@ def _to_standard_error(file: StudyFile) -> Sequence[RenderableType]:
 def _sizes(states: Sequence[State]) -> tuple[str, str, str, str]:
     """How many points are done, their surfaces and grids, and the time of plain sampling [s]."""
     known = [state.estimates["kappa"] for state in states if state.estimates]
-    ok = f"{sum(bool(s.estimates) and not (s.batches or s.out_of_reach) for s in states)}/{len(states)}"
+    ok = f"{sum(state.done for state in states)}/{len(states)}"
     if not known:
         return ok, "", "", ""
     surfaces = [estimate.terms[0].count for estimate in known]
