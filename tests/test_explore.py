@@ -334,6 +334,7 @@ def test_the_page_names_its_layer():
 def test_only_layers_that_may_be_half_spaces_have_one_on_their_curve():
     for layer, has in ((Layer(0.1), True), (CoatedHalfSpace(0.1, base_modulus=2.0), False)):
         scene = Scene(layer, num_points=2**12)
-        curve = Curve(THICKNESS)
+        curve = Curve(Start(scene).controls()[0])
         curve.aim(scene)
+        assert (curve.control.name, curve.control.endless) == ("thickness", has)
         assert (math.inf in curve.missing(scene, (-2, 1))) == has

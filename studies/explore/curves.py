@@ -42,9 +42,7 @@ class Curve:
 
     def missing(self, scene: Scene, span: tuple[float, float]) -> list[float]:
         """Numbers without a point yet, those next to the scene first. span: of the slider's positions."""
-        places = [*np.linspace(*span, _POINTS)]
-        if self.control.endless and _has_half_space(self.control, scene):
-            places.append(span[1] + self.control.step)
+        places = [*np.linspace(*span, _POINTS), *([span[1] + self.control.step] if self.control.endless else [])]
         own = self.control.position(own_value(self.control, scene), span[1])
         places.sort(key=lambda place: abs(place - own))
         values = (self.control.value(float(place), span[1]) for place in places)
@@ -99,15 +97,6 @@ def _holds(indenter: Indenter, num_points: int) -> bool:
         except ValueError:
             return False
     return indenter.omitted(num_points) < _MOST_OMITTED
-
-
-def _has_half_space(control: Control, scene: Scene) -> bool:
-    """Whether the layer may be infinitely thick, which a coating may not."""
-    try:
-        _put(control, scene, math.inf)
-    except ValueError:
-        return False
-    return True
 
 
 def _put(control: Control, scene: Scene, value: float) -> Scene:

@@ -89,7 +89,8 @@ class Page:
         options = {"rows": 6, "max_length": None, "width": 330, "stylesheets": _SMALL}
         self._link, self._command = (TextAreaInput(name=name, **options) for name in ("link", "command"))
         self._fields = Fields(first)
-        around = [control for control in (LOAD, THICKNESS) if control in self._controls]
+        named = {control.name: control for control in self._controls}
+        around = [named[control.name] for control in (LOAD, THICKNESS) if control.name in named]
         self._curves = {control: Curve(control) for control in around}
         self._around = {control: Surroundings(control, self._spans[control]) for control in around}
         self._fields.shape.on_event(RangesUpdate, lambda _: self._fields.thin())

@@ -81,8 +81,12 @@ class Start:
             self.indenters.setdefault(other.name, other)
 
     def controls(self) -> tuple[Control, ...]:
-        """Those whose field one of the scenes has."""
-        return tuple(control for control in CONTROLS if control.name in self.values())
+        """Those whose field one of the scenes has; the thickness of a layer that cannot be a half-space has an end."""
+        found = (control for control in CONTROLS if control.name in self.values())
+        return tuple(
+            control if not control.endless or self._may_be_infinite(control) else replace(control, endless=False)
+            for control in found
+        )
 
     def values(self) -> dict[str, Any]:
         """The values of the scene at the start, and what the other indenters begin with."""
@@ -143,6 +147,14 @@ class Start:
         for name, value in given.items():
             words += [flag(name), str(value)]
         return shlex.join(["linecontact", "solve", *words])
+
+    def _may_be_infinite(self, control: Control) -> bool:
+        """Whether the layer takes that number of its own, which a coating's thickness cannot be."""
+        try:
+            replace(self.first.layer, **{control.name: math.inf})  # type: ignore[type-var]
+        except ValueError:
+            return False
+        return True
 
     def _owners(self, control: Control) -> list[Any]:
         if control.part == "indenter":
