@@ -176,7 +176,7 @@ def test_edges_do_not_pass_each_other():
     contact = np.ones(16, dtype=bool)
     contact[[3, 9]] = False
     patches = Patches.of(contact)
-    ends = edges.find_edges(patches, np.where(contact, 1.0, 0)[patches.nodes], Layer().edge_symbol(1, 1.0))
+    ends = edges.find_edges(patches, np.where(contact, 1.0, 0)[patches.nodes], Layer(), 1.0)
     assert (np.roll(ends.left, -1)[:-1] >= ends.right[:-1]).all()
     assert ends.left[0] + 16 >= ends.right[-1]
 

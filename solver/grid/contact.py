@@ -44,14 +44,14 @@ def ends(
     makes of that pressure the one over E*.
     """
     n = pressure.size
-    patches, symbol = Patches.of(pressure > 0), layer.edge_symbol(n, period)
+    patches, layer_thickness = Patches.of(pressure > 0), layer.thickness / period * n
     inside = pressure[patches.nodes] * scale
-    edges = find_edges(patches, inside, symbol)
-    largest = min(_MOST_NODES, max(_NARROW * symbol.length, COUNTED_BELOW - 1))
+    edges = find_edges(patches, inside, layer, period)
+    largest = min(_MOST_NODES, max(_NARROW * layer_thickness, COUNTED_BELOW - 1))
     chosen = np.flatnonzero(patches.size <= min(largest, n / 2))
     if not chosen.size:
         return patches, edges
-    heights, thickness = Heights(profile, n / period), max(symbol.length, _THINNEST)
+    heights, thickness = Heights(profile, n / period), max(layer_thickness, _THINNEST)
     wide = patches.size[chosen] / thickness
     narrow = wide < _NARROW
 

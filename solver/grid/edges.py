@@ -18,14 +18,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array64, Mask
-from ..layers import EdgeSymbol
+from ..layers import ElasticLayer
 from .edge_curves import EdgeCurve, edge_curve, edge_function, half_space_curve
 from .patches import Patches
 
 COUNTED_BELOW = 3
 """Nodes; smaller patches have no pressures that tell their ends."""
 
-_NARROW = 4.0  # layer thicknesses; narrower patches on layers of `_THINNEST` spacings have the half-space's edge
+_NARROW = 8.0  # layer thicknesses; narrower patches on layers of `_THINNEST` spacings have the half-space's edge
 _THINNEST = 2.5  # grid spacings
 
 # What is claimed for an edge [grid spacings]. The constants were fitted so that the claim holds where the collocation
@@ -33,6 +33,7 @@ _THINNEST = 2.5  # grid spacings
 _OVER_SIZE = 0.3  # over the nodes of the patch; measured 0.1 to 0.25
 _OVER_SIZE_SQUARED = 10.0  # over their square: patches of a few nodes, whose two ends disturb each other
 _OVER_THICKNESS, _OVER_THICKNESS_SQUARED = 0.1, 0.5  # over the layer's thickness [grid spacings]; measured 0.03
+_OF_LAYER, _OF_LAYER_OVER_SIZE = 0.003, 0.3  # more for patches that are wide beside the layer
 _OVER_GAP_SQUARED = 3.0  # over the square of the nodes between neighbouring patches, whose edges disturb each other
 _OF_SPREAD = 0.3  # of the difference between two estimates of one edge, where it is below `_CLOSE`
 
@@ -57,18 +58,12 @@ def edge_offset(curve: EdgeCurve, pressures: Array64) -> tuple[Array64, Array64,
     two = np.where(np.isfinite(two), two, 0.5 - curve.shift)
     bounded = np.clip(two, -curve.shift, 1 - curve.shift)
     spread = np.abs(two - bounded)
-    if curve.rows is None:  # beside it, from the last but one and the last but two
-        first, second, third = curve.table[:3]
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            ratio = pressures[:, 1] / pressures[:, 2]
-            inner = second - ratio * third
-            inner = inner / (inner - first + ratio * second) - curve.shift
-        return bounded, bounded, np.maximum(spread, np.where(np.isfinite(inner), np.abs(inner - bounded), 1.0))
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         low, middle, high = curve.rows @ pressures.T
         theta = -2 * low / middle
         for _ in range(3):  # -theta middle/2 - 3/8 theta^2 high = low
             theta = -2 * low / (middle + 0.75 * theta * high)
+        theta += curve.delta
         spread = np.maximum(spread, np.where(np.isfinite(theta), np.abs(theta - bounded), 1.0))
     theta = np.clip(np.where(np.isfinite(theta), theta, bounded), -curve.shift, 1 - curve.shift)
     # two estimates far apart: the patch is too small for a third family
@@ -109,40 +104,36 @@ class Edges:
         return math.sqrt(float(self.error @ self.error))
 
 
-def find_edges(patches: Patches, pressure: Array64, symbol: EdgeSymbol) -> Edges:
+def find_edges(patches: Patches, pressure: Array64, layer: ElasticLayer, period: float) -> Edges:
     """Sub-grid edges of patches from the pressure, shape (contact nodes,) in compact order [any unit].
 
     The pressure is first divided by the edge function of the patch's other end; that is not needed where the edge is
     found to the second order, see the beginning of this file. Patches of fewer than three nodes end half a spacing
     outside their last nodes, as counting has it, and a full contact has no edge at all.
 
-    symbol: the layer on the scale of this grid. The error is an estimate, see the constants of this module; where the
+    period: L [length]. The error is an estimate, see the constants of this module; where the
     pressures do not look like an edge, because the profile bends within a few spacings, it is as large as two estimates
     of the edge differ; and for patches that are counted it is one spacing.
     """
     if patches.full:
         half = np.array([0.5])  # error: a gap between two nodes would not be seen
         return Edges(patches.first - half, patches.last + half, np.ones(1), np.zeros(1, dtype=bool))
-    curve, thickness = edge_curve(symbol), symbol.thickness
+    curve, half_space = edge_curve(layer, patches.num_points, period), half_space_curve()
+    thickness = layer.thickness / period * patches.num_points
     theta, spread = _offsets(curve, patches, pressure)
-    second_order = np.zeros((2, patches.count), dtype=bool)
-    if not curve.thin:
-        better = _to_second_order(curve, patches, pressure)
-        narrow = (patches.size >= _SECOND_ORDER_NODES) & (patches.size < _SECOND_ORDER_WIDTH * symbol.length)
-        second_order = narrow & (np.abs(better - theta) < _ALIKE) & (spread < _ALIKE)
-        theta = np.where(second_order, better, theta)
+    narrow = (patches.size < _NARROW * thickness) & (thickness > _THINNEST)
+    if curve is not half_space and narrow.any():
+        theta, spread = np.where(narrow, _offsets(half_space, patches, pressure), (theta, spread))
+    better = _to_second_order(half_space, patches, pressure)
+    second_order = (patches.size >= _SECOND_ORDER_NODES) & (patches.size < _SECOND_ORDER_WIDTH * thickness)
+    second_order = second_order & (np.abs(better - theta) < _ALIKE) & (spread < _ALIKE)
+    theta = np.where(second_order, better, theta)
     finite = _OVER_THICKNESS / thickness + _OVER_THICKNESS_SQUARED / thickness**2
-    layer = np.full(patches.count, finite if thickness < math.inf else symbol.error)
-    if curve.thin:
-        narrow = (patches.size < _NARROW * thickness) & (thickness > _THINNEST)
-        layer = np.where(narrow, layer, symbol.error)
-        if narrow.any():
-            other = _offsets(half_space_curve(), patches, pressure)
-            theta, spread = np.where(narrow, other, (theta, spread))
+    by_layer = np.where(narrow, finite, _OF_LAYER + _OF_LAYER_OVER_SIZE / patches.size + curve.error)
     counted = patches.size < COUNTED_BELOW
     outside = np.where(counted, 0.5, -theta)
     left, right = apart(patches.first - outside[0], patches.last + outside[1], patches.num_points)
-    error = np.where(counted, math.sqrt(0.5), _claimed(patches, spread, layer, second_order))
+    error = np.where(counted, math.sqrt(0.5), _claimed(patches, spread, by_layer, second_order))
     return Edges(left, right, np.hypot(*error), counted)
 
 

@@ -210,13 +210,12 @@ class _LayerSlope:
         if not thickness < num_points:
             return cls(np.zeros(0), np.zeros(0), np.zeros(0))
         nodes, weights = _WAVES
-        longest = 2 * np.pi / num_points
-        half = (min(_SHORTEST / thickness, np.pi) - longest) / 2
-        q = longest + half * (nodes + 1)
+        half = min(_SHORTEST / thickness, np.pi) / 2
+        q = half * (nodes + 1)
         part = half * weights * (2 - 2 / modulus(q)) / np.pi
         distance = np.linspace(0.0, _REACH * thickness, _PLACES)
         phase = distance[:, None] * q
-        far = 1 - 1 / float(modulus(np.array([longest]))[0])
+        far = 1 - 1 / float(modulus(np.array([2 * np.pi / num_points]))[0])  # of the longest wave
         return cls(distance, np.sin(phase) @ part, np.cos(phase) @ (part * q), far)
 
     @property
@@ -231,7 +230,7 @@ class _LayerSlope:
         far = 2 / np.pi * self.far / np.maximum(away, self.reach)
         slope, bent = (np.interp(away, self.distance, known) for known in (self.table, self.derivative))
         slope, bent = np.where(beyond, far, slope), np.where(beyond, -far / np.maximum(away, self.reach), bent)
-        return np.copysign(slope, distance), bent
+        return slope * np.sign(distance), bent
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,7 @@ May import: arrays, checks, display, quadrature.
 
 from .bonded import Layer
 from .coated import CoatedHalfSpace
-from .layer import EdgeSymbol, ElasticLayer, HalfSpaceEdge
+from .layer import ElasticLayer
 from .sliding import SlidingLayer
 from .tabulated import TabulatedLayer
 
@@ -19,9 +19,7 @@ LAYERS: dict[str, type[ElasticLayer]] = {
 __all__ = [
     "LAYERS",
     "CoatedHalfSpace",
-    "EdgeSymbol",
     "ElasticLayer",
-    "HalfSpaceEdge",
     "Layer",
     "SlidingLayer",
     "TabulatedLayer",

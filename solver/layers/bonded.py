@@ -25,19 +25,11 @@ from .. import checks, display
 from ..arrays import Array64
 from .edge_shift import wiener_hopf_shift
 from .exponentials import sinh_minus_argument
-from .layer import EdgeSymbol, ElasticLayer
+from .layer import ElasticLayer
 
 _HALF_SPACE_FROM = 25.0  # q d from which f differs from 1 by less than rounding: by 2000 exp(-50), nu = 1/2
 
-_THINNEST_EDGE = 1e-6  # grid spacings: below, the edge no longer changes
-
 _MODULUS = float(1)  # the default E*, an object of its own: a modulus that is given is another one
-_NEARLY_INCOMPRESSIBLE = 0.497
-"""Poisson's ratio above which the edges of thin layers are less well known, see `_BondedEdge.error`."""
-
-_PRESSES_LIKE_STAND_IN = 0.03
-"""Thickness in grid spacings above which an incompressible layer presses like the nearly incompressible layer that
-stands in for it; below, its pressure goes like (a - x)^2."""
 
 
 def layer_factor(y: Array64, poisson_ratio: float) -> Array64:
@@ -93,50 +85,6 @@ def edge_shift(poisson_ratio: float) -> float:
 
 
 @dataclass(frozen=True)
-class _BondedEdge:
-    """The bonded layer on the scale of a grid, see `EdgeSymbol`.
-
-    For nu = 1/2 the symbol is not regular at q = 0; a nearly incompressible layer stands in, whose foundation begins
-    some 20 spacings from the edge.
-    """
-
-    thickness: float
-    """Of the layer [grid spacings]."""
-    poisson_ratio: float
-    """Of the layer (dimensionless)."""
-
-    @property
-    def length(self) -> float:
-        return self.thickness
-
-    @property
-    def _stand_in(self) -> tuple[float, float]:
-        """Thickness [grid spacings] and Poisson's ratio of the layer that is computed with."""
-        thickness = max(self.thickness, _THINNEST_EDGE)
-        most = 0.5 - min(max((thickness / 20) ** 2 / 2, 1e-5), 0.005)
-        return thickness, min(self.poisson_ratio, most)
-
-    @property
-    def shift(self) -> float:
-        thickness, nu = self._stand_in
-        return edge_shift(nu) * thickness
-
-    @property
-    def error(self) -> float:
-        """Measured against the collocation oracle, for contacts of 12 nodes and more."""
-        if math.isinf(self.thickness):
-            return 0.0
-        if self.poisson_ratio < _NEARLY_INCOMPRESSIBLE:
-            return 0.02
-        return 0.06 if self.thickness > _PRESSES_LIKE_STAND_IN else 0.5
-
-    def symbol(self, wave_numbers: Array64) -> Array64:
-        thickness, nu = self._stand_in
-        y = wave_numbers * thickness
-        return np.asarray(y * layer_factor(y, nu) / 2 / foundation_modulus(1.0, nu))
-
-
-@dataclass(frozen=True)
 class Layer(ElasticLayer):
     """An elastic layer bonded to a rigid base.
 
@@ -182,9 +130,6 @@ class Layer(ElasticLayer):
 
     def foundation_modulus(self, period: float) -> float:
         return foundation_modulus(self.thickness / period, self.poisson_ratio)
-
-    def edge_symbol(self, num_points: int, period: float) -> EdgeSymbol:
-        return _BondedEdge(self.thickness / period * num_points, self.poisson_ratio)
 
     def to_dict(self) -> dict[str, Any]:
         return {

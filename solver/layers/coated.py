@@ -15,7 +15,6 @@ E* the layer's. Every bracket is positive, and those that cancel for small x com
 for equal materials the half-space; long waves find the half-space below, short ones that of the layer's material.
 """
 
-import math
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
 
@@ -24,10 +23,9 @@ import numpy as np
 from .. import checks, display
 from ..arrays import Array64
 from .exponentials import sinh_minus_argument
-from .layer import EdgeSymbol, ElasticLayer, HalfSpaceEdge
+from .layer import ElasticLayer
 
 _HALF_SPACE_FROM = 25.0  # q d from which f differs from 1 by less than rounding
-_THIN = 8.0  # grid spacings; thicker layers have the half-space's edge
 _LEAST_RATIO, _MOST_RATIO = 1e-6, 1e6
 """Of the two contact moduli (dimensionless)."""
 
@@ -109,15 +107,6 @@ class CoatedHalfSpace(ElasticLayer):
 
     def foundation_modulus(self, period: float) -> float:
         return 0.0  # long waves find a half-space
-
-    def edge_symbol(self, num_points: int, period: float) -> EdgeSymbol:
-        """A half-space's. Measured against the collocation oracle: on layers thinner than a few spacings it is off by
-        up to 0.15 times the logarithm of the moduli's ratio.
-        """
-        thickness, ratio = self.thickness / period * num_points, self.base_modulus / self.contact_modulus
-        contrast = max(abs(math.log(ratio)), abs(math.log(self.shear_ratio)))
-        thin = 0.02 + min(0.25 * contrast, 1.2)
-        return HalfSpaceEdge(thin if thickness < _THIN else 0.1 / thickness + 0.5 / thickness**2, thickness)
 
     def to_dict(self) -> dict[str, Any]:
         names = ("thickness", "poisson_ratio", "contact_modulus", "base_modulus", "base_poisson_ratio")

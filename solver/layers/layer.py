@@ -4,59 +4,10 @@ A new layer is a frozen dataclass that inherits from `ElasticLayer`. It must off
 the defaults of the rest say "not known", and then no shortcut is taken.
 """
 
-import math
 from abc import abstractmethod
-from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol, Self
 
-import numpy as np
-
 from ..arrays import Array64
-
-
-class EdgeSymbol(Protocol):
-    """The layer on the scale of the grid, from which the shape of the pressure at a contact edge follows.
-
-    It must be hashable, because curves that are made from it are kept.
-    """
-
-    @property
-    def thickness(self) -> float:
-        """The layer's length scale [grid spacings]; well above 1 the edge is that of a half-space. `inf` for a layer
-        whose edge is always taken for that, with `error` as what it may be wrong by.
-        """
-
-    @property
-    def length(self) -> float:
-        """The layer's length scale, also where `thickness` is `inf` [grid spacings]."""
-
-    @property
-    def shift(self) -> float:
-        """How far the true edge of a contact lies outside of the edge on the foundation [grid spacings]."""
-
-    @property
-    def error(self) -> float:
-        """Error of an edge that is found with this symbol [grid spacings]."""
-
-    def symbol(self, wave_numbers: Array64) -> Array64:
-        """K(q)/K(0) for wave numbers 0 < q <= pi [1/grid spacing], of their shape; regular at q = 0 (dimensionless)."""
-
-    def __hash__(self) -> int: ...
-
-
-@dataclass(frozen=True)
-class HalfSpaceEdge:
-    """An edge that is always taken for a half-space's, see `EdgeSymbol`."""
-
-    error: float
-    """By how much it may be wrong [grid spacings]."""
-    length: float
-    """The layer's length scale [grid spacings]; patches much wider than that have another pressure at their edges."""
-    thickness: float = math.inf
-    shift: float = 0.0
-
-    def symbol(self, wave_numbers: Array64) -> Array64:
-        return np.ones_like(wave_numbers)
 
 
 class ElasticLayer(Protocol):
@@ -83,10 +34,6 @@ class ElasticLayer(Protocol):
 
         0 for a half-space, `inf` for an incompressible layer. period: L [length].
         """
-
-    @abstractmethod
-    def edge_symbol(self, num_points: int, period: float) -> EdgeSymbol:
-        """The layer on the scale of a grid of `num_points` in the period L [length]."""
 
     @abstractmethod
     def to_dict(self) -> dict[str, Any]:

@@ -13,18 +13,15 @@ layer may spread along the base, so also an incompressible one is compressed.
 
 import math
 from dataclasses import dataclass, replace
-from functools import cache
 from typing import Any, ClassVar, Self
 
 import numpy as np
 
 from .. import checks, display
 from ..arrays import Array64
-from .edge_shift import wiener_hopf_shift
-from .layer import EdgeSymbol, ElasticLayer
+from .layer import ElasticLayer
 
 _HALF_SPACE_FROM = 25.0  # q d from which f differs from 1 by less than rounding
-_THINNEST_EDGE = 1e-6  # grid spacings: below, the edge no longer changes
 
 
 def sliding_factor(y: Array64) -> Array64:
@@ -35,36 +32,6 @@ def sliding_factor(y: Array64) -> Array64:
     x = 2 * y[deep]
     found[deep] = (-np.expm1(-2 * x) + 2 * x * np.exp(-x)) / np.expm1(-x) ** 2
     return found
-
-
-@cache
-def _edge_shift() -> float:
-    return wiener_hopf_shift(sliding_factor, 1.0, 0, 1e-3)
-
-
-@dataclass(frozen=True)
-class _SlidingEdge:
-    """The sliding layer on the scale of a grid, see `EdgeSymbol`."""
-
-    thickness: float
-    """Of the layer [grid spacings]."""
-
-    @property
-    def length(self) -> float:
-        return self.thickness
-
-    @property
-    def shift(self) -> float:
-        return _edge_shift() * max(self.thickness, _THINNEST_EDGE)
-
-    @property
-    def error(self) -> float:
-        """Measured against the collocation oracle, for contacts of 12 nodes and more."""
-        return 0.02 if math.isfinite(self.thickness) else 0.0
-
-    def symbol(self, wave_numbers: Array64) -> Array64:
-        y = wave_numbers * max(self.thickness, _THINNEST_EDGE)
-        return np.asarray(y * sliding_factor(y) / 2)
 
 
 @dataclass(frozen=True)
@@ -99,9 +66,6 @@ class SlidingLayer(ElasticLayer):
 
     def foundation_modulus(self, period: float) -> float:
         return period / self.thickness
-
-    def edge_symbol(self, num_points: int, period: float) -> EdgeSymbol:
-        return _SlidingEdge(self.thickness / period * num_points)
 
     def to_dict(self) -> dict[str, Any]:
         return {"layer": self.name, "thickness": self.thickness, "contact_modulus": self.contact_modulus}

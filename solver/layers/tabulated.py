@@ -14,13 +14,11 @@ import numpy as np
 
 from .. import checks, display
 from ..arrays import Array64
-from .layer import EdgeSymbol, ElasticLayer, HalfSpaceEdge
+from .layer import ElasticLayer
 
 _FEWEST = 8  # rows
 _COARSE = 0.02  # change of K where every other row is left out; with all rows it is some sixteenth of that
 _STRAIGHT = 0.01  # difference of a slope d ln K/d ln q from 0 or 1 at which a law is taken to go on
-_SPACINGS = 8.0  # thicker than so many grid spacings, a bonded layer has the half-space's edge
-_UNKNOWN_EDGE = 0.5  # grid spacings
 
 
 @dataclass(frozen=True)
@@ -113,11 +111,6 @@ class TabulatedLayer(ElasticLayer):
         """The first row's K where the table begins flat; 0 where K goes like q there, `inf` where like 1/q^2."""
         flat = self.stiffnesses[0] * period / self.contact_modulus
         return flat if self._start == 0 else 0.0 if self._start == 1 else math.inf
-
-    def edge_symbol(self, num_points: int, period: float) -> EdgeSymbol:
-        """A half-space's, which nobody has measured where the grid's shortest waves do not find one."""
-        half_space = _SPACINGS * period / num_points < self.thickness
-        return HalfSpaceEdge(0.0 if half_space else _UNKNOWN_EDGE, self.thickness / period * num_points)
 
     def to_dict(self) -> dict[str, Any]:
         return {

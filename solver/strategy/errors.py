@@ -33,6 +33,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from ..grid.edge_curves import edge_curve
 from ..grid.observables import Observables
 from ..scene import Scene
 from ..solution import Level
@@ -128,7 +129,7 @@ def estimated(
         return math.hypot(edges, common)
     rough = waves > 0
     careful = rough or area * num_points >= _CAREFUL_FROM_IF_SMOOTH * found.num_patches
-    careful &= scene.layer.edge_symbol(num_points, scene.period).error < _UNKNOWN
+    careful &= edge_curve(scene.layer, num_points, scene.period).error < _UNKNOWN
     several = max(_INDEPENDENT, math.sqrt(_FEW * waves)) if rough else 1.0
     of_edges = quantity.of_edges[1 if rough else 0] if careful else 1.0
     change = _of_change(quantity, scene, rough) * abs(values[-1] - values[-2])

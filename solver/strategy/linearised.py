@@ -19,7 +19,7 @@ import numpy as np
 from ..arrays import Array64, Mask
 from ..endings import Status
 from ..grid.contact import contact_edges
-from ..grid.edge_curves import edge_curve, punch_end
+from ..grid.edge_curves import edge_curve
 from ..grid.edges import COUNTED_BELOW
 from ..grid.observables import foundation_modulus
 from ..grid.problem import Problem
@@ -79,15 +79,13 @@ def _beyond_nodes(scene: Scene, pressure: Array64, punch: Array64) -> float:
     """What d(approach)/dp is less because the contact ends beyond the ends of a punch on its nodes [length/pressure].
 
     pressure: contact pressure [any unit]; punch: d sigma/dp; both shape (N,). It is not known, and 0, for patches of
-    one or two nodes, and on layers of a few grid spacings.
+    one or two nodes.
     """
     patches, edges = contact_edges(scene, pressure)
-    if edge_curve(scene.layer.edge_symbol(pressure.size, scene.period)).thin:
-        return 0.0
-    end, first = punch_end()
+    curve = edge_curve(scene.layer, pressure.size, scene.period)
     total = 0.0
     for node, beyond in ((patches.first, patches.first - edges.left), (patches.last, edges.right - patches.last)):
-        squared = (punch[node % pressure.size] / first) ** 2  # k^2 over the grid spacing
-        total += float(np.sum(np.where(patches.size < COUNTED_BELOW, 0.0, squared * (beyond - end))))
+        squared = (punch[node % pressure.size] / curve.strength) ** 2  # k^2 over the grid spacing
+        total += float(np.sum(np.where(patches.size < COUNTED_BELOW, 0.0, squared * (beyond - curve.punch_end))))
     spacing = scene.period / pressure.size
     return 2 * math.pi / scene.layer.contact_modulus * total * spacing**2 / scene.period

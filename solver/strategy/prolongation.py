@@ -9,7 +9,7 @@ comes out right but for a few nodes, and the error of the pressure is that of th
 import numpy as np
 
 from ..arrays import Array64, Indices
-from ..grid.edge_curves import EdgeCurve, edge_curve, edge_function, thin_curve
+from ..grid.edge_curves import EdgeCurve, edge_curve, edge_function
 from ..grid.edges import Edges
 from ..grid.patches import Patches
 from ..scene import Scene
@@ -20,11 +20,8 @@ def prolong(scene: Scene, pressure: Array64, patches: Patches, ends: Edges, num_
 
     patches, ends: of that pressure, see `grid.contact.contact_edges`.
     """
-    factor, layer = num_points / pressure.size, scene.layer
-    fine_curve = edge_curve(layer.edge_symbol(num_points, scene.period))
-    coarse_curve = fine_curve
-    if fine_curve.thin:  # both of one kind
-        coarse_curve = thin_curve(layer.edge_symbol(pressure.size, scene.period))
+    factor = num_points / pressure.size
+    coarse_curve, fine_curve = (edge_curve(scene.layer, n, scene.period) for n in (pressure.size, num_points))
     if patches.full:
         x = np.arange(num_points) / factor
         return np.asarray(np.interp(x, np.arange(pressure.size + 1), np.append(pressure, pressure[0])))
