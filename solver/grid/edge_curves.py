@@ -89,8 +89,9 @@ class EdgeCurve:
 
 def edge_curve(layer: ElasticLayer, num_points: int, period: float) -> EdgeCurve:
     """The edge on a layer, on a grid of `num_points` in the period L [length]."""
-    thin = layer.thickness / period * num_points <= _THICK
-    return _layer_curve(layer, num_points, period) if thin else half_space_curve()
+    if layer.thickness / period * num_points > _THICK:
+        return half_space_curve()
+    return _layer_curve(layer, num_points, period)  # type: ignore[arg-type]  # a frozen dataclass: hashable
 
 
 @lru_cache(maxsize=256)

@@ -9,10 +9,12 @@ comes out right but for a few nodes, and the error of the pressure is that of th
 import numpy as np
 
 from ..arrays import Array64, Indices
-from ..grid.edge_curves import EdgeCurve, edge_curve, edge_function
+from ..grid.edge_curves import EdgeCurve, edge_curve, edge_function, half_space_curve
 from ..grid.edges import Edges
 from ..grid.patches import Patches
 from ..scene import Scene
+
+_THIN = 8.0  # grid spacings; on thicker layers the half-space's edge is right near the edge, and the rest is smooth
 
 
 def prolong(scene: Scene, pressure: Array64, patches: Patches, ends: Edges, num_points: int) -> Array64:
@@ -21,7 +23,9 @@ def prolong(scene: Scene, pressure: Array64, patches: Patches, ends: Edges, num_
     patches, ends: of that pressure, see `grid.contact.contact_edges`.
     """
     factor = num_points / pressure.size
-    coarse_curve, fine_curve = (edge_curve(scene.layer, n, scene.period) for n in (pressure.size, num_points))
+    coarse_curve = fine_curve = half_space_curve()
+    if scene.layer.thickness / scene.period * num_points <= _THIN:
+        coarse_curve, fine_curve = (edge_curve(scene.layer, n, scene.period) for n in (pressure.size, num_points))
     if patches.full:
         x = np.arange(num_points) / factor
         return np.asarray(np.interp(x, np.arange(pressure.size + 1), np.append(pressure, pressure[0])))
