@@ -177,10 +177,18 @@ def _to_second_order(curve: EdgeCurve, patches: Patches, pressure: Array64) -> A
 
 def _offsets(curve: EdgeCurve, patches: Patches, pressure: Array64) -> tuple[Array64, Array64]:
     """theta of left and right ends, and how little they look like edges, shape (2, M) each; see `edge_offset`."""
-    m, ends = patches.count, _ends(patches, pressure)
-    away = patches.size[:, None] - 1 - np.arange(3)
-    theta = np.full((2, m), 0.5 - curve.shift)
-    for _ in range(3):
-        across = np.maximum(edge_function(curve, (theta + curve.shift)[::-1, :, None], away), 1e-3)
-        theta, _, spread = (t.reshape(2, m) for t in edge_offset(curve, (ends / across).reshape(2 * m, 3)))
-    return theta, spread
+    theta, _, spread = edge_offset(curve, lone_ends(curve, patches, pressure).reshape(-1, 3))
+    return theta.reshape(2, -1), spread.reshape(2, -1)
+
+
+def lone_ends(curve: EdgeCurve, patches: Patches, pressure: Array64) -> Array64:
+    """The last three pressures of left and right ends, last node first, divided by the edge function of the patch's
+    other end, shape (2, M, 3).
+    """
+    ends, away = _ends(patches, pressure), patches.size[:, None] - 1 - np.arange(3)
+    theta, alone = np.full((2, patches.count), 0.5 - curve.shift), ends
+    for turn in range(3):
+        if turn:
+            theta = edge_offset(curve, alone.reshape(-1, 3))[0].reshape(2, -1)
+        alone = ends / np.maximum(edge_function(curve, (theta + curve.shift)[::-1, :, None], away), 1e-3)
+    return np.asarray(alone)

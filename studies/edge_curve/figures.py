@@ -1,38 +1,53 @@
-"""The figure of the edge curve: its closed form with the measured places, and their distance from it."""
+"""The figure of the edge curves: their closed forms with the measured places, and the distance from them."""
 
 from itertools import cycle
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from linecontact.solver.grid import edges
-from linecontact.solver.grid.edge_curves import half_space_curve
+from linecontact.solver.grid.edge_curves import edge_curve
 from matplotlib.figure import Figure
 
-from ..figures.style import COLOURS, MARKERS, ONE_COLUMN, distinct, layer, legend_below, load, panels
+from ..figures.style import COLOURS, MARKERS, ONE_COLUMN, legend_below, load, panels
+from .study import by_scene, layer_of
+
+_FINE = 2**20  # points of the grid on which the closed forms are drawn; only the thickness in spacings matters
 
 
 def draw(path: Path) -> dict[str, Figure]:
-    """The universal edge curve with the measured places, and their distance from it."""
-    study = load(path)
-    figure, grid = panels(2, 1, ONE_COLUMN, 4.8, sharex=True)
+    """The edge curves with the measured places, and their distance from them."""
+    figure, grid = panels(2, 1, ONE_COLUMN, 6.2, sharex=True)
     above, below = grid[:, 0]
-    curve = half_space_curve()
-    ratio = np.linspace(1e-3, curve.table[0] / curve.table[1], 200)
-    pressures = np.stack([ratio, np.ones_like(ratio), np.ones_like(ratio)], axis=1)
-    offset = edges.edge_offset(curve, pressures)[1]
-    above.plot(ratio, offset, "k-", lw=0.9, label="closed form (Wiener-Hopf)")
-    scenes = [tuple(run[f"scene.{n}"] for n in ("exponent", "thickness", "poisson_ratio")) for run in study.runs]
-    for scene, colour, marker in zip(distinct(scenes), cycle(COLOURS), cycle(MARKERS), strict=False):
-        chosen = np.array([s == scene for s in scenes])
-        x, offset = study.column("ratio")[chosen], study.column("offset")[chosen]
-        label = f"$n={scene[0]:g}$, {layer(float(scene[1]))}, $\\nu={scene[2]:g}$"
-        above.plot(x, offset, marker, ms=3.5, color=colour, label=label)
+    drawn = set()
+    for (scene, runs), colour, marker in zip(
+        by_scene(load(path)).items(), cycle(COLOURS), cycle(MARKERS), strict=False
+    ):
+        exponent, kind, spacings, nu, base = scene
+        curve = edge_curve(layer_of(kind, float(spacings) / _FINE, nu, base), _FINE, 1.0)
+        if curve.shift not in drawn:
+            ratio = np.linspace(1e-3, curve.table[0] / curve.table[1], 200)
+            pressures = np.stack([ratio, np.ones_like(ratio), np.ones_like(ratio)], axis=1)
+            above.plot(ratio, edges.edge_offset(curve, pressures)[1], "k-", lw=0.7, zorder=1)
+        drawn.add(curve.shift)
+        x, offset = (np.array([run[name] for run in scenes[scene]]) for name in ("ratio", "offset"))
+        above.plot(
+            x, offset, marker, ms=3.5, color=colour, label=f"$n={exponent:g}$, {_layer(kind, spacings, nu, base)}"
+        )
         for nodes, fill in (("two", "none"), ("three", colour)):
-            error = np.abs(study.column(f"offset.{nodes}_nodes")[chosen] - offset)
+            error = np.abs(np.array([run[f"offset.{nodes}_nodes"] for run in scenes[scene]]) - offset)
             below.plot(x, error, marker, ms=3.5, color=colour, mfc=fill)
     above.set(ylabel="edge inside the last node\n[grid spacings]")
+    above.plot([], [], "k-", lw=0.7, label="closed forms (Wiener-Hopf)")
     above.plot([], [], "ks", ms=3.5, mfc="none", label="below, hollow: from two nodes")
     above.plot([], [], "ks", ms=3.5, label="below, filled: from three nodes")
     legend_below(figure, above, 1)
     below.set(yscale="log", xlabel="ratio of the last two nodal pressures", ylabel="|error| [grid spacings]")
     return {"": figure}
+
+
+def _layer(kind: str, spacings: Any, nu: float, base: float) -> str:
+    if np.isinf(float(spacings)):
+        return "half-space"
+    thick = f"{kind}, $d={float(spacings):g}$ spacings"
+    return thick + {"sliding": "", "coated": f", base {base:g} $E^*$"}.get(kind, f", $\\nu={nu:g}$")

@@ -1,21 +1,22 @@
-"""The universal edge curve, measured: where a contact ends, from the ratio of its last two nodal pressures.
+"""The curves of contact edges, measured: where a contact ends, from the ratio of its last two nodal pressures.
 
 linecontact study edge-curve [--folder FOLDER]
 
-Loads are chosen so that the edge, known from the collocation oracle, takes every place between two nodes. The curve in
-`linecontact.solver.grid.edge_curves` is a closed form; this is the check, on high-resolution solutions, and its error.
+Loads are chosen so that the edge, known from the collocation oracle, takes every place between two nodes. The curves in
+`linecontact.solver.grid.edge_curves` are closed forms; this is the check, and their error.
 """
 
 import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
-import numpy as np
-from linecontact.solver import Layer, PowerIndenter, Scene, solve
+from linecontact.solver import CoatedHalfSpace, Layer, PowerIndenter, Scene, SlidingLayer, solve
 from linecontact.solver.grid import edges
-from linecontact.solver.grid.edge_curves import half_space_curve
+from linecontact.solver.grid.edge_curves import edge_curve
+from linecontact.solver.grid.patches import Patches
+from linecontact.solver.layers import ElasticLayer
 from linecontact.solver.methods import Progress
 from linecontact.solver.reference import collocation
 from rich.console import RenderableType
@@ -33,22 +34,30 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 NAME = "edge-curve"
+SCENE = ("exponent", "layer", "spacings", "poisson_ratio", "base_modulus")
+"""What tells the scenes of the study apart, as columns of its file."""
+
+_STEP = 1.01  # factor of the load, to find how the contact grows with it
 
 
 @dataclass(frozen=True)
 class Configuration:
     """What identifies the study."""
 
-    num_points: int = 2**15
-    """Grid points of every solve."""
-    scenes: tuple[tuple[float, float, float], ...] = (
-        (2.0, math.inf, 0.25),
-        (1.5, math.inf, 0.25),
-        (4.0, math.inf, 0.25),
-        (2.0, 0.05, 0.0),
-        (2.0, 0.02, 0.45),
+    scenes: tuple[tuple[int, float, float, str, float, float, float], ...] = (
+        (2**15, 2e-3, 2.0, "bonded", math.inf, 0.25, 0.0),
+        (2**15, 2e-3, 1.5, "bonded", math.inf, 0.25, 0.0),
+        (2**15, 2e-3, 4.0, "bonded", math.inf, 0.25, 0.0),
+        (2**15, 2e-3, 2.0, "bonded", 800.0, 0.45, 0.0),
+        (2**13, 2e-3, 2.0, "bonded", 5.0, 0.3, 0.0),
+        (2**13, 1e-5, 4.0, "bonded", 1.0, 0.3, 0.0),
+        (2**13, 2e-3, 2.0, "bonded", 1.0, 0.5, 0.0),
+        (2**13, 2e-3, 1.5, "sliding", 2.0, 0.0, 0.0),
+        (2**13, 2e-4, 2.0, "coated", 2.0, 0.3, 100.0),
+        (2**13, 1e-5, 2.0, "coated", 2.0, 0.3, 0.05),
     )
-    """Exponent of the profile, thickness over the period and Poisson's ratio (dimensionless)."""
+    """Points, mean pressure over E*, exponent of the profile, and the layer: kind, thickness [grid spacings], Poisson's
+    ratio, base modulus over E* (the rest dimensionless)."""
     places: int = 12
     """Places of the edge between two nodes, for each scene."""
     tolerance: float = 1e-9
@@ -57,13 +66,13 @@ class Configuration:
     def plan(self) -> Plan:
         """The tasks."""
         places = [place / self.places for place in range(self.places)]
-        runs = [Task(self.num_points, *scene, place, self.tolerance) for scene in self.scenes for place in places]
+        runs = [Task(*scene, place, self.tolerance) for scene in self.scenes for place in places]
         return Plan(NAME, asdict(self), runs)
 
 
 @dataclass(frozen=True)
 class Options(study.Options):
-    """Measure the universal edge curve on high-resolution solutions: data, figure, table."""
+    """Measure the curves of contact edges on the half-space and on thin layers: data, figure, table."""
 
 
 @dataclass(frozen=True)
@@ -74,12 +83,18 @@ class Task:
 
     num_points: int
     """Grid points."""
+    pressure: float
+    """Mean pressure over E* (dimensionless)."""
     exponent: float
     """n of the profile h = (R/n) |x/R|^n."""
-    thickness: float
-    """Of the layer over the period (dimensionless)."""
+    layer: str
+    """Kind of layer: 'bonded', 'sliding' or 'coated'."""
+    spacings: float
+    """Its thickness [grid spacings]."""
     poisson_ratio: float
-    """Of the layer (dimensionless)."""
+    """Of the layer, where it matters (dimensionless)."""
+    base_modulus: float
+    """Of a coating's base over E* (dimensionless)."""
     place: float
     """About where the edge is between two nodes [grid spacings]."""
     tolerance: float
@@ -87,24 +102,36 @@ class Task:
 
     def run(self, report: Progress | None) -> Record:
         """The record with the pressures' ratio, the edge's true offset and what the closed form makes of the ratio."""
-        n, layer = self.num_points, (self.thickness, self.poisson_ratio)
-        guess = collocation.solve_load(2e-3, self.exponent, 1.0, *layer)
+        n = self.num_points
+        layer = layer_of(self.layer, self.spacings / n, self.poisson_ratio, self.base_modulus)
+
+        def oracle(load: float) -> collocation.Asperity:
+            return collocation.solve_layer(layer, load, self.exponent, 1.0)
+
         # a grid spacing more of half-width, in steps; near enough, what matters is that the places differ
-        stretch = 1 + self.place / (guess.half_width * n)
-        load = 2e-3 * stretch ** (self.exponent if math.isinf(self.thickness) else self.exponent + 1)
-        exact = collocation.solve_load(load, self.exponent, 1.0, *layer)
-        scene = Scene(Layer(*layer), PowerIndenter(self.exponent), load, num_points=n)
+        first, more = (oracle(load).half_width for load in (self.pressure, _STEP * self.pressure))
+        load = self.pressure * (1 + self.place / (first * n)) ** (math.log(_STEP) / math.log(more / first))
+        scene = Scene(layer, PowerIndenter(self.exponent), load, num_points=n)
         solution = solve(scene, tolerance=self.tolerance, progress=report)
-        nodes = np.flatnonzero(solution.contact)[:3]
-        last = solution.contact_pressure[nodes]
-        three, two, _ = edges.edge_offset(half_space_curve(), last[None, :])
+        patches = Patches.of(solution.contact_pressure > 0)
+        curve = edge_curve(layer, n, 1.0)
+        last = edges.lone_ends(curve, patches, solution.contact_pressure[patches.nodes])[0]
+        three, two, _ = edges.edge_offset(curve, last)
         return records.run_record(solution) | {
+            **{name: getattr(self, name) for name in SCENE},
             "place": self.place,
-            "ratio": float(last[0] / last[1]),
-            "offset": float(n / 2 - exact.half_width * n - nodes[0]),
+            "ratio": float(last[0, 0] / last[0, 1]),
+            "offset": float(n / 2 - oracle(load).half_width * n - patches.first[0]),
             "offset.two_nodes": float(two[0]),
             "offset.three_nodes": float(three[0]),
         }
+
+
+def layer_of(kind: str, thickness: float, poisson_ratio: float, base_modulus: float) -> ElasticLayer:
+    """The layer of a task; thickness: over the period, base_modulus: over E* (dimensionless)."""
+    if kind == "coated":
+        return CoatedHalfSpace(thickness, base_modulus, poisson_ratio)
+    return SlidingLayer(thickness) if kind == "sliding" else Layer(thickness, poisson_ratio)
 
 
 def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
@@ -115,18 +142,35 @@ def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
 def summary(file: StudyFile) -> Table:
     """A table of the largest deviations from the closed form, one row for each scene."""
     table = console.table(
-        title=f"Edge offsets against the oracle, {file.configuration['num_points']} points",
-        caption="Largest |error| of the edge's place by the closed form, from the last two and the last three nodal "
-        "pressures, in grid spacings. All dimensionless.",
+        title="Places of edges against the oracle",
+        caption="d: thickness in grid spacings; nodes: in contact. Largest |error| of the edge's place by the closed "
+        "form, from the last two and the last three nodal pressures, in grid spacings. The rest dimensionless.",
     )
-    for heading in ("n", "d/L", "nu", "places", "two nodes", "three nodes"):
+    for heading in ("n", "layer", "d", "nu", "base", "nodes", "places", "two nodes", "three nodes"):
         table.add_column(heading, justify="right", no_wrap=True)
-    names = ("scene.exponent", "scene.thickness", "scene.poisson_ratio")
-    for scene in dict.fromkeys(tuple(run[name] for name in names) for run in file.runs):
-        runs = [run for run in file.runs if tuple(run[name] for name in names) == scene]
+    for scene, runs in by_scene(file).items():
+        exponent, kind, spacings, nu, base = scene
         worst = [max(abs(run[f"offset.{k}_nodes"] - run["offset"]) for run in runs) for k in ("two", "three")]
-        table.add_row(*(f"{float(value):g}" for value in scene), str(len(runs)), *(f"{w:.1e}" for w in worst))
+        nodes = min(round(run["contact_area"] * run["scene.num_points"]) for run in runs)
+        table.add_row(
+            f"{exponent:g}",
+            kind,
+            f"{float(spacings):g}",
+            "-" if kind == "sliding" else f"{nu:g}",
+            f"{base:g}" if kind == "coated" else "-",
+            str(nodes),
+            str(len(runs)),
+            *(f"{w:.1e}" for w in worst),
+        )
     return table
+
+
+def by_scene(file: StudyFile) -> dict[tuple[Any, ...], list[Record]]:
+    """The records of a file by the values of `SCENE`."""
+    found: dict[tuple[Any, ...], list[Record]] = {}
+    for run in file.runs:
+        found.setdefault(tuple(run[name] for name in SCENE), []).append(run)
+    return found
 
 
 def plans(_: Options) -> Sequence[Plan]:
