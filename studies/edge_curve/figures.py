@@ -20,9 +20,8 @@ def draw(path: Path) -> dict[str, Figure]:
     figure, grid = panels(2, 1, ONE_COLUMN, 6.2, sharex=True)
     above, below = grid[:, 0]
     drawn = set()
-    for (scene, runs), colour, marker in zip(
-        by_scene(load(path)).items(), cycle(COLOURS), cycle(MARKERS), strict=False
-    ):
+    scenes = by_scene(load(path))
+    for scene, colour, marker in zip(scenes, cycle(COLOURS), cycle(MARKERS), strict=False):
         exponent, kind, spacings, nu, base = scene
         curve = edge_curve(layer_of(kind, float(spacings) / _FINE, nu, base), _FINE, 1.0)
         if curve.shift not in drawn:
@@ -31,9 +30,8 @@ def draw(path: Path) -> dict[str, Figure]:
             above.plot(ratio, edges.edge_offset(curve, pressures)[1], "k-", lw=0.7, zorder=1)
         drawn.add(curve.shift)
         x, offset = (np.array([run[name] for run in scenes[scene]]) for name in ("ratio", "offset"))
-        above.plot(
-            x, offset, marker, ms=3.5, color=colour, label=f"$n={exponent:g}$, {_layer(kind, spacings, nu, base)}"
-        )
+        label = f"$n={exponent:g}$, {_layer(kind, spacings, nu, base)}"
+        above.plot(x, offset, marker, ms=3.5, color=colour, label=label)
         for nodes, fill in (("two", "none"), ("three", colour)):
             error = np.abs(np.array([run[f"offset.{nodes}_nodes"] for run in scenes[scene]]) - offset)
             below.plot(x, error, marker, ms=3.5, color=colour, mfc=fill)
