@@ -109,7 +109,9 @@ def __getattr__(name: str) -> Any:
         return _version()
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(importlib.import_module(_ELSEWHERE.get(name, "linecontact.solver")), name)
+    from .help_texts import with_fields
+
+    return with_fields(getattr(importlib.import_module(_ELSEWHERE.get(name, "linecontact.solver")), name))
 
 
 def __dir__() -> list[str]:

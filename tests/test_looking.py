@@ -246,3 +246,13 @@ def test_help_leads_on():
         assert name in about
     for way in ("linecontact --help", "README", "docs/results.md", "solve(scene"):
         assert way in about
+
+
+def test_help_names_the_fields():
+    """Of every public dataclass, as its source has them; docstrings alone have none."""
+    for name in linecontact.__all__:
+        thing = getattr(linecontact, name)
+        if dataclasses.is_dataclass(thing):
+            text = pydoc.plain(pydoc.render_doc(thing))
+            for field in dataclasses.fields(thing):
+                assert re.search(rf"^ \|    {field.name}: \S+", text, re.MULTILINE), (name, field.name)

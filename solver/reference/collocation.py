@@ -34,7 +34,9 @@ from .closed_forms import (
 
 _DECAY = 60.0  # exp(-(pi/2) 60) < 1e-40: distance in units of d beyond which a layer does not interact
 RESOLUTION = 40.0
-"""Nodes over sqrt(a/d), each half: resolves the edge layers of width d to 1e-10, next to nu = 1/2 to 1e-4."""
+"""Nodes over sqrt(a/d), each half: resolves the edge layers of width d to 1e-10, next to nu = 1/2 and under blunt
+indenters on the thinnest layers that fit in memory to 1e-4.
+"""
 
 MOST_NODES = 2048
 """Of `solve_to_accuracy`: half a second."""

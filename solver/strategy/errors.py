@@ -12,10 +12,10 @@ others is 1.
 
 The area between sub-grid edges converges with the second or third power of the spacing, which would leave c/15 or c/63,
 and e alone is careful: it has to hold without a coarser grid. (Not so under smooth profiles for patches of fewer than
-20 nodes, and for layers whose edge is not known: there e is taken whole.) The errors of many patches are independent
-but for a part that they have in common: patches that a grid sees with few points to a wave are too narrow, if their
-pressures tell where they end, by up to 0.06 (1 + 4 a_r) (16/w)^1.5 grid spacings each for the area (0.08 for kappa),
-and by up to 0.015 (1 + 4 a_r) (16/w)^1.5 if their loads do. Their sum is b.
+20 nodes, and where a table ends with the grid's shortest wave: there e is taken whole.) The errors of many patches are
+independent but for a part that they have in common: patches that a grid sees with few points to a wave are too narrow,
+if their pressures tell where they end, by up to 0.06 (1 + 4 a_r) (16/w)^1.5 grid spacings each for the area (0.08 for
+kappa), and by up to 0.015 (1 + 4 a_r) (16/w)^1.5 if their loads do. Their sum is b.
 
 At tips sharper than |x|^1.5 kappa's sum over the slope converges more slowly, with the power 2n - 1, and more of c is
 taken.
@@ -97,7 +97,6 @@ DEFAULT_QUANTITY = "contact-area"
 
 _CAREFUL_FROM_IF_SMOOTH = 20.0
 """Nodes of a patch under a smooth profile, on the average, from which on the claim of its edges is careful."""
-_UNKNOWN = 0.1  # error of a layer's edge that is too large to be a careful claim [grid spacings]
 _INDEPENDENT = 0.6  # s of many well resolved patches, whose errors are independent; the two edges of one err alike
 _FEW, _FEW_OF_OTHERS, _COMMON = 36.0, 128.0, 16.0  # points to the shortest wave
 _OF_AREA = 4.0  # growth of what patches have in common with the contact area: the gaps between them become narrow
@@ -129,7 +128,7 @@ def estimated(
         return math.hypot(edges, common)
     rough = waves > 0
     careful = rough or area * num_points >= _CAREFUL_FROM_IF_SMOOTH * found.num_patches
-    careful &= edge_curve(scene.layer, num_points, scene.period).error < _UNKNOWN
+    careful &= not edge_curve(scene.layer, num_points, scene.period).error
     several = max(_INDEPENDENT, math.sqrt(_FEW * waves)) if rough else 1.0
     of_edges = quantity.of_edges[1 if rough else 0] if careful else 1.0
     change = _of_change(quantity, scene, rough) * abs(values[-1] - values[-2])

@@ -8,7 +8,7 @@ On the grid that is exact. In the continuum the contact ends between two nodes (
 goes like k/sqrt(r) with the distance r from an end. Moving an end outwards by x takes 2 pi k^2 x/(E* L) off
 d(approach)/dp (for one patch on a half-space, -(2 L/(pi E*)) ln sin(pi a/L) with k^2 = L cot(pi a/L)/(2 pi), it is the
 derivative). A punch on nodes ends at a known place outside of its last node, and that node's pressure tells k: both are
-the edge's universal curve (`grid.edge_curves.punch_end`). With that the error falls from first to second order.
+the edge's curve (`grid.edge_curves`). With that the error falls from first to second order.
 """
 
 import math

@@ -1,6 +1,5 @@
 """The figure of the edge curves: their closed forms with the measured places, and the distance from them."""
 
-from itertools import cycle
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +9,7 @@ from linecontact.solver.grid.edge_curves import edge_curve
 from matplotlib.figure import Figure
 
 from ..figures.style import COLOURS, MARKERS, ONE_COLUMN, legend_below, load, panels
-from .study import by_scene, layer_of
+from .scenes import by_scene, layer_of
 
 _FINE = 2**20  # points of the grid on which the closed forms are drawn; only the thickness in spacings matters
 
@@ -21,7 +20,9 @@ def draw(path: Path) -> dict[str, Figure]:
     above, below = grid[:, 0]
     drawn = set()
     scenes = by_scene(load(path))
-    for scene, colour, marker in zip(scenes, cycle(COLOURS), cycle(MARKERS), strict=False):
+    for i, scene in enumerate(scenes):
+        colour = COLOURS[i % len(COLOURS)]
+        marker = MARKERS[(i + i // len(COLOURS)) % len(MARKERS)]  # no pair twice
         exponent, kind, spacings, nu, base = scene
         curve = edge_curve(layer_of(kind, float(spacings) / _FINE, nu, base), _FINE, 1.0)
         if curve.shift not in drawn:
@@ -47,5 +48,5 @@ def draw(path: Path) -> dict[str, Figure]:
 def _layer(kind: str, spacings: Any, nu: float, base: float) -> str:
     if np.isinf(float(spacings)):
         return "half-space"
-    thick = f"{kind}, $d={float(spacings):g}$ spacings"
+    thick = f"{kind}, $d={float(spacings):g}$ spacing{'' if float(spacings) == 1 else 's'}"
     return thick + {"sliding": "", "coated": f", base {base:g} $E^*$"}.get(kind, f", $\\nu={nu:g}$")

@@ -10,13 +10,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
-from linecontact.solver import CoatedHalfSpace, Layer, PowerIndenter, Scene, SlidingLayer, solve
+from linecontact.solver import PowerIndenter, Scene, solve
 from linecontact.solver.grid import edges
 from linecontact.solver.grid.edge_curves import edge_curve
 from linecontact.solver.grid.patches import Patches
-from linecontact.solver.layers import ElasticLayer
 from linecontact.solver.methods import Progress
 from linecontact.solver.reference import collocation
 from rich.console import RenderableType
@@ -29,14 +28,12 @@ from ..runner.run import run_study
 from ..runner.study import Plan, Study
 from ..runner.tasks import Record
 from ..terminal import console
+from .scenes import SCENE, by_scene, layer_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 NAME = "edge-curve"
-SCENE = ("exponent", "layer", "spacings", "poisson_ratio", "base_modulus")
-"""What tells the scenes of the study apart, as columns of its file."""
-
 _STEP = 1.01  # factor of the load, to find how the contact grows with it
 
 
@@ -127,13 +124,6 @@ class Task:
         }
 
 
-def layer_of(kind: str, thickness: float, poisson_ratio: float, base_modulus: float) -> ElasticLayer:
-    """The layer of a task; thickness: over the period, base_modulus: over E* (dimensionless)."""
-    if kind == "coated":
-        return CoatedHalfSpace(thickness, base_modulus, poisson_ratio)
-    return SlidingLayer(thickness) if kind == "sliding" else Layer(thickness, poisson_ratio)
-
-
 def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
     """The table of deviations."""
     return [summary(file) for file in files.values()]
@@ -163,14 +153,6 @@ def summary(file: StudyFile) -> Table:
             *(f"{w:.1e}" for w in worst),
         )
     return table
-
-
-def by_scene(file: StudyFile) -> dict[tuple[Any, ...], list[Record]]:
-    """The records of a file by the values of `SCENE`."""
-    found: dict[tuple[Any, ...], list[Record]] = {}
-    for run in file.runs:
-        found.setdefault(tuple(run[name] for name in SCENE), []).append(run)
-    return found
 
 
 def plans(_: Options) -> Sequence[Plan]:
