@@ -361,6 +361,11 @@ def test_an_interrupted_run_does_not_replace_a_finished_one(tmp_path, capsys, mo
     left[0] = 10**9
     assert ensemble(tmp_path, *words, "0.004") == 0
     assert load_study(path).configuration["standard_error"] == 0.004
+    capsys.readouterr()
+    left[0] = 0
+    assert ensemble(tmp_path, *words, "0.02") == 0  # which it holds
+    assert "is of standard_error 0.004, and holds all that is asked for" in capsys.readouterr().err
+    assert load_study(path).configuration["standard_error"] == 0.004
 
 
 def test_progress_is_the_time_of_solving_and_says_what_is_reached():

@@ -47,7 +47,6 @@ def test_a_class_that_moves_keeps_its_records(tmp_path):
         ("hertz", "ea240c6573f21a2f"),
         ("rough", "9eeb3be07f4b1ec8"),
         ("iterations", "77e9dc68e00a0a21"),
-        ("edge-curve", "67ed300e00c87247"),
         ("peers", "8913afb4c16dd64d"),
         ("tradeoff", "b92b6c2fe5b3fd49"),
         ("extremes", "3ed69bb49e71b0e2"),

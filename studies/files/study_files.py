@@ -6,7 +6,7 @@ reference curves under /lines; the reasons of failed tasks; and the study's conf
 
 import json
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -55,11 +55,16 @@ class StudyFile:
 
 
 def finished(
-    path: Path, kind: str, configuration: Mapping[str, Any], adjustable: Collection[str] = ()
+    path: Path,
+    kind: str,
+    configuration: Mapping[str, Any],
+    adjustable: Collection[str] = (),
+    enough: Callable[["StudyFile"], bool] | None = None,
 ) -> StudyFile | None:
     """The study in `path` if it is complete; None if there is none yet, or only a damaged one, which is set aside.
 
-    adjustable: names in the configuration that may differ; then the study goes on, and the file is replaced.
+    adjustable: names in the configuration that may differ; then the study goes on, and the file is replaced, unless
+    the complete file is `enough`.
 
     Raises `StoreError` for a file of another study, configuration or version.
     """
@@ -83,7 +88,8 @@ def finished(
         raise refusal(f"results of version {study.version}, not {RESULTS_VERSION}")
     if others := sorted(differ - set(adjustable)):
         raise refusal(f"another configuration ({', '.join(others)})")
-    return study if study.complete and not differ else None
+    same = not differ or bool(enough and enough(study))
+    return study if study.complete and same else None
 
 
 def is_complete(path: Path) -> bool:

@@ -54,6 +54,10 @@ def plan(description: str, scene: Scene, wanted: Wanted) -> Plan:
         )
         return share_done([(known, now)]), ", ".join(means) or "first surfaces"
 
+    def enough(file: StudyFile) -> bool:
+        has = set(wanted.observables) <= set(file.configuration["observables"])
+        return has and state(file.runs, sizes, wanted, seed).done
+
     configuration: dict[str, Any] = {
         "scene": shown(description),
         "sizes": sizes,
@@ -65,7 +69,7 @@ def plan(description: str, scene: Scene, wanted: Wanted) -> Plan:
         "max_samples": wanted.max_samples,
     }
     adjustable = ("observables", "standard_error", "relative", "max_seconds", "max_samples")
-    return Plan(KIND, configuration, list(more({})), adjustable=adjustable, more=more, outlook=outlook)
+    return Plan(KIND, configuration, list(more({})), adjustable=adjustable, enough=enough, more=more, outlook=outlook)
 
 
 def found(file: StudyFile) -> tuple[Wanted, State]:

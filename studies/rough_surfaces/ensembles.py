@@ -87,12 +87,23 @@ def plan(c: Configuration, standard_error: float) -> Plan:
         asked = f"to a standard error of {standard_error:g} over the mean"
         return share_done(now), f"{reached} of {len(now)} points {asked}"
 
+    def enough(file: StudyFile) -> bool:
+        found = states(file, standard_error)
+        return len(found) == len(points) and all(point.done for point in found.values())
+
     unused = ("realisations", "tolerance", "method")
     configuration: dict[str, Any] = {name: value for name, value in asdict(c).items() if name not in unused}
     configuration |= {"sizes": sizes, "standard_error": standard_error}
-    adjustable = ("standard_error",)
     return Plan(
-        "rough", configuration, list(more({})), lines(c), FIGURES, adjustable=adjustable, more=more, outlook=outlook
+        "rough",
+        configuration,
+        list(more({})),
+        lines(c),
+        FIGURES,
+        adjustable=("standard_error",),
+        enough=enough,
+        more=more,
+        outlook=outlook,
     )
 
 
@@ -105,9 +116,10 @@ def is_one(file: StudyFile) -> bool:
     return "standard_error" in file.configuration
 
 
-def states(file: StudyFile) -> dict[Key, State]:
-    """How far every point is."""
-    wanted, sizes = _wanted(file.configuration["standard_error"]), file.configuration["sizes"]
+def states(file: StudyFile, standard_error: float | None = None) -> dict[Key, State]:
+    """How far every point is; standard_error: wanted over the means, by default what the file is of."""
+    asked = file.configuration["standard_error"] if standard_error is None else standard_error
+    wanted, sizes = _wanted(asked), file.configuration["sizes"]
     rows: dict[Key, list[Row]] = {}
     for run in file.runs:
         key = (run["scene.hurst"], run["scene.poisson_ratio"], run["scene.thickness"])

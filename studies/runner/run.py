@@ -10,6 +10,7 @@ from pathlib import Path
 from ..figures.names import names
 from ..figures.style import NothingToDraw
 from ..files import study_files, writing
+from ..files.records import plain
 from ..files.study_files import StudyFile
 from ..terminal import console
 from . import executors
@@ -66,11 +67,17 @@ def _exit_status(study: Study, files: Iterable[StudyFile]) -> int:
 
 
 def _finished(plans: Sequence[Plan], folder: Path) -> Files:
-    files = {
-        plan.kind: study_files.finished(plan.path(folder), plan.kind, plan.configuration, plan.adjustable)
-        for plan in plans
-    }
-    return {kind: file for kind, file in files.items() if file}
+    found = {}
+    for plan in plans:
+        path, asked = plan.path(folder), plan.configuration
+        file = study_files.finished(path, plan.kind, asked, plan.adjustable, plan.enough)
+        if file:
+            found[plan.kind] = file
+            held = {name: file.configuration.get(name) for name in plan.adjustable}
+            other = ", ".join(f"{name} {value}" for name, value in held.items() if value != plain(asked[name]))
+            if other:
+                console.errors.print(f"{path} is of {other}, and holds all that is asked for", soft_wrap=True)
+    return found
 
 
 def _compute(plans: Sequence[Plan], options: Options, folder: Path) -> Files:

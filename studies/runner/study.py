@@ -54,6 +54,8 @@ class Plan:
     """Endings of the names of the file's figures; none for a file that is not drawn."""
     adjustable: Collection[str] = ()
     """Names in the configuration that may be others when the study goes on."""
+    enough: Callable[[StudyFile], bool] | None = None
+    """Whether a complete file of other adjustable values holds all that is asked for now; None: never."""
     more: Callable[[Mapping[Task, Record]], Sequence[Task]] | None = None
     """Further tasks, from the records of all so far; none when there are enough. For a study that decides on the way.
     """
