@@ -42,8 +42,8 @@ def test_every_point_has_the_standard_error(stored):
         assert not state.batches
         for estimate in state.estimates.values():
             assert estimate.standard_error <= 0.04 * estimate.mean
-    (table, *rest) = report({"rough": file}, folder)
-    assert not rest
+    table, compared = report({"rough": file}, folder)
+    assert "s of solving; the points' finest grids alone would take about" in compared
     assert table.row_count == 2
 
 

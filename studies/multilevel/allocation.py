@@ -122,13 +122,12 @@ def state(rows: Sequence[Row], sizes: Sequence[int], wanted: Wanted, seed: int) 
 
 def share_done(ensembles: Iterable[tuple[Sequence[Row], State]]) -> float:
     """Share of the time of solving that is spent, 0 to 1, of the rows and states of some ensembles; 0 as long as it is
-    not known what one of them takes. Nothing is left of one that is out of reach.
+    not known of any what it takes, the others are taken to be like those. Nothing is left of one that is out of reach.
     """
-    spent = left = 0.0
-    for rows, now in ensembles:
-        spent += _seconds(rows)
-        left += 0.0 if now.out_of_reach else now.seconds_left
-    return spent / (spent + left) if spent > 0 and math.isfinite(left) else 0.0
+    spent = [(_seconds(rows), 0.0 if now.out_of_reach else now.seconds_left) for rows, now in ensembles]
+    whole = [before + left for before, left in spent if math.isfinite(left)]
+    total = sum(whole) / len(whole) * len(spent) if whole else 0.0
+    return min(1.0, sum(before for before, _ in spent) / total) if total > 0 else 0.0
 
 
 def _seconds(rows: Sequence[Row]) -> float:
