@@ -28,6 +28,7 @@ from ..runner.run import run_study
 from ..runner.study import Plan, Study
 from ..runner.tasks import Record
 from ..terminal import console
+from . import few_nodes
 from .scenes import SCENE, by_scene, layer_of
 
 if TYPE_CHECKING:
@@ -69,7 +70,8 @@ class Configuration:
 
 @dataclass(frozen=True)
 class Options(study.Options):
-    """Measure the curves of contact edges on the half-space and on thin layers: data, figure, table."""
+    """Measure the curves of contact edges on the half-space and on thin layers, and areas of rough surfaces on coarse
+    grids: data, figure, tables."""
 
 
 @dataclass(frozen=True)
@@ -125,8 +127,9 @@ class Task:
 
 
 def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
-    """The table of deviations."""
-    return [summary(file) for file in files.values()]
+    """A table for each file."""
+    tables = {NAME: summary, few_nodes.KIND: few_nodes.summary}
+    return [tables[kind](file) for kind, file in files.items()]
 
 
 def summary(file: StudyFile) -> Table:
@@ -157,7 +160,7 @@ def summary(file: StudyFile) -> Table:
 
 def plans(_: Options) -> Sequence[Plan]:
     """The tasks."""
-    return [Configuration().plan()]
+    return [Configuration().plan(), few_nodes.Configuration().plan()]
 
 
 def draw(path: Path) -> "dict[str, Figure]":
