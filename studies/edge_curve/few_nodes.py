@@ -107,23 +107,22 @@ def summary(file: StudyFile) -> Table:
     points = file.configuration["points_to_wave"]
     table = console.table(
         title="Areas on rough surfaces with few points to the shortest wave",
-        caption="Relative error of a_r, root mean square over the surfaces, in thousandths, with 4 to 64 points to the "
-        f"shortest wave; true is what {file.configuration['true']} points give. Ends of patches by pressures alone, "
-        f"and by loads where those know them better. p = {file.configuration['pressure']:g} E*, nu = "
-        f"{file.configuration['poisson_ratio']:g}. H and d/L dimensionless.",
+        caption=f"Relative error of a_r in thousandths, root mean square over {len(file.configuration['seeds'])} "
+        f"surfaces, with {points[0]} to {points[-1]} points to the shortest wave; true is what "
+        f"{file.configuration['true']} points give. Ends of patches by pressures alone, and by loads where those know "
+        f"them better. p = {file.configuration['pressure']:g} E*, nu = {file.configuration['poisson_ratio']:g}. All "
+        "dimensionless.",
     )
-    for heading in ("H", "d/L", "surfaces", "ends by", *map(str, points)):
+    for heading in ("H", "d/L", "ends by", *map(str, points)):
         table.add_column(heading, justify="left" if heading == "ends by" else "right", no_wrap=True)
     for hurst in file.configuration["hursts"]:
         for thickness in map(float, file.configuration["thicknesses"]):
             own = [run for run in file.runs if (run["hurst"], float(run["thickness"])) == (hurst, thickness)]
-            surfaces = len({run["seed"] for run in own})
             for column, label in _WAYS.items():
                 errors = [
                     math.sqrt(np.mean([(r[column] / r["true"] - 1) ** 2 for r in own if r["points_to_wave"] == w]))
                     for w in points
                 ]
-                table.add_row(
-                    f"{hurst:g}", f"{thickness:g}", str(surfaces), label, *(f"{1e3 * error:.2g}" for error in errors)
-                )
+                shown = (f"{1e3 * error:.{3 if error > 0.1 else 2}g}" for error in errors)
+                table.add_row(f"{hurst:g}", f"{thickness:g}", label, *shown)
     return table
