@@ -111,17 +111,19 @@ def find_edges(patches: Patches, pressure: Array64, layer: ElasticLayer, period:
     found to the second order, see the beginning of this file. Patches of fewer than three nodes end half a spacing
     outside their last nodes, as counting has it, and a full contact has no edge at all.
 
-    period: L [length]. The error is an estimate, see the constants of this module; where the
-    pressures do not look like an edge, because the profile bends within a few spacings, it is as large as two estimates
-    of the edge differ; and for patches that are counted it is one spacing.
+    period: L [length]. The error is an estimate, see the constants of this module; where the pressures do not look like
+    an edge, because the profile bends within a few spacings, it is as large as two estimates of the edge differ; and for
+    patches that are counted it is one spacing.
     """
     if patches.full:
         half = np.array([0.5])  # error: a gap between two nodes would not be seen
         return Edges(patches.first - half, patches.last + half, np.ones(1), np.zeros(1, dtype=bool))
-    curve, half_space = edge_curve(layer, patches.num_points, period), half_space_curve()
     thickness = layer.thickness / period * patches.num_points
-    theta, spread = _offsets(curve, patches, pressure)
     narrow = (patches.size < _NARROW * thickness) & (thickness > _THINNEST)
+    curve = half_space = half_space_curve()
+    if not narrow.all():
+        curve = edge_curve(layer, patches.num_points, period)
+    theta, spread = _offsets(curve, patches, pressure)
     if curve is not half_space and narrow.any():
         theta, spread = np.where(narrow, _offsets(half_space, patches, pressure), (theta, spread))
     better = _to_second_order(half_space, patches, pressure)
