@@ -112,7 +112,7 @@ def find_edges(patches: Patches, pressure: Array64, layer: ElasticLayer, period:
     outside their last nodes, as counting has it, and a full contact has no edge at all.
 
     period: L [length]. The error is an estimate, see the constants of this module; where the pressures do not look like
-    an edge, because the profile bends within a few spacings, it is as large as two estimates of the edge differ; and for
+    an edge, because the profile bends within a few spacings, it is as large as two estimates of the edge differ; for
     patches that are counted it is one spacing.
     """
     if patches.full:
