@@ -33,7 +33,7 @@ class Level:
     num_points: int
     """Its points."""
     contact_area_subgrid: float
-    """a_r between sub-grid edges (dimensionless)."""
+    """a_r between sub-grid edges (dimensionless); on grids before the last coarser one by pressures alone."""
     kappa_subgrid: float
     """kappa between sub-grid edges (dimensionless)."""
     peak_pressure: float

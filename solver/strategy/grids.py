@@ -46,6 +46,8 @@ class Reached:
     """The method on this grid."""
     status: Status
     """How the relaxation ended."""
+    by_loads: bool = True
+    """Whether loads may tell where its patches end; not needed to start on a finer grid."""
 
     @property
     def num_points(self) -> int:
@@ -61,7 +63,7 @@ class Reached:
     def contact(self) -> tuple[Patches, Edges]:
         """Its patches and their ends."""
         problem = self.state.problem
-        return contact_edges(self.scene, self.pressure, problem.height * problem.length_unit)
+        return contact_edges(self.scene, self.pressure, problem.height * problem.length_unit, self.by_loads)
 
     @cached_property
     def level(self) -> Level:
@@ -100,7 +102,7 @@ def over_grids(
     """From coarse to fine: every grid as it is reached. One that is interrupted is the last one.
 
     sizes: numbers of points. begin: the method on a grid of so many. relax: returns the relaxed state, which may be
-    another one than it got. measure_last: whether the level of the finest grid is wanted, too.
+    another one than it got. measure_last: whether the level of the finest grid is wanted, too, as any may be the last.
 
     An interruption before the first grid is reached is passed on; a later one yields the last grid that was reached
     once more, as interrupted.
@@ -111,7 +113,8 @@ def over_grids(
             state = begin(size)
             if reached:
                 reached.start(state)
-            relaxed = Reached(scene, *relax(state))
+            # of an area, errors follow from the last two grids
+            relaxed = Reached(scene, *relax(state), by_loads=measure_last or size in sizes[-2:])
             if measure_last or size != sizes[-1]:
                 _ = relaxed.level  # computed here, where an interruption is noticed
             reached = relaxed
