@@ -159,6 +159,16 @@ def test_a_thin_coating_has_edges_of_its_own():
     assert off < coarse.contact_area_error < 0.1 / 2**11
 
 
+def test_a_peak_under_a_stiff_coating_thinner_than_a_spacing_is_not_known():
+    """It is at the edge, higher than any node's pressure; the answer to an accuracy of it says that it falls short."""
+    layer = CoatedHalfSpace(7.3e-5, base_modulus=1e-4)
+    scene = Scene(layer, pressure=2e-7, num_points=2**12)
+    assert solve(scene).observables.peak_pressure_error == math.inf
+    assert solve(scene, accuracy=1e-2, accuracy_of="peak-pressure").status is Status.INACCURATE
+    for thick in (CoatedHalfSpace(0.01, 1e-2), CoatedHalfSpace(7.3e-5, 1e2), Layer(7.3e-5), Layer()):
+        assert solve(Scene(thick, pressure=2e-5, num_points=2**12)).observables.peak_pressure_error < math.inf
+
+
 def test_where_an_approach_is_given_its_error_is_how_well_it_was_met():
     found = solve(Scene(Layer(0.1), approach=1e-3, num_points=2**12)).observables
     assert found.approach_error == abs(found.approach - 1e-3)

@@ -49,6 +49,8 @@ Logarithm = Callable[[Array64], Array64]
 
 _TABLE = 128  # beyond, S_j follows a power of the distance
 _THICK = 200.0  # grid spacings; thicker layers have the half-space's edge, to 1e-4 spacings
+_STEP = 1.2  # factor of the wave number, to see how ln f ends on the grid
+_MOST_BEYOND = 0.5  # of delta's part by waves that the grid has not; real layers have up to 0.31
 _FIT = 9  # last entries of the table that tell the power
 
 
@@ -157,10 +159,11 @@ def _curve(on_grid: Logarithm, logarithm: Logarithm) -> EdgeCurve:
     of = _quadrature()
     at_end = float(on_grid(np.array([np.pi]))[0])
     inside = on_grid(of.q) - at_end
-    beyond, error = _beyond(logarithm) - at_end, 0.0
-    if not np.isfinite(beyond).all():
-        beyond, error = np.zeros_like(beyond), abs(at_end) / np.pi**2
-    delta = float(of.of_delta @ inside + of.of_beyond @ beyond)
+    beyond, error = float(of.of_beyond @ (_beyond(logarithm) - at_end)), 0.0
+    if not abs(beyond) < _MOST_BEYOND:  # not known, or nonsense
+        rise = float(at_end - on_grid(np.array([np.pi / _STEP]))[0]) / math.log(_STEP)
+        beyond, error = 0.0, (abs(at_end) + 2 * abs(rise)) / np.pi**2
+    delta = float(of.of_delta @ inside) + beyond
     series = of.of_grid + of.cosines @ inside
     mean = series[0] / 2
     series[0] = of.of_grid[0] / 2  # f may be large or small

@@ -22,7 +22,8 @@ taken.
 
 The order of pressure and approach is measured, and at best the first is believed: m = 1/(c'/c - 1), between 1/3 and 4,
 with the change c' before c, which also keeps a change that is small by accident from being believed. With one coarser
-grid alone the whole change is taken. To the peak pressure's error comes what the nodes may miss of the peak.
+grid alone the whole change is taken. To the peak pressure's error comes what the nodes may miss of the peak; under a
+stiff coating thinner than a grid spacing that may be anything (`inf`).
 
 The numbers were fitted to random scenes (power profiles on layers and half-spaces against collocation; 700 rough
 surfaces, up to five grids of each, against grids of 8 times as many points and more), so that each estimate holds in 97
@@ -32,6 +33,8 @@ of 100. On scenes that nothing was fitted to, see `linecontact study tradeoff`.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+
+import numpy as np
 
 from ..grid.edge_curves import edge_curve
 from ..grid.observables import Observables
@@ -101,6 +104,7 @@ _INDEPENDENT = 0.6  # s of many well resolved patches, whose errors are independ
 _FEW, _FEW_OF_OTHERS, _COMMON = 36.0, 128.0, 16.0  # points to the shortest wave
 _OF_AREA = 4.0  # growth of what patches have in common with the contact area: the gaps between them become narrow
 _LEAST, _MOST = 1.25, 4.0  # factor by which changes fall from grid to grid, as far as that is believed
+_STIFF = 0.9  # 2K/(E* q) of the shortest wave, below which shorter ones find the layer stiffer
 _EARLIER = 1 / 16  # share of the change before the last
 _OVER_ORDER = 1.25  # share of the change over what a known order would leave of it
 
@@ -116,6 +120,8 @@ def estimated(
     waves = scene.indenter.effective_wave(num_points) / num_points  # 1/w
     values = [float(getattr(level, quantity.value)) for level in (*coarser[-2:], found)]
     if not quantity.edges:
+        if quantity.sampling and _hides_peaks(scene, num_points):
+            return math.inf
         sampling = float(getattr(found, quantity.sampling)) if quantity.sampling else 0.0
         return math.hypot(math.pow(max(1.0, _FEW_OF_OTHERS * waves), 1.5) * _by_order(values), sampling)
     edges, area = float(getattr(found, quantity.edges)), found.contact_area_subgrid
@@ -133,6 +139,14 @@ def estimated(
     of_edges = quantity.of_edges[1 if rough else 0] if careful else 1.0
     change = _of_change(quantity, scene, rough) * abs(values[-1] - values[-2])
     return math.hypot(several * of_edges * edges, several * change, common)
+
+
+def _hides_peaks(scene: Scene, num_points: int) -> bool:
+    """Whether waves that the grid has not find the layer stiffer, as on a coating thinner than a spacing on a softer
+    base: then the pressure may have peaks between the nodes, at edges and tips.
+    """
+    shortest = np.array([2 * np.pi * (num_points // 2)])
+    return bool(2 * scene.layer.stiffness(shortest, scene.period)[0] / shortest[0] < _STIFF)
 
 
 def _of_change(quantity: Quantity, scene: Scene, rough: bool) -> float:
