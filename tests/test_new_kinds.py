@@ -5,7 +5,7 @@ They go all the way: `solve`, nested grids, certificate, accuracy, the stored fi
 
 import json
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
 import numpy as np
@@ -165,6 +165,15 @@ def test_a_layer_given_by_its_stiffness_is_the_layer():
         assert given.levels
         assert given.observables.contact_area_subgrid == pytest.approx(bonded.observables.contact_area_subgrid)
         assert given.observables.approach == pytest.approx(bonded.observables.approach)
+
+
+def test_a_layer_need_not_be_hashable():
+    @dataclass(frozen=True)
+    class Listed(FrictionlessLayer):
+        notes: list[str] = field(default_factory=list)
+
+    listed, plain = (solve(Scene(kind(1e-4), num_points=2**10)).observables for kind in (Listed, FrictionlessLayer))
+    assert listed.contact_area_subgrid == plain.contact_area_subgrid
 
 
 def test_a_thin_layer_has_its_own_edges():

@@ -93,10 +93,13 @@ def edge_curve(layer: ElasticLayer, num_points: int, period: float) -> EdgeCurve
     """The edge on a layer, on a grid of `num_points` in the period L [length]."""
     if layer.thickness / period * num_points > _THICK:
         return half_space_curve()
-    return _layer_curve(layer, num_points, period)  # type: ignore[arg-type]  # a frozen dataclass: hashable
+    try:
+        hash(layer)
+    except TypeError:  # a layer that holds a list or an array
+        return _layer_curve(layer, num_points, period)
+    return _kept(layer, num_points, period)  # type: ignore[arg-type]
 
 
-@lru_cache(maxsize=256)
 def _layer_curve(layer: ElasticLayer, num_points: int, period: float) -> EdgeCurve:
     def logarithm(q: Array64) -> Array64:
         return np.log(2 * layer.stiffness(q * num_points, period) / (q * num_points))
@@ -105,6 +108,9 @@ def _layer_curve(layer: ElasticLayer, num_points: int, period: float) -> EdgeCur
         return logarithm(np.clip(q, 2 * np.pi / num_points, 2 * np.pi * (num_points // 2) / num_points))
 
     return _curve(on_grid, logarithm)
+
+
+_kept = lru_cache(maxsize=256)(_layer_curve)
 
 
 @cache
