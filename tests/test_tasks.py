@@ -80,7 +80,7 @@ def test_kinds_are_unique_over_all_studies():
         asked = {"quick": True} if "quick" in found.options.__dataclass_fields__ else {}
         for options in (found.options(), found.options(**asked)):
             for plan in found.plans(options):
-                assert name in (plan.kind, "paper", "peers")
+                assert name in (plan.kind, "paper", "peers", "edge-curve")
                 classes |= {type(task) for task in plan.tasks}
     kinds = [vars(task_class)["kind"] for task_class in classes]
     assert len(kinds) > 12
