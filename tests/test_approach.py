@@ -235,7 +235,7 @@ def test_contact_stiffness_on_layers(layer):
     "layer", [Layer(0.5, 0.3), Layer(3.0, 0.3), Layer(2.0, 0.5), SlidingLayer(2.0), CoatedHalfSpace(1.0, 50.0)]
 )
 def test_contact_stiffness_on_layers_of_few_spacings(layer):
-    """On a contact of 25 nodes and more; without the contact's ends between nodes it is off by 0.2 to 3 %."""
+    """On a contact of 25 nodes and more; without the contact's ends between nodes it is off by 0.3 to 3 %."""
     layer = layer.in_units(1 / 2**12, 1.0)
     low, high = (collocation.solve_layer(layer, load, 2.0, 1.0) for load in (2e-4 * (1 - 1e-3), 2e-4 * (1 + 1e-3)))
     solution = solve(Scene(layer, pressure=2e-4, num_points=2**12))

@@ -100,7 +100,7 @@ def test_a_layer_bends_the_slope(thickness, poisson_ratio):
 
 @pytest.mark.parametrize("ratio", [0.01, 0.1, 10.0])
 def test_a_base_bends_the_slope(ratio):
-    """Softer and stiffer than its coating; without the layer's part they are off by 0.01 to 0.1."""
+    """Softer and stiffer than its coating; with a wrong sign of its part they are off by 0.06 and 0.2 on the softer."""
     layer = CoatedHalfSpace(0.036, ratio, 0.3, 0.25)
     exact = collocation.solve_layer(layer, 2e-6, 2.0, 1.0).contact_area
     found = solve(Scene(layer, PowerIndenter(2.0), 2e-6, num_points=2**12)).observables

@@ -393,6 +393,8 @@ def test_nothing_is_left_of_an_ensemble_out_of_reach():
     given_up = allocation.State({}, (), math.nan, out_of_reach="it takes too long")
     assert allocation.share_done([([row], done), ([row], given_up)]) == 0.4
     assert allocation.share_done([([row], done), ([], unknown)]) == 2 / 16  # taken to be like the other one
+    assert allocation.share_done([([row], done), ([row] * 9, unknown)]) == 20 / (20 + 6 + 18)  # with as much left
+    assert allocation.share_done([([row], given_up), ([row], unknown)]) == 0
     assert allocation.share_done([([row], unknown)]) == 0
     assert allocation.share_done([]) == 0
 

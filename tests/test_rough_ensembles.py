@@ -47,6 +47,12 @@ def test_every_point_has_the_standard_error(stored):
     assert table.row_count == 2
 
 
+def test_a_file_of_a_smaller_standard_error_is_enough(stored):
+    file, _ = stored
+    assert ensembles.plan(SMALL, 0.2).enough(file)
+    assert not ensembles.plan(SMALL, 0.004).enough(file)
+
+
 def test_the_points_are_those_of_plain_sampling(stored):
     """Forty surfaces of each point on the finest grid of the ensembles."""
     found = ensembles.states(stored[0])

@@ -25,7 +25,8 @@ from .patches import Patches
 COUNTED_BELOW = 3
 """Nodes; smaller patches have no pressures that tell their ends."""
 
-_NARROW = 8.0  # layer thicknesses; narrower patches on layers of `_THINNEST` spacings have the half-space's edge
+_NARROW = 8.0  # layer thicknesses; narrower patches on layers of `_THINNEST` spacings have the half-space's edge,
+# if their pressures look like it
 _THINNEST = 2.5  # grid spacings
 
 # What is claimed for an edge [grid spacings]. The constants were fitted so that the claim holds where the collocation
@@ -119,19 +120,18 @@ def find_edges(patches: Patches, pressure: Array64, layer: ElasticLayer, period:
         half = np.array([0.5])  # error: a gap between two nodes would not be seen
         return Edges(patches.first - half, patches.last + half, np.ones(1), np.zeros(1, dtype=bool))
     thickness = layer.thickness / period * patches.num_points
-    narrow = (patches.size < _NARROW * thickness) & (thickness > _THINNEST)
-    curve = half_space = half_space_curve()
-    if not narrow.all():
+    half_space = half_space_curve()
+    theta, spread = _offsets(half_space, patches, pressure)
+    narrow = (patches.size < _NARROW * thickness) & (thickness > _THINNEST) & (spread < _ALIKE)
+    by_layer = np.full(narrow.shape, _OVER_THICKNESS / thickness + _OVER_THICKNESS_SQUARED / thickness**2)
+    if thickness < math.inf and not narrow.all():
         curve = edge_curve(layer, patches.num_points, period)
-    theta, spread = _offsets(curve, patches, pressure)
-    if curve is not half_space and narrow.any():
-        theta, spread = np.where(narrow, _offsets(half_space, patches, pressure), (theta, spread))
+        theta, spread = np.where(narrow, (theta, spread), _offsets(curve, patches, pressure))
+        by_layer = np.where(narrow, by_layer, _OF_LAYER + _OF_LAYER_OVER_SIZE / patches.size + curve.error)
     better = _to_second_order(half_space, patches, pressure)
     second_order = (patches.size >= _SECOND_ORDER_NODES) & (patches.size < _SECOND_ORDER_WIDTH * thickness)
     second_order = second_order & (np.abs(better - theta) < _ALIKE) & (spread < _ALIKE)
     theta = np.where(second_order, better, theta)
-    finite = _OVER_THICKNESS / thickness + _OVER_THICKNESS_SQUARED / thickness**2
-    by_layer = np.where(narrow, finite, _OF_LAYER + _OF_LAYER_OVER_SIZE / patches.size + curve.error)
     counted = patches.size < COUNTED_BELOW
     outside = np.where(counted, 0.5, -theta)
     left, right = apart(patches.first - outside[0], patches.last + outside[1], patches.num_points)
@@ -148,7 +148,7 @@ def apart(left: Array64, right: Array64, num_points: int) -> tuple[Array64, Arra
 def _claimed(patches: Patches, spread: Array64, layer: Array64, second_order: Mask) -> Array64:
     """Estimated errors of the left and the right ends, shape (2, M) [grid spacings].
 
-    spread: how little the pressures look like an edge, shape (2, M); layer: the layer's share, shape (M,);
+    spread: how little the pressures look like an edge, shape (2, M); layer: the layer's share, of the same shape;
     second_order: which ends are known to it, shape (2, M).
     """
     beyond = np.append(patches.first[1:], patches.first[:1] + patches.num_points) - patches.last - 1

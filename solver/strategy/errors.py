@@ -100,6 +100,7 @@ DEFAULT_QUANTITY = "contact-area"
 
 _CAREFUL_FROM_IF_SMOOTH = 20.0
 """Nodes of a patch under a smooth profile, on the average, from which on the claim of its edges is careful."""
+_KNOWN = 0.001  # error of a layer's edge up to which the claim is careful [grid spacings]
 _INDEPENDENT = 0.6  # s of many well resolved patches, whose errors are independent; the two edges of one err alike
 _FEW, _FEW_OF_OTHERS, _COMMON = 36.0, 128.0, 16.0  # points to the shortest wave
 _OF_AREA = 4.0  # growth of what patches have in common with the contact area: the gaps between them become narrow
@@ -134,7 +135,7 @@ def estimated(
         return math.hypot(edges, common)
     rough = waves > 0
     careful = rough or area * num_points >= _CAREFUL_FROM_IF_SMOOTH * found.num_patches
-    careful &= not edge_curve(scene.layer, num_points, scene.period).error
+    careful &= edge_curve(scene.layer, num_points, scene.period).error < _KNOWN
     several = max(_INDEPENDENT, math.sqrt(_FEW * waves)) if rough else 1.0
     of_edges = quantity.of_edges[1 if rough else 0] if careful else 1.0
     change = _of_change(quantity, scene, rough) * abs(values[-1] - values[-2])

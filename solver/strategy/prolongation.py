@@ -1,7 +1,7 @@
 """A contact pressure carried over to a finer grid, where any method starts best.
 
 At the edges of its patches the pressure goes like a square root, which no interpolation follows; divided by the
-universal edge functions of both ends (`edge_curves.edge_function`, at the ends' sub-grid positions) it is smooth. So
+edge functions of both ends (`edge_curves.edge_function`, at the ends' sub-grid positions) it is smooth. So
 the smooth part is interpolated (cubic) and multiplied by the edge functions of the fine grid. The fine contact set
 comes out right but for a few nodes, and the error of the pressure is that of the coarse grid, not of the interpolation.
 """

@@ -1,4 +1,4 @@
-"""The study that measures the universal edge curve.
+"""The study that measures the curves of contact edges.
 
 May import: linecontact.solver, terminal, files, figures, runner.
 """

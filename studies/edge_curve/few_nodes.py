@@ -10,8 +10,7 @@ from typing import ClassVar
 
 import numpy as np
 from linecontact.solver import Layer, RoughIndenter, Scene, solve
-from linecontact.solver.grid.edges import find_edges
-from linecontact.solver.grid.patches import Patches
+from linecontact.solver.grid.contact import contact_edges
 from linecontact.solver.methods import Progress
 from rich.table import Table
 
@@ -76,14 +75,13 @@ class Surface:
     def run(self, report: Progress | None) -> Record:
         """A row for each grid: a_r with the ends of patches by pressures alone, and as the program has it."""
         indenter = RoughIndenter(self.hurst, self.seed)
-        waves = indenter.shortest_wave(2**30)
+        waves = indenter.shortest_wave(self.true)  # the same on every grid
         layer = Layer(self.thickness, self.poisson_ratio)
 
         def solved(points: int) -> dict[str, float | str]:
             scene = Scene(layer, indenter, self.pressure, num_points=points * waves)
             solution = solve(scene, progress=report)
-            patches = Patches.of(solution.contact_pressure > 0)
-            alone = find_edges(patches, solution.contact_pressure[patches.nodes], layer, 1.0)
+            _, alone = contact_edges(scene, solution.contact_pressure, by_loads=False)
             return {
                 "num_points": scene.num_points,
                 "points_to_wave": points,
@@ -93,13 +91,12 @@ class Surface:
                 "status": str(solution.status),
             }
 
-        own = {
-            "hurst": self.hurst,
-            "thickness": self.thickness,
-            "seed": self.seed,
-            "true": solved(self.true)["by_loads"],
-        }
-        return {ROWS: [own | solved(points) for points in self.points_to_wave]}
+        true = solved(self.true)
+        own = {"hurst": self.hurst, "thickness": self.thickness, "seed": self.seed, "true": true["by_loads"]}
+        rows = [own | solved(points) for points in self.points_to_wave]
+        if true["status"] != "converged":  # and then no row is worth anything
+            rows = [row | {"status": true["status"]} for row in rows]
+        return {ROWS: rows}
 
 
 def summary(file: StudyFile) -> Table:

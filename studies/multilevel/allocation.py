@@ -121,13 +121,27 @@ def state(rows: Sequence[Row], sizes: Sequence[int], wanted: Wanted, seed: int) 
 
 
 def share_done(ensembles: Iterable[tuple[Sequence[Row], State]]) -> float:
-    """Share of the time of solving that is spent, 0 to 1, of the rows and states of some ensembles; 0 as long as it is
-    not known of any what it takes, the others are taken to be like those. Nothing is left of one that is out of reach.
+    """Share of the time of solving that is spent, 0 to 1, of the rows and states of some ensembles.
+
+    One of which it is not known what it takes is taken to be like the mean of the others, and to have at least as much
+    left as it has taken; 0 as long as it is known of none. Nothing is left of one that is out of reach.
     """
-    spent = [(_seconds(rows), 0.0 if now.out_of_reach else now.seconds_left) for rows, now in ensembles]
-    whole = [before + left for before, left in spent if math.isfinite(left)]
-    total = sum(whole) / len(whole) * len(spent) if whole else 0.0
-    return min(1.0, sum(before for before, _ in spent) / total) if total > 0 else 0.0
+    spent, left, unknown = 0.0, 0.0, []
+    known: list[float] = []
+    for rows, now in ensembles:
+        seconds = _seconds(rows)
+        spent += seconds
+        if now.out_of_reach:
+            continue
+        if math.isfinite(now.seconds_left):
+            left += now.seconds_left
+            known.append(seconds + now.seconds_left)
+        else:
+            unknown.append(seconds)
+    if unknown and not known:
+        return 0.0
+    left += sum(max(before, sum(known) / len(known) - before) for before in unknown)
+    return spent / (spent + left) if spent > 0 else 0.0
 
 
 def _seconds(rows: Sequence[Row]) -> float:

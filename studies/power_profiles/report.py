@@ -36,6 +36,7 @@ def summary(file: StudyFile) -> Table:
         file.configuration[name] for name in ("num_points", "exponent", "thinnest_incompressible")
     )
     table = console.table(
+        padding=0,
         title=f"{file.kind} (n = {exponent:g}), {points} points, p = {file.configuration['pressure']:g} E*, "
         "against the oracle",
         caption="ok: runs certified; count, sub-grid: largest |error| of a_r in grid spacings, nodes counted and "
@@ -54,7 +55,7 @@ def summary(file: StudyFile) -> Table:
     if run:
         off = [(run[name] - run["oracle.contact_area"]) * points for name in ("contact_area", "contact_area_subgrid")]
         peak = abs(run["peak_pressure"] / run["oracle.peak_pressure"] - 1)
-        numbers = f"{abs(off[0]):.2f}", f"{abs(off[1]):.1g}", f"{peak:.0e}", "", "", ""
+        numbers = f"{abs(off[0]):.2f}", f"{abs(off[1]):.0e}", f"{peak:.0e}", "", "", ""
         ok = f"{int(run['status'] == 'converged')}/1"
         table.add_row("-", ok, *numbers, f"{run['transform_pairs']:.0f}", f"{run['seconds.total']:.1f}")
     for nu in sorted(set(layers(file).column("scene.poisson_ratio"))):
@@ -71,7 +72,7 @@ def summary(file: StudyFile) -> Table:
             f"{nu:g}",
             f"{np.sum(part.column('status') == 'converged')}/{len(part.runs)}",
             f"{area.max():.2f}",
-            f"{subgrid.max():.1g}",
+            f"{subgrid.max():.0e}",
             f"{peak.max():.0e}",
             f"{ratio[thin] / t[thin]:.4g}",
             f"{ratio[thin] / first - 1:+.0e}",
