@@ -221,6 +221,21 @@ def test_so_is_what_a_table_without_its_contact_modulus_does_not_tell(base):
     assert abs(found.contact_area_subgrid - exact) < found.contact_area_error
 
 
+@pytest.mark.parametrize("spacings", [0.3, 1.0, 3.0])
+def test_waves_so_short_that_a_formula_overflows_do_not_matter(spacings):
+    """The sliding layer as textbooks have it."""
+
+    @dataclass(frozen=True)
+    class Naive(SlidingLayer):
+        def stiffness(self, wave_numbers, period):
+            y = wave_numbers * self.thickness / period
+            return wave_numbers / 2 * (np.sinh(2 * y) + 2 * y) / (np.cosh(2 * y) - 1)
+
+    naive, exact = (curve_of(kind(spacings)) for kind in (Naive, SlidingLayer))
+    assert naive.delta == pytest.approx(exact.delta, abs=1e-9)
+    assert naive.error < 1e-9
+
+
 def test_nonsense_beyond_the_grid_is_not_known():
     """No negative area, whatever a layer says of waves that the grid has not."""
 

@@ -74,7 +74,8 @@ class EdgeCurve:
     delta: float
     """By how much further inside the edge lies than that far field begins [grid spacings]."""
     error: float
-    """What is not known of s, because the layer does not tell its stiffness for the shortest waves [grid spacings]."""
+    """What is not known of s [grid spacings]: where the layer does not tell its stiffness for waves shorter than the
+    grid's, or where the curve says that nodes pull."""
 
     @property
     def punch_end(self) -> float:
@@ -95,10 +96,9 @@ def edge_curve(layer: ElasticLayer, num_points: int, period: float) -> EdgeCurve
     if layer.thickness / period * num_points > _THICK:
         return half_space_curve()
     try:
-        hash(layer)
-    except TypeError:  # a layer that holds a list or an array
+        return _kept(layer, num_points, period)  # type: ignore[arg-type]
+    except TypeError:  # a layer that holds a list or an array has no hash
         return _layer_curve(layer, num_points, period)
-    return _kept(layer, num_points, period)  # type: ignore[arg-type]
 
 
 def _layer_curve(layer: ElasticLayer, num_points: int, period: float) -> EdgeCurve:
@@ -131,7 +131,7 @@ class _Quadrature:
     of_delta: Array64
     """[2/q^2 - 1/(1 - cos q)]/(2 pi) times the weights."""
     beyond: Array64
-    """From pi to infinity [1/grid spacing]."""
+    """From infinity down to pi [1/grid spacing]."""
     of_beyond: Array64
     """1/(pi q^2) times the weights."""
     of_grid: Array64
@@ -168,7 +168,7 @@ def _curve(on_grid: Logarithm, logarithm: Logarithm) -> EdgeCurve:
     inside = on_grid(of.q) - at_end
     rest = _beyond(logarithm) - at_end
     known = np.isfinite(rest)
-    last = float(rest[known][-1]) if known.any() else 0.0  # in the place of what is not known
+    last = float(rest[known][0]) if known.any() else 0.0  # of the shortest wave known, for those that are not
     beyond = float(of.of_beyond @ np.where(known, rest, last))
     if not abs(beyond) < _MOST_BEYOND:  # nonsense
         known[:], beyond, last = False, 0.0, 0.0

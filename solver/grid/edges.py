@@ -25,9 +25,9 @@ from .patches import Patches
 COUNTED_BELOW = 3
 """Nodes; smaller patches have no pressures that tell their ends."""
 
-_NARROW = 8.0  # layer thicknesses; narrower patches on layers of `_THINNEST` spacings have the half-space's edge,
-# if their pressures look like it
-_THINNEST = 2.5  # grid spacings
+_NARROW, _THINNEST = 8.0, 2.5
+"""Layer thicknesses; narrower patches have the half-space's edge if their pressures look like it, on layers of so many
+grid spacings and more."""
 
 # What is claimed for an edge [grid spacings]. The constants were fitted so that the claim holds where the collocation
 # oracle knows the edge (Hertz, sharp and blunt profiles, nu = -0.9 to 1/2, layers of 0.03 spacings to the half-space).
