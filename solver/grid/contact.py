@@ -8,6 +8,7 @@ from ..arrays import Array64, Indices, Mask
 from ..layers import ElasticLayer
 from ..scene import Scene
 from .edges import COUNTED_BELOW, Edges, apart, find_edges
+from .layer_on_grid import modulus_on_grid, thickness_on_grid
 from .loads import FromLoads, Heights, from_loads
 from .patches import Patches
 
@@ -48,7 +49,7 @@ def ends(
     makes of that pressure the one over E*; by_loads: as in `contact_edges`.
     """
     n = pressure.size
-    patches, layer_thickness = Patches.of(pressure > 0), layer.thickness / period * n
+    patches, layer_thickness = Patches.of(pressure > 0), thickness_on_grid(layer, n, period)
     inside = pressure[patches.nodes] * scale
     edges = find_edges(patches, inside, layer, period)
     largest = min(_MOST_NODES, max(_NARROW * layer_thickness, COUNTED_BELOW - 1))
@@ -60,8 +61,7 @@ def ends(
     narrow = wide < _NARROW
 
     def modulus(q: Array64) -> Array64:
-        wave_numbers = np.clip(q * n, 2 * math.pi, 2 * math.pi * (n // 2))  # those that the grid has
-        return np.asarray(2 * layer.stiffness(wave_numbers, period) / wave_numbers)
+        return modulus_on_grid(layer, q, n, period)
 
     # patches without ends begin with Hertz' law
     curvature = heights.slope((patches.first + patches.last) / 2)[1]

@@ -43,6 +43,7 @@ import numpy as np
 from ..arrays import Array64, Indices
 from ..layers import ElasticLayer
 from ..quadrature import gauss_legendre
+from .layer_on_grid import modulus_anywhere, modulus_on_grid, thickness_on_grid
 
 Logarithm = Callable[[Array64], Array64]
 """ln f of wave numbers q > 0 [1/grid spacing], of their shape."""
@@ -93,7 +94,7 @@ class EdgeCurve:
 
 def edge_curve(layer: ElasticLayer, num_points: int, period: float) -> EdgeCurve:
     """The edge on a layer, on a grid of `num_points` in the period L [length]."""
-    if layer.thickness / period * num_points > _THICK:
+    if thickness_on_grid(layer, num_points, period) > _THICK:
         return half_space_curve()
     try:
         return _kept(layer, num_points, period)  # type: ignore[arg-type]
@@ -102,13 +103,13 @@ def edge_curve(layer: ElasticLayer, num_points: int, period: float) -> EdgeCurve
 
 
 def _layer_curve(layer: ElasticLayer, num_points: int, period: float) -> EdgeCurve:
-    def logarithm(q: Array64) -> Array64:
-        return np.log(2 * layer.stiffness(q * num_points, period) / (q * num_points))
-
     def on_grid(q: Array64) -> Array64:
-        return logarithm(np.clip(q, 2 * np.pi / num_points, 2 * np.pi * (num_points // 2) / num_points))
+        return np.log(modulus_on_grid(layer, q, num_points, period))
 
-    return _curve(on_grid, logarithm)
+    def anywhere(q: Array64) -> Array64:
+        return np.log(modulus_anywhere(layer, q, num_points, period))
+
+    return _curve(on_grid, anywhere)
 
 
 _kept = lru_cache(maxsize=256)(_layer_curve)
@@ -161,12 +162,12 @@ def _quadrature() -> _Quadrature:
     )
 
 
-def _curve(on_grid: Logarithm, logarithm: Logarithm) -> EdgeCurve:
-    """The curve of ln f, of the waves that the grid has and of those that it has not."""
+def _curve(on_grid: Logarithm, anywhere: Logarithm) -> EdgeCurve:
+    """The curve of ln f, of the grid's waves and of any."""
     of = _quadrature()
     at_end = float(on_grid(np.array([np.pi]))[0])
     inside = on_grid(of.q) - at_end
-    rest = _beyond(logarithm) - at_end
+    rest = _beyond(anywhere) - at_end
     known = np.isfinite(rest)
     last = float(rest[known][0]) if known.any() else 0.0  # of the shortest wave known, for those that are not
     beyond = float(of.of_beyond @ np.where(known, rest, last))

@@ -20,6 +20,7 @@ import numpy as np
 from ..arrays import Array64, Mask
 from ..layers import ElasticLayer
 from .edge_curves import EdgeCurve, edge_curve, edge_function, half_space_curve
+from .layer_on_grid import thickness_on_grid
 from .patches import Patches
 
 COUNTED_BELOW = 3
@@ -119,7 +120,7 @@ def find_edges(patches: Patches, pressure: Array64, layer: ElasticLayer, period:
     if patches.full:
         half = np.array([0.5])  # error: a gap between two nodes would not be seen
         return Edges(patches.first - half, patches.last + half, np.ones(1), np.zeros(1, dtype=bool))
-    thickness = layer.thickness / period * patches.num_points
+    thickness = thickness_on_grid(layer, patches.num_points, period)
     half_space = half_space_curve()
     theta, spread = _offsets(half_space, patches, pressure)
     narrow = (patches.size < _NARROW * thickness) & (thickness > _THINNEST) & (spread < _ALIKE)

@@ -37,6 +37,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..grid.edge_curves import edge_curve
+from ..grid.layer_on_grid import modulus_on_grid
 from ..grid.observables import Observables
 from ..scene import Scene
 from ..solution import Level
@@ -146,8 +147,7 @@ def _hides_peaks(scene: Scene, num_points: int) -> bool:
     """Whether waves that the grid has not find the layer stiffer, as on a coating thinner than a spacing on a softer
     base: then the pressure may have peaks between the nodes, at edges and tips.
     """
-    shortest = np.array([2 * np.pi * (num_points // 2)])
-    return bool(2 * scene.layer.stiffness(shortest, scene.period)[0] / shortest[0] < _STIFF)
+    return bool(modulus_on_grid(scene.layer, np.array([np.pi]), num_points, scene.period)[0] < _STIFF)
 
 
 def _of_change(quantity: Quantity, scene: Scene, rough: bool) -> float:

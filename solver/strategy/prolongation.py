@@ -1,9 +1,9 @@
 """A contact pressure carried over to a finer grid, where any method starts best.
 
-At the edges of its patches the pressure goes like a square root, which no interpolation follows; divided by the
-edge functions of both ends (`edge_curves.edge_function`, at the ends' sub-grid positions) it is smooth. So
-the smooth part is interpolated (cubic) and multiplied by the edge functions of the fine grid. The fine contact set
-comes out right but for a few nodes, and the error of the pressure is that of the coarse grid, not of the interpolation.
+At the edges of its patches the pressure goes like a square root, which no interpolation follows; divided by the edge
+functions of both ends (`edge_curves.edge_function`, at the ends' sub-grid positions) it is smooth. So the smooth part
+is interpolated (cubic) and multiplied by the edge functions of the fine grid. The fine contact set comes out right but
+for a few nodes, and the error of the pressure is that of the coarse grid, not of the interpolation.
 """
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from ..arrays import Array64, Indices
 from ..grid.edge_curves import EdgeCurve, edge_curve, edge_function, half_space_curve
 from ..grid.edges import Edges
+from ..grid.layer_on_grid import thickness_on_grid
 from ..grid.patches import Patches
 from ..scene import Scene
 
@@ -24,7 +25,7 @@ def prolong(scene: Scene, pressure: Array64, patches: Patches, ends: Edges, num_
     """
     factor = num_points / pressure.size
     coarse_curve = fine_curve = half_space_curve()
-    if scene.layer.thickness / scene.period * num_points <= _THIN:
+    if thickness_on_grid(scene.layer, num_points, scene.period) <= _THIN:
         coarse_curve, fine_curve = (edge_curve(scene.layer, n, scene.period) for n in (pressure.size, num_points))
     if patches.full:
         x = np.arange(num_points) / factor

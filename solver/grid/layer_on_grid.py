@@ -1,0 +1,27 @@
+"""A layer on the scale of a grid: its thickness and its stiffness in grid spacings."""
+
+import numpy as np
+
+from ..arrays import Array64
+from ..layers import ElasticLayer
+
+
+def thickness_on_grid(layer: ElasticLayer, num_points: int, period: float) -> float:
+    """d [grid spacings], on a grid of `num_points` in the period L [length]; `inf` for a half-space."""
+    return layer.thickness / period * num_points
+
+
+def modulus_on_grid(layer: ElasticLayer, q: Array64, num_points: int, period: float) -> Array64:
+    """2K(q)/(E* q), 1 on the half-space, for wave numbers q > 0 [1/grid spacing], of their shape (dimensionless).
+
+    Waves longer or shorter than those of the grid count as its longest or its shortest one. Raises `ValueError` where
+    the layer does not know the grid's waves.
+    """
+    longest = 2 * np.pi / num_points
+    return modulus_anywhere(layer, np.clip(q, longest, longest * (num_points // 2)), num_points, period)
+
+
+def modulus_anywhere(layer: ElasticLayer, q: Array64, num_points: int, period: float) -> Array64:
+    """The same for any waves. Raises `ValueError` where the layer does not know them."""
+    wave_numbers = q * num_points
+    return np.asarray(2 * layer.stiffness(wave_numbers, period) / wave_numbers)
