@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from linecontact.solver import (
     METHODS,
+    CoatedHalfSpace,
     Layer,
     MeasuredIndenter,
     PowerIndenter,
@@ -323,6 +324,21 @@ def test_hand_over_is_said(monkeypatch):
     assert solution.status is Status.CONVERGED
     assert solution.to_dict()["handed_over"] is True
     assert solution.transform_pairs > 20
+
+
+def test_stiff_coating_on_which_the_search_does_not_settle():
+    """Its sets fall into ever more patches; the true contact is one patch, and the certificate, which no method shares,
+    is met. A limit of one's own is kept.
+    """
+    scene = Scene(CoatedHalfSpace(20 / 2**14, base_modulus=1e-4), PowerIndenter(2), pressure=1e-4, num_points=2**10)
+    solution = solve(scene)
+    assert solution.handed_over
+    assert solution.status is Status.CONVERGED
+    assert solution.certificate.free_residual <= solution.tolerance == 1e-8
+    assert solution.observables.num_patches == 1
+    limited = solve(scene, max_iterations=2000)
+    assert limited.status is Status.ITERATION_LIMIT
+    assert limited.iterations == 2000
 
 
 def test_hand_over_keeps_the_limit(monkeypatch):

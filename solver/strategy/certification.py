@@ -9,7 +9,7 @@ import numpy as np
 from ..arrays import Array64, Mask
 from ..endings import INTERRUPTED, Cause, Reason, Status
 from ..grid.certificate import Certificate, certify
-from ..grid.problem import Problem, rounding_floor
+from ..grid.problem import Problem, foundation_pressure, rounding_floor
 from ..methods import METHODS, Method
 from ..solution import MEANINGLESS, MOST_ENERGY, Choice
 from .effort import CAUTION, Effort
@@ -17,6 +17,7 @@ from .effort import CAUTION, Effort
 _MOST_TRIES = 3  # of a method that can aim at a smaller residual
 _AT_THE_FLOOR = 2  # times what rounding leaves: a tolerance below is out of reach,
 _NEAR_THE_FLOOR = 1000  # if the residual is below so many times that
+_ROUND_UP = 1.06  # times a number, so that two digits of it are not below it
 _NOT_FAR = 100  # times what rounding leaves: a default tolerance gives way to a residual below
 
 
@@ -72,8 +73,7 @@ class _Certification:
         begin, first = time.perf_counter(), good
         status, good = self.insist(status, good)
         for fallback in self.effort.kind.fallbacks:
-            gave_up = not good and status not in (Status.INTERRUPTED, Status.ITERATION_LIMIT)
-            if not gave_up or self.rounded_off() or not self.effort.may_go_on:
+            if good or status is Status.INTERRUPTED or self.rounded_off() or not self.effort.may_go_on:
                 break
             if self.effort.scene.precision not in fallback.not_in:
                 status, good = self.hand_over(fallback.method, fallback.precision)
@@ -146,7 +146,10 @@ class _Certification:
         elif before.mixed and precision:
             self.choices.append(Choice("precision", precision, f"mixed ends at a residual of {residual:.1g}"))
         self.state = effort.begin(self.problem, CAUTION * self.tolerance, METHODS[method], precision)
-        self.state.start(self.displacement)
+        if residual < MEANINGLESS:
+            self.state.start(self.displacement)
+        else:  # that displacement may be anything
+            self.state.start_from_pressure(foundation_pressure(self.problem, float(self.problem.stiffness[1])))
         status = effort.relax(self.state)
         status, good = self.insist(status, self.certify())
         if not good and not self.certificate.free_residual < residual:
@@ -158,7 +161,7 @@ class _Certification:
         """Why the solve ended short of its goal, and what is allowed instead."""
         residual, tolerance, scene = self.certificate.free_residual, self.tolerance, self.effort.scene
         other = ", or precision mixed or float64" if scene.precision == "float32" else ""
-        looser = f", or tolerance above {residual:.2g} (it is {tolerance:g})"
+        looser = f", or tolerance above {_ROUND_UP * residual:.2g} (it is {tolerance:g})"
         if not tolerance < residual < MEANINGLESS:
             looser = ""
         match status:
@@ -175,7 +178,7 @@ class _Certification:
             case Status.STAGNATED if self.rounded_off():
                 leaves = f"rounding in {scene.precision} leaves"
                 if residual < MEANINGLESS:
-                    allowed = f"above {residual:.2g}, which {leaves}{other}"
+                    allowed = f"above {_ROUND_UP * residual:.2g}, which {leaves}{other}"
                     return Reason(Cause.ROUNDING, "tolerance", f"{tolerance:g}", allowed)
                 where = f"{scene.num_points}, where {leaves} a residual of {residual:.2g}"
                 return Reason(Cause.ROUNDING, "num_points", where, f"fewer{other}")
