@@ -49,6 +49,9 @@ _OFTEN = 0.5
 TEMPLATE = """{% block preamble %}<meta http-equiv="Content-Security-Policy" content="default-src 'self' data: blob:
 'unsafe-inline' 'unsafe-eval'">{% endblock %}"""
 _COPY = "navigator.clipboard.writeText(shown.value)"
+_READ_ONLY = (
+    "for (const box of boxes) { const view = Bokeh.index.find_one?.(box); if (view) view.input_el.readOnly = true }"
+)
 # Texts that change often stand in inputs: a new text of any other kind has the browser lay out the whole page again.
 _SMALL = ["textarea { font: 11px monospace; word-break: break-all }"]
 _PLAIN = ".bk-input { border-color: transparent; padding: 0; min-height: 20px }"
@@ -111,6 +114,11 @@ class Page:
         fields = (self._fields.shape, self._fields.pressure)
         wide = column(self._answer, self._doubts, self._status, *fields, curves, sizing_mode="stretch_width")
         return row(side, wide, sizing_mode="stretch_width")
+
+    @property
+    def texts(self) -> list[TextInput]:
+        """What is to be read and copied, and not to be written in."""
+        return [self._status, self._answer, self._doubts, self._link, self._command]
 
     def complain(self, text: str) -> None:
         """Say beside the sliders what was wrong with a link."""
@@ -224,4 +232,5 @@ def document(start: Start, address: str, doc: Document, arguments: Mapping[str, 
         page.complain(wrong)
     doc.title, doc.template = "linecontact explore", TEMPLATE
     doc.add_root(page.layout())
+    doc.js_on_event("document_ready", CustomJS(args={"boxes": page.texts}, code=_READ_ONLY))
     return page
