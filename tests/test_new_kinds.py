@@ -283,13 +283,38 @@ def test_heights_that_are_none_are_refused(monkeypatch, heights, named):
         solve(Scene(indenter=CosineIndenter(), num_points=1024))
 
 
-@pytest.mark.parametrize("stiffness", [-1.0, 0.0, math.nan, math.inf])
-def test_a_stiffness_that_is_none_is_refused(monkeypatch, stiffness):
-    monkeypatch.setattr(FrictionlessLayer, "stiffness", lambda self, q, period: np.full(q.shape, stiffness))
-    with pytest.raises(ValueError, match=r"stiffness of layer frictionless is from .*; allowed: finite numbers > 0"):
+_SHAPE = r"allowed: real numbers of the wave numbers' shape, \(512,\)"
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "named"),
+    [
+        (lambda q: np.where(q < 20, q, -1.0), "is -1 at q L = 25.1327; allowed: finite numbers > 0"),
+        (lambda q: 0 * q, "is 0 at q L = 6.28319; allowed: finite numbers > 0"),
+        (lambda q: np.where(q < 20, q, math.nan), "is nan at q L = 25.1327; allowed: finite numbers > 0"),
+        (lambda q: np.where(q < 20, q, math.inf), "is inf at q L = 25.1327; allowed: finite numbers > 0"),
+        (lambda q: q[:-1], rf"has shape \(511,\) and type float64; {_SHAPE}"),
+        (lambda q: 1.0, rf"has shape \(\) and type float64; {_SHAPE}"),
+        (lambda q: None, rf"has shape \(\) and type object; {_SHAPE}"),
+        (lambda q: q + 0j, rf"has shape \(512,\) and type complex128; {_SHAPE}"),
+    ],
+)
+def test_a_stiffness_that_is_none_is_refused(monkeypatch, stiffness, named):
+    monkeypatch.setattr(FrictionlessLayer, "stiffness", lambda self, q, period: stiffness(q))
+    with pytest.raises(ValueError, match=f"stiffness of layer frictionless {named}"):
         solve(Scene(FrictionlessLayer(), num_points=1024))
+
+
+@pytest.mark.parametrize("modulus", [-1.0, math.nan, None, "soft"])
+def test_numbers_of_a_layer_that_are_none_are_refused(monkeypatch, modulus):
+    monkeypatch.setattr(FrictionlessLayer, "foundation_modulus", lambda self, period: modulus)
+    with pytest.raises(ValueError, match=f"foundation_modulus of layer frictionless is {modulus!r}; allowed: a number"):
+        Scene(FrictionlessLayer())
+    monkeypatch.undo()
     with pytest.raises(ValueError, match="thickness is -1; allowed: a length > 0, or inf"):
         Scene(FrictionlessLayer(-1))
+    with pytest.raises(ValueError, match="contact_modulus is 0; allowed: a finite pressure > 0"):
+        Scene(FrictionlessLayer(contact_modulus=0))
 
 
 @pytest.mark.parametrize(

@@ -43,14 +43,18 @@ def _profile(scene: Scene, num_points: int) -> Array64:
 def half_spectrum(layer: ElasticLayer, num_points: int, period: float) -> Array64:
     """K(q_k) of a layer for k = 0 ... N/2, shape (N//2 + 1,), in units of E*/L; 0 for the mean mode.
 
-    Raises `ValueError` for a stiffness that is not positive and finite.
+    Raises `ValueError` for a stiffness that is not positive and finite, or not of the waves' shape.
     """
     stiffness = np.zeros(num_points // 2 + 1)
-    stiffness[1:] = layer.stiffness(2 * np.pi * np.arange(1, stiffness.size, dtype=np.float64), period)
-    least, most = float(stiffness[1:].min()), float(stiffness[1:].max())
-    if not 0 < least <= most < math.inf:
-        what = f"stiffness of layer {layer.name}"
-        raise ValueError(f"{what} is from {least:.3g} to {most:.3g}; allowed: finite numbers > 0")
+    wave_numbers = 2 * np.pi * np.arange(1, stiffness.size, dtype=np.float64)
+    found, what = np.asarray(layer.stiffness(wave_numbers, period)), f"stiffness of layer {layer.name}"
+    if found.shape != wave_numbers.shape or found.dtype.kind not in "fiu":
+        allowed = f"real numbers of the wave numbers' shape, {wave_numbers.shape}"
+        raise ValueError(f"{what} has shape {found.shape} and type {found.dtype}; allowed: {allowed}")
+    if not 0 < found.min() <= found.max() < math.inf:
+        bad = np.flatnonzero(~((found > 0) & (found < math.inf)))[0]
+        raise ValueError(f"{what} is {found[bad]:.3g} at q L = {wave_numbers[bad]:.6g}; allowed: finite numbers > 0")
+    stiffness[1:] = found
     return stiffness
 
 
