@@ -1,29 +1,21 @@
 """The pressure at a contact edge on a grid: curves by Wiener-Hopf factorisation, one for every layer.
 
-In units of the grid spacing and of E*/2 the discrete problem K u + sigma = p, u <= h has the symbol |q| f(q), |q| <=
-pi, with f = 2K/(E* |q|): 1 on the half-space, and on any layer for waves that are short beside its thickness. Its
-Wiener-Hopf factors give the pressure near an edge in closed form, whatever the indenter: with |q| f(q) = c(z) c(1/z)
-|1 - z|, z = exp(iq), and the contact on the nodes j >= 0,
+Derived in docs/edges.md; here is what is computed. In units of the grid spacing and of E*/2 the stiffness is |q| f(q),
+|q| <= pi, with f = 2K/(E* |q|), 1 on the half-space. With z = exp(iq) it is c(z) c(1/z) |1 - z|, where
 
-    sum_j sigma_j z^j = c(z) sum_m a_m (1-z)^-(m+1/2),   ln c(z) = l_0/4 + sum_k>0 (l_k/2) z^k,
-    l_k = (2/pi) int_0^pi {ln[(q/2)/sin(q/2)] + ln f(q)} cos(kq) dq.
+    ln c(z) = l_0/4 + sum_k>0 (l_k/2) z^k,   l_k = (2/pi) int_0^pi {ln[(q/2)/sin(q/2)] + ln f(q)} cos(kq) dq,
 
-m = 0 and 1 are the edge: sigma_j = A [(1-beta) S_j + beta S_(j-1)], S_j the coefficients of c(z) (1-z)^-3/2. sigma_0
->= 0 and a gap >= 0 at j = -1 hold for exactly 0 <= beta <= 1. m = 2 is the first effect of the profile's own scale
-(order dx/l). Three nodes give a_0, a_1, a_2.
+and the pressures of a contact on the nodes j >= 0 are sum_j sigma_j z^j = c(z) sum_m a_m (1-z)^-(m+1/2). m = 0 and 1
+are the edge: sigma_j = A [(1-beta) S_j + beta S_(j-1)], S_j the coefficients of c(z) (1-z)^-3/2. sigma_0 >= 0 and a gap
+>= 0 at j = -1 hold for exactly 0 <= beta <= 1. m = 2 is the first effect of the profile's own scale (order dx/l). Three
+nodes give a_0, a_1, a_2.
 
-Where the edge lies follows from the same problem without a grid. There the pressure has the transform
-
-    G(q) [b_1 (-iq)^-3/2 + b_2 (-iq)^-5/2] exp(iq theta),   f(q) = G(q) G(-q) for all q,
-
-without a term (-iq)^-1/2, which would be infinite at the edge theta. For small q the two must agree. As f is the same
-in both for |q| < pi, ln c is ln G and a power series in q: that of the half-space, and i q delta + O(q^3) with
+For a_2 = 0 the edge lies beta - s spacings inside the last contact node, s = 3/4 - s_0 - delta, s_0 = sum_k k l_k/2 of
+f = 1 (s = 0.80999 on the half-space), with
 
     delta = (1/2 pi) int_0^pi ln f(q) [2/q^2 - 1/(1 - cos q)] dq + (1/pi) int_pi^inf ln f(q)/q^2 dq.
 
-So theta is that of the half-space's families with the same a_m, plus delta. For a_2 = 0 it is beta - s, s = 3/4 - s_0 -
-delta, s_0 = sum_k k l_k/2 of f = 1 (s = 0.80999 on the half-space): the edge lies beta - s spacings inside the last
-contact node. Nothing is asked of f at q = 0, where a foundation may be, an incompressible layer or another half-space.
+Nothing is asked of f at q = 0, where a foundation may be, an incompressible layer or another half-space.
 
 Against the collocation oracle (layers of 0.03 to 160 spacings: bonded with nu = -0.9 to 1/2, sliding, coatings with
 ratios of moduli from 1e-4 to 1e5) that is right to 0.03 spacings for contacts of 20 nodes and more (0.07 for nu = 1/2),

@@ -148,8 +148,8 @@ def _begin(plans: Sequence[Plan], options: Options, folder: Path) -> Ensemble:
         results.forget(tasks)
     ensemble = Ensemble(tasks, results)
     if ensemble.found:
-        first = "the first " if any(plan.more for plan in plans) else ""
-        console.errors.print(f"continuing: {ensemble.found} of {first}{len(ensemble.tasks)} tasks are done")
+        of_all = "" if any(plan.more for plan in plans) else f" of {len(ensemble.tasks)}"
+        console.errors.print(f"continuing: {ensemble.found}{of_all} tasks are done")
     return ensemble
 
 
