@@ -8,9 +8,9 @@ A page says where something is to stand, and what, by two lines around it:
     <!-- report: peers -->  ...  <!-- end -->
 
 `report: NAME` is all that a study says of its results in studies/results; with patterns behind the name, parted by
-bars, only the tables whose titles match one of them, and for `sentences` what is no table. `help: COMMAND` is the help
-text of a command, `names` the public Python names, `statements: NAME` what others say beside what was measured by the
-study paper or pressure, `compare` a small table beside other programs.
+bars, only the tables whose titles match one of them, and for `sentences` what is no table; NAME=FILE is what it says of
+FILE.h5 there. `help: COMMAND` is the help text of a command, `names` the public Python names, `statements: NAME` what
+others say beside what was measured by the study paper or pressure, `compare` a small table beside other programs.
 """
 
 import dataclasses
@@ -50,8 +50,9 @@ WIDTH = 80
 def report(words: str) -> str:
     """A study's report on its stored results, or the parts of it that were asked for."""
     name, _, wanted = words.partition(" ")
+    name, _, other = name.partition("=")
     found = study.find(name)
-    kinds = [name, *(plan.kind for plan in found.planned(found.options()))]
+    kinds = [other] if other else [name, *(plan.kind for plan in found.planned(found.options()))]
     kinds += [areas.KIND] if name == "peers" else []  # which is planned only where ASPHER is installed
     paths = {kind: RESULTS / f"{kind}.h5" for kind in kinds}
     files = {kind: study_files.load_study(path) for kind, path in paths.items() if path.exists()}

@@ -191,10 +191,22 @@ def test_a_whole_iteration_with_transforms_of_ones_own(own):
     bench.check()
 
 
-def test_a_chunk_that_does_not_fit_is_refused(own, tmp_path, capsys):
+def test_a_chunk_that_does_not_fit_is_left_out(own):
     variants.recompiled("fire_step", "long", chunk=4096)
-    with pytest.raises(ValueError, match="size is 1024; allowed with chunks of 4096 points: multiples"):
-        Bench(BENCHMARKS["fire_step"], "float32", 1024)
+    assert "long" not in Bench(BENCHMARKS["fire_step"], "float32", 1024).variants
+    assert "long" in Bench(BENCHMARKS["fire_step"], "float32", 4096).variants
+
+
+def test_a_file_of_variants_chooses_the_benchmarks(own, tmp_path):
+    (file := tmp_path / "mine.py").write_text(
+        "from linecontact.studies.kernel_benchmark.variants import recompiled\n"
+        "recompiled('fire_step', 'short', chunk=256)\n"
+        "recompiled('plain_move', 'short', chunk=256)\n"
+    )
+    options = study.Options(variants=file, size=2**12)
+    for kernel, expected in ((None, {"fire_step", "plain_move"}), ("sequences", {"plain_move"})):
+        tasks = study.plan(replace(options, kernel=kernel)).tasks
+        assert {task.benchmark for task in tasks} - {cells.MACHINE} == expected
 
 
 def test_a_wrong_variant_is_told_and_not_timed(own, monkeypatch, tmp_path, capsys):

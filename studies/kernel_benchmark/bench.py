@@ -49,7 +49,7 @@ class Bench:
         self._views: dict[str, Arrays] = {}
         wanted = set(only)
         for variant in (*shipped(benchmark), *own(benchmark.name)):
-            if not wanted or variant.name in wanted:
+            if (not wanted or variant.name in wanted) and num_points % variant.multiple == 0:
                 self._bind(variant, Arrays(benchmark, transforms, self.arrays))
         self._fill(self._start)  # after FFTW's planning, which writes
 

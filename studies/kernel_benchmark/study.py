@@ -30,7 +30,7 @@ from ..runner.tasks import Record
 from ..terminal.options import one_of
 from . import compare, cores, machine, measure, variants
 from . import report as tables
-from .benchmark import LARGEST, PRECISIONS
+from .benchmark import LARGEST, PRECISIONS, Benchmark
 from .benchmarks import BENCHMARKS, GROUPS
 from .c_code import compile_c
 from .cells import MACHINE
@@ -61,7 +61,8 @@ class Options(study.Options):
     workers: int = 1
     """Always 1: others would disturb the times."""
     kernel: str | None = one_of((*GROUPS, *BENCHMARKS), None)
-    """One benchmark, or one group of them; default: all groups but the transforms."""
+    """One benchmark, or one group of them; default: those of --variants, and without these all groups but the
+    transforms."""
     size: int | None = None
     """Number of points, like 2^18; default: from 2^10 to 2^22."""
     variants: Path | None = None
@@ -120,25 +121,12 @@ def plan(options: Options) -> Plan:
         raise ValueError(f"workers is {options.workers}; allowed: 1, because two would disturb each other's times")
     if options.quick and options.size is not None:
         raise ValueError("quick is True; allowed: without --size, which says on how many points")
-    chosen = [one for one in BENCHMARKS.values() if options.kernel in (one.name, one.group)]
-    chosen = chosen or [one for one in BENCHMARKS.values() if one.group not in _LEFT_OUT]
-    if not compile_c().libraries:
-        chosen = [one for one in chosen if one.group != "roofs"]
-    if not chosen:
-        raise ValueError(f"kernel is {options.kernel!r}; allowed without a C compiler: all but the roofs")
-    sizes = {one.name: _sizes(one.group, options) for one in chosen}
     path, content = "", b""
     if options.variants:
         variants.load_file(options.variants)
         path, content = str(options.variants.resolve()), options.variants.read_bytes()
-        known = [name for name, own in variants.OWN.items() if own]
-        if not any(name in known for name in sizes):
-            raise ValueError(
-                f"variants: file {options.variants} has none of {options.kernel or 'these benchmarks'}; "
-                f"allowed: --kernel {' or '.join(known) or 'and a file that registers one'}"
-            )
-        for one in chosen:
-            check_names(one)
+    chosen = _chosen(options)
+    sizes = {one.name: _sizes(one.group, options) for one in chosen}
     configuration = {
         "sizes": {name: list(values) for name, values in sizes.items()},
         "repeats": repeats,
@@ -156,6 +144,27 @@ def plan(options: Options) -> Plan:
     groups = {one.group for one in chosen}
     figures = [""] * bool(groups & {"kernels", "transforms"}) + ["-roofline"] * ({"kernels", "roofs"} <= groups)
     return Plan(tables.KIND, configuration, tasks, figures=figures)
+
+
+def _chosen(options: Options) -> list[Benchmark]:
+    """The benchmarks asked for; by default those of which a file has variants, or all that take no minutes."""
+    chosen = [one for one in BENCHMARKS.values() if options.kernel in (one.name, one.group)]
+    if options.variants:
+        known = [name for name, own in variants.OWN.items() if own]
+        chosen = [one for one in chosen or BENCHMARKS.values() if one.name in known]
+        if not chosen:
+            raise ValueError(
+                f"variants: file {options.variants} has none of {options.kernel or 'these benchmarks'}; "
+                f"allowed: --kernel {' or '.join(known) or 'and a file that registers one'}"
+            )
+        for one in chosen:
+            check_names(one)
+    chosen = chosen or [one for one in BENCHMARKS.values() if one.group not in _LEFT_OUT]
+    if not compile_c().libraries:
+        chosen = [one for one in chosen if one.group != "roofs"]
+    if not chosen:
+        raise ValueError(f"kernel is {options.kernel!r}; allowed without a C compiler: all but the roofs")
+    return chosen
 
 
 def _sizes(group: str, options: Options) -> tuple[int, ...]:

@@ -79,6 +79,8 @@ class Variant:
     """Of FFTW."""
     wisdom: bool = False
     """Whether FFTW may use what it has learnt before, as plans by measurement do."""
+    multiple: int = 1
+    """Of what the number of points must be one; it is left out on others."""
 
 
 OWN: dict[str, list[Variant]] = {}
@@ -116,13 +118,11 @@ def recompiled(benchmark: str, name: str, chunk: int = CHUNK, compiled_with: str
     chunk = checks.integer("chunk", chunk, "a power of two up to 16384", 1, 2**14)
     if chunk & (chunk - 1):
         raise ValueError(f"chunk is {chunk}; allowed: a power of two up to 16384")
-    _register(benchmark, Variant(name, lambda arrays: compiled_again(arrays, chunk, compiled_with)))
+    _register(benchmark, Variant(name, lambda arrays: compiled_again(arrays, chunk, compiled_with), multiple=chunk))
 
 
 def compiled_again(arrays: Arrays, chunk: int, compiled_with: str | None = None) -> Runs:
-    """Launches of a benchmark's kernels, compiled with another chunk and other flags. Raises `ValueError`."""
-    if arrays.num_points % chunk:
-        raise ValueError(f"size is {arrays.num_points}; allowed with chunks of {chunk} points: multiples of that")
+    """Launches of a benchmark's kernels, compiled with another chunk, of which num_points is a multiple, and flags."""
     if chunk != CHUNK:
         arrays.chunk = chunk
         for argument in arrays.benchmark.arrays:
