@@ -17,6 +17,7 @@ from .effort import CAUTION, Effort
 _MOST_TRIES = 3  # of a method that can aim at a smaller residual
 _AT_THE_FLOOR = 2  # times what rounding leaves: a tolerance below is out of reach,
 _NEAR_THE_FLOOR = 1000  # if the residual is below so many times that
+_MOST_WORK = 20_000 * 2**16  # iterations times nodes, after a search that has reached its limit
 _ROUND_UP = 1.06  # times a number, so that two digits of it are not below it
 _NOT_FAR = 100  # times what rounding leaves: a default tolerance gives way to a residual below
 
@@ -75,8 +76,11 @@ class _Certification:
         for fallback in self.effort.kind.fallbacks:
             if good or status is Status.INTERRUPTED or self.rounded_off() or not self.effort.may_go_on:
                 break
+            most = METHODS[fallback.method].max_iterations
+            if status is Status.ITERATION_LIMIT:  # the scene is a hard one: on many nodes another limit takes hours
+                most = min(most, _MOST_WORK // self.problem.num_points)
             if self.effort.scene.precision not in fallback.not_in:
-                status, good = self.hand_over(fallback.method, fallback.precision)
+                status, good = self.hand_over(fallback.method, fallback.precision, most)
         seconds = 0.0 if first else time.perf_counter() - begin
         if not good and status in (Status.STAGNATED, Status.CONVERGED):
             status = Status.STAGNATED  # the method's own precision cannot see the difference
@@ -137,12 +141,12 @@ class _Certification:
                 break
         return status, good
 
-    def hand_over(self, method: str, precision: str | None) -> tuple[Status, bool]:
-        """Another method goes on from where this one ended; the better of the two stays."""
+    def hand_over(self, method: str, precision: str | None, most: int) -> tuple[Status, bool]:
+        """Another method goes on from where this one ended, for `most` iterations; the better of the two stays."""
         effort, before, residual = self.effort, self.state, self.certificate.free_residual
         if method != effort.kind.name:
             self.handed_over = True
-            effort.allow(METHODS[method].max_iterations)
+            effort.allow(most)
         elif before.mixed and precision:
             self.choices.append(Choice("precision", precision, f"mixed ends at a residual of {residual:.1g}"))
         self.state = effort.begin(self.problem, CAUTION * self.tolerance, METHODS[method], precision)
