@@ -34,6 +34,11 @@ def row(name: str, value: Any, length: str = "length") -> Row:
     return Row(name, number(value), named.get(unit(name), unit(name)))
 
 
+def rounded_up(value: float) -> str:
+    """A number > 0 with two digits that are not below it, for a bound."""
+    return f"{1.06 * value:.2g}"
+
+
 def number(value: float) -> str:
     """A number with up to six digits."""
     return f"{value:.6g}" if isinstance(value, float) else str(value)

@@ -58,7 +58,8 @@ class Scene:
         allowed = "a PowerIndenter, RoughIndenter or MeasuredIndenter, or what `Indenter` describes"
         checks.offers("indenter", self.indenter, Indenter, allowed)
         checks.real("thickness", self.layer.thickness, "a length > 0, or inf", 0, infinite=True)
-        checks.real("contact_modulus", self.layer.contact_modulus, "a finite pressure > 0", 0)
+        what = f"contact_modulus of layer {self.layer.name}"
+        checks.real(what, self.layer.contact_modulus, "a finite pressure > 0", 0)
         points = f"an integer from {MIN_POINTS} to {MAX_POINTS}"
         self._check_load()
         checks.assign(
@@ -66,11 +67,11 @@ class Scene:
             period=checks.real("period", self.period, "a finite length > 0", 0),
             num_points=checks.integer("num_points", self.num_points, points, MIN_POINTS, MAX_POINTS),
         )
-        modulus, allowed = self.layer.foundation_modulus(self.period), "a number >= 0, inf where it is incompressible"
-        checks.real(f"foundation_modulus of layer {self.layer.name}", modulus, allowed, _BELOW_ZERO, infinite=True)
         checks.choice("precision", self.precision, PRECISIONS)
         self.indenter.check(self.num_points)
         self._check_scales()
+        modulus, allowed = self.layer.foundation_modulus(self.period), "a number >= 0, inf where it is incompressible"
+        checks.real(f"foundation_modulus of layer {self.layer.name}", modulus, allowed, _BELOW_ZERO, infinite=True)
 
     def _check_load(self) -> None:
         """Of pressure and approach one must be given, or none."""

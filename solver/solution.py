@@ -117,7 +117,7 @@ class Solution:
     reason: Reason | None = None
     """Why the status is not `CONVERGED`, and what is allowed instead; None if it is."""
     handed_over: bool = False
-    """The method could not have its result certified, and another one went on from there."""
+    """The method did not settle or could not have its result certified, and another one went on from there."""
     levels: tuple[Level, ...] = field(default_factory=tuple)
     """The coarser grids, from coarse to fine; empty without nested grids."""
     accuracy: float | None = None

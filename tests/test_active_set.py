@@ -31,6 +31,8 @@ from linecontact.solver.methods.active_set import local_inverses
 from linecontact.solver.methods.active_set import preconditioner as deflation
 from linecontact.solver.methods.active_set.active_set import ActiveSet
 from linecontact.solver.methods.active_set.greens_function import GreensFunction, inverse_cholesky, patch_sums
+from linecontact.solver.strategy import certification
+from linecontact.solver.strategy.effort import Effort, Means
 
 
 def stiffness(num_points, thickness, nu):
@@ -328,7 +330,7 @@ def test_hand_over_is_said(monkeypatch):
 
 def test_stiff_coating_on_which_the_search_does_not_settle():
     """Its sets fall into ever more patches; the true contact is one patch, and the certificate, which no method shares,
-    is met. A limit of one's own is kept.
+    is met. A limit of one's own is kept, and what the search does not need of it is the other method's.
     """
     scene = Scene(CoatedHalfSpace(20 / 2**14, base_modulus=1e-4), PowerIndenter(2), pressure=1e-4, num_points=2**10)
     solution = solve(scene)
@@ -339,6 +341,27 @@ def test_stiff_coating_on_which_the_search_does_not_settle():
     limited = solve(scene, max_iterations=2000)
     assert limited.status is Status.ITERATION_LIMIT
     assert limited.iterations == 2000
+    assert solve(scene, max_iterations=20_000).iterations == solution.iterations
+    mixed = solve(replace(scene, precision="mixed"))
+    assert mixed.status is Status.CONVERGED
+    assert not any(choice.what == "precision" for choice in mixed.choices)
+
+
+def test_a_hand_over_in_vain_is_bounded(monkeypatch):
+    scene = Scene(CoatedHalfSpace(20 / 2**14, base_modulus=1e-4), PowerIndenter(2), pressure=1e-4, num_points=2**10)
+    monkeypatch.setattr(certification, "_MOST_WORK", 200 * 2**10)
+    assert solve(scene).iterations == 2200
+    monkeypatch.setattr(certification, "_MOST_POINTS", 2**9)
+    assert solve(scene).iterations == 2000
+
+
+def test_every_grid_of_an_accuracy_begins_with_the_search_s_own_limit():
+    found = []
+    effort = Effort(Scene(num_points=64), active_set.KIND, Means())
+    for iterations in (20_000, 2000):  # those of a hand-over, then the next grid's
+        effort.allow(iterations)
+        found.append(effort.left)
+    assert found == [20_000, 2000]
 
 
 def test_hand_over_keeps_the_limit(monkeypatch):

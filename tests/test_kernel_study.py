@@ -191,10 +191,14 @@ def test_a_whole_iteration_with_transforms_of_ones_own(own):
     bench.check()
 
 
-def test_a_chunk_that_does_not_fit_is_left_out(own):
+def test_a_chunk_that_does_not_fit_is_left_out(own, tmp_path):
     variants.recompiled("fire_step", "long", chunk=4096)
     assert "long" not in Bench(BENCHMARKS["fire_step"], "float32", 1024).variants
     assert "long" in Bench(BENCHMARKS["fire_step"], "float32", 4096).variants
+    (file := tmp_path / "none.py").touch()
+    with pytest.raises(ValueError, match="size is 1024; allowed: multiples of 4096, for variant long of fire_step"):
+        study.plan(study.Options(variants=file, size=2**10))
+    study.plan(study.Options(variants=file))
 
 
 def test_a_file_of_variants_chooses_the_benchmarks(own, tmp_path):
@@ -247,8 +251,8 @@ def test_a_wrong_variant_is_told_and_not_timed(own, monkeypatch, tmp_path, capsy
         ("V.recompiled('plain_step', 'a b')", "variant is 'a b'; allowed: a name of letters, digits, _ and -"),
         ("V.replanned('fire_step', 'x')", "benchmark is 'fire_step'; allowed:"),
         ("V.replanned('plain_iteration', 'x', planning='hard')", "planning is 'hard'; allowed: estimate"),
-        ("V.recompiled('plain_step', 'x')", "has none of fire_step; allowed: --kernel plain_step"),
-        ("", "has none of fire_step"),
+        ("V.recompiled('plain_step', 'x')", "registers no variant of fire_step; allowed: --kernel plain_step"),
+        ("", "registers no variant; allowed: a file that registers one"),
     ],
 )
 def test_bad_files_of_variants_are_refused(text, message, own, tmp_path, capsys):

@@ -310,11 +310,22 @@ def test_numbers_of_a_layer_that_are_none_are_refused(monkeypatch, modulus):
     monkeypatch.setattr(FrictionlessLayer, "foundation_modulus", lambda self, period: modulus)
     with pytest.raises(ValueError, match=f"foundation_modulus of layer frictionless is {modulus!r}; allowed: a number"):
         Scene(FrictionlessLayer())
-    monkeypatch.undo()
+
+
+def test_lengths_and_moduli_of_a_layer_that_are_none_are_refused():
     with pytest.raises(ValueError, match="thickness is -1; allowed: a length > 0, or inf"):
         Scene(FrictionlessLayer(-1))
-    with pytest.raises(ValueError, match="contact_modulus is 0; allowed: a finite pressure > 0"):
+    with pytest.raises(ValueError, match="contact_modulus of layer frictionless is 0; allowed: a finite pressure > 0"):
         Scene(FrictionlessLayer(contact_modulus=0))
+    for layer in (Layer(1e-300), Layer(5e-324, 0.4)):  # whose modulus of the foundation overflows
+        with pytest.raises(ValueError, match=r"thickness/period is .*; allowed: from 1e-60"):
+            Scene(layer)
+
+
+def test_a_stiffness_that_is_none_is_refused_where_an_approach_is_given(monkeypatch):
+    monkeypatch.setattr(FrictionlessLayer, "stiffness", lambda self, q, period: 1.0)
+    with pytest.raises(ValueError, match="stiffness of layer frictionless has shape"):
+        solve(Scene(FrictionlessLayer(), approach=0.001, num_points=64))
 
 
 @pytest.mark.parametrize(

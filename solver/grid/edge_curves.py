@@ -155,7 +155,9 @@ def _quadrature() -> _Quadrature:
 
 
 def _curve(on_grid: Logarithm, anywhere: Logarithm) -> EdgeCurve:
-    """The curve of ln f, of the grid's waves and of any."""
+    """The curve of ln f. on_grid: where waves that the grid has not count as its longest or shortest; anywhere: as they
+    are.
+    """
     of = _quadrature()
     at_end = float(on_grid(np.array([np.pi]))[0])
     inside = on_grid(of.q) - at_end

@@ -1,4 +1,4 @@
-"""A layer on the scale of a grid: its thickness and its stiffness in grid spacings."""
+"""A layer on the scale of a grid: its thickness in grid spacings, and its stiffness over the half-space's."""
 
 import numpy as np
 
@@ -22,6 +22,9 @@ def modulus_on_grid(layer: ElasticLayer, q: Array64, num_points: int, period: fl
 
 
 def modulus_anywhere(layer: ElasticLayer, q: Array64, num_points: int, period: float) -> Array64:
-    """The same for any waves. Raises `ValueError` where the layer does not know them."""
+    """2K(q)/(E* q) of any waves q > 0 [1/grid spacing], of their shape (dimensionless).
+
+    Raises `ValueError` where the layer does not know them.
+    """
     wave_numbers = q * num_points
     return np.asarray(2 * layer.stiffness(wave_numbers, period) / wave_numbers)

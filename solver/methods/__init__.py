@@ -6,7 +6,7 @@ May import: arrays, checks, endings, transforms, grid, linecontact.kernels.
 """
 
 from . import active_set, fire, mass_weighted_fire
-from .method import Method, MethodKind, Setting
+from .method import Fallback, Method, MethodKind, Setting
 from .relaxation import Progress, relax
 
 METHODS: dict[str, MethodKind] = {kind.name: kind for kind in (active_set.KIND, mass_weighted_fire.KIND, fire.KIND)}
@@ -15,4 +15,4 @@ METHODS: dict[str, MethodKind] = {kind.name: kind for kind in (active_set.KIND, 
 DEFAULT = next(iter(METHODS.values()))
 """The method where none is chosen: the fastest on every scene measured."""
 
-__all__ = ["DEFAULT", "METHODS", "Method", "MethodKind", "Progress", "Setting", "relax"]
+__all__ = ["DEFAULT", "METHODS", "Fallback", "Method", "MethodKind", "Progress", "Setting", "relax"]

@@ -115,7 +115,7 @@ class Setting:
 
 @dataclass(frozen=True)
 class Fallback:
-    """A method that takes over where another could not certify its result."""
+    """A method that takes over where another did not settle or could not have its result certified."""
 
     method: str
     """Its name."""

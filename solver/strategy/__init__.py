@@ -3,5 +3,6 @@
 `to_tolerance` and `to_accuracy` are the two ways through. Both go over the grids by one loop (`grids`), have the result
 certified or another method try (`certification`), and make the solution from what was found (`report`).
 
-May import: arrays, checks, endings, layers, indenters, scene, reference, grid, methods, solution, linecontact.kernels.
+May import: arrays, checks, display, endings, layers, indenters, scene, reference, grid, methods, solution,
+linecontact.kernels.
 """

@@ -6,19 +6,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .. import display
 from ..arrays import Array64, Mask
 from ..endings import INTERRUPTED, Cause, Reason, Status
 from ..grid.certificate import Certificate, certify
-from ..grid.problem import Problem, foundation_pressure, rounding_floor
-from ..methods import METHODS, Method
+from ..grid.problem import Problem, rounding_floor
+from ..methods import METHODS, Fallback, Method
 from ..solution import MEANINGLESS, MOST_ENERGY, Choice
-from .effort import CAUTION, Effort
+from .effort import CAUTION, Effort, start_on_foundation
 
 _MOST_TRIES = 3  # of a method that can aim at a smaller residual
 _AT_THE_FLOOR = 2  # times what rounding leaves: a tolerance below is out of reach,
 _NEAR_THE_FLOOR = 1000  # if the residual is below so many times that
-_MOST_WORK = 20_000 * 2**16  # iterations times nodes, after a search that has reached its limit
-_ROUND_UP = 1.06  # times a number, so that two digits of it are not below it
+_MOST_POINTS = 2**18  # on which another method goes on after a search that has reached its limit,
+_MOST_WORK = 20_000 * 2**16  # and its iterations times the points
 _NOT_FAR = 100  # times what rounding leaves: a default tolerance gives way to a residual below
 
 
@@ -76,11 +77,9 @@ class _Certification:
         for fallback in self.effort.kind.fallbacks:
             if good or status is Status.INTERRUPTED or self.rounded_off() or not self.effort.may_go_on:
                 break
-            most = METHODS[fallback.method].max_iterations
-            if status is Status.ITERATION_LIMIT:  # the scene is a hard one: on many nodes another limit takes hours
-                most = min(most, _MOST_WORK // self.problem.num_points)
-            if self.effort.scene.precision not in fallback.not_in:
-                status, good = self.hand_over(fallback.method, fallback.precision, most)
+            in_vain = status is Status.ITERATION_LIMIT and not self.may_help(fallback)
+            if self.effort.scene.precision not in fallback.not_in and not in_vain:
+                status, good = self.hand_over(fallback, status)
         seconds = 0.0 if first else time.perf_counter() - begin
         if not good and status in (Status.STAGNATED, Status.CONVERGED):
             status = Status.STAGNATED  # the method's own precision cannot see the difference
@@ -141,19 +140,31 @@ class _Certification:
                 break
         return status, good
 
-    def hand_over(self, method: str, precision: str | None, most: int) -> tuple[Status, bool]:
-        """Another method goes on from where this one ended, for `most` iterations; the better of the two stays."""
+    def may_help(self, fallback: Fallback) -> bool:
+        """Whether a fallback may help where the chosen method has reached its limit of iterations.
+
+        The same method again does not, nor does another one on so many nodes that it takes hours, unless that was asked
+        for by a larger limit.
+        """
+        bearable = self.effort.max_iterations is not None or self.problem.num_points <= _MOST_POINTS
+        return fallback.method != self.effort.kind.name and bearable
+
+    def hand_over(self, fallback: Fallback, status: Status) -> tuple[Status, bool]:
+        """A fallback goes on from where this method ended, with that status; the better of the two stays."""
         effort, before, residual = self.effort, self.state, self.certificate.free_residual
+        method, precision = fallback.method, fallback.precision
         if method != effort.kind.name:
-            self.handed_over = True
+            self.handed_over, most = True, METHODS[method].max_iterations
+            if status is Status.ITERATION_LIMIT:  # a hard scene
+                most = min(most, _MOST_WORK // self.problem.num_points)
             effort.allow(most)
         elif before.mixed and precision:
             self.choices.append(Choice("precision", precision, f"mixed ends at a residual of {residual:.1g}"))
         self.state = effort.begin(self.problem, CAUTION * self.tolerance, METHODS[method], precision)
-        if residual < MEANINGLESS:
+        if method == effort.kind.name or residual < MEANINGLESS:
             self.state.start(self.displacement)
         else:  # that displacement may be anything
-            self.state.start_from_pressure(foundation_pressure(self.problem, float(self.problem.stiffness[1])))
+            start_on_foundation(self.state)
         status = effort.relax(self.state)
         status, good = self.insist(status, self.certify())
         if not good and not self.certificate.free_residual < residual:
@@ -165,7 +176,7 @@ class _Certification:
         """Why the solve ended short of its goal, and what is allowed instead."""
         residual, tolerance, scene = self.certificate.free_residual, self.tolerance, self.effort.scene
         other = ", or precision mixed or float64" if scene.precision == "float32" else ""
-        looser = f", or tolerance above {_ROUND_UP * residual:.2g} (it is {tolerance:g})"
+        looser = f", or tolerance above {display.rounded_up(residual)} (it is {tolerance:g})"
         if not tolerance < residual < MEANINGLESS:
             looser = ""
         match status:
@@ -182,7 +193,7 @@ class _Certification:
             case Status.STAGNATED if self.rounded_off():
                 leaves = f"rounding in {scene.precision} leaves"
                 if residual < MEANINGLESS:
-                    allowed = f"above {_ROUND_UP * residual:.2g}, which {leaves}{other}"
+                    allowed = f"above {display.rounded_up(residual)}, which {leaves}{other}"
                     return Reason(Cause.ROUNDING, "tolerance", f"{tolerance:g}", allowed)
                 where = f"{scene.num_points}, where {leaves} a residual of {residual:.2g}"
                 return Reason(Cause.ROUNDING, "num_points", where, f"fewer{other}")

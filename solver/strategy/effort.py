@@ -52,20 +52,21 @@ class Effort:
     points_transformed: float = 0.0
     """Transform pairs on all grids times the points of each grid."""
     left: int = field(init=False)
-    """Iterations before the limit."""
+    """Iterations before the present attempt ends."""
 
     def __post_init__(self) -> None:
-        self.left = self.max_iterations or self.kind.max_iterations
+        self.allow(self.kind.max_iterations)
+        if any(fallback.method != self.kind.name for fallback in self.kind.fallbacks):
+            self.left = min(self.left, self.kind.max_iterations)  # what is more is for the other method
 
     @property
     def may_go_on(self) -> bool:
         """Whether the limit allows another method to try."""
-        return self.left > 0 or self.max_iterations is None
+        return self.max_iterations is None or self.iterations < self.max_iterations
 
     def allow(self, iterations: int) -> None:
-        """Give another attempt so many iterations at least, where no limit was asked for."""
-        if self.max_iterations is None:
-            self.left = max(self.left, iterations)
+        """Give the next attempt so many iterations, or all that are left of a limit that was asked for."""
+        self.left = iterations if self.max_iterations is None else self.max_iterations - self.iterations
 
     def begin(
         self,
@@ -116,12 +117,16 @@ class Effort:
         status = self.relax(state)
         lost = status is not Status.INTERRUPTED and not state.residual < MEANINGLESS
         if self.kind.starts_again and lost and self.may_go_on:
-            self.allow(_SECOND_START)
+            self.allow(max(self.left, _SECOND_START))
             try:
                 again = self.begin(state.problem, state.tolerance)
-                longest = float(state.problem.stiffness[1])
-                again.start_from_pressure(foundation_pressure(state.problem, longest))
+                start_on_foundation(again)
             except KeyboardInterrupt:
                 return state, Status.INTERRUPTED
             return again, self.relax(again)
         return state, status
+
+
+def start_on_foundation(state: Method) -> None:
+    """Begin with the pressure of a Winkler foundation as stiff as the layer's longest wave."""
+    state.start_from_pressure(foundation_pressure(state.problem, float(state.problem.stiffness[1])))

@@ -1,5 +1,6 @@
 """The tolerance that a precision can reach, known before anything is solved."""
 
+from .. import display
 from ..endings import Status
 from ..grid.problem import Problem, rounding_floor
 from ..methods import DEFAULT, Setting, relax
@@ -62,6 +63,6 @@ def reachable(scene: Scene, problem: Problem, coarse: Problem, tolerance: float 
     if tolerance is None:
         return max(_DEFAULT_FLOAT32, _OVER_FLOOR * floor)
     raise ValueError(
-        f"tolerance is {tolerance!r}; allowed: at least {floor:.1g}, which is what rounding in float32 leaves of the "
-        "residual, or precision mixed or float64"
+        f"tolerance is {tolerance!r}; allowed: at least {display.rounded_up(floor)}, which is what rounding in float32 "
+        "leaves of the residual, or precision mixed or float64"
     )

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from .. import checks
+from .. import checks, display
 from ..endings import Cause, Reason, Status
 from ..grid.certificate import certify
 from ..grid.problem import Problem
@@ -109,7 +109,7 @@ class _Task:
         if status is Status.CONVERGED and not error <= self.accuracy * value:
             status = Status.INACCURATE
             known = error / value if value else math.inf
-            above = f"above {known:.2g}, or " if known < MOST_ACCURACY else ""
+            above = f"above {display.rounded_up(known)}, or " if known < MOST_ACCURACY else ""
             heights = ", with heights given there" if self.scene.indenter.given_points else ""
             allowed = f"{above}a finer grid: num_points above {solution.scene.num_points}{heights}"
             reason = Reason(Cause.GRID, "accuracy", f"{self.accuracy:g}", allowed)

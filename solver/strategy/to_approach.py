@@ -15,6 +15,7 @@ import numpy as np
 
 from ..endings import Cause, Reason, Status
 from ..grid.observables import foundation_modulus
+from ..grid.problem import half_spectrum
 from ..scene import Scene
 from ..solution import Choice, Solution
 from .grids import grids
@@ -147,6 +148,5 @@ def check_approach(scene: Scene) -> None:
 
 def _foundation_guess(scene: Scene, approach: float) -> float:
     """The pressure of a Winkler foundation as stiff as the layer's longest wave."""
-    stiffness = float(scene.layer.stiffness(np.array([2 * math.pi]), scene.period)[0])
-    modulus = stiffness * scene.layer.contact_modulus / scene.period
+    modulus = float(half_spectrum(scene.layer, 2, scene.period)[1]) * scene.layer.contact_modulus / scene.period
     return modulus * float(np.maximum(approach - scene.profile, 0.0).mean())

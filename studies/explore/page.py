@@ -116,8 +116,8 @@ class Page:
         return row(side, wide, sizing_mode="stretch_width")
 
     @property
-    def texts(self) -> list[TextInput]:
-        """What is to be read and copied, and not to be written in."""
+    def texts(self) -> list[Any]:
+        """The boxes that are to be read and copied, and not to be written in."""
         return [self._status, self._answer, self._doubts, self._link, self._command]
 
     def complain(self, text: str) -> None:

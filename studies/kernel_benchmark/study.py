@@ -61,8 +61,8 @@ class Options(study.Options):
     workers: int = 1
     """Always 1: others would disturb the times."""
     kernel: str | None = one_of((*GROUPS, *BENCHMARKS), None)
-    """One benchmark, or one group of them; default: those of --variants, and without these all groups but the
-    transforms."""
+    """One benchmark, or one group of them; default: all groups but the transforms. With --variants only those that the
+    file has a variant of."""
     size: int | None = None
     """Number of points, like 2^18; default: from 2^10 to 2^22."""
     variants: Path | None = None
@@ -127,6 +127,11 @@ def plan(options: Options) -> Plan:
         path, content = str(options.variants.resolve()), options.variants.read_bytes()
     chosen = _chosen(options)
     sizes = {one.name: _sizes(one.group, options) for one in chosen}
+    for name, some in sizes.items():
+        for own in variants.own(name):
+            if all(size % own.multiple for size in some):
+                allowed = f"multiples of {own.multiple}, for variant {own.name} of {name}"
+                raise ValueError(f"size is {options.size}; allowed: {allowed}")
     configuration = {
         "sizes": {name: list(values) for name, values in sizes.items()},
         "repeats": repeats,
@@ -147,16 +152,17 @@ def plan(options: Options) -> Plan:
 
 
 def _chosen(options: Options) -> list[Benchmark]:
-    """The benchmarks asked for; by default those of which a file has variants, or all that take no minutes."""
+    """The benchmarks asked for, of a file of variants only those that it has one of; by default all that take no
+    minutes.
+    """
     chosen = [one for one in BENCHMARKS.values() if options.kernel in (one.name, one.group)]
     if options.variants:
         known = [name for name, own in variants.OWN.items() if own]
         chosen = [one for one in chosen or BENCHMARKS.values() if one.name in known]
         if not chosen:
-            raise ValueError(
-                f"variants: file {options.variants} has none of {options.kernel or 'these benchmarks'}; "
-                f"allowed: --kernel {' or '.join(known) or 'and a file that registers one'}"
-            )
+            of = f" of {options.kernel}; allowed: --kernel {' or '.join(known)}"
+            said = of if known else "; allowed: a file that registers one"
+            raise ValueError(f"variants: file {options.variants} registers no variant{said}")
         for one in chosen:
             check_names(one)
     chosen = chosen or [one for one in BENCHMARKS.values() if one.group not in _LEFT_OUT]

@@ -80,7 +80,7 @@ class Variant:
     wisdom: bool = False
     """Whether FFTW may use what it has learnt before, as plans by measurement do."""
     multiple: int = 1
-    """Of what the number of points must be one; it is left out on others."""
+    """The number of points must be a multiple of this; on other numbers the variant is not measured."""
 
 
 OWN: dict[str, list[Variant]] = {}
