@@ -347,6 +347,15 @@ def test_stiff_coating_on_which_the_search_does_not_settle():
     assert not any(choice.what == "precision" for choice in mixed.choices)
 
 
+def test_grids_that_were_not_solved_do_not_count_in_a_claim():
+    """Under this coating the search does not settle on the coarser grid either."""
+    coating = CoatedHalfSpace(2**-8, base_modulus=1e-4)
+    fine, coarse = (solve(Scene(coating, pressure=1e-3, num_points=n)).observables for n in (2**12, 2**10))
+    assert fine.contact_area_error < 1e-4
+    off = abs(fine.contact_area_subgrid - coarse.contact_area_subgrid)
+    assert off < 2 * (fine.contact_area_error + coarse.contact_area_error)
+
+
 def test_a_hand_over_in_vain_is_bounded(monkeypatch):
     scene = Scene(CoatedHalfSpace(20 / 2**14, base_modulus=1e-4), PowerIndenter(2), pressure=1e-4, num_points=2**10)
     monkeypatch.setattr(certification, "_MOST_WORK", 200 * 2**10)

@@ -115,7 +115,8 @@ def _iterate(prepared: Prepared) -> tuple[Reached, list[Level]]:
     """
     effort, finest, levels = prepared.effort, prepared.finest, []
     for reached in over_grids(effort.scene, prepared.sizes, prepared.begin, effort.settle):
-        if reached.num_points < effort.scene.num_points and reached.status is not Status.INTERRUPTED:
+        # how far a grid is off that was not solved says nothing of the others
+        if reached.num_points < effort.scene.num_points and reached.status in (Status.CONVERGED, Status.STAGNATED):
             levels.append(reached.level)
     if reached.num_points < effort.scene.num_points:
         if reached.pressure.any():

@@ -62,7 +62,8 @@ class Arrays:
         try:
             return self.__dict__["arrays"][name]  # type: ignore[no-any-return]
         except KeyError:
-            raise AttributeError(f"benchmark {self.benchmark.name} has no array {name!r}") from None
+            there = ", ".join(self.__dict__.get("arrays", ()))
+            raise AttributeError(f"benchmark {self.benchmark.name} has no array {name!r}; allowed: {there}") from None
 
 
 @dataclass(frozen=True)
