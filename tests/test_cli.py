@@ -49,7 +49,7 @@ def test_an_accuracy_is_bought_or_refused():
     short = run("solve", "--profile", "rough", "--cut-off-ratio", 1 / 16, "--num-points", 2048, "--accuracy", 1e-6)
     assert short.returncode == 3
     assert short.stderr.count("\n") == 1
-    assert "accuracy is 1e-06; allowed: above 0.0055, or a finer grid: num_points above 2048" in short.stderr
+    assert "accuracy is 1e-06; allowed: above 0.0058, or a finer grid: num_points above 2048" in short.stderr
     assert "chosen for an accuracy of 1e-06" in short.stdout
 
 
