@@ -65,7 +65,7 @@ def ends(
 
     # patches without ends begin with Hertz' law
     curvature = heights.slope((patches.first + patches.last) / 2)[1]
-    hertz = np.sqrt(4 / math.pi * patches.sums(inside) / np.maximum(curvature, 1e-300))
+    hertz = np.sqrt(4 / math.pi * patches.sums(inside)) / np.sqrt(np.maximum(curvature, 1e-300))  # no overflow
     start = np.where(edges.counted, np.clip(hertz, 0.05, patches.size), edges.width / 2)
     found = from_loads(patches, chosen, narrow, inside, heights, modulus, thickness, start)
     left, right = found.centre - found.half_width, found.centre + found.half_width

@@ -143,7 +143,8 @@ def _winkler(task: _Task) -> Solution | None:
     value, error = (getattr(found.observables, name) for name in (task.quantity.value, task.quantity.error))
     if not error <= task.accuracy * value:
         what = task.of.replace("-", " ")
-        task.chose("Winkler foundation", "no", f"its {what} would be off by a share of {error / value:.1g}")
+        share = error / value if value else math.inf
+        task.chose("Winkler foundation", "no", f"its {what} would be off by a share of {share:.1g}")
         return None
     task.chose("model", "Winkler foundation", "the layer's edges are narrow", task.quantity.sensitivity * found.error)
     task.chose("grid", f"{found.scene.num_points} points", "no transform is needed")
