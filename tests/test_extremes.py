@@ -268,6 +268,7 @@ def test_collocation_stays_cheap_on_long_contacts(monkeypatch):
         (1, 17940),  # the certificate of a foundation, whose contact rounding of units had taken off the wall
         (1, 175),  # areas above 1
         (1, 330),
+        (1, 8436),  # a patch where the surface has no curvature
     ],
 )
 def test_cells_that_were_defects(seed, number):
@@ -284,6 +285,11 @@ def test_a_default_tolerance_at_which_the_energy_is_unknown():
     assert str(solution.reason).startswith("tolerance is 0.16, at which the energy may be off by 0.13 of itself")
     assert solve(cell.scene, method="fire", tolerance=solution.tolerance).status is Status.CONVERGED
     assert solve(replace(cell.scene, precision="mixed")).tolerance == 1e-8
+
+
+def test_no_contact_on_a_foundation_is_off_by_all_of_it():
+    record = extremes.Task(1, 13_805, "small").run(None)
+    assert record["verdict"] == verdicts.REFUSED, record["why"]
 
 
 def test_reasons_name_what_helps():
