@@ -36,7 +36,7 @@ def row(name: str, value: Any, length: str = "length") -> Row:
 
 def rounded_up(value: float) -> str:
     """A number > 0 with two digits that are not below it, for a bound."""
-    return f"{1.06 * value:.2g}"
+    return f"{1.06 * value:.2g}"  # two digits are off by 5 % at most
 
 
 def number(value: float) -> str:

@@ -5,6 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from linecontact.solver import METHODS, Layer, RoughIndenter, Scene, Status, certify, solve
 from linecontact.solver.display import rounded_up
 from linecontact.solver.grid.problem import Problem
@@ -12,6 +14,11 @@ from linecontact.solver.methods import relax
 from linecontact.solver.methods.mass_weighted_fire import MassWeightedFire
 from linecontact.solver.strategy.precision import float32_floor
 from linecontact.solver.transforms.planned import Transforms
+
+
+@given(st.floats(1e-300, 1e300))
+def test_a_bound_of_two_digits_is_not_below_the_number(value):
+    assert value <= float(rounded_up(value)) <= 1.12 * value
 
 
 def hertz(thickness=math.inf, poisson_ratio=0.25, num_points=2**10, **changes):

@@ -152,19 +152,20 @@ class _Certification:
     def hand_over(self, fallback: Fallback, status: Status) -> tuple[Status, bool]:
         """A fallback goes on from where this method ended, with that status; the better of the two stays."""
         effort, before, residual = self.effort, self.state, self.certificate.free_residual
-        method, precision = fallback.method, fallback.precision
-        if method != effort.kind.name:
-            self.handed_over, most = True, METHODS[method].max_iterations
+        kind, precision = METHODS[fallback.method], fallback.precision
+        other = kind.name != effort.kind.name
+        if other:
+            self.handed_over, most = True, kind.max_iterations
             if status is Status.ITERATION_LIMIT:  # a hard scene
                 most = min(most, _MOST_WORK // self.problem.num_points)
             effort.allow(most)
         elif before.mixed and precision:
             self.choices.append(Choice("precision", precision, f"mixed ends at a residual of {residual:.1g}"))
-        self.state = effort.begin(self.problem, CAUTION * self.tolerance, METHODS[method], precision)
-        if method == effort.kind.name or residual < MEANINGLESS:
-            self.state.start(self.displacement)
-        else:  # that displacement may be anything
+        self.state = effort.begin(self.problem, CAUTION * self.tolerance, kind, precision)
+        if other and not residual < MEANINGLESS:  # then the displacement may be anything
             start_on_foundation(self.state)
+        else:
+            self.state.start(self.displacement)
         status = effort.relax(self.state)
         status, good = self.insist(status, self.certify())
         if not good and not self.certificate.free_residual < residual:

@@ -49,9 +49,7 @@ _OFTEN = 0.5
 TEMPLATE = """{% block preamble %}<meta http-equiv="Content-Security-Policy" content="default-src 'self' data: blob:
 'unsafe-inline' 'unsafe-eval'">{% endblock %}"""
 _COPY = "navigator.clipboard.writeText(shown.value)"
-_READ_ONLY = (
-    "for (const box of boxes) { const view = Bokeh.index.find_one?.(box); if (view) view.input_el.readOnly = true }"
-)
+_READ_ONLY = "for (const box of boxes) Bokeh.index.find_one(box).input_el.readOnly = true"
 # Texts that change often stand in inputs: a new text of any other kind has the browser lay out the whole page again.
 _SMALL = ["textarea { font: 11px monospace; word-break: break-all }"]
 _PLAIN = ".bk-input { border-color: transparent; padding: 0; min-height: 20px }"
