@@ -141,6 +141,17 @@ def test_long_plain_transforms_against_numpy(monkeypatch, n, kept):
         np.testing.assert_allclose(plain.hfft(modes, n), np.fft.hfft(exact, n), rtol=0, atol=1e-14 * scale**2)
 
 
+@pytest.mark.parametrize(("n", "count"), [(2**18, 2048), (3 * 2**17, 1000), (2**16, 1), (5**3 * 2**10, 7)])
+def test_few_modes_of_a_long_grid_go_by_short_transforms(monkeypatch, n, count):
+    random = np.random.default_rng(0)
+    modes = random.standard_normal(count) + 1j * random.standard_normal(count)
+    exact = np.fft.irfft(modes, n)  # it takes the mean mode as real, too
+    transformed = []
+    monkeypatch.setattr(plain, "_kept", lambda length: transformed.append(length))
+    np.testing.assert_allclose(plain.irfft(modes, n), exact, rtol=0, atol=1e-14 * np.abs(exact).max())
+    assert not transformed
+
+
 def test_plain_transforms_on_several_threads():
     """They share plans and buffers, which are kept."""
     values = np.random.default_rng(0).standard_normal((8, 2**14))

@@ -19,6 +19,9 @@ _KEPT_UP_TO = 2**20
 bytes for each value."""
 
 
+_FEW = 128  # values for each mode, from which a spectrum of few modes takes less time by short transforms
+_AT_ONCE = 16  # short transforms
+
 _kept = lru_cache(maxsize=10)(Pair)
 _busy = threading.Lock()  # of the buffers that are kept
 
@@ -48,6 +51,8 @@ def irfft(modes: Modes | Array64, num_points: int, overwrite: bool = False) -> A
     if num_points < _PLANNED_FROM:
         return np.fft.irfft(modes, num_points)
     held = source = modes[: num_points // 2 + 1]
+    if num_points >= _FEW * held.size and num_points % (32 * _AT_ONCE) == 0:
+        return _from_few(held, num_points)
     if num_points <= _KEPT_UP_TO:
         with _busy:
             pair = _kept(num_points)
@@ -62,6 +67,29 @@ def irfft(modes: Modes | Array64, num_points: int, overwrite: bool = False) -> A
     flags = ["FFTW_ESTIMATE", "FFTW_DESTROY_INPUT"]
     pyfftw.FFTW(source, values, direction="FFTW_BACKWARD", flags=flags).execute()
     return values
+
+
+def _from_few(modes: Modes | Array64, num_points: int) -> Array64:
+    """`irfft` of so few modes M that N/P >= 32 short transforms of P >= 2 M values give it:
+
+    x_(r + R m) = sum_k (X_k exp(2 pi i k r/N)) exp(2 pi i k m/P)/N, R = N/P.
+    """
+    count, length = modes.size, num_points
+    while length % 2 == 0 and length // 2 >= 2 * count:
+        length //= 2
+    angle = 2j * np.pi / num_points * np.arange(count)
+    turned = np.exp(np.arange(_AT_ONCE)[:, None] * angle) * (modes / num_points)
+    spectra: Modes = pyfftw.zeros_aligned((_AT_ONCE, length // 2 + 1), dtype=np.complex128)
+    short: Array64 = pyfftw.empty_aligned((_AT_ONCE, length))
+    flags = ["FFTW_ESTIMATE", "FFTW_DESTROY_INPUT"]
+    transform = pyfftw.FFTW(spectra, short, axes=(1,), direction="FFTW_BACKWARD", flags=flags).execute
+    values = np.empty((length, num_points // length))
+    for start in range(0, values.shape[1], _AT_ONCE):
+        np.multiply(turned, np.exp(start * angle), out=spectra[:, :count])
+        spectra[:, count:] = 0
+        transform()
+        values[:, start : start + _AT_ONCE] = short.T
+    return values.ravel()
 
 
 def hfft(values: Modes | Array64, num_points: int) -> Array64:

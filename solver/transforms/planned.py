@@ -14,6 +14,7 @@ But modes k and M - k then share their rounding: what is small of one because it
 
 from collections.abc import Callable
 from contextlib import suppress
+from functools import lru_cache
 
 import numpy as np
 
@@ -29,6 +30,10 @@ PLANNING = ("estimate", "measure", "patient")
 _STAGGER = 1024  # bytes: buffers that start at equal page offsets slow each other down
 _HALF_LENGTH = 2**17, 2**19
 """Values, in float64, from which and up to which half the length takes 0.5 to 0.9 of the time, if FFTW estimates."""
+
+_TABLES = 2**20 + 1, 2**22
+"""Values of a real transform whose tables are kept: making them takes about as long as the transform. They hold up to
+16 bytes for each value; those of shorter ones are kept with the plans of `plain`."""
 
 
 class Transforms:
@@ -106,6 +111,8 @@ class Transforms:
         """Plan source[:N] -> spectrum; the plan keeps `source`. Plan before filling it."""
         n = self.num_points
         if not self.half_length:
+            if _TABLES[0] <= n <= _TABLES[1] and self.real == np.float64:
+                _keep_tables(n)
             return self._plan(source[:n], self._complex(self.spectrum[: 2 * (n // 2 + 1)]), "FFTW_FORWARD")
         packed, first, again = self.spectrum[:n], self.spectrum[:2], self.spectrum[n : n + 2]
         execute = self._plan(self._complex(packed), self._complex(packed), "FFTW_FORWARD")
@@ -158,12 +165,13 @@ class Transforms:
 class Pair:
     """Forward and inverse transform of one length, in float64 and planned at once.
 
-    length: n >= 1. real: buffer of n values; modes: of their half spectrum, n//2 + 1 complex numbers.
+    length: n >= 1. real: buffer of n values; modes: of their half spectrum, n//2 + 1 complex numbers. Both hold
+    anything at first.
     """
 
     def __init__(self, length: int) -> None:
-        self.real: Array64 = pyfftw.zeros_aligned(length)
-        self.modes: Modes = pyfftw.zeros_aligned(length // 2 + 1, dtype=np.complex128)
+        self.real: Array64 = pyfftw.empty_aligned(length)
+        self.modes: Modes = pyfftw.empty_aligned(length // 2 + 1, dtype=np.complex128)
         forward = pyfftw.FFTW(self.real, self.modes, flags=["FFTW_ESTIMATE"])
         flags = ["FFTW_ESTIMATE", "FFTW_DESTROY_INPUT"]
         inverse = pyfftw.FFTW(self.modes, self.real, direction="FFTW_BACKWARD", flags=flags)
@@ -171,6 +179,14 @@ class Pair:
         """real -> modes."""
         self.inverse: Callable[[], None] = inverse.execute
         """modes -> real, times n; destroys the modes."""
+
+
+@lru_cache(maxsize=1)
+def _keep_tables(length: int) -> Pair:
+    """Plans that keep FFTW's tables of that length, which all plans that are alive share; their buffers are never
+    touched, and take no memory.
+    """
+    return Pair(length)
 
 
 def fast_length(length: int) -> int:
