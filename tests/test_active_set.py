@@ -30,7 +30,7 @@ from linecontact.solver.methods.active_set import active_set as search_for_sets
 from linecontact.solver.methods.active_set import local_inverses
 from linecontact.solver.methods.active_set import preconditioner as deflation
 from linecontact.solver.methods.active_set.active_set import ActiveSet
-from linecontact.solver.methods.active_set.greens_function import GreensFunction, inverse_cholesky, patch_sums
+from linecontact.solver.methods.active_set.greens_function import GreensFunction, Tables, inverse_cholesky, patch_sums
 from linecontact.solver.strategy import certification
 from linecontact.solver.strategy.effort import Effort, Means
 
@@ -64,7 +64,7 @@ def test_elimination_against_the_gap(d, nu):
     """With that pressure the gap is one constant on the set, and the load is p."""
     n, nodes = PATCHES.size, np.flatnonzero(PATCHES)
     height = np.random.default_rng(0).random(n)
-    pressure = GreensFunction(stiffness(n, d, nu), n).solve(nodes, height[nodes])
+    pressure = GreensFunction(Tables(stiffness(n, d, nu), n)).solve(nodes, height[nodes])
     assert pressure.sum() == pytest.approx(n)
     gap = height[nodes] + dense(n, d, nu)[np.ix_(nodes, nodes)] @ pressure
     assert np.ptp(gap) < 1e-9 * np.abs(pressure).max() * np.abs(dense(n, d, nu)).max()
@@ -76,7 +76,7 @@ def test_coarse_matrix_against_the_triple_product(d, nu):
     z = np.zeros((n, patches.count))
     z[patches.nodes, patches.label] = 1
     expected = z.T @ dense(n, d, nu) @ z
-    found = patch_sums(GreensFunction(stiffness(n, d, nu), n).second_sum(), patches.first, patches.last)
+    found = patch_sums(Tables(stiffness(n, d, nu), n).second_sum(), patches.first, patches.last)
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-13 * np.abs(expected).max())
 
 
@@ -106,7 +106,7 @@ def test_preconditioner_of_a_contact_nearly_everywhere(d, nu, monkeypatch):
     """The same where K of all nodes stands for every patch."""
     monkeypatch.setattr(local_inverses, "_FEW_PATCHES", 0)
     patches = Patches.of(~contact_map(512, (20, 3), (70, 40), (130, 1), (300, 9), (310, 8), (505, 5)))
-    green = GreensFunction(stiffness(512, d, nu), 512)
+    green = GreensFunction(Tables(stiffness(512, d, nu), 512))
     stiff = nu == 0.5 and d < 0.1  # there every patch is inverted on its own
     assert isinstance(local_inverses.local_inverse(green, patches, None), local_inverses.Together) is not stiff
     check_preconditioner(d, nu, patches, 20)
@@ -114,7 +114,7 @@ def test_preconditioner_of_a_contact_nearly_everywhere(d, nu, monkeypatch):
 
 def check_preconditioner(d, nu, patches, condition):
     m = patches.nodes.size
-    preconditioner = deflation.PatchDeflation(GreensFunction(stiffness(512, d, nu), 512), patches)
+    preconditioner = deflation.PatchDeflation(GreensFunction(Tables(stiffness(512, d, nu), 512)), patches)
     matrix = np.stack([preconditioner.apply(e) for e in np.eye(m)], axis=1)
     size = np.abs(matrix).max()
     np.testing.assert_allclose(matrix, matrix.T, atol=1e-9 * size)
@@ -127,7 +127,7 @@ def check_preconditioner(d, nu, patches, condition):
 
 
 def test_a_coarse_inverse_serves_the_next_set():
-    green = GreensFunction(stiffness(512, 0.1, 0.25), 512)
+    green = GreensFunction(Tables(stiffness(512, 0.1, 0.25), 512))
     first = deflation.PatchDeflation(green, Patches.of(PATCHES))
     moved = PATCHES.copy()
     moved[[63, 62, 61, 60, 504]] = [False, False, False, False, True]
@@ -303,8 +303,8 @@ def test_thousands_of_patches_share_unknowns():
 def test_memory_of_many_patches():
     """The coarse matrix grows with the patches, not with their square."""
     contact = np.random.default_rng(0).random(2**17) < 0.2
-    green = GreensFunction(stiffness(2**17, 0.1, 0.25), 2**17)
-    green.response  # noqa: B018
+    green = GreensFunction(Tables(stiffness(2**17, 0.1, 0.25), 2**17))
+    green.tables.response  # noqa: B018
     tracemalloc.start()
     preconditioner = deflation.PatchDeflation(green, Patches.of(contact))
     peak = tracemalloc.get_traced_memory()[1]

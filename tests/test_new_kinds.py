@@ -25,6 +25,7 @@ from linecontact.solver import (
     Status,
     solve,
 )
+from linecontact.solver.grid.kept import forget
 from linecontact.solver.layers.bonded import layer_factor
 from linecontact.studies.command_line import main
 from linecontact.studies.extremes import cells
@@ -277,6 +278,7 @@ def test_the_command_line_names_what_is_missing(monkeypatch, capsys):
     ],
 )
 def test_heights_that_are_none_are_refused(monkeypatch, heights, named):
+    forget()
     profile = CosineIndenter.profile
     monkeypatch.setattr(CosineIndenter, "profile", lambda self, n, period: heights(profile(self, n, period)))
     with pytest.raises(ValueError, match=f"profile of indenter cosine {named}"):
@@ -300,6 +302,7 @@ _SHAPE = r"allowed: real numbers of the wave numbers' shape, \(512,\)"
     ],
 )
 def test_a_stiffness_that_is_none_is_refused(monkeypatch, stiffness, named):
+    forget()
     monkeypatch.setattr(FrictionlessLayer, "stiffness", lambda self, q, period: stiffness(q))
     with pytest.raises(ValueError, match=f"stiffness of layer frictionless {named}"):
         solve(Scene(FrictionlessLayer(), num_points=1024))
@@ -323,6 +326,7 @@ def test_lengths_and_moduli_of_a_layer_that_are_none_are_refused():
 
 
 def test_a_stiffness_that_is_none_is_refused_where_an_approach_is_given(monkeypatch):
+    forget()
     monkeypatch.setattr(FrictionlessLayer, "stiffness", lambda self, q, period: 1.0)
     with pytest.raises(ValueError, match="stiffness of layer frictionless has shape"):
         solve(Scene(FrictionlessLayer(), approach=0.001, num_points=64))

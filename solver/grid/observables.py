@@ -12,6 +12,7 @@ from ..scene import Scene
 from .contact import contact_edges
 from .edges import Edges
 from .patches import Patches
+from .problem import squared_slope
 
 
 @dataclass(frozen=True)
@@ -79,14 +80,14 @@ def observe(
 
     profile: h [length].
     """
-    squared_slope = scene.indenter.slope(scene.num_points, scene.period) ** 2
+    squared = squared_slope(scene.indenter, scene.num_points, scene.period)
     area = float(contact.mean())
-    gradient = math.sqrt(float(squared_slope[contact].mean())) if area else 0.0
+    gradient = math.sqrt(float(squared[contact].mean())) if area else 0.0
     reduced = scene.reduced_load / gradient if gradient else math.inf
     kappa = area / reduced
     layer, power = scene.layer, scene.indenter.power_law
     patches, edges = contact_edges(scene, contact_pressure, profile)
-    area_subgrid, gradient_subgrid, kappa_subgrid, sensitivity = subgrid_measures(scene, patches, edges, squared_slope)
+    area_subgrid, gradient_subgrid, kappa_subgrid, sensitivity = subgrid_measures(scene, patches, edges, squared)
     area_error = edges.total_error / scene.num_points if area else 1.0
     kappa_error = sensitivity * area_error if area_error else 0.0
     return Observables(
@@ -137,29 +138,29 @@ def approach(scene: Scene, displacement: Array64) -> float:
 
 
 def subgrid_measures(
-    scene: Scene, patches: Patches, edges: Edges, squared_slope: Array64
+    scene: Scene, patches: Patches, edges: Edges, squared: Array64
 ) -> tuple[float, float, float, float]:
     """a_r, g_c and kappa between the sub-grid edges, and |d kappa/d a_r| where the edges move (dimensionless).
 
-    squared_slope: h'^2 on the grid of `patches` and `edges`, shape (N,).
+    squared: h'^2 on the grid of `patches` and `edges`, shape (N,).
     """
-    num_points, width = squared_slope.size, float(edges.width.sum())
+    num_points, width = squared.size, float(edges.width.sum())
     if width == 0:
         return 0.0, 0.0, 0.0, math.inf
     known = np.full(patches.count, np.nan) if edges.squared_slope is None else edges.squared_slope
     unknown = np.isnan(known)
-    whole = np.where(unknown, patches.sums(squared_slope[patches.nodes]), known)
+    whole = np.where(unknown, patches.sums(squared[patches.nodes]), known)
     # what the sum leaves of the integral over the nodes' cells, to the next order (Euler and Maclaurin)
     first, last = patches.first, patches.last
-    rise = squared_slope[(last + 1) % num_points] - squared_slope[last % num_points]
-    rise -= squared_slope[first % num_points] - squared_slope[(first - 1) % num_points]
+    rise = squared[(last + 1) % num_points] - squared[last % num_points]
+    rise -= squared[first % num_points] - squared[(first - 1) % num_points]
     whole += np.where(unknown & ~edges.counted, rise / 24, 0.0)
     # the strips between the last nodes' cells and the edges, at the slope in their middle
     strips = np.stack([first - 0.5 - edges.left, edges.right - last - 0.5])
     middles = np.stack([(first - 0.5 + edges.left) / 2, (last + 0.5 + edges.right) / 2])
     node = np.floor(middles).astype(np.int64)
     part = middles - node
-    at = (1 - part) * squared_slope[node % num_points] + part * squared_slope[(node + 1) % num_points]
+    at = (1 - part) * squared[node % num_points] + part * squared[(node + 1) % num_points]
     mean_square = float((whole + np.where(unknown, (strips * at).sum(axis=0), 0.0)).sum()) / width
     if not mean_square > 0:
         return width / num_points, 0.0, 0.0, math.inf

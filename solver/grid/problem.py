@@ -15,29 +15,43 @@ mean one; u <= 0 where h = 0, and u = h >= 0 somewhere: so |u| <= 2 sum_k 1/K(q_
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from ..arrays import Array64
+from ..indenters import Indenter
 from ..layers import ElasticLayer
 from ..scene import Scene
 from ..transforms.plain import irfft, rfft
+from .kept import kept
 
 _FAR = 1e6  # times the reach
 
 
-def _profile(scene: Scene, num_points: int) -> Array64:
-    """The indenter's heights on a grid, shape (num_points,) [L]. Raises `ValueError` for anything else."""
-    heights = np.asarray(scene.indenter.profile(num_points, scene.period))
-    what = f"profile of indenter {scene.indenter.name}"
+@kept
+def _profile(indenter: Indenter, num_points: int, period: float) -> Array64:
+    """The indenter's heights on a grid, shape (num_points,) [L], read-only. Raises `ValueError` for anything else."""
+    heights = np.array(indenter.profile(num_points, period))
+    what = f"profile of indenter {indenter.name}"
     allowed = f"allowed: {num_points} finite heights, the lowest 0, in units of the period"
     if heights.shape != (num_points,) or heights.dtype.kind != "f":
         raise ValueError(f"{what} is of type {heights.dtype} and shape {heights.shape}; {allowed}")
     lowest, highest = float(heights.min()), float(heights.max())
     if not abs(lowest) <= 1e-9 * highest < math.inf:
         raise ValueError(f"{what} is from {lowest:.3g} to {highest:.3g}; {allowed}")
+    heights.flags.writeable = False
     return heights
+
+
+@kept
+def squared_slope(indenter: Indenter, num_points: int, period: float) -> Array64:
+    """h'^2 on a grid, shape (num_points,), read-only (dimensionless)."""
+    slope = indenter.slope(num_points, period)
+    squared: Array64 = slope * slope
+    squared.flags.writeable = False
+    return squared
 
 
 def half_spectrum(layer: ElasticLayer, num_points: int, period: float) -> Array64:
@@ -58,9 +72,31 @@ def half_spectrum(layer: ElasticLayer, num_points: int, period: float) -> Array6
     return stiffness
 
 
+@dataclass(frozen=True, eq=False)
+class Stiffness:
+    """K(q_k) of a layer on a grid, and what methods make from it for every problem with it."""
+
+    values: Array64
+    """Shape (N//2 + 1,) [`unit`], read-only; 0 for the mean mode."""
+    unit: float
+    """A power of two over E*/L (dimensionless); the largest value is from 1 to below 2."""
+    made: dict[str, Any] = field(default_factory=dict)
+    """What follows from the values, by name; it is never changed once it is there."""
+
+
+@kept
+def _stiffness(layer: ElasticLayer, num_points: int, period: float) -> Stiffness:
+    """Raises `ValueError` like `half_spectrum`."""
+    values = half_spectrum(layer, num_points, period)
+    unit = 2.0 ** math.floor(math.log2(values.max()))
+    values /= unit
+    values.flags.writeable = False
+    return Stiffness(values, unit)
+
+
 def full_contact_pressure(scene: Scene) -> float:
     """The smallest mean pressure under which all nodes of a scene's grid touch, p = max(K h) [pressure]."""
-    profile = _profile(scene, scene.num_points)
+    profile = _profile(scene.indenter, scene.num_points, scene.period)
     held = irfft(half_spectrum(scene.layer, profile.size, scene.period) * rfft(profile), profile.size)
     return float(held.max()) * scene.layer.contact_modulus
 
@@ -71,12 +107,10 @@ class Problem:
 
     profile: Array64
     """Heights above the lowest point, shape (N,) [period]."""
-    stiffness: Array64
-    """K(q_k), shape (N//2 + 1,) [`stiffness_unit`]."""
+    rigidity: Stiffness
+    """K of the layer on this grid."""
     height: Array64
     """h(x_i), shape (N,) [`length_unit`]."""
-    stiffness_unit: float
-    """The unit [K] over E*/L (dimensionless)."""
     length_unit: float
     """The unit [u] of heights and displacements [length]."""
 
@@ -84,20 +118,27 @@ class Problem:
     def from_scene(cls, scene: Scene, num_points: int | None = None) -> "Problem":
         """Discretise a scene on its own grid, or on another one of `num_points`."""
         n = num_points or scene.num_points
-        k = half_spectrum(scene.layer, n, scene.period)
-        stiffness_unit = 2.0 ** math.floor(math.log2(k.max()))
-        k /= stiffness_unit
-        unit = scene.reduced_load / stiffness_unit
-        profile = _profile(scene, n)
+        rigidity = _stiffness(scene.layer, n, scene.period)
+        unit = scene.reduced_load / rigidity.unit
+        profile = _profile(scene.indenter, n, scene.period)
         with np.errstate(over="ignore"):
             height = profile / unit
         return cls(
             profile=profile,
-            stiffness=k,
-            height=np.minimum(height, _FAR * _reach(k, n), out=height),
-            stiffness_unit=stiffness_unit,
+            rigidity=rigidity,
+            height=np.minimum(height, _FAR * _reach(rigidity.values, n), out=height),
             length_unit=unit * scene.period,
         )
+
+    @property
+    def stiffness(self) -> Array64:
+        """K(q_k), shape (N//2 + 1,) [`stiffness_unit`]."""
+        return self.rigidity.values
+
+    @property
+    def stiffness_unit(self) -> float:
+        """The unit [K] over E*/L (dimensionless)."""
+        return self.rigidity.unit
 
     @property
     def num_points(self) -> int:

@@ -13,6 +13,7 @@ from ..grid.contact import contact_edges
 from ..grid.edges import Edges
 from ..grid.observables import approach, peak_sampling, subgrid_measures
 from ..grid.patches import Patches
+from ..grid.problem import squared_slope
 from ..methods import Method
 from ..scene import Scene
 from ..solution import Level
@@ -69,8 +70,8 @@ class Reached:
     def level(self) -> Level:
         """What this grid gives."""
         scene, state, edges = self.scene, self.state, self.contact[1]
-        squared_slope = scene.indenter.slope(self.num_points, scene.period) ** 2
-        area, _, kappa, sensitivity = subgrid_measures(scene, *self.contact, squared_slope)
+        squared = squared_slope(scene.indenter, self.num_points, scene.period)
+        area, _, kappa, sensitivity = subgrid_measures(scene, *self.contact, squared)
         error = edges.total_error / self.num_points
         return Level(
             num_points=self.num_points,

@@ -16,7 +16,7 @@ from ..arrays import Array64, Indices, Mask
 from ..grid.edges import Edges
 from ..grid.observables import Observables, observe, subgrid_measures
 from ..grid.patches import Patches
-from ..grid.problem import Problem, foundation_level
+from ..grid.problem import Problem, Stiffness, foundation_level, squared_slope
 from ..layers import ElasticLayer
 from ..reference import collocation
 from ..reference.closed_forms import foundation_half_width, kappa_from_area, kappa_half_space
@@ -181,8 +181,8 @@ def _measured(
     scene: Scene, observables: Observables, height: Array64, depth: Array64, modulus: float
 ) -> tuple[Observables, float]:
     """Area and kappa between the places where the depth is 0; the area's relative change on half of the points."""
-    patches, slope = Patches.of(depth > 0), scene.indenter.slope(scene.num_points, scene.period)
-    area, gradient, kappa, _ = subgrid_measures(scene, patches, _crossings(patches, depth), slope**2)
+    patches, squared = Patches.of(depth > 0), squared_slope(scene.indenter, scene.num_points, scene.period)
+    area, gradient, kappa, _ = subgrid_measures(scene, patches, _crossings(patches, depth), squared)
     change = 0.0
     for half in (height[::2], height[1::2]):
         below = foundation_level(half, modulus) - half
@@ -203,7 +203,8 @@ def _foundation(scene: Scene) -> Problem:
     """The discrete problem with K = k_W."""
     problem = Problem.from_scene(scene)
     modulus = scene.layer.foundation_modulus(scene.period) / problem.stiffness_unit
-    return replace(problem, stiffness=np.append(0.0, np.full(problem.stiffness.size - 1, modulus)))
+    values = np.append(0.0, np.full(problem.stiffness.size - 1, modulus))
+    return replace(problem, rigidity=Stiffness(values, problem.stiffness_unit))
 
 
 def _crossings(patches: Patches, depth: Array64) -> Edges:

@@ -17,6 +17,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 from linecontact.solver import RoughIndenter, Scene, Status, provenance, solve
+from linecontact.solver.grid.kept import forget
 from linecontact.solver.methods import Progress
 from numpy.typing import NDArray
 
@@ -84,6 +85,7 @@ class Task:
 def _line(num_points: int, report: Progress | None) -> Record:
     """A rough line, as rough as the areas."""
     indenter = RoughIndenter(_HURST, 0, 1 / _LONGEST, _LONGEST * _SHORTEST / num_points)
+    forget()
     begin = time.perf_counter()
     solution = solve(Scene(indenter=indenter, pressure=PRESSURE, num_points=num_points), progress=report)
     seconds = time.perf_counter() - begin

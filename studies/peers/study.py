@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, ClassVar, TypeVar
 import numpy as np
 from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, Solution, Status, provenance
 from linecontact.solver import solve as solve_ours
+from linecontact.solver.grid.kept import forget
 from linecontact.solver.methods import Progress
 from linecontact.solver.reference import collocation
 from numpy.typing import NDArray
@@ -145,6 +146,7 @@ class Task:
         tolerance: float | None = None  # the default
 
         def again() -> Solution:
+            forget()
             solution = solve_ours(scene, tolerance=tolerance, progress=report)
             if solution.status is Status.INTERRUPTED:
                 raise KeyboardInterrupt

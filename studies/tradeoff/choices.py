@@ -7,6 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 from linecontact.solver import Solution, Status, solve
+from linecontact.solver.grid.kept import forget
 from linecontact.solver.methods import Progress
 
 from ..iterations.study import pair_seconds
@@ -50,6 +51,7 @@ class Choice:
             exact = families.exact(self.family, variant, self.reference)
             scene = families.make_scene(self.family, self.log2_points, self.precision, variant)
             method, nested, tolerance, threads = self.method, self.nested, self.tolerance, self.threads
+            forget()
             return of_solution(
                 solve(scene, method=method, nested=nested, tolerance=tolerance, threads=threads, progress=report),
                 exact,
@@ -93,6 +95,7 @@ class Accuracy:
         def run(variant: int) -> Found:
             exact = families.exact(self.family, variant, self.reference)
             scene = families.make_scene(self.family, self.log2_points, variant=variant)
+            forget()
             found = of_solution(solve(scene, accuracy=self.accuracy, progress=report), exact)
             if found.record["method"] == "collocation":
                 found.errors["area_counted"] = math.nan  # nothing is counted
@@ -220,6 +223,7 @@ class Precisions:
         """Solve in one of the precisions, or on the coarser grids alone."""
         coarser, limited = name == "coarser", self.tolerance is None
         size, precision = self.log2_points - 2 * coarser, "float64" if coarser else name
+        forget()
         solution = solve(
             families.make_scene(self.family, size, precision),
             method=self.method,

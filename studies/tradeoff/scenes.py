@@ -7,6 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, Solution, Status, solve
+from linecontact.solver.grid.kept import forget
 from linecontact.solver.methods import Progress
 from linecontact.solver.reference import closed_forms, collocation
 from linecontact.solver.strategy import plan
@@ -63,6 +64,7 @@ class RandomScene:
             "seconds.decide": decided,
         }
         own |= {f"scene.{name}": value for name, value in scene.to_dict().items()}
+        forget()
         try:
             solution = solve(scene, accuracy=accuracy, progress=report)
         except ValueError as error:

@@ -14,7 +14,7 @@ from ...transforms.planned import Transforms
 from ..method import Fallback, MethodKind, Setting
 from .active_set import ActiveSet
 from .compliance import Compliance
-from .greens_function import GreensFunction
+from .greens_function import GreensFunction, Tables
 from .nearby import make_split
 from .response import Response
 from .storage import Whole, choose
@@ -25,18 +25,20 @@ __all__ = ["KIND", "ActiveSet", "begin"]
 def begin(problem: Problem, setting: Setting, storage: Whole | None = None) -> ActiveSet:
     """The active set on a grid; storage: of its fields, by default what suits the scene."""
     storage = storage or choose(problem, setting.tolerance)
-    green = GreensFunction(problem.stiffness, problem.num_points)
+    made = problem.rigidity.made
+    tables: Tables = made.setdefault("active set", Tables(problem.stiffness, problem.num_points))
 
     def compliance(precision: str) -> Compliance:
         # of half the length they take less time, but what rounding leaves of the gap's shortest waves is twice as large
         transforms = Transforms(storage.length, precision, setting.threads, setting.planning, half_length=False)
-        return Compliance(green.compliance, storage, transforms, setting.backend)
+        return Compliance(tables.compliance, storage, transforms, setting.backend)
 
     directions = compliance(setting.working_precision)
     responses = compliance("float64") if setting.precision == "mixed" else directions
-    split = make_split(green.compliance, problem.num_points)
-    response = Response(problem, storage, split, directions, responses, setting.backend)
-    few = setting.wrong_nodes_per_patch
+    if "split" not in made:
+        made["split"] = make_split(tables.compliance, problem.num_points)
+    response = Response(problem, storage, made["split"], directions, responses, setting.backend)
+    few, green = setting.wrong_nodes_per_patch, GreensFunction(tables)
     return ActiveSet(problem, setting.tolerance, green, storage, response, few, setting.reduction)
 
 

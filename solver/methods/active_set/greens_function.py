@@ -35,14 +35,14 @@ def inverse_cholesky(column: Array64, order: int) -> Array64:
 _KEPT = 2**20  # points of the largest grid whose second sum is kept: it takes 8 bytes a point
 
 
-class GreensFunction:
-    """Real-space G and K of one grid of N points. stiffness: K(q_k), shape (N//2 + 1,) [K]."""
+class Tables:
+    """G of one grid of N points, the same for every solve there. stiffness: K(q_k), shape (N//2 + 1,) [K]."""
 
     def __init__(self, stiffness: Array64, num_points: int) -> None:
         self._stiffness, self.num_points = stiffness, num_points
         self._factor = np.zeros((0, 0))
         self._second_sum: Array64 | None = None
-        self._convolutions: dict[int, Convolution] = {}
+        self._symbols: dict[int, tuple[Array64, Array64]] = {}
 
     @cached_property
     def compliance(self) -> Array64:
@@ -65,13 +65,41 @@ class GreensFunction:
             self._second_sum = first
         return first
 
+    def factor(self, order: int) -> Array64:
+        """`inverse_cholesky` of G [1/K], shape (m, m) with m >= order; kept for the next call."""
+        if self._factor.shape[0] < order:
+            self._factor = inverse_cholesky(self.response, min(64 * -(-order // 64), self.num_points - 1))
+        return self._factor
+
+    def symbols(self, length: int) -> tuple[Array64, Array64]:
+        """K and G on a ring of that many nodes, shape (length//2 + 1,) each; their own for N."""
+        if length not in self._symbols:
+            if length == self.num_points:
+                return self._stiffness, self.compliance
+            modes = np.arange(length // 2 + 1)
+            # K at the ring's wave numbers: its tails decay, and a preconditioner may be off; G as it is
+            at = modes * (self.num_points / length)
+            below = np.minimum(at.astype(np.int64), self._stiffness.size - 2)
+            rise = self._stiffness[below + 1] - self._stiffness[below]
+            rigidity = self._stiffness[below] + (at - below) * rise
+            self._symbols[length] = rigidity, hfft(self.response[modes], length)[: modes.size]
+        return self._symbols[length]
+
+
+class GreensFunction:
+    """Real-space G and K of one grid of N points, with the short transforms of one solve."""
+
+    def __init__(self, tables: Tables) -> None:
+        self.tables, self.num_points = tables, tables.num_points
+        self._convolutions: dict[int, Convolution] = {}
+
     def solve(self, nodes: Indices, height: Array64) -> Array64:
         """The pressure on some nodes, not all, whose gap h + G sigma is one constant, with a mean over N of 1.
 
         nodes: shape (M,); height: h there [u]. Returns shape (M,) [p]. Raises `numpy.linalg.LinAlgError` or
         `ZeroDivisionError` where rounding has made it singular.
         """
-        matrix = np.take(self.response, nodes[:, None] - nodes, mode="wrap")
+        matrix = np.take(self.tables.response, nodes[:, None] - nodes, mode="wrap")
         punch, shape = np.linalg.solve(matrix, np.stack([np.ones(nodes.size), height], axis=1)).T
         level = (self.num_points + float(shape.sum())) / float(punch.sum())
         return np.asarray(level * punch - shape)
@@ -81,26 +109,10 @@ class GreensFunction:
         """Points gone through short transforms so far."""
         return sum(c.count * c.length for c in self._convolutions.values())
 
-    def factor(self, order: int) -> Array64:
-        """`inverse_cholesky` of G [1/K], shape (m, m) with m >= order; kept for the next call."""
-        if self._factor.shape[0] < order:
-            self._factor = inverse_cholesky(self.response, min(64 * -(-order // 64), self.num_points - 1))
-        return self._factor
-
     def convolution(self, length: int) -> "Convolution":
         """K and G on a ring of that many nodes; unrestricted for N."""
         if length not in self._convolutions:
-            if length == self.num_points:
-                rigidity, compliance = self._stiffness, self.compliance
-            else:
-                modes = np.arange(length // 2 + 1)
-                # K at the ring's wave numbers: its tails decay, and a preconditioner may be off; G as it is
-                at = modes * (self.num_points / length)
-                below = np.minimum(at.astype(np.int64), self._stiffness.size - 2)
-                rise = self._stiffness[below + 1] - self._stiffness[below]
-                rigidity = self._stiffness[below] + (at - below) * rise
-                compliance = hfft(self.response[modes], length)[: modes.size]
-            self._convolutions[length] = Convolution(rigidity, compliance, length)
+            self._convolutions[length] = Convolution(*self.tables.symbols(length), length)
         return self._convolutions[length]
 
 

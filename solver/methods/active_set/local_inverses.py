@@ -68,7 +68,7 @@ class PatchByPatch:
             mask = np.arange(width) < size[chosen, None]
             # outside of a patch: the slot behind the last contact node
             index = np.where(mask, offset[chosen, None] + np.arange(width), self._patches.nodes.size)
-            yield self._green.factor(width)[:width, :width], index, mask
+            yield self._green.tables.factor(width)[:width, :width], index, mask
 
     def __call__(self, residual: Array64) -> Array64:
         """About G_bb^-1 residual on every patch b, in compact order."""
@@ -97,12 +97,12 @@ class Together:
 
         The half-space's shape, with the load of a uniform pressure for that displacement on the average.
         """
-        patches, second_sum = self._patches, self._green.second_sum()
+        patches, second_sum = self._patches, self._green.tables.second_sum()
         size = patches.size
         at = (2 * (np.arange(patches.nodes.size) - np.repeat(patches.offset, size)) + 1) / np.repeat(size, size) - 1
         shape = 1 / np.sqrt(1 - at**2)
         within = 2 * (second_sum[size - 1] - second_sum[-1])  # the sum of G over a patch and itself
-        within = np.maximum(within, size * self._green.compliance[1:].min())  # rounding may have eaten it
+        within = np.maximum(within, size * self._green.tables.compliance[1:].min())  # rounding may have eaten it
         return np.asarray(shape * np.repeat(size**2 / within / patches.sums(shape), size))
 
     def __call__(self, residual: Array64) -> Array64:
@@ -118,6 +118,6 @@ LocalInverse = PatchByPatch | Together
 def local_inverse(green: GreensFunction, patches: Patches, previous: LocalInverse | None) -> LocalInverse:
     """The one that suits these patches. previous: of a similar set; its long patches serve again."""
     many = patches.count > _FEW_PATCHES and patches.nodes.size > _MOST * patches.num_points
-    if patches.full or (many and green.compliance[1] >= _SOFT * green.compliance.max()):
+    if patches.full or (many and green.tables.compliance[1] >= _SOFT * green.tables.compliance.max()):
         return Together(green, patches)
     return PatchByPatch(green, patches, previous.long_patches if previous else {})

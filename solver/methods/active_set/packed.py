@@ -74,11 +74,6 @@ class Split:
         self.window = _window(np.arange(block)[:, None] / block - self.columns)
         """Share of each of them by the node in the block, shape (block, columns)."""
 
-    @cached_property
-    def coarse(self) -> Pair:
-        """Transforms with one point for each block."""
-        return Pair(self.num_blocks)
-
 
 def _stride(num_points: int) -> int:
     """The largest divisor of N that leaves enough nodes for the ring."""
@@ -147,12 +142,17 @@ class Packed:
         return Pair(self.length)
 
     @cached_property
+    def _coarse(self) -> Pair:
+        """Transforms with one point for each block."""
+        return Pair(self.split.num_blocks)
+
+    @cached_property
     def _spread_to(self) -> Indices:
         return np.asarray((self.blocks[:, None] + self.split.columns) % self.split.num_blocks)
 
     def __call__(self, values: Array64) -> Array64:
         """G values, up to a constant; both on the nodes of the blocks, shape (B, block)."""
-        split, pair, coarse = self.split, self._pair, self.split.coarse
+        split, pair, coarse = self.split, self._pair, self._coarse
         packed = pair.real.reshape(-1, split.block)
         packed[:] = 0
         packed[self._position] = values

@@ -1,0 +1,39 @@
+"""What follows from a layer or an indenter on a grid is kept for the next solve: a curve, an ensemble or a moved slider
+solves many scenes with the same layer on the same grids.
+"""
+
+from collections.abc import Callable
+from functools import lru_cache, wraps
+from typing import TypeVar
+
+Part, Made = TypeVar("Part"), TypeVar("Made")
+
+_GRIDS = 7  # whose results are kept, which is those of one scene on nested grids
+_MOST_POINTS = 2**20  # of a grid whose results are kept: they take up to 50 bytes a point
+_known: list[Callable[[], None]] = []  # forget what each function has kept
+
+
+def kept(make: Callable[[Part, int, float], Made]) -> Callable[[Part, int, float], Made]:
+    """A function of a layer or an indenter, the grid's points and the period, whose latest results are kept.
+
+    What it makes is used again and must not be changed: arrays should be made read-only. Layers and indenters that
+    cannot be hashed, and grids of more than 2^20 points, are computed anew every time.
+    """
+    known = lru_cache(maxsize=_GRIDS)(make)
+    _known.append(known.cache_clear)
+
+    @wraps(make)
+    def call(part: Part, num_points: int, period: float) -> Made:
+        try:
+            hash(part)
+        except TypeError:
+            return make(part, num_points, period)
+        return (known if num_points <= _MOST_POINTS else make)(part, num_points, period)
+
+    return call
+
+
+def forget() -> None:
+    """Forget all that is kept, so that the next solve does everything itself: for measurements, and for tests."""
+    for clear in _known:
+        clear()

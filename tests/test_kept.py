@@ -1,0 +1,88 @@
+"""What is kept of layers and indenters for the next solve: the same answers, nothing that may be changed, few grids."""
+
+import concurrent.futures
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from linecontact.solver import CoatedHalfSpace, Layer, PowerIndenter, RoughIndenter, Scene, Status, solve
+from linecontact.solver.grid import kept as kept_module
+from linecontact.solver.grid.kept import forget, kept
+from linecontact.solver.grid.problem import Problem
+
+ROUGH = RoughIndenter(0.8, 0, cut_off_ratio=1 / 32)
+SCENES = [
+    Scene(Layer(0.1, 0.3), ROUGH, pressure=0.01, num_points=2**16),
+    Scene(Layer(), PowerIndenter(2.0, 1.0), pressure=2e-3, num_points=2**12),
+    Scene(CoatedHalfSpace(0.01, 0.1), ROUGH, pressure=0.03, num_points=2**13),
+]
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_a_second_solve_gives_the_same_numbers(scene):
+    forget()
+    first, second = solve(scene), solve(scene)
+    forget()
+    third = solve(scene)
+    for other in (second, third):
+        np.testing.assert_array_equal(first.displacement, other.displacement)
+        np.testing.assert_array_equal(first.contact_pressure, other.contact_pressure)
+        assert first.observables == other.observables
+
+
+def test_another_load_uses_what_is_kept_and_another_layer_does_not():
+    problem = Problem.from_scene(SCENES[0])
+    loaded = Problem.from_scene(replace(SCENES[0], pressure=0.1))
+    assert loaded.rigidity is problem.rigidity
+    assert loaded.profile is problem.profile
+    other = Problem.from_scene(replace(SCENES[0], layer=Layer(0.1, 0.31), indenter=replace(ROUGH, seed=1)))
+    assert other.rigidity is not problem.rigidity
+    assert other.profile is not problem.profile
+    longer = Problem.from_scene(replace(SCENES[0], period=2.0))
+    assert longer.rigidity is not problem.rigidity
+
+
+def test_nothing_that_is_kept_can_be_changed():
+    problem = Problem.from_scene(SCENES[0])
+    for array in (problem.profile, problem.stiffness):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1
+
+
+def test_solves_on_several_threads_share_what_is_kept():
+    forget()
+    scenes = [replace(SCENES[0], pressure=p) for p in np.geomspace(0.003, 0.1, 8)]
+    with concurrent.futures.ThreadPoolExecutor(4) as pool:
+        together = list(pool.map(solve, scenes))
+    for scene, found in zip(scenes, together, strict=True):
+        alone = solve(scene)
+        assert found.status is Status.CONVERGED
+        np.testing.assert_array_equal(found.contact, alone.contact)
+        np.testing.assert_array_equal(found.contact_pressure, alone.contact_pressure)
+
+
+@dataclass
+class NoHash:
+    """A part that cannot be hashed."""
+
+    name: str = "nothing"
+
+
+def test_what_cannot_be_hashed_or_is_large_is_made_anew_and_few_grids_are_kept(monkeypatch):
+    made = []
+
+    @kept
+    def make(part, num_points, period):
+        made.append(num_points)
+        return num_points
+
+    for _ in range(2):
+        assert make(NoHash(), 8, 1.0) == 8
+        assert make(Layer(), kept_module._MOST_POINTS + 1, 1.0) == kept_module._MOST_POINTS + 1
+    assert len(made) == 4
+    for n in range(20):
+        make(Layer(), n, 1.0)
+    made.clear()
+    make(Layer(), 19, 1.0)
+    make(Layer(), 0, 1.0)
+    assert made == [0]
