@@ -76,8 +76,14 @@ def test_beyond_full_contact_the_foundation_yields():
 @pytest.mark.parametrize("layer", [Layer(), Layer(0.1, 0.5), CoatedHalfSpace(0.1, 2.0)])
 def test_no_pressure_brings_a_half_space_beyond_full_contact(layer):
     mean = float(Scene(layer, ROUGH, num_points=2**10).profile.mean())
-    with pytest.raises(ValueError, match=r"approach is .*; allowed: below .*, the mean height of the indenter"):
+    with pytest.raises(ValueError, match=r"approach is .*; allowed: up to .*, the mean height of the indenter"):
         solve(Scene(layer, ROUGH, num_points=2**10, approach=1.01 * mean))
+    full = solve(Scene(layer, ROUGH, num_points=2**10, approach=mean))
+    assert full.status is Status.CONVERGED
+    assert full.contact.all()
+    assert full.observables.approach == pytest.approx(mean, rel=1e-12)
+    less = solve(Scene(layer, ROUGH, num_points=2**10, pressure=0.999 * full.scene.pressure))
+    assert not less.contact.all()
     near = solve(Scene(layer, ROUGH, num_points=2**10, approach=0.999 * mean))
     assert near.status is Status.CONVERGED
     assert near.observables.contact_area > 0.9
@@ -190,7 +196,7 @@ def test_the_command_takes_an_approach(capsys):
     assert "pressure" in shown
     assert "for the approach of" in shown.replace("\n", " ")
     assert main.main(["solve", "--approach", "1", "--num-points", "2^10"]) == 2
-    assert capsys.readouterr().err.startswith("linecontact: approach is 1; allowed: below 0.0416667")
+    assert capsys.readouterr().err.startswith("linecontact: approach is 1; allowed: up to 0.0416667")
 
 
 @pytest.mark.parametrize("indenter", [PowerIndenter(), PowerIndenter(1.5), ROUGH])

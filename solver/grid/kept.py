@@ -4,16 +4,16 @@ solves many scenes with the same layer on the same grids.
 
 from collections.abc import Callable
 from functools import lru_cache, wraps
-from typing import TypeVar
+from typing import Any, TypeVar
 
-Part, Made = TypeVar("Part"), TypeVar("Made")
+Made = TypeVar("Made")
 
 _GRIDS = 7  # whose results are kept, which is those of one scene on nested grids
 _MOST_POINTS = 2**20  # of a grid whose results are kept: they take up to 50 bytes a point
 _known: list[Callable[[], None]] = []  # forget what each function has kept
 
 
-def kept(make: Callable[[Part, int, float], Made]) -> Callable[[Part, int, float], Made]:
+def kept(make: Callable[[Any, int, float], Made]) -> Callable[[Any, int, float], Made]:
     """A function of a layer or an indenter, the grid's points and the period, whose latest results are kept.
 
     What it makes is used again and must not be changed: arrays should be made read-only. Layers and indenters that
@@ -23,7 +23,7 @@ def kept(make: Callable[[Part, int, float], Made]) -> Callable[[Part, int, float
     _known.append(known.cache_clear)
 
     @wraps(make)
-    def call(part: Part, num_points: int, period: float) -> Made:
+    def call(part: Any, num_points: int, period: float) -> Made:
         try:
             hash(part)
         except TypeError:

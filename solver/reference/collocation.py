@@ -50,6 +50,7 @@ _MOST_STEPS = 40  # of the search for a load; ten are many where the edge layers
 _MOST_VALUES = 6e7  # in one matrix: half a GiB
 STEEPEST = 1e100
 """Slopes of profiles are cut off here, before they overflow (dimensionless)."""
+_TENSION = 1e-6  # over the peak pressure; where more pulls the contact is not one patch
 _MODES = 22.0  # exp(-2 * 22) < 1e-19: largest q d of the layer's sum
 
 
@@ -224,7 +225,8 @@ def solve_layer(
 ) -> Asperity:
     """As `solve_load` for any layer whose K(q) approaches E* q/2 like exp(-2 q d), with E* = 1, lengths in units of L.
 
-    guess: half-width to begin the search with, by default that on a half-space. Raises `ValueError`.
+    guess: half-width to begin the search with, by default that on a half-space. Raises `ValueError`, also where the
+    contact would have to pull, because it splits, as it may on a coating much stiffer than its base.
     """
     _check(load, exponent, radius, num_nodes)
     guess = lone_half_width(load, exponent, radius, 1.0) if guess is None else guess
@@ -232,7 +234,12 @@ def solve_layer(
     def system(a: float) -> _System:
         return _System.solve(a, exponent, radius, layer, num_nodes, resolution)
 
-    return _match(system, load, exponent, min(guess, 0.4)).asperity()
+    found = _match(system, load, exponent, min(guess, 0.4)).asperity()
+    lowest = float(found.pressure.min())
+    if lowest < -_TENSION * found.peak_pressure:
+        tension = f"{-lowest / found.peak_pressure:.2g} of the peak pressure pulls"
+        raise ValueError(f"load is {load!r}; allowed: one under which the contact does not split: {tension}")
+    return found
 
 
 def solve_to_accuracy(

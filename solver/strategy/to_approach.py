@@ -15,7 +15,7 @@ import numpy as np
 
 from ..endings import Cause, Reason, Status
 from ..grid.observables import foundation_modulus
-from ..grid.problem import half_spectrum
+from ..grid.problem import full_contact_pressure, half_spectrum
 from ..scene import Scene
 from ..solution import Choice, Solution
 from .grids import grids
@@ -25,8 +25,9 @@ _COARSEST = 2**10  # points
 _EXACT, _GUESS = 1e-10, 1e-3  # relative error of the approach at which to stop, on the scene's grid and on coarse ones
 _SHARE = 0.01  # of the tolerance of the solves, where that is more
 _GOOD, _LOOSE = 1e-8, 1e-3  # relative error at which an approach is met; the tolerance of the solves between the two
-_FULL = 1e-9  # relative distance from the approach of full contact, within which the pressure is not known
+_FULL = 1e-9  # relative distance from the approach of full contact, within which that is the answer
 _MOST_SOLVES, _PATIENCE = 40, 4  # on a grid; and without a half of the error before
+_MOST_FAILED = 2  # of them that do not converge, which still tell whether the pressure is too low or too high
 _LONGEST_STEP = 30.0  # factor of the pressure
 
 
@@ -40,6 +41,8 @@ class _Newton:
     """A pressure whose approach is too small [pressure]."""
     high: float = math.inf
     """A pressure whose approach is too large [pressure]."""
+    steepness: float = 1.0
+    """d ln p/d ln(approach) at the last pressure, at least 1 (dimensionless)."""
 
     def next(self, pressure: float, found: float, compliance: float) -> float:
         """The next pressure, from one, its approach [length] and d(approach)/dp."""
@@ -50,6 +53,7 @@ class _Newton:
         step = math.copysign(math.log(_LONGEST_STEP), self.approach - found)
         slope = pressure * compliance / found if found > 0 else math.nan
         if slope > 0:  # not so where rounding has eaten it, or at full contact
+            self.steepness = max(1.0, 1 / slope)
             step = math.copysign(min(abs(math.log(self.approach / found) / slope), abs(step)), step)
         better = pressure * math.exp(step)
         if self.low < better < self.high:
@@ -73,6 +77,8 @@ def solve_to_approach(scene: Scene, solve: Callable[[Scene], Solution]) -> Solut
         return solution
 
     check_approach(scene)
+    if approach >= _full_approach(scene) * (1 - _FULL):
+        return _full_contact(scene, solve)
     guess = _foundation_guess(scene, approach)
     for size in grids(scene.num_points)[:-1]:
         if size >= _COARSEST:
@@ -105,22 +111,29 @@ def _found(scene: Scene, solve: Callable[[Scene], Solution], pressure: float, ex
     """
     approach = scene.approach
     assert approach is not None
-    newton, best, least, halved = _Newton(approach), None, math.inf, 0
+    newton, least, halved, failed = _Newton(approach), math.inf, 0, 0
+    best: Solution | None = None
     for solves in range(1, _MOST_SOLVES + 1):
         solution = solve(replace(scene, approach=None, pressure=pressure))
         found = solution.observables.approach
         off = abs(found / approach - 1)
-        if off < least / 2:
-            halved = solves
-        if best is None or off < least:
-            best, least = solution, off
-        if solution.status is not Status.CONVERGED:
+        if solution.status is Status.INTERRUPTED:
             return solution, solves
-        if least <= max(exact, _SHARE * solution.tolerance) or solves >= halved + _PATIENCE:
+        if solution.status is Status.CONVERGED:
+            if off < least / 2:
+                halved = solves
+            if off < least:
+                best, least = solution, off
+        else:
+            failed, last = failed + 1, solution
+        if least <= max(exact / newton.steepness, _SHARE * solution.tolerance) or failed > _MOST_FAILED:
             break
-        pressure = newton.next(pressure, found, contact_compliance(solution.scene, solution.contact))
-    assert best is not None
-    return best, solves
+        if solves >= halved + _PATIENCE:
+            break
+        touching = solution.contact.any()
+        compliance = contact_compliance(solution.scene, solution.contact) if touching else math.nan
+        pressure = newton.next(pressure, found, compliance)
+    return (last if best is None else best), solves
 
 
 def _coarse_guess(scene: Scene, num_points: int, solve: Callable[[Scene], Solution], guess: float) -> float:
@@ -135,14 +148,26 @@ def _coarse_guess(scene: Scene, num_points: int, solve: Callable[[Scene], Soluti
     return found.scene.pressure
 
 
+def _full_approach(scene: Scene) -> float:
+    """The largest approach that a pressure brings [length]; `inf` where the layer has a foundation that yields."""
+    return float(scene.profile.mean()) if foundation_modulus(scene) in (0.0, math.inf) else math.inf
+
+
+def _full_contact(scene: Scene, solve: Callable[[Scene], Solution]) -> Solution:
+    """The solution under the least pressure of full contact; any larger one brings the same approach."""
+    pressure = (1 + _FULL) * full_contact_pressure(scene)
+    found = solve(replace(scene, approach=None, pressure=pressure))
+    why = "the least one of full contact, which every larger one brings as well"
+    off = abs(found.observables.approach - (scene.approach or 0.0))
+    choices = (Choice("pressure", f"{pressure:.10g}", why), *found.choices)
+    return replace(found, choices=choices, observables=replace(found.observables, approach_error=off))
+
+
 def check_approach(scene: Scene) -> None:
     """Raise `ValueError` for a scene whose approach no pressure brings."""
-    modulus, approach = foundation_modulus(scene), scene.approach
-    if approach is None or modulus not in (0.0, math.inf):
-        return
-    full = float(scene.profile.mean())
-    if not approach < full * (1 - _FULL):
-        allowed = f"below {full:g}, the mean height of the indenter: there the contact is full"
+    full, approach = _full_approach(scene), scene.approach
+    if approach is not None and approach > full * (1 + _FULL):
+        allowed = f"up to {full:g}, the mean height of the indenter: there the contact is full, and nothing yields"
         raise ValueError(f"approach is {approach:g}; allowed: {allowed}")
 
 
