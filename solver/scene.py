@@ -76,7 +76,8 @@ class Scene:
     def _check_load(self) -> None:
         """Of pressure and approach one must be given, or none."""
         if self.approach is None:
-            pressure = checks.real("pressure", self.pressure, "a finite pressure >= 0", _BELOW_ZERO)
+            allowed = "a finite pressure >= 0, or none and an approach"
+            pressure = checks.real("pressure", self.pressure, allowed, _BELOW_ZERO)
             checks.assign(self, pressure=pressure)
             return
         unknown = isinstance(self.pressure, float) and math.isnan(self.pressure)
