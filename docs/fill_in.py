@@ -169,7 +169,7 @@ def _time_of_a_point(others: int) -> list[list[str]]:
     for n, times in found.items():
         theirs = [times[name] for name in areas.PRECISIONS if name in times]
         if theirs and OURS in times:
-            label = f"rough, half-space: time of a point at 2^{round(math.log2(n))} [us]"
+            label = f"rough, 8 points to the shortest wave, half-space: time of a point at 2^{round(math.log2(n))} [us]"
             return [[label, f"{times[OURS]:.2g}", *["-"] * others, f"{min(theirs):.2g}"]]
     return []
 

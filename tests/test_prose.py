@@ -82,6 +82,15 @@ def roughness_of_the_published_study():
     kappa = [np.mean(list(means.half_space(files["rough"], hurst).values())) for hurst in (0.3, 0.5, 0.8)]
     yield f"edges kappa_inf is {min(kappa):.2f} to {max(kappa):.2f} and depends on H"
     assert not any(run["status"] != "converged" for file in files.values() for run in file.runs)
+    points = [point for point in means.points(files["rough"]) if point.poisson_ratio <= 0.25]
+    over_one_patch = [(p.per_width.value, p.per_patch.value / (2 * math.sqrt(3))) for p in points]
+    near = [ratio for width, ratio in over_one_patch if width <= 0.25]
+    assert max(ratio for width, ratio in over_one_patch if width > 0.25) < 0.7
+    off = 10 * math.ceil(10 * max(abs(ratio - 1) for ratio in near))
+    yield (
+        f"for nu = 0 and 0.25 it is the single patch's value, to about {off} %, "
+        "where the layer is at most a quarter as thick as a patch is wide."
+    )
     blunt = next(run for run in files["blunt"].runs if math.isinf(run["scene.thickness"]))
     yield f"on the half-space kappa is {blunt['kappa_subgrid'] / 1.283305:.4f} kappa_inf"
 

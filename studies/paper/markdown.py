@@ -62,7 +62,8 @@ def from_rich(source: Table) -> str:
 _RULE = (
     "All values are dimensionless unless a unit is given. After +-: for single profiles an estimate of the error, for "
     "rough surfaces the standard error over the surfaces. A statement *holds* if the measured value is within two such "
-    "errors, and half a digit of what was published; it *holds within x* up to 5 %; else it does not hold."
+    "errors, and half of the last digit published, of the published one; it *holds within x* up to 5 %; else it "
+    "does not hold."
 )
 
 

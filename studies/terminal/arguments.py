@@ -174,7 +174,7 @@ def _declaration(kind: type) -> declarations.Declaration:
 
 def _add(section: Any, option: Option, positional: bool, said: str) -> None:
     """Add an option to a parser or a group of it."""
-    hidden = any(option.default is nothing for nothing in (MISSING, None, False))
+    hidden = any(option.default is nothing for nothing in (MISSING, None, False)) or "Default: " in said
     text = (said if hidden else f"{said} (default: {option.default})".strip()).replace("%", "%%")
     common = {"default": argparse.SUPPRESS, "help": text}
     if option.count == 0:
