@@ -3,6 +3,7 @@
 import math
 import os
 import queue
+import re
 import shlex
 import threading
 import time
@@ -11,7 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from bokeh.document import Document
-from bokeh.models import ColumnDataSource, Div
+from bokeh.models import ColumnDataSource, Div, Legend, VStrip
+from linecontact import read_scan
 from linecontact.solver import CoatedHalfSpace, Layer, MeasuredIndenter, PowerIndenter, RoughIndenter, Scene, solve
 from linecontact.studies.command_line import main
 from linecontact.studies.explore import answers, page
@@ -208,6 +210,33 @@ def test_a_slider_changes_the_area_on_the_page(screen):
     screen.settle()
     assert "half-space" in screen["answer"].value
     assert "thickness=inf" in screen["link"].value
+
+
+def test_the_numbers_on_the_page_fit_each_other(screen):
+    screen.settle()
+    numbers = r"a_r = (\S+) .*kappa = (\S+) .*p\* = (\S+), d/\(a_r L\) = (\S+),"
+    area, kappa, pressure, thickness = map(float, re.search(numbers, screen["answer"].value, re.DOTALL).groups())
+    assert area / pressure == pytest.approx(kappa, rel=1e-3)
+    assert thickness * area == pytest.approx(SMALL.layer.thickness / SMALL.period, rel=1e-3)
+
+
+def test_legends_lie_on_no_curve(screen):
+    for panel in (screen.page._fields.shape, screen.page._fields.pressure):
+        assert list(panel.legend) == [one for one in panel.above if isinstance(one, Legend)]
+        assert not any(isinstance(one, Legend) for one in panel.center)
+
+
+def test_the_mirror_image_of_a_scan_is_marked(tmp_path):
+    for window, halves in (("mirror", 2), ("tukey", 0)):
+        scene = read_scan(write_scan(tmp_path), window=window).scene(Layer(1e-5), 1e-3)
+        made = Screen(scene)
+        fields = made.page._fields
+        drawn = [one.glyph for panel in (fields.shape, fields.pressure) for one in panel.renderers]
+        labels = [item.label.value for item in fields.shape.legend[0].items]
+        made.page.end(PATIENCE)
+        assert [strip.x0 for strip in drawn if isinstance(strip, VStrip)] == pytest.approx([150] * halves)
+        assert ("mirror image of the scan" in labels) == bool(halves)
+        assert any("peaks point down" in label for label in labels)
 
 
 def test_the_surface_on_the_screen_is_the_solution(screen):

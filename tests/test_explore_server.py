@@ -275,6 +275,30 @@ def test_the_page_in_a_browser(server):
         assert not page.troubles
 
 
+_TICKS = """((low, high) => {
+    const walk = (view) => [view, ...(view.child_views ?? []).flatMap(walk)]
+    const figures = Object.values(Bokeh.index).flatMap(walk).filter((view) => view.model.type === 'Figure')
+    const axis = figures[3].model.left[0]
+    return axis.formatter.doFormat(axis.ticker.get_ticks(low, high, null, 0).major, {})
+})"""
+
+
+@needs_browser
+def test_a_logarithmic_axis_has_ticks_everywhere(server):
+    with browser.Browser() as page:
+        page.open(server.address)
+        page.wait("typeof Bokeh !== 'undefined' && Bokeh.documents.length > 0")
+        page.wait(f"{_ANSWER}.includes('a_r =')")
+        for low, high, ticks in (
+            (3e-4, 0.03, "5e-4 0.001 0.002 0.005 0.01 0.02"),
+            (3e-5, 0.3, "1e-4 0.001 0.01 0.1"),
+            (1e-9, 10, "1e-8 1e-6 1e-4 0.01 1"),
+            (0.113, 0.121, "0.114 0.116 0.118 0.12"),
+        ):
+            assert " ".join(page.value(f"{_TICKS}({low}, {high})")) == ticks
+        assert not page.troubles
+
+
 _HOOK = """(() => {
     const walk = (view) => [view, ...(view.child_views ?? []).flatMap(walk)]
     const figures = Object.values(Bokeh.index).flatMap(walk).filter((view) => view.model.type === 'Figure')
@@ -292,7 +316,7 @@ _MOVE = """new Promise((resolve) => {
         said.disconnect(seen)
         const arrived = performance.now() - begin
         const last = (figures) => Math.max(...figures) - begin
-        setTimeout(() => resolve([arrived, last(window.painted.slice(0, 2)), last(window.painted.slice(2))]), 200)
+        setTimeout(() => resolve([arrived, last(window.painted.slice(0, 2)), last(window.painted.slice(2))]), 280)
     }
     said.connect(seen)
     page.get_model_by_name('pressure').value = %f

@@ -21,6 +21,9 @@ from linecontact import (
     solve,
     studies,
 )
+from linecontact.solver import CoatedHalfSpace, SlidingLayer
+from linecontact.studies.command_line import main
+from linecontact.studies.curve import figures as curve_figures
 from linecontact.studies.figures import solution as solution_figure
 from linecontact.studies.figures.style import ONE_COLUMN, STYLE, TWO_COLUMNS
 from linecontact.studies.runner.study import find
@@ -188,7 +191,52 @@ def test_a_scan_is_drawn_in_its_units_with_its_mirror_image(tmp_path):
     assert heights.get_lines()[1].get_ydata().max() == pytest.approx(1e9 * solution.displacement.max())
     shaded = [patch.get_extents().transformed(pressure.transData.inverted()) for patch in pressure.patches]
     assert [(box.x0, box.x1) for box in shaded] == [pytest.approx((150, 300))]
+    for axes in (heights, pressure):  # the hatch lies over the bodies and below the curves
+        bodies = [filled.get_zorder() for filled in axes.collections if filled.get_zorder() < 0]
+        assert all(below < axes.patches[0].get_zorder() < axes.get_lines()[0].get_zorder() for below in bodies)
     check_places(figure)
+
+
+def curve_of(folder, *words):
+    """The figure of a curve."""
+    assert main.main(["curve", "--folder", str(folder), "--workers", "1", *map(str, words)]) == 0
+    (figure,) = curve_figures.draw(folder / "curve.h5").values()
+    return figure
+
+
+def test_the_curve_of_a_scan_names_its_file_and_has_its_unit(tmp_path):
+    file = tmp_path / "a $scan.csv"
+    x = 0.5 * np.arange(200)
+    np.savetxt(file, np.stack([x, 40 * np.sin(x / 7)], axis=1), delimiter=",", header="x [um],z [nm]")
+    words = ["--profile", "file", "--profile-file", file, "--contact-modulus", 1e6, "--num-points", "2^10"]
+    over_load = curve_of(tmp_path / "load", *words, "--thickness", 2e-3, "--points", 3)
+    assert over_load.get_suptitle().startswith(r"a \$scan.csv, $d=2$ mm, ")
+    check_places(over_load)
+    over_thickness = curve_of(
+        tmp_path / "d", *words, "--pressure", 1e3, "--over", "thickness", "--from", "1um", "--to", "5um", "--points", 3
+    )
+    panel = over_thickness.axes[-1]
+    assert panel.get_xlabel() == "thickness (\u00b5m)"
+    assert panel.get_lines()[0].get_xdata() == pytest.approx([1, 3, 5])
+    check_places(over_thickness)
+
+
+def test_error_bars_of_a_curve_lie_within_their_panels(tmp_path):
+    words = ["--profile", "rough", "--num-points", "2^12", "--over", "seed", "--from", "0", "--to", "5"]
+    figure = curve_of(tmp_path, *words, "--cut-off-ratio", 1 / 64, "--pressure", 1e-3)
+    for axes in figure.axes:
+        low, high = axes.get_ylim()
+        ends = [path.vertices[:, 1] for bars in axes.collections for path in bars.get_paths()]
+        assert all(low < end < high for pair in ends for end in pair)
+
+
+def test_error_bars_too_long_for_a_panel_are_left_out():
+    axes = Figure().subplots()
+    x, y = np.arange(4.0), np.array([1.0, 1.1, 1.2, 1.3])
+    assert curve_figures._panel(axes, x, y, np.array([0.1, 5.0, 0.1, np.nan]), joined=True) == 1
+    assert axes.get_ylim()[0] == pytest.approx(0.87)
+    (bars,) = axes.collections
+    assert max(np.ptp(path.vertices[:, 1]) for path in bars.get_paths()) == pytest.approx(0.2)
 
 
 @pytest.mark.parametrize(
@@ -196,6 +244,8 @@ def test_a_scan_is_drawn_in_its_units_with_its_mirror_image(tmp_path):
     [
         (Scene(num_points=256), "half-space, "),
         (Scene(Layer(0.002), num_points=2**12), "$d=0.002\\,L$"),
+        (Scene(CoatedHalfSpace(0.1, base_modulus=2.0), num_points=256), "coated, $d=0.1\\,L$"),
+        (Scene(SlidingLayer(0.1), num_points=256), "sliding, $d=0.1\\,L$"),
         (Scene(pressure=1.0, num_points=256), "in 1 patch"),
         (Scene(pressure=1e-9, num_points=256), "dimensionless"),
     ],

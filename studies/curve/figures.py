@@ -11,9 +11,11 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from ..figures.style import COLOURS, ONE_COLUMN, NothingToDraw, load, panels, typeset
+from ..figures.scales import shown, thickness_in
+from ..figures.style import COLOURS, ONE_COLUMN, NothingToDraw, kind, load, panels, plain, typeset
 from ..files.study_files import StudyFile
-from .tasks import column, unit_in
+from ..scans.units import UNITS, axis_units
+from .tasks import column
 
 Array64 = NDArray[np.float64]
 
@@ -31,18 +33,20 @@ def draw(path: Path) -> dict[str, Figure]:
     if not shown.any():
         raise NothingToDraw("a curve whose only value is infinite has no place on an axis")
     figure, grid = panels(3, 1, ONE_COLUMN, 6.0, sharex=True)
+    hidden = 0
     for axes, (name, error, label) in zip(grid[:, 0], _PANELS, strict=True):
         y, said = _shown(study, name)
         y = y[order]
         bars = study.column(error).astype(np.float64)[order] if error else np.zeros_like(y)
-        _panel(axes, value[shown], y[shown], bars[shown], joined=over != "seed")
+        hidden += _panel(axes, value[shown], y[shown], bars[shown], joined=over != "seed")
         axes.set_ylabel(f"{label}\n({said})")
         for beyond in y[~shown] if error else ():  # a half-space, whose approach compares with no other
             axes.axhline(beyond, color=COLOURS[3], ls="--", lw=0.8, label="half-space")
     if over == "seed":
         grid[-1, 0].xaxis.set_major_locator(MaxNLocator(integer=True))
     grid[-1, 0].set_xlabel(f"{over.replace('_', ' ')} ({along})")
-    figure.suptitle(_scene(study.runs[0], over), fontsize=8)
+    note = f"\nError bars too long for their panels are left out: {hidden}." if hidden else ""
+    figure.suptitle(_scene(study.runs[0], over) + note, fontsize=8, wrap=True)
     if not shown.all():
         figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside lower center")
     return {"": figure}
@@ -62,36 +66,51 @@ def _shown(study: StudyFile, name: str, stored: str = "") -> tuple[Array64, str]
     name: of the quantity; stored: name of its column, by default the same.
     """
     values = study.column(stored or name).astype(np.float64)
-    dimension, known = unit(name), unit_in(study, "period")
+    dimension, units = unit(name), _units(study.runs[0])
     if dimension == "1":
         return values, "dimensionless"
     scales = [np.array([float(run.get(f"scene.{of}", np.nan)) for run in study.runs]) for of in _SCALES]
     if name in _SCALES or np.isnan(scales).any():
         return values, "in the scene's unit"
     modulus, period = scales
-    length, over = (period, "$L$") if known == "length" else (np.ones_like(period), known)
+    length, over = period, "$L$"
+    if units:
+        own, along = units
+        length, over = np.full_like(period, UNITS[along] / UNITS[own]), shown(along)
     if dimension == "pressure":
         return values / modulus, "over $E^*$"
     if dimension == "length":
-        return values / length, f"over {over}" if known == "length" else over
+        return values / length, over if units else f"over {over}"
     return values / modulus * length, f"over $E^*$/{over}"
+
+
+def _units(run: Mapping[str, Any]) -> tuple[str, str] | None:
+    """Units of the scene's lengths and of a scan's positions; None where they are not known."""
+    units = axis_units({name.removeprefix("scene."): value for name, value in run.items()})
+    return units[:2] if units else None
 
 
 _SCALES = ("contact_modulus", "period")
 
 
-def _panel(axes: Axes, x: Array64, y: Array64, error: Array64, joined: bool) -> None:
+def _panel(axes: Axes, x: Array64, y: Array64, error: Array64, joined: bool) -> int:
+    """Draw a curve; returns how many of its error bars are left out, as they are too long for the panel."""
     there = np.isfinite(y)
-    error = np.where(np.isfinite(error), error, 0.0)
+    x_log, y_log = _logarithmic(x), _logarithmic(y[there])
+    x, y, error = x[there], y[there], np.where(np.isfinite(error), error, 0.0)[there]
+    span = float(np.ptp(y)) if y.size else 0.0
+    most = 0.9 * y if y_log else np.full_like(y, span or np.inf)  # long error bars do not hide the curve
+    seen = error < most
     line = "o" if not joined else "o-" if x.size < 100 else "-"
-    axes.errorbar(x[there], y[there], yerr=error[there], fmt=line, ms=2.5, lw=0.9, color=COLOURS[0])
-    if _logarithmic(x):
+    axes.errorbar(x, y, yerr=np.where(seen, error, 0.0), fmt=line, ms=2.5, lw=0.9, color=COLOURS[0])
+    if x_log:
         axes.set_xscale("log")
-    if _logarithmic(y[there]):
+    if y_log:
         axes.set_yscale("log")
-    elif there.any() and np.ptp(y[there]) > 0:  # long error bars do not hide the curve
-        margin = 0.1 * float(np.ptp(y[there]))
-        axes.set_ylim(float(y[there].min()) - margin, float(y[there].max()) + margin)
+    elif span:
+        low, high = float((y - error)[seen].min(initial=y.min())), float((y + error)[seen].max(initial=y.max()))
+        axes.set_ylim(low - 0.1 * span, high + 0.1 * span)
+    return int((~seen).sum())
 
 
 def _logarithmic(values: Array64) -> bool:
@@ -101,14 +120,21 @@ def _logarithmic(values: Array64) -> bool:
 def _scene(run: Mapping[str, Any], over: str) -> str:
     """What all points have in common, in a line: numbers in the units of the scene."""
     told = {name: run[f"scene.{name}"] for name in _SYMBOLS if name != over and f"scene.{name}" in run}
-    numbers = [f"${_SYMBOLS[name]}={typeset(float(value))}$" for name, value in told.items() if np.isfinite(value)]
-    base = str(run["scene.layer"])
-    half_space = ["half-space"] * (told.get("thickness") == np.inf) + [base] * (base != "bonded")
+    units = _units(run)
+    numbers = [
+        thickness_in(float(value), units[0])
+        if units and name == "thickness"
+        else f"${_SYMBOLS[name]}={typeset(float(value))}$"
+        for name, value in told.items()
+        if np.isfinite(value)
+    ]
+    half_space = ["half-space"] * (told.get("thickness") == np.inf) + [kind(str(run["scene.layer"]))]
     load = float(run["scene.pressure"]) / float(run.get("scene.contact_modulus", np.nan))
     if over not in ("pressure", "approach") and np.isfinite(load):
         half_space.append(f"$p={typeset(load)}\\,E^*$")
     points = [] if over == "num_points" else [f"{run['scene.num_points']} points"]
-    return ", ".join([str(run["scene.profile"]), *half_space, *numbers, *points])
+    indenter = plain(Path(str(run.get("scene.profile_file", run["scene.profile"]))).name)
+    return ", ".join(filter(None, [indenter, *half_space, *numbers, *points]))
 
 
 _SYMBOLS = {"exponent": "n", "hurst": "H", "thickness": "d", "poisson_ratio": "\\nu"}

@@ -2,9 +2,10 @@
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
-from bokeh.models import ColumnDataSource, FixedTicker, Range1d
+from bokeh.models import ColumnDataSource, CustomJSTicker, CustomJSTickFormatter, Range1d
 from bokeh.plotting import figure
 from linecontact.solver import Scene, Solution
 from numpy.typing import ArrayLike
@@ -13,10 +14,31 @@ from ..figures.style import COLOURS
 from ..figures.thinning import Array64, extremes, merged
 from .controls import HALF_SPACE, Control
 from .curves import Curve, own_value
-from .units import lengths
+from .units import lengths, mirrored
 
 _UNKNOWN_WIDTH = 1000  # pixels, until the browser has said
 _TOOLS = "pan,xwheel_zoom,box_zoom,reset,save"
+_MIRROR = "#b0b0b0"
+
+# Powers of ten; 1, 2 and 5 times those on less than three decades; even steps on less than half a decade.
+_TICKS = """
+const low = Math.min(cb_data.start, cb_data.end), high = Math.max(cb_data.start, cb_data.end)
+const decades = Math.log10(high / low)
+const ticks = []
+if (decades < 0.5) {
+    const unit = 10 ** Math.floor(Math.log10(high - low))
+    const step = [0.2, 0.5, 1, 2].map((part) => part * unit).find((one) => (high - low) / one < 7)
+    for (let k = Math.ceil(low / step); k * step <= high; k++) ticks.push(Number((k * step).toPrecision(12)))
+} else {
+    const every = Math.ceil(decades / 7)
+    for (let k = Math.floor(Math.log10(low)); k <= Math.log10(high); k++)
+        for (const part of decades < 3 ? [1, 2, 5] : [1])
+            if (k % every === 0) ticks.push(Number(`${part}e${k}`))
+}
+const shown = ticks.filter((tick) => low <= tick && tick <= Math.min(high, last))
+return end === null ? shown : [...shown, end]
+"""
+_LABEL = "const number = Number(tick.toPrecision(12)); return number < 1e-3 ? number.toExponential() : String(number)"
 
 
 def _figure(label: str, height: int, **options: object) -> figure:
@@ -25,6 +47,17 @@ def _figure(label: str, height: int, **options: object) -> figure:
     made.min_border_left = 75  # both panels begin at the same pixel
     made.axis.minor_tick_line_color = made.outline_line_color = None  # a browser takes its time for every line
     return made
+
+
+def _label_logarithmic(axis: Any, end: float | None = None, last: float = 1e300) -> None:
+    """Have ticks all along a logarithmic axis, however far it reaches: Bokeh's own bunch up below two decades.
+
+    end: of one tick more, that of a half-space. last: the largest of the others.
+    """
+    axis.ticker = CustomJSTicker(args={"end": end, "last": last}, major_code=_TICKS)
+    axis.formatter = CustomJSTickFormatter(code=_LABEL)
+    if end is not None:
+        axis.major_label_overrides = {end: HALF_SPACE}
 
 
 def _put(source: ColumnDataSource, data: Mapping[str, ArrayLike]) -> None:
@@ -55,18 +88,25 @@ class Fields:
         self._shown = {name: ColumnDataSource({"x": [], "y": []}) for name in ("indenter", "surface", "pressure")}
         self._patches = ColumnDataSource({"left": [], "right": []})
         label = f"height{self._heights.symbol}"
-        self.shape = _figure(label, 255, x_range=self.x_range, y_range=Range1d(0, 1))
-        self.pressure = _figure("pressure/E* (dimensionless)", 225, x_range=self.x_range, y_range=Range1d(0, 1))
+        self.shape = _figure(label, 275, x_range=self.x_range, y_range=Range1d(0, 1))
+        self.pressure = _figure("pressure/E* (dimensionless)", 255, x_range=self.x_range, y_range=Range1d(0, 1))
         self.shape.xaxis.visible = False
         self.pressure.xaxis.axis_label = f"position x{self._along.symbol}"
-        self.shape.line("x", "y", source=self._shown["indenter"], color="black", legend_label="indenter h")
+        down = "indenter h, from above: its peaks point down"
+        self.shape.line("x", "y", source=self._shown["indenter"], color="black", legend_label=down)
         self.shape.line("x", "y", source=self._shown["surface"], color=COLOURS[0], legend_label="surface u")
         self.pressure.line("x", "y", source=self._shown["pressure"], color=COLOURS[3], legend_label="pressure")
         bar = {"source": self._patches, "y0": 0, "y1": 0, "line_width": 6, "color": COLOURS[1]}
         self.pressure.segment(x0="left", x1="right", legend_label="contact patches", **bar)
+        if mirrored(scene):
+            half = {"x0": self._whole / 2, "x1": self._whole, "level": "underlay"}
+            plain = {"fill_color": None, "line_color": None}
+            hatch = {"hatch_pattern": "/", "hatch_color": _MIRROR, "hatch_weight": 0.5, "hatch_scale": 14}
+            for panel, named in ((self.shape, {"legend_label": "mirror image of the scan"}), (self.pressure, {})):
+                panel.vstrip(**half, **plain, **hatch, **named)
         for panel in (self.shape, self.pressure):
-            panel.legend.location, panel.legend.orientation, panel.legend.padding = "top_right", "horizontal", 3
-
+            panel.legend.orientation, panel.legend.padding, panel.legend.border_line_color = "horizontal", 3, None
+            panel.add_layout(panel.legend[0], "above")  # where it hides no curve
         self.shape.on_change("inner_width", lambda _, old, new: self._resize(int(new or 0)))
 
     def _resize(self, pixels: int) -> None:
@@ -126,7 +166,7 @@ class Fields:
         step = 0.2 * room
         self.shape.y_range.update(start=(math.floor(low / step) - 0.5) * step, end=(math.ceil(top / step) + 0.5) * step)
         peak = _up(float(fields["pressure"].max()) or 1.0)
-        self.pressure.y_range.update(start=-0.08 * peak, end=1.2 * peak)
+        self.pressure.y_range.update(start=-0.08 * peak, end=1.08 * peak)
 
 
 class Surroundings:
@@ -142,11 +182,11 @@ class Surroundings:
         self.figure.xaxis.axis_label = f"{control.title} (dimensionless)"
         self.figure.x_range.update(start=10 ** (span[0] - 0.2), end=10 ** (span[1] + 0.7))
         self.figure.title.text_font_style = "normal"
+        _label_logarithmic(self.figure.yaxis[0])
         if control.endless:
-            decades = [10.0**k for k in range(math.ceil(span[0]), math.floor(span[1]))]
-            end = self._place(math.inf)
-            self.figure.xaxis.ticker = FixedTicker(ticks=[*decades, end])
-            self.figure.xaxis.major_label_overrides = {end: HALF_SPACE}
+            _label_logarithmic(self.figure.xaxis[0], self._place(math.inf), 0.99 * 10 ** span[1])
+        else:
+            _label_logarithmic(self.figure.xaxis[0])
         self.figure.line("x", "y", source=self._curve, color=COLOURS[5])
         self.figure.scatter("x", "y", source=self._curve, color=COLOURS[5], size=4)
         self.figure.segment(x0="x", y0="low", x1="x", y1="high", source=self._curve, color=COLOURS[5])

@@ -47,11 +47,14 @@ def _found(solution: Solution) -> list[str]:
     area, error = o.contact_area_subgrid, o.contact_area_error
     along, _ = lengths(solution.scene)
     width = solution.contact_width * along.factor
+    # of one kind with a_r and kappa: `reduced_pressure` and `reduced_thickness` are of counted nodes
+    reduced_pressure = area / o.kappa_subgrid if o.kappa_subgrid else math.inf
+    reduced_thickness = solution.scene.layer.thickness / (area * solution.scene.period) if area else math.inf
     return [
         f"contact area a_r = {area:.6g} \N{PLUS-MINUS SIGN} {error:.1g} (dimensionless, relative error "
         f"{error / area:.1g}, as claimed), {solution.status} on its grid",
-        f"kappa = {o.kappa_subgrid:.5g} \N{PLUS-MINUS SIGN} {o.kappa_error:.1g}, p* = {o.reduced_pressure:.4g}, "
-        f"d/(a_r L) = {o.reduced_thickness:.4g}, peak pressure/E* = "
+        f"kappa = {o.kappa_subgrid:.5g} \N{PLUS-MINUS SIGN} {o.kappa_error:.1g}, p* = {reduced_pressure:.4g}, "
+        f"d/(a_r L) = {reduced_thickness:.4g}, peak pressure/E* = "
         f"{o.peak_pressure / solution.scene.layer.contact_modulus:.4g} (dimensionless)",
         f"{o.num_patches} contact {'patch' if o.num_patches == 1 else 'patches'}, "
         f"contact width{along.symbol} = {width:.5g}",

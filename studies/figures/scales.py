@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ..files.solution_files import StoredSolution
 from ..scans.units import UNITS, axis_units
-from .style import layer, typeset
+from .style import kind, layer, typeset
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Scales:
     pressure_label: str
     """The axis of pressures."""
     thickness: str
-    """The layer's thickness in words."""
+    """The layer's thickness in words, with the kind of the layer unless it is bonded."""
     load: str
     """The mean pressure over E*; empty where E* is not known."""
     told: str
@@ -50,12 +50,13 @@ def scales(solution: StoredSolution) -> Scales:
     if units:
         own, along_unit, up_unit = units
         x, z = (UNITS[unit] / UNITS[own] for unit in (along_unit, up_unit))
-        along, distance = f"position $x$ ({_shown(along_unit)})", _shown(along_unit)
-        up = f"height ({_shown(up_unit)})"
+        along, distance = f"position $x$ ({shown(along_unit)})", shown(along_unit)
+        up = f"height ({shown(up_unit)})"
     modulus = results.get("scene.contact_modulus")  # not every layer names one
     over = "$E^*$" if modulus else "their mean"
     lengths = "" if units else "lengths over the period $L$, "
     thickness = float(results["scene.thickness"])
+    size = thickness_in(thickness, units[0]) if units else layer(thickness / period)
     return Scales(
         period=period,
         x=x,
@@ -66,20 +67,21 @@ def scales(solution: StoredSolution) -> Scales:
         z_label=up,
         pressure_label="pressure/$E^*$" if modulus else "pressure / mean",
         told=f"Dimensionless: {lengths}pressures over {over}.",
-        thickness=_thickness(thickness, units[0]) if units else layer(thickness / period),
+        thickness=", ".join(filter(None, (kind(str(results.get("scene.layer", "bonded"))), size))),
         load=f"$p={typeset(pressure / float(modulus))}\\,E^*$" if modulus else "",
         mirrored="mirror image" in str(results.get("scene.profile_steps", "")),
     )
 
 
-def _thickness(thickness: float, unit: str) -> str:
+def thickness_in(thickness: float, unit: str) -> str:
     """A layer's thickness, in that unit, as people write it."""
     if math.isinf(thickness):
         return layer(thickness)
     size = thickness * UNITS[unit]
     best = next((one for one in ("m", "mm", "um", "nm") if size >= UNITS[one]), "nm") if unit != "inch" else unit
-    return f"$d={typeset(size / UNITS[best])}$ {_shown(best)}"
+    return f"$d={typeset(size / UNITS[best])}$ {shown(best)}"
 
 
-def _shown(unit: str) -> str:
+def shown(unit: str) -> str:
+    """A unit of length as a figure writes it."""
     return {"um": "\u00b5m", "angstrom": "\u00c5"}.get(unit, unit)

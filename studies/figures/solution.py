@@ -28,7 +28,7 @@ Array64 = NDArray[np.float64]
 
 _PLACES = 2000  # along an axis: more than a page can show
 _INDENTER, _SURFACE, _CONTACT, _ENLARGED = "k", COLOURS[0], COLOURS[3], COLOURS[4]
-_INDENTER_BODY, _LAYER_BODY, _MIRROR = "0.82", "#d9e8f2", "0.7"
+_INDENTER_BODY, _LAYER_BODY, _MIRROR = "0.82", "#d9e8f2", "0.55"
 _FEW = 40  # nodes in the enlarged patch that are shown one by one
 _WIDE = 0.4  # of the period: no patch as wide as that needs to be enlarged
 
@@ -122,7 +122,9 @@ def figure(solution: StoredSolution) -> Figure:
         _bars(axes[name], contact.left / units.x, contact.right / units.x, units.period / units.x)
         if units.mirrored:
             half = units.period / units.x / 2
-            axes[name].axvspan(half, 2 * half, fc="none", ec=_MIRROR, hatch="////", lw=0, zorder=-2)
+            axes[name].axvspan(
+                half, 2 * half, fc="none", ec=_MIRROR, hatch="////", lw=0, zorder=-0.5
+            )  # over the bodies
     if enlarged:
         _enlarge(axes, units, contact, solution)
     drawn.suptitle(_title(solution.results, units, contact.left.size), fontsize=8)

@@ -63,6 +63,19 @@ def layer(thickness: float) -> str:
     return "half-space" if math.isinf(thickness) else f"$d={typeset(thickness)}\\,L$"
 
 
+def kind(name: str) -> str:
+    """What a layer of that name is called; nothing if it is bonded, as most are."""
+    return _KINDS.get(name, plain(name))
+
+
+_KINDS = {"bonded": "", "file": "layer from a table"}
+
+
+def plain(text: str) -> str:
+    """A file's text as it is, without formulas."""
+    return text.replace("$", r"\$")
+
+
 def legend_below(figure: "Figure", axes: "Axes", columns: int) -> None:
     """Put the legend of a panel below all panels, where it hides nothing."""
     figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=columns)
