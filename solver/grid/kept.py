@@ -10,7 +10,7 @@ Made = TypeVar("Made")
 
 _GRIDS = 7  # whose results are kept, which is those of one scene on nested grids
 _MOST_POINTS = 2**20  # of a grid whose results are kept: they take up to 50 bytes a point
-_known: list[Callable[[], None]] = []  # forget what each function has kept
+_clearing: list[Callable[[], None]] = []  # of every function: forgets what it has kept
 
 
 def kept(make: Callable[[Any, int, float], Made]) -> Callable[[Any, int, float], Made]:
@@ -20,7 +20,7 @@ def kept(make: Callable[[Any, int, float], Made]) -> Callable[[Any, int, float],
     cannot be hashed, and grids of more than 2^20 points, are computed anew every time.
     """
     known = lru_cache(maxsize=_GRIDS)(make)
-    _known.append(known.cache_clear)
+    _clearing.append(known.cache_clear)
 
     @wraps(make)
     def call(part: Any, num_points: int, period: float) -> Made:
@@ -35,5 +35,5 @@ def kept(make: Callable[[Any, int, float], Made]) -> Callable[[Any, int, float],
 
 def forget() -> None:
     """Forget all that is kept, so that the next solve does everything itself: for measurements, and for tests."""
-    for clear in _known:
+    for clear in _clearing:
         clear()

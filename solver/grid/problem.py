@@ -33,7 +33,7 @@ _FAR = 1e6  # times the reach
 @kept
 def _profile(indenter: Indenter, num_points: int, period: float) -> Array64:
     """The indenter's heights on a grid, shape (num_points,) [L], read-only. Raises `ValueError` for anything else."""
-    heights = np.array(indenter.profile(num_points, period))
+    heights = np.asarray(indenter.profile(num_points, period)).view()
     what = f"profile of indenter {indenter.name}"
     allowed = f"allowed: {num_points} finite heights, the lowest 0, in units of the period"
     if heights.shape != (num_points,) or heights.dtype.kind != "f":
