@@ -76,7 +76,7 @@ class Scene:
     def _check_load(self) -> None:
         """Of pressure and approach one must be given, or none."""
         if self.approach is None:
-            allowed = "a finite pressure >= 0, or none and an approach"
+            allowed = "a finite pressure >= 0, or an approach instead"
             pressure = checks.real("pressure", self.pressure, allowed, _BELOW_ZERO)
             checks.assign(self, pressure=pressure)
             return

@@ -21,6 +21,7 @@ from linecontact.solver import (
 )
 from linecontact.solver.grid.problem import full_contact_pressure
 from linecontact.solver.reference import collocation
+from linecontact.solver.strategy import to_approach
 from linecontact.solver.strategy.linearised import contact_compliance
 from linecontact.solver.strategy.to_tolerance import solve_to_tolerance
 from linecontact.studies.command_line import main
@@ -269,3 +270,37 @@ def test_full_contact_pressure(layer):
     below, above = (solve(replace(scene, pressure=full * share)) for share in (0.99, 1.01))
     assert above.contact.all()
     assert not below.contact.all()
+
+
+@pytest.mark.parametrize(("method", "precision"), [("mass-weighted-fire", "float64"), ("active-set", "float32")])
+def test_full_contact_by_its_approach_with_other_methods_and_precisions(method, precision):
+    scene = Scene(Layer(), ROUGH, num_points=2**10, precision=precision)
+    found = solve(replace(scene, pressure=math.nan, approach=float(scene.profile.mean())), method=method)
+    assert found.status is Status.CONVERGED
+    assert found.observables.contact_area > 0.99
+    assert "least pressure of full contact" in found.choices[0].reason
+
+
+def test_the_search_goes_on_after_a_solve_that_does_not_converge():
+    scene = Scene(Layer(0.1), num_points=2**10, pressure=0.01)
+    wanted = solve(scene)
+    failed = []
+
+    def sometimes(scene):
+        solution = solve(scene)
+        if not failed and scene.num_points == 2**10:
+            failed.append(scene.pressure)
+            return replace(solution, status=Status.ITERATION_LIMIT)
+        return solution
+
+    found = to_approach.solve_to_approach(
+        replace(scene, pressure=math.nan, approach=wanted.observables.approach), sometimes
+    )
+    assert failed
+    assert found.status is Status.CONVERGED
+    assert found.scene.pressure == pytest.approx(0.01, rel=1e-8)
+    always = to_approach.solve_to_approach(
+        replace(scene, pressure=math.nan, approach=wanted.observables.approach),
+        lambda scene: replace(solve(scene), status=Status.ITERATION_LIMIT),
+    )
+    assert always.status is Status.ITERATION_LIMIT

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from linecontact.solver import CoatedHalfSpace, Layer
 from linecontact.solver.reference import closed_forms, collocation
 
 
@@ -53,3 +54,12 @@ def test_load_is_the_derivative_of_energy():
 def test_beyond_its_reach():
     with pytest.raises(ValueError, match="load is 10"):
         collocation.solve_load(10.0, 2.0, 1.0, np.inf, 0.3)
+
+
+def test_a_contact_that_splits_is_refused_and_thin_layers_are_not():
+    with pytest.raises(
+        ValueError, match=r"load is 0.002; allowed: one under which the contact does not split.*tension"
+    ):
+        collocation.solve_layer(CoatedHalfSpace(0.0555, 7.1e-6, -0.9, 0.0), 2e-3, 1.5, 1.0)
+    for layer in (Layer(1e-3, 0.25), Layer(1e-2, 0.49), Layer(1e-2, 0.5), CoatedHalfSpace(0.1, 10.0)):
+        assert collocation.solve_layer(layer, 2e-3, 2.0, 1.0).pressure.min() >= 0

@@ -233,7 +233,7 @@ def test_error_bars_of_a_curve_lie_within_their_panels(tmp_path):
 def test_error_bars_too_long_for_a_panel_are_left_out():
     axes = Figure().subplots()
     x, y = np.arange(4.0), np.array([1.0, 1.1, 1.2, 1.3])
-    assert curve_figures._panel(axes, x, y, np.array([0.1, 5.0, 0.1, np.nan]), joined=True) == 1
+    assert curve_figures._panel(axes, x, y, np.array([0.1, 5.0, 0.1, np.nan]), joined=True) == 2
     assert axes.get_ylim()[0] == pytest.approx(0.87)
     (bars,) = axes.collections
     assert max(np.ptp(path.vertices[:, 1]) for path in bars.get_paths()) == pytest.approx(0.2)

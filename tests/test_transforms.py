@@ -96,6 +96,17 @@ def test_a_measured_plan_is_used_ever_after(cache, monkeypatch):
     assert (again.half_length, again.known, again.planned) == (False, 1, 0)
 
 
+def test_tables_of_long_transforms_are_kept_for_one_length(cache, monkeypatch):
+    monkeypatch.setattr(planned, "_TABLES", (1024, 4096))
+    planned._keep_tables.cache_clear()
+    for n in (1024, 2048, 2048, 8192):
+        transforms = Transforms(n, "float64", half_length=False)
+        transforms.forward(transforms.buffer())
+    info = planned._keep_tables.cache_info()
+    planned._keep_tables.cache_clear()
+    assert (info.misses, info.hits, info.currsize) == (2, 1, 1)
+
+
 @pytest.mark.parametrize("n", [1, 2, 7, 60, 128])
 def test_a_short_pair_against_numpy(n):
     pair = Pair(n)

@@ -34,6 +34,6 @@ def kept(make: Callable[[Any, int, float], Made]) -> Callable[[Any, int, float],
 
 
 def forget() -> None:
-    """Forget all that is kept, so that the next solve does everything itself: for measurements, and for tests."""
+    """Forget what is kept of layers and indenters: for measurements, for tests, and after a class was changed."""
     for clear in _clearing:
         clear()

@@ -77,11 +77,11 @@ class Stiffness:
     """K(q_k) of a layer on a grid, and what methods make from it for every problem with it."""
 
     values: Array64
-    """Shape (N//2 + 1,) [`unit`], read-only; 0 for the mean mode."""
+    """Shape (N//2 + 1,) [`unit`]; 0 for the mean mode. A layer's are read-only, the largest is from 1 to below 2."""
     unit: float
-    """A power of two over E*/L (dimensionless); the largest value is from 1 to below 2."""
+    """A power of two over E*/L (dimensionless)."""
     made: dict[str, Any] = field(default_factory=dict)
-    """What follows from the values, by name; it is never changed once it is there."""
+    """What methods have made from the values, by name, and use again."""
 
 
 @kept

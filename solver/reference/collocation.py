@@ -237,8 +237,9 @@ def solve_layer(
     found = _match(system, load, exponent, min(guess, 0.4)).asperity()
     lowest = float(found.pressure.min())
     if lowest < -_TENSION * found.peak_pressure:
-        tension = f"{-lowest / found.peak_pressure:.2g} of the peak pressure pulls"
-        raise ValueError(f"load is {load!r}; allowed: one under which the contact does not split: {tension}")
+        tension = f"there is tension of {-lowest / found.peak_pressure:.2g} of the peak pressure in the contact"
+        allowed = "one under which the contact does not split, or more num_nodes"
+        raise ValueError(f"load is {load!r}; allowed: {allowed}: {tension}")
     return found
 
 

@@ -17,7 +17,7 @@ from ..endings import Cause, Reason, Status
 from ..grid.observables import foundation_modulus
 from ..grid.problem import full_contact_pressure, half_spectrum
 from ..scene import Scene
-from ..solution import Choice, Solution
+from ..solution import MEANINGLESS, Choice, Solution
 from .grids import grids
 from .linearised import contact_compliance
 
@@ -26,6 +26,7 @@ _EXACT, _GUESS = 1e-10, 1e-3  # relative error of the approach at which to stop,
 _SHARE = 0.01  # of the tolerance of the solves, where that is more
 _GOOD, _LOOSE = 1e-8, 1e-3  # relative error at which an approach is met; the tolerance of the solves between the two
 _FULL = 1e-9  # relative distance from the approach of full contact, within which that is the answer
+_OVER_FULL = 1e-7  # by which the pressure is taken higher there, so that rounding leaves no node without contact
 _MOST_SOLVES, _PATIENCE = 40, 4  # on a grid; and without a half of the error before
 _MOST_FAILED = 2  # of them that do not converge, which still tell whether the pressure is too low or too high
 _LONGEST_STEP = 30.0  # factor of the pressure
@@ -41,8 +42,6 @@ class _Newton:
     """A pressure whose approach is too small [pressure]."""
     high: float = math.inf
     """A pressure whose approach is too large [pressure]."""
-    steepness: float = 1.0
-    """d ln p/d ln(approach) at the last pressure, at least 1 (dimensionless)."""
 
     def next(self, pressure: float, found: float, compliance: float) -> float:
         """The next pressure, from one, its approach [length] and d(approach)/dp."""
@@ -53,7 +52,6 @@ class _Newton:
         step = math.copysign(math.log(_LONGEST_STEP), self.approach - found)
         slope = pressure * compliance / found if found > 0 else math.nan
         if slope > 0:  # not so where rounding has eaten it, or at full contact
-            self.steepness = max(1.0, 1 / slope)
             step = math.copysign(min(abs(math.log(self.approach / found) / slope), abs(step)), step)
         better = pressure * math.exp(step)
         if self.low < better < self.high:
@@ -113,11 +111,13 @@ def _found(scene: Scene, solve: Callable[[Scene], Solution], pressure: float, ex
     assert approach is not None
     newton, least, halved, failed = _Newton(approach), math.inf, 0, 0
     best: Solution | None = None
+    last: Solution | None = None
     for solves in range(1, _MOST_SOLVES + 1):
         solution = solve(replace(scene, approach=None, pressure=pressure))
         found = solution.observables.approach
         off = abs(found / approach - 1)
-        if solution.status is Status.INTERRUPTED:
+        residual = solution.certificate.free_residual if solution.certificate else math.inf
+        if solution.status is Status.INTERRUPTED or not residual < MEANINGLESS:
             return solution, solves
         if solution.status is Status.CONVERGED:
             if off < least / 2:
@@ -126,14 +126,16 @@ def _found(scene: Scene, solve: Callable[[Scene], Solution], pressure: float, ex
                 best, least = solution, off
         else:
             failed, last = failed + 1, solution
-        if least <= max(exact / newton.steepness, _SHARE * solution.tolerance) or failed > _MOST_FAILED:
+        if least <= max(exact, _SHARE * solution.tolerance) or failed > _MOST_FAILED:
             break
         if solves >= halved + _PATIENCE:
             break
         touching = solution.contact.any()
         compliance = contact_compliance(solution.scene, solution.contact) if touching else math.nan
         pressure = newton.next(pressure, found, compliance)
-    return (last if best is None else best), solves
+    found_by = best if least <= _GOOD or last is None else last  # what failed says why
+    assert found_by is not None
+    return found_by, solves
 
 
 def _coarse_guess(scene: Scene, num_points: int, solve: Callable[[Scene], Solution], guess: float) -> float:
@@ -155,9 +157,9 @@ def _full_approach(scene: Scene) -> float:
 
 def _full_contact(scene: Scene, solve: Callable[[Scene], Solution]) -> Solution:
     """The solution under the least pressure of full contact; any larger one brings the same approach."""
-    pressure = (1 + _FULL) * full_contact_pressure(scene)
+    pressure = (1 + _OVER_FULL) * full_contact_pressure(scene)
     found = solve(replace(scene, approach=None, pressure=pressure))
-    why = "the least one of full contact, which every larger one brings as well"
+    why = "the least pressure of full contact; any larger one gives the same approach"
     off = abs(found.observables.approach - (scene.approach or 0.0))
     choices = (Choice("pressure", f"{pressure:.10g}", why), *found.choices)
     return replace(found, choices=choices, observables=replace(found.observables, approach_error=off))

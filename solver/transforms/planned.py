@@ -183,8 +183,8 @@ class Pair:
 
 @lru_cache(maxsize=1)
 def _keep_tables(length: int) -> Pair:
-    """Plans that keep FFTW's tables of that length, which all plans that are alive share; their buffers are never
-    touched, and take no memory.
+    """Plans that keep FFTW's tables of that length, which all plans that are alive share. Their buffers are never
+    touched and take no memory, but count against a limit of it.
     """
     return Pair(length)
 

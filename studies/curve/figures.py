@@ -37,15 +37,15 @@ def draw(path: Path) -> dict[str, Figure]:
     for axes, (name, error, label) in zip(grid[:, 0], _PANELS, strict=True):
         y, said = _shown(study, name)
         y = y[order]
-        bars = study.column(error).astype(np.float64)[order] if error else np.zeros_like(y)
-        hidden += _panel(axes, value[shown], y[shown], bars[shown], joined=over != "seed")
+        bars = study.column(error).astype(np.float64)[order] if error else None
+        hidden += _panel(axes, value[shown], y[shown], None if bars is None else bars[shown], joined=over != "seed")
         axes.set_ylabel(f"{label}\n({said})")
         for beyond in y[~shown] if error else ():  # a half-space, whose approach compares with no other
             axes.axhline(beyond, color=COLOURS[3], ls="--", lw=0.8, label="half-space")
     if over == "seed":
         grid[-1, 0].xaxis.set_major_locator(MaxNLocator(integer=True))
     grid[-1, 0].set_xlabel(f"{over.replace('_', ' ')} ({along})")
-    note = f"\nError bars too long for their panels are left out: {hidden}." if hidden else ""
+    note = f"\nError bars that are not known or too long for their panels: {hidden}." if hidden else ""
     figure.suptitle(_scene(study.runs[0], over) + note, fontsize=8, wrap=True)
     if not shown.all():
         figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside lower center")
@@ -93,16 +93,17 @@ def _units(run: Mapping[str, Any]) -> tuple[str, str] | None:
 _SCALES = ("contact_modulus", "period")
 
 
-def _panel(axes: Axes, x: Array64, y: Array64, error: Array64, joined: bool) -> int:
-    """Draw a curve; returns how many of its error bars are left out, as they are too long for the panel."""
+def _panel(axes: Axes, x: Array64, y: Array64, error: Array64 | None, joined: bool) -> int:
+    """Draw a curve; returns how many of its error bars are left out: not known, or too long for the panel."""
     there = np.isfinite(y)
     x_log, y_log = _logarithmic(x), _logarithmic(y[there])
-    x, y, error = x[there], y[there], np.where(np.isfinite(error), error, 0.0)[there]
+    x, y, error = x[there], y[there], (np.zeros_like(y) if error is None else error)[there]
     span = float(np.ptp(y)) if y.size else 0.0
     most = 0.9 * y if y_log else np.full_like(y, span or np.inf)  # long error bars do not hide the curve
     seen = error < most
+    error = np.where(seen, error, 0.0)
     line = "o" if not joined else "o-" if x.size < 100 else "-"
-    axes.errorbar(x, y, yerr=np.where(seen, error, 0.0), fmt=line, ms=2.5, lw=0.9, color=COLOURS[0])
+    axes.errorbar(x, y, yerr=error, fmt=line, ms=2.5, lw=0.9, color=COLOURS[0])
     if x_log:
         axes.set_xscale("log")
     if y_log:

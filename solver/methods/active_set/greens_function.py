@@ -32,6 +32,7 @@ def inverse_cholesky(column: Array64, order: int) -> Array64:
     return factor
 
 
+_SHORT = 16  # times shorter than the grid are rings whose symbols are kept for the next solve
 _KEPT = 2**20  # points of the largest grid whose second sum is kept: it takes 8 bytes a point
 
 
@@ -67,23 +68,27 @@ class Tables:
 
     def factor(self, order: int) -> Array64:
         """`inverse_cholesky` of G [1/K], shape (m, m) with m >= order; kept for the next call."""
-        if self._factor.shape[0] < order:
-            self._factor = inverse_cholesky(self.response, min(64 * -(-order // 64), self.num_points - 1))
-        return self._factor
+        factor = self._factor  # another thread may put a smaller one there meanwhile
+        if factor.shape[0] < order:
+            self._factor = factor = inverse_cholesky(self.response, min(64 * -(-order // 64), self.num_points - 1))
+        return factor
 
     def symbols(self, length: int) -> tuple[Array64, Array64]:
         """K and G on a ring of that many nodes, shape (length//2 + 1,) each; their own for N."""
-        if length not in self._symbols:
-            if length == self.num_points:
-                return self._stiffness, self.compliance
+        if length == self.num_points:
+            return self._stiffness, self.compliance
+        found = self._symbols.get(length)
+        if found is None:
             modes = np.arange(length // 2 + 1)
             # K at the ring's wave numbers: its tails decay, and a preconditioner may be off; G as it is
             at = modes * (self.num_points / length)
             below = np.minimum(at.astype(np.int64), self._stiffness.size - 2)
             rise = self._stiffness[below + 1] - self._stiffness[below]
             rigidity = self._stiffness[below] + (at - below) * rise
-            self._symbols[length] = rigidity, hfft(self.response[modes], length)[: modes.size]
-        return self._symbols[length]
+            found = rigidity, hfft(self.response[modes], length)[: modes.size]
+            if length <= self.num_points // _SHORT:
+                self._symbols[length] = found
+        return found
 
 
 class GreensFunction:
