@@ -77,7 +77,7 @@ def test_beyond_full_contact_the_foundation_yields():
 @pytest.mark.parametrize("layer", [Layer(), Layer(0.1, 0.5), CoatedHalfSpace(0.1, 2.0)])
 def test_no_pressure_brings_a_half_space_beyond_full_contact(layer):
     mean = float(Scene(layer, ROUGH, num_points=2**10).profile.mean())
-    with pytest.raises(ValueError, match=r"approach is .*; allowed: up to .*, the mean height of the indenter"):
+    with pytest.raises(ValueError, match=r"approach is .*; allowed: up to .*, the mean height on this grid"):
         solve(Scene(layer, ROUGH, num_points=2**10, approach=1.01 * mean))
     full = solve(Scene(layer, ROUGH, num_points=2**10, approach=mean))
     assert full.status is Status.CONVERGED
@@ -197,7 +197,7 @@ def test_the_command_takes_an_approach(capsys):
     assert "pressure" in shown
     assert "for the approach of" in shown.replace("\n", " ")
     assert main.main(["solve", "--approach", "1", "--num-points", "2^10"]) == 2
-    assert capsys.readouterr().err.startswith("linecontact: approach is 1; allowed: up to 0.0416667")
+    assert capsys.readouterr().err.startswith("linecontact: approach is 1; allowed: up to 0.041666")
 
 
 @pytest.mark.parametrize("indenter", [PowerIndenter(), PowerIndenter(1.5), ROUGH])
@@ -304,3 +304,12 @@ def test_the_search_goes_on_after_a_solve_that_does_not_converge():
         lambda scene: replace(solve(scene), status=Status.ITERATION_LIMIT),
     )
     assert always.status is Status.ITERATION_LIMIT
+
+
+@pytest.mark.parametrize("pressure", [0.96, 1.1])
+def test_with_one_node_left_without_contact_the_stiffness_is_the_grids(pressure):
+    scene = Scene(Layer(), pressure=pressure, num_points=2**10)
+    here, there = solve(scene), solve(replace(scene, pressure=pressure * (1 + 1e-6)))
+    assert (~here.contact).sum() == 1
+    rise = there.observables.approach - here.observables.approach
+    assert here.contact_stiffness == pytest.approx(1e-6 * pressure / rise, rel=1e-4)

@@ -161,7 +161,7 @@ def test_a_scan_with_lengths_in_units(tmp_path):
             "--over seed --profile rough --cut-off-ratio 0.25 --from 0 --to inf",
             "to is inf, and from 0; allowed: finite numbers",
         ),
-        ("--over approach --from 1e-3 --to 1", "approach is 1; allowed: up to 0.041667, the mean height"),
+        ("--over approach --from 1e-3 --to 1", "approach is 1; allowed: up to 0.041666"),
         ("--layer coated --thickness 0.1", "base_modulus is missing; allowed: a number, with --layer coated"),
     ],
 )

@@ -79,13 +79,16 @@ def _beyond_nodes(scene: Scene, pressure: Array64, punch: Array64) -> float:
     """What d(approach)/dp is less because the contact ends beyond the ends of a punch on its nodes [length/pressure].
 
     pressure: contact pressure [any unit]; punch: d sigma/dp; both shape (N,). It is not known, and 0, for patches of
-    one or two nodes.
+    one or two nodes, and at gaps of one or two.
     """
     patches, edges = contact_edges(scene, pressure)
     curve = edge_curve(scene.layer, pressure.size, scene.period)
     total = 0.0
-    for node, beyond in ((patches.first, patches.first - edges.left), (patches.last, edges.right - patches.last)):
+    gaps = np.append(patches.first[1:], patches.first[:1] + pressure.size) - patches.last - 1
+    left = patches.first, patches.first - edges.left, np.roll(gaps, 1)
+    for node, beyond, gap in (left, (patches.last, edges.right - patches.last, gaps)):
         squared = (punch[node % pressure.size] / curve.strength) ** 2  # k^2 over the grid spacing
-        total += float(np.sum(np.where(patches.size < COUNTED_BELOW, 0.0, squared * (beyond - curve.punch_end))))
+        known = (patches.size >= COUNTED_BELOW) & (gap >= COUNTED_BELOW)
+        total += float(np.sum(np.where(known, squared * (beyond - curve.punch_end), 0.0)))
     spacing = scene.period / pressure.size
     return 2 * math.pi / scene.layer.contact_modulus * total * spacing**2 / scene.period

@@ -169,8 +169,8 @@ def check_approach(scene: Scene) -> None:
     """Raise `ValueError` for a scene whose approach no pressure brings."""
     full, approach = _full_approach(scene), scene.approach
     if approach is not None and approach > full * (1 + _FULL):
-        allowed = f"up to {full:g}, the mean height of the indenter: there the contact is full, and nothing yields"
-        raise ValueError(f"approach is {approach:g}; allowed: {allowed}")
+        allowed = f"up to {full:.12g}, the mean height on this grid: there the contact is full, and nothing yields"
+        raise ValueError(f"approach is {approach:.12g}; allowed: {allowed}")
 
 
 def _foundation_guess(scene: Scene, approach: float) -> float:
