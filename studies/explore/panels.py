@@ -106,7 +106,9 @@ class Fields:
                 panel.vstrip(**half, **plain, **hatch, **named)
         for panel in (self.shape, self.pressure):
             panel.legend.orientation, panel.legend.padding, panel.legend.border_line_color = "horizontal", 3, None
-            panel.add_layout(panel.legend[0], "above")  # where it hides no curve
+            (legend,) = panel.legend
+            panel.center.remove(legend)  # Bokeh's older versions do not move it
+            panel.add_layout(legend, "above")  # where it hides no curve
         self.shape.on_change("inner_width", lambda _, old, new: self._resize(int(new or 0)))
 
     def _resize(self, pixels: int) -> None:
