@@ -219,6 +219,7 @@ class Solution:
         if self.reason:
             found["reason"] = str(self.reason)
         found |= {name: value for name, value in asdict(self.observables).items() if value is not None}
+        certified = asdict(self.certificate) if self.certificate else {}
         found |= {
             "contact_width": self.contact_width,
             "iterations": self.iterations,
@@ -227,7 +228,7 @@ class Solution:
             **({"accuracy": self.accuracy, "accuracy_of": self.accuracy_of} if self.accuracy else {}),
             "choices": {c.what: {"chosen": c.chosen, "reason": c.reason, "error": c.error} for c in self.choices},
             "seconds": dict(self.seconds),
-            "certificate": asdict(self.certificate) if self.certificate else {},
+            "certificate": {name: value for name, value in certified.items() if value is not None},
             "method": self.method,
             "precision": self.scene.precision,
             "tolerance": self.tolerance,

@@ -58,6 +58,7 @@ def test_there_and_back(seed):
     back = solve(replace(scene, pressure=math.nan, approach=approach))
     assert back.status is Status.CONVERGED
     assert back.observables.approach == pytest.approx(approach, rel=1e-9)
+    assert back.certificate.approach_balance == abs(back.observables.approach / approach - 1)
     assert back.scene.approach is None
     assert back.choices[0].what == "pressure"
     # an error of the approach comes back as one of the pressure, times how steep the load is there

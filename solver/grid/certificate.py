@@ -46,6 +46,8 @@ class Certificate:
     energy_error_bound: float
     """Upper bound of the energy above the exact minimum on this grid, over the elastic energy; 0 where heights are so
     small that both underflow."""
+    approach_balance: float | None = None
+    """|approach/(the one asked for) - 1|; None where the pressure is given, and not the approach."""
 
     def __repr__(self) -> str:
         return display.line(self)

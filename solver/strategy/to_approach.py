@@ -76,7 +76,7 @@ def solve_to_approach(scene: Scene, solve: Callable[[Scene], Solution]) -> Solut
 
     check_approach(scene)
     if approach >= _full_approach(scene) * (1 - _FULL):
-        return _full_contact(scene, solve)
+        return _full_contact(scene, solve, approach)
     guess = _foundation_guess(scene, approach)
     for size in grids(scene.num_points)[:-1]:
         if size >= _COARSEST:
@@ -84,16 +84,15 @@ def solve_to_approach(scene: Scene, solve: Callable[[Scene], Solution]) -> Solut
     found, solves = _found(scene, counted, guess, _EXACT)
     pressure, seconds = found.scene.pressure, found.seconds | {"total": time.perf_counter() - begin}
     seconds["solve"] += seconds["total"] - found.seconds["total"]
-    off = abs(found.observables.approach / approach - 1)
-    why = f"for the approach of {approach:g}, met to a share of {off:.0e}; solves on this grid: {solves}"
+    why = f"for the approach of {approach:g}; solves on this grid: {solves}"
     found = replace(
         found,
         iterations=iterations,
         transform_pairs=points / scene.num_points,
         seconds=seconds,
         choices=(Choice("pressure", f"{pressure:.10g}", why), *found.choices),
-        observables=replace(found.observables, approach_error=abs(found.observables.approach - approach)),
     )
+    found, off = _told(found, approach)
     if found.status is Status.CONVERGED and off > max(_GOOD, min(found.tolerance, _LOOSE)):
         met = f"{approach:g}, and {found.observables.approach:.10g} was found"
         reason = Reason(Cause.METHOD, "approach", met, "another approach, or a smaller tolerance")
@@ -155,14 +154,21 @@ def _full_approach(scene: Scene) -> float:
     return float(scene.profile.mean()) if foundation_modulus(scene) in (0.0, math.inf) else math.inf
 
 
-def _full_contact(scene: Scene, solve: Callable[[Scene], Solution]) -> Solution:
+def _full_contact(scene: Scene, solve: Callable[[Scene], Solution], approach: float) -> Solution:
     """The solution under the least pressure of full contact; any larger one brings the same approach."""
     pressure = (1 + _OVER_FULL) * full_contact_pressure(scene)
     found = solve(replace(scene, approach=None, pressure=pressure))
     why = "the least pressure of full contact; any larger one gives the same approach"
-    off = abs(found.observables.approach - (scene.approach or 0.0))
     choices = (Choice("pressure", f"{pressure:.10g}", why), *found.choices)
-    return replace(found, choices=choices, observables=replace(found.observables, approach_error=off))
+    return _told(replace(found, choices=choices), approach)[0]
+
+
+def _told(found: Solution, approach: float) -> tuple[Solution, float]:
+    """A solution that says how far its approach is off the one asked for, and that, relative."""
+    off = abs(found.observables.approach / approach - 1)
+    observables = replace(found.observables, approach_error=abs(found.observables.approach - approach))
+    certificate = found.certificate and replace(found.certificate, approach_balance=off)
+    return replace(found, observables=observables, certificate=certificate), off
 
 
 def check_approach(scene: Scene) -> None:
