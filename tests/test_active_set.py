@@ -26,8 +26,7 @@ from linecontact.solver import (
 from linecontact.solver.grid.patches import Patches
 from linecontact.solver.grid.problem import Problem, foundation_pressure, half_spectrum, typical_stiffness
 from linecontact.solver.methods import Setting, active_set
-from linecontact.solver.methods.active_set import active_set as search_for_sets
-from linecontact.solver.methods.active_set import local_inverses
+from linecontact.solver.methods.active_set import local_inverses, search
 from linecontact.solver.methods.active_set import preconditioner as deflation
 from linecontact.solver.methods.active_set.active_set import ActiveSet
 from linecontact.solver.methods.active_set.greens_function import GreensFunction, Tables, inverse_cholesky, patch_sums
@@ -148,7 +147,7 @@ def test_a_coarse_matrix_that_rounding_has_spoilt():
 def test_patches_that_share_an_unknown_take_longer(monkeypatch):
     """They were taken for a set that rounding does not let be solved: 2^21 of them went to FIRE, for hours."""
     monkeypatch.setattr(deflation, "_unknowns", lambda n: 16)
-    monkeypatch.setattr("linecontact.solver.methods.active_set.active_set._MOST_ITERATIONS", 20)
+    monkeypatch.setattr("linecontact.solver.methods.active_set.active_set.MOST_ITERATIONS", 20)
     teeth = MeasuredIndenter(2e-7 * (np.arange(4097) % 2))
     solution = solve(Scene(Layer(), teeth, 5e-15, num_points=4097))
     assert solution.status is Status.CONVERGED
@@ -455,15 +454,15 @@ def test_real_size_rough(hurst, d, limit):
 
 
 def test_sets_that_keep_changing_are_decided_on_more_accurate_solutions():
-    search = search_for_sets._Search()
+    sets = search.Search()
     for changed in (1000, 700, 500, *[500] * 7):
-        search.note(changed)
-    assert search.forcing_term == search_for_sets._FORCING_TERM
-    search.note(500)
-    assert search.forcing_term == pytest.approx(0.1 * search_for_sets._FORCING_TERM)
+        sets.note(changed)
+    assert sets.forcing_term == search._FORCING_TERM
+    sets.note(500)
+    assert sets.forcing_term == pytest.approx(0.1 * search._FORCING_TERM)
     for changed in (300, *[300] * 100):
-        search.note(changed)
-    assert search.forcing_term == search_for_sets._TIGHT
+        sets.note(changed)
+    assert sets.forcing_term == search._TIGHT
 
 
 @pytest.mark.slow

@@ -100,6 +100,9 @@ class Setting:
     reduction: float = 0.0
     """Part of the residual at the start at which to stop, up to 1e-3, if that is more than the tolerance; the active
     set's only (dimensionless)."""
+    contact_share: float = 0.0
+    """Share of the nodes in contact at the start, as a coarser grid has it; 0 where that is not known (dimensionless).
+    """
     threads: int = 1
     """Threads of FFTW."""
     planning: str = "estimate"

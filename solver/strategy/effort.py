@@ -76,6 +76,7 @@ class Effort:
         precision: str | None = None,
         wrong_nodes_per_patch: float = 0.0,
         reduction: float = 0.0,
+        contact_share: float = 0.0,
     ) -> Method:
         """A method on a grid; by default the one that was chosen, and the scene's precision on its own grid.
 
@@ -83,10 +84,8 @@ class Effort:
         """
         size, means = problem.num_points, self.means
         precision = precision or (self.scene.precision if size == self.scene.num_points else "float64")
-        backend = self.backend_on(size)
-        setting = Setting(
-            tolerance, precision, wrong_nodes_per_patch, reduction, means.threads, means.planning, backend
-        )
+        backend, few = self.backend_on(size), wrong_nodes_per_patch
+        setting = Setting(tolerance, precision, few, reduction, contact_share, means.threads, means.planning, backend)
         return (kind or self.kind).begin(problem, setting)
 
     def backend_on(self, num_points: int) -> str:

@@ -66,6 +66,11 @@ class Reached:
         problem = self.state.problem
         return contact_edges(self.scene, self.pressure, problem.height * problem.length_unit, self.by_loads)
 
+    @property
+    def contact_share(self) -> float:
+        """Share of the nodes that are in contact (dimensionless)."""
+        return int(self.contact[0].size.sum()) / self.num_points
+
     @cached_property
     def level(self) -> Level:
         """What this grid gives."""
@@ -96,13 +101,14 @@ class Reached:
 def over_grids(
     scene: Scene,
     sizes: Sequence[int],
-    begin: Callable[[int], Method],
+    begin: Callable[[int, float], Method],
     relax: Callable[[Method], tuple[Method, Status]],
     measure_last: bool = False,
 ) -> Iterator[Reached]:
     """From coarse to fine: every grid as it is reached. One that is interrupted is the last one.
 
-    sizes: numbers of points. begin: the method on a grid of so many. relax: returns the relaxed state, which may be
+    sizes: numbers of points. begin: the method on a grid of so many, given the share of the nodes that are in contact
+    on the grid before, 0 on the first one. relax: returns the relaxed state, which may be
     another one than it got. measure_last: whether the level of the finest grid is wanted, too, as any may be the last.
 
     An interruption before the first grid is reached is passed on; a later one yields the last grid that was reached
@@ -111,7 +117,7 @@ def over_grids(
     reached: Reached | None = None
     for size in sizes:
         try:
-            state = begin(size)
+            state = begin(size, reached.contact_share if reached else 0.0)
             if reached:
                 reached.start(state)
             # of an area, errors follow from the last two grids

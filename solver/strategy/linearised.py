@@ -67,7 +67,9 @@ def _punch(scene: Scene, contact: Mask) -> tuple[float, Array64]:
     punch = replace(problem, height=np.where(contact, 0.0, problem.reach))
     backend = "warp" if problem.num_points >= SMALLEST_WARP else "numpy"
     # with any number of wrong nodes allowed, the set stays as it is
-    method = active_set.begin(punch, Setting(_TOLERANCE, wrong_nodes_per_patch=math.inf, backend=backend))
+    share = float(contact.mean())
+    setting = Setting(_TOLERANCE, wrong_nodes_per_patch=math.inf, contact_share=share, backend=backend)
+    method = active_set.begin(punch, setting)
     method.start_from_pressure(contact.astype(np.float64))
     if relax(method, _MOST_ITERATIONS, None) is Status.INTERRUPTED:
         raise KeyboardInterrupt

@@ -193,10 +193,10 @@ def _on_grids(task: _Task) -> Solution:
     model_error = task.model_error
     budget = task.accuracy - task.quantity.sensitivity * (model_error + iteration_share(tolerance))
 
-    def begin(size: int) -> Method:
+    def begin(size: int, contact_share: float) -> Method:
         check_memory(size)
-        problem = Problem.from_scene(scene, size)
-        return effort.begin(problem, CAUTION * tolerance, wrong_nodes_per_patch=COARSE_WRONG_NODES)
+        problem, few = Problem.from_scene(scene, size), COARSE_WRONG_NODES
+        return effort.begin(problem, CAUTION * tolerance, wrong_nodes_per_patch=few, contact_share=contact_share)
 
     def relax(state: Method) -> tuple[Method, Status]:
         effort.add_start(state)

@@ -31,20 +31,24 @@ class Prepared:
     """On the scene's grid."""
     tolerance: float
     """Tolerance on the free residual over p (dimensionless)."""
-    finest: Method
-    """The method on the scene's grid."""
+    start: Array64 | None
+    """A displacement to start from, shape (N,) [u]."""
     sizes: Sequence[int]
     """The grids to go over, from coarse to fine."""
 
-    def begin(self, num_points: int) -> Method:
-        """The method on one of the grids."""
+    def begin(self, num_points: int, contact_share: float) -> Method:
+        """The method on one of the grids; contact_share: of the nodes, as the grid before has it."""
         scene = self.effort.scene
         if num_points == scene.num_points:
-            return self.finest
+            finest = self.effort.begin(self.problem, CAUTION * self.tolerance, contact_share=contact_share)
+            if self.start is not None:
+                finest.start(self.start)
+            return finest
         tolerance = max(COARSE_TOLERANCE, 0.0 if scene.precision == "float32" else self.tolerance)
         problem = Problem.from_scene(scene, num_points)
+        few, reduction = COARSE_WRONG_NODES, COARSE_REDUCTION
         return self.effort.begin(
-            problem, tolerance, wrong_nodes_per_patch=COARSE_WRONG_NODES, reduction=COARSE_REDUCTION
+            problem, tolerance, wrong_nodes_per_patch=few, reduction=reduction, contact_share=contact_share
         )
 
 
@@ -66,7 +70,7 @@ def solve_to_tolerance(
 
 
 def _prepare(effort: Effort, nested: bool | None, tolerance: float | None, initial: Array64 | None) -> Prepared:
-    """Check what was asked for, discretise the scene, and make the method on its grid."""
+    """Check what was asked for, and discretise the scene."""
     scene, kind = effort.scene, effort.kind
     check_memory(scene.num_points)
     if scene.precision not in kind.precisions:
@@ -76,12 +80,9 @@ def _prepare(effort: Effort, nested: bool | None, tolerance: float | None, initi
     problem, coarse = problems(scene)
     tolerance = reachable(scene, problem, coarse, tolerance)
     start = None if initial is None else _displacement(initial, scene, problem)
-    finest = effort.begin(problem, CAUTION * tolerance)
-    if start is not None:
-        finest.start(start)
     nested = kind.nested if nested is None else nested
     sizes = grids(scene.num_points) if nested and start is None else [scene.num_points]
-    return Prepared(effort, problem, tolerance, finest, sizes)
+    return Prepared(effort, problem, tolerance, start, sizes)
 
 
 def _displacement(initial: Array64, scene: Scene, problem: Problem) -> Array64:
@@ -113,12 +114,13 @@ def _iterate(prepared: Prepared) -> tuple[Reached, list[Level]]:
 
     An interruption on a coarse grid leaves what is known by then on the finest one.
     """
-    effort, finest, levels = prepared.effort, prepared.finest, []
+    effort, levels = prepared.effort, list[Level]()
     for reached in over_grids(effort.scene, prepared.sizes, prepared.begin, effort.settle):
         # how far a grid is off that was not solved says nothing of the others
         if reached.num_points < effort.scene.num_points and reached.status in (Status.CONVERGED, Status.STAGNATED):
             levels.append(reached.level)
     if reached.num_points < effort.scene.num_points:
+        finest = prepared.begin(effort.scene.num_points, 0.0)
         if reached.pressure.any():
             reached.start(finest)
         reached = Reached(effort.scene, finest, reached.status)

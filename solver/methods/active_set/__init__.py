@@ -9,11 +9,13 @@ May import: method, linecontact.solver.arrays, linecontact.solver.transforms, li
 linecontact.kernels.
 """
 
+from ...arrays import Array64
 from ...grid.problem import Problem
 from ...transforms.planned import Transforms
 from ..method import Fallback, MethodKind, Setting
 from .active_set import ActiveSet
 from .compliance import Compliance
+from .free_nodes import FreeNodes, suits
 from .greens_function import GreensFunction, Tables
 from .nearby import make_split
 from .response import Response
@@ -22,23 +24,28 @@ from .storage import Whole, choose
 __all__ = ["KIND", "ActiveSet", "begin"]
 
 
-def begin(problem: Problem, setting: Setting, storage: Whole | None = None) -> ActiveSet:
-    """The active set on a grid; storage: of its fields, by default what suits the scene."""
+def begin(problem: Problem, setting: Setting, storage: Whole | None = None) -> ActiveSet | FreeNodes:
+    """The active set on a grid, in the form that suits the contact's share of it; storage: of its fields, by default
+    what suits the scene.
+    """
     storage = storage or choose(problem, setting.tolerance)
     made = problem.rigidity.made
     tables: Tables = made.setdefault("active set", Tables(problem.stiffness, problem.num_points))
 
-    def compliance(precision: str) -> Compliance:
+    def operator(symbol: Array64, precision: str) -> Compliance:
         # of half the length they take less time, but what rounding leaves of the gap's shortest waves is twice as large
         transforms = Transforms(storage.length, precision, setting.threads, setting.planning, half_length=False)
-        return Compliance(tables.compliance, storage, transforms, setting.backend)
+        return Compliance(symbol, storage, transforms, setting.backend)
 
-    directions = compliance(setting.working_precision)
-    responses = compliance("float64") if setting.precision == "mixed" else directions
+    green = GreensFunction(tables)
+    if suits(problem, setting):
+        return FreeNodes(problem, setting, green, storage, operator(problem.stiffness, "float64"))
+    directions = operator(tables.compliance, setting.working_precision)
+    responses = operator(tables.compliance, "float64") if setting.precision == "mixed" else directions
     if "split" not in made:
         made["split"] = make_split(tables.compliance, problem.num_points)
     response = Response(problem, storage, made["split"], directions, responses, setting.backend)
-    few, green = setting.wrong_nodes_per_patch, GreensFunction(tables)
+    few = setting.wrong_nodes_per_patch
     return ActiveSet(problem, setting.tolerance, green, storage, response, few, setting.reduction)
 
 

@@ -18,7 +18,6 @@ mixed precision the rounding of float32 images, may have put into the residual c
 """
 
 import math
-from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -30,60 +29,14 @@ from .ends import moved_ends
 from .greens_function import GreensFunction
 from .preconditioner import PatchDeflation
 from .response import Response
+from .search import HARDER, LOOSEST, MOST_ITERATIONS, SAFETY, Search
 from .storage import Whole
 
-_FORCING_TERM = 0.05  # residual of a set over that when it was new, at which it is updated
-_PROGRESS = 0.8  # an update that changes fewer nodes than this share of the fewest so far counts as progress
-_PATIENCE, _TIGHT = 8, 1e-3  # updates without progress before the forcing term falls, and its lowest value then
-_TIGHTER, _TIGHTEST = 0.1, 1e-7  # factor of the forcing term when a set comes back, and where the search gives up
-_SAFETY = 0.4  # residual to stop at over the tolerance: the free residual is up to twice the pressure's error
-_LOOSEST = 1e-3  # tolerance on coarse grids
-_HARDER = 0.2  # factor of the residual to stop at after the certificate found the free residual too large
 _OVER_FLOOR = 0.3  # error of the pressure over the free residual, both as rounding leaves them
 _OVER_DRIFT = 3.0  # residual over the rounding of float32 images, below which the response has to be made anew
 _SMALL_SET = 256  # nodes up to which elimination takes less time than the iterations
-_MOST_ITERATIONS = 150  # on one set: then rounding keeps the residual up; more where patches share an unknown
 _FEW_PATCHES = 8  # largest number of patches whose ends are predicted on a cold start; more disturb each other
 _MOVES = 6  # updates of a cold start in which they are
-
-
-@dataclass
-class _Search:
-    """How the search for the set of contact nodes is getting on."""
-
-    forcing_term: float = _FORCING_TERM
-    """Part of a new set's residual at which it is updated (dimensionless)."""
-    moves_left: int = 0
-    """Updates that may still move the ends of patches to where the pressure says that they belong."""
-    earlier: set[int] = field(default_factory=set)
-    """Keys of the sets so far."""
-    fewest: float = math.inf
-    """Nodes that an update has dropped and added at the least."""
-    in_vain: int = 0
-    """Updates since that became much less."""
-
-    def may_move_ends(self) -> bool:
-        """Whether this update may; one less may after it."""
-        self.moves_left -= 1
-        return self.moves_left >= 0
-
-    def note(self, changed: int) -> None:
-        """Note how many nodes an update drops and adds; while that does not become less, solve more accurately."""
-        if changed < _PROGRESS * self.fewest:
-            self.fewest, self.in_vain = changed, 0
-            return
-        self.in_vain += 1
-        if self.in_vain >= _PATIENCE and self.forcing_term > _TIGHT:
-            self.forcing_term, self.in_vain = max(_TIGHT, self.forcing_term * _TIGHTER), 0
-
-    def in_circles(self, key: int) -> bool:
-        """Note a new set; True if sets keep coming back although they are decided on ever more accurate solutions."""
-        came_back = key in self.earlier
-        if came_back:  # decided on too rough a solution, or really going round in circles
-            self.forcing_term *= _TIGHTER
-            self.earlier.clear()
-        self.earlier.add(key)
-        return came_back and self.forcing_term < _TIGHTEST
 
 
 class ActiveSet(Method):
@@ -109,13 +62,13 @@ class ActiveSet(Method):
         self.mixed, self.even = response.mixed, response.even
         self._wrong_nodes_per_patch = wrong_nodes_per_patch
         self._green, self._storage, self._response = green, storage, response
-        self._target = _SAFETY * tolerance
+        self._target = SAFETY * tolerance
         self._floor = 0.0  # of the residual: below, sets would be decided on rounding
         # a single node that penetrates so much takes a tenth of the tolerance as its force
         self._smallest_gap = 0.1 * tolerance / float(problem.stiffness.mean())
         self._set: ContactSet | None = None
         self._last_preconditioner: PatchDeflation | None = None
-        self._search = _Search()
+        self._search = Search()
 
     @property
     def transform_pairs(self) -> float:
@@ -135,15 +88,15 @@ class ActiveSet(Method):
             self.start_cold()
             return
         pressure = self._storage.symmetric(pressure)
-        self.stopped, self._search = False, _Search()
+        self.stopped, self._search = False, Search()
         nodes = np.flatnonzero(pressure > 0)
         self._take_set(nodes, nodes, pressure[nodes])
         self._response.renew(self._now)
         self._floor = _OVER_FLOOR * self._response.floor(self._now)
 
     def try_harder(self) -> bool:
-        self._target *= _HARDER
-        self._floor *= _HARDER
+        self._target *= HARDER
+        self._floor *= HARDER
         self.stopped = False
         return True
 
@@ -168,8 +121,8 @@ class ActiveSet(Method):
         if math.isinf(now.first_residual):
             now.first_residual = self.residual
             if self._reduction:  # known with the first set
-                self.tolerance = max(self.tolerance, min(self._reduction * self.residual, _LOOSEST))
-                self._target, self._reduction = _SAFETY * self.tolerance, 0.0
+                self.tolerance = max(self.tolerance, min(self._reduction * self.residual, LOOSEST))
+                self._target, self._reduction = SAFETY * self.tolerance, 0.0
         if drift and self.residual <= max(self._target, self._floor, _OVER_DRIFT * drift):
             self._response.renew(now)
             now.last_product = 0.0
@@ -218,7 +171,7 @@ class ActiveSet(Method):
         if not math.isfinite(self.residual):
             self.stopped = True
             return
-        stuck = now.iterations > max(_MOST_ITERATIONS, now.preconditioner.share)
+        stuck = now.iterations > max(MOST_ITERATIONS, now.preconditioner.share)
         if self.stopped and not stuck:
             return
         self.iteration += 1

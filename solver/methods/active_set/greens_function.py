@@ -41,7 +41,7 @@ class Tables:
 
     def __init__(self, stiffness: Array64, num_points: int) -> None:
         self._stiffness, self.num_points = stiffness, num_points
-        self._factor = np.zeros((0, 0))
+        self._factor = self._stiffness_factor = np.zeros((0, 0))
         self._second_sum: Array64 | None = None
         self._symbols: dict[int, tuple[Array64, Array64]] = {}
 
@@ -71,6 +71,14 @@ class Tables:
         factor = self._factor  # another thread may put a smaller one there meanwhile
         if factor.shape[0] < order:
             self._factor = factor = inverse_cholesky(self.response, min(64 * -(-order // 64), self.num_points - 1))
+        return factor
+
+    def stiffness_factor(self, order: int) -> Array64:
+        """The same of K [K]; in the room of `factor`."""
+        factor = self._stiffness_factor
+        if factor.shape[0] < order:
+            column = irfft(self._stiffness, self.num_points)
+            self._stiffness_factor = factor = inverse_cholesky(column, min(64 * -(-order // 64), self.num_points - 1))
         return factor
 
     def symbols(self, length: int) -> tuple[Array64, Array64]:
@@ -142,6 +150,12 @@ class Convolution:
         self.rigidity, self.compliance, self.length = rigidity, compliance, length
         self._pair = Pair(length)
         self.count = 0
+
+    @cached_property
+    def inverse_rigidity(self) -> Array64:
+        """1/K, and of the mean mode, which K leaves alone, twice that of the longest wave."""
+        least = self.rigidity[1] / 2
+        return np.asarray(1 / np.maximum(self.rigidity, least))
 
     def __call__(self, symbol: Array64, values: Array64) -> Array64:
         """Circular convolution of zero-padded values with a symbol, shape (length//2 + 1,), at the values' nodes."""

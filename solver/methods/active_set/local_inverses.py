@@ -7,7 +7,7 @@ Where many patches fill most of the period, K restricted to all contact nodes is
 than short transforms for each of them; not so on thin incompressible layers, whose longest waves are the stiffest.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 
 import numpy as np
 
@@ -23,6 +23,32 @@ _MOST = 0.65  # share of the nodes in contact from which many patches are invert
 _SOFT = 0.1  # least G of the longest wave over the largest: where that is stiffer, K is no near inverse
 
 
+Block = tuple[Array64, Indices, Mask]
+"""Runs of similar size: the inverse Cholesky factor of a Toeplitz matrix on the longest of them, the compact indices of
+their nodes and which of these there are, both shape (runs, width)."""
+
+
+def blocks_of(runs: Patches, chosen: Mask, factor: Callable[[int], Array64]) -> Iterator[Block]:
+    """The chosen runs of nodes, shape (runs,), by their size. factor: the inverse factor of at least an order."""
+    widths = np.where(chosen, np.maximum(8, 2 ** np.ceil(np.log2(runs.size)).astype(np.int64)), 0)
+    for width in np.unique(widths[chosen])[::-1]:  # the longest first, whose factor serves the others
+        alike = np.flatnonzero(widths == width)
+        width = int(runs.size[alike].max())
+        mask = np.arange(width) < runs.size[alike, None]
+        # outside of a run: the slot behind the last node
+        index = np.where(mask, runs.offset[alike, None] + np.arange(width), runs.nodes.size)
+        yield factor(width)[:width, :width], index, mask
+
+
+def invert_blocks(blocks: Iterable[Block], residual: Array64) -> Array64:
+    """The inverse times a residual on the nodes of the blocks, 0 on the others; both in compact order."""
+    padded = np.append(residual, 0.0)
+    z = np.zeros_like(padded)
+    for factor, index, mask in blocks:
+        z[index] = ((padded[index] @ factor.T) * mask) @ factor * mask
+    return z[:-1]
+
+
 class PatchByPatch:
     """Every patch on its own."""
 
@@ -34,7 +60,8 @@ class PatchByPatch:
             p: known.get(int(patches.size[p])) or LongPatch(green, int(patches.size[p]))
             for p in map(int, np.flatnonzero(patches.size > dense))
         }
-        self._blocks = list(self._dense_blocks())
+        short = ~np.isin(np.arange(patches.count), list(self._long))
+        self._blocks = list(blocks_of(patches, short, green.tables.factor))
 
     @property
     def long_patches(self) -> dict[int, LongPatch]:
@@ -54,31 +81,12 @@ class PatchByPatch:
         start = self._patches.offset[patch]
         return slice(start, start + self._patches.size[patch])
 
-    def _dense_blocks(self) -> Iterator[tuple[Array64, Indices, Mask]]:
-        """(factor, compact indices, mask) of the patches of similar size, both of shape (patches, width)."""
-        size, offset = self._patches.size, self._patches.offset
-        widths = np.where(
-            np.isin(np.arange(size.size), list(self._long)),
-            0,
-            np.maximum(8, 2 ** np.ceil(np.log2(size)).astype(np.int64)),
-        )
-        for width in np.unique(widths[widths > 0])[::-1]:  # the longest first, whose factor serves the others
-            chosen = np.flatnonzero(widths == width)
-            width = int(size[chosen].max())
-            mask = np.arange(width) < size[chosen, None]
-            # outside of a patch: the slot behind the last contact node
-            index = np.where(mask, offset[chosen, None] + np.arange(width), self._patches.nodes.size)
-            yield self._green.tables.factor(width)[:width, :width], index, mask
-
     def __call__(self, residual: Array64) -> Array64:
         """About G_bb^-1 residual on every patch b, in compact order."""
-        padded = np.append(residual, 0.0)
-        z = np.zeros_like(padded)
-        for factor, index, mask in self._blocks:
-            z[index] = ((padded[index] @ factor.T) * mask) @ factor * mask
+        z = invert_blocks(self._blocks, residual)
         for p, long in self._long.items():
             z[self._part(p)] = long.solve(residual[self._part(p)])
-        return z[:-1]
+        return z
 
 
 class Together:

@@ -1,0 +1,191 @@
+"""The search for the contact nodes with the displacement of the free nodes as unknown.
+
+Where much of the period is in contact, few nodes are free, and K between them is short-ranged, so that this form of
+the same problem takes a half to a sixth of the iterations: K_FF u_F = p - K_FC h_C by preconditioned conjugate
+gradients (M. R. Hestenes and E. Stiefel, 1952), with the preconditioner of `gap_by_gap`. The net force r = p - K u of
+all nodes is carried along; on the free nodes it is the residual that the certificate looks at, too. When that has
+fallen far enough, free nodes that penetrate are put onto the wall, and those that the wall would have to hold by
+pulling are set free (the primal-dual active set in its primal form, M. Hintermueller et al., SIAM J. Optim. 13, 865
+(2002)).
+
+Not for layers whose longest waves are the stiffest, thin and incompressible ones: there K is long-ranged.
+"""
+
+import math
+from collections.abc import Callable
+from functools import cached_property
+
+import numpy as np
+
+from ....kernels import Call, layout, record
+from ...arrays import Array64, Indices, Mask
+from ...grid.patches import Patches
+from ...grid.problem import Problem, rounding_floor
+from ..method import Method, Setting
+from .compliance import Compliance
+from .gap_by_gap import GapByGap
+from .greens_function import GreensFunction
+from .search import HARDER, LOOSEST, MOST_ITERATIONS, SAFETY, Search
+from .storage import Whole
+
+_LEAST = 0.25  # share of the nodes in contact from which this form takes less time than that in the pressure
+_STIFF = 2.0  # K of the longest wave over the smallest: beyond, K is long-ranged
+_SMALLEST_PULL = 0.1  # of the tolerance on the residual, as a force over p: below, nodes would change by rounding
+_FLOOR = 0.5  # of the residual that rounding leaves, below which it is not followed
+
+
+def suits(problem: Problem, setting: Setting) -> bool:
+    """Whether this form takes less time than that in the pressure."""
+    stiffness = problem.stiffness[1:]
+    short_ranged = bool(stiffness[0] <= _STIFF * stiffness.min())
+    return setting.contact_share >= _LEAST and setting.precision == "float64" and short_ranged
+
+
+class FreeNodes(Method):
+    """The active set on one grid, by displacements; in float64."""
+
+    iteration = 0
+    residual = math.inf
+    stopped = False
+    patience = None  # the residual starts anew with every set
+    mixed = False
+
+    def __init__(
+        self, problem: Problem, setting: Setting, green: GreensFunction, storage: Whole, operator: Compliance
+    ) -> None:
+        """operator: applies K."""
+        self.problem, self.tolerance, self._reduction = problem, setting.tolerance, setting.reduction
+        self._wrong_nodes_per_patch, self._backend = setting.wrong_nodes_per_patch, setting.backend
+        self._green, self._storage, self._operator = green, storage, operator
+        self._target, self._floor, self._pairs = SAFETY * self.tolerance, 0.0, 0.0
+        self._search = Search()
+        self._state = np.zeros(layout.GAP_STATE_LENGTH)
+        self._force = operator.new_field()  # r
+        self._take(np.zeros(problem.num_points))
+
+    @property
+    def even(self) -> bool:
+        """Whether the fields hold half of the nodes."""
+        return self._storage.length < self.problem.num_points
+
+    @property
+    def transform_pairs(self) -> float:
+        return self._pairs + self._green.transformed / self.problem.num_points
+
+    @cached_property
+    def _advance(self) -> Callable[[], None]:
+        call = Call("advance_response", (self._operator.target, self._state), (self._force,))
+        return record(self._backend, [call])
+
+    def start(self, displacement: Array64) -> None:
+        self._take(np.minimum(displacement, self.problem.height))
+
+    def start_from_pressure(self, pressure: Array64) -> None:
+        self._take(self.problem.displacement_under(self._storage.symmetric(pressure)))
+        self._pairs += 1
+
+    def _take(self, displacement: Array64) -> None:
+        """Begin from a displacement u <= h, shape (N,) [u]."""
+        self._displacement, self.stopped, self._search = displacement, False, Search()
+        self._set_free(displacement < self.problem.height)
+        self._make_force()
+        self._floor = _FLOOR * rounding_floor(self.problem.stiffness, displacement, "float64")
+
+    def _set_free(self, free: Mask) -> None:
+        """Turn to another set of free nodes, shape (N,)."""
+        self._free, self._gaps = free, Patches.of(free)
+        self._nodes = self._gaps.nodes
+        self._places = self._storage.places(self._nodes)
+        self._inverse: GapByGap | None = None
+        self._direction, self._last_product = np.zeros(0), 0.0
+        self._first_residual, self._iterations, self._settled = math.inf, 0, False
+
+    def _make_force(self) -> None:
+        """The net force of all nodes from their displacement, those in contact on the exact wall."""
+        self._displacement[~self._free] = self.problem.height[~self._free]
+        self._apply(self._storage.places(np.arange(self._displacement.size)), self._displacement)
+        np.subtract(1, self._operator.target, out=self._force)
+
+    def _apply(self, places: Indices, values: Array64) -> None:
+        self._operator.apply(places, values)
+        self._pairs += self._operator.pair_length
+
+    def try_harder(self) -> bool:
+        self._target *= HARDER
+        self._floor *= HARDER
+        self.stopped = False
+        return True
+
+    def demand_every_node(self) -> None:
+        self._wrong_nodes_per_patch, self.stopped = 0.0, False
+
+    def step(self) -> None:
+        """One iteration on the free nodes; where they are solved well enough, update which nodes are free instead."""
+        force = self._force[self._places]
+        self.residual = math.sqrt(float(force @ force) / max(1, force.size))
+        if math.isinf(self._first_residual):
+            self._first_residual = self.residual
+            if self._reduction:
+                self.tolerance = max(self.tolerance, min(self._reduction * self.residual, LOOSEST))
+                self._target, self._reduction = SAFETY * self.tolerance, 0.0
+        target = max(self._target, self._floor)
+        part = 0.0 if self._settled else self._search.forcing_term * self._first_residual
+        if self.residual <= max(target, part):
+            self.iteration += 1
+            if self._update():
+                return
+            self._settled = True
+            if self.residual <= target:
+                self.stopped = True
+                return
+        if self._iterations >= MOST_ITERATIONS or not self._iterate(force):
+            self.stopped = True
+
+    def _iterate(self, force: Array64) -> bool:
+        """One iteration of conjugate gradients; False if rounding has left no way down."""
+        self._iterations += 1
+        self.iteration += 1
+        if self._inverse is None:
+            self._inverse = GapByGap(self._green, self._gaps)
+        z = self._inverse.apply(force)
+        product = float(force @ z)
+        share = product / self._last_product if self._last_product else 0.0
+        self._direction = z + share * self._direction if share else z
+        self._last_product = product
+        self._apply(self._places, self._direction)
+        curvature = float(self._direction @ self._operator.target[self._places])
+        if not curvature > 0:
+            return False
+        step = product / curvature
+        self._displacement[self._nodes] += step * self._direction
+        self._state[layout.STEP] = -step
+        self._advance()
+        return True
+
+    def _update(self) -> bool:
+        """Put nodes that penetrate onto the wall, set nodes free that pull; False if no more than may be wrong do."""
+        height, nodes = self.problem.height, self._nodes
+        penetrating = nodes[self._displacement[nodes] > height[nodes]]
+        pull = self._storage.get(self._force) < -_SMALLEST_PULL * self.tolerance
+        pull &= ~self._free
+        changed = penetrating.size + int(np.count_nonzero(pull))
+        if changed <= self._wrong_nodes_per_patch * self._gaps.count:
+            return False
+        self._search.note(changed)
+        free = self._free | pull
+        free[penetrating] = False
+        self._set_free(free)
+        if penetrating.size:
+            self._make_force()
+        self.stopped = self._search.in_circles(hash((self._gaps.first.tobytes(), self._gaps.last.tobytes())))
+        return True
+
+    @property
+    def displacement(self) -> Array64:
+        """u, shape (N,) [u], in float64; contact nodes stand on the exact wall."""
+        return np.minimum(self._displacement, self.problem.height)
+
+    @property
+    def contact_pressure(self) -> Array64:
+        """sigma, shape (N,) [p]."""
+        return np.where(self._free, 0.0, np.maximum(self._storage.get(self._force), 0.0))

@@ -1,0 +1,34 @@
+"""Approximate inverse of the stiffness K on the free nodes: every gap between two patches on its own.
+
+K is a Toeplitz matrix and, but for its mean mode, short-ranged: a displacement in one gap hardly presses on the next.
+So no loads need to be solved for together, as they have to for the inverse of G on the contact. Gaps share one inverse
+Cholesky factor; in those too long for it G restricted to the gap, by a short transform, is nearly the inverse.
+"""
+
+import numpy as np
+
+from ...arrays import Array64
+from ...grid.patches import Patches
+from .greens_function import GreensFunction
+from .local_inverses import LONGEST_DENSE, blocks_of, invert_blocks
+
+
+class GapByGap:
+    """Preconditioner for one set of free nodes."""
+
+    def __init__(self, green: GreensFunction, gaps: Patches) -> None:
+        """gaps: runs of free nodes."""
+        self.gaps, self._green = gaps, green
+        short = gaps.size <= LONGEST_DENSE
+        self._blocks = list(blocks_of(gaps, short, green.tables.stiffness_factor))
+        self._long = np.flatnonzero(~short)
+
+    def apply(self, force: Array64) -> Array64:
+        """About K_FF^-1 force, a displacement; both shape (free nodes,) in compact order."""
+        z = invert_blocks(self._blocks, force)
+        for start, size in zip(self.gaps.offset[self._long], self.gaps.size[self._long], strict=True):
+            step = 2 ** (int(size).bit_length() - 3)  # gaps of similar size share a length
+            convolve = self._green.convolution(min(2 * step * -(-int(size) // step), self._green.num_points))
+            part = slice(start, start + size)
+            z[part] = convolve(convolve.inverse_rigidity, force[part])
+        return z

@@ -1,0 +1,124 @@
+"""The search by displacements, where much of the period is in contact, beside that by pressures."""
+
+import numpy as np
+import pytest
+from linecontact.solver import (
+    CoatedHalfSpace,
+    Layer,
+    MeasuredIndenter,
+    PowerIndenter,
+    RoughIndenter,
+    Scene,
+    SlidingLayer,
+    Status,
+    solve,
+)
+from linecontact.solver.grid.patches import Patches
+from linecontact.solver.grid.problem import Problem, full_contact_pressure
+from linecontact.solver.methods import Setting, active_set, relax
+from linecontact.solver.methods.active_set.active_set import ActiveSet
+from linecontact.solver.methods.active_set.free_nodes import FreeNodes
+from linecontact.solver.methods.active_set.gap_by_gap import GapByGap
+from linecontact.solver.methods.active_set.greens_function import GreensFunction, Tables
+from linecontact.solver.methods.active_set.storage import Half, Whole
+from linecontact.solver.transforms.plain import irfft
+
+TOLERANCE = 1e-9
+ROUGH = RoughIndenter(0.8, 0, cut_off_ratio=1 / 16)
+LAYERS = [Layer(), Layer(0.1, 0.3), Layer(1e-3, 0.25), SlidingLayer(0.03), CoatedHalfSpace(0.01, 10.0)]
+
+
+def begin(problem, share, **setting):
+    return active_set.begin(problem, Setting(TOLERANCE, contact_share=share, **setting))
+
+
+def both(scene, **setting):
+    """The problem solved by pressures and by displacements, from the same start."""
+    problem = Problem.from_scene(scene)
+    found = [begin(problem, share, **setting) for share in (0.0, 0.5)]
+    assert [type(one) for one in found] == [ActiveSet, FreeNodes]
+    for one in found:
+        one.start_from_pressure((problem.height < np.median(problem.height)).astype(float))
+        assert relax(one, 2000) is Status.CONVERGED
+    return found
+
+
+@pytest.mark.parametrize("layer", LAYERS, ids=lambda layer: layer.name)
+@pytest.mark.parametrize("pressure", [0.2, 0.7])
+def test_both_forms_find_the_same_contact(layer, pressure):
+    scene = Scene(layer, ROUGH, num_points=2**12)
+    scene = Scene(layer, ROUGH, pressure * full_contact_pressure(scene), num_points=2**12)
+    by_pressure, by_displacement = both(scene)
+    for one, other in zip(*((x.contact_pressure, x.displacement) for x in (by_pressure, by_displacement)), strict=True):
+        np.testing.assert_allclose(one, other, atol=100 * TOLERANCE * np.abs(one).max())
+    np.testing.assert_array_equal(by_pressure.contact_pressure > 0, by_displacement.contact_pressure > 0)
+
+
+def test_the_twins_agree():
+    scene = Scene(Layer(0.1), ROUGH, 0.5, num_points=2**12)
+    warp, numpy = (both(scene, backend=backend)[1] for backend in ("warp", "numpy"))
+    assert warp.iteration == numpy.iteration
+    np.testing.assert_allclose(warp.displacement, numpy.displacement, rtol=1e-12, atol=1e-15)
+
+
+def test_the_preconditioner_inverts_a_short_gap_exactly():
+    problem = Problem.from_scene(Scene(Layer(0.1, 0.3), num_points=2**10))
+    free = np.zeros(2**10, dtype=bool)
+    free[100:180] = True
+    column, nodes = irfft(problem.stiffness, 2**10), np.arange(80)
+    force = np.random.default_rng(0).standard_normal(80)
+    green = GreensFunction(Tables(problem.stiffness, 2**10))
+    found = GapByGap(green, Patches.of(free)).apply(force)
+    np.testing.assert_allclose(found, np.linalg.solve(column[abs(nodes[:, None] - nodes)], force), rtol=1e-9)
+
+
+def test_a_scan_and_its_mirror_image_take_half_of_the_nodes():
+    heights = np.cumsum(np.random.default_rng(1).standard_normal(2**12)) / 2**12
+    indenter = MeasuredIndenter(np.concatenate([heights, heights[::-1]]))
+    scene = Scene(Layer(), indenter, 1.0, num_points=2**13)
+    problem = Problem.from_scene(Scene(Layer(), indenter, 0.4 * full_contact_pressure(scene), num_points=2**13))
+    found = [
+        active_set.begin(problem, Setting(TOLERANCE, contact_share=0.5), storage(2**13)) for storage in (Whole, Half)
+    ]
+    for one in found:
+        one.start_from_pressure((problem.height < np.median(problem.height)).astype(float))
+        assert relax(one, 2000) is Status.CONVERGED
+    assert [one.even for one in found] == [False, True]
+    assert found[1].transform_pairs < found[0].transform_pairs
+    whole, half = (one.contact_pressure for one in found)
+    np.testing.assert_allclose(whole, half, atol=100 * TOLERANCE * whole.max())
+
+
+@pytest.mark.parametrize(
+    ("layer", "precision", "share"),
+    [(Layer(1e-3, 0.5), "float64", 0.9), (Layer(), "mixed", 0.9), (Layer(), "float64", 0.2)],
+)
+def test_where_pressures_are_better_they_are_taken(layer, precision, share):
+    problem = Problem.from_scene(Scene(layer, num_points=2**10, precision=precision))
+    assert isinstance(begin(problem, share, precision=precision), ActiveSet)
+
+
+def test_full_contact_and_nearly_full_contact():
+    scene = Scene(Layer(0.1), ROUGH, num_points=2**12)
+    full = full_contact_pressure(scene)
+    for part in (1.01, 0.999):
+        found = solve(Scene(Layer(0.1), ROUGH, part * full, num_points=2**12))
+        assert found.status is Status.CONVERGED
+        assert found.contact.all() == (part > 1)
+        assert not found.handed_over
+
+
+def test_what_cannot_go_on_is_taken_over_by_pressures(monkeypatch):
+    scene = Scene(Layer(), ROUGH, 0.3, num_points=2**12)
+    expected = solve(scene)
+    assert expected.observables.contact_area > 0.3
+    monkeypatch.setattr(FreeNodes, "_iterate", lambda self, force: False)
+    found = solve(scene)
+    assert found.status is Status.CONVERGED
+    np.testing.assert_array_equal(found.contact, expected.contact)
+
+
+def test_the_power_profile_of_one_patch():
+    scene = Scene(Layer(), PowerIndenter(2.0), 0.05, num_points=2**12)
+    by_pressure, by_displacement = both(scene)
+    np.testing.assert_array_equal(by_pressure.contact_pressure > 0, by_displacement.contact_pressure > 0)
