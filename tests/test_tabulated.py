@@ -121,3 +121,42 @@ def test_bad_files_are_one_line_and_status_2(tmp_path, capsys, text, said):
     error = capsys.readouterr().err
     assert said in error
     assert error.count("\n") == 1
+
+
+@pytest.mark.parametrize("layer", [Layer(0.1, 0.25), Layer(0.01, 0.49), Layer(0.05, 0.5), CoatedHalfSpace(1e-3, 5.0)])
+def test_a_function_is_known_to_six_digits(layer):
+    first = 0.1 if layer.foundation_modulus(1.0) == math.inf else 1e-4
+    table = TabulatedLayer.from_function(
+        lambda q: layer.stiffness(q, 1.0) * layer.contact_modulus, first, 1e7, layer.contact_modulus
+    )
+    np.testing.assert_allclose(table.stiffness(WAVES, 1.0), layer.stiffness(WAVES, 1.0), rtol=1e-6)
+    scene = Scene(layer, RoughIndenter(0.8, 0, cut_off_ratio=1 / 16), 0.02, num_points=2**12)
+    exact, found = (solve(scene).observables, solve(Scene(table, scene.indenter, 0.02, num_points=2**12)).observables)
+    assert found.contact_area == exact.contact_area
+    assert found.peak_pressure == pytest.approx(exact.peak_pressure, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("function", "first", "last", "message"),
+    [
+        (
+            lambda q: np.where(q > 50, np.nan, q),
+            1,
+            1e4,
+            r"stiffness\(q\) is nan at q = .*; allowed: finite numbers > 0",
+        ),
+        (lambda q: q - 10, 1, 1e4, r"stiffness\(q\) is -9 at q = 1; allowed"),
+        (lambda q: 1.0, 1, 1e4, r"stiffness\(q\) has shape \(\); allowed: \(\d+,\), that of q"),
+        (
+            lambda q: np.where(q > 50, 2 * q, q),
+            1,
+            1e4,
+            r"is known to .* only about q = [45]\d.*; allowed: a function that",
+        ),
+        (lambda q: q, 10, 1, r"first and last are 10 and 1; allowed: two finite wave numbers > 0, the smaller first"),
+        (lambda q: q, 0, 1, "first and last are 0 and 1"),
+    ],
+)
+def test_functions_that_are_no_stiffness_are_named_at_once(function, first, last, message):
+    with pytest.raises(ValueError, match=message):
+        TabulatedLayer.from_function(function, first, last)

@@ -1,4 +1,5 @@
-"""A layer given by a table of its stiffness K(q): graded layers, several layers, whatever was computed elsewhere.
+"""A layer given by a table of its stiffness K(q), or by a function that makes one: graded layers, several layers,
+whatever was computed elsewhere.
 
 Between the rows ln K is a cubic in ln q, with the slopes of F. N. Fritsch and R. E. Carlson (SIAM J. Numer. Anal. 17,
 238 (1980)), so it does not overshoot. Beyond the last row short waves may find a half-space, K = E* q/2, before the
@@ -7,6 +8,7 @@ lacks are refused.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, Self
 
@@ -18,6 +20,8 @@ from .layer import ElasticLayer
 
 _FEWEST = 8  # rows
 _COARSE = 0.02  # change of K where every other row is left out; with all rows it is some sixteenth of that
+_FINE = 1e-6  # the same, of a function; and the most rows that are tried for it
+_MOST = 2**16
 _STRAIGHT = 0.01  # difference of a slope d ln K/d ln q from 0 or 1 at which a law is taken to go on
 
 
@@ -58,15 +62,45 @@ class TabulatedLayer(ElasticLayer):
             slope = f"goes like q^{self._slopes[0]:.2g}"
             allowed = "a table that begins where K is constant (a foundation), or goes like q (a half-space) or 1/q^2"
             raise ValueError(f"stiffnesses begin at q = {q[0]:.4g}, where K {slope}; allowed: {allowed}")
-        every = np.arange(0, q.size, 2)
-        left_out = np.arange(1, every[-1], 2)
-        log_q, log_k = np.log(q), np.log(k)
-        error = np.abs(np.expm1(_cubic(log_q[every], log_k[every], log_q[left_out]) - log_k[left_out]))
-        worst = int(np.argmax(error))
-        if error[worst] > _COARSE:
-            change = f"{error[worst]:.0%} about q = {q[left_out[worst]]:.3g}"
+        error, about = _left_out(q, k)
+        if error > _COARSE:
+            change = f"{error:.0%} about q = {about:.3g}"
             allowed = f"rows so close that it is below {_COARSE:.0%}"
             raise ValueError(f"stiffnesses, where every other row is left out, change by {change}; allowed: {allowed}")
+
+    @classmethod
+    def from_function(
+        cls, stiffness: Callable[[Array64], Array64], first: float, last: float, contact_modulus: float = math.nan
+    ) -> Self:
+        """The layer of a function K(q) [pressure/length], by a table between two wave numbers [1/length] with as many
+        rows as it takes to know K to about 1e-7.
+
+        stiffness: takes an array of wave numbers q > 0 [1/length], and returns K(q) > 0 of its shape. first, last: as
+        in a table, K must have become the law of long waves at the one and of short waves at the other, or the scene
+        must not have waves beyond. Raises `ValueError` for these, and for a function that returns anything else or
+        changes too quickly.
+        """
+        allowed = "two finite wave numbers > 0, the smaller first"
+        if not 0 < first < last < math.inf:
+            raise ValueError(f"first and last are {first} and {last}; allowed: {allowed}")
+        count = _FEWEST * math.ceil(math.log10(last / first) + 1)
+        while True:
+            count *= 2
+            q = np.geomspace(first, last, count)
+            k = np.asarray(stiffness(q), dtype=np.float64)
+            if k.shape != q.shape:
+                raise ValueError(f"stiffness(q) has shape {k.shape}; allowed: {q.shape}, that of q")
+            bad = np.flatnonzero(~((k > 0) & (k < math.inf)))
+            if bad.size:
+                raise ValueError(f"stiffness(q) is {k[bad[0]]:.6g} at q = {q[bad[0]]:.6g}; allowed: finite numbers > 0")
+            error, about = _left_out(q, k)
+            if error < _FINE:
+                return cls(tuple(q.tolist()), tuple(k.tolist()), contact_modulus, "a function")
+            if count >= _MOST:
+                raise ValueError(
+                    f"stiffness(q) is known to {error:.1g} only about q = {about:.4g}, with {count} rows; "
+                    f"allowed: a function that is smoother there"
+                )
 
     def __repr__(self) -> str:
         of = f" of {self.source}" * bool(self.source)
@@ -142,6 +176,16 @@ def _column(name: str, values: Any) -> Array64:
     if bad.size:
         raise ValueError(f"{name} are {column[bad[0]]:.6g} in row {bad[0] + 1}; allowed: {allowed}")
     return column
+
+
+def _left_out(q: Array64, k: Array64) -> tuple[float, float]:
+    """The largest relative change of K where every other row is left out, and the q where that is."""
+    every = np.arange(0, q.size, 2)
+    left_out = np.arange(1, every[-1], 2)
+    log_q, log_k = np.log(q), np.log(k)
+    error = np.abs(np.expm1(_cubic(log_q[every], log_k[every], log_q[left_out]) - log_k[left_out]))
+    worst = int(np.argmax(error))
+    return float(error[worst]), float(q[left_out[worst]])
 
 
 def _missing(which: str, q: float, end: float, law: str) -> str:
