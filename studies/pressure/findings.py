@@ -24,6 +24,7 @@ from ..rough_surfaces.means import Mean
 from .analysis import CONSTANT, Curve, Point, bending_thickness, curves, parabola
 
 _SMALL = 0.3  # a_r up to which a contact is far from full
+_NEARLY = 0.85  # a_r from which it is nearly full
 _NEAR, _MOST = 0.25, 0.7  # relative distance from a parabola that counts as near, and share that must be
 _THIN, _CLOSE = 0.02, 1e-3  # d/(a_r L) up to which a layer is thin, and relative error with which its law holds
 _PERCENT = f"{100 * CONSTANT:g} %"
@@ -62,9 +63,9 @@ def _rough_half_space(curve: Curve) -> Iterator[Statement]:
             measured = f"{value} at p = {far[0].pressure:g}"
             verdict = judge(_THEORY, value.value, value.error)
             yield Statement(f"{name}, {what}", f"sqrt(8/pi) = {_THEORY:.4f}", measured, verdict)
-    nearly = [point for point in curve.points if _SMALL < point.area.value < 1]
-    if nearly:
-        point = nearly[-1]
+    for point in curve.points:
+        if not _NEARLY < point.area.value < 1:
+            continue
         free, theory = Mean(1 - point.area.value, point.area.error), 1 - point.persson
         what = f"{name}, Persson's theory near full contact, p = {point.pressure:g}: 1 - a_r"
         yield Statement(what, f"{theory:.4f}", str(free), judge(theory, free.value, free.error))

@@ -46,11 +46,11 @@ class Configuration:
     """Of the layers (dimensionless)."""
     thicknesses: tuple[float, ...] = (0.1, 1e-2, 1e-3, 1e-4, 1e-5)
     """d/L of the layers, from thick to thin (dimensionless); the half-space is always there, too."""
-    pressures: tuple[float, ...] = (3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0)
+    pressures: tuple[float, ...] = (3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0, 1.3, 1.6)
     """Mean pressures p/E* on rough surfaces (dimensionless)."""
-    realisations: tuple[int, ...] = (32, 32, 32, 32, 16, 8, 4, 4)
+    realisations: tuple[int, ...] = (32, 32, 32, 32, 16, 8, 4, 4, 4, 4)
     """Surfaces at each of these."""
-    half_space_areas: tuple[float, ...] = (0.003, 0.01, 0.03, 0.1, 0.3, 0.5, 0.7, 0.9, 0.97)
+    half_space_areas: tuple[float, ...] = (0.003, 0.01, 0.03, 0.1, 0.3, 0.5, 0.7, 0.9, 0.97, 0.99)
     """The loads of power profiles, by the a_r that they make on the half-space (dimensionless)."""
     tolerance: float = 1e-8
     """Of the solves: rms free residual over p (dimensionless)."""
@@ -63,7 +63,7 @@ QUICK = replace(
     cut_off_ratio=1 / 32,
     poisson_ratios=(0.25,),
     thicknesses=(0.1, 1e-2, 1e-3),
-    realisations=(8, 8, 8, 8, 8, 4, 2, 2),
+    realisations=(8, 8, 8, 8, 8, 4, 2, 2, 2, 2),
 )
 
 
