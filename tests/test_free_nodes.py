@@ -122,3 +122,16 @@ def test_the_power_profile_of_one_patch():
     scene = Scene(Layer(), PowerIndenter(2.0), 0.05, num_points=2**12)
     by_pressure, by_displacement = both(scene)
     np.testing.assert_array_equal(by_pressure.contact_pressure > 0, by_displacement.contact_pressure > 0)
+
+
+@pytest.mark.parametrize("start", ["nothing", "no pressure", "displacement"])
+def test_it_may_begin_anywhere(start):
+    scene = Scene(Layer(0.1), ROUGH, 0.5, num_points=2**12)
+    state = begin(Problem.from_scene(scene), 0.5)
+    assert state.displacement.max() == 0
+    if start == "no pressure":
+        state.start_from_pressure(np.zeros(2**12))
+    elif start == "displacement":
+        state.start(np.full(2**12, -1.0))
+    assert relax(state, 2000) is Status.CONVERGED
+    np.testing.assert_array_equal(state.contact_pressure > 0, solve(scene).contact)

@@ -20,7 +20,7 @@ import numpy as np
 from ....kernels import Call, layout, record
 from ...arrays import Array64, Indices, Mask
 from ...grid.patches import Patches
-from ...grid.problem import Problem, rounding_floor
+from ...grid.problem import Problem, foundation_pressure, rounding_floor, typical_stiffness
 from ..method import Method, Setting
 from .compliance import Compliance
 from .gap_by_gap import GapByGap
@@ -60,8 +60,10 @@ class FreeNodes(Method):
         self._target, self._floor, self._pairs = SAFETY * self.tolerance, 0.0, 0.0
         self._search = Search()
         self._state = np.zeros(layout.GAP_STATE_LENGTH)
+        self._displacement = np.zeros(problem.num_points)
+        self._set_free(self._displacement < problem.height)
         self._force = operator.new_field()  # r
-        self._take(np.zeros(problem.num_points))
+        self._force[:] = 1
 
     @property
     def even(self) -> bool:
@@ -78,9 +80,14 @@ class FreeNodes(Method):
         return record(self._backend, [call])
 
     def start(self, displacement: Array64) -> None:
-        self._take(np.minimum(displacement, self.problem.height))
+        if (displacement < self.problem.height).all():  # K knows no load without contact
+            self.start_from_pressure(np.zeros(displacement.size))
+        else:
+            self._take(np.minimum(displacement, self.problem.height))
 
     def start_from_pressure(self, pressure: Array64) -> None:
+        if not pressure.any():
+            pressure = foundation_pressure(self.problem, typical_stiffness(self.problem))
         self._take(self.problem.displacement_under(self._storage.symmetric(pressure)))
         self._pairs += 1
 
