@@ -142,7 +142,8 @@ def plan(c: Configuration) -> Plan:
             for pressure, count in zip(c.pressures, c.realisations, strict=True):
                 yield from (rough(hurst, layer, pressure, seed) for seed in range(count))
 
-    line = tuple(float(f"{p:.6g}") for p in np.geomspace(c.pressures[0], c.pressures[-1], 60))
+    smooth = (float(f"{p:.6g}") for p in np.geomspace(c.pressures[0], c.pressures[-1], 60))
+    line = tuple(sorted({*smooth, *c.pressures}))  # exact where the surfaces are
     return Plan(
         kind="pressure",
         configuration=asdict(c),
