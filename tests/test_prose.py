@@ -193,9 +193,11 @@ def kappa_on_layers():
         f"more than {most} for H = 0.5 and 0.8."
     )
     said = [s.measured for s in findings(stored("pressure")) if "as wide as the mean patch" in s.text]
-    near, below = (
-        [int(re.search(part, text)[1]) for text in said] for part in (r"(\d+)% of the points", r"at most -(\d+)")
+    near, below, above = (
+        [int(re.search(part, text)[1]) for text in said]
+        for part in (r"(\d+)% of the points", r"at most -(\d+)", r"and \+(\d+) %")
     )
+    yield f"up to {1 + max(above) / 100:.1f} times as high as the line"
     yield f"{min(near)} to {max(near)} % of the points with a_r up to 0.3 that are within the line are within 25 %"
     yield f"off by up to a factor of {1 / (1 - max(below) / 100):.1f}: below the line by {max(below)} %"
 

@@ -22,6 +22,7 @@ CONSTANT = 0.05
 
 Array64 = NDArray[np.float64]
 
+_WIDE = 2.0  # largest over smallest load, from which a run of loads tells anything
 _LONE = 0.1  # a_r up to which a parabola does not feel its images
 
 
@@ -81,11 +82,14 @@ class Curve:
 
     @property
     def constant(self) -> list[Point]:
-        """The longest run of loads within which kappa is constant, see `CONSTANT`."""
+        """The longest run of loads within which kappa is constant, see `CONSTANT`: one, or loads that differ enough."""
         best: list[Point] = []
         for start in range(len(self.points)):
             for stop in range(start + 1, len(self.points) + 1):
                 values = [point.kappa.value for point in self.points[start:stop]]
+                span = self.points[stop - 1].pressure / self.points[start].pressure
+                if 1 < span < _WIDE:
+                    continue
                 if min(values) > 0 and max(values) <= (1 + CONSTANT) * min(values) and stop - start > len(best):
                     best = self.points[start:stop]
         return best

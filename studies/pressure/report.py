@@ -15,7 +15,6 @@ from .analysis import CONSTANT, Curve, curves
 from .findings import findings
 
 _SHOWN = 3  # loads of a curve in the table
-_WIDE = 2  # largest over smallest load, from which a run of loads tells anything
 
 
 def summary(own: Sequence[Curve]) -> Table:
@@ -37,8 +36,7 @@ def summary(own: Sequence[Curve]) -> Table:
         cells = [(_short(at[p]) if rough else f"{at[p].value:.4f}") if p in at else "" for p in chosen]
         layer = ("half-space", "-") if curve.is_half_space else (f"{curve.thickness:g}", f"{curve.poisson_ratio:g}")
         flat = curve.constant
-        wide = flat and flat[-1].pressure > _WIDE * flat[0].pressure
-        where = f"{flat[0].pressure:.2g} to {flat[-1].pressure:.2g}" if wide else "none"
+        where = f"{flat[0].pressure:.2g} to {flat[-1].pressure:.2g}" if len(flat) > 1 else "none"
         table.add_row(*layer, *cells, where)
     return table
 
