@@ -86,7 +86,7 @@ def test_values_of_every_type():
     words = "--folder f --workers 3 --ratio -1e-3 --limit 1_0 --optional inf --text= --quick --unit mm --word two"
     expected = Every(Path("f"), 3, -1e-3, 10, float("inf"), "", True, "mm", "two", (Path("a"), Path("b")), 0.1, 2.0)
     assert parse(*words.split(), "--pair", "a", "b", "--two-words=2") == expected
-    assert parse("--two_words", "2", "--workers", "1", "--workers", "5") == Every(two_words=2.0, workers=5)
+    assert parse("--two_words", "2", "--workers", "5") == Every(two_words=2.0, workers=5)
     assert parse("--folder=--odd_name").folder == Path("--odd_name")
     assert arguments.parse(Positional, ["--level", "-3", "some file"], "prog") == Positional(Path("some file"), -3)
     assert arguments.parse(Positional, ["--", "--level"], "prog") == Positional(Path("--level"))
@@ -111,6 +111,10 @@ def test_values_of_every_type():
         ("--colour=red", "option --colour is unknown; allowed: the options of `prog --help`"),
         ("--name x", "option --name is unknown; allowed: the options of `prog --help`"),
         ("-q", "option -q is unknown; allowed: the options of `prog --help`"),
+        ("--ratio 0.1 --quick --ratio=-0.2", "--ratio is given twice: 0.1, -0.2; allowed: once"),
+        ("--two-words 1 --two_words 2 --two-words 3", "--two-words is given 3 times: 1, 2, 3; allowed: once"),
+        ("--pair a b --pair c d", "--pair is given twice: a b, c d; allowed: once"),
+        ("--quick --quick", "--quick is given twice; allowed: once"),
     ],
 )
 def test_wrong_words_name_the_option_the_value_and_what_is_allowed(words, message):

@@ -11,6 +11,7 @@ from pathlib import Path
 import linecontact
 import numpy as np
 import pytest
+from linecontact.studies.command_line.main import main
 from linecontact.studies.files import solution_files, study_files
 
 CLI = [sys.executable, "-m", "linecontact.studies"]
@@ -108,12 +109,47 @@ def test_a_scan_from_file_to_figure_in_one_command(tmp_path):
     assert "Read: x in um, z in nm, values taken as heights" in result.stdout
     (width,) = [line for line in result.stdout.splitlines() if "contact width" in line]
     assert width.split()[-2] == "um"
+    assert "contact patches, mirror image too" in result.stdout
     again = run(
         "solve", *options.split(), "--profile-file", tmp_path / "scan.csv", "--save", tmp_path / "run.png", "--plot"
     )
     assert again.returncode == 2
     assert "run.png exists" in again.stderr
     assert fields["profile"].max() < 5e-3  # nm to um
+
+
+@pytest.mark.parametrize("columns", [1, 2])
+def test_lengths_of_a_scan_s_scene_may_have_units(tmp_path, capsys, columns):
+    values = np.random.default_rng(0).random((40, 1))
+    scan = np.hstack([np.arange(40.0)[:, None], values])[:, -columns:]
+    np.savetxt(tmp_path / "scan.csv", scan, delimiter=",", header=("x um, " * (columns == 2)) + "z nm")
+    words = ["solve", "--profile", "file", "--profile-file", str(tmp_path / "scan.csv"), "--contact-modulus", "1e9"]
+    words += ["--json", "--approach", "0.2nm", "--thickness"]
+    length = ["--scan-length", "0.04 mm"] if columns == 1 else []
+    found = []
+    for thickness, unit in (("2mm", "m"), ("2 mm", "um"), ("2000", "um"), ("2000um", "inch")):
+        assert main([*words, thickness, *length, "--length-unit", unit]) == 0
+        found.append(json.loads(capsys.readouterr().out))
+    assert [record["scene"]["thickness"] for record in found] == pytest.approx([2e-3, 2e3, 2e3, 2e-3 / 0.0254])
+    assert found[1]["scene"]["period"] == pytest.approx(80)
+    areas = [record["contact_area_subgrid"] for record in found]
+    assert areas == pytest.approx([areas[0]] * 4, rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("--thickness 2mm", "thickness is '2mm'; allowed: a number alone, the lengths of this scene have no unit"),
+        ("--radius 2mm", "radius is '2mm'; allowed: a number alone, the lengths"),
+        ("--period 1um", "period is '1um'; allowed: a number alone, the lengths"),
+        ("--approach 1um", "approach is '1um'; allowed: a number alone, the lengths"),
+        ("--thickness 2furlongs", "thickness is '2furlongs'; allowed: a number, or a length with its unit, like 50um"),
+        ("--pressure 2mm", "pressure is '2mm'; allowed: a number"),
+    ],
+)
+def test_a_scene_without_a_unit_takes_no_lengths_with_one(words, said, capsys):
+    assert main(["solve", *words.split()]) == 2
+    assert said in capsys.readouterr().err
 
 
 def test_a_scan_is_not_pressed_by_defaults(tmp_path):

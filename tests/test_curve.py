@@ -4,6 +4,7 @@ import itertools
 import json
 import math
 import os
+import re
 from dataclasses import replace
 
 import h5py
@@ -58,6 +59,21 @@ def test_over_the_load_from_first_touch_to_full_contact(loads, capsys):
     assert (loads / "curve.png").is_file()
 
 
+@pytest.mark.parametrize(("columns", "whole"), [(80, False), (120, True)])
+def test_the_table_has_the_columns_that_the_terminal_has_room_for(loads, capsys, monkeypatch, columns, whole):
+    monkeypatch.setenv("COLUMNS", str(columns))
+    assert curve(loads, "--num-points", "2^10", "--points", "6", "--thickness", "0.1") == 0
+    said = capsys.readouterr().out
+    table = said.partition("a_r, kappa and p*")[0].splitlines()
+    assert max(map(len, table)) <= columns
+    run = runs(loads)[2]
+    (row,) = (line.split() for line in table if f"{run['contact_area_subgrid']:.6g}" in line)
+    more = [f"{run[name]:.4g}" for name in ("mean_gap", "peak_pressure")]
+    assert (set(more) <= set(row)) == whole
+    assert float(row[1]) == pytest.approx(run["contact_area_subgrid"] / (run["kappa_subgrid"] if whole else 1), 1e-3)
+    assert ("p*, mean gap and peak pressure on wider terminals" in " ".join(said.split())) != whole
+
+
 def test_another_curve_does_not_replace_it(loads, capsys):
     assert curve(loads, "--num-points", "2^9", "--points", "2") == 2
     assert "allowed: --overwrite, or a new --folder" in capsys.readouterr().err
@@ -104,13 +120,15 @@ def test_over_seeds_mean_and_standard_error_are_told(tmp_path, capsys):
     assert told in capsys.readouterr().out.replace("\n", " ")
 
 
-def test_a_scan_with_lengths_in_units(tmp_path):
+def test_a_scan_with_lengths_in_units(tmp_path, capsys):
     x = np.arange(200) * 0.5
     scan = tmp_path / "scan.csv"
     scan.write_text("x [um],z [nm]\n" + "\n".join(f"{a},{40 * math.sin(a / 7)}" for a in x))
     words = ["--profile", "file", "--profile-file", str(scan), "--pressure", "1e6", "--youngs-modulus", "5e9"]
     words += ["--num-points", "2^10", "--over", "thickness"]
+    capsys.readouterr()
     assert curve(tmp_path / "out", *words, "--from", "1um", "--to", "0.1mm", "--points", "3") == 0
+    assert re.search(r"thickness of the layer\W+varies\W+um", capsys.readouterr().out)
     assert [run["scene.thickness"] for run in runs(tmp_path / "out")] == pytest.approx([1e-6, 1e-5, 1e-4])
     with h5py.File(tmp_path / "out" / "curve.h5") as file:
         told = json.loads(json.loads(file.attrs["configuration"])["scene"])
@@ -125,7 +143,7 @@ def test_a_scan_with_lengths_in_units(tmp_path):
     ("words", "said"),
     [
         ("--over thicknes", "over is 'thicknes'; allowed: pressure, approach, num_points, thickness"),
-        ("--over hurst --from 0 --to 1", "over is 'hurst'; allowed: "),
+        ("--over hurst --from 0 --to 1", "over is 'hurst'; allowed: with --profile rough, or pressure, "),
         ("--over thickness", "from is missing; allowed: a number, or --values, with --over thickness"),
         ("--over thickness --from 0.1", "to is missing; allowed: a number"),
         ("--pressure 0.1", "pressure is 0.1; allowed: none with --over pressure"),

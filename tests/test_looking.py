@@ -1,6 +1,7 @@
 """What people see of scenes and solutions: printed lines, tables in notebooks, the figure of a solution."""
 
 import dataclasses
+import math
 import pydoc
 import re
 from pathlib import Path
@@ -26,6 +27,7 @@ from linecontact.studies.command_line import main
 from linecontact.studies.curve import figures as curve_figures
 from linecontact.studies.figures import solution as solution_figure
 from linecontact.studies.figures.style import ONE_COLUMN, STYLE, TWO_COLUMNS
+from linecontact.studies.multilevel.estimator import Estimate, Term
 from linecontact.studies.runner.study import find
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
@@ -55,7 +57,8 @@ def test_printed_results_are_short_and_have_units(solution):
     assert "status converged" in repr(solution)
     assert f"{solution.observables.contact_area_subgrid:.6g} +- " in repr(solution)
     assert "peak_pressure" in repr(solution.observables)
-    assert all(f"{name} " in repr(solution.certificate) for name in dataclasses.asdict(solution.certificate))
+    known = [name for name, value in dataclasses.asdict(solution.certificate).items() if value is not None]
+    assert all(f"{name} " in repr(solution.certificate) for name in known)
 
 
 def test_a_half_space_is_called_one():
@@ -82,6 +85,24 @@ def test_the_unit_of_a_scan_stands_at_its_lengths():
     assert '<td style="text-align: left">um</td>' in table
     assert "<script>" not in table
     assert "&lt;script&gt;alert(&#x27;x&#x27;)&lt;/script&gt; &amp; more" in table
+
+
+def test_what_comes_of_a_scan_is_printed_with_its_unit(tmp_path):
+    np.savetxt(tmp_path / "scan.csv", np.random.default_rng(0).random((40, 1)), header="z um")
+    scan = read_scan(tmp_path / "scan.csv", scan_length=1 / 3, length_unit="mm")
+    assert repr(scan).startswith("Scan: period 0.666667 [mm], num_points 512; MeasuredIndenter: 512 heights, 0 to ")
+    assert repr(scan).endswith(" [mm], from scan.csv")
+    solve(scan.scene(Layer(1 / 3), 1e-6)).save(tmp_path / "run.h5")
+    assert "scene.thickness 0.333333 [mm]" in repr(load(tmp_path / "run.h5"))
+
+
+def test_a_mean_over_surfaces_is_printed_short():
+    terms = (Term(256, None, 32, 1 / 3, 0.1, 0.01), Term(512, 256, 8, 0.01, 0.001, 0.03))
+    text = repr(Estimate(4 / 3, 0.01 / 3, math.nan, terms, 0.1, 0.02))
+    assert text == (
+        "Estimate: mean 1.33333, standard_error 0.00333, bias nan [as the observable]; "
+        "surfaces: 32 on 256, 8 on 512 points"
+    )
 
 
 def test_a_notebook_s_table_holds_the_numbers(solution):
@@ -186,6 +207,8 @@ def test_a_scan_is_drawn_in_its_units_with_its_mirror_image(tmp_path):
     assert "height (nm)" in text
     assert "$d=2$ mm" in text
     assert "mirror image of the scan" in text
+    assert "Patches of the mirror image are counted, too." in text
+    assert text.startswith("scan.csv\n")
     heights, pressure = figure.axes[:2]
     assert heights.get_xlim() == pytest.approx((0, 300))
     assert heights.get_lines()[1].get_ydata().max() == pytest.approx(1e9 * solution.displacement.max())
@@ -194,6 +217,12 @@ def test_a_scan_is_drawn_in_its_units_with_its_mirror_image(tmp_path):
     for axes in (heights, pressure):  # the hatch lies over the bodies and below the curves
         bodies = [filled.get_zorder() for filled in axes.collections if filled.get_zorder() < 0]
         assert all(below < axes.patches[0].get_zorder() < axes.get_lines()[0].get_zorder() for below in bodies)
+    check_places(figure)
+
+
+def test_the_base_of_a_coating_is_named():
+    figure = solve(Scene(CoatedHalfSpace(0.1, 2.5, 0.4, 0.3, contact_modulus=5.0), num_points=512)).plot()
+    assert "coated, $d=0.1\\,L$, $\\nu=0.4$, \nbase: $E_2^*=0.5\\,E^*$, $\\nu_2=0.3$, $p=" in texts(figure)
     check_places(figure)
 
 

@@ -243,8 +243,9 @@ def test_one_grid_is_plain_sampling(tmp_path, capsys):
 
 
 def ensemble(folder, *words):
-    start = ["ensemble", "--folder", str(folder), "--workers", "1", "--profile", "rough", "--pressure", "0.02"]
-    return main.main([*start, *words])
+    start = ["ensemble", "--folder", str(folder), "--workers", "1", "--profile", "rough"]
+    load = [] if "--pressure" in words else ["--pressure", "0.02"]
+    return main.main([*start, *load, *words])
 
 
 def test_too_coarse_a_grid_is_said(tmp_path, capsys):
@@ -366,6 +367,20 @@ def test_an_interrupted_run_does_not_replace_a_finished_one(tmp_path, capsys, mo
     assert ensemble(tmp_path, *words, "0.02") == 0  # which it holds
     assert "is of standard_error 0.004, and holds all that is asked for" in capsys.readouterr().err
     assert load_study(path).configuration["standard_error"] == 0.004
+
+
+def test_a_refused_run_does_not_replace_a_better_one(tmp_path, capsys):
+    words, path = (*SMALL, "--standard-error"), tmp_path / "ensemble.h5"
+    assert ensemble(tmp_path, *words, "0.02") == 0
+    before = path.read_bytes()
+    capsys.readouterr()
+    assert ensemble(tmp_path, *words, "1e-6", "--max-seconds", "10") == 3
+    said = capsys.readouterr()
+    assert "What was asked for is not reached: it takes about" in " ".join(said.out.split())
+    assert f"{path} is kept: it is finished, and holds more than this" in said.err
+    assert path.read_bytes() == before
+    assert ensemble(tmp_path, *words, "0.02") == 0
+    assert "Finished before" in capsys.readouterr().out
 
 
 def test_progress_is_the_time_of_solving_and_says_what_is_reached():

@@ -17,6 +17,7 @@ from rich.table import Table
 from ..figures.names import FORMATS
 from ..files import solution_files, writing
 from ..scans import summary
+from ..scans.preparation import mirrored
 from ..scenes import kinds, making
 from ..scenes.making import Given, make_scene
 from ..terminal import console
@@ -171,6 +172,7 @@ def solution_table(solution: Solution) -> Table:
     table.add_column("value", justify="right")
     table.add_column("unit")
     spacing = 1 / solution.scene.num_points
+    image = ", mirror image too" * mirrored(record["scene"])
     own = "; edges only" if solution.certificate and not solution.levels else ""
     rows = [
         ("contact area a_r (sub-grid edges)", f"{record['contact_area_subgrid']:.10g}", "-"),
@@ -182,7 +184,7 @@ def solution_table(solution: Solution) -> Table:
             else []
         ),
         ("mean pressure p", solution.scene.pressure, "pressure"),
-        ("contact patches", record["num_patches"], f"- ({record['num_counted_patches']} counted by nodes)"),
+        (f"contact patches{image}", record["num_patches"], f"- ({record['num_counted_patches']} counted by nodes)"),
         ("rms gradient in contact g_c", record["rms_gradient_contact"], "-"),
         ("reduced pressure p* = p/(E* g_c)", record["reduced_pressure"], "-"),
         ("kappa = a_r/p*", record["kappa"], "-"),

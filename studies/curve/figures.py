@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from ..figures.scales import shown, thickness_in
+from ..figures.scales import base, shown, thickness_in
 from ..figures.style import COLOURS, ONE_COLUMN, NothingToDraw, kind, load, panels, plain, typeset
 from ..files.study_files import StudyFile
 from ..scans.units import UNITS, axis_units
@@ -130,6 +130,8 @@ def _scene(run: Mapping[str, Any], over: str) -> str:
         if np.isfinite(value)
     ]
     half_space = ["half-space"] * (told.get("thickness") == np.inf) + [kind(str(run["scene.layer"]))]
+    if over not in ("contact_modulus", "base_modulus", "base_poisson_ratio"):
+        numbers.append(base(run))
     load = float(run["scene.pressure"]) / float(run.get("scene.contact_modulus", np.nan))
     if over not in ("pressure", "approach") and np.isfinite(load):
         half_space.append(f"$p={typeset(load)}\\,E^*$")

@@ -1,7 +1,6 @@
 """The number of a scene that a curve varies: its name, its values, and scenes with one of them."""
 
 import math
-import string
 from collections.abc import Iterator, Sequence
 from dataclasses import fields, replace
 from typing import Any, Literal
@@ -10,9 +9,6 @@ import numpy as np
 from linecontact.solver import Scene
 from linecontact.solver.grid.problem import half_spectrum
 from linecontact.solver.strategy.to_approach import check_approach
-from linecontact.solver.units import unit
-
-from ..scans.units import UNITS, unit_of
 
 Spacing = Literal["auto", "log", "linear", "area"]
 
@@ -64,34 +60,6 @@ def put(scene: Scene, name: str, value: float) -> Scene:
 def whole(scene: Scene, name: str) -> bool:
     """Whether a number is an integer."""
     return isinstance(numbers(scene)[name], int)
-
-
-def read(option: str, text: str, name: str, length_unit: str) -> float:
-    """A value as it is written on the command line: a number, or a length with its unit. Raises `ValueError`.
-
-    option: that it is given with, for messages. name: of the number. length_unit: of the scene, where it is known.
-    """
-    text = text.strip()
-    digits = text if text.lower() in _INFINITE else text.rstrip(_LETTERS)
-    written = text[len(digits) :].strip()
-    try:
-        base, _, power = digits.partition("^")
-        value = float(base) ** int(power) if power else float(digits)
-    except (ValueError, OverflowError):
-        length = ", or a length with its unit, like 50um" * (unit(name) == "length")
-        raise ValueError(f"{option} is {text!r}; allowed: a number{length}") from None
-    if not written:
-        return value
-    known = unit_of(written)
-    if known is None or unit(name) != "length":
-        raise ValueError(f"{option} is {text!r}; allowed: a number{', or a length' * (unit(name) == 'length')}")
-    if length_unit not in UNITS:
-        raise ValueError(f"{option} is {text!r}; allowed: a number alone, the lengths of this scene have no unit")
-    return value * (UNITS[known] / UNITS[length_unit])
-
-
-_INFINITE = ("inf", "infinity")
-_LETTERS = string.ascii_lowercase + '"\u00b5\u03bc'  # of units
 
 
 def spaced(first: float, last: float, count: int, spacing: Spacing, integers: bool) -> tuple[float, ...]:

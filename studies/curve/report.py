@@ -1,13 +1,14 @@
 """The report of a curve: a table with a row for each value, and means where the seed is what varies."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from linecontact.solver import Status
-from rich.console import RenderableType
+from rich.console import Console, ConsoleOptions, RenderableType, RenderResult
 from rich.table import Table
 
 from ..files.study_files import StudyFile
@@ -21,7 +22,7 @@ _MEANS = {"contact_area_subgrid": "a_r", "kappa_subgrid": "kappa"}
 def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
     """The table, and the means over seeds."""
     (file,) = files.values()
-    return [summary(file), *means(file), *short(file), *warned(file)]
+    return [Summary(file), *means(file), *short(file), *warned(file)]
 
 
 def short(file: StudyFile) -> list[str]:
@@ -39,36 +40,65 @@ def warned(file: StudyFile) -> list[str]:
     return [f"Warnings, and the number of values: {told}; `linecontact solve` says why."] if told else []
 
 
-def summary(file: StudyFile) -> Table:
-    """A row for each value."""
-    over = file.configuration["over"]
-    table = console.table(
-        title=f"{len(file.runs)} values of {over}",
-        caption="a_r and kappa between sub-grid edges, +-: the estimated error of a_r; stiffness: dp/d(approach); M: "
-        "contact patches; *: not converged, or less accurate than asked. All other quantities: `linecontact export`.",
-    )
-    columns = {over: over, "a_r": "1", "+-": "1"} | ({"pressure": "pressure"} if over == "approach" else {})
-    columns |= {"kappa": "1"} | ({"approach": "approach"} if over != "approach" else {})
-    columns |= {"stiffness": "contact_stiffness", "M": "1"}
-    for name, quantity in columns.items():
-        table.add_column(f"{name}\n[{unit_in(file, quantity)}]".replace("/", "/\n"), justify="right", no_wrap=True)
-    for run in file.runs:
-        table.add_row(*_row(run, over))
-    return table
+@dataclass(frozen=True)
+class Summary:
+    """A row for each value, with as many columns as the screen has room for."""
+
+    file: StudyFile
+    """The stored curve."""
+
+    @property
+    def title(self) -> str:
+        """What stands above it."""
+        return f"{len(self.file.runs)} values of {self.file.configuration['over']}"
+
+    def __rich_console__(self, screen: Console, options: ConsoleOptions) -> RenderResult:
+        table = self._table(_WIDE, "All other quantities")
+        if screen.measure(table, options=options.update(width=_MOST)).maximum > options.max_width:
+            table = self._table(_NARROW, "p*, mean gap and peak pressure on wider terminals; everything")
+        yield table
+
+    def _table(self, headings: Sequence[str], more: str) -> Table:
+        over = self.file.configuration["over"]
+        caption = "a_r, kappa and p* between sub-grid edges, +-: the estimated error of a_r; stiffness: dp/d(approach);"
+        caption += " M: contact patches; *: not converged, or less accurate than asked."
+        table = console.table(title=self.title, caption=f"{caption} {more}: `linecontact export`.")
+        shown = [name for name in headings if name != _NOT_SHOWN.get(over, "p")]
+        for name, quantity in ((over, over), *((name, _COLUMNS[name][0]) for name in shown)):
+            unit = unit_in(self.file, quantity)
+            table.add_column(f"{name}\n[{unit}]".replace("/", "/\n"), justify="right", no_wrap=True)
+        for run in self.file.runs:
+            mark = "" if run["status"] == "converged" else "*"
+            cells = (_COLUMNS[name][1](run) for name in shown)
+            table.add_row(f"{float(run[column(over)]):.4g}{mark}", *cells)
+        return table
 
 
-def _row(run: dict[str, Any], over: str) -> list[str]:
-    mark = "" if run["status"] == "converged" else "*"
-    load = float(run["scene.pressure" if over == "approach" else "approach"])
-    cells = [f"{float(run['kappa_subgrid']):.5g}", f"{load:.4g}"]
-    return [
-        f"{float(run[column(over)]):.4g}{mark}",
-        f"{run['contact_area_subgrid']:.6g}",
-        f"{run['contact_area_error']:.0e}",
-        *(reversed(cells) if over == "approach" else cells),
-        f"{float(run['contact_stiffness']):.4g}",
-        f"{run['num_patches']}",
-    ]
+_COLUMNS: dict[str, tuple[str, Callable[[Mapping[str, Any]], str]]] = {
+    "p": ("pressure", lambda run: f"{float(run['scene.pressure']):.4g}"),
+    "p*": ("reduced_pressure", lambda run: f"{_reduced_pressure(run):.4g}"),
+    "a_r": ("contact_area_subgrid", lambda run: f"{run['contact_area_subgrid']:.6g}"),
+    "+-": ("contact_area_error", lambda run: f"{run['contact_area_error']:.0e}"),
+    "kappa": ("kappa_subgrid", lambda run: f"{float(run['kappa_subgrid']):.5g}"),
+    "approach": ("approach", lambda run: f"{float(run['approach']):.4g}"),
+    "mean gap": ("mean_gap", lambda run: f"{float(run['mean_gap']):.4g}"),
+    "stiffness": ("contact_stiffness", lambda run: f"{float(run['contact_stiffness']):.4g}"),
+    "M": ("num_patches", lambda run: f"{run['num_patches']}"),
+    "peak": ("peak_pressure", lambda run: f"{float(run['peak_pressure']):.4g}"),
+}
+"""The name whose unit a column has, and what stands in it, by its heading."""
+
+_WIDE = tuple(_COLUMNS)
+_NARROW = tuple(name for name in _COLUMNS if name not in ("p*", "mean gap", "peak"))
+_NOT_SHOWN = {"approach": "approach"}
+"""The column that is the number itself, or the same in every row, by what varies; of others the pressure's."""
+_MOST = 1000  # columns of a terminal
+
+
+def _reduced_pressure(run: Mapping[str, Any]) -> float:
+    """p*, of the contact that a_r and kappa are of; NaN where nothing touches."""
+    kappa = float(run["kappa_subgrid"])
+    return float(run["contact_area_subgrid"]) / kappa if kappa else math.nan
 
 
 def means(file: StudyFile) -> list[str]:

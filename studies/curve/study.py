@@ -1,6 +1,6 @@
 """`linecontact curve`: contact area, kappa, approach and stiffness over the load, or over another number of a scene."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import MISSING, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -9,11 +9,13 @@ from linecontact.solver import MeasuredIndenter, Scene, checks
 from linecontact.solver.grid.problem import full_contact_pressure
 from linecontact.solver.strategy.errors import DEFAULT_QUANTITY, QUANTITIES
 from linecontact.solver.strategy.to_accuracy import check_accuracy
+from linecontact.solver.units import unit
 
 from ..runner import study
 from ..runner.run import run_study
 from ..runner.study import Plan, Study
 from ..scans import summary
+from ..scans.units import read
 from ..scenes import kinds, making
 from ..scenes.described import base_scene, described, shown
 from ..scenes.making import Given
@@ -82,9 +84,7 @@ def plan(options: Options, given: Given) -> Plan:
             every[kinds.title(what, kind)][over] = 1.0
     description = described(told, every)
     scene = base_scene(description)
-    allowed = number.numbers(scene)
-    if over not in allowed:
-        raise ValueError(f"over is {over!r}; allowed: {', '.join(allowed)}")
+    _check_over(over, number.numbers(scene))
     values = _values(options, scene)
     number.check(scene, over, values)
     return Plan(
@@ -98,6 +98,19 @@ def plan(options: Options, given: Given) -> Plan:
         },
         runs=[Task(description, over, value, accuracy, of) for value in values],
     )
+
+
+def _check_over(over: str, numbers: Collection[str]) -> None:
+    """Raise `ValueError` for a number that the scene does not have, with the option that gives it one."""
+    if over in numbers:
+        return
+    takers = [
+        f"with --{what} {name}, or "
+        for what in kinds.CHOICES
+        for name, kind in kinds.classes(what).items()
+        if (option := options_of(kind).get(over)) and option.type in (int, float) and name != MeasuredIndenter.name
+    ]
+    raise ValueError(f"over is {over!r}; allowed: {''.join(takers)}{', '.join(numbers)}")
 
 
 def _check_options(options: Options, given: Given, told: Mapping[str, Any]) -> None:
@@ -156,7 +169,7 @@ def _values(options: Options, scene: Scene) -> tuple[float, ...]:
 
 
 def _read(options: Options, scene: Scene, option: str, text: str) -> float:
-    return number.read(option, text, options.over, scene.length_unit)
+    return read(option, text, unit(options.over) == "length", scene.length_unit)
 
 
 def draw(path: Path) -> "dict[str, Figure]":
@@ -178,5 +191,5 @@ def command(options: Options, given: Given) -> int:
     """Solve the curve as asked, or what is left of it; returns the exit status."""
     ready = plan(options, given)
     if options.profile == MeasuredIndenter.name:
-        console.Output().print(summary.table(ready.runs[0].point))  # type: ignore[attr-defined]
+        console.Output().print(summary.table(ready.runs[0].point, options.over))  # type: ignore[attr-defined]
     return run_study(replace(STUDY, plans=lambda _: [ready]), options)

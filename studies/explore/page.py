@@ -29,7 +29,7 @@ from .answers import Answer, DroppedError, answer
 from .controls import HALF_SPACE, LOAD, THICKNESS, Control
 from .curves import Curve
 from .newest import Newest
-from .panels import Fields, Surroundings
+from .panels import NARROWEST, Fields, Surroundings
 from .start import Start
 from .wording import doubted, said
 
@@ -39,22 +39,29 @@ Later = Callable[[Callable[[], None]], object]
 _QUIET = 0.25
 """Time without an event after which curves are computed [s]."""
 
-_PAINTED = 0.05
+_PAINTED = 0.04
 """Time that a browser gets for painting an answer before it paints the curves about it [s]."""
 
 _OFTEN = 0.5
 """Time after which a curve that is not yet complete is drawn [s]: every drawing costs the browser a painting."""
 
+_SHOWN = 1.0
+"""Time without an answer after which a newer event cuts no solve short [s]: who goes on dragging sees something."""
+
 # Whatever a browser would fetch from elsewhere is refused by itself. Bokeh's scripts need the two that are unsafe.
+# The page is as wide as the screen, also on a telephone.
 TEMPLATE = """{% block preamble %}<meta http-equiv="Content-Security-Policy" content="default-src 'self' data: blob:
-'unsafe-inline' 'unsafe-eval'">{% endblock %}"""
+'unsafe-inline' 'unsafe-eval'"><meta name="viewport" content="width=device-width, initial-scale=1">{% endblock %}"""
+_BESIDE = {"sizing_mode": "stretch_width", "styles": {"flex-wrap": "wrap"}}
+"""Parts stand beside each other, on a narrow screen one below the other."""
 _COPY = "navigator.clipboard.writeText(shown.value)"
 _READ_ONLY = "for (const box of boxes) Bokeh.index.find_one(box).input_el.readOnly = true"
 # Texts that change often stand in inputs: a new text of any other kind has the browser lay out the whole page again.
 _SMALL = ["textarea { font: 11px monospace; word-break: break-all }"]
 _PLAIN = ".bk-input { border-color: transparent; padding: 0; min-height: 20px }"
-_ANSWER = [_PLAIN, "textarea { font-size: 13px }"]
-_DOUBTS = [_PLAIN, "textarea { font-size: 12px; color: #8a3a00 }"]
+_TALL = "@media (max-width: 1100px) { textarea.bk-input { min-height: %dpx } }"
+_ANSWER = [_PLAIN, "textarea { font-size: 13px }", _TALL % 170]
+_DOUBTS = [_PLAIN, "textarea { font-size: 12px; color: #8a3a00 }", _TALL % 80]
 _STATUS = [_PLAIN, "input { font-style: italic; height: 20px }"]
 
 
@@ -95,6 +102,7 @@ class Page:
         self._curves = {control: Curve(control) for control in around}
         self._around = {control: Surroundings(control, self._spans[control]) for control in around}
         self._fields.shape.on_event(RangesUpdate, lambda _: self._fields.thin())
+        self._answered = time.perf_counter()
         self._newest = Newest(self._work)
         self._show_controls()
         self.ask()
@@ -108,10 +116,10 @@ class Page:
             copies += [button, shown]
         title = Div(text=f"<b>linecontact explore</b>: {_described(self._start.first.layer)}, under a rigid indenter")
         side = column(title, self._profile, *self._sliders.values(), *copies, self._note, width=350)
-        curves = row(*(around.figure for around in self._around.values()), sizing_mode="stretch_width")
+        curves = row(*(around.figure for around in self._around.values()), **_BESIDE)
         fields = (self._fields.shape, self._fields.pressure)
-        wide = column(self._answer, self._doubts, self._status, *fields, curves, sizing_mode="stretch_width")
-        return row(side, wide, sizing_mode="stretch_width")
+        parts = (self._answer, self._doubts, self._status, *fields, curves)
+        return row(side, column(*parts, sizing_mode="stretch_width", min_width=NARROWEST), **_BESIDE)
 
     @property
     def texts(self) -> list[Any]:
@@ -129,7 +137,6 @@ class Page:
     def ask(self) -> None:
         """Have the scene on the sliders solved."""
         self._status.value = "Solving the scene on the sliders; what is shown is of the scene that it names."
-        self._link.value = f"{self._address}?{self._start.query(self._values)}"
         self._newest.ask(Event(dict(self._values), time.perf_counter()))
 
     def _slider(self, control: Control) -> Slider:
@@ -168,15 +175,15 @@ class Page:
     def _work(self, event: Event) -> None:
         """Answer an event, then look around it; on the thread of `Newest`."""
         with suppress(DroppedError):
-            found = answer(lambda: self._start.scene(event.values), lambda: self._newest.ended)
+            found = answer(lambda: self._start.scene(event.values), self._overtaken)
+            self._answered = time.perf_counter()
             scene = found.scene if found.solution else None
+            self._later(partial(self._show, event, found))
             if scene:
                 for curve in self._curves.values():
                     curve.aim(scene)
-            curves = {control: curve.copy() for control, curve in self._curves.items()}
-            self._later(partial(self._show, event, found))
-            if scene:
                 self._newest.outdated(_PAINTED)  # a pause, which a newer event ends
+            curves = {control: curve.copy() for control, curve in self._curves.items()}
             self._later(partial(self._show_around, event, found.solution, curves))
             if scene is None or self._newest.outdated(_QUIET):
                 return
@@ -187,10 +194,15 @@ class Page:
                         shown = time.perf_counter()
                         self._later(partial(self._around[control].show_curve, curve.copy()))
 
+    def _overtaken(self) -> bool:
+        """Whether the solve that is under way is to be cut short."""
+        recent = time.perf_counter() - self._answered < _SHOWN
+        return self._newest.ended or (recent and self._newest.outdated())
+
     def _show(self, event: Event, found: Answer) -> None:
         solution = found.solution
+        self._fields.show(solution)  # first, for it is what takes a browser longest
         self._answer.value, self._doubts.value = said(found, time.perf_counter() - event.moment), doubted(found)
-        self._fields.show(solution)
         self._command.value = self._start.command(found.scene) if found.scene else ""
         if self._start.scan and (trouble := self._start.scan.trouble()):
             _tell(trouble)
@@ -200,6 +212,7 @@ class Page:
         for control, around in self._around.items():
             around.show_point(solution)
             around.show_curve(curves[control] if solution else None)
+        self._link.value = f"{self._address}?{self._start.query(event.values)}"
         if event.values == self._values:
             self._status.value = ""
 

@@ -12,11 +12,15 @@ from numpy.typing import ArrayLike
 
 from ..figures.style import COLOURS
 from ..figures.thinning import Array64, extremes, merged
+from ..scans.preparation import mirrored
 from .controls import HALF_SPACE, Control
 from .curves import Curve, own_value
-from .units import lengths, mirrored
+from .units import lengths
 
 _UNKNOWN_WIDTH = 1000  # pixels, until the browser has said
+NARROWEST = 340
+"""Width of a figure or a text on the page at least [pixels]: that of a telephone."""
+
 _TOOLS = "pan,xwheel_zoom,box_zoom,reset,save"
 _MIRROR = "#b0b0b0"
 
@@ -38,14 +42,20 @@ if (decades < 0.5) {
 const shown = ticks.filter((tick) => low <= tick && tick <= Math.min(high, last))
 return end === null ? shown : [...shown, end]
 """
-_LABEL = "const number = Number(tick.toPrecision(12)); return number < 1e-3 ? number.toExponential() : String(number)"
+_LABEL = """
+const number = Number(tick.toPrecision(12)), size = Math.abs(number)
+return (0 < size && size < 1e-3 ? number.toExponential() : String(number))"""
+_WIDE = ".padStart(8)"  # a browser lays out the whole page anew whenever the labels beside an axis change their width
 
 
 def _figure(label: str, height: int, **options: object) -> figure:
-    made = figure(height=height, tools=_TOOLS, sizing_mode="stretch_width", y_axis_label=label, **options)
+    wide = {"sizing_mode": "stretch_width", "min_width": NARROWEST}
+    made = figure(height=height, tools=_TOOLS, y_axis_label=label, **wide, **options)
     made.toolbar.logo = None  # it links to another host
     made.min_border_left = 75  # both panels begin at the same pixel
     made.axis.minor_tick_line_color = made.outline_line_color = None  # a browser takes its time for every line
+    made.yaxis.formatter = CustomJSTickFormatter(code=_LABEL + _WIDE)
+    made.yaxis.major_label_text_font = "monospace"
     return made
 
 
@@ -55,7 +65,6 @@ def _label_logarithmic(axis: Any, end: float | None = None, last: float = 1e300)
     end: of one tick more, that of a half-space. last: the largest of the others.
     """
     axis.ticker = CustomJSTicker(args={"end": end, "last": last}, major_code=_TICKS)
-    axis.formatter = CustomJSTickFormatter(code=_LABEL)
     if end is not None:
         axis.major_label_overrides = {end: HALF_SPACE}
 
@@ -92,13 +101,13 @@ class Fields:
         self.pressure = _figure("pressure/E* (dimensionless)", 255, x_range=self.x_range, y_range=Range1d(0, 1))
         self.shape.xaxis.visible = False
         self.pressure.xaxis.axis_label = f"position x{self._along.symbol}"
-        down = "indenter h, from above: its peaks point down"
+        down = "indenter h: its peaks point down"
         self.shape.line("x", "y", source=self._shown["indenter"], color="black", legend_label=down)
         self.shape.line("x", "y", source=self._shown["surface"], color=COLOURS[0], legend_label="surface u")
         self.pressure.line("x", "y", source=self._shown["pressure"], color=COLOURS[3], legend_label="pressure")
         bar = {"source": self._patches, "y0": 0, "y1": 0, "line_width": 6, "color": COLOURS[1]}
         self.pressure.segment(x0="left", x1="right", legend_label="contact patches", **bar)
-        if mirrored(scene):
+        if mirrored(scene.indenter.to_dict()):
             half = {"x0": self._whole / 2, "x1": self._whole, "level": "underlay"}
             plain = {"fill_color": None, "line_color": None}
             hatch = {"hatch_pattern": "/", "hatch_color": _MIRROR, "hatch_weight": 0.5, "hatch_scale": 14}
@@ -144,11 +153,11 @@ class Fields:
             "surface": solution.displacement[part] * height,
             "pressure": solution.contact_pressure[part] / solution.scene.layer.contact_modulus,
         }
+        self._set_ranges(fields)
+        self._show_patches(solution, (high - low) / pixels)
         for name, values in fields.items():
             places = extremes(values, pixels)
             _put(self._shown[name], {"x": (first + places) * spacing, "y": values[places]})
-        self._show_patches(solution, (high - low) / pixels)
-        self._set_ranges(fields)
 
     def _show_patches(self, solution: Solution, pixel: float) -> None:
         found, factor, whole = solution.patches, self._along.factor, self._whole
@@ -185,6 +194,7 @@ class Surroundings:
         self.figure.x_range.update(start=10 ** (span[0] - 0.2), end=10 ** (span[1] + 0.7))
         self.figure.title.text_font_style = "normal"
         _label_logarithmic(self.figure.yaxis[0])
+        self.figure.xaxis.formatter = CustomJSTickFormatter(code=_LABEL)
         if control.endless:
             _label_logarithmic(self.figure.xaxis[0], self._place(math.inf), 0.99 * 10 ** span[1])
         else:

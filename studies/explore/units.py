@@ -17,11 +17,6 @@ class Lengths:
     """What stands after the symbol of a length: a divisor, or a unit in brackets."""
 
 
-def mirrored(scene: Scene) -> bool:
-    """Whether the second half of the period is the mirror image of a scan."""
-    return "mirror image" in str(scene.indenter.to_dict().get("profile_steps", ""))
-
-
 def lengths(scene: Scene) -> tuple[Lengths, Lengths]:
     """How lengths are shown along the surface, and how heights are."""
     units = axis_units(scene.indenter.to_dict())

@@ -4,6 +4,7 @@ import math
 
 from linecontact.solver import Scene, Solution
 
+from ..scans.preparation import mirrored
 from .answers import Answer
 from .controls import HALF_SPACE
 from .units import lengths
@@ -46,6 +47,7 @@ def _found(solution: Solution) -> list[str]:
     o = solution.observables
     area, error = o.contact_area_subgrid, o.contact_area_error
     along, _ = lengths(solution.scene)
+    image = " (its mirror image's among them)" * mirrored(solution.scene.indenter.to_dict())
     width = solution.contact_width * along.factor
     # of one kind with a_r and kappa: `reduced_pressure` and `reduced_thickness` are of counted nodes
     reduced_pressure = area / o.kappa_subgrid if o.kappa_subgrid else math.inf
@@ -56,7 +58,7 @@ def _found(solution: Solution) -> list[str]:
         f"kappa = {o.kappa_subgrid:.5g} \N{PLUS-MINUS SIGN} {o.kappa_error:.1g}, p* = {reduced_pressure:.4g}, "
         f"d/(a_r L) = {reduced_thickness:.4g}, peak pressure/E* = "
         f"{o.peak_pressure / solution.scene.layer.contact_modulus:.4g} (dimensionless)",
-        f"{o.num_patches} contact {'patch' if o.num_patches == 1 else 'patches'}, "
+        f"{o.num_patches} contact {'patch' if o.num_patches == 1 else 'patches'}{image}, "
         f"contact width{along.symbol} = {width:.5g}",
     ]
 

@@ -3,9 +3,12 @@ numbers are dimensionless.
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from ..files.solution_files import StoredSolution
+from ..scans.preparation import mirrored
 from ..scans.units import UNITS, axis_units
 from .style import kind, layer, typeset
 
@@ -32,6 +35,8 @@ class Scales:
     """The axis of pressures."""
     thickness: str
     """The layer's thickness in words, with the kind of the layer unless it is bonded."""
+    base: str
+    """The half-space below a coating; empty for a layer on a rigid base."""
     load: str
     """The mean pressure over E*; empty where E* is not known."""
     told: str
@@ -44,7 +49,8 @@ def scales(solution: StoredSolution) -> Scales:
     """The scales of a stored solution: the units of its scan, or the period; pressures over E*, or over their mean."""
     results = solution.results
     period, pressure = float(results["scene.period"]), float(results["scene.pressure"])
-    units = axis_units({name.removeprefix("scene."): value for name, value in results.items()})
+    about = {name.removeprefix("scene."): value for name, value in results.items()}
+    units = axis_units(about)
     x = z = period
     along, up, distance = "position $x/L$", "height/$L$", "$L$"
     if units:
@@ -68,8 +74,9 @@ def scales(solution: StoredSolution) -> Scales:
         pressure_label="pressure/$E^*$" if modulus else "pressure / mean",
         told=f"Dimensionless: {lengths}pressures over {over}.",
         thickness=", ".join(filter(None, (kind(str(results.get("scene.layer", "bonded"))), size))),
+        base=base(results),
         load=f"$p={typeset(pressure / float(modulus))}\\,E^*$" if modulus else "",
-        mirrored="mirror image" in str(results.get("scene.profile_steps", "")),
+        mirrored=mirrored(about),
     )
 
 
@@ -80,6 +87,15 @@ def thickness_in(thickness: float, unit: str) -> str:
     size = thickness * UNITS[unit]
     best = next((one for one in ("m", "mm", "um", "nm") if size >= UNITS[one]), "nm") if unit != "inch" else unit
     return f"$d={typeset(size / UNITS[best])}$ {shown(best)}"
+
+
+def base(results: Mapping[str, Any]) -> str:
+    """The elastic half-space below a coating, in words; empty for a layer on a rigid base."""
+    modulus = results.get("scene.base_modulus")
+    if modulus is None:
+        return ""
+    over = float(modulus) / float(results["scene.contact_modulus"])
+    return f"base: $E_2^*={typeset(over)}\\,E^*$, $\\nu_2={float(results['scene.base_poisson_ratio']):g}$"
 
 
 def shown(unit: str) -> str:

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from ..files import solution_files, writing
 from ..files.solution_files import Name, StoredSolution
 from .scales import Scales, scales
-from .style import COLOURS, ONE_COLUMN, STYLE, typeset
+from .style import COLOURS, ONE_COLUMN, STYLE, plain, typeset
 from .thinning import extremes, merged
 
 Array64 = NDArray[np.float64]
@@ -30,6 +30,7 @@ _PLACES = 2000  # along an axis: more than a page can show
 _INDENTER, _SURFACE, _CONTACT, _ENLARGED = "k", COLOURS[0], COLOURS[3], COLOURS[4]
 _INDENTER_BODY, _LAYER_BODY, _MIRROR = "0.82", "#d9e8f2", "0.55"
 _FEW = 40  # nodes in the enlarged patch that are shown one by one
+_LONGEST_NAME = 48  # characters of a scan's name in the title
 _WIDE = 0.4  # of the period: no patch as wide as that needs to be enlarged
 
 
@@ -117,6 +118,7 @@ def figure(solution: StoredSolution) -> Figure:
     axes["pressure"].set(ylabel=units.pressure_label)
     axes["pressure"].set(xlabel=units.x_label, xlim=(0, units.period / units.x))
     note = f"The indenter presses from above: its peaks point down.\n{units.told}"
+    note += "\nPatches of the mirror image are counted, too." * units.mirrored
     axes["heights"].set_title(note, fontsize=7)
     for name in ("heights", "pressure"):
         _bars(axes[name], contact.left / units.x, contact.right / units.x, units.period / units.x)
@@ -243,10 +245,18 @@ def _legend(units: Scales, enlarged: bool) -> list[Line2D | Patch]:
 
 
 def _title(results: dict[str, Any], units: Scales, patches: int) -> str:
-    ratio = results.get("scene.poisson_ratio")  # not every layer has one
-    layer = units.thickness + (f", $\\nu={ratio:g}$" if ratio is not None else "")
     area, error = results["contact_area_subgrid"], results["contact_area_error"]
     found = f"$a_r = {typeset(area, 6)} \\pm {typeset(error, 1)}$ in {patches} patch{'es' if patches != 1 else ''}"
     status = Status(results["status"])  # a file's text is not drawn if it is none of these
     ended = "" if status is Status.CONVERGED else f"\nNot as asked: {status}"
-    return ", ".join(filter(None, (layer, units.load))) + f"\n{found}{ended}"
+    scan = plain(str(results.get("scene.profile_file", "")))
+    scan = scan if len(scan) <= _LONGEST_NAME else f"{scan[: _LONGEST_NAME - 4]} ..."
+    below = f"\n{units.base}" * bool(units.base)  # on a line of its own
+    told = ", ".join(filter(None, (units.thickness, _ratio(results), below, units.load)))
+    return "\n".join(filter(None, (scan, told, found))) + ended
+
+
+def _ratio(results: dict[str, Any]) -> str:
+    """Poisson's ratio of the layer; not every one has it."""
+    ratio = results.get("scene.poisson_ratio")
+    return "" if ratio is None else f"$\\nu={ratio:g}$"

@@ -63,6 +63,11 @@ class Estimate:
     plain_seconds: float
     """Time of a single surface on the finest grid [s]."""
 
+    def __repr__(self) -> str:
+        numbers = "".join(f", {name} {getattr(self, name):.3g}" for name in ("standard_error", "bias"))
+        grids = ", ".join(f"{term.count} on {term.num_points}" for term in self.terms)
+        return f"{type(self).__name__}: mean {self.mean:.6g}{numbers} [as the observable]; surfaces: {grids} points"
+
     def plain_cost(self, standard_error: float) -> float:
         """Time that sampling on the finest grid alone would take for a standard error > 0 [s]."""
         return self.plain_variance / standard_error**2 * self.plain_seconds

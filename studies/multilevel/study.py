@@ -92,4 +92,5 @@ def command(options: Options, given: Given) -> int:
     ready = plan(options, given)
     status = run_study(replace(STUDY, plans=lambda _: [ready]), options)
     stored = load_study(ready.path(STUDY.folder(options)))
-    return status or (0 if reached(*tasks.found(stored)) else console.EXIT_NOT_CONVERGED)
+    asked = replace(stored, configuration=ready.configuration)  # a better one may be kept
+    return status or (0 if reached(*tasks.found(asked)) else console.EXIT_NOT_CONVERGED)

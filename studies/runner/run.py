@@ -154,11 +154,23 @@ def _begin(plans: Sequence[Plan], options: Options, folder: Path) -> Ensemble:
 
 
 def _save(plans: Sequence[Plan], ensemble: Ensemble, folder: Path) -> Files:
-    """Collect the records and write the files; what is shown is what was written."""
+    """Collect the records and write the files; what is shown is what was written, or a result not worth its file."""
+    files = {}
     with writing.expecting(folder):
         for plan in plans:
-            study_files.save_study(plan.path(folder), plan.collect(ensemble.records, ensemble.failures))
-    return {plan.kind: study_files.load_study(plan.path(folder)) for plan in plans}
+            path, found = plan.path(folder), plan.collect(ensemble.records, ensemble.failures)
+            if plan.enough and not plan.enough(found) and _holds_more(path, found):
+                console.errors.print(f"{path} is kept: it is finished, and holds more than this", soft_wrap=True)
+                files[plan.kind] = found
+            else:
+                study_files.save_study(path, found)
+                files[plan.kind] = study_files.load_study(path)
+    return files
+
+
+def _holds_more(path: Path, found: StudyFile) -> bool:
+    """Whether a file is finished, with no fewer runs than were found now."""
+    return _is_finished(path) and len(study_files.load_study(path).runs) >= len(found.runs)
 
 
 def _is_finished(path: Path) -> bool:

@@ -1,7 +1,8 @@
 """From the heights of a scan to a periodic profile on a grid. Every step is told in words."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from linecontact.solver.transforms.plain import irfft, rfft
@@ -16,6 +17,7 @@ _ROUNDING = 0.6  # of the positions' last digit: by how much rounding puts them 
 _ROUNDED = 0.9  # spacings that the last digit may be worth: one spacing is a value left out
 _EVEN = 0.01  # spacings by which positions may be off without that
 _LONGEST_GAP = 0.05  # share of the scan that may be without values
+_MIRROR = "made periodic by its mirror image"
 
 
 @dataclass
@@ -51,7 +53,7 @@ class Profile:
         A window smooths the ends away, which then touch nearly everywhere and add to the contact area.
         """
         if window == "mirror":
-            self.steps.append("made periodic by its mirror image: the period is twice the scan")
+            self.steps.append(f"{_MIRROR}: the period is twice the scan")
             self.z, self.length = np.concatenate([self.z, self.z[::-1]]), 2 * self.length
         elif window == "none":
             self.steps.append("taken as periodic: the last value meets the first")
@@ -78,6 +80,14 @@ class Profile:
             modes *= np.exp(1j * np.pi * np.arange(modes.size) * (1 / num_points - 1 / count))
         z = irfft(modes[: held + 1], num_points) * (num_points / count)
         self.z = (z + z[::-1]) / 2 if mirrored else z  # even to the last bit: then half of the nodes will do
+
+
+def mirrored(about: Mapping[str, Any]) -> bool:
+    """Whether the second half of the period is the mirror image of a scan, whose contact patches then count twice.
+
+    about: what travels with a scan's results, see `MeasuredIndenter.description`.
+    """
+    return _MIRROR in str(about.get("profile_steps", ""))
 
 
 def evenly_spaced(x: Array64, z: Array64) -> Profile:

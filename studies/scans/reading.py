@@ -59,7 +59,8 @@ class Options:
     scene_units: bool = False
     """Numbers for which no unit is known are in the scene's own unit of length."""
     length_unit: Unit = "m"
-    """The scene's own unit, in which its other lengths are given, the layer's thickness for instance."""
+    """The scene's own unit, in which its other lengths are given, the layer's thickness for instance, unless they are
+    written with a unit, like 2mm."""
     scan_length: float | None = None
     """Length of a scan without positions [length], its spacing times its number of values."""
     columns: str | None = None
@@ -104,6 +105,12 @@ class Scan(NamedTuple):
     """Period of the scene [length]."""
     num_points: int
     """Grid points of the scene."""
+
+    def __repr__(self) -> str:
+        unit = str(self.indenter.description.get("profile_length_unit"))
+        unit = unit if unit in UNITS else "length"
+        indenter = repr(self.indenter).replace("[length]", f"[{unit}]")
+        return f"{type(self).__name__}: period {self.period:.6g} [{unit}], num_points {self.num_points}; {indenter}"
 
     def scene(self, layer: ElasticLayer, pressure: float = math.nan, approach: float | None = None) -> Scene:
         """The scan pressed against a layer, by a mean pressure [pressure] or to an approach [length].

@@ -7,8 +7,11 @@ from rich.table import Table
 from .units import UNITS
 
 
-def table(scene: Scene) -> Table:
-    """Length, spacing, roughness and period of a scan, and the thickness of the layer."""
+def table(scene: Scene, over: str = "") -> Table:
+    """Length, spacing, roughness and period of a scan, and the thickness of the layer.
+
+    over: the number of the scene that varies, if one does.
+    """
     about = scene.indenter.to_dict()
     own = about["profile_length_unit"]
     along = about.get("profile_x_unit", own)
@@ -27,7 +30,10 @@ def table(scene: Scene) -> Table:
     add("rms height about the mean line", about["profile_rms_height"], heights)
     found.add_row("rms slope", f"{about['profile_rms_slope']:.7g}", "-")
     add("period of the scene", scene.period, along)
-    add("thickness of the layer", scene.layer.thickness, along)
+    if over == "thickness":
+        found.add_row("thickness of the layer", "varies", along)
+    else:
+        add("thickness of the layer", scene.layer.thickness, along)
     return found
 
 

@@ -1,5 +1,6 @@
 """Units of length, in the spellings that instruments and people use."""
 
+import re
 import unicodedata
 from collections.abc import Mapping
 from typing import Any, Literal
@@ -29,6 +30,32 @@ _SPELLINGS = {
 }
 _SHORT = {"m", "in", '"', "\u03bc", "\u00e5"}
 """Units only where a unit is expected: elsewhere they are words, or letters."""
+
+
+_NUMBER_AND_UNIT = re.compile(r"(.*[\d.])\s*([^\d.]+)")
+
+
+def read(name: str, text: str, length: bool, own: str) -> float:
+    """A number as it is written on the command line, like 0.1 or 2^18, or a length with its unit, like 50um.
+
+    name: of the option, for messages. length: whether it is one. own: the scene's unit of length; any other text where
+        there is none. Raises `ValueError`.
+    """
+    text = text.strip()
+    parted = _NUMBER_AND_UNIT.fullmatch(text)
+    digits, written = parted.groups() if parted and length else (text, "")
+    known = unit_of(written)
+    try:
+        base, _, power = digits.partition("^")
+        value = float(base) ** int(power) if power else float(digits)
+        if written and not known:
+            raise ValueError("of no known unit")
+    except (ValueError, OverflowError):
+        more = ", or a length with its unit, like 50um" * length
+        raise ValueError(f"{name} is {text!r}; allowed: a number{more}") from None
+    if known and own not in UNITS:
+        raise ValueError(f"{name} is {text!r}; allowed: a number alone, the lengths of this scene have no unit")
+    return value * (UNITS[known] / UNITS[own]) if known else value
 
 
 def axis_units(about: Mapping[str, Any]) -> tuple[str, str, str] | None:

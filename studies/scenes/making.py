@@ -4,9 +4,10 @@ from collections.abc import Mapping
 from dataclasses import MISSING, dataclass
 from typing import Any
 
-from linecontact.solver import INDENTERS, LAYERS, Scene
+from linecontact.solver import INDENTERS, LAYERS, MeasuredIndenter, Scene
 
 from ..scans import reading
+from ..scans.units import read
 from ..terminal.options import one_of, options_of
 from . import kinds, stiffness_file
 
@@ -33,18 +34,22 @@ def make_scene(options: Any, given: Given) -> Scene:
 
     Raises `ValueError`.
     """
-    profile = _made("profile", options, given)
+    measured = options.profile == MeasuredIndenter.name
+    profile = _made("profile", options, given, _unit_of_scan(given) if measured else "")
+    unit, own = "", {name: getattr(options, name, None) for name in (*LOADS, "period", "num_points")}
+    more: dict[str, Any] = {}
     if isinstance(profile, reading.Options):
         indenter, period, num_points = reading.read(profile)
+        unit = indenter.description["profile_length_unit"]
         _check_scales(options, given)
-        more: dict[str, Any] = {"period": period, "num_points": num_points}
+        own |= {"period": None, "num_points": None}
+        more = {"period": period, "num_points": num_points}
     else:
         indenter = profile
-        more = {name: getattr(options, name) for name in ("period", "num_points") if getattr(options, name) is not None}
-    layer = _made("layer", options, given)
+    layer = _made("layer", options, given, unit)
     if isinstance(layer, stiffness_file.Options):
         layer = stiffness_file.read(layer)
-    more |= {name: getattr(options, name) for name in LOADS if getattr(options, name, None) is not None}
+    more |= {name: _number(name, value, unit) for name, value in own.items() if value is not None}
     return Scene(layer=layer, indenter=indenter, precision=options.precision, **more)
 
 
@@ -67,8 +72,21 @@ def _check_scales(options: Any, given: Given) -> None:
         raise ValueError(f"{names}; allowed: with a file, whose lengths have units, both must be given, in one unit")
 
 
-def _made(what: str, options: Any, given: Given) -> Any:
+def _unit_of_scan(given: Given) -> str:
+    """The unit of a scan's own length, if it is given one; empty where that is the scene's, whatever it is."""
+    told = given[kinds.title("profile", MeasuredIndenter.name)]
+    return "" if told.get("scene_units") else str(told.get("length_unit", reading.Options.length_unit))
+
+
+def _number(name: str, value: Any, unit: str) -> Any:
+    """The value of an option that is a number; a length with its unit in the scene's. Raises `ValueError`."""
+    return read(name, value, True, unit) if isinstance(value, str) else value
+
+
+def _made(what: str, options: Any, given: Given, unit: str) -> Any:
     """The layer or the profile that the option `what` chooses, with its own options.
+
+    unit: the scene's unit of length; empty where that is not known.
 
     Raises `ValueError` if one of them is missing, and for those of another kind, unless they have their default.
     """
@@ -87,4 +105,6 @@ def _made(what: str, options: Any, given: Given) -> Any:
             raise ValueError(f"{name} is missing; allowed: {option.allowed}, with --{what} {chosen}")
     if missing := getattr(classes[chosen], "__abstractmethods__", ()):
         raise ValueError(f"{what} {chosen} lacks {', '.join(sorted(missing))}; allowed: one that offers what it must")
-    return classes[chosen](**values)
+    return classes[chosen](
+        **{name: _number(name, value, unit) if own[name].length else value for name, value in values.items()}
+    )

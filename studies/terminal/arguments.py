@@ -65,8 +65,19 @@ def given(words: Sequence[str], kinds: Mapping[str, type], prog: str) -> dict[st
     for name in required:
         if name not in found:
             raise ValueError(f"{name} is missing; allowed: {every[name].allowed}")
-    values = {name: every[name].value(value) for name, value in vars(found).items()}
+    _check_once(vars(found), required)
+    values = {name: every[name].value(value if name in required else value[0]) for name, value in vars(found).items()}
     return {title: {name: values[name] for name in group if name in values} for title, group in groups.items()}
+
+
+def _check_once(found: Mapping[str, Any], positional: Collection[str]) -> None:
+    """Raise `ValueError` for an option that is given more than once: which of its values was meant?"""
+    for name, values in found.items():
+        if name not in positional and len(values) > 1:
+            often = "twice" if len(values) == 2 else f"{len(values)} times"
+            texts = [" ".join(value) if isinstance(value, list) else str(value) for value in values]
+            told = "" if values[0] is True else f": {', '.join(texts)}"
+            raise ValueError(f"{flag(name)} is given {often}{told}; allowed: once")
 
 
 def check_names(words: Sequence[str], names: Iterable[str], prog: str) -> None:
@@ -178,14 +189,15 @@ def _add(section: Any, option: Option, positional: bool, said: str) -> None:
     text = (said if hidden else f"{said} (default: {option.default})".strip()).replace("%", "%%")
     common = {"default": argparse.SUPPRESS, "help": text}
     if option.count == 0:
-        section.add_argument(flag(option.name), dest=option.name, action="store_true", **common)
+        section.add_argument(flag(option.name), dest=option.name, action="append_const", const=True, **common)
     elif positional:
         section.add_argument(option.name, nargs="?", metavar=option.name.upper(), **common)
     else:
         count: int | str | None = option.count if option.count > 1 else None
         if option.alone is not None:
             count, common = "?", common | {"const": option.alone}
-        section.add_argument(flag(option.name), dest=option.name, nargs=count, metavar=option.placeholder, **common)
+        shown = {"dest": option.name, "metavar": option.placeholder}
+        section.add_argument(flag(option.name), action="append", nargs=count, **shown, **common)
 
 
 def _formatter(prog: str) -> argparse.HelpFormatter:

@@ -5,6 +5,7 @@ tuple of paths, numbers or text, or None where nothing is given. With `may_stand
 """
 
 import contextlib
+import re
 from collections.abc import Iterable
 from dataclasses import MISSING, Field, dataclass, field, fields
 from pathlib import Path
@@ -13,6 +14,9 @@ from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
 _TYPES = {int: "an integer, like 262144 or 2^18", float: "a number", str: "some text", Path: "a path"}
 """What a value of each type is called."""
+
+
+_BEGINS_WITH_NUMBER = re.compile(r"\s*[-+]?\.?\d")
 
 
 def one_of(allowed: Iterable[str], default: Any) -> Any:
@@ -41,12 +45,18 @@ class Option:
     """The value if the option is not given; `dataclasses.MISSING` if it must be."""
     alone: str | None = None
     """The word that stands for its value if it is given without one; None if it needs one."""
+    length: bool = False
+    """Whether it is a length of a scene, which may have its unit."""
+
+    @property
+    def _one(self) -> str:
+        """What is allowed of one value."""
+        return ", ".join(self.choices) or _TYPES[self.type] + ", or a length with its unit, like 50um" * self.length
 
     @property
     def allowed(self) -> str:
         """What is allowed, for messages."""
-        value = ", ".join(self.choices) or _TYPES[self.type]
-        return value if self.count == 1 else f"{self.count} values, each {value}"
+        return self._one if self.count == 1 else f"{self.count} values, each {self._one}"
 
     @property
     def placeholder(self) -> str | tuple[str, ...]:
@@ -55,7 +65,10 @@ class Option:
         return word if self.count == 1 else (word,) * self.count
 
     def value(self, words: str | list[str] | bool) -> Any:
-        """The value that a word stands for, or several; True is a flag that is given. Raises `ValueError`."""
+        """The value that a word stands for, or several; True is a flag that is given. Raises `ValueError`.
+
+        A length with a unit stays a text, until it is known in which unit the scene is.
+        """
         if isinstance(words, bool):
             return words
         if isinstance(words, list):
@@ -63,7 +76,9 @@ class Option:
         if words in self.choices or not self.choices:
             with contextlib.suppress(ValueError):
                 return _power(words) if self.type is int and "^" in words else self.type(words)
-        raise ValueError(f"{self.name} is {words!r}; allowed: {', '.join(self.choices) or _TYPES[self.type]}")
+        if self.length and _BEGINS_WITH_NUMBER.match(words):
+            return words
+        raise ValueError(f"{self.name} is {words!r}; allowed: {self._one}")
 
 
 def _power(words: str) -> int:
@@ -86,6 +101,8 @@ def options_of(kind: type) -> dict[str, Option]:
 
 
 def _option(entry: Field[Any], hint: Any) -> Option:
+    from linecontact.solver.units import unit  # takes its time, and is not needed to refuse a mistyped option
+
     parts = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
     kind, *others = (part for part in parts if part is not NoneType)
     values = get_args(kind) if get_origin(kind) is tuple else (kind,)
@@ -98,4 +115,5 @@ def _option(entry: Field[Any], hint: Any) -> Option:
         allowed = "a number, text, a path, words, or a flag that is False by default"
         raise TypeError(f"field {entry.name} is of type {hint}; allowed for an option: {allowed}")
     count = 0 if value is bool else len(values)
-    return Option(entry.name, value, count, choices, default, entry.metadata.get("alone"))
+    length = value is float and "length" in (unit(entry.name), unit(f"profile_{entry.name}"))
+    return Option(entry.name, value, count, choices, default, entry.metadata.get("alone"), length)
