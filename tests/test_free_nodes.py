@@ -135,3 +135,24 @@ def test_it_may_begin_anywhere(start):
         state.start(np.full(2**12, -1.0))
     assert relax(state, 2000) is Status.CONVERGED
     np.testing.assert_array_equal(state.contact_pressure > 0, solve(scene).contact)
+
+
+def test_near_rounding_it_tries_harder():
+    scene = Scene(Layer(), PowerIndenter(2.0), num_points=2**13)
+    scene = Scene(Layer(), PowerIndenter(2.0), 0.95 * full_contact_pressure(scene), num_points=2**13)
+    found = solve(scene, tolerance=1e-13)
+    assert found.status is Status.CONVERGED
+    assert not found.handed_over
+
+
+def test_a_start_that_hardly_touches_keeps_a_contact():
+    problem = Problem.from_scene(Scene(Layer(), ROUGH, 0.5, num_points=2**12))
+    state, start = begin(problem, 0.5), np.full(2**12, -1e3)
+    start[7] = problem.height[7]
+    state.start(start)
+    for _ in range(300):
+        state.step()
+        assert not state.stopped or state.contact_pressure.any()
+        if state.stopped:
+            break
+    assert np.isfinite(state.displacement).all()

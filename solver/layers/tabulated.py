@@ -20,8 +20,8 @@ from .layer import ElasticLayer
 
 _FEWEST = 8  # rows
 _COARSE = 0.02  # change of K where every other row is left out; with all rows it is some sixteenth of that
-_FINE = 1e-6  # the same, of a function; and the most rows that are tried for it
-_MOST = 2**16
+_FINE = 1e-6  # the same, of a function
+_MOST = 2**16  # rows from which a function is not sampled more finely
 _STRAIGHT = 0.01  # difference of a slope d ln K/d ln q from 0 or 1 at which a law is taken to go on
 
 
@@ -73,23 +73,27 @@ class TabulatedLayer(ElasticLayer):
         cls, stiffness: Callable[[Array64], Array64], first: float, last: float, contact_modulus: float = math.nan
     ) -> Self:
         """The layer of a function K(q) [pressure/length], by a table between two wave numbers [1/length] with as many
-        rows as it takes to know K to about 1e-7.
+        rows as it takes to know a smooth K to a few 1e-7. What is narrower than the rows is not seen.
 
         stiffness: takes an array of wave numbers q > 0 [1/length], and returns K(q) > 0 of its shape. first, last: as
         in a table, K must have become the law of long waves at the one and of short waves at the other, or the scene
         must not have waves beyond. Raises `ValueError` for these, and for a function that returns anything else or
         changes too quickly.
         """
-        allowed = "two finite wave numbers > 0, the smaller first"
-        if not 0 < first < last < math.inf:
-            raise ValueError(f"first and last are {first} and {last}; allowed: {allowed}")
-        count = _FEWEST * math.ceil(math.log10(last / first) + 1)
+        first, last = (checks.real(*end, "a finite wave number > 0", 0) for end in (("first", first), ("last", last)))
+        if not 2 * first <= last:
+            raise ValueError(f"last is {last:g}; allowed: at least twice the first, which is {first:g}")
+        count = _FEWEST * math.ceil(math.log10(last) - math.log10(first) + 1) + 1
         while True:
-            count *= 2
+            count = 2 * count - 1  # an odd number, so that the last interval is examined, too
             q = np.geomspace(first, last, count)
-            k = np.asarray(stiffness(q), dtype=np.float64)
-            if k.shape != q.shape:
-                raise ValueError(f"stiffness(q) has shape {k.shape}; allowed: {q.shape}, that of q")
+            try:
+                k = np.asarray(stiffness(q))
+            except TypeError as wrong:
+                raise ValueError(f"stiffness(q) fails: {wrong}; allowed: a function of an array of q") from wrong
+            if k.shape != q.shape or k.dtype.kind not in "fiu":
+                allowed = f"real numbers of the shape of q, {q.shape}"
+                raise ValueError(f"stiffness(q) has shape {k.shape} and type {k.dtype}; allowed: {allowed}")
             bad = np.flatnonzero(~((k > 0) & (k < math.inf)))
             if bad.size:
                 raise ValueError(f"stiffness(q) is {k[bad[0]]:.6g} at q = {q[bad[0]]:.6g}; allowed: finite numbers > 0")
@@ -98,8 +102,8 @@ class TabulatedLayer(ElasticLayer):
                 return cls(tuple(q.tolist()), tuple(k.tolist()), contact_modulus, "a function")
             if count >= _MOST:
                 raise ValueError(
-                    f"stiffness(q) is known to {error:.1g} only about q = {about:.4g}, with {count} rows; "
-                    f"allowed: a function that is smoother there"
+                    f"stiffness(q) changes by {error:.1g} about q = {about:.4g} where every other of {count} rows is "
+                    f"left out; allowed: below {_FINE:g}, a function that is smoother there"
                 )
 
     def __repr__(self) -> str:

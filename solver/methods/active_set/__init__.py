@@ -1,6 +1,7 @@
 """The active set: the method that needs fewest transforms, put together from its parts.
 
-`active_set` is the method, `contact_set` what belongs to one set of nodes, `response` what the surface does under its
+`active_set` is the method, `free_nodes` the same with displacements as unknown, with `gap_by_gap`, `search` when they
+update their set, `contact_set` what belongs to one set of nodes, `response` what the surface does under its
 pressure, `compliance` the operator on all nodes, `packed` that near the contact with `nearby`, the nodes there,
 `storage` where nodes have their values, `preconditioner` with `local_inverses`, `long_patch` and `greens_function` what
 makes its iterations few.

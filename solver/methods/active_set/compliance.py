@@ -1,4 +1,4 @@
-"""The operator of the active set: the response of all nodes to a pressure on the contact nodes."""
+"""The operator of the active set: G on a pressure of the contact nodes, or K on a displacement of the free nodes."""
 
 from ....kernels import record
 from ...arrays import Array64, Indices
@@ -7,9 +7,9 @@ from .storage import Whole
 
 
 class Compliance:
-    """G = 1/K without the mean mode, applied by one pair of transforms, in the precision of the transforms.
+    """G = 1/K without the mean mode, or K, applied by one pair of transforms, in the precision of the transforms.
 
-    The symbol, G(q_k), has the shape (N//2 + 1,) [1/K]. The transforms have the storage's length.
+    The symbol, G(q_k) or K(q_k), has the shape (N//2 + 1,). The transforms have the storage's length.
     """
 
     def __init__(self, symbol: Array64, storage: Whole, transforms: Transforms, backend: str) -> None:
@@ -22,7 +22,7 @@ class Compliance:
         """Length of its transforms over N (dimensionless)."""
 
     def apply(self, places: Indices, values: Array64) -> None:
-        """target = G values; values: pressure, 0 at all other places, both of shape (contact nodes,)."""
+        """target = G values, or K values; values: 0 at all other places, of the places' shape."""
         self.target[:] = 0
         self.target[places] = values
         for part in self._parts:

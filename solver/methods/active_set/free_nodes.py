@@ -5,8 +5,7 @@ the same problem takes a half to a sixth of the iterations: K_FF u_F = p - K_FC 
 gradients (M. R. Hestenes and E. Stiefel, 1952), with the preconditioner of `gap_by_gap`. The net force r = p - K u of
 all nodes is carried along; on the free nodes it is the residual that the certificate looks at, too. When that has
 fallen far enough, free nodes that penetrate are put onto the wall, and those that the wall would have to hold by
-pulling are set free (the primal-dual active set in its primal form, M. Hintermueller et al., SIAM J. Optim. 13, 865
-(2002)).
+pulling are set free (primal-dual active set, M. Hintermueller et al., SIAM J. Optim. 13, 865 (2002)).
 
 Not for layers whose longest waves are the stiffest, thin and incompressible ones: there K is long-ranged.
 """
@@ -83,7 +82,7 @@ class FreeNodes(Method):
         if (displacement < self.problem.height).all():  # K knows no load without contact
             self.start_from_pressure(np.zeros(displacement.size))
         else:
-            self._take(np.minimum(displacement, self.problem.height))
+            self._take(displacement)
 
     def start_from_pressure(self, pressure: Array64) -> None:
         if not pressure.any():
@@ -92,7 +91,8 @@ class FreeNodes(Method):
         self._pairs += 1
 
     def _take(self, displacement: Array64) -> None:
-        """Begin from a displacement u <= h, shape (N,) [u]."""
+        """Begin from a displacement, shape (N,) [u]."""
+        displacement = np.minimum(self._storage.symmetric(displacement), self.problem.height)
         self._displacement, self.stopped, self._search = displacement, False, Search()
         self._set_free(displacement < self.problem.height)
         self._make_force()
@@ -100,8 +100,10 @@ class FreeNodes(Method):
 
     def _set_free(self, free: Mask) -> None:
         """Turn to another set of free nodes, shape (N,)."""
-        self._free, self._gaps = free, Patches.of(free)
+        self._gaps = Patches.of_nodes(self._storage.with_images(np.flatnonzero(free)), free.size)
         self._nodes = self._gaps.nodes
+        self._free = np.zeros_like(free)
+        self._free[self._nodes] = True
         self._places = self._storage.places(self._nodes)
         self._inverse: GapByGap | None = None
         self._direction, self._last_product = np.zeros(0), 0.0
@@ -121,6 +123,8 @@ class FreeNodes(Method):
         self._target *= HARDER
         self._floor *= HARDER
         self.stopped = False
+        self._make_force()  # what is carried along has lost touch with the displacement
+        self._last_product, self._iterations = 0.0, 0
         return True
 
     def demand_every_node(self) -> None:
@@ -146,7 +150,7 @@ class FreeNodes(Method):
                 self.stopped = True
                 return
         if self._iterations >= MOST_ITERATIONS or not self._iterate(force):
-            self.stopped = True
+            self.stopped = not self._update()  # it may be the wrong set
 
     def _iterate(self, force: Array64) -> bool:
         """One iteration of conjugate gradients; False if rounding has left no way down."""
@@ -176,14 +180,16 @@ class FreeNodes(Method):
         pull = self._storage.get(self._force) < -_SMALLEST_PULL * self.tolerance
         pull &= ~self._free
         changed = penetrating.size + int(np.count_nonzero(pull))
-        if changed <= self._wrong_nodes_per_patch * self._gaps.count:
+        if changed <= self._wrong_nodes_per_patch * max(1, self._gaps.count):
             return False
         self._search.note(changed)
         free = self._free | pull
         free[penetrating] = False
+        if free.all():  # K knows no load without contact
+            free[np.argmax(self._displacement - height)] = False
         self._set_free(free)
-        if penetrating.size:
-            self._make_force()
+        self._make_force()
+        self.residual = math.inf
         self.stopped = self._search.in_circles(hash((self._gaps.first.tobytes(), self._gaps.last.tobytes())))
         return True
 

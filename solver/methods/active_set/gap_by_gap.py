@@ -1,8 +1,8 @@
 """Approximate inverse of the stiffness K on the free nodes: every gap between two patches on its own.
 
-K is a Toeplitz matrix and, but for its mean mode, short-ranged: a displacement in one gap hardly presses on the next.
-So no loads need to be solved for together, as they have to for the inverse of G on the contact. Gaps share one inverse
-Cholesky factor; in those too long for it G restricted to the gap, by a short transform, is nearly the inverse.
+K is a Toeplitz matrix and short-ranged: a displacement in one gap hardly presses on the next. So no loads need to be
+solved for together, as they have to for the inverse of G on the contact. Gaps share one inverse Cholesky factor; in
+those too long for it 1/K on a short ring of nodes, restricted to the gap, is nearly the inverse.
 """
 
 import numpy as np

@@ -74,7 +74,7 @@ class Tables:
         return factor
 
     def stiffness_factor(self, order: int) -> Array64:
-        """The same of K [K]; in the room of `factor`."""
+        """`inverse_cholesky` of K in real space [1/K^(1/2)]; kept for the next call."""
         factor = self._stiffness_factor
         if factor.shape[0] < order:
             column = irfft(self._stiffness, self.num_points)
@@ -153,7 +153,7 @@ class Convolution:
 
     @cached_property
     def inverse_rigidity(self) -> Array64:
-        """1/K, and of the mean mode, which K leaves alone, twice that of the longest wave."""
+        """1/K; modes softer than half of the longest wave, the mean one above all, count as that stiff."""
         least = self.rigidity[1] / 2
         return np.asarray(1 / np.maximum(self.rigidity, least))
 
