@@ -12,6 +12,7 @@ from rich.console import Console, ConsoleOptions, RenderableType, RenderResult
 from rich.table import Table
 
 from ..files.study_files import StudyFile
+from ..scans.preparation import mirrored
 from ..terminal import console
 from .tasks import column, unit_in
 
@@ -61,7 +62,9 @@ class Summary:
     def _table(self, headings: Sequence[str], more: str) -> Table:
         over = self.file.configuration["over"]
         caption = "a_r, kappa and p* between sub-grid edges, +-: the estimated error of a_r; stiffness: dp/d(approach);"
-        caption += " M: contact patches; *: not converged, or less accurate than asked."
+        steps = next((run.get("scene.profile_steps") for run in self.file.runs), "")
+        image = ", mirror image too" * mirrored({"profile_steps": steps})
+        caption += f" M: contact patches{image}; *: not converged, or less accurate than asked."
         table = console.table(title=self.title, caption=f"{caption} {more}: `linecontact export`.")
         shown = [name for name in headings if name != _NOT_SHOWN.get(over, "p")]
         for name, quantity in ((over, over), *((name, _COLUMNS[name][0]) for name in shown)):

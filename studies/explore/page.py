@@ -201,8 +201,8 @@ class Page:
 
     def _show(self, event: Event, found: Answer) -> None:
         solution = found.solution
-        self._fields.show(solution)  # first, for it is what takes a browser longest
         self._answer.value, self._doubts.value = said(found, time.perf_counter() - event.moment), doubted(found)
+        self._fields.show(solution)
         self._command.value = self._start.command(found.scene) if found.scene else ""
         if self._start.scan and (trouble := self._start.scan.trouble()):
             _tell(trouble)

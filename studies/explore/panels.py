@@ -153,11 +153,11 @@ class Fields:
             "surface": solution.displacement[part] * height,
             "pressure": solution.contact_pressure[part] / solution.scene.layer.contact_modulus,
         }
-        self._set_ranges(fields)
-        self._show_patches(solution, (high - low) / pixels)
         for name, values in fields.items():
             places = extremes(values, pixels)
             _put(self._shown[name], {"x": (first + places) * spacing, "y": values[places]})
+        self._show_patches(solution, (high - low) / pixels)
+        self._set_ranges(fields)
 
     def _show_patches(self, solution: Solution, pixel: float) -> None:
         found, factor, whole = solution.patches, self._along.factor, self._whole
