@@ -14,7 +14,7 @@ from . import checks, display
 from .arrays import Array64
 from .indenters import Indenter, PowerIndenter
 from .layers import ElasticLayer, Layer
-from .units import SCENE
+from .units import length_unit
 
 PRECISIONS = ("float64", "float32", "mixed")
 MIN_POINTS, MAX_POINTS = 4, 2**30  # Warp indices are int32
@@ -107,8 +107,7 @@ class Scene:
     @property
     def length_unit(self) -> str:
         """The unit of length, where a scan has brought one with it; 'length' where it is the user's own."""
-        known = str(self.indenter.to_dict().get("profile_length_unit", SCENE))
-        return "length" if known == SCENE else known
+        return length_unit(self.indenter.to_dict())
 
     def _row(self, name: str, value: Any) -> display.Row:
         return display.row(name, value, self.length_unit)

@@ -1,5 +1,8 @@
 """Units of the quantities in scenes and results, by their names."""
 
+from collections.abc import Mapping
+from typing import Any
+
 SCENE = "the scene's"
 """The unit of length that the scene is in, where nobody has said which one it is."""
 
@@ -36,3 +39,12 @@ def unit(name: str) -> str:
     if name.startswith("bytes."):
         return "byte"
     return "s" if "seconds." in name else _UNITS.get(name.rsplit(".", 1)[-1], "1")
+
+
+def length_unit(about: Mapping[str, Any], prefix: str = "") -> str:
+    """The unit of length of what is described by these names; 'length' where nobody has said which one it is.
+
+    about: of an indenter, or of results, where `prefix` stands before the indenter's names.
+    """
+    known = str(about.get(f"{prefix}profile_length_unit", SCENE))
+    return "length" if known == SCENE else known

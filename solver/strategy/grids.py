@@ -108,8 +108,8 @@ def over_grids(
     """From coarse to fine: every grid as it is reached. One that is interrupted is the last one.
 
     sizes: numbers of points. begin: the method on a grid of so many, given the share of the nodes that are in contact
-    on the grid before, 0 on the first one. relax: returns the relaxed state, which may be
-    another one than it got. measure_last: whether the level of the finest grid is wanted, too, as any may be the last.
+    on the grid before, 0 on the first one. relax: returns the relaxed state, which may be another one than it got.
+    measure_last: whether the level of the finest grid is wanted, too, as any may be the last.
 
     An interruption before the first grid is reached is passed on; a later one yields the last grid that was reached
     once more, as interrupted.

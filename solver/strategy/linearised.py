@@ -29,7 +29,7 @@ from ..scene import Scene
 from ..solution import Solution
 from .effort import SMALLEST_WARP
 
-_TOLERANCE = 1e-5  # on the punch's pressure; the stiffness then has eight digits: its error is of second order
+_TOLERANCE = 1e-5  # on the punch's pressure or free force; the stiffness has eight digits: of second order
 _MOST_ITERATIONS = 500
 _WORTHLESS = 1e-4  # residual beyond which nothing is said
 

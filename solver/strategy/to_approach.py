@@ -92,7 +92,8 @@ def solve_to_approach(scene: Scene, solve: Callable[[Scene], Solution]) -> Solut
         seconds=seconds,
         choices=(Choice("pressure", f"{pressure:.10g}", why), *found.choices),
     )
-    found, off = _told(found, approach)
+    found = _told(found, approach)
+    off = abs(found.observables.approach / approach - 1)
     if found.status is Status.CONVERGED and off > max(_GOOD, min(found.tolerance, _LOOSE)):
         met = f"{approach:g}, and {found.observables.approach:.10g} was found"
         reason = Reason(Cause.METHOD, "approach", met, "another approach, or a smaller tolerance")
@@ -160,15 +161,15 @@ def _full_contact(scene: Scene, solve: Callable[[Scene], Solution], approach: fl
     found = solve(replace(scene, approach=None, pressure=pressure))
     why = "the least pressure of full contact; any larger one gives the same approach"
     choices = (Choice("pressure", f"{pressure:.10g}", why), *found.choices)
-    return _told(replace(found, choices=choices), approach)[0]
+    return _told(replace(found, choices=choices), approach)
 
 
-def _told(found: Solution, approach: float) -> tuple[Solution, float]:
-    """A solution that says how far its approach is off the one asked for, and that, relative."""
-    off = abs(found.observables.approach / approach - 1)
+def _told(found: Solution, approach: float) -> Solution:
+    """The solution, which says how far its approach is off the one asked for."""
+    balance = abs(found.observables.approach / approach - 1)
     observables = replace(found.observables, approach_error=abs(found.observables.approach - approach))
-    certificate = found.certificate and replace(found.certificate, approach_balance=off)
-    return replace(found, observables=observables, certificate=certificate), off
+    certificate = found.certificate and replace(found.certificate, approach_balance=balance)
+    return replace(found, observables=observables, certificate=certificate)
 
 
 def check_approach(scene: Scene) -> None:

@@ -11,7 +11,6 @@ from typing import Literal
 from linecontact.solver import METHODS, QUANTITIES, MeasuredIndenter, Scene, Solution, Status, solve
 from linecontact.solver.scene import PRECISIONS
 from linecontact.solver.transforms.planned import PLANNING
-from linecontact.solver.units import SCENE
 from rich.table import Table
 
 from ..figures.names import FORMATS
@@ -203,9 +202,8 @@ def solution_table(solution: Solution) -> Table:
         *((f"time: {stage}", f"{seconds:.3f}", "s") for stage, seconds in record["seconds"].items()),
         *((f"certificate: {name.replace('_', ' ')}", value, "-") for name, value in record["certificate"].items()),
     ]
-    known = record["scene"].get("profile_length_unit", SCENE)
     for name, value, unit in rows:
-        unit = unit if known == SCENE else re.sub(r"\blength\b", known, unit)
+        unit = re.sub(r"\blength\b", solution.scene.length_unit, unit)
         table.add_row(name, f"{value:.7g}" if isinstance(value, float) else str(value), unit)
     return table
 

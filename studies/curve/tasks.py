@@ -5,7 +5,7 @@ from typing import ClassVar
 
 from linecontact.solver import Scene, Status, solve
 from linecontact.solver.methods import Progress
-from linecontact.solver.units import SCENE, unit
+from linecontact.solver.units import length_unit, unit
 
 from ..files.records import run_record
 from ..files.study_files import StudyFile
@@ -21,9 +21,8 @@ def column(over: str) -> str:
 
 def unit_in(file: StudyFile, name: str) -> str:
     """The unit of a quantity of the scenes in a curve's file, '-' where it is dimensionless."""
-    known = str(file.runs[0].get("scene.profile_length_unit", SCENE)) if file.runs else SCENE
-    own = "-" if unit(name) == "1" else unit(name)
-    return own if known == SCENE else own.replace("length", known)
+    length = length_unit(file.runs[0] if file.runs else {}, "scene.")
+    return "-" if unit(name) == "1" else unit(name).replace("length", length)
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from linecontact.solver.units import SCENE
+from linecontact.solver.units import length_unit
 from numpy.typing import NDArray
 
 from .hdf5 import file_kind
@@ -40,8 +40,7 @@ def table(path: Path) -> Iterator[bytes]:
 def _fields(path: Path) -> Columns:
     """The fields of a solution by their headings."""
     arrays, results = load_solution(path)
-    known = str(results.get("scene.profile_length_unit", SCENE))
-    length = "length" if known == SCENE else known
+    length = length_unit(results, "scene.")
     return {_heading(name, length): values for name, values in arrays.items()}
 
 
@@ -52,8 +51,8 @@ def _runs(path: Path) -> Columns:
         raise StoreError(f"file {path} holds no finished run yet; allowed: a study with at least one")
     columns = {name: [run[name] for run in study.runs] for name in study.runs[0]}
     texts = {name for name, values in columns.items() if any(isinstance(value, str) for value in values)}
-    known = {str(run.get("scene.profile_length_unit", SCENE)) for run in study.runs}
-    length = known.pop() if len(known) == 1 and SCENE not in known else "length"
+    known = {length_unit(run, "scene.") for run in study.runs}
+    length = known.pop() if len(known) == 1 else "length"
     return {name if name in texts else _heading(name, length): values for name, values in columns.items()}
 
 

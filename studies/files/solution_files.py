@@ -13,7 +13,7 @@ import numpy as np
 from linecontact.solver import Solution
 from linecontact.solver.display import row, sentence
 from linecontact.solver.grid.patch_table import PatchTable
-from linecontact.solver.units import SCENE
+from linecontact.solver.units import length_unit
 from numpy.typing import NDArray
 
 from .hdf5 import column_of_numbers, new_file, open_file, scalar
@@ -44,8 +44,7 @@ class StoredSolution:
 
     def __repr__(self) -> str:
         names = ("status", "contact_area_subgrid", "contact_area_error", "num_patches", "scene.thickness")
-        known = str(self.results.get("scene.profile_length_unit", SCENE))
-        length = "length" if known == SCENE else known
+        length = length_unit(self.results, "scene.")
         rows = [row(name, self.results[name], length) for name in names if name in self.results]
         return sentence(f"{type(self).__name__}: fields of {self.x.size} points, and {len(self.results)} results", rows)
 

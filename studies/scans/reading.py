@@ -13,7 +13,7 @@ from typing import Any, Literal, NamedTuple, get_args
 import numpy as np
 from linecontact.solver import ElasticLayer, MeasuredIndenter, Scene, checks
 from linecontact.solver.scene import MAX_POINTS, MIN_POINTS
-from linecontact.solver.units import SCENE
+from linecontact.solver.units import SCENE, length_unit
 from numpy.typing import NDArray
 
 from ..files.writing import as_path
@@ -107,10 +107,10 @@ class Scan(NamedTuple):
     """Grid points of the scene."""
 
     def __repr__(self) -> str:
-        unit = str(self.indenter.description.get("profile_length_unit"))
-        unit = unit if unit in UNITS else "length"
-        indenter = repr(self.indenter).replace("[length]", f"[{unit}]")
-        return f"{type(self).__name__}: period {self.period:.6g} [{unit}], num_points {self.num_points}; {indenter}"
+        unit = length_unit(self.indenter.description)
+        return (
+            f"{type(self).__name__}: period {self.period:.6g} [{unit}], num_points {self.num_points}; {self.indenter}"
+        )
 
     def scene(self, layer: ElasticLayer, pressure: float = math.nan, approach: float | None = None) -> Scene:
         """The scan pressed against a layer, by a mean pressure [pressure] or to an approach [length].

@@ -18,7 +18,7 @@ class GapByGap:
 
     def __init__(self, green: GreensFunction, gaps: Patches) -> None:
         """gaps: runs of free nodes."""
-        self.gaps, self._green = gaps, green
+        self._gaps, self._green = gaps, green
         short = gaps.size <= LONGEST_DENSE
         self._blocks = list(blocks_of(gaps, short, green.tables.stiffness_factor))
         self._long = np.flatnonzero(~short)
@@ -26,9 +26,7 @@ class GapByGap:
     def apply(self, force: Array64) -> Array64:
         """About K_FF^-1 force, a displacement; both shape (free nodes,) in compact order."""
         z = invert_blocks(self._blocks, force)
-        for start, size in zip(self.gaps.offset[self._long], self.gaps.size[self._long], strict=True):
-            step = 2 ** (int(size).bit_length() - 3)  # gaps of similar size share a length
-            convolve = self._green.convolution(min(2 * step * -(-int(size) // step), self._green.num_points))
-            part = slice(start, start + size)
+        for start, size in zip(self._gaps.offset[self._long], self._gaps.size[self._long], strict=True):
+            convolve, part = self._green.around(int(size)), slice(start, start + size)
             z[part] = convolve(convolve.inverse_rigidity, force[part])
         return z

@@ -128,6 +128,13 @@ class GreensFunction:
             self._convolutions[length] = Convolution(*self.tables.symbols(length), length)
         return self._convolutions[length]
 
+    def around(self, size: int) -> "Convolution":
+        """The convolution for a run of so many nodes, on a ring of at least twice as many, which keeps its ends apart,
+        or of all; runs of similar size share one.
+        """
+        step = 2 ** (size.bit_length() - 3)
+        return self.convolution(min(2 * step * -(-size // step), self.num_points))
+
 
 def patch_sums(second_sum: Array64, first: Indices, last: Indices) -> Array64:
     """Z'GZ for Z = 1 on each of M runs of nodes: the sums of G(a - b) over a in one run and b in another.

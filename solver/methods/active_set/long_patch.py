@@ -18,9 +18,7 @@ class LongPatch:
 
     def __init__(self, green: GreensFunction, size: int) -> None:
         self.size = size
-        # twice the patch keeps its ends apart; patches of similar size share a length
-        step = 2 ** (size.bit_length() - 3)
-        self._convolve = convolve = green.convolution(min(2 * step * -(-size // step), green.num_points))
+        self._convolve = convolve = green.around(size)
         self._basis = np.stack([convolve(convolve.rigidity, x) for x in (np.ones(size), np.linspace(-1, 1, size))])
         self._image = np.stack([convolve(convolve.compliance, z) for z in self._basis])
         self._inverse = np.linalg.inv(self._basis @ self._image.T)
