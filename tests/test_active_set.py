@@ -23,15 +23,17 @@ from linecontact.solver import (
     certify,
     solve,
 )
+from linecontact.solver.grid.kept import forget
 from linecontact.solver.grid.patches import Patches
 from linecontact.solver.grid.problem import Problem, foundation_pressure, half_spectrum, typical_stiffness
-from linecontact.solver.methods import Setting, active_set
-from linecontact.solver.methods.active_set import local_inverses, search
+from linecontact.solver.methods import Setting, active_set, relax
+from linecontact.solver.methods.active_set import greens_function, local_inverses, search
 from linecontact.solver.methods.active_set import preconditioner as deflation
 from linecontact.solver.methods.active_set.active_set import ActiveSet
 from linecontact.solver.methods.active_set.greens_function import GreensFunction, Tables, inverse_cholesky, patch_sums
 from linecontact.solver.strategy import certification
 from linecontact.solver.strategy.effort import Effort, Means
+from linecontact.solver.transforms import plain, planned
 
 
 def stiffness(num_points, thickness, nu):
@@ -75,7 +77,7 @@ def test_coarse_matrix_against_the_triple_product(d, nu):
     z = np.zeros((n, patches.count))
     z[patches.nodes, patches.label] = 1
     expected = z.T @ dense(n, d, nu) @ z
-    found = patch_sums(Tables(stiffness(n, d, nu), n).second_sum(), patches.first, patches.last)
+    found = patch_sums(Tables(stiffness(n, d, nu), n).second_sum, patches.first, patches.last)
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-13 * np.abs(expected).max())
 
 
@@ -310,6 +312,55 @@ def test_memory_of_many_patches():
     tracemalloc.stop()
     assert preconditioner.patches.count > 20_000
     assert peak < 250 * 2**17  # bytes a point
+
+
+def test_tables_of_large_grids_make_room_for_each_other(monkeypatch):
+    small = Tables(stiffness(4096, 0.1, 0.25), 4096)
+    kept = {name: getattr(small, name) for name in ("compliance", "response", "second_sum")}
+    monkeypatch.setattr(greens_function, "_KEPT", 0)
+    large = Tables(stiffness(4096, 0.1, 0.25), 4096)
+    for name in ("response", "second_sum", "response", "compliance", "second_sum"):
+        np.testing.assert_array_equal(getattr(large, name), kept[name])
+    large.rest()
+    assert not large._kept
+    large.second_sum  # noqa: B018
+    assert "response" not in large._kept
+    np.testing.assert_array_equal(large.factor(64), small.factor(64))
+    assert "response" not in large._kept  # the values next to the node were enough
+
+
+@pytest.mark.parametrize("precision", ["float64", "mixed", "float32"])
+def test_a_method_that_rests_can_go_on(precision):
+    problem = Problem.from_scene(Scene(indenter=RoughIndenter(0.8, 0, cut_off_ratio=1 / 32), num_points=2**12))
+    found = []
+    for rests in (False, True):
+        state = active_set.begin(problem, Setting(1e-4, precision))
+        assert relax(state, 200) is Status.CONVERGED
+        if rests:
+            state.rest()
+        found.append(state.displacement)
+        state.try_harder()
+        if rests:
+            state.rest()
+        assert relax(state, 400) is Status.CONVERGED
+        found.append(state.displacement)
+    for before, after in zip(found[:2], found[2:], strict=True):
+        np.testing.assert_array_equal(before, after)
+
+
+@pytest.mark.parametrize("layer", [Layer(), Layer(0.01, 0.3)])
+def test_what_saves_memory_on_large_grids_changes_nothing(layer, monkeypatch):
+    scene = Scene(layer, RoughIndenter(0.8, 1), 0.01, num_points=2**16)
+    usual = solve(scene)
+    forget()
+    for module, name in ((greens_function, "_KEPT"), (planned, "_IN_PLACE"), (plain, "_KEPT_UP_TO")):
+        monkeypatch.setattr(module, name, 2**12)
+    saving = solve(scene)
+    forget()
+    np.testing.assert_array_equal(saving.contact, usual.contact)
+    np.testing.assert_allclose(
+        saving.contact_pressure, usual.contact_pressure, atol=1e-8 * usual.contact_pressure.max()
+    )
 
 
 def test_hand_over_is_said(monkeypatch):

@@ -312,9 +312,13 @@ def test_bad_input_is_named(make, named):
 def test_too_large_for_the_machine(monkeypatch):
     if not Path("/proc/meminfo").exists():
         pytest.skip("free memory is known on Linux only")
-    monkeypatch.setattr(sys.modules["linecontact.solver.strategy.memory"], "_BYTES_PER_POINT", 2**40)
-    with pytest.raises(ValueError, match=r"num_points is 1024, needing about .* GiB"):
-        solve(hertz())
+    free = METHODS["active-set"].bytes_per_point(0.05) * 4096
+    monkeypatch.setattr(sys.modules["linecontact.solver.checks"], "available_memory", lambda: free)
+    solve(hertz(num_points=4096, pressure=1e-5))
+    with pytest.raises(ValueError, match=r"num_points is 4096, needing about .* GiB"):  # known from a coarser grid
+        solve(hertz(num_points=4096, pressure=0.1))
+    with pytest.raises(ValueError, match=r"num_points is 4096, needing about .* GiB"):
+        solve(hertz(num_points=4096), method="fire")
 
 
 def test_scene_is_frozen():

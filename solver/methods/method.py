@@ -86,6 +86,12 @@ class Method(Protocol):
         """Aim at a smaller residual, after the certificate found the free residual too large; False: it cannot."""
         return False
 
+    def rest(self) -> None:
+        """Give back what can be made anew, which leaves room for the certificate or a finer grid; the state stays
+        usable.
+        """
+        return
+
 
 @dataclass(frozen=True)
 class Setting:
@@ -128,6 +134,10 @@ class Fallback:
     """Precisions of the scene in which it would be of no use."""
 
 
+def _most_bytes(contact_share: float) -> float:
+    return 160
+
+
 @dataclass(frozen=True)
 class MethodKind:
     """A method as a choice."""
@@ -150,5 +160,7 @@ class MethodKind:
     """Whether it starts once more, from the Winkler foundation's pressure, where it did not settle."""
     fallbacks: tuple[Fallback, ...] = ()
     """What takes over, one after the other, where its result cannot be certified."""
+    bytes_per_point: Callable[[float], float] = _most_bytes
+    """Memory that a solve takes at its peak, given the share of the nodes in contact [bytes a point]."""
     share: float = 0.1
     """How often studies of random scenes try it, compared with the other methods (dimensionless)."""

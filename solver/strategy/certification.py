@@ -103,6 +103,7 @@ class _Certification:
 
     def certify(self) -> bool:
         """Make the certificate of the present state; whether it is good enough."""
+        self.state.rest()
         self.displacement = self.state.displacement
         if not np.isfinite(self.displacement).all():  # diverged beyond all numbers
             self.state.start(np.zeros_like(self.displacement))

@@ -117,6 +117,8 @@ def over_grids(
     reached: Reached | None = None
     for size in sizes:
         try:
+            if reached:
+                reached.state.rest()
             state = begin(size, reached.contact_share if reached else 0.0)
             if reached:
                 reached.start(state)

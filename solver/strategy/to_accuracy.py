@@ -194,7 +194,7 @@ def _on_grids(task: _Task) -> Solution:
     budget = task.accuracy - task.quantity.sensitivity * (model_error + iteration_share(tolerance))
 
     def begin(size: int, contact_share: float) -> Method:
-        check_memory(size)
+        check_memory(size, contact_share=contact_share)
         problem, few = Problem.from_scene(scene, size), COARSE_WRONG_NODES
         return effort.begin(problem, CAUTION * tolerance, wrong_nodes_per_patch=few, contact_share=contact_share)
 

@@ -40,6 +40,7 @@ class Prepared:
         """The method on one of the grids; contact_share: of the nodes, as the grid before has it."""
         scene = self.effort.scene
         if num_points == scene.num_points:
+            check_memory(num_points, self.effort.kind, contact_share)
             finest = self.effort.begin(self.problem, CAUTION * self.tolerance, contact_share=contact_share)
             if self.start is not None:
                 finest.start(self.start)
@@ -72,7 +73,7 @@ def solve_to_tolerance(
 def _prepare(effort: Effort, nested: bool | None, tolerance: float | None, initial: Array64 | None) -> Prepared:
     """Check what was asked for, and discretise the scene."""
     scene, kind = effort.scene, effort.kind
-    check_memory(scene.num_points)
+    check_memory(scene.num_points, kind)
     if scene.precision not in kind.precisions:
         raise ValueError(f"precision is {scene.precision!r}; allowed: {', '.join(kind.precisions)}, for {kind.name}")
     if tolerance is not None:

@@ -46,7 +46,7 @@ def irfft(modes: Modes | Array64, num_points: int, overwrite: bool = False) -> A
     """The real values, shape (num_points,), that have this half spectrum: the inverse of `rfft`.
 
     modes: shape (M,); cut off or filled up with zeros to M = num_points//2 + 1. overwrite: what `rfft` gave may be
-    destroyed, which saves memory.
+    destroyed, which saves memory: the values of a long transform take its place.
     """
     if num_points < _PLANNED_FROM:
         return np.fft.irfft(modes, num_points)
@@ -63,7 +63,7 @@ def irfft(modes: Modes | Array64, num_points: int, overwrite: bool = False) -> A
     if not overwrite:
         source = pyfftw.zeros_aligned(num_points // 2 + 1, dtype=np.complex128)
     np.multiply(held, 1 / num_points, out=source[: held.size])
-    values: Array64 = pyfftw.empty_aligned(num_points)
+    values: Array64 = source.view(np.float64)[:num_points]  # in place
     flags = ["FFTW_ESTIMATE", "FFTW_DESTROY_INPUT"]
     pyfftw.FFTW(source, values, direction="FFTW_BACKWARD", flags=flags).execute()
     return values

@@ -36,6 +36,10 @@ _TABLES = 2**20 + 1, 2**22
 16 bytes for each value; those of shorter ones are kept with the plans of `plain`."""
 
 
+_IN_PLACE = 2**22
+"""Values beyond which a field that is transformed there and back shares the memory of its spectrum."""
+
+
 class Transforms:
     """Plans between real buffers of `num_points` values and one shared spectrum.
 
@@ -87,6 +91,10 @@ class Transforms:
         array: Array = pyfftw.zeros_aligned(padded + offset, dtype=self.real, n=64)[offset:]
         return array
 
+    def field(self) -> Array:
+        """A buffer for N values that are transformed there and back; long ones share the spectrum's memory."""
+        return self.buffer() if self.num_points <= _IN_PLACE else self.spectrum[: padded_length(self.num_points)]
+
     def multiply(self, symbol: Array64, target: Array) -> Call:
         """The kernel between `forward` and `inverse` to this target that multiplies by a symbol, shape (N//2 + 1,),
         and by what normalises the inverse.
@@ -111,7 +119,9 @@ class Transforms:
         """Plan source[:N] -> spectrum; the plan keeps `source`. Plan before filling it."""
         n = self.num_points
         if not self.half_length:
-            if _TABLES[0] <= n <= _TABLES[1] and self.real == np.float64:
+            if n > _TABLES[1]:
+                _keep_tables.cache_clear()  # the memory is needed
+            elif n >= _TABLES[0] and self.real == np.float64:
                 _keep_tables(n)
             return self._plan(source[:n], self._complex(self.spectrum[: 2 * (n // 2 + 1)]), "FFTW_FORWARD")
         packed, first, again = self.spectrum[:n], self.spectrum[:2], self.spectrum[n : n + 2]

@@ -103,6 +103,10 @@ class ActiveSet(Method):
     def demand_every_node(self) -> None:
         self._wrong_nodes_per_patch, self.stopped = 0.0, False
 
+    def rest(self) -> None:
+        self._response.rest()
+        self._green.tables.rest()
+
     def step(self) -> None:
         """Solve on the set, by one iteration; where that has come far enough, update the set instead."""
         if self._set is None:

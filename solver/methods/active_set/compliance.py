@@ -14,8 +14,8 @@ class Compliance:
 
     def __init__(self, symbol: Array64, storage: Whole, transforms: Transforms, backend: str) -> None:
         self.new_field = transforms.buffer
-        """Makes a field like the target."""
-        self.target = transforms.buffer()
+        """Makes a field of the target's length and type."""
+        self.target = transforms.field()
         forward, inverse = transforms.forward(self.target), transforms.inverse(self.target)
         self._parts = forward, record(backend, [storage.multiply(symbol, transforms, self.target)]), inverse
         self.pair_length = storage.length / storage.num_points

@@ -4,6 +4,7 @@ G is a Toeplitz matrix, so all patches of a contact share one inverse Cholesky f
 are differences of its second running sum. Convolutions over a few nodes go by short transforms.
 """
 
+from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
@@ -33,7 +34,8 @@ def inverse_cholesky(column: Array64, order: int) -> Array64:
 
 
 _SHORT = 16  # times shorter than the grid are rings whose symbols are kept for the next solve
-_KEPT = 2**20  # points of the largest grid whose second sum is kept: it takes 8 bytes a point
+_KEPT = 2**20  # points of the largest grid whose tables are all kept; on larger ones one real-space table at a time
+_HEAD = 1024  # values of G next to its node, which are kept in any case
 
 
 class Tables:
@@ -42,35 +44,63 @@ class Tables:
     def __init__(self, stiffness: Array64, num_points: int) -> None:
         self._stiffness, self.num_points = stiffness, num_points
         self._factor = self._stiffness_factor = np.zeros((0, 0))
-        self._second_sum: Array64 | None = None
         self._symbols: dict[int, tuple[Array64, Array64]] = {}
+        self._kept: dict[str, Array64] = {}
 
-    @cached_property
+    def _known(self, name: str, make: Callable[[], Array64]) -> Array64:
+        """What is kept by that name; made, and kept, if it is not."""
+        found = self._kept.get(name)
+        if found is None:
+            found = self._kept[name] = make()
+        return found
+
+    @property
     def compliance(self) -> Array64:
         """G(q_k) = 1/K(q_k), 0 for the mean mode; shape (N//2 + 1,)."""
-        return np.append(0.0, 1 / self._stiffness[1:])
 
-    @cached_property
+        def make() -> Array64:
+            return np.append(0.0, 1 / self._stiffness[1:])
+
+        return make() if self.num_points > _KEPT else self._known("compliance", make)
+
+    @property
     def response(self) -> Array64:
         """G in real space, shape (N,): displacement around a node of unit pressure."""
-        return irfft(self.compliance, self.num_points)
 
+        def make() -> Array64:
+            modes = np.zeros(self._stiffness.size, dtype=np.complex128)
+            np.divide(1, self._stiffness[1:], out=modes[1:])
+            return irfft(modes, self.num_points, overwrite=True)
+
+        return self._known("response", make)
+
+    @property
     def second_sum(self) -> Array64:
-        """T(k+1) for T with T(k+1) - 2 T(k) + T(k-1) = G(k), shape (N,); on large grids made anew every time."""
-        if self._second_sum is not None:
-            return self._second_sum
-        first = np.cumsum(self.response)
+        """T(k+1) for T with T(k+1) - 2 T(k) + T(k-1) = G(k), shape (N,)."""
+        return self._known("second sum", self._sum_twice)
+
+    def _sum_twice(self) -> Array64:
+        response = self.response
+        if self.num_points > _KEPT:
+            self._known("head", response[:_HEAD].copy)
+            first = np.cumsum(self._kept.pop("response"), out=response)
+        else:
+            first = np.cumsum(response)
         first -= first.mean()  # so that the second sum is periodic, too
-        np.cumsum(first, out=first)
-        if self.num_points <= _KEPT:
-            self._second_sum = first
-        return first
+        return np.cumsum(first, out=first)
+
+    def rest(self) -> None:
+        """Give back what holds a value for each node of a large grid."""
+        if self.num_points > _KEPT:
+            self._kept.clear()
 
     def factor(self, order: int) -> Array64:
         """`inverse_cholesky` of G [1/K], shape (m, m) with m >= order; kept for the next call."""
         factor = self._factor  # another thread may put a smaller one there meanwhile
         if factor.shape[0] < order:
-            self._factor = factor = inverse_cholesky(self.response, min(64 * -(-order // 64), self.num_points - 1))
+            order = min(64 * -(-order // 64), self.num_points - 1)
+            head = self._kept.get("head", np.zeros(0))
+            self._factor = factor = inverse_cholesky(head if order <= head.size else self.response, order)
         return factor
 
     def stiffness_factor(self, order: int) -> Array64:

@@ -105,7 +105,7 @@ class Together:
 
         The half-space's shape, with the load of a uniform pressure for that displacement on the average.
         """
-        patches, second_sum = self._patches, self._green.tables.second_sum()
+        patches, second_sum = self._patches, self._green.tables.second_sum
         size = patches.size
         at = (2 * (np.arange(patches.nodes.size) - np.repeat(patches.offset, size)) + 1) / np.repeat(size, size) - 1
         shape = 1 / np.sqrt(1 - at**2)

@@ -9,16 +9,14 @@ directions and their images are float32 and the response is float64.
 """
 
 import math
-from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
 
-from ....kernels import CHUNK, Call, layout, record
 from ...arrays import Array64, Indices
 from ...grid.problem import Problem, rounding_floor
-from .compliance import Compliance
 from .contact_set import ContactSet
+from .everywhere import Everywhere
 from .nearby import Nearby, surround
 from .packed import Split
 from .storage import Whole
@@ -30,51 +28,34 @@ _MOST_RENEWALS = 8  # after work near the contact, before all nodes are worked o
 class Response:
     """w = G sigma of one grid, and what is read off it. Units are the problem's."""
 
-    def __init__(
-        self,
-        problem: Problem,
-        storage: Whole,
-        split: Split | None,
-        directions: Compliance,
-        responses: Compliance,
-        backend: str,
-    ) -> None:
-        """directions, responses: apply G to search directions and to the pressure; two objects in mixed precision.
-        split: of G, to work near the contact only where that pays; None: on all nodes.
+    def __init__(self, problem: Problem, storage: Whole, split: Split | None, everywhere: Everywhere) -> None:
+        """everywhere: the response on all nodes. split: of G, to work near the contact only where that pays; None: on
+        all nodes.
         """
         self._problem, self._storage, self._split = problem, storage, split
         self._nearby: Nearby | None = None
         self._renewals = 0
-        self._directions, self._responses = directions, responses
-        self.mixed = directions is not responses
+        self._all = everywhere
+        self.mixed = everywhere.mixed
         self.pairs = 0.0
         """Transform pairs so far, short ones by their length."""
         self.drift = 0.0
         """Error that images have added since the response was made, as rms pressure over p; 0 in float64 on all nodes.
         """
-        self._rounding = 0.0
-        if self.mixed:
-            self._rounding = float(np.finfo(np.float32).eps) * math.sqrt(float(np.mean(problem.stiffness**2)))
-        self._field = responses.new_field()
-        self._height = storage.heights(problem.height, self._field)
-        self._state = np.zeros(layout.GAP_STATE_LENGTH)
-        self._counts = np.zeros(self._height.size // CHUNK)
-        self._backend = backend
 
     @cached_property
-    def _advance(self) -> Callable[[], None]:
-        call = Call("advance_response", (self._directions.target, self._state), (self._field,))
-        return record(self._backend, [call])
+    def _rounding(self) -> float:
+        """What rounding to float32 adds to an image, as rms pressure over the rms of the image [p/u]."""
+        return float(np.finfo(np.float32).eps) * math.sqrt(float(np.mean(self._problem.stiffness**2)))
 
-    @cached_property
-    def _count(self) -> Callable[[], None]:
-        call = Call("count_below", (self._field, self._height, self._state), (self._counts,))
-        return record(self._backend, [call])
+    def rest(self) -> None:
+        """Give back the transforms of all nodes; they are made anew when they are needed."""
+        self._all.rest()
 
     @property
     def plain(self) -> bool:
         """Whether the response is made on all nodes and in float64."""
-        return self._nearby is None and bool(self._field.dtype == np.float64)
+        return self._nearby is None and bool(self._all.field.dtype == np.float64)
 
     @property
     def even(self) -> bool:
@@ -91,8 +72,8 @@ class Response:
         """Scale the pressure of a set to the load, and make the response to it anew on all nodes."""
         self._scale(now)
         now.places = self._storage.places(now.nodes)
-        self._apply(self._responses, now.places, now.pressure)
-        self._field[:] = self._responses.target
+        self._all.renew(now.places, now.pressure)
+        self.pairs += self._all.pair_length
         self._renewals += bool(self._nearby and self.drift)
         self.drift = 0.0
         if self._renewals > _MOST_RENEWALS:  # the packed operator errs by more than it says
@@ -112,7 +93,7 @@ class Response:
         if self._split:
             self._nearby = surround(self._split, self._storage, nodes, self._problem.height, self._nearby)
         if self._nearby:
-            self._nearby.response[:] = self._field[self._nearby.in_field]
+            self._nearby.response[:] = self._all.field[self._nearby.in_field]
             now.places = self._nearby.places(now.nodes)
 
     def follow(self, before: ContactSet, now: ContactSet, changed: bool) -> None:
@@ -136,22 +117,22 @@ class Response:
 
     def go_along(self, now: ContactSet, direction: Array64) -> bool:
         """Step along a search direction to where the energy is least; False if rounding has left no way down."""
-        if self._nearby:
-            whole = self._nearby.image(now.places, direction)
+        nearby = self._nearby
+        if nearby:
+            whole = nearby.image(now.places, direction)
             image = whole[now.places]
         else:
-            self._apply(self._directions, now.places, direction)
-            image = self._directions.target[now.places]
+            image = self._all.image(now.places, direction)
+            self.pairs += self._all.pair_length
         curvature = float(direction @ image)
         if not curvature > 0:
             return False
         step = now.last_product / curvature
         now.pressure += step * direction
-        if self._nearby:
-            self._advance_nearby(self._nearby, step, direction, whole)
+        if nearby:
+            self._advance_nearby(nearby, step, direction, whole)
             return True
-        self._state[layout.STEP] = step
-        self._advance()
+        self._all.advance(step)
         if self.mixed:
             change = step * image.astype(np.float64)
             size = math.sqrt(float(change @ change) / self._problem.num_points)
@@ -164,13 +145,9 @@ class Response:
         nearby.response += step * image
         self.pairs += nearby.pair_length
 
-    def _apply(self, compliance: Compliance, places: Indices, values: Array64) -> None:
-        compliance.apply(places, values)
-        self.pairs += compliance.pair_length
-
     def touching(self, now: ContactSet) -> Array64:
         """h + w on the contact nodes, shape (contact nodes,) [u]."""
-        field = self._nearby.response if self._nearby else self._field
+        field = self._nearby.response if self._nearby else self._all.field
         return np.asarray(self._problem.height[now.nodes] + field[now.places])
 
     def level(self, now: ContactSet) -> float:
@@ -180,26 +157,21 @@ class Response:
     def penetrating(self, now: ContactSet, smallest: float) -> Indices:
         """Nodes outside of a set that penetrate by more than `smallest` [u], shape (nodes,)."""
         # a smaller penetration would be decided by the rounding of h + w, and the set would never settle
-        nearby = self._nearby
-        size = float(np.abs((nearby.response if nearby else self._field)[now.places]).max())
-        rounding = 8 * float(np.finfo(self._field.dtype).eps) * size
-        self._state[layout.BOUND] = bound = self.level(now) - max(smallest, rounding)
+        nearby, field = self._nearby, self._all.field
+        size = float(np.abs((nearby.response if nearby else field)[now.places]).max())
+        bound = self.level(now) - max(smallest, 8 * float(np.finfo(field.dtype).eps) * size)
         if nearby and self.drift:  # of the other nodes only an old response is known
-            below = nearby.nodes[nearby.height + nearby.response < bound]
-            return np.asarray(below[~now.patches.hold(below)])
-        self._count()
-        chunks = np.flatnonzero(self._counts)
-        height, response = (array.reshape(-1, CHUNK)[chunks] for array in (self._height, self._field))
-        row, column = np.nonzero(height + response < bound)
-        below = self._storage.nodes_at(chunks[row] * CHUNK + column)
+            below = np.asarray(nearby.nodes[nearby.height + nearby.response < bound])
+        else:
+            below = self._all.below(bound)
         return below[~now.patches.hold(below)]
 
     def floor(self, now: ContactSet) -> float:
         """The rms free residual over p that rounding leaves here (dimensionless)."""
         sample = np.arange(0, self._problem.num_points, max(1, self._problem.num_points // _SAMPLE))
-        response = self._field[self._storage.places(sample)]
+        response = self._all.at(sample)
         displacement = np.minimum(self.level(now) - response, self._problem.height[sample])
-        return rounding_floor(self._problem.stiffness, displacement, self._field.dtype.name)
+        return rounding_floor(self._problem.stiffness, displacement, response.dtype.name)
 
     def displacement(self, now: ContactSet) -> Array64:
         """u, shape (N,) [u], in float64; contact nodes stand on the exact wall."""
@@ -207,8 +179,8 @@ class Response:
             self.renew(now)
         height = self._problem.height
         # not `level`: an interruption may have come before `places`
-        level = float((height[now.nodes] + self._field[self._storage.places(now.nodes)]).mean())
-        u = level - self._storage.get(self._field).astype(np.float64, copy=False)
+        level = float((height[now.nodes] + self._all.at(now.nodes)).mean())
+        u = level - self._storage.get(self._all.field).astype(np.float64, copy=False)
         np.minimum(u, height, out=u)
         u[now.nodes] = height[now.nodes]
         return u
