@@ -149,12 +149,22 @@ def test_a_coarse_matrix_that_rounding_has_spoilt():
 def test_patches_that_share_an_unknown_take_longer(monkeypatch):
     """They were taken for a set that rounding does not let be solved: 2^21 of them went to FIRE, for hours."""
     monkeypatch.setattr(deflation, "_unknowns", lambda n: 16)
-    monkeypatch.setattr("linecontact.solver.methods.active_set.active_set.MOST_ITERATIONS", 20)
+    monkeypatch.setattr("linecontact.solver.methods.active_set.contact_set.MOST_ITERATIONS", 20)
     teeth = MeasuredIndenter(2e-7 * (np.arange(4097) % 2))
     solution = solve(Scene(Layer(), teeth, 5e-15, num_points=4097))
     assert solution.status is Status.CONVERGED
     assert not solution.handed_over
     assert solution.iterations < 200
+
+
+@pytest.mark.parametrize("num_points", [2**12, 2**14])
+def test_beyond_rounding_the_search_ends_soon_and_keeps_its_contact(num_points):
+    """Conjugate gradients diverged for hundreds of iterations, and then every node was taken for a contact."""
+    scene = Scene(indenter=RoughIndenter(0.8, 0, cut_off_ratio=4096 / num_points), pressure=0.01, num_points=num_points)
+    usual, beyond = solve(scene), solve(scene, tolerance=1e-12)
+    assert (usual.status, beyond.status) == (Status.CONVERGED, Status.STAGNATED)
+    assert beyond.iterations < usual.iterations + 60
+    np.testing.assert_array_equal(beyond.contact, usual.contact)
 
 
 def scenes():

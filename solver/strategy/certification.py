@@ -18,6 +18,7 @@ from .effort import CAUTION, Effort, start_on_foundation
 _MOST_TRIES = 3  # of a method that can aim at a smaller residual
 _AT_THE_FLOOR = 2  # times what rounding leaves: a tolerance below is out of reach,
 _NEAR_THE_FLOOR = 1000  # if the residual is below so many times that
+_LEFT = 4  # times what rounding leaves: a smaller residual is not made smaller by the same method
 _MOST_POINTS = 2**18  # on which another method goes on after a search that has reached its limit,
 _MOST_WORK = 20_000 * 2**16  # and its iterations times the points
 _NOT_FAR = 100  # times what rounding leaves: a default tolerance gives way to a residual below
@@ -121,16 +122,20 @@ class _Certification:
         precision = "float32" if self.effort.scene.precision == "float32" else "float64"
         return rounding_floor(self.problem.stiffness, self.displacement, precision)
 
-    def rounded_off(self) -> bool:
-        """Whether rounding is what keeps the residual above the tolerance; no other method knows a way below that."""
+    def rounded_off(self, near: float = _NEAR_THE_FLOOR) -> bool:
+        """Whether rounding is what keeps the residual above the tolerance; no other method knows a way below that.
+
+        near: times what rounding leaves, up to which it may be the reason.
+        """
         floor = self.floor()
-        return self.tolerance < _AT_THE_FLOOR * floor and self.certificate.free_residual < _NEAR_THE_FLOOR * floor
+        return self.tolerance < _AT_THE_FLOOR * floor and self.certificate.free_residual < near * floor
 
     def insist(self, status: Status, good: bool) -> tuple[Status, bool]:
         """A method that misses the certificate tries harder, if it can, up to three times."""
         for _ in range(_MOST_TRIES):
             residual = self.certificate.free_residual
-            if good or status is not Status.CONVERGED or not self.state.try_harder():
+            in_vain = not self.own_tolerance and self.rounded_off(_LEFT)  # the residual becomes the tolerance
+            if good or in_vain or status is not Status.CONVERGED or not self.state.try_harder():
                 break
             before = self.state.contact_pressure
             status = self.effort.relax(self.state)

@@ -29,7 +29,7 @@ from .ends import moved_ends
 from .greens_function import GreensFunction
 from .preconditioner import PatchDeflation
 from .response import Response
-from .search import HARDER, LOOSEST, MOST_ITERATIONS, SAFETY, Search
+from .search import HARDER, LOOSEST, SAFETY, Search
 from .storage import Whole
 
 _OVER_FLOOR = 0.3  # error of the pressure over the free residual, both as rounding leaves them
@@ -170,21 +170,19 @@ class ActiveSet(Method):
     def _iterate(self, r: Array64, z: Array64) -> None:
         """One iteration of conjugate gradients from the residual and the preconditioned one, unless there is an end."""
         now = self._now
-        now.iterations += 1
-        assert now.preconditioner is not None
+        useful = now.iterate(self.residual)
         if not math.isfinite(self.residual):
             self.stopped = True
             return
-        stuck = now.iterations > max(MOST_ITERATIONS, now.preconditioner.share)
-        if self.stopped and not stuck:
+        if self.stopped and useful:
             return
         self.iteration += 1
-        if stuck or not self._response.go_along(now, now.turn(r, z)):
+        if not useful or not self._response.go_along(now, now.turn(r, z)):
             if self._response.leave_nearby(now):  # it was the packed operator's error
-                now.iterations, now.last_product = 0, 0.0
+                now.begin_anew()
                 return
             # rounding does not let this set be solved any further; it may be the wrong one
-            self.stopped = not self._update_set()
+            self.stopped = now.settled or not self._update_set()
 
     @property
     def _now(self) -> ContactSet:

@@ -10,6 +10,10 @@ from ...grid.patches import Patches
 from .preconditioner import PatchDeflation
 from .storage import Whole
 
+MOST_ITERATIONS = 150
+"""On one set; where it takes more, rounding keeps the residual up."""
+_PATIENCE = 25  # iterations in which the residual does not become less; then it is rounding, too, and may grow
+
 
 @dataclass
 class ContactSet:
@@ -40,6 +44,10 @@ class ContactSet:
     """Whether the pressure is or was that by elimination."""
     iterations: int = 0
     """On this set."""
+    least_residual: float = math.inf
+    """The smallest of them, over p (dimensionless)."""
+    in_vain: int = 0
+    """Iterations since then."""
 
     @classmethod
     def of(cls, nodes: Indices, pressure: Array64, storage: Whole) -> "ContactSet":
@@ -65,6 +73,20 @@ class ContactSet:
     def pulling(self) -> Indices:
         """Nodes on which the wall would have to pull, shape (number of nodes,)."""
         return self.nodes[self.pressure < 0]
+
+    def iterate(self, residual: float) -> bool:
+        """Count an iteration that begins with this residual, over p; False if more of them are of no use."""
+        self.iterations += 1
+        self.in_vain += 1
+        if residual < self.least_residual:
+            self.least_residual, self.in_vain = residual, 0
+        assert self.preconditioner is not None
+        return self.iterations <= max(MOST_ITERATIONS, self.preconditioner.share) and self.in_vain <= _PATIENCE
+
+    def begin_anew(self) -> None:
+        """Conjugate gradients begin anew on this set, because its response has been made anew."""
+        self.iterations = self.in_vain = 0
+        self.last_product, self.least_residual = 0.0, math.inf
 
     def turn(self, residual: Array64, preconditioned: Array64) -> Array64:
         """The next conjugate direction, from the residual [u] and the preconditioned one [p]."""
