@@ -50,6 +50,8 @@ class WarningKind(StrEnum):
     """The grid does not hold all waves of the profile."""
     ERROR = "error"
     """The edges of the contact lie between so few nodes that the area is not well known."""
+    ESTIMATE = "estimate"
+    """Peak pressure or approach is less than the error that is estimated for it."""
     STRAIN = "strain"
     """Strains are beyond small ones."""
     SLOPE = "slope"
@@ -81,6 +83,7 @@ def find_warnings(
         yield SolutionWarning(WarningKind.GRID, "nothing is in contact; more num_points, or another start")
         return
     yield from _of_grid(scene, found, patches)
+    yield from _of_estimates(found)
     yield from _of_elasticity(scene, found, _strain(scene, found, patches, displacement))
     if area > NEARLY_FULL:
         text = f"{area:.4f} of the period is in contact; areas above {NEARLY_FULL} have not been checked against others"
@@ -113,6 +116,19 @@ def _of_grid(scene: Scene, found: Observables, patches: PatchTable) -> Iterator[
         if share > _SHARE_OF_LOAD:
             text = f"{share:.0%} of the load is carried by patches as narrow as two values of the scan"
             yield SolutionWarning(WarningKind.SCAN, f"{text}: roughness that it does not resolve would change the area")
+
+
+def _of_estimates(found: Observables) -> Iterator[SolutionWarning]:
+    """Whether peak pressure and approach say more than their estimated errors; for kappa the area's warnings do."""
+    claimed = {
+        "peak pressure": (found.peak_pressure, found.peak_pressure_error),
+        "approach": (found.approach, found.approach_error),
+    }
+    large = [name for name, (value, error) in claimed.items() if 0 < value < error < math.inf]
+    if large:
+        text = f"the error estimated of the {' and of the '.join(large)} is larger than the value"
+        why = "it has not settled from one nested grid to the next; more num_points"
+        yield SolutionWarning(WarningKind.ESTIMATE, f"{text}: {why}")
 
 
 def _strain(scene: Scene, found: Observables, patches: PatchTable, displacement: Array64) -> float:

@@ -374,7 +374,7 @@ def test_quick_study_as_a_module(tmp_path):
     assert len(study.runs) == 37
     other = run("study", "hertz", "--folder", tmp_path)
     assert other.returncode == 2
-    assert "configuration" in other.stderr
+    assert "made with other options" in other.stderr
 
 
 def test_iterations_study(tmp_path):

@@ -76,7 +76,15 @@ def test_the_table_has_the_columns_that_the_terminal_has_room_for(loads, capsys,
 
 def test_another_curve_does_not_replace_it(loads, capsys):
     assert curve(loads, "--num-points", "2^9", "--points", "2") == 2
-    assert "allowed: --overwrite, or a new --folder" in capsys.readouterr().err
+    said = "holds what was made with other options (scene, values); allowed: --folder and a new name to keep it"
+    assert said in capsys.readouterr().err
+
+
+def test_curves_over_different_numbers_go_to_different_folders(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for words in (["--points", "2"], ["--over", "poisson_ratio", "--values", "0.1"]):
+        assert main.main(["curve", "--num-points", "2^9", "--workers", "1", *words]) == 0
+    assert {file.parent.name for file in tmp_path.rglob("curve.h5")} == {"curve-pressure", "curve-poisson-ratio"}
 
 
 def test_more_values_continue(loads, tmp_path, capsys):

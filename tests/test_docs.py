@@ -70,11 +70,11 @@ EXAMPLE = "docs/examples/kernel_variants.py"
 MORE = {
     "linecontact study hertz --folder new": "--quick --workers 1",
     "linecontact curve --over poisson_ratio --from 0 --to 0.5 --thickness 0.01": FEW,
-    "linecontact curve --over thickness --from 0.001 --to 1 --pressure 2e-3 --folder thickness": FEW,
-    "linecontact curve --over approach --from 1e-4 --to 1e-2 --folder approach": FEW,
-    "linecontact curve --over seed --from 0 --to 9 --profile rough --hurst 0.8 --pressure 0.01 --folder seeds": SMOOTH,
+    "linecontact curve --over thickness --from 0.001 --to 1 --pressure 2e-3": FEW,
+    "linecontact curve --over approach --from 1e-4 --to 1e-2": FEW,
+    "linecontact curve --over seed --from 0 --to 9 --profile rough --hurst 0.8 --pressure 0.01": SMOOTH,
     "linecontact curve --profile rough --hurst 0.8 --thickness 0.01": f"--points 3 {SMOOTH}",
-    "linecontact ensemble --hurst 0.8 --thickness 0.01 --standard-error 0.01": POOR,
+    "linecontact ensemble --hurst 0.8 --thickness 0.01 --standard-error 0.01 --folder thin": POOR,
     "linecontact ensemble --profile rough --hurst 0.8 --pressure 0.01 --standard-error 0.002": POOR,
     "linecontact study kernels": f"--kernel count_below {LITTLE}",
     "linecontact study kernels --kernel fire_step --size 2^18": LITTLE,
@@ -102,7 +102,7 @@ ELSEWHERE = {
     "--dist loadfile": "these tests, by .ci/run",
     "python3 -m venv .venv-lowest && .venv-lowest/bin/pip install -q -e '.[test]' -c tests/lowest.txt && "
     ".venv-lowest/bin/python -m pytest -n 2 --dist loadfile -m 'not slow and not once'": "these tests, by .ci/run",
-    "pip install bokeh": "by the extra named test",
+    "pip install -e '.[explore]'": "by the extra named test",
     "python docs/fill_in.py": "test_what_a_page_shows_is_what_is_stored",
     ".venv/bin/sphinx-build -W docs docs/build": "the last test of this file",
 }

@@ -227,7 +227,7 @@ def test_no_browser_is_one_line_and_status_2(tmp_path):
 def test_a_missing_extra_is_one_line_and_status_2():
     program = "import sys; sys.modules['bokeh'] = None; from linecontact.studies.__main__ import main; sys.exit(main())"
     said = bad("explore", program=[sys.executable, "-c", program])
-    assert "pip install bokeh" in said
+    assert "pip install -e '.[explore]'" in said
 
 
 def test_a_scan_that_went_away_is_told_and_nothing_is_lost(tmp_path):

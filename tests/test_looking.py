@@ -1,6 +1,7 @@
 """What people see of scenes and solutions: printed lines, tables in notebooks, the figure of a solution."""
 
 import dataclasses
+import itertools
 import math
 import pydoc
 import re
@@ -26,7 +27,11 @@ from linecontact.solver import CoatedHalfSpace, SlidingLayer
 from linecontact.studies.command_line import main
 from linecontact.studies.curve import figures as curve_figures
 from linecontact.studies.figures import solution as solution_figure
-from linecontact.studies.figures.style import ONE_COLUMN, STYLE, TWO_COLUMNS
+from linecontact.studies.figures.style import ONE_COLUMN, STYLE, TWO_COLUMNS, panels
+from linecontact.studies.figures.ticks import few_ticks
+from linecontact.studies.files.study_files import load_study
+from linecontact.studies.multilevel import report as ensemble_report
+from linecontact.studies.multilevel import tasks as ensemble_tasks
 from linecontact.studies.multilevel.estimator import Estimate, Term
 from linecontact.studies.runner.study import find
 from matplotlib import pyplot as plt
@@ -250,6 +255,15 @@ def test_the_curve_of_a_scan_names_its_file_and_has_its_unit(tmp_path):
     check_places(over_thickness)
 
 
+def test_the_curve_of_a_layer_names_its_thickness_over_the_period(tmp_path):
+    words = ["--thickness", 0.2, "--num-points", "2^9"]
+    figure = curve_of(tmp_path / "nu", *words, "--period", 2, "--over", "poisson_ratio", "--values", "0,0.4")
+    assert "power, $p=0.002\\,E^*$, $n=2$, $d=0.1\\,L$, 512 points" in figure.get_suptitle()
+    assert figure.axes[-1].get_xlabel() == "Poisson ratio (dimensionless)"
+    figure = curve_of(tmp_path / "period", *words, "--over", "period", "--values", "1,2")
+    assert "$d=0.2$" in figure.get_suptitle()
+
+
 def test_error_bars_of_a_curve_lie_within_their_panels(tmp_path):
     words = ["--profile", "rough", "--num-points", "2^12", "--over", "seed", "--from", "0", "--to", "5"]
     figure = curve_of(tmp_path, *words, "--cut-off-ratio", 1 / 64, "--pressure", 1e-3)
@@ -266,6 +280,24 @@ def test_error_bars_too_long_for_a_panel_are_left_out():
     assert axes.get_ylim()[0] == pytest.approx(0.87)
     (bars,) = axes.collections
     assert max(np.ptp(path.vertices[:, 1]) for path in bars.get_paths()) == pytest.approx(0.2)
+
+
+@pytest.mark.parametrize("first", [1.0, 1.3, 2.0, 3.0, 5.0, 9.5])
+@pytest.mark.parametrize("ratio", [1.05, 1.13, 2.0, 3.0, 9.9, 10.0, 15.0, 30.0, 60.0, 200.0, 1e5])
+def test_numbers_at_an_axis_do_not_run_into_each_other(first, ratio):
+    with matplotlib.rc_context(STYLE):
+        figure, grid = panels(1, 1, ONE_COLUMN, 2.0)
+        x = np.geomspace(first * 1e-4, first * ratio * 1e-4, 9)
+        curve_figures._panel(grid[0, 0], x, x, None, joined=True)
+        few_ticks(grid[0, 0], curve_figures._BINS)
+        figure.draw_without_rendering()
+        for axis, low, high in ((grid[0, 0].xaxis, "x0", "x1"), (grid[0, 0].yaxis, "y0", "y1")):
+            labels = [*axis.get_majorticklabels(), *axis.get_minorticklabels()]
+            boxes = sorted(
+                (box for label in labels if (box := label.get_window_extent()).width), key=lambda box: box.x0 + box.y0
+            )
+            assert len(boxes) >= 2
+            assert all(getattr(a, high) < getattr(b, low) for a, b in itertools.pairwise(boxes))
 
 
 @pytest.mark.parametrize(
@@ -318,6 +350,18 @@ def test_nothing_hides_data_in_the_studies_figures(name):
             check_places(figure)
             assert not re.search(r"\binf\b|\[length\]|\[pressure\]", texts(figure))
             assert figure.get_figwidth() in (ONE_COLUMN, TWO_COLUMNS)
+
+
+def test_an_ensemble_says_which_way_is_cheaper_and_by_what_factor():
+    file = load_study(RESULTS / "ensemble.h5")
+    wanted, state = ensemble_tasks.found(file)
+    ((observable, estimate),) = state.estimates.items()
+    plain = estimate.plain_cost(estimate.standard_error)
+    for spent, said in (
+        (plain / 4, f"takes about {plain:.3g} s to the same standard error, 4 times as long."),
+        (plain * 4, "is the cheaper way here, by a factor of 4, but does not tell the bias."),
+    ):
+        assert ensemble_report._sentences(observable, estimate, wanted, spent).endswith(said)
 
 
 def test_help_leads_on():

@@ -89,7 +89,7 @@ def test_a_new_study_runs_is_stored_drawn_and_finished(tmp_path, capsys):
     assert (tmp_path / "layers.png").stat().st_size > 5000
     assert command(options) == 0
     assert "Finished before; nothing computed." in capsys.readouterr().out
-    with pytest.raises(ValueError, match=r"another configuration \(num_points\)"):
+    with pytest.raises(ValueError, match=r"other options \(num_points\)"):
         command(replace(options, num_points=64))
 
 

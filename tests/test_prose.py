@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from linecontact import read_scan
 from linecontact.solver import METHODS, Layer, MeasuredIndenter, RoughIndenter, Scene, scene, solve, warnings
-from linecontact.solver.grid import contact, edges, kept
+from linecontact.solver.grid import contact, edges, kept, loads, problem
 from linecontact.solver.layers import coated
 from linecontact.solver.methods.active_set import active_set, storage
 from linecontact.solver.reference import closed_forms
-from linecontact.solver.strategy import certification, errors, plan, to_accuracy
+from linecontact.solver.strategy import certification, errors, plan, precision, to_accuracy
 from linecontact.solver.transforms import planned
 from linecontact.studies.explore import controls
 from linecontact.studies.figures.style import ONE_COLUMN, TWO_COLUMNS
@@ -278,6 +278,81 @@ def areas_of_hertz_contacts():
     yield "Each patch of up to 32 nodes gets the ends"
 
 
+def patches_of_a_few_nodes():
+    """A parabola, pressed to an approach that is known from a fine grid."""
+    coarse, fine, forces, widths = 2**8, 2**12, defaultdict(list), defaultdict(list)
+
+    def heights(num_points, beside):
+        return ((np.arange(num_points) / num_points - beside / coarse + 0.5) % 1 - 0.5) ** 2 / 2
+
+    for width in np.linspace(0.5, 4, 15):
+        pressure = math.pi * (width / coarse / 2) ** 2 / 4
+        exact = solve(
+            Scene(indenter=MeasuredIndenter(heights(fine, 0)), pressure=pressure, num_points=fine)
+        ).observables
+        for beside in np.linspace(0, 0.5, 5):
+            h = heights(coarse, beside)
+            if exact.approach > h.min():
+                scene = Scene(indenter=MeasuredIndenter(h), approach=exact.approach - h.min(), num_points=coarse)
+                found = solve(scene)
+                nodes = int(found.contact.sum())
+                forces[nodes].append(100 * (found.scene.pressure / pressure - 1))
+                widths[nodes].append(coarse * (found.observables.contact_area_subgrid - exact.contact_area_subgrid))
+    one, two, three = (digits(np.sqrt(np.mean(np.square(forces[k])))) for k in (1, 2, 3))
+    yield f"off by {one} % where it touches one node, by {two} % with two and {three} % with three (root mean squares)"
+    one, two, three = (digits(np.sqrt(np.mean(np.square(widths[k])))) for k in (1, 2, 3))
+    yield f"known to {one}, {two} and {three} spacings."
+
+
+def limits_of_edges():
+    yield "the polynomial through six nodes. Each of the four nearest neighbours"
+    assert (loads._STENCIL.size, loads._NEIGHBOURS) == (6, 4)
+    yield "patches up to a fifth of the layer's thickness"
+    assert contact._NARROW == 0.2
+    yield "narrower than eight thicknesses of the layer each end feels the other"
+    yield "on layers thicker than 2.5 grid spacings they have the half-space's edge"
+    assert (edges._NARROW, edges._THINNEST) == (8, 2.5)
+
+
+def limits_of_precision():
+    scene_of_hertz = Scene()
+    discrete = problem.Problem.from_scene(scene_of_hertz, scene_of_hertz.num_points)
+    displacement = solve(scene_of_hertz).displacement / discrete.length_unit
+    floor = problem.rounding_floor(discrete.stiffness, displacement, "float64")
+    yield f"some {floor:.0e} for the parabola on the half-space at 2^18 points"
+    yield f"The default tolerance, {precision._DEFAULT:.0e}, is raised".replace("e-0", "e-")
+    yield "the larger of 1e-4 and four times what is predicted"
+    assert (precision._DEFAULT_FLOAT32, precision._OVER_FLOOR) == (1e-4, 4)
+
+
+def pairs_over_the_load():
+    runs = stored("curve").runs
+    pairs, area = column(runs, "transform_pairs"), column(runs, "contact_area_subgrid")
+    yield f"up to {pairs.max():.0f} of them, most where a_r = {digits(area[pairs.argmax()])}."
+
+
+def what_the_machine_gains():
+    runs = stored("transforms").runs
+    whole, rows = (
+        [run for run in runs if run["benchmark"] == name and run["precision"] == "float64"]
+        for name in ("real_pair", "rows_pair")
+    )
+    planning = max(run["seconds.planning.measure"] for run in whole)
+    saved, saved_near = ([100 * (1 - run["ratio.measure"]) for run in of] for of in (whole, rows))
+    yield (
+        f"measuring takes {digits(planning)} s and saves {span(saved, 1)} % of its time, {span(saved_near)} % with the "
+        "short ones near the contact"
+    )
+    seconds = defaultdict(dict)
+    for run in stored("tradeoff").runs:
+        if run.get("method") == "active-set" and run["precision"] == "float64" and run["nested"] == 1:
+            seconds[run["family"], run["scene.num_points"], run["tolerance"]][run["threads"]] = run["seconds.total"]
+    ratios = {key: times[2] / times[1] for key, times in seconds.items() if {1, 2} <= times.keys()}
+    yield f"takes {span(ratios.values())} times as long with it on 2^16 to 2^20 points, "
+    yield f"{np.median([*ratios.values()]):.2f} times in the median"
+    assert {n for _, n, _ in ratios} == {2**16, 2**18, 2**20}
+
+
 def stiffness_under_a_sine_wave():
     x = np.arange(2**14) / 2**14
     sine = MeasuredIndenter(0.01 * (1 - np.cos(2 * np.pi * x)))
@@ -330,6 +405,9 @@ def limits_of_scans():
     yield f"the area is likely off by more than {100 * warnings.LARGEST_ERROR:.0f} %"
     yield f"patches as narrow as two values carry more than {100 * warnings._SHARE_OF_LOAD:.0f} % of the load"
     yield f"strains reach about {warnings.LARGEST_STRAIN}:"
+    likely, smooth = warnings._LIKELY, warnings._LIKELY_IF_SMOOTH
+    most, most_if_smooth = (100 * warnings.LARGEST_ERROR / share for share in (likely, smooth))
+    yield f"may be off by {most:.0f} % of the area ({most_if_smooth:.0f} % where the profile is smooth in its patches)"
     slope = warnings.LARGEST_SLOPE
     off = f"tan(t) is {100 * (math.tan(slope) / slope - 1):.0f} % off t there, the length of the surface "
     yield f"the rms slope in the contact is above {slope} | {off}{100 * (math.sqrt(1 + slope**2) - 1):.0f} % off"
@@ -355,10 +433,15 @@ def reach_of_the_sliders():
         ("README", the_figure_of_the_first_page),
         ("docs/accuracy", errors_of_the_hertz_study),
         ("docs/architecture", contacts_of_rough_surfaces),
+        ("docs/accuracy", limits_of_precision),
+        ("docs/costs", pairs_over_the_load),
         ("docs/costs", what_is_kept),
+        ("docs/costs", what_the_machine_gains),
         ("docs/curves", curve_of_a_rough_surface),
         ("docs/curves", stiffness_under_a_sine_wave),
         ("docs/edges", areas_of_hertz_contacts),
+        ("docs/edges", limits_of_edges),
+        ("docs/edges", patches_of_a_few_nodes),
         ("docs/ensembles", scatter_of_rough_surfaces),
         ("docs/explore", reach_of_the_sliders),
         ("docs/extremes", the_map_of_extremes),

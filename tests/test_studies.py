@@ -111,7 +111,7 @@ def test_another_configuration_is_refused(tmp_path):
     assert study_files.finished(path, "hertz", {"list": (1.0, math.inf)}).runs
     with pytest.raises(writing.StoreError, match="holds another study; allowed"):
         study_files.finished(path, "sharp", {"list": (1.0, math.inf)})
-    with pytest.raises(writing.StoreError, match=r"holds another configuration \(list, more\); allowed"):
+    with pytest.raises(writing.StoreError, match=r"made with other options \(list, more\); allowed"):
         study_files.finished(path, "hertz", {"list": (1.0, 2.0), "more": 1})
     assert study_files.finished(tmp_path / "none.h5", "hertz", {}) is None
 

@@ -3,6 +3,7 @@
 import json
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import linecontact
 import numpy as np
@@ -32,6 +33,24 @@ def test_each_kind_has_its_scene():
     assert WarningKind.SLOPE in kinds(replace(rough(rms_gradient=1.0), pressure=1e-2))
     assert WarningKind.STRAIN in kinds(Scene(pressure=0.2, num_points=2**10))
     assert WarningKind.FULL in kinds(replace(rough(), pressure=0.02))
+    assert WarningKind.ESTIMATE in kinds(Scene(indenter=RoughIndenter(), pressure=1e-2, num_points=2**14))
+
+
+def test_a_peak_that_says_less_than_its_error_is_warned_of():
+    scene = Scene(indenter=RoughIndenter(), pressure=1e-2, num_points=2**14)
+    for points, warned in ((2**14, True), (2**16, False)):
+        solution = solve(scene.on_grid(points))
+        found = solution.observables
+        assert (found.peak_pressure_error > found.peak_pressure) == warned
+        said = [warning.text for warning in solution.warnings if warning.kind == WarningKind.ESTIMATE]
+        assert len(said) == warned
+        assert all(
+            text.startswith("the error estimated of the peak pressure is larger") and "more num_points" in text
+            for text in said
+        )
+    unknown = solve(scene, nested=False)
+    assert unknown.observables.peak_pressure_error == math.inf  # which is said already, and no warning
+    assert WarningKind.ESTIMATE not in {warning.kind for warning in unknown.warnings}
 
 
 @pytest.mark.parametrize("nu", [0.25, 0.45, 0.49, 0.499, 0.5])
@@ -197,9 +216,12 @@ def random_scene(rng):
 
 @pytest.mark.slow
 def test_areas_that_are_off_carry_a_warning():
-    """Against eight times as many points: nearly all that are off by more than 5 %, and few of those within 1 %."""
+    """Against eight times as many points: nearly all that are off by more than 5 %, and few of those within 1 %.
+
+    Of other seeds than those by which the limits were set.
+    """
     off, good = [], []
-    for seed in range(500):
+    for seed in range(10_000, 10_500):
         scene = random_scene(np.random.default_rng(seed))
         found, fine = solve(scene), solve(scene.on_grid(8 * scene.num_points))
         if not found.status == fine.status == Status.CONVERGED:
@@ -208,8 +230,9 @@ def test_areas_that_are_off_carry_a_warning():
         warned = {warning.kind for warning in found.warnings} & {WarningKind.GRID, WarningKind.ERROR}
         if error > 0.05 or error < 0.01:
             (off if error > 0.05 else good).append(bool(warned))
-    print(
-        f"{len(off)} off by more than 5 %, {len(good)} within 1 %: warned of {np.mean(off):.3f} and {np.mean(good):.3f}"
-    )
+    said = f"of the {len(off)} areas that were off by more than 5 %, {sum(off)} had a warning of grid or error, and so "
+    said += f"had {100 * np.mean(good):.0f} % of the {len(good)} within 1 %"
+    print(said)
+    assert said in " ".join((Path(__file__).parent.parent / "docs" / "scans.md").read_text().split())
     assert np.mean(off) > 0.98
     assert np.mean(good) < 0.16

@@ -38,7 +38,8 @@ def command(options: Options, given: Given) -> int:
     try:
         import bokeh  # noqa: F401
     except ModuleNotFoundError:
-        raise ValueError("bokeh is missing; allowed: explore after `pip install bokeh`") from None
+        way = "`pip install -e '.[explore]'` inside the repository"
+        raise ValueError(f"bokeh is missing; allowed: explore after {way}") from None
     from ..explore import start
 
     if options.layer == TabulatedLayer.name:

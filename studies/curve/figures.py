@@ -12,7 +12,8 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from ..figures.scales import base, shown, thickness_in
-from ..figures.style import COLOURS, ONE_COLUMN, NothingToDraw, kind, load, panels, plain, typeset
+from ..figures.style import COLOURS, ONE_COLUMN, NothingToDraw, kind, layer, load, panels, plain, typeset
+from ..figures.ticks import few_ticks
 from ..files.study_files import StudyFile
 from ..scans.units import UNITS, axis_units
 from .tasks import column
@@ -20,6 +21,7 @@ from .tasks import column
 Array64 = NDArray[np.float64]
 
 _DECADE = 10.0  # ratio of the ends from which an axis is logarithmic
+_BINS = 6  # intervals between the numbers at an axis, at most
 
 
 def draw(path: Path) -> dict[str, Figure]:
@@ -42,10 +44,12 @@ def draw(path: Path) -> dict[str, Figure]:
         axes.set_ylabel(f"{label}\n({said})")
         for beyond in y[~shown] if error else ():  # a half-space, whose approach compares with no other
             axes.axhline(beyond, color=COLOURS[3], ls="--", lw=0.8, label="half-space")
+    for axes in grid[:, 0]:
+        few_ticks(axes, _BINS)
     if over == "seed":
         grid[-1, 0].xaxis.set_major_locator(MaxNLocator(integer=True))
-    grid[-1, 0].set_xlabel(f"{over.replace('_', ' ')} ({along})")
-    note = f"\nError bars that are not known or too long for their panels: {hidden}." if hidden else ""
+    grid[-1, 0].set_xlabel(f"{over.replace('_', ' ').replace('poisson ', 'Poisson ')} ({along})")
+    note = f"\nError bars not known, or too long for their panels: {hidden}." if hidden else ""
     figure.suptitle(_scene(study.runs[0], over) + note, fontsize=8, wrap=True)
     if not shown.all():
         figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside lower center")
@@ -119,16 +123,11 @@ def _logarithmic(values: Array64) -> bool:
 
 
 def _scene(run: Mapping[str, Any], over: str) -> str:
-    """What all points have in common, in a line: numbers in the units of the scene."""
+    """What all points have in common, in a line."""
     told = {name: run[f"scene.{name}"] for name in _SYMBOLS if name != over and f"scene.{name}" in run}
     units = _units(run)
-    numbers = [
-        thickness_in(float(value), units[0])
-        if units and name == "thickness"
-        else f"${_SYMBOLS[name]}={typeset(float(value))}$"
-        for name, value in told.items()
-        if np.isfinite(value)
-    ]
+    period = float(run["scene.period"]) if over != "period" else 0.0  # where it varies d/L does, too
+    numbers = [_number(name, float(value), units, period) for name, value in told.items() if np.isfinite(value)]
     half_space = ["half-space"] * (told.get("thickness") == np.inf) + [kind(str(run["scene.layer"]))]
     if over not in ("contact_modulus", "base_modulus", "base_poisson_ratio"):
         numbers.append(base(run))
@@ -138,6 +137,13 @@ def _scene(run: Mapping[str, Any], over: str) -> str:
     points = [] if over == "num_points" else [f"{run['scene.num_points']} points"]
     indenter = plain(Path(str(run.get("scene.profile_file", run["scene.profile"]))).name)
     return ", ".join(filter(None, [indenter, *half_space, *numbers, *points]))
+
+
+def _number(name: str, value: float, units: tuple[str, str] | None, period: float) -> str:
+    """A number of the scene with its symbol: a thickness in a scan's units, or over the period unless that is 0."""
+    if name == "thickness" and (units or period):
+        return thickness_in(value, units[0]) if units else layer(value / period)
+    return f"${_SYMBOLS[name]}={typeset(value)}$"
 
 
 _SYMBOLS = {"exponent": "n", "hurst": "H", "thickness": "d", "poisson_ratio": "\\nu"}

@@ -42,6 +42,8 @@ class Options(making.Options, study.Options):
     of the result.
     """
 
+    folder: Path | None = None
+    """Where data and figures go; default: results/curve- and what is varied, like results/curve-thickness."""
     approach: float | None = None
     """Rigid approach since first touch [length], instead of the pressure; up to 0 nothing touches."""
     num_points: int | None = None
@@ -192,4 +194,5 @@ def command(options: Options, given: Given) -> int:
     ready = plan(options, given)
     if options.profile == MeasuredIndenter.name:
         console.Output().print(summary.table(ready.runs[0].point, options.over))  # type: ignore[attr-defined]
-    return run_study(replace(STUDY, plans=lambda _: [ready]), options)
+    folder = options.folder or Path("results") / f"{NAME}-{ready.configuration['over'].replace('_', '-')}"
+    return run_study(replace(STUDY, plans=lambda _: [ready]), replace(options, folder=folder))

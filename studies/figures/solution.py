@@ -15,7 +15,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.ticker import MaxNLocator, ScalarFormatter
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from ..files import solution_files, writing
@@ -23,6 +23,7 @@ from ..files.solution_files import Name, StoredSolution
 from .scales import Scales, scales
 from .style import COLOURS, ONE_COLUMN, STYLE, plain, typeset
 from .thinning import extremes, merged
+from .ticks import few_ticks
 
 Array64 = NDArray[np.float64]
 
@@ -167,7 +168,7 @@ def _heights(axes: Axes, x: Array64, profile: Array64, surface: Array64, marker:
     axes.plot(x, h, color=_INDENTER, lw=0.8, marker=marker, ms=2)
     axes.plot(x, u, color=_SURFACE, lw=0.8, marker=marker, ms=2)
     axes.set(ylim=(bottom, top))
-    _plain_ticks(axes)
+    few_ticks(axes)
 
 
 def _pressure(axes: Axes, x: Array64, pressure: Array64, marker: str = "") -> None:
@@ -176,16 +177,7 @@ def _pressure(axes: Axes, x: Array64, pressure: Array64, marker: str = "") -> No
     axes.plot(x, pressure, color=_CONTACT, lw=0.8, marker=marker, ms=2)
     most = float(pressure.max()) or 1.0
     axes.set(ylim=(-0.12 * most, 1.08 * most))
-    _plain_ticks(axes)
-
-
-def _plain_ticks(axes: Axes) -> None:
-    """Few ticks, and powers of ten once at the axis."""
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_locator(MaxNLocator(4, steps=[1, 2, 2.5, 5, 10]))
-        numbers = ScalarFormatter(useMathText=True, useOffset=False)
-        numbers.set_powerlimits((-2, 4))
-        axis.set_major_formatter(numbers)
+    few_ticks(axes)
 
 
 def _bars(axes: Axes, left: Array64, right: Array64, period: float) -> None:

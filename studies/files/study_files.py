@@ -72,7 +72,9 @@ def finished(
         return None
 
     def refusal(other: str) -> StoreError:
-        return StoreError(f"file {path} holds {other}; allowed: --overwrite, or a new --folder")
+        return StoreError(
+            f"file {path} holds {other}; allowed: --folder and a new name to keep it, --overwrite to replace it"
+        )
 
     try:
         if file_kind(path) != kind:
@@ -87,7 +89,7 @@ def finished(
     if study.version != RESULTS_VERSION:
         raise refusal(f"results of version {study.version}, not {RESULTS_VERSION}")
     if others := sorted(differ - set(adjustable)):
-        raise refusal(f"another configuration ({', '.join(others)})")
+        raise refusal(f"what was made with other options ({', '.join(others)})")
     same = not differ or bool(enough and enough(study))
     return study if study.complete and same else None
 
