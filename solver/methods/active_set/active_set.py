@@ -131,6 +131,7 @@ class ActiveSet(Method):
             self._response.renew(now)
             now.last_product = 0.0
             self.iteration += 1
+            self._update_set()  # the gap of all nodes is known only now
         elif not self._updated():
             self._iterate(r, z)
 
