@@ -6,6 +6,7 @@ from ..kernels import BACKENDS
 from . import checks
 from .arrays import Array64
 from .methods import DEFAULT, METHODS, Progress
+from .one_thread import on_one_thread
 from .scene import Scene
 from .solution import Solution
 from .strategy.effort import Effort, Means
@@ -17,6 +18,7 @@ from .strategy.to_tolerance import solve_to_tolerance
 from .transforms.planned import check_settings
 
 
+@on_one_thread
 def solve(
     scene: Scene,
     *,

@@ -15,22 +15,26 @@ from linecontact import ensemble_mean
 from linecontact.solver import Layer, MeasuredIndenter, PowerIndenter, RoughIndenter, Scene, solve
 from linecontact.studies.command_line import main
 from linecontact.studies.files.study_files import load_study
-from linecontact.studies.multilevel import allocation, estimator, study, tasks
+from linecontact.studies.multilevel import allocation, estimator, foundation, study, tasks
 from linecontact.studies.multilevel.allocation import PILOT, Wanted
-from linecontact.studies.multilevel.samples import Samples
+from linecontact.studies.multilevel.samples import FOUNDATION, Samples
 from linecontact.studies.scenes import kinds
 
 pytestmark = pytest.mark.once
 
 SIZES = (256, 512, 1024, 2048)
-COSTS = {size: size / 256 for size in SIZES}  # [s]
+COSTS = {size: size / 256 for size in SIZES} | {FOUNDATION: 0.02}  # [s]
 TRUTH = 1.7
 """Mean of the made-up observable on an infinitely fine grid."""
 
 
-def made_up(seed, size, scatter=0.05, change=20.0):
-    """kappa of a surface on a grid: a scatter of its own, and an error that falls like 1/N."""
-    own, error = np.random.default_rng(seed).standard_normal(2)
+def made_up(seed, size, scatter=0.05, change=20.0, told=0.9):
+    """kappa of a surface on a grid: a scatter of its own, and an error that falls like 1/N. On a foundation, which
+    tells that share of the variance, it is something else, and not on a straight line with it.
+    """
+    own, error, other = np.random.default_rng(seed).standard_normal(3)
+    if size == FOUNDATION:
+        return 3 + np.exp(0.3 * (math.sqrt(told) * own + math.sqrt(1 - told) * other))
     return TRUTH + scatter * own + change * (1 + 0.5 * error) / size
 
 
@@ -44,10 +48,10 @@ def solved(batches, **options):
     ]
 
 
-def sampled(wanted, seed=0, **options):
+def sampled(wanted, seed=0, sizes=SIZES, **options):
     """All rows and the last state of a made-up ensemble."""
     rows = []
-    while (now := allocation.state(rows, SIZES, wanted, seed)).batches:
+    while (now := allocation.state(rows, sizes, wanted, seed)).batches:
         new = solved(now.batches, **options)
         assert not {(row["seed"], row["num_points"]) for row in new} & {(r["seed"], r["num_points"]) for r in rows}
         rows += new
@@ -66,6 +70,26 @@ def test_the_terms_add_up_to_the_mean_on_the_finest_grid():
     assert found.mean == pytest.approx(plain.mean(), rel=1e-12)
     assert found.standard_error == pytest.approx(plain.std(ddof=1) / math.sqrt(50), rel=0.05)  # as 49/47 has it
     assert found.plain_variance == pytest.approx(plain.var(ddof=1))
+
+
+def test_a_foundation_leaves_the_mean_of_the_same_surfaces_alone():
+    """What it adds to the sum it takes away; so it does from the error."""
+    sizes = (FOUNDATION, *SIZES)
+    samples = Samples(solved([allocation.Batch(0, 50, sizes)]), "kappa")
+    with_it, without = (estimator.estimate(samples, s, s) for s in (sizes, SIZES))
+    assert with_it.mean == pytest.approx(without.mean, rel=1e-12)
+    assert with_it.standard_error == pytest.approx(without.standard_error, rel=0.05)
+    assert with_it.bias == without.bias
+    assert with_it.plain_variance == without.plain_variance
+
+
+def test_a_foundation_takes_a_share_of_the_scatter():
+    """As much as a straight line tells: of kappa on the grid, from what it is on the foundation."""
+    samples = Samples(solved([allocation.Batch(0, 2000, (FOUNDATION, 2048))]), "kappa")
+    alone, left = (estimator.term(samples, 2048, coarser).variance for coarser in (None, FOUNDATION))
+    values = [[made_up(seed, size) for seed in range(2000)] for size in (FOUNDATION, 2048)]
+    assert left / alone == pytest.approx(1 - np.corrcoef(values)[0, 1] ** 2, rel=1e-6)
+    assert left < 0.4 * alone
 
 
 @pytest.mark.parametrize("order", [1.0, 1.5, 2.0])
@@ -115,6 +139,14 @@ def test_grids_that_do_not_pay_are_left_out():
     assert ladder[-1] == 2048
 
 
+def test_a_foundation_that_tells_nothing_is_left_out():
+    sizes, used = (FOUNDATION, *SIZES), []
+    for told in (0.0, 0.9):
+        rows = solved([allocation.Batch(0, 200, sizes)], told=told)
+        used.append(FOUNDATION in estimator.best_ladder([(Samples(rows, "kappa"), 1e-3)], sizes))
+    assert used == [False, True]
+
+
 def test_surfaces_that_are_solved_keep_their_grids():
     """Grids that would be a little better from the beginning are worse than going on."""
     rows = solved([allocation.Batch(0, 20, SIZES), allocation.Batch(100, 400, (512,))])
@@ -136,7 +168,7 @@ def test_grids_suit_every_observable_in_whatever_order():
 def test_a_large_error_takes_few_solves():
     """The fewest surfaces of the mean itself count where grids are chosen."""
     rows, _ = sampled(wanted(0.1))
-    assert max(Counter(row["num_points"] for row in rows).values()) <= allocation.FEWEST_SURFACES
+    assert max(Counter(row["num_points"] for row in rows).values()) <= estimator.FEWEST_SURFACES
     assert sum(row["num_points"] == SIZES[-1] for row in rows) < PILOT
 
 
@@ -152,14 +184,28 @@ def test_the_standard_error_is_reached_with_a_small_bias(error, relative):
     assert sum(row["seconds.total"] for row in rows) < found.plain_cost(absolute)
 
 
-def test_the_error_is_honest():
+@pytest.mark.parametrize("sizes", [SIZES, (FOUNDATION, *SIZES)])
+def test_the_error_is_honest(sizes):
     """Of 200 ensembles about 94 % lie within two standard errors of the mean on their finest grid, whatever decides."""
-    off = []
+    off, used = [], 0
     for i in range(200):
-        found = sampled(wanted(0.01), seed=i)[1].estimates["kappa"]
+        found = sampled(wanted(0.01), i, sizes)[1].estimates["kappa"]
         off.append((found.mean - TRUTH - 20 / found.terms[-1].num_points) / found.standard_error)
+        used += found.terms[0].num_points == FOUNDATION
     assert 180 <= np.sum(np.abs(off) <= 2) <= 199
     assert 0.8 < np.std(off) < 1.2
+    assert abs(np.mean(off)) < 0.2
+    assert used in ((0,) if sizes == SIZES else range(100, 201))
+
+
+def test_a_foundation_saves_time():
+    """And the errors asked for are reached."""
+    spent = []
+    for sizes in (SIZES, (FOUNDATION, *SIZES)):
+        rows, now = sampled(wanted(0.001), sizes=sizes)
+        assert now.estimates["kappa"].standard_error <= 0.001
+        spent.append(sum(row["seconds.total"] for row in rows))
+    assert spent[1] < 0.7 * spent[0]
 
 
 def test_it_never_stops_above_the_error_that_was_asked_for():
@@ -220,6 +266,39 @@ def test_grids_that_hold_the_surface():
     assert allocation.grid_sizes(Scene(indenter=RoughIndenter(cut_off_ratio=1), num_points=2**7)) == (2**7,)
 
 
+def test_where_there_is_a_foundation():
+    """On a compressible layer; and where there are several grids."""
+    assert allocation.levels(SCENE) == (FOUNDATION, 256, 512, 1024, 2048)
+    for layer in (Layer(), Layer(0.1, 0.5)):
+        assert allocation.levels(replace(SCENE, layer=layer)) == (256, 512, 1024, 2048)
+    assert allocation.levels(replace(SCENE, num_points=256)) == (256,)
+
+
+@pytest.mark.parametrize("unit", [1.0, 1e3])
+def test_a_thin_layer_is_a_foundation(unit):
+    """Solved on a layer a hundredth of the shortest wave thick, in whatever unit of length and pressure."""
+    layer = Layer(1e-4, 0.25).in_units(unit, 2 / unit)
+    scene = Scene(layer, SURFACE, 0.02 * 2 / unit, period=unit, num_points=2**13)
+    found, solved_for = foundation.press(scene, scene.num_points), solve(scene).to_record()
+    for name, value in found.items():
+        assert value == pytest.approx(solved_for[name], rel=0.02)
+    area, peak = found["contact_area_subgrid"], found["peak_pressure"]
+    assert area * peak > scene.pressure > 0.1 * area * peak
+
+
+def test_the_mean_of_surfaces_on_a_thin_layer():
+    """Against plain sampling of other surfaces on the finest grid."""
+    scene = replace(SCENE, layer=Layer(0.01, 0.25))
+    found = ensemble_mean(scene, 0.015, relative=True)
+    assert found.terms[0].num_points == FOUNDATION
+    others = [replace(scene, indenter=replace(SURFACE, seed=10_000 + i)) for i in range(150)]
+    plain = np.array([solve(other).observables.kappa_subgrid for other in others])
+    error = math.hypot(found.standard_error, plain.std(ddof=1) / math.sqrt(150))
+    assert abs(found.mean - plain.mean()) < 3.5 * error + found.bias
+    assert sum(term.count for term in found.terms[1:]) < found.plain_variance / found.standard_error**2
+    assert "on foundation" in repr(found)
+
+
 def test_the_mean_of_real_surfaces():
     """Against plain sampling of other surfaces on the finest grid."""
     found = ensemble_mean(SCENE, 0.01)
@@ -239,7 +318,7 @@ def test_one_grid_is_plain_sampling(tmp_path, capsys):
     assert ensemble(tmp_path, "--cut-off-ratio", "0.5", "--num-points", "128", "--standard-error", "0.1") == 0
     said = " ".join(capsys.readouterr().out.split())
     assert "this is plain sampling" in said
-    assert "costs less" not in said
+    assert "cheaper" not in said
 
 
 def ensemble(folder, *words):
@@ -351,7 +430,7 @@ def test_an_interrupted_run_does_not_replace_a_finished_one(tmp_path, capsys, mo
     assert "does not hold all that was asked for; run its study again" in capsys.readouterr().err
     left[0] = 10**9
     assert ensemble(tmp_path, *words, "0.1") == 0
-    assert "`linecontact curve --over seed` on that grid costs less" in " ".join(capsys.readouterr().out.split())
+    assert "is the cheaper way here, by a factor of" in " ".join(capsys.readouterr().out.split())
     left[0] = 2
     assert ensemble(tmp_path, *words, "0.004") == 130
     file = load_study(path)

@@ -4,5 +4,5 @@
 certified or another method try (`certification`), and make the solution from what was found (`report`).
 
 May import: arrays, checks, display, endings, layers, indenters, scene, reference, grid, methods, solution,
-linecontact.kernels.
+one_thread, linecontact.kernels.
 """

@@ -25,6 +25,7 @@ from ..grid.observables import foundation_modulus
 from ..grid.problem import Problem
 from ..methods import active_set, relax
 from ..methods.method import Setting
+from ..one_thread import on_one_thread
 from ..scene import Scene
 from ..solution import Solution
 from .effort import SMALLEST_WARP
@@ -42,6 +43,7 @@ def contact_compliance(scene: Scene, contact: Mask) -> float:
     return _punch(scene, contact)[0]
 
 
+@on_one_thread
 def contact_stiffness(solution: Solution) -> float:
     """dp/d(approach) of a solution [pressure/length]; 0 where nothing touches.
 

@@ -10,16 +10,15 @@ from dataclasses import dataclass
 import numpy as np
 from linecontact.solver import Scene
 
-from .estimator import FEWEST_SURFACES, Estimate, best_ladder, counts, estimate
-from .samples import Batch, Row, Samples
+from . import foundation
+from .estimator import Estimate, best_ladder, counts, estimate
+from .samples import FOUNDATION, Batch, Row, Samples, fewest_points
 
 PILOT, FINER_PILOT = 16, 8
 """Surfaces that are solved first, on the coarsest grids and on finer ones; they tell variances and times."""
 FIRST_GRIDS = 3
 """Grids with which to begin."""
 
-_WAVE_POINTS = 4  # of the coarsest grid to the shortest wave
-_FEWEST = 2**8  # points of the coarsest grid
 _BIAS = 1 / 3  # of the standard error that the finest grid may be off
 _LEAST = 4  # surfaces that tell a variance
 _GROWTH = 4  # factor by which a number of surfaces grows at once: variances become known better on the way
@@ -75,11 +74,16 @@ class State:
 
 def grid_sizes(scene: Scene) -> tuple[int, ...]:
     """The grids that hold the surface, from coarse to fine, each twice the one before; the scene's is the finest."""
-    sizes = [scene.num_points]
-    least = max(_FEWEST, _WAVE_POINTS * scene.indenter.shortest_wave(scene.num_points))
+    sizes, least = [scene.num_points], fewest_points(scene)
     while sizes[0] % 2 == 0 and sizes[0] // 2 >= least:
         sizes.insert(0, sizes[0] // 2)
     return tuple(sizes)
+
+
+def levels(scene: Scene) -> tuple[int, ...]:
+    """The same, after the foundation where the layer is one for long waves and there is more than one grid."""
+    sizes = grid_sizes(scene)
+    return (FOUNDATION, *sizes) if len(sizes) > 1 and foundation.is_one(scene) else sizes
 
 
 def first_seed(seed: int, term: int) -> int:
@@ -93,12 +97,13 @@ def state(rows: Sequence[Row], sizes: Sequence[int], wanted: Wanted, seed: int) 
     main = known[wanted.observables[0]]
     tried = {(int(row["seed"]), int(row["num_points"])) for row in rows}
     begin = first_seed(seed, 0)
-    pilots = [PILOT if i < FIRST_GRIDS else FINER_PILOT for i in range(len(sizes))]
+    first = sizes[: FIRST_GRIDS + (FOUNDATION in sizes)]
+    pilots = [PILOT if size in first else FINER_PILOT for size in sizes]
     reached = [
         size for size, count in zip(sizes, pilots, strict=True) if all((begin + i, size) in tried for i in range(count))
     ]
-    if len(reached) < min(FIRST_GRIDS, len(sizes)):
-        return State({}, _batches(begin, PILOT, tuple(sizes[:FIRST_GRIDS]), math.inf), math.nan)
+    if len(reached) < len(first):
+        return State({}, _batches(begin, PILOT, tuple(first), math.inf), math.nan)
     least = min(len(main.seeds(*pair)) for pair in itertools.product(reached, reached))
     if least < _LEAST:
         why = f"of the surfaces solved first no more than {least} converge; allowed: a scene whose solves do"
@@ -151,21 +156,19 @@ def _seconds(rows: Sequence[Row]) -> float:
 def _more_surfaces(
     estimates: dict[str, Estimate], wanted: Wanted, tried: Set[tuple[int, int]], seed: int, sizes: Sequence[int]
 ) -> State:
-    """What brings the standard errors, on the grids that are chosen; the coarsest one's fewest surfaces first."""
-    few = estimates[wanted.observables[0]].terms[0].count < FEWEST_SURFACES
+    """What brings the standard errors, on the grids that are chosen; first the fewest surfaces that are needed."""
+    few = any(one.count < one.fewest for one in estimates[wanted.observables[0]].terms)
     each = [_numbers(found, wanted.error(found)) for found in estimates.values()]
     planned: list[Batch] = []
     seconds, solves = 0.0, 0
     for one, *numbers in zip(estimates[wanted.observables[0]].terms, *each, strict=True):
         missing = max(numbers) - one.count
         if missing > 0:
-            grids = tuple(size for size in (one.coarser, one.num_points) if size)
+            grids = tuple(size for size in (one.coarser, one.num_points) if size is not None)
             seconds, solves = seconds + missing * one.seconds, solves + missing * len(grids)
-            if few and one.coarser:
-                continue
             start = first_seed(seed, 1 + sizes.index(one.num_points))
             own = (number + 1 for number, size in tried if size == one.num_points and 0 <= number - start < _APART)
-            more = FEWEST_SURFACES - one.count if few else min(missing, _GROWTH * one.count)
+            more = one.fewest - one.count if few else min(missing, _GROWTH * one.count)
             planned += _batches(max(own, default=start), more, grids, one.seconds)
     return State(estimates, tuple(planned), seconds, solves)
 
@@ -179,7 +182,7 @@ def _numbers(found: Estimate, error: float) -> list[int]:
         while all(number <= count for number, count in zip(numbers, have, strict=True)):
             aim *= _LESS  # what surfaces that serve several terms have in common counts as well
             numbers = counts(found.terms, aim)
-    return [max(numbers[0], FEWEST_SURFACES), *numbers[1:]]
+    return [max(number, one.fewest) for number, one in zip(numbers, found.terms, strict=True)]
 
 
 def _batches(first: int, count: int, sizes: tuple[int, ...], seconds: float) -> tuple[Batch, ...]:

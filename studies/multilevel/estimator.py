@@ -4,7 +4,8 @@ After M. B. Giles, Multilevel Monte Carlo path simulation, Operations Research 5
 Carlo methods, Acta Numerica 24, 259 (2015). The mean on the finest grid is that on a coarse grid plus the means of the
 changes from grid to grid. One seed is one surface on every grid, so that the changes scatter little. A term takes every
 surface that is solved on its grids; what two terms have in common through their surfaces is counted by their
-covariance. Where few surfaces tell a variance it is made larger, as Student's distribution has it.
+covariance. Where few surfaces tell a variance it is made larger, as Student's distribution has it. Below the coarsest
+grid there may be a foundation, see `Samples`: grids then mean that, too, where nothing else is said.
 """
 
 import itertools
@@ -15,10 +16,10 @@ from functools import cache
 
 import numpy as np
 
-from .samples import Samples
+from .samples import FOUNDATION, Samples, name_of
 
 FEWEST_SURFACES = 32
-"""Of the mean on the coarsest grid, whose variance counts most."""
+"""Of the mean on the coarsest grid, or of its change from the foundation: their variances count most."""
 
 _CHANGES = 3  # from grid to grid, that tell how the error falls
 
@@ -28,9 +29,9 @@ class Term:
     """One term of the sum: the mean on the coarsest grid, or that of the change from one grid to a finer one."""
 
     num_points: int
-    """Points of the (finer) grid."""
+    """Points of the (finer) grid; 0 for the foundation."""
     coarser: int | None
-    """Points of the coarser grid; None for the first term."""
+    """Points of the coarser grid, 0 for the foundation; None for the first term."""
     count: int
     """Surfaces."""
     mean: float
@@ -39,6 +40,11 @@ class Term:
     """Of the same for one surface."""
     seconds: float
     """Time of one surface, on both grids [s]."""
+
+    @property
+    def fewest(self) -> int:
+        """Surfaces that it needs at least."""
+        return FEWEST_SURFACES if self.coarser in (None, FOUNDATION) else 0
 
     @property
     def believed(self) -> float:
@@ -65,7 +71,7 @@ class Estimate:
 
     def __repr__(self) -> str:
         numbers = "".join(f", {name} {getattr(self, name):.3g}" for name in ("standard_error", "bias"))
-        grids = ", ".join(f"{term.count} on {term.num_points}" for term in self.terms)
+        grids = ", ".join(f"{term.count} on {name_of(term.num_points)}" for term in self.terms)
         return f"{type(self).__name__}: mean {self.mean:.6g}{numbers} [as the observable]; surfaces: {grids} points"
 
     def plain_cost(self, standard_error: float) -> float:
@@ -85,7 +91,7 @@ def term(samples: Samples, size: int, coarser: int | None) -> Term:
     """What is known of one term."""
     values = np.array(list(differences(samples, size, coarser).values()))
     variance = float(values.var(ddof=1))
-    seconds = samples.seconds(size) + (samples.seconds(coarser) if coarser else 0.0)
+    seconds = samples.seconds(size) + (samples.seconds(coarser) if coarser is not None else 0.0)
     return Term(size, coarser, values.size, float(values.mean()), variance, seconds)
 
 
@@ -128,7 +134,9 @@ def bias(samples: Samples, sizes: Sequence[int]) -> float:
     small by chance does not count: the one before, as alpha would have it go on, is the least that is believed (Giles
     2015, eq. 2.10). NaN where there is no change.
     """
-    changes = [abs(term(samples, *step).mean) for step in zip(sizes[1:], sizes[:-1], strict=True)][-_CHANGES:]
+    grids = [size for size in sizes if size != FOUNDATION]
+    steps = list(itertools.pairwise(grids))[-_CHANGES:]
+    changes = [abs(term(samples, size, coarser).mean) for coarser, size in steps]
     if not changes:
         return math.nan
     falls = len(changes) > 1 and min(changes) > 0
@@ -152,8 +160,7 @@ def best_ladder(asked: Sequence[tuple[Samples, float]], sizes: Sequence[int]) ->
             found = [known(which, *step) for step in _steps(ladder)]
             each.append(counts(found, standard_error))
         numbers = [max(column) for column in zip(*each, strict=True)]
-        numbers[0] = max(numbers[0], FEWEST_SURFACES)
-        pairs = list(zip(numbers, found, strict=True))
+        pairs = [(max(number, t.fewest), t) for number, t in zip(numbers, found, strict=True)]
         left = sum(max(0, number - t.count) * t.seconds for number, t in pairs)
         return left, sum(number * t.seconds for number, t in pairs)
 

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from ..figures.style import COLOURS, MARKERS, TWO_COLUMNS, NothingToDraw, load, panels
 from .estimator import Estimate, differences, term
-from .samples import Samples, unit_of
+from .samples import FOUNDATION, Samples, unit_of
 from .tasks import found
 
 
@@ -32,7 +32,7 @@ def draw(path: Path) -> dict[str, Figure]:
 
 
 def _scatter(axes: Axes, observable: str, samples: Samples) -> None:
-    sizes = sorted(samples.values)
+    sizes = sorted(samples.values.keys() - {FOUNDATION})
     pairs = [(fine, coarse) for coarse, fine in pairwise(sizes) if samples.seeds(coarse, fine)]
     alone = [np.std(list(differences(samples, size, None).values()), ddof=1) for size in sizes]
     axes.plot(sizes, alone, f"{MARKERS[0]}-", ms=3.5, lw=0.8, color=COLOURS[0], label="std of one surface")
@@ -59,7 +59,7 @@ def _legend(axes: Axes) -> None:
 def _errors(axes: Axes, said: str, estimate: Estimate, samples: Samples, spent: float) -> None:
     finest = estimate.terms[-1].num_points
     seconds = np.geomspace(spent / 30, spent * 30, 30)
-    for i, size in enumerate(sorted({t.num_points for t in estimate.terms})):
+    for i, size in enumerate(sorted({t.num_points for t in estimate.terms} - {FOUNDATION})):
         alone = term(samples, size, None)
         error = np.sqrt(alone.variance * samples.seconds(size) / seconds)
         axes.plot(seconds, error, lw=0.8, color=COLOURS[i % len(COLOURS)], label=f"{size} points alone")

@@ -6,7 +6,7 @@ from typing import Any
 from linecontact.solver import Scene, checks
 
 from . import samples
-from .allocation import FIRST_GRIDS, PILOT, Wanted, grid_sizes, state
+from .allocation import FIRST_GRIDS, PILOT, Wanted, levels, state
 from .estimator import Estimate
 
 MOST_SAMPLES = 2**20
@@ -39,7 +39,7 @@ def ensemble_mean(
     if not isinstance(scene, Scene):
         raise ValueError(f"scene is {scene!r}; allowed: a Scene")
     check_scene(scene)
-    sizes, seed = grid_sizes(scene), scene.indenter.seed  # type: ignore[attr-defined]
+    sizes, seed = levels(scene), scene.indenter.seed  # type: ignore[attr-defined]
     rows: list[dict[str, Any]] = []
     while (now := state(rows, sizes, wanted, seed)).batches:
         rows += [row for batch in now.batches for row in samples.rows(scene, batch)]

@@ -11,7 +11,7 @@ from ..files.study_files import StudyFile
 from ..terminal import console
 from .allocation import State, Wanted
 from .estimator import Estimate, Term
-from .samples import unit_of
+from .samples import FOUNDATION, name_of, unit_of
 from .tasks import found
 
 
@@ -24,15 +24,18 @@ def reached(wanted: Wanted, state: State) -> bool:
 
 def grid(term: Term) -> str:
     """The grids of a term."""
-    return f"{term.num_points}" if term.coarser is None else f"{term.coarser} to {term.num_points}"
+    name = name_of(term.num_points)
+    return name if term.coarser is None else f"{name_of(term.coarser)} to {name}"
 
 
 def summary(observable: str, estimate: Estimate) -> Table:
     """A row for each term of the sum."""
+    on_foundation = estimate.terms[0].num_points == FOUNDATION
+    first = "A mean on a foundation, times a factor," if on_foundation else "A mean on a coarse grid,"
     table = console.table(
         title=f"{observable}: {estimate.mean:.6g} +- {estimate.standard_error:.2g} [{unit_of(observable)}]",
-        caption="A mean on a coarse grid, and means of the change to finer ones; std: of one surface; s: time of one "
-        "surface, and of all of them [s].",
+        caption=f"{first} and means of the change to finer ones; std: of one surface; s: time of one surface, and of "
+        "all of them [s].",
     )
     for heading in ("grid points", "surfaces", "mean", "std", "s", "s, all"):
         table.add_column(heading, justify="right", no_wrap=True)
@@ -63,10 +66,10 @@ def _sentences(observable: str, estimate: Estimate, wanted: Wanted, spent: float
     if math.isnan(bias):
         return f"{said}."
     plain = estimate.plain_cost(estimate.standard_error)
-    said += f"; for the same standard error, surfaces on {finest} points alone would take about {plain:.3g} s, "
-    said += f"{plain / spent:.2g} times that."
-    cheaper = "Here `linecontact curve --over seed` on that grid costs less, but tells no bias."
-    return said if plain > spent else f"{said} {cheaper}"
+    said += f". Plain sampling on {finest} points takes about {plain:.3g} s to the same standard error, "
+    if plain > spent:
+        return f"{said}{plain / spent:.2g} times as long."
+    return f"{said}and is the cheaper way here, by a factor of {spent / plain:.2g}, but does not tell the bias."
 
 
 def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:

@@ -12,7 +12,7 @@ from ..runner.study import Plan
 from ..runner.tasks import ROWS, Record, Task
 from ..scenes.described import base_scene, shown
 from . import samples
-from .allocation import State, Wanted, grid_sizes, share_done, state
+from .allocation import State, Wanted, levels, share_done, state
 from .samples import Batch, Row
 
 KIND = "ensemble"
@@ -36,7 +36,7 @@ class BatchTask:
 
 def plan(description: str, scene: Scene, wanted: Wanted) -> Plan:
     """The first tasks, and how the others follow from them."""
-    sizes, seed = grid_sizes(scene), scene.indenter.seed  # type: ignore[attr-defined]
+    sizes, seed = levels(scene), scene.indenter.seed  # type: ignore[attr-defined]
 
     def rows(records: Mapping[Task, Record]) -> list[Row]:
         return [row for record in records.values() for row in record[ROWS]]

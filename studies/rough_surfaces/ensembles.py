@@ -13,10 +13,10 @@ from linecontact.solver.methods import Progress
 
 from ..files.study_files import StudyFile
 from ..multilevel import samples
-from ..multilevel.allocation import State, Wanted, grid_sizes, share_done, state
+from ..multilevel.allocation import State, Wanted, grid_sizes, levels, share_done, state
 from ..multilevel.estimator import Estimate
 from ..multilevel.mean import MOST_SAMPLES, check_wanted
-from ..multilevel.samples import Batch, Row
+from ..multilevel.samples import FOUNDATION, Batch, Row
 from ..runner.study import Plan
 from ..runner.tasks import ROWS, Record
 from ..runner.tasks import Task as AnyTask
@@ -66,7 +66,6 @@ def plan(c: Configuration, standard_error: float) -> Plan:
     task = Task(_FINEST * c.num_points, c.cut_off_ratio, c.pressure, 0.5, 0.0, math.inf, 0, c.tolerance, c.method)
     layers = [(0.0, math.inf), *((nu, d) for nu in c.poisson_ratios for d in c.thicknesses)]
     points = [replace(task, hurst=h, poisson_ratio=nu, thickness=d) for h in c.hursts for nu, d in layers]
-    sizes = grid_sizes(task.scene())
 
     def every(records: Mapping[AnyTask, Record]) -> Iterator[tuple[Task, list[Row], State]]:
         """Every point, with its rows and how far it is."""
@@ -76,7 +75,7 @@ def plan(c: Configuration, standard_error: float) -> Plan:
                 rows.setdefault(done.key, []).extend(record[ROWS])
         for point in points:
             own = rows.get((point.hurst, point.poisson_ratio, point.thickness), [])
-            yield point, own, state(own, sizes, wanted, 0)
+            yield point, own, state(own, levels(point.scene()), wanted, 0)
 
     def more(records: Mapping[AnyTask, Record]) -> Sequence[AnyTask]:
         return [PointBatch(point, batch) for point, _, now in every(records) for batch in now.batches]
@@ -93,7 +92,7 @@ def plan(c: Configuration, standard_error: float) -> Plan:
 
     unused = ("realisations", "tolerance", "method")
     configuration: dict[str, Any] = {name: value for name, value in asdict(c).items() if name not in unused}
-    configuration |= {"sizes": sizes, "standard_error": standard_error}
+    configuration |= {"sizes": grid_sizes(task.scene()), "standard_error": standard_error}
     return Plan(
         "rough",
         configuration,
@@ -119,12 +118,13 @@ def is_one(file: StudyFile) -> bool:
 def states(file: StudyFile, standard_error: float | None = None) -> dict[Key, State]:
     """How far every point is; standard_error: wanted over the means, by default what the file is of."""
     asked = file.configuration["standard_error"] if standard_error is None else standard_error
-    wanted, sizes = _wanted(asked), file.configuration["sizes"]
+    wanted, grids = _wanted(asked), tuple(file.configuration["sizes"])
     rows: dict[Key, list[Row]] = {}
     for run in file.runs:
         key = (run["scene.hurst"], run["scene.poisson_ratio"], run["scene.thickness"])
         rows.setdefault(key, []).append(run)
-    return {key: state(own, sizes, wanted, 0) for key, own in rows.items()}
+    foundation = {key: (FOUNDATION,) * any(row["num_points"] == FOUNDATION for row in own) for key, own in rows.items()}
+    return {key: state(own, foundation[key] + grids, wanted, 0) for key, own in rows.items()}
 
 
 def points(found: Mapping[Key, State]) -> Iterator[Point]:

@@ -10,6 +10,7 @@ from rich.table import Table
 
 from ..files.study_files import StudyFile
 from ..multilevel.allocation import State
+from ..multilevel.samples import FOUNDATION
 from ..terminal import console
 from . import ensembles, means
 
@@ -120,7 +121,7 @@ def _sizes(states: Sequence[State]) -> tuple[str, str, str, float]:
     ok = f"{sum(state.done for state in states)}/{len(states)}"
     if not known:
         return ok, "", "", 0.0
-    surfaces = [estimate.terms[0].count for estimate in known]
+    surfaces = [next(term.count for term in estimate.terms if term.num_points != FOUNDATION) for estimate in known]
     finest = [math.log2(estimate.terms[-1].num_points) for estimate in known]
     plain = sum(estimate.plain_cost(estimate.standard_error) for estimate in known)
     return ok, _span(surfaces), f"2^{_span(finest)}", plain

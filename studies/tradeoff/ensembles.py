@@ -9,10 +9,10 @@ from linecontact.solver import Layer, RoughIndenter, Scene
 from linecontact.solver.methods import Progress
 
 from ..multilevel import samples
-from ..multilevel.allocation import grid_sizes, state
+from ..multilevel.allocation import levels, state
 from ..multilevel.estimator import bias, term
 from ..multilevel.mean import check_wanted
-from ..multilevel.samples import Row, Samples
+from ..multilevel.samples import FOUNDATION, Row, Samples
 from ..runner.tasks import ROWS, Record
 from .measuring import warm_up
 
@@ -56,7 +56,7 @@ class Ensemble:
 
     def _rows(self, report: Progress | None) -> Iterator[dict[str, Any]]:
         scene, wanted = self.scene(), check_wanted([OBSERVABLE], self.standard_error, True, 1e6, 10**6)
-        sizes, rows, began = grid_sizes(scene), list[Row](), time.perf_counter()
+        sizes, rows, began = levels(scene), list[Row](), time.perf_counter()
         while (now := state(rows, sizes, wanted, 0)).batches:
             rows += [row for batch in now.batches for row in samples.rows(scene, batch, report)]
             found = state(rows, sizes, wanted, 0).estimates.get(OBSERVABLE)
@@ -71,13 +71,14 @@ class Ensemble:
                     "scene.num_points": found.terms[-1].num_points,
                 }
         known = Samples(rows, OBSERVABLE)
-        for number, size in enumerate(sorted(known.values), start=1):
+        grids = sorted(known.values.keys() - {FOUNDATION})
+        for number, size in enumerate(grids, start=1):
             own = term(known, size, None)
             yield {
                 "kind": ALONE,
                 "scene.num_points": size,
                 "seconds.total": own.seconds,
                 "std": own.variance**0.5,
-                "bias": bias(known, sizes[:number]),
+                "bias": bias(known, grids[:number]),
                 "surfaces": own.count,
             }
