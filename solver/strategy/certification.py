@@ -134,8 +134,10 @@ class _Certification:
         """A method that misses the certificate tries harder, if it can, up to three times."""
         for _ in range(_MOST_TRIES):
             residual = self.certificate.free_residual
+            if good or status is not Status.CONVERGED:
+                break
             in_vain = not self.own_tolerance and self.rounded_off(_LEFT)  # the residual becomes the tolerance
-            if good or in_vain or status is not Status.CONVERGED or not self.state.try_harder():
+            if in_vain or not self.state.try_harder():
                 break
             before = self.state.contact_pressure
             status = self.effort.relax(self.state)

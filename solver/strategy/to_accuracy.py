@@ -133,7 +133,7 @@ def _asperity(task: _Task) -> Solution | None:
     task.chose("grid", f"{found.scene.num_points} points", "for the fields only, which are sampled")
     power = task.scene.indenter.power_law
     if power and power[0] < 2:
-        task.chose("peak pressure", "by collocation", "rough: at a tip sharper than a parabola 5 to 30 % too low")
+        task.chose("peak pressure", "by collocation", "rough: too low at a tip sharper than a parabola")
     return _modelled(task, "collocation", found)
 
 
