@@ -206,9 +206,7 @@ def the_map_of_extremes():
     runs = stored("extremes").runs
     yield f"some {round(len(runs), -4) / 1000:.0f} 000 scenes"
     *_, others, slowest = sorted(run["seconds.cell"] for run in runs)
-    yield "took half an hour; all others about two minutes at most."
-    assert 0.9 < slowest / 1800 < 1.1
-    assert 0.9 < others / 120 < 1.1
+    yield f"took {slowest / 60:.0f} minutes; all others {others / 60:.0f} minutes at most."
     exponents = [run["scene.exponent"] for run in runs if not math.isnan(run.get("scene.exponent", math.nan))]
     yield f"power profiles with n = {min(exponents)} to {max(exponents):.0f}"
 

@@ -8,9 +8,9 @@ int g(m + a t) T_k(t) (1 - t^2)^-1/2 dt over -1 < t < 1. A patch from m - a to m
 
 (inversion of the finite Hilbert transform, K. L. Johnson, Contact Mechanics (1985), section 2.7, with pressures that
 are 0 at both ends). Loads and centres of pressure are sums over the nodes, and these two equations give m and a, by
-Newton's method. A grid has the loads of patches of three nodes and more right to about a hundredth; that of one or two nodes is
-off by about a tenth, but the width goes like the root of that, and hardly depends on m. A constant slope, as loads far
-away to one side add it, enters b_0 alone: that the pressure is 0 at both ends, b_0 = 0, is not used.
+Newton's method. A grid has the loads of patches of three nodes and more right to about a hundredth; that of one or two
+nodes is off by about a tenth, but the width goes like the root of that, and hardly depends on m. A constant slope, as
+loads far away to one side add it, enters b_0 alone: that the pressure is 0 at both ends, b_0 = 0, is not used.
 
 A neighbour at the distance D with the load P and the half-width a adds the slope of a Hertz contact, in units of E*,
 
