@@ -1,8 +1,11 @@
 """Linear algebra takes one thread during a solve, and what the user has set is back after it."""
 
+import threading
+
 import numpy as np  # loads the library whose threads are counted
 import pytest
 from linecontact.solver import PowerIndenter, Scene, contact_stiffness, solve
+from linecontact.solver.one_thread import on_one_thread
 from threadpoolctl import threadpool_info, threadpool_limits
 
 
@@ -39,4 +42,29 @@ def test_a_solve_has_one_thread(monkeypatch):
 def test_after_an_error():
     with pytest.raises(ValueError, match="scene is 3"):
         solve(3)
+    assert threads() == {2}
+
+
+def test_what_was_set_is_back_after_several_threads():
+    """Each of them restoring what it had found left one thread for good."""
+    ours = [threading.Event() for _ in range(2)]
+
+    @on_one_thread
+    def wait(inside, leave):
+        inside.set()
+        leave.wait(60)
+
+    first = threading.Thread(target=wait, args=(ours[0], ours[1]))
+    with threadpool_limits(2, user_api="blas"):
+        pass
+    first.start()
+    assert ours[0].wait(60)
+    second, begun, end = None, threading.Event(), threading.Event()
+    second = threading.Thread(target=wait, args=(begun, end))
+    second.start()
+    assert begun.wait(60)
+    ours[1].set()
+    first.join()
+    end.set()
+    second.join()
     assert threads() == {2}

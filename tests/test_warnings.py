@@ -234,5 +234,5 @@ def test_areas_that_are_off_carry_a_warning():
     said += f"had {100 * np.mean(good):.0f} % of the {len(good)} within 1 %"
     print(said)
     assert said in " ".join((Path(__file__).parent.parent / "docs" / "scans.md").read_text().split())
-    assert np.mean(off) > 0.98
-    assert np.mean(good) < 0.16
+    assert np.mean(off) > 0.95
+    assert np.mean(good) < 0.2

@@ -104,11 +104,11 @@ class _Certification:
 
     def certify(self) -> bool:
         """Make the certificate of the present state; whether it is good enough."""
-        self.state.rest()
         self.displacement = self.state.displacement
         if not np.isfinite(self.displacement).all():  # diverged beyond all numbers
             self.state.start(np.zeros_like(self.displacement))
             self.displacement = self.state.displacement
+        self.state.rest()
         self.certificate, self.pressure, self.contact = certify(self.problem, self.displacement)
         return self.certificate.free_residual <= self.tolerance and self.bounded()
 

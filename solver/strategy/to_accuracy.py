@@ -191,10 +191,11 @@ def _on_grids(task: _Task) -> Solution:
     scene, tolerance, ready = replace(task.scene, layer=task.plan.layer), residual(task.accuracy), time.perf_counter()
     effort = Effort(scene, DEFAULT, task.means)
     model_error = task.model_error
+    memory = checks.available_memory()
     budget = task.accuracy - task.quantity.sensitivity * (model_error + iteration_share(tolerance))
 
     def begin(size: int, contact_share: float) -> Method:
-        check_memory(size, contact_share=contact_share)
+        check_memory(size, effort.kind, contact_share, memory)
         problem, few = Problem.from_scene(scene, size), COARSE_WRONG_NODES
         return effort.begin(problem, CAUTION * tolerance, wrong_nodes_per_patch=few, contact_share=contact_share)
 

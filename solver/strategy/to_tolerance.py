@@ -35,12 +35,15 @@ class Prepared:
     """A displacement to start from, shape (N,) [u]."""
     sizes: Sequence[int]
     """The grids to go over, from coarse to fine."""
+    memory: int | None
+    """What was free before anything was made [bytes], if that is known."""
 
     def begin(self, num_points: int, contact_share: float) -> Method:
         """The method on one of the grids; contact_share: of the nodes, as the grid before has it."""
         scene = self.effort.scene
         if num_points == scene.num_points:
-            check_memory(num_points, self.effort.kind, contact_share)
+            if len(self.sizes) > 1:
+                check_memory(num_points, self.effort.kind, contact_share, self.memory)
             finest = self.effort.begin(self.problem, CAUTION * self.tolerance, contact_share=contact_share)
             if self.start is not None:
                 finest.start(self.start)
@@ -73,7 +76,11 @@ def solve_to_tolerance(
 def _prepare(effort: Effort, nested: bool | None, tolerance: float | None, initial: Array64 | None) -> Prepared:
     """Check what was asked for, and discretise the scene."""
     scene, kind = effort.scene, effort.kind
-    check_memory(scene.num_points, kind)
+    nested = kind.nested if nested is None else nested
+    sizes = grids(scene.num_points) if nested and initial is None else [scene.num_points]
+    memory = checks.available_memory()
+    # without a coarser grid there is no telling how much will be in contact
+    check_memory(scene.num_points, kind, 0.0 if len(sizes) > 1 else 1.0, memory)
     if scene.precision not in kind.precisions:
         raise ValueError(f"precision is {scene.precision!r}; allowed: {', '.join(kind.precisions)}, for {kind.name}")
     if tolerance is not None:
@@ -81,9 +88,7 @@ def _prepare(effort: Effort, nested: bool | None, tolerance: float | None, initi
     problem, coarse = problems(scene)
     tolerance = reachable(scene, problem, coarse, tolerance)
     start = None if initial is None else _displacement(initial, scene, problem)
-    nested = kind.nested if nested is None else nested
-    sizes = grids(scene.num_points) if nested and start is None else [scene.num_points]
-    return Prepared(effort, problem, tolerance, start, sizes)
+    return Prepared(effort, problem, tolerance, start, sizes, memory)
 
 
 def _displacement(initial: Array64, scene: Scene, problem: Problem) -> Array64:

@@ -93,7 +93,9 @@ class Transforms:
 
     def field(self) -> Array:
         """A buffer for N values that are transformed there and back; long ones share the spectrum's memory."""
-        return self.buffer() if self.num_points <= _IN_PLACE else self.spectrum[: padded_length(self.num_points)]
+        if self.half_length or self.num_points <= _IN_PLACE:
+            return self.buffer()
+        return self.spectrum[: padded_length(self.num_points)]
 
     def multiply(self, symbol: Array64, target: Array) -> Call:
         """The kernel between `forward` and `inverse` to this target that multiplies by a symbol, shape (N//2 + 1,),

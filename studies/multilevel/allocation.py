@@ -86,6 +86,11 @@ def levels(scene: Scene) -> tuple[int, ...]:
     return (FOUNDATION, *sizes) if len(sizes) > 1 and foundation.is_one(scene) else sizes
 
 
+def stored_levels(rows: Sequence[Row], sizes: Sequence[int]) -> tuple[int, ...]:
+    """The grids of stored rows, after the foundation where they have it. sizes: points of the grids."""
+    return (FOUNDATION,) * any(row["num_points"] == FOUNDATION for row in rows) + tuple(sizes)
+
+
 def first_seed(seed: int, term: int) -> int:
     """The first seed of the surfaces of a term, 0 for those that are solved first; far from all others."""
     return int(np.random.SeedSequence([seed, term]).generate_state(1, np.uint64)[0]) >> 2
@@ -165,10 +170,10 @@ def _more_surfaces(
         missing = max(numbers) - one.count
         if missing > 0:
             grids = tuple(size for size in (one.coarser, one.num_points) if size is not None)
-            seconds, solves = seconds + missing * one.seconds, solves + missing * len(grids)
+            seconds, solves = seconds + missing * one.seconds, solves + missing * len(set(grids) - {FOUNDATION})
             start = first_seed(seed, 1 + sizes.index(one.num_points))
             own = (number + 1 for number, size in tried if size == one.num_points and 0 <= number - start < _APART)
-            more = one.fewest - one.count if few else min(missing, _GROWTH * one.count)
+            more = max(0, one.fewest - one.count) if few else min(missing, _GROWTH * one.count)
             planned += _batches(max(own, default=start), more, grids, one.seconds)
     return State(estimates, tuple(planned), seconds, solves)
 
@@ -196,7 +201,7 @@ def _within(found: State, rows: Sequence[Row], wanted: Wanted) -> State:
     if not found.batches:
         return found
     seconds = _seconds(rows) + found.seconds_left
-    solves = len(rows) + found.solves_left
+    solves = sum(row["num_points"] != FOUNDATION for row in rows) + found.solves_left
     if seconds > wanted.max_seconds:
         why = f"it takes about {seconds:.2g} s of solving; allowed: max_seconds of that, or a larger standard error"
     elif solves > wanted.max_samples:

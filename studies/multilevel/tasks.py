@@ -12,7 +12,7 @@ from ..runner.study import Plan
 from ..runner.tasks import ROWS, Record, Task
 from ..scenes.described import base_scene, shown
 from . import samples
-from .allocation import State, Wanted, levels, share_done, state
+from .allocation import State, Wanted, grid_sizes, levels, share_done, state, stored_levels
 from .samples import Batch, Row
 
 KIND = "ensemble"
@@ -36,7 +36,7 @@ class BatchTask:
 
 def plan(description: str, scene: Scene, wanted: Wanted) -> Plan:
     """The first tasks, and how the others follow from them."""
-    sizes, seed = levels(scene), scene.indenter.seed  # type: ignore[attr-defined]
+    grids, sizes, seed = grid_sizes(scene), levels(scene), scene.indenter.seed  # type: ignore[attr-defined]
 
     def rows(records: Mapping[Task, Record]) -> list[Row]:
         return [row for record in records.values() for row in record[ROWS]]
@@ -56,11 +56,11 @@ def plan(description: str, scene: Scene, wanted: Wanted) -> Plan:
 
     def enough(file: StudyFile) -> bool:
         has = set(wanted.observables) <= set(file.configuration["observables"])
-        return has and state(file.runs, sizes, wanted, seed).done
+        return has and state(file.runs, stored_levels(file.runs, grids), wanted, seed).done
 
     configuration: dict[str, Any] = {
         "scene": shown(description),
-        "sizes": sizes,
+        "sizes": grids,
         "seed": seed,
         "observables": wanted.observables,
         "standard_error": wanted.standard_error,
@@ -78,4 +78,4 @@ def found(file: StudyFile) -> tuple[Wanted, State]:
     wanted = Wanted(
         tuple(c["observables"]), c["standard_error"], c["relative"], float(c["max_seconds"]), c["max_samples"]
     )
-    return wanted, state(file.runs, c["sizes"], wanted, c["seed"])
+    return wanted, state(file.runs, stored_levels(file.runs, c["sizes"]), wanted, c["seed"])

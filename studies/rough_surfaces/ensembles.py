@@ -13,10 +13,10 @@ from linecontact.solver.methods import Progress
 
 from ..files.study_files import StudyFile
 from ..multilevel import samples
-from ..multilevel.allocation import State, Wanted, grid_sizes, levels, share_done, state
+from ..multilevel.allocation import State, Wanted, grid_sizes, levels, share_done, state, stored_levels
 from ..multilevel.estimator import Estimate
 from ..multilevel.mean import MOST_SAMPLES, check_wanted
-from ..multilevel.samples import FOUNDATION, Batch, Row
+from ..multilevel.samples import Batch, Row
 from ..runner.study import Plan
 from ..runner.tasks import ROWS, Record
 from ..runner.tasks import Task as AnyTask
@@ -118,13 +118,12 @@ def is_one(file: StudyFile) -> bool:
 def states(file: StudyFile, standard_error: float | None = None) -> dict[Key, State]:
     """How far every point is; standard_error: wanted over the means, by default what the file is of."""
     asked = file.configuration["standard_error"] if standard_error is None else standard_error
-    wanted, grids = _wanted(asked), tuple(file.configuration["sizes"])
+    wanted, grids = _wanted(asked), file.configuration["sizes"]
     rows: dict[Key, list[Row]] = {}
     for run in file.runs:
         key = (run["scene.hurst"], run["scene.poisson_ratio"], run["scene.thickness"])
         rows.setdefault(key, []).append(run)
-    foundation = {key: (FOUNDATION,) * any(row["num_points"] == FOUNDATION for row in own) for key, own in rows.items()}
-    return {key: state(own, foundation[key] + grids, wanted, 0) for key, own in rows.items()}
+    return {key: state(own, stored_levels(own, grids), wanted, 0) for key, own in rows.items()}
 
 
 def points(found: Mapping[Key, State]) -> Iterator[Point]:

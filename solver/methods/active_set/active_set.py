@@ -102,6 +102,8 @@ class ActiveSet(Method):
 
     def demand_every_node(self) -> None:
         self._wrong_nodes_per_patch, self.stopped = 0.0, False
+        if self._set:
+            self._set.settled = False
 
     def rest(self) -> None:
         self._response.rest()
@@ -182,7 +184,8 @@ class ActiveSet(Method):
             if self._response.leave_nearby(now):  # it was the packed operator's error
                 now.begin_anew()
                 return
-            # rounding does not let this set be solved any further; it may be the wrong one
+            # rounding does not let this set be solved any further; it may be the wrong one, unless it was examined
+            # before: now what rounding has made of the pressure would decide
             self.stopped = now.settled or not self._update_set()
 
     @property

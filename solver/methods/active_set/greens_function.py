@@ -68,6 +68,8 @@ class Tables:
         """G in real space, shape (N,): displacement around a node of unit pressure."""
 
         def make() -> Array64:
+            if self.num_points > _KEPT:
+                self._kept.pop("second sum", None)
             modes = np.zeros(self._stiffness.size, dtype=np.complex128)
             np.divide(1, self._stiffness[1:], out=modes[1:])
             return irfft(modes, self.num_points, overwrite=True)
