@@ -338,7 +338,7 @@ def what_the_machine_gains():
     planning = max(run["seconds.planning.measure"] for run in whole)
     saved, saved_near = ([100 * (1 - run["ratio.measure"]) for run in of] for of in (whole, rows))
     yield (
-        f"measuring takes {digits(planning)} s and saves {span(saved, 1)} % of its time, {span(saved_near)} % with the "
+        f"measuring takes {digits(planning)} s and saves {span(saved)} % of its time, {span(saved_near)} % with the "
         "short ones near the contact"
     )
     seconds = defaultdict(dict)
