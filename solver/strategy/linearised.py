@@ -48,8 +48,10 @@ def contact_stiffness(solution: Solution) -> float:
     """dp/d(approach) of a solution [pressure/length]; 0 where nothing touches.
 
     For a half-space, whose approach is the mean of u by convention, it is infinite at full contact, as it is for an
-    incompressible layer. It takes a quarter to a half of the time of the solve.
+    incompressible layer. It takes a quarter to a half of the time of the solve. Raises `ValueError`.
     """
+    if not isinstance(solution, Solution):
+        raise ValueError(f"solution is {solution!r}; allowed: a Solution")
     scene, contact = solution.scene, solution.contact
     if not contact.any():
         return 0.0

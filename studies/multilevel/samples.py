@@ -28,6 +28,7 @@ TOLERANCE = 1e-5
 FOUNDATION = 0
 """In place of the points of a grid: the surface is on a Winkler foundation, see `foundation`."""
 
+_ROUNDING = 1e-9  # relative differences between foundations that say nothing
 _WAVE_POINTS = 4  # of the coarsest grid to the shortest wave
 _FEWEST = 2**8  # points of the coarsest grid
 
@@ -125,8 +126,9 @@ class Samples:
         if size == FOUNDATION or len(shared[size]) < 2:
             return 1.0
         on, solved = (np.array([self.values[which][seed] for seed in shared[size]]) for which in (FOUNDATION, size))
-        scatter = float(np.var(on))
-        return float(np.mean((on - on.mean()) * solved)) / scatter if scatter > 0 else 0.0
+        if float(np.ptp(on)) <= _ROUNDING * float(np.abs(on).max()):  # all in contact, for instance
+            return 0.0
+        return float(np.mean((on - on.mean()) * solved) / np.var(on))
 
     def seconds(self, size: int) -> float:
         """Time of a solve on a grid of that many points, median [s]: the first one of a process takes longer."""
