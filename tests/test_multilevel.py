@@ -274,6 +274,22 @@ def test_where_there_is_a_foundation():
     assert allocation.levels(replace(SCENE, num_points=256)) == (256,)
 
 
+def test_stored_ensembles_from_before_the_foundation_keep_their_grids():
+    rows = [{"num_points": size} for size in (512, 256)]
+    assert allocation.stored_levels(rows, [256, 512]) == (256, 512)
+    assert allocation.stored_levels([*rows, {"num_points": FOUNDATION}], [256, 512]) == (FOUNDATION, 256, 512)
+
+
+def test_a_foundation_that_scatters_by_rounding_tells_nothing():
+    on = [1.0, np.nextafter(1.0, 2), 1.0, np.nextafter(1.0, 0)]
+    rows = [
+        {"num_points": size, "seed": seed, "status": "converged", "kappa_subgrid": value, "seconds.total": 1.0}
+        for seed in range(4)
+        for size, value in ((FOUNDATION, on[seed]), (256, 1.7 + 0.01 * seed))
+    ]
+    assert set(Samples(rows, "kappa").values[FOUNDATION].values()) == {0.0}
+
+
 @pytest.mark.parametrize("unit", [1.0, 1e3])
 def test_a_thin_layer_is_a_foundation(unit):
     """Solved on a layer a hundredth of the shortest wave thick, in whatever unit of length and pressure."""

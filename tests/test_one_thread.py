@@ -47,24 +47,20 @@ def test_after_an_error():
 
 def test_what_was_set_is_back_after_several_threads():
     """Each of them restoring what it had found left one thread for good."""
-    ours = [threading.Event() for _ in range(2)]
 
     @on_one_thread
     def wait(inside, leave):
         inside.set()
-        leave.wait(60)
+        assert leave.wait(60)
 
-    first = threading.Thread(target=wait, args=(ours[0], ours[1]))
-    with threadpool_limits(2, user_api="blas"):
-        pass
-    first.start()
-    assert ours[0].wait(60)
-    second, begun, end = None, threading.Event(), threading.Event()
-    second = threading.Thread(target=wait, args=(begun, end))
-    second.start()
-    assert begun.wait(60)
-    ours[1].set()
-    first.join()
-    end.set()
-    second.join()
+    started = []
+    for _ in range(2):
+        inside, leave = threading.Event(), threading.Event()
+        thread = threading.Thread(target=wait, args=(inside, leave))
+        thread.start()
+        assert inside.wait(60)
+        started.append((thread, leave))
+    for thread, leave in started:  # the first to begin is the first to end
+        leave.set()
+        thread.join()
     assert threads() == {2}

@@ -12,7 +12,7 @@ from linecontact.solver import Scene
 
 from . import foundation
 from .estimator import Estimate, best_ladder, counts, estimate
-from .samples import FOUNDATION, Batch, Row, Samples, fewest_points
+from .samples import FOUNDATION, Batch, Row, Samples, fewest_points, on_grids
 
 PILOT, FINER_PILOT = 16, 8
 """Surfaces that are solved first, on the coarsest grids and on finer ones; they tell variances and times."""
@@ -88,7 +88,7 @@ def levels(scene: Scene) -> tuple[int, ...]:
 
 def stored_levels(rows: Sequence[Row], sizes: Sequence[int]) -> tuple[int, ...]:
     """The grids of stored rows, after the foundation where they have it. sizes: points of the grids."""
-    return (FOUNDATION,) * any(row["num_points"] == FOUNDATION for row in rows) + tuple(sizes)
+    return (FOUNDATION,) * (len(on_grids(rows)) < len(rows)) + tuple(sizes)
 
 
 def first_seed(seed: int, term: int) -> int:
@@ -201,7 +201,7 @@ def _within(found: State, rows: Sequence[Row], wanted: Wanted) -> State:
     if not found.batches:
         return found
     seconds = _seconds(rows) + found.seconds_left
-    solves = sum(row["num_points"] != FOUNDATION for row in rows) + found.solves_left
+    solves = len(on_grids(rows)) + found.solves_left
     if seconds > wanted.max_seconds:
         why = f"it takes about {seconds:.2g} s of solving; allowed: max_seconds of that, or a larger standard error"
     elif solves > wanted.max_samples:

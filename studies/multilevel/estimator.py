@@ -43,7 +43,7 @@ class Term:
 
     @property
     def fewest(self) -> int:
-        """Surfaces that it needs at least."""
+        """Surfaces that it needs at least; 0 where those that are solved first are enough."""
         return FEWEST_SURFACES if self.coarser in (None, FOUNDATION) else 0
 
     @property

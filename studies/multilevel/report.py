@@ -11,7 +11,7 @@ from ..files.study_files import StudyFile
 from ..terminal import console
 from .allocation import State, Wanted
 from .estimator import Estimate, Term
-from .samples import FOUNDATION, name_of, unit_of
+from .samples import FOUNDATION, name_of, on_grids, unit_of
 from .tasks import found
 
 
@@ -80,9 +80,10 @@ def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
         spent = float(sum(float(run["seconds.total"]) for run in file.runs))
         for observable, estimate in state.estimates.items():
             parts += [summary(observable, estimate), _sentences(observable, estimate, wanted, spent)]
-        lost = sum(run["status"] != "converged" for run in file.runs)
+        solves = on_grids(file.runs)
+        lost = sum(run["status"] != "converged" for run in solves)
         if lost:
-            parts.append(f"Left out: {lost} of {len(file.runs)} solves that did not converge.")
+            parts.append(f"Left out: {lost} of {len(solves)} solves that did not converge.")
         if not reached(wanted, state):
             finer = "a finer grid is needed; allowed: more num_points, or a larger standard error"
             biased = any(map(wanted.biased, state.estimates.values()))

@@ -59,6 +59,11 @@ def name_of(size: int) -> str:
     return str(size) if size != FOUNDATION else "foundation"
 
 
+def on_grids(rows: Iterable[Row]) -> list[Row]:
+    """The rows of solves, without those on a foundation."""
+    return [row for row in rows if row["num_points"] != FOUNDATION]
+
+
 def fewest_points(scene: Scene) -> int:
     """Points that a grid has to have to hold the surface."""
     return max(_FEWEST, _WAVE_POINTS * scene.indenter.shortest_wave(scene.num_points))

@@ -16,7 +16,7 @@ from ...transforms.planned import Transforms
 from ..method import Fallback, MethodKind, Setting
 from .active_set import ActiveSet
 from .compliance import Compliance
-from .everywhere import Everywhere
+from .everywhere import Everywhere, Operators
 from .free_nodes import FreeNodes, suits
 from .greens_function import GreensFunction, Tables
 from .nearby import make_split
@@ -43,7 +43,7 @@ def begin(problem: Problem, setting: Setting, storage: Whole | None = None) -> A
     if suits(problem, setting):
         return FreeNodes(problem, setting, green, storage, operator(problem.stiffness, "float64"))
 
-    def operators() -> tuple[Compliance, Compliance]:
+    def operators() -> Operators:
         directions = operator(tables.compliance, setting.working_precision)
         return directions, operator(tables.compliance, "float64") if setting.precision == "mixed" else directions
 

@@ -8,10 +8,9 @@ import numpy as np
 from ...arrays import Array64, Indices
 from ...grid.patches import Patches
 from .preconditioner import PatchDeflation
+from .search import MOST_ITERATIONS
 from .storage import Whole
 
-MOST_ITERATIONS = 150
-"""On one set; where it takes more, rounding keeps the residual up."""
 _PATIENCE = 25  # iterations in which the residual does not become less; then it is rounding, too, and may grow
 
 
@@ -84,7 +83,7 @@ class ContactSet:
         return self.iterations <= max(MOST_ITERATIONS, self.preconditioner.share) and self.in_vain <= _PATIENCE
 
     def begin_anew(self) -> None:
-        """Conjugate gradients begin anew on this set, because its response has been made anew."""
+        """Conjugate gradients begin anew on this set, because the packed operator has been left."""
         self.iterations = self.in_vain = 0
         self.last_product, self.least_residual = 0.0, math.inf
 

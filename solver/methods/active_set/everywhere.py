@@ -44,7 +44,7 @@ class Everywhere:
 
     def rest(self) -> None:
         """Give back the operators; they are made anew when they are needed."""
-        for name in ("_operators", "_advance"):
+        for name in ("_advance", "_operators"):
             self.__dict__.pop(name, None)
 
     @cached_property

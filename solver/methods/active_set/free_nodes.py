@@ -22,10 +22,9 @@ from ...grid.patches import Patches
 from ...grid.problem import Problem, foundation_pressure, rounding_floor, typical_stiffness
 from ..method import Method, Setting
 from .compliance import Compliance
-from .contact_set import MOST_ITERATIONS
 from .gap_by_gap import GapByGap
 from .greens_function import GreensFunction
-from .search import HARDER, LOOSEST, SAFETY, Search
+from .search import HARDER, LOOSEST, MOST_ITERATIONS, SAFETY, Search
 from .storage import Whole
 
 _LEAST = 0.25  # share of the nodes in contact from which this form takes less time than that in the pressure

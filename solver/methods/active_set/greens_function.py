@@ -35,7 +35,7 @@ def inverse_cholesky(column: Array64, order: int) -> Array64:
 
 _SHORT = 16  # times shorter than the grid are rings whose symbols are kept for the next solve
 _KEPT = 2**20  # points of the largest grid whose tables are all kept; on larger ones one real-space table at a time
-_HEAD = 1024  # values of G next to its node, which are kept in any case
+_HEAD = 1024  # values of G next to its node, which stay when the second sum takes the place of all
 
 
 class Tables:

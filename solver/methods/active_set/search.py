@@ -9,6 +9,8 @@ LOOSEST = 1e-3
 """Tolerance on coarse grids (dimensionless)."""
 HARDER = 0.2
 """Factor of the residual to stop at after the certificate found the free residual too large (dimensionless)."""
+MOST_ITERATIONS = 150
+"""On one set; where it takes more, rounding keeps the residual up."""
 
 _FORCING_TERM = 0.05  # residual of a set over that when it was new, at which it is updated
 _PROGRESS = 0.8  # an update that changes fewer nodes than this share of the fewest so far counts as progress
