@@ -11,7 +11,6 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from .layout import CHUNK
 from .module_copies import copy_module
 from .tuning import flags
 
@@ -55,10 +54,10 @@ def _load() -> dict[str, Any]:
     return _compile(modules)
 
 
-def recompile(chunk: int = CHUNK, compiled_with: str | None = None) -> dict[str, Any]:
+def recompile(chunk: int, compiled_with: str | None) -> dict[str, Any]:
     """The same kernels from the same source, with `chunk` points per thread and other flags of the compiler.
 
-    chunk: a power of two; compiled_with: all flags, default the program's. Raises `ValueError` like `load`.
+    chunk: a power of two; compiled_with: all flags, None the program's. Raises `ValueError` like `load`.
     """
     start_warp()
     with _lock:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from linecontact.studies.rough_surfaces import ensembles
-from linecontact.studies.rough_surfaces.report import report
+from linecontact.studies.rough_surfaces.report import missed, report
 from linecontact.studies.rough_surfaces.tasks import QUICK, Configuration, plan
 from linecontact.studies.runner import study
 from linecontact.studies.runner.run import run_study
@@ -51,7 +51,7 @@ def draw(path: Path) -> "dict[str, Figure]":
     return figures.draw(path)
 
 
-STUDY = study.Study(name="rough", options=Options, plans=plans, report=report, draw=draw)
+STUDY = study.Study(name="rough", options=Options, plans=plans, report=report, draw=draw, missed=missed)
 
 
 def command(options: Options) -> int:

@@ -33,3 +33,16 @@ def own(monkeypatch):
     monkeypatch.setattr(variants, "OWN", {})
     variants._run_file.cache_clear()
     return variants.OWN
+
+
+@pytest.fixture
+def wisdom_cache(tmp_path, monkeypatch):
+    """An empty cache folder, and a process that has not looked for wisdom yet."""
+    import pyfftw
+    from linecontact.solver.transforms import wisdom
+
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setattr(wisdom, "_loaded", False)
+    pyfftw.forget_wisdom()
+    yield tmp_path
+    pyfftw.forget_wisdom()

@@ -12,7 +12,7 @@ from linecontact.solver.grid.problem import Problem
 from linecontact.solver.methods import DEFAULT, Setting, active_set, relax
 from linecontact.solver.methods.active_set.active_set import ActiveSet
 from linecontact.solver.methods.active_set.storage import Half, Whole, is_even
-from linecontact.solver.reference import collocation
+from linecontact.solver.reference import collocation, gradient_equation
 from linecontact.solver.strategy import plan, small_models
 
 ROUGH = RoughIndenter(0.8, 3, 1 / 8, 1 / 16)
@@ -285,7 +285,7 @@ def test_an_interrupted_iteration_returns_what_there_is(options, monkeypatch):
     assert str(solution.reason) == "it was interrupted"
     assert solution.contact.any()
     assert solution.displacement.shape == (solution.scene.num_points,)
-    monkeypatch.setattr(collocation._System, "solve", interrupt)
+    monkeypatch.setattr(gradient_equation.System, "solve", interrupt)
     with pytest.raises(KeyboardInterrupt):
         solve(Scene(Layer(0.1), PowerIndenter(), 1e-2, num_points=2**12), accuracy=1e-2)
 

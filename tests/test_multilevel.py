@@ -1,65 +1,17 @@
-"""Means over random surfaces: the estimator on made-up samples, what is solved next, and the command."""
+"""Means over random surfaces: the estimator on made-up samples, and what is solved next."""
 
 import itertools
 import math
-import signal
-import subprocess
-import sys
-import time
 from collections import Counter
-from dataclasses import replace
 
 import numpy as np
 import pytest
-from linecontact import ensemble_mean
-from linecontact.solver import Layer, MeasuredIndenter, PowerIndenter, RoughIndenter, Scene, solve
-from linecontact.studies.command_line import main
-from linecontact.studies.files.study_files import load_study
-from linecontact.studies.multilevel import allocation, estimator, foundation, study, tasks
+from linecontact.studies.multilevel import allocation, estimator
 from linecontact.studies.multilevel.allocation import PILOT, Wanted
 from linecontact.studies.multilevel.samples import FOUNDATION, Samples
-from linecontact.studies.scenes import kinds
+from made_up_ensembles import SIZES, TRUTH, made_up, sampled, solved, wanted
 
 pytestmark = pytest.mark.once
-
-SIZES = (256, 512, 1024, 2048)
-COSTS = {size: size / 256 for size in SIZES} | {FOUNDATION: 0.02}  # [s]
-TRUTH = 1.7
-"""Mean of the made-up observable on an infinitely fine grid."""
-
-
-def made_up(seed, size, scatter=0.05, change=20.0, told=0.9):
-    """kappa of a surface on a grid: a scatter of its own, and an error that falls like 1/N. On a foundation, which
-    tells that share of the variance, it is something else, and not on a straight line with it.
-    """
-    own, error, other = np.random.default_rng(seed).standard_normal(3)
-    if size == FOUNDATION:
-        return 3 + np.exp(0.3 * (math.sqrt(told) * own + math.sqrt(1 - told) * other))
-    return TRUTH + scatter * own + change * (1 + 0.5 * error) / size
-
-
-def solved(batches, **options):
-    return [
-        {"status": "converged", "seed": seed, "num_points": size, "seconds.total": COSTS[size]}
-        | {"kappa_subgrid": made_up(seed, size, **options), "contact_area_subgrid": 0.0}
-        for batch in batches
-        for seed in range(batch.first, batch.first + batch.count)
-        for size in batch.sizes
-    ]
-
-
-def sampled(wanted, seed=0, sizes=SIZES, **options):
-    """All rows and the last state of a made-up ensemble."""
-    rows = []
-    while (now := allocation.state(rows, sizes, wanted, seed)).batches:
-        new = solved(now.batches, **options)
-        assert not {(row["seed"], row["num_points"]) for row in new} & {(r["seed"], r["num_points"]) for r in rows}
-        rows += new
-    return rows, now
-
-
-def wanted(error, relative=False, seconds=math.inf, most=10**9):
-    return Wanted(("kappa",), error, relative, seconds, most)
 
 
 def test_the_terms_add_up_to_the_mean_on_the_finest_grid():
@@ -256,30 +208,6 @@ def test_a_mean_of_0_has_no_relative_error():
     assert "a mean is 0" in now.out_of_reach
 
 
-SURFACE = RoughIndenter(0.8, 5, cut_off_ratio=1 / 8)
-SCENE = Scene(Layer(0.1), SURFACE, 0.02, num_points=2**11)
-
-
-def test_grids_that_hold_the_surface():
-    assert allocation.grid_sizes(SCENE) == (256, 512, 1024, 2048)
-    assert allocation.grid_sizes(replace(SCENE, num_points=3 * 2**8)) == (384, 768)
-    assert allocation.grid_sizes(Scene(indenter=RoughIndenter(cut_off_ratio=1), num_points=2**7)) == (2**7,)
-
-
-def test_where_there_is_a_foundation():
-    """On a compressible layer; and where there are several grids."""
-    assert allocation.levels(SCENE) == (FOUNDATION, 256, 512, 1024, 2048)
-    for layer in (Layer(), Layer(0.1, 0.5)):
-        assert allocation.levels(replace(SCENE, layer=layer)) == (256, 512, 1024, 2048)
-    assert allocation.levels(replace(SCENE, num_points=256)) == (256,)
-
-
-def test_stored_ensembles_from_before_the_foundation_keep_their_grids():
-    rows = [{"num_points": size} for size in (512, 256)]
-    assert allocation.stored_levels(rows, [256, 512]) == (256, 512)
-    assert allocation.stored_levels([*rows, {"num_points": FOUNDATION}], [256, 512]) == (FOUNDATION, 256, 512)
-
-
 def test_a_foundation_that_scatters_by_rounding_tells_nothing():
     on = [1.0, np.nextafter(1.0, 2), 1.0, np.nextafter(1.0, 0)]
     rows = [
@@ -290,211 +218,9 @@ def test_a_foundation_that_scatters_by_rounding_tells_nothing():
     assert set(Samples(rows, "kappa").values[FOUNDATION].values()) == {0.0}
 
 
-@pytest.mark.parametrize("unit", [1.0, 1e3])
-def test_a_thin_layer_is_a_foundation(unit):
-    """Solved on a layer a hundredth of the shortest wave thick, in whatever unit of length and pressure."""
-    layer = Layer(1e-4, 0.25).in_units(unit, 2 / unit)
-    scene = Scene(layer, SURFACE, 0.02 * 2 / unit, period=unit, num_points=2**13)
-    found, solved_for = foundation.press(scene, scene.num_points), solve(scene).to_record()
-    for name, value in found.items():
-        assert value == pytest.approx(solved_for[name], rel=0.02)
-    area, peak = found["contact_area_subgrid"], found["peak_pressure"]
-    assert area * peak > scene.pressure > 0.1 * area * peak
-
-
-def test_the_mean_of_surfaces_on_a_thin_layer():
-    """Against plain sampling of other surfaces on the finest grid."""
-    scene = replace(SCENE, layer=Layer(0.01, 0.25))
-    found = ensemble_mean(scene, 0.015, relative=True)
-    assert found.terms[0].num_points == FOUNDATION
-    others = [replace(scene, indenter=replace(SURFACE, seed=10_000 + i)) for i in range(150)]
-    plain = np.array([solve(other).observables.kappa_subgrid for other in others])
-    error = math.hypot(found.standard_error, plain.std(ddof=1) / math.sqrt(150))
-    assert abs(found.mean - plain.mean()) < 3.5 * error + found.bias
-    assert sum(term.count for term in found.terms[1:]) < found.plain_variance / found.standard_error**2
-    assert "on foundation" in repr(found)
-
-
-def test_the_mean_of_real_surfaces():
-    """Against plain sampling of other surfaces on the finest grid."""
-    found = ensemble_mean(SCENE, 0.01)
-    others = [replace(SCENE, indenter=replace(SURFACE, seed=10_000 + i)) for i in range(60)]
-    plain = np.array([solve(scene).observables.kappa_subgrid for scene in others])
-    error = math.hypot(found.standard_error, plain.std(ddof=1) / math.sqrt(60))
-    assert found.standard_error <= 0.01
-    assert abs(found.mean - plain.mean()) < 3.5 * error + found.bias
-
-
-def test_one_grid_is_plain_sampling(tmp_path, capsys):
-    scene = Scene(indenter=RoughIndenter(0.8, 0, cut_off_ratio=1 / 2), pressure=0.02, num_points=2**7)
-    found = ensemble_mean(scene, 0.05, relative=True)
-    assert len(found.terms) == 1
-    assert math.isnan(found.bias)
-    assert found.standard_error <= 0.05 * found.mean
-    assert ensemble(tmp_path, "--cut-off-ratio", "0.5", "--num-points", "128", "--standard-error", "0.1") == 0
-    said = " ".join(capsys.readouterr().out.split())
-    assert "this is plain sampling" in said
-    assert "cheaper" not in said
-
-
-def ensemble(folder, *words):
-    start = ["ensemble", "--folder", str(folder), "--workers", "1", "--profile", "rough"]
-    load = [] if "--pressure" in words else ["--pressure", "0.02"]
-    return main.main([*start, *load, *words])
-
-
-def test_too_coarse_a_grid_is_said(tmp_path, capsys):
-    """The error is small, and the bias is not."""
-    words = ("--cut-off-ratio", "0.125", "--num-points", "2^9", "--standard-error", "0.03")
-    assert ensemble(tmp_path, *words) == 3
-    said = " ".join(capsys.readouterr().out.split())
-    assert "is not reached: a finer grid is needed; allowed: more num_points" in said
-
-
-def test_full_contact_does_not_scatter(tmp_path, capsys):
-    words = ("--pressure", "100", "--observable", "contact-area", "--standard-error", "0.1")
-    assert ensemble(tmp_path, *SMALL, *words) == 0
-    assert "all surfaces have the same value" in " ".join(capsys.readouterr().out.split())
-
-
-def test_starting_anew_does_everything_again(tmp_path):
-    words = (*SMALL, "--standard-error", "0.03")
-    assert ensemble(tmp_path, *words) == 0
-    done = {path: path.stat().st_mtime_ns for path in (tmp_path / "tasks").glob("*.json")}
-    assert ensemble(tmp_path, *words, "--overwrite") == 0
-    tasks_again = {run["task"] for run in load_study(tmp_path / "ensemble.h5").runs}
-    for path in (tmp_path / "tasks" / f"{task}.json" for task in tasks_again):
-        assert path.stat().st_mtime_ns > done.get(path, 0)
-
-
 def test_another_seed_is_another_ensemble():
     seeds = [{row["seed"] for row in sampled(wanted(0.005), seed=seed)[0]} for seed in range(5)]
     assert all(not one & other for one, other in itertools.combinations(seeds, 2))
-
-
-SMALL = ("--cut-off-ratio", "0.125", "--num-points", "2^13")
-
-
-def test_the_command(tmp_path, capsys):
-    words = (*SMALL, "--thickness", "0.1", "--observable", "kappa,mean_gap", "--standard-error", "0.02", "--relative")
-    assert ensemble(tmp_path, *words) == 0
-    said = " ".join(capsys.readouterr().out.split())
-    file = load_study(tmp_path / "ensemble.h5")
-    asked, now = tasks.found(file)
-    for name, found in now.estimates.items():
-        assert f"{name} = {found.mean:.6g} +- {found.standard_error:.2g}" in said
-        assert found.standard_error <= 0.02 * abs(found.mean)
-    assert list(now.estimates) == list(asked.observables) == ["kappa", "mean-gap"]
-    assert {path.name for path in tmp_path.glob("*.p*")} == {"ensemble.png", "ensemble.pdf"}
-    one = next(row for row in file.runs if row["num_points"] == 1024)
-    indenter = RoughIndenter(0.8, one["seed"], cut_off_ratio=0.125)
-    alone = solve(Scene(Layer(0.1), indenter, 0.02, num_points=1024), tolerance=1e-10).observables
-    assert one["kappa_subgrid"] == pytest.approx(alone.kappa_subgrid, rel=1e-4)
-    assert ensemble(tmp_path, *words) == 0
-    assert "Finished before" in capsys.readouterr().out
-    assert main.main(["export", str(tmp_path / "ensemble.h5"), "--csv", str(tmp_path / "all.csv")]) == 0
-    assert len((tmp_path / "all.csv").read_text().splitlines()) == len(file.runs) + 1
-    assert main.main(["plot", str(tmp_path / "ensemble.h5")]) == 0
-
-
-def test_what_is_out_of_reach(tmp_path, capsys):
-    assert ensemble(tmp_path, *SMALL, "--standard-error", "1e-6", "--max-seconds", "10") == 3
-    said = " ".join(capsys.readouterr().out.split())
-    assert "What was asked for is not reached: it takes about" in said
-    assert "allowed: max_seconds of that, or a larger standard error" in said
-    assert len(load_study(tmp_path / "ensemble.h5").runs) >= 3 * PILOT
-    with pytest.raises(
-        ValueError, match=r"standard_error is 1e-06: it takes about .* s of solving; allowed: max_seconds"
-    ):
-        ensemble_mean(SCENE, 1e-6, max_seconds=10)
-
-
-def test_a_killed_ensemble_goes_on(tmp_path):
-    """With what is solved, and without anything solved twice; killed when it has begun to decide."""
-    words = [*SMALL, "--standard-error", "0.03", "--profile", "rough", "--pressure", "0.02", "--workers", "1"]
-    program = [sys.executable, "-m", "linecontact.studies", "ensemble", "--folder", str(tmp_path), *words]
-    killed = subprocess.Popen(program, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    while killed.poll() is None and len(list((tmp_path / "tasks").glob("*.json"))) < 20:
-        time.sleep(0.01)
-    killed.send_signal(signal.SIGKILL)
-    killed.wait()
-    done = {path.name for path in (tmp_path / "tasks").glob("*.json")}
-    assert subprocess.run(program, capture_output=True, timeout=300).returncode == 0
-    file = load_study(tmp_path / "ensemble.h5")
-    assert done <= {f"{name}.json" for name in {run["task"] for run in file.runs}}
-    keys = [(run["seed"], run["num_points"]) for run in file.runs]
-    assert len(keys) == len(set(keys))
-
-
-def test_an_interrupted_run_does_not_replace_a_finished_one(tmp_path, capsys, monkeypatch):
-    words, path = (*SMALL, "--standard-error"), tmp_path / "ensemble.h5"
-    run, left = tasks.BatchTask.run, [5]
-
-    def few(task, report):
-        left[0] -= 1
-        if left[0] < 0:
-            raise KeyboardInterrupt
-        return run(task, report)
-
-    monkeypatch.setattr(tasks.BatchTask, "run", few)
-    assert ensemble(tmp_path, *words, "0.1") == 130
-    assert main.main(["plot", str(path)]) == 2  # nothing is known yet
-    left[0] = PILOT - 5 + 2
-    assert ensemble(tmp_path, *words, "0.008") == 130
-    capsys.readouterr()
-    assert main.main(["plot", str(path)]) == 0
-    assert "does not hold all that was asked for; run its study again" in capsys.readouterr().err
-    left[0] = 10**9
-    assert ensemble(tmp_path, *words, "0.1") == 0
-    assert "is the cheaper way here, by a factor of" in " ".join(capsys.readouterr().out.split())
-    left[0] = 2
-    assert ensemble(tmp_path, *words, "0.004") == 130
-    file = load_study(path)
-    assert (file.complete, file.configuration["standard_error"]) == (True, 0.1)
-    capsys.readouterr()
-    assert main.main(["plot", str(path)]) == 0
-    assert not capsys.readouterr().err
-    left[0] = 10**9
-    assert ensemble(tmp_path, *words, "0.004") == 0
-    assert load_study(path).configuration["standard_error"] == 0.004
-    capsys.readouterr()
-    left[0] = 0
-    assert ensemble(tmp_path, *words, "0.02") == 0  # which it holds
-    assert "is of standard_error 0.004, and holds all that is asked for" in capsys.readouterr().err
-    assert load_study(path).configuration["standard_error"] == 0.004
-
-
-def test_a_refused_run_does_not_replace_a_better_one(tmp_path, capsys):
-    words, path = (*SMALL, "--standard-error"), tmp_path / "ensemble.h5"
-    assert ensemble(tmp_path, *words, "0.02") == 0
-    before = path.read_bytes()
-    capsys.readouterr()
-    assert ensemble(tmp_path, *words, "1e-6", "--max-seconds", "10") == 3
-    said = capsys.readouterr()
-    assert "What was asked for is not reached: it takes about" in " ".join(said.out.split())
-    assert f"{path} is kept: it is finished, and holds more than this" in said.err
-    assert path.read_bytes() == before
-    assert ensemble(tmp_path, *words, "0.02") == 0
-    assert "Finished before" in capsys.readouterr().out
-
-
-def test_progress_is_the_time_of_solving_and_says_what_is_reached():
-    records, shares, texts = {}, [], []
-    given = {title: {} for title in kinds.titled()} | {kinds.title("profile", "rough"): {"cut_off_ratio": 1 / 8}}
-    plan = study.plan(study.Options(pressure=0.02, num_points=SIZES[-1], standard_error=0.005), given)
-    todo = plan.runs
-    while todo:
-        records |= {task: {"rows": solved([task.batch])} for task in todo}
-        share, text = plan.outlook(records)
-        shares.append(share)
-        texts.append(text)
-        todo = [task for task in plan.more(records) if task not in records]
-    assert plan.outlook({}) == (0.0, "first surfaces")
-    assert 0 < shares[0] < 0.3
-    assert all(before < after + 0.1 for before, after in itertools.pairwise(shares))  # it becomes known on the way
-    assert max(shares[:-1]) < shares[-1] == 1
-    assert texts[-1].startswith("kappa 1.7")
-    assert texts[-1].endswith("[dimensionless], 0.005 wanted")
 
 
 def test_nothing_is_left_of_an_ensemble_out_of_reach():
@@ -507,42 +233,3 @@ def test_nothing_is_left_of_an_ensemble_out_of_reach():
     assert allocation.share_done([([row], given_up), ([row], unknown)]) == 0
     assert allocation.share_done([([row], unknown)]) == 0
     assert allocation.share_done([]) == 0
-
-
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        ("", "standard_error is missing; allowed: a number > 0"),
-        ("--standard-error 0", "standard_error is 0.0; allowed: a number of 1e-60 and more"),
-        ("--standard-error 2 --relative", "standard_error is 2.0; allowed: 1e-60 to 1, over the mean"),
-        (
-            "--standard-error 0.1 --observable depth",
-            "observable is 'depth'; allowed: kappa, contact-area, peak-pre",
-        ),
-        ("--standard-error 0.1 --max-seconds -1", "max_seconds is -1.0; allowed: a time > 0"),
-        ("--standard-error 0.1 --max-samples 0", "max_samples is 0; allowed: an integer from 48 to"),
-        ("--standard-error 0.1 --pressure 0", "pressure is 0; allowed: a pressure > 0"),
-        ("--standard-error 0.1 --num-points 64", "which does not resolve the surface"),
-    ],
-)
-def test_what_is_wrong_is_said(words, said, tmp_path, capsys):
-    assert ensemble(tmp_path / "out", *words.split()) == 2
-    assert said in capsys.readouterr().err
-    assert not (tmp_path / "out").exists()
-
-
-@pytest.mark.parametrize("indenter", [PowerIndenter(), MeasuredIndenter(np.arange(8.0) ** 2)])
-def test_what_is_not_random(indenter):
-    with pytest.raises(ValueError, match=r"profile is .*; allowed: one with a seed, like rough"):
-        ensemble_mean(Scene(indenter=indenter, num_points=8), 0.1)
-
-
-def test_bad_arguments_in_python():
-    with pytest.raises(ValueError, match=r"scene is 1; allowed: a Scene"):
-        ensemble_mean(1, 0.1)
-    with pytest.raises(ValueError, match=r"standard_error is nan; allowed: a number of 1e-60 and more"):
-        ensemble_mean(SCENE, math.nan)
-    with pytest.raises(ValueError, match=r"pressure is 0; allowed: a pressure > 0"):
-        ensemble_mean(replace(SCENE, pressure=0.0), 0.1)
-    with pytest.raises(ValueError, match=r"approach is 0.01; allowed: a scene with a pressure"):
-        ensemble_mean(replace(SCENE, pressure=math.nan, approach=0.01), 0.1)

@@ -1,31 +1,12 @@
-"""Transforms over shared buffers, short ones, plain ones, the wisdom file; and that there are no others."""
+"""Transforms over shared buffers, short ones, and plain ones."""
 
-import ast
 import concurrent.futures
-import json
-import os
-import subprocess
-import sys
-import warnings
-from pathlib import Path
 
 import numpy as np
-import pyfftw
 import pytest
 from linecontact.kernels import record
-from linecontact.solver import Layer, RoughIndenter, Scene, solve
-from linecontact.solver.transforms import plain, planned, wisdom
+from linecontact.solver.transforms import plain, planned
 from linecontact.solver.transforms.planned import Pair, Transforms, fast_length
-
-
-@pytest.fixture
-def cache(tmp_path, monkeypatch):
-    """An empty cache folder, and a process that has not looked for wisdom yet."""
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    monkeypatch.setattr(wisdom, "_loaded", False)
-    pyfftw.forget_wisdom()
-    yield tmp_path
-    pyfftw.forget_wisdom()
 
 
 @pytest.mark.parametrize("precision", ["float32", "float64"])
@@ -98,24 +79,13 @@ def test_long_fields_share_the_spectrums_memory(n, monkeypatch):
         (2**18, {"half_length": False}, False),
     ],
 )
-def test_half_the_length_where_it_is_faster(cache, n, settings, expected):
+def test_half_the_length_where_it_is_faster(wisdom_cache, n, settings, expected):
     assert Transforms(n, "float64", **settings).half_length == expected
     assert not Transforms(n, "float32", **settings).half_length
     assert not Transforms(n, "float64", planning="measure", **settings).half_length
 
 
-def test_a_measured_plan_is_used_ever_after(cache, monkeypatch):
-    monkeypatch.setattr(planned, "_HALF_LENGTH", (1024, 1024))
-    assert Transforms(1024, "float64").half_length
-    measured = Transforms(1024, "float64", planning="measure")
-    measured.forward(measured.buffer())
-    begin_anew()
-    again = Transforms(1024, "float64")
-    again.forward(again.buffer())
-    assert (again.half_length, again.known, again.planned) == (False, 1, 0)
-
-
-def test_tables_of_long_transforms_are_kept_for_one_length(cache, monkeypatch):
+def test_tables_of_long_transforms_are_kept_for_one_length(wisdom_cache, monkeypatch):
     monkeypatch.setattr(planned, "_TABLES", (1024, 4096))
     planned._keep_tables.cache_clear()
     found = []
@@ -194,226 +164,3 @@ def test_plain_transforms_on_several_threads():
 
 def test_fast_lengths_are_the_least_with_small_factors():
     assert [fast_length(n) for n in (1, 7, 17, 97, 1009)] == [1, 7, 18, 98, 1024]  # 1014 = 2 x 3 x 13^2 is not
-
-
-ROOT = Path(__file__).parent.parent
-ON_THEIR_OWN = (
-    "studies/peers/areas.py",
-    "studies/peers/solvers.py",
-    "studies/kernel_benchmark/shipped.py",
-    "studies/kernel_benchmark/transforms.py",
-)
-"""Checks, which share no code with what they check, surfaces of areas, and libraries beside each other."""
-
-
-def transforms_by_hand(source):
-    """Lines on which a module uses a library's Fourier transforms."""
-    found = set()
-    for node in ast.walk(ast.parse(source)):
-        if isinstance(node, ast.Import | ast.ImportFrom):
-            base = "." + (getattr(node, "module", None) or "")
-            names = [f"{base}.{alias.name}." for alias in node.names]
-        elif isinstance(node, ast.Attribute):
-            names = [f".{ast.unparse(node)}."]
-        else:
-            continue
-        if any(part in name for name in names for part in (".fft.", ".pyfftw.")):
-            found.add(node.lineno)
-    return sorted(found)
-
-
-@pytest.mark.parametrize(
-    "source",
-    [
-        "np.fft.rfft(x)",
-        "import numpy.fft",
-        "from numpy import fft",
-        "from numpy.fft import rfft as transform",
-        "import scipy.fft",
-        "import pyfftw",
-        "from ..transforms.fftw import pyfftw",
-        "pyfftw.FFTW(a, b)",
-        "def f():\n    from pyfftw.interfaces import numpy_fft",
-    ],
-)
-def test_transforms_by_hand_are_found(source):
-    assert transforms_by_hand(source)
-    assert not transforms_by_hand("from ..transforms.plain import rfft\nversion('pyfftw')\nrfft(x)\nplain.irfft(x, n)")
-
-
-def test_all_transforms_go_through_one_room():
-    by_hand = {
-        file.relative_to(ROOT).as_posix()
-        for folder in ("solver", "studies")
-        for file in (ROOT / folder).rglob("*.py")
-        if transforms_by_hand(file.read_text())
-    }
-    room = {name for name in by_hand if name.startswith("solver/transforms/")}
-    assert room
-    assert by_hand - room == set(ON_THEIR_OWN)
-
-
-def test_wisdom_is_kept_and_read(cache):
-    assert not wisdom.wisdom_file().exists()
-    planner = Transforms(64, "float64", planning="measure")
-    planner.forward(planner.buffer())
-    stored = json.loads(wisdom.wisdom_file().read_text())
-    assert set(stored) == {"double", "single", "long double"}
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        wisdom._loaded = False
-        pyfftw.forget_wisdom()
-        empty = len(pyfftw.export_wisdom()[0])
-        wisdom.load()
-    assert len(pyfftw.export_wisdom()[0]) > empty
-
-
-@pytest.mark.parametrize(
-    "content",
-    [b"", b"{}", b"\xff\xfe", b'{"double": 3}', b'["x"]', b'{"double": "a", "single": "b", "long double": "c"}'],
-)
-def test_broken_wisdom_is_ignored_with_a_warning(cache, content):
-    path = wisdom.wisdom_file()
-    path.parent.mkdir(parents=True)
-    path.write_bytes(content)
-    with pytest.warns(RuntimeWarning, match="ignored"):
-        Transforms(64, "float64")
-    wisdom.save()
-    assert set(json.loads(path.read_text())) == {"double", "single", "long double"}
-
-
-def test_unwritable_cache_only_warns(cache):
-    (cache / "linecontact").write_text("a file where the folder should be")
-    with pytest.warns(RuntimeWarning, match="could not be kept"):
-        wisdom.save()
-
-
-def test_a_user_without_a_home_only_gets_a_warning(cache, monkeypatch):
-    def homeless():
-        raise RuntimeError("Could not determine home directory.")
-
-    monkeypatch.delenv("XDG_CACHE_HOME")
-    monkeypatch.setattr(wisdom.Path, "home", homeless)
-    with pytest.warns(RuntimeWarning, match="ignored"):
-        wisdom.load()
-    with pytest.warns(RuntimeWarning, match="could not be kept"):
-        wisdom.save()
-
-
-def test_wisdom_that_is_no_file_is_ignored(cache):
-    """A pipe was waited for, and anything read whole."""
-    path = wisdom.wisdom_file()
-    path.parent.mkdir(parents=True)
-    os.mkfifo(path)
-    with pytest.warns(RuntimeWarning, match="is not a file of up to 16 MiB"):
-        Transforms(64, "float64")
-
-
-def begin_anew():
-    """Know as little of wisdom as a new process."""
-    wisdom._loaded = False
-    pyfftw.forget_wisdom()
-
-
-def plan_both(precision="float64", planning="measure", threads=1):
-    """Plans that wisdom held, and new ones, of a forward and an inverse transform."""
-    transforms = Transforms(64, precision, threads, planning)
-    transforms.forward(transforms.buffer())
-    transforms.inverse(transforms.buffer())
-    return transforms.known, transforms.planned
-
-
-@pytest.mark.parametrize("threads", [1, 2])
-@pytest.mark.parametrize("precision", ["float32", "float64"])
-def test_a_plan_is_made_once(cache, precision, threads):
-    assert plan_both(precision, "estimate", threads) == (0, 2)
-    assert not wisdom.wisdom_file().exists()
-    assert plan_both(precision, "measure", threads) == (0, 2)
-    for planning in ("measure", "estimate"):
-        begin_anew()
-        before = wisdom.wisdom_file().stat()
-        assert plan_both(precision, planning, threads) == (2, 0)
-        after = wisdom.wisdom_file().stat()
-        assert (before.st_ino, before.st_mtime_ns) == (after.st_ino, after.st_mtime_ns)
-    assert plan_both(precision, "patient", threads) == (0, 2)
-    begin_anew()
-    assert plan_both(precision, "measure", threads) == (2, 0)
-
-
-def test_what_others_have_stored_is_left_in_the_file(cache):
-    assert plan_both("float32") == (0, 2)
-    pyfftw.forget_wisdom()  # as a process that began before the file was there
-    assert plan_both("float64") == (0, 2)
-    begin_anew()
-    assert plan_both("float32") == plan_both("float64") == (2, 0)
-    assert [path.name for path in wisdom.cache_folder().iterdir()] == [wisdom.wisdom_file().name]
-
-
-@pytest.fixture
-def solve_counted(monkeypatch):
-    """`solve` of a scene on nested grids; returns how many measured plans wisdom held, and how many are new."""
-    made, begin = [], Transforms.__init__
-
-    def noted(self, *arguments, **options):
-        begin(self, *arguments, **options)
-        made.append(self)
-
-    def counted(precision="float64", **options):
-        made.clear()
-        scene = Scene(Layer(0.1), RoughIndenter(0.8, 0, 1 / 4, 1 / 16), 1e-2, num_points=2**12, precision=precision)
-        solve(scene, **options)
-        measured = [each for each in made if each.planning == "measure"]
-        return sum(each.known for each in measured), sum(each.planned for each in measured)
-
-    monkeypatch.setattr(Transforms, "__init__", noted)
-    return counted
-
-
-@pytest.mark.parametrize(
-    "options",
-    [{}, {"precision": "mixed"}, {"precision": "float32", "threads": 2}, {"accuracy": 1e-2}],
-    ids=lambda options: "-".join(map(str, options.values())) or "default",
-)
-def test_a_second_solve_plans_nothing(cache, solve_counted, options):
-    options = {"planning": "measure", **options}
-    known, planned = solve_counted(**options)
-    assert planned >= 4  # there and back on two grids at least
-    begin_anew()
-    before = wisdom.wisdom_file().stat()
-    assert solve_counted(**options) == (known + planned, 0)
-    assert wisdom.wisdom_file().stat().st_ino == before.st_ino
-
-
-@pytest.mark.parametrize("finished", [2, 3])
-def test_interrupted_planning_keeps_every_plan_that_was_finished(cache, solve_counted, monkeypatch, finished):
-    """Ctrl-C before the third plan, and while FFTW measures it, which cannot be stopped."""
-    fftw, plans = pyfftw.FFTW, []
-
-    def interrupted(*arguments, flags, **options):
-        if "FFTW_WISDOM_ONLY" in flags or "FFTW_MEASURE" not in flags:
-            return fftw(*arguments, flags=flags, **options)
-        if len(plans) == finished:
-            raise KeyboardInterrupt
-        plans.append(fftw(*arguments, flags=flags, **options))
-        if len(plans) == 3:
-            raise KeyboardInterrupt
-        return plans[-1]
-
-    monkeypatch.setattr(pyfftw, "FFTW", interrupted)
-    with pytest.raises(KeyboardInterrupt):
-        solve_counted(planning="measure")
-    monkeypatch.setattr(pyfftw, "FFTW", fftw)
-    begin_anew()
-    assert solve_counted(planning="measure") == (finished, 4 - finished)  # 4: there and back on two grids
-
-
-def test_a_second_process_plans_nothing(cache):
-    program = (
-        "from linecontact.solver.transforms.planned import Transforms\n"
-        "for length in (64, 256):\n"
-        "    t = Transforms(length, 'float64', planning='measure')\n"
-        "    t.forward(t.buffer()), t.inverse(t.buffer())\n"
-        "    print(t.known, t.planned)\n"
-    )
-    printed = [subprocess.run([sys.executable, "-c", program], capture_output=True, text=True) for _ in range(2)]
-    assert [(each.stdout.split(), each.stderr) for each in printed] == [(["0", "2"] * 2, ""), (["2", "0"] * 2, "")]

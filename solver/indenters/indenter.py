@@ -81,6 +81,12 @@ class Indenter(Protocol):
         """
         return None
 
+    def tip_error(self, width: float) -> float:
+        """How far an edge may be moved by a tip between smooth flanks, of which the nodes do not tell enough [grid
+        spacings]; 0 without one. width: of the contact that has the tip in its middle [grid spacings].
+        """
+        return 0.0
+
     def guessed_half_width(self, reduced_load: float, layer: ElasticLayer, period: float) -> float:
         """An estimate from above of half the contact's width [L], before anything is solved; 0.5 if nothing is known.
 

@@ -9,8 +9,10 @@ from .. import checks, display
 from ..arrays import Array64
 from ..layers import ElasticLayer
 from ..reference.closed_forms import guessed_half_width
-from ..reference.collocation import STEEPEST
+from ..reference.gradient_equation import STEEPEST
 from .indenter import Indenter
+
+_TIP = 0.15  # measured over (2 - n)^2: up to 0.1
 
 
 @dataclass(frozen=True)
@@ -73,6 +75,13 @@ class PowerIndenter(Indenter):
             return 0.5
         thickness, nu = layer.bonded
         return guessed_half_width(reduced_load, self.exponent, self.radius / period, thickness / period, nu)
+
+    def tip_error(self, width: float) -> float:
+        """See `Indenter`. The sum over nodes of |x|^n is off at its tip by a power n + 1 of the spacing, which moves an
+        edge by C (2/width)^n spacings; C, of the order of zeta(-n), was measured against the closed form of the
+        half-space.
+        """
+        return float(_TIP * max(0.0, 2 - self.exponent) ** 2 * (2 / width) ** self.exponent)
 
     def _steepness(self, distance: Array64, period: float) -> Array64:
         """|h'| = (x/R)^(n-1) at x/L; steeper than `STEEPEST` makes no difference, but overflows."""

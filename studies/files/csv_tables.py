@@ -56,7 +56,7 @@ def _runs(path: Path) -> Columns:
     return {name if name in texts else _heading(name, length): values for name, values in columns.items()}
 
 
-def _heading(name: str, length: str = "length") -> str:
+def _heading(name: str, length: str) -> str:
     own = "-" if unit(name) == "1" else unit(name)
     return f"{name} [{own.replace('length', length)}]"
 

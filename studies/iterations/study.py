@@ -77,13 +77,13 @@ def make_scene(name: str, log2_num_points: int) -> Scene:
     return Scene(indenter=indenter, pressure=LOADS[name], num_points=2**log2_num_points)
 
 
-def pair_seconds(num_points: int, repeats: int = 7) -> float:
+def pair_seconds(num_points: int) -> float:
     """Median time of one real forward-inverse pair in float64, plans by estimate [s]."""
     transforms = Transforms(num_points, "float64", half_length=False)
     buffer = transforms.buffer()
     forward, inverse = transforms.forward(buffer), transforms.inverse(buffer)
     times = []
-    for _ in range(repeats):
+    for _ in range(7):
         buffer[:num_points] = 1.0
         begin = time.perf_counter()
         forward()

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from linecontact.solver import checks
+from linecontact.solver.display import counted
 from rich.table import Table
 
 from ..files import hdf5, study_files, writing
@@ -144,8 +145,8 @@ def command(old: Path, new: Path, threshold: float) -> int:
         return 0
     slower = [f"{name} in {precision}" for (name, precision), (*_, said) in judged.items() if said == "slower"]
     output.print(
-        f"{len(found)} rows, {len(marked)} changed by more than {threshold:g} and more than chance explains; "
-        f"slower over all sizes: {', '.join(slower) or 'none'}.",
+        f"{counted(len(found), 'row')}, {len(marked)} changed by more than {threshold:g} and more than chance "
+        f"explains; slower over all sizes: {', '.join(slower) or 'none'}.",
         highlight=False,
         soft_wrap=True,
     )

@@ -21,6 +21,7 @@ from rich.table import Table
 
 from ..files.records import plain
 from ..files.study_files import StudyFile
+from ..terminal.tables import Whole
 from .benchmark import PRECISIONS
 from .cells import Cell, Key, Run, Scatter, cells, machine
 
@@ -83,7 +84,7 @@ def origin(study: StudyFile) -> Iterator[str]:
 
 def new_table(headings: Sequence[str], title: str, caption: str) -> Table:
     """An empty table."""
-    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), title=title, caption=caption, caption_justify="left")
+    table = Whole(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), title=title, caption=caption, caption_justify="left")
     for heading in headings:
         table.add_column(heading, justify="right", no_wrap=True)
     return table

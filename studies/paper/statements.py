@@ -5,15 +5,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from linecontact.solver.arrays import Array64
+from linecontact.solver.display import rounded_up
 from linecontact.solver.layers.bonded import edge_shift, foundation_compliance
 from linecontact.solver.reference import closed_forms
-from numpy.typing import NDArray
 
 from ..files.study_files import StudyFile
 from ..power_profiles import report as power_profiles
 from ..rough_surfaces import means
 
-Array64 = NDArray[np.float64]
 Files = dict[str, StudyFile]
 Curve = tuple[Array64, Array64, Array64]
 
@@ -65,7 +65,7 @@ def _power_profile(file: StudyFile) -> Iterator[Statement]:
         yield Statement(
             f"{name}: kappa_d = kappa_inf(n) = {lone:.6g} on the half-space",
             "kappa_d/kappa_inf = 1",
-            f"{measured:.5f} +- {error:.0g}",
+            f"{measured:.5f} +- {rounded_up(error)}",
             judge(1.0, measured, error),
             f"The indenter's images in the neighbouring periods; with them the exact value at this load is "
             f"{run['oracle.kappa_ratio']:.5f}, at a_r = {run['oracle.contact_area']:.4f}.",
@@ -81,7 +81,7 @@ def _power_profile(file: StudyFile) -> Iterator[Statement]:
         yield Statement(
             f"{name}: kappa_d/kappa_inf = alpha (1-2nu)/(1-nu)^2 d/a_r on thin layers",
             f"alpha = {published:.2f}" if rounding else f"alpha = 3 pi/4 = {published:.4f}",
-            f"{middle:.4f} +- {error:.1g} (median over nu)",
+            f"{middle:.4f} +- {rounded_up(error)} (median over nu)",
             judge(published, middle, error, rounding),
             f"Exactly alpha = {exact:.4f}. From the two thinnest layers, the second order divided out.",
         )
@@ -89,7 +89,8 @@ def _power_profile(file: StudyFile) -> Iterator[Statement]:
         yield Statement(
             f"{name}: Poisson's ratio enters thin layers by (1-2nu)/(1-nu)^2 only (nu < 1/2)",
             "one alpha for every nu",
-            f"{least:.4f} +- {e1:.1g} to {most:.4f} +- {e2:.1g} for nu = {min(alphas):g} to {max(alphas):g}",
+            f"{least:.4f} +- {rounded_up(e1)} to {most:.4f} +- {rounded_up(e2)} for nu = {min(alphas):g} to "
+            f"{max(alphas):g}",
             judge(1.0, most / least, e1 / least + e2 / most),
             "In the limit. At a finite thickness the second order depends on nu: with it the values at the thinnest "
             f"layer spread by {100 * _first_order_spread(thin, list(alphas)):.2g} %.",

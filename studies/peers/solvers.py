@@ -18,9 +18,9 @@ from types import SimpleNamespace
 
 import numpy as np
 from linecontact.solver import Scene
+from linecontact.solver.arrays import Array64
 from linecontact.solver.grid.problem import half_spectrum
 from linecontact.solver.methods import Progress
-from numpy.typing import NDArray
 
 PEERS = ("tamaas", "ContactMechanics")
 OURS = "linecontact"
@@ -28,8 +28,6 @@ OURS = "linecontact"
 
 _LOOSEST, _TIGHTEST = 1e-4, 1e-12  # tolerances that are tried
 _MAX_ITERATIONS = 20_000
-
-Array64 = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

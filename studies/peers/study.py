@@ -17,10 +17,10 @@ from typing import TYPE_CHECKING, ClassVar, TypeVar
 import numpy as np
 from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, Solution, Status, provenance
 from linecontact.solver import solve as solve_ours
+from linecontact.solver.arrays import Array64
 from linecontact.solver.grid.kept import forget
 from linecontact.solver.methods import Progress
 from linecontact.solver.reference import collocation
-from numpy.typing import NDArray
 
 from ..files import records
 from ..runner import executors, study
@@ -41,7 +41,6 @@ LOADS = {"Hertz": 2e-3, "rough": 1e-2}
 
 _SECONDS, _REPEATS = 3.0, 20  # short solves are repeated, ours and theirs, and the fastest counts
 
-Array64 = NDArray[np.float64]
 Timed = TypeVar("Timed")
 
 

@@ -5,9 +5,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from linecontact.solver.arrays import Array64
 from linecontact.solver.layers.bonded import edge_shift
 from linecontact.solver.reference import closed_forms
-from numpy.typing import NDArray
 from rich.console import RenderableType
 from rich.table import Table
 
@@ -15,8 +15,6 @@ from ..files.study_files import StudyFile
 from ..runner.tasks import Record
 from ..terminal import console
 from .tasks import RADIUS
-
-Array64 = NDArray[np.float64]
 
 
 def layers(file: StudyFile) -> StudyFile:

@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from linecontact.solver.arrays import Array64
 from linecontact.solver.reference import closed_forms
-from numpy.typing import NDArray
 
 from ..files.study_files import StudyFile
 from ..power_profiles.tasks import RADIUS
@@ -18,9 +18,6 @@ from .tasks import line_name
 
 CONSTANT = 0.05
 """Largest over smallest value, less 1, up to which a quantity counts as constant (dimensionless)."""
-
-
-Array64 = NDArray[np.float64]
 
 _WIDE = 2.0  # largest over smallest load, from which a run of loads tells anything
 _LONE = 0.1  # a_r up to which a parabola does not feel its images

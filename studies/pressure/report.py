@@ -1,6 +1,5 @@
 """The report of the study pressure: for every shape a table, and what holds of what is said."""
 
-import math
 from collections.abc import Sequence
 from itertools import groupby
 from pathlib import Path
@@ -45,8 +44,8 @@ def _short(mean: Mean) -> str:
     """A mean with its standard error in brackets: 1.698(2) is 1.698 +- 0.002."""
     if not mean.error > 0:
         return f"{mean.value:.4g}"
-    digits = max(0, -math.floor(math.log10(mean.error)))
-    return f"{mean.value:.{digits}f}({round(mean.error * 10**digits)})"
+    value, error = str(mean).split(" +- ")
+    return f"{value}({error.replace('.', '').lstrip('0')})"
 
 
 def said(file: StudyFile) -> Table:

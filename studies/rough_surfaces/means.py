@@ -5,12 +5,11 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from linecontact.solver.arrays import Array64
+from linecontact.solver.display import rounded_up
 from linecontact.solver.layers.bonded import foundation_compliance
-from numpy.typing import NDArray
 
 from ..files.study_files import StudyFile
-
-Array64 = NDArray[np.float64]
 
 PUBLISHED_KAPPA = 1.75
 """The published kappa_inf of roughness on the half-space (dimensionless)."""
@@ -36,8 +35,9 @@ class Mean:
     def __str__(self) -> str:
         if not self.error > 0:
             return f"{self.value:.4g} +- {self.error}"
-        digits = max(0, -math.floor(math.log10(self.error)))
-        return f"{self.value:.{digits}f} +- {self.error:.{digits}f}"
+        error = float(rounded_up(self.error))
+        digits = max(0, 1 - math.floor(math.log10(error)))
+        return f"{self.value:.{digits}f} +- {error:.{digits}f}"
 
 
 @dataclass(frozen=True)

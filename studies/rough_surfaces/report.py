@@ -111,8 +111,13 @@ def _to_standard_error(file: StudyFile) -> Sequence[RenderableType]:
     compared = f"In all {in_all[0]:.3g} s of solving; the points' finest grids alone would take about {in_all[1]:.3g} s"
     if in_all[0] > in_all[1]:
         compared += ": at this standard error, which few surfaces reach, coarse grids do not pay"
-    why = {state.out_of_reach for state in found.values() if state.out_of_reach}
-    return [table, f"{compared}.", *(f"What was asked for is not reached: {reason}." for reason in sorted(why))]
+    return [table, f"{compared}."]
+
+
+def missed(file: StudyFile) -> list[str]:
+    """Why points have not the standard error asked for, a line each; none where nothing was asked for."""
+    found = ensembles.states(file).values() if ensembles.is_one(file) else ()
+    return sorted({state.out_of_reach for state in found if state.out_of_reach})
 
 
 def _sizes(states: Sequence[State]) -> tuple[str, str, str, float]:

@@ -1,5 +1,6 @@
 """Draws any stored file: a solution, or a study's file by the drawing that its study carries."""
 
+import warnings
 from pathlib import Path
 
 from .. import STUDIES
@@ -11,9 +12,8 @@ from .study import find
 def draw(path: Path) -> list[Path]:
     """Draw everything that a stored file has figures for; returns the figures' files. Raises `StoreError`."""
     kind = hdf5.file_kind(path)
-    if kind == solution_files.KIND:
-        return saving.save(path, solution.draw)
-    if kind not in STUDIES:
+    if kind != solution_files.KIND and kind not in STUDIES:
         allowed = ", ".join((*STUDIES, solution_files.KIND))
         raise writing.StoreError(f"file {path} is of kind {kind!r}; allowed: {allowed}")
-    return saving.save(path, find(kind).draw)
+    with warnings.catch_warnings(action="ignore"):  # of what matplotlib finds odd in a file
+        return saving.save(path, solution.draw if kind == solution_files.KIND else find(kind).draw)

@@ -84,7 +84,7 @@ def check(workers: int, memory: float | None, scheduler: str | None) -> None:
 class InProcess(Executor):
     """Does each task at once, in this process, and shows how its solve is getting on. Ctrl-C passes through."""
 
-    def __init__(self, report: Progress | None = None) -> None:
+    def __init__(self, report: Progress | None) -> None:
         self._report = report
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:

@@ -9,16 +9,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from linecontact.solver.arrays import Array64
+from linecontact.solver.display import counted
 from linecontact.solver.scene import MAX_POINTS
 from linecontact.solver.units import SCENE
-from numpy.typing import NDArray
 
 from ..files import confined
 from .header import Label
 from .text import Decimal, Table, read_text
 from .units import UNITS, unit_of
-
-Array64 = NDArray[np.float64]
 
 MAX_REFINEMENT = 16  # grid points over values in the file
 MAX_VALUES = MAX_POINTS // MAX_REFINEMENT  # numbers in a file: enough for the largest grid
@@ -230,7 +229,7 @@ def units(
 def check_values(path: Path, x: Array64 | None, z: Array64) -> None:
     """Raise `ValueError` for columns that are no profile: too short, too large, constant, or going back in x."""
     if z.size < 16:
-        raise ValueError(f"profile_file {path} holds {z.size} values; allowed: at least 16")
+        raise ValueError(f"profile_file {path} holds {counted(z.size, 'value')}; allowed: at least 16")
     for name, values in (("x", x), ("height", z)):
         if values is None:
             continue

@@ -12,9 +12,11 @@ from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
 from linecontact.solver import ElasticLayer, MeasuredIndenter, Scene, checks
+from linecontact.solver.display import counted
 from linecontact.solver.scene import MAX_POINTS, MIN_POINTS
+from linecontact.solver.strategy.errors import DEFAULT_QUANTITY
+from linecontact.solver.strategy.to_accuracy import check_accuracy
 from linecontact.solver.units import SCENE, length_unit
-from numpy.typing import NDArray
 
 from ..files.writing import as_path
 from . import columns
@@ -22,8 +24,6 @@ from .columns import MAX_REFINEMENT
 from .preparation import Detrend, Profile, Window, evenly_spaced
 from .text import Decimal
 from .units import UNITS, Unit
-
-Array64 = NDArray[np.float64]
 
 _POINTS_PER_VALUE, _ENOUGH = 4, 2**18
 """Of the default grid, as long as it has no more points than that: contact edges lie between values."""
@@ -92,8 +92,7 @@ class Options:
         for name in ("columns", "profile_dataset"):
             if not isinstance(getattr(self, name), str | None):
                 raise ValueError(f"{name} is {getattr(self, name)!r}; allowed: text, like '2,3'")
-        if self.accuracy is not None:
-            checks.real("accuracy", self.accuracy, "0 < accuracy <= 0.1", 0, 0.1)
+        check_accuracy(self.accuracy, DEFAULT_QUANTITY)
 
 
 class Scan(NamedTuple):
@@ -218,8 +217,8 @@ def _given_length(options: Options, count: int) -> float:
         raise ValueError(f"x_unit is {options.x_unit}; allowed: none, {path} has no positions (give scan_length)")
     if options.scan_length is None:
         raise ValueError(
-            f"scan_length is missing: {path} holds {count} heights and no positions; allowed: its length, in the "
-            f"scene's unit (length_unit, {options.length_unit})"
+            f"scan_length is missing: {path} holds {counted(count, 'height')} and no positions; allowed: its length, "
+            f"in the scene's unit (length_unit, {options.length_unit})"
         )
     return checks.real("scan_length", options.scan_length, "a finite length > 0", 0)
 

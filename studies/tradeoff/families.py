@@ -7,13 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, Status, solve
+from linecontact.solver.arrays import Array64
 from linecontact.solver.reference import collocation
 from linecontact.solver.reference.collocation import Asperity
-from numpy.typing import NDArray
 
 from ..runner.tasks import Record
-
-Array64 = NDArray[np.float64]
 
 FAMILIES = {
     "Hertz, half-space": (False, math.inf),

@@ -55,8 +55,8 @@ class ActiveSet(Method):
         green: GreensFunction,
         storage: Whole,
         response: Response,
-        wrong_nodes_per_patch: float = 0.0,
-        reduction: float = 0.0,
+        wrong_nodes_per_patch: float,
+        reduction: float,
     ) -> None:
         self.problem, self.tolerance, self._reduction = problem, tolerance, reduction
         self.mixed, self.even = response.mixed, response.even

@@ -1,0 +1,172 @@
+"""How the search of the active set ends: on extreme scenes, given up, handed over, limited, interrupted."""
+
+import itertools
+import math
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from linecontact.solver import (
+    CoatedHalfSpace,
+    Layer,
+    MeasuredIndenter,
+    PowerIndenter,
+    RoughIndenter,
+    Scene,
+    Status,
+    solve,
+)
+from linecontact.solver.grid.problem import Problem
+from linecontact.solver.methods import Setting, active_set
+from linecontact.solver.methods.active_set.active_set import ActiveSet
+from linecontact.solver.strategy import certification
+from linecontact.solver.strategy.effort import Effort, Means
+
+
+@pytest.mark.parametrize("num_points", [2**12, 2**14])
+def test_beyond_rounding_the_search_ends_soon_and_keeps_its_contact(num_points):
+    """Conjugate gradients diverged for hundreds of iterations, and then every node was taken for a contact."""
+    scene = Scene(indenter=RoughIndenter(0.8, 0, cut_off_ratio=4096 / num_points), pressure=0.01, num_points=num_points)
+    usual, beyond = solve(scene), solve(scene, tolerance=1e-12)
+    assert (usual.status, beyond.status) == (Status.CONVERGED, Status.STAGNATED)
+    assert beyond.iterations < usual.iterations + 60
+    np.testing.assert_array_equal(beyond.contact, usual.contact)
+
+
+@pytest.mark.parametrize("nested", [True, False])
+@pytest.mark.parametrize(
+    ("heights", "load"),
+    [
+        (np.abs(np.arange(2048) - 1024) / 2048.0, 1e-9),  # one node carries everything
+        (np.where(np.arange(2048) == 77, 0.0, 1.0), 1e-3),  # a needle
+        (np.where(np.arange(2048) % 2 == 0, 0.0, 1.0), 1e-3),  # 1024 patches of one node
+        ((np.arange(2048) // 128 % 2).astype(float), 1e-3),  # flat punches: all nodes at one height
+        (1e-3 * np.cos(2 * np.pi * np.arange(2048) / 2048), 1.0),  # full contact
+        (np.where(np.arange(2048) == 5, 0.1, np.where(np.arange(2048) == 900, 0.0, 0.01)), 10.0),  # all but one node
+        (np.random.default_rng(1).standard_normal(2048), 1.0),  # white noise, hundreds of patches
+        (np.random.default_rng(2).integers(0, 2, 2048) * 1.0, 1e-4),  # random plateaus, where sets come back
+    ],
+)
+@pytest.mark.parametrize("d", [math.inf, 0.01, 1e-5])
+def test_every_search_ends(heights, load, d, nested):
+    solution = solve(Scene(Layer(d, 0.3), MeasuredIndenter(heights), load, num_points=2048), nested=nested)
+    assert solution.status is Status.CONVERGED
+    assert solution.contact_pressure.mean() == pytest.approx(load, rel=1e-6)
+    assert (solution.displacement <= solution.scene.profile).all()
+    assert 0 < solution.observables.contact_area_subgrid <= 1
+
+
+def test_hand_over_is_said(monkeypatch):
+    """A search that gives up leaves its last displacement to mass-weighted FIRE."""
+
+    def give_up(self):
+        self.stopped = True
+        return True
+
+    monkeypatch.setattr(ActiveSet, "_update_set", give_up)
+    solution = solve(Scene(Layer(0.1), num_points=2**10), nested=False)
+    assert solution.handed_over
+    assert solution.status is Status.CONVERGED
+    assert solution.to_dict()["handed_over"] is True
+    assert solution.transform_pairs > 20
+
+
+def test_stiff_coating_on_which_the_search_does_not_settle():
+    """Its sets fall into ever more patches; the true contact is one patch, and the certificate, which no method shares,
+    is met. A limit of one's own is kept, and what the search does not need of it is the other method's.
+    """
+    scene = Scene(CoatedHalfSpace(20 / 2**14, base_modulus=1e-4), PowerIndenter(2), pressure=1e-4, num_points=2**10)
+    solution = solve(scene)
+    assert solution.handed_over
+    assert solution.status is Status.CONVERGED
+    assert solution.certificate.free_residual <= solution.tolerance == 1e-8
+    assert solution.observables.num_patches == 1
+    limited = solve(scene, max_iterations=2000)
+    assert limited.status is Status.ITERATION_LIMIT
+    assert limited.iterations == 2000
+    assert solve(scene, max_iterations=20_000).iterations == solution.iterations
+    mixed = solve(replace(scene, precision="mixed"))
+    assert mixed.status is Status.CONVERGED
+    assert not any(choice.what == "precision" for choice in mixed.choices)
+
+
+def test_grids_that_were_not_solved_do_not_count_in_a_claim():
+    """Under this coating the search does not settle on the coarser grid either."""
+    coating = CoatedHalfSpace(2**-8, base_modulus=1e-4)
+    fine, coarse = (solve(Scene(coating, pressure=1e-3, num_points=n)).observables for n in (2**12, 2**10))
+    assert fine.contact_area_error < 1e-4
+    off = abs(fine.contact_area_subgrid - coarse.contact_area_subgrid)
+    assert off < 2 * (fine.contact_area_error + coarse.contact_area_error)
+
+
+def test_a_hand_over_in_vain_is_bounded(monkeypatch):
+    scene = Scene(CoatedHalfSpace(20 / 2**14, base_modulus=1e-4), PowerIndenter(2), pressure=1e-4, num_points=2**10)
+    monkeypatch.setattr(certification, "_MOST_WORK", 200 * 2**10)
+    assert solve(scene).iterations == 2200
+    monkeypatch.setattr(certification, "_MOST_POINTS", 2**9)
+    assert solve(scene).iterations == 2000
+
+
+def test_every_grid_of_an_accuracy_begins_with_the_search_s_own_limit():
+    found = []
+    effort = Effort(Scene(num_points=64), active_set.KIND, Means())
+    for iterations in (20_000, 2000):  # those of a hand-over, then the next grid's
+        effort.allow(iterations)
+        found.append(effort.left)
+    assert found == [20_000, 2000]
+
+
+def test_hand_over_keeps_the_limit(monkeypatch):
+    monkeypatch.setattr(ActiveSet, "_update_set", lambda self: setattr(self, "stopped", True) or True)
+    solution = solve(Scene(Layer(0.1), num_points=2**10), nested=False, max_iterations=9)
+    assert solution.status is Status.ITERATION_LIMIT
+    assert solution.iterations == 9
+
+
+@pytest.mark.parametrize("where", ["start_cold", "step", "start_from_pressure"])
+@pytest.mark.parametrize("nested", [True, False])
+def test_interrupted_anywhere(monkeypatch, where, nested):
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(ActiveSet, where, interrupt)
+    solution = solve(Scene(num_points=2**12), nested=nested)
+    assert solution.status is Status.INTERRUPTED
+    assert (solution.displacement <= solution.scene.profile).all()
+
+
+def test_sets_that_come_back_are_noticed():
+    """Alternating sets: decided on ever more accurate solutions, given up in the end."""
+    problem = Problem.from_scene(Scene(num_points=256))
+    state = active_set.begin(problem, Setting(1e-8))
+    state.start_cold()
+    state.step()
+    state._search.moves_left, first = 0, np.sort(state._now.nodes)
+    for turn in range(40):
+        nodes = first if turn % 2 else first[1:]
+        state._take_set(nodes, nodes, np.ones(nodes.size))
+        state._response.renew(state._now)
+        state._now.pressure[-1] = -1.0  # always one node to drop
+        state._update_set()
+        if state.stopped:
+            break
+    assert state.stopped
+    assert state._search.forcing_term < 1e-6
+
+
+def test_interrupted_on_a_coarse_grid(monkeypatch):
+    def interrupt(iteration, residual):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(time, "monotonic", itertools.count().__next__)  # a report in every iteration
+    solution = solve(Scene(num_points=2**12), progress=interrupt)
+    assert solution.status is Status.INTERRUPTED
+    assert solution.displacement.shape == (2**12,)
+    assert not solution.handed_over
+
+
+def test_iteration_limit_on_a_coarse_grid():
+    solution = solve(Scene(num_points=2**12), max_iterations=3)
+    assert solution.status is Status.ITERATION_LIMIT
+    assert solution.iterations == 3

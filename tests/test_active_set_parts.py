@@ -1,0 +1,164 @@
+"""Parts of the active set against dense algebra, and its search for the set on made-up numbers."""
+
+import math
+import tracemalloc
+
+import numpy as np
+import pytest
+from linecontact.solver import Layer
+from linecontact.solver.grid.patches import Patches
+from linecontact.solver.grid.problem import half_spectrum
+from linecontact.solver.methods.active_set import greens_function, local_inverses, search
+from linecontact.solver.methods.active_set import preconditioner as deflation
+from linecontact.solver.methods.active_set.greens_function import GreensFunction, Tables, inverse_cholesky, patch_sums
+
+
+def stiffness(num_points, thickness, nu):
+    return half_spectrum(Layer(thickness, nu), num_points, 1.0)
+
+
+def contact_map(n, *runs):
+    contact = np.zeros(n, dtype=bool)
+    for start, length in runs:
+        contact[np.arange(start, start + length) % n] = True
+    return contact
+
+
+PATCHES = contact_map(512, (505, 12), (40, 3), (50, 1), (60, 100), (200, 35), (300, 7), (309, 5))
+
+
+def dense(n, d, nu):
+    """G without the mean mode, shape (n, n)."""
+    k = stiffness(n, d, nu)
+    column = np.fft.irfft(np.append(0, 1 / k[1:]), n)
+    return column[(np.arange(n)[:, None] - np.arange(n)) % n]
+
+
+LAYERS = [(math.inf, 0.25), (0.01, 0.25), (1e-4, 0.0), (0.02, 0.5)]
+
+
+@pytest.mark.parametrize(("d", "nu"), LAYERS)
+def test_elimination_against_the_gap(d, nu):
+    """With that pressure the gap is one constant on the set, and the load is p."""
+    n, nodes = PATCHES.size, np.flatnonzero(PATCHES)
+    height = np.random.default_rng(0).random(n)
+    pressure = GreensFunction(Tables(stiffness(n, d, nu), n)).solve(nodes, height[nodes])
+    assert pressure.sum() == pytest.approx(n)
+    gap = height[nodes] + dense(n, d, nu)[np.ix_(nodes, nodes)] @ pressure
+    assert np.ptp(gap) < 1e-9 * np.abs(pressure).max() * np.abs(dense(n, d, nu)).max()
+
+
+@pytest.mark.parametrize(("d", "nu"), LAYERS)
+def test_coarse_matrix_against_the_triple_product(d, nu):
+    patches, n = Patches.of(PATCHES), PATCHES.size
+    z = np.zeros((n, patches.count))
+    z[patches.nodes, patches.label] = 1
+    expected = z.T @ dense(n, d, nu) @ z
+    found = patch_sums(Tables(stiffness(n, d, nu), n).second_sum, patches.first, patches.last)
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-13 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize(("d", "nu"), LAYERS)
+def test_one_factor_inverts_every_patch(d, nu):
+    green = dense(512, d, nu)
+    factor = inverse_cholesky(green[0], 100)
+    for m in (1, 2, 17, 100):
+        inverse = factor[:m, :m].T @ factor[:m, :m]
+        np.testing.assert_allclose(inverse @ green[:m, :m], np.eye(m), atol=1e-9)
+
+
+@pytest.mark.parametrize("longest", [256, 16])
+@pytest.mark.parametrize("unknowns", [100, 3])
+@pytest.mark.parametrize(("d", "nu"), LAYERS)
+def test_preconditioner(d, nu, unknowns, longest, monkeypatch):
+    """Symmetric, positive on loads of zero sum, near the inverse; long patches and shared unknowns included."""
+    monkeypatch.setattr(local_inverses, "LONGEST_DENSE", longest)
+    monkeypatch.setattr(local_inverses, "_FEW_PATCHES", 0)
+    monkeypatch.setattr(deflation, "_unknowns", lambda n: unknowns)
+    patches = Patches.of(PATCHES)
+    check_preconditioner(d, nu, patches, 6 if unknowns == 100 else 60)
+
+
+@pytest.mark.parametrize(("d", "nu"), LAYERS)
+def test_preconditioner_of_a_contact_nearly_everywhere(d, nu, monkeypatch):
+    """The same where K of all nodes stands for every patch."""
+    monkeypatch.setattr(local_inverses, "_FEW_PATCHES", 0)
+    patches = Patches.of(~contact_map(512, (20, 3), (70, 40), (130, 1), (300, 9), (310, 8), (505, 5)))
+    green = GreensFunction(Tables(stiffness(512, d, nu), 512))
+    stiff = nu == 0.5 and d < 0.1  # there every patch is inverted on its own
+    assert isinstance(local_inverses.local_inverse(green, patches, None), local_inverses.Together) is not stiff
+    check_preconditioner(d, nu, patches, 20)
+
+
+def check_preconditioner(d, nu, patches, condition):
+    m = patches.nodes.size
+    preconditioner = deflation.PatchDeflation(GreensFunction(Tables(stiffness(512, d, nu), 512)), patches)
+    matrix = np.stack([preconditioner.apply(e) for e in np.eye(m)], axis=1)
+    size = np.abs(matrix).max()
+    np.testing.assert_allclose(matrix, matrix.T, atol=1e-9 * size)
+    np.testing.assert_allclose(matrix.sum(axis=0), 0, atol=1e-9 * size)  # keeps the load, ignores a constant
+    green = dense(512, d, nu)[np.ix_(patches.nodes, patches.nodes)]
+    values = np.sort(np.linalg.eigvals(matrix @ green).real)[1:]
+    assert values[0] > 0
+    # what deflation is for: a small condition number whatever the layer and the patches
+    assert values[-1] / values[0] < condition
+
+
+def test_a_coarse_inverse_serves_the_next_set():
+    green = GreensFunction(Tables(stiffness(512, 0.1, 0.25), 512))
+    first = deflation.PatchDeflation(green, Patches.of(PATCHES))
+    moved = PATCHES.copy()
+    moved[[63, 62, 61, 60, 504]] = [False, False, False, False, True]
+    second = deflation.PatchDeflation(green, Patches.of(moved), first)
+    assert second._factor is first._factor
+    z = second.apply(np.random.default_rng(0).standard_normal(int(moved.sum())))
+    assert abs(z.sum()) < 1e-9 * np.abs(z).max()
+    more = deflation.PatchDeflation(green, Patches.of(moved | contact_map(512, (400, 2))), first)
+    assert more._factor is not first._factor
+
+
+def test_a_coarse_matrix_that_rounding_has_spoilt():
+    coarse = np.array([[-0.02, 1.0], [1.0, 2.0]])
+    factor = deflation._inverse_factor(coarse, np.array([0.5, 0.7]))
+    assert factor.T @ factor == pytest.approx(np.diag([1 / 0.5, 1 / 2.0]))
+
+
+def test_memory_of_many_patches():
+    """The coarse matrix grows with the patches, not with their square."""
+    contact = np.random.default_rng(0).random(2**17) < 0.2
+    green = GreensFunction(Tables(stiffness(2**17, 0.1, 0.25), 2**17))
+    green.tables.response  # noqa: B018
+    tracemalloc.start()
+    preconditioner = deflation.PatchDeflation(green, Patches.of(contact))
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert preconditioner.patches.count > 20_000
+    assert peak < 250 * 2**17  # bytes a point
+
+
+def test_tables_of_large_grids_make_room_for_each_other(monkeypatch):
+    small = Tables(stiffness(4096, 0.1, 0.25), 4096)
+    kept = {name: getattr(small, name) for name in ("compliance", "response", "second_sum")}
+    monkeypatch.setattr(greens_function, "_KEPT", 0)
+    large = Tables(stiffness(4096, 0.1, 0.25), 4096)
+    for name in ("response", "second_sum", "response", "compliance", "second_sum"):
+        np.testing.assert_array_equal(getattr(large, name), kept[name])
+        assert len(large._kept.keys() & {"response", "second sum"}) <= 1
+    large.rest()
+    assert not large._kept
+    large.second_sum  # noqa: B018
+    assert "response" not in large._kept
+    np.testing.assert_array_equal(large.factor(64), small.factor(64))
+    assert "response" not in large._kept  # the values next to the node were enough
+
+
+def test_sets_that_keep_changing_are_decided_on_more_accurate_solutions():
+    sets = search.Search()
+    for changed in (1000, 700, 500, *[500] * 7):
+        sets.note(changed)
+    assert sets.forcing_term == search._FORCING_TERM
+    sets.note(500)
+    assert sets.forcing_term == pytest.approx(0.1 * search._FORCING_TERM)
+    for changed in (300, *[300] * 100):
+        sets.note(changed)
+    assert sets.forcing_term == search._TIGHT

@@ -1,0 +1,190 @@
+"""FFTW's wisdom: its file, broken and shared ones, and plans that are made once."""
+
+import json
+import os
+import subprocess
+import sys
+import warnings
+
+import pyfftw
+import pytest
+from linecontact.solver import Layer, RoughIndenter, Scene, solve
+from linecontact.solver.transforms import planned, wisdom
+from linecontact.solver.transforms.planned import Transforms
+
+
+def begin_anew():
+    """Know as little of wisdom as a new process."""
+    wisdom._loaded = False
+    pyfftw.forget_wisdom()
+
+
+def test_a_measured_plan_is_used_ever_after(wisdom_cache, monkeypatch):
+    monkeypatch.setattr(planned, "_HALF_LENGTH", (1024, 1024))
+    assert Transforms(1024, "float64").half_length
+    measured = Transforms(1024, "float64", planning="measure")
+    measured.forward(measured.buffer())
+    begin_anew()
+    again = Transforms(1024, "float64")
+    again.forward(again.buffer())
+    assert (again.half_length, again.known, again.planned) == (False, 1, 0)
+
+
+def test_wisdom_is_kept_and_read(wisdom_cache):
+    assert not wisdom.wisdom_file().exists()
+    planner = Transforms(64, "float64", planning="measure")
+    planner.forward(planner.buffer())
+    stored = json.loads(wisdom.wisdom_file().read_text())
+    assert set(stored) == {"double", "single", "long double"}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        wisdom._loaded = False
+        pyfftw.forget_wisdom()
+        empty = len(pyfftw.export_wisdom()[0])
+        wisdom.load()
+    assert len(pyfftw.export_wisdom()[0]) > empty
+
+
+@pytest.mark.parametrize(
+    "content",
+    [b"", b"{}", b"\xff\xfe", b'{"double": 3}', b'["x"]', b'{"double": "a", "single": "b", "long double": "c"}'],
+)
+def test_broken_wisdom_is_ignored_with_a_warning(wisdom_cache, content):
+    path = wisdom.wisdom_file()
+    path.parent.mkdir(parents=True)
+    path.write_bytes(content)
+    with pytest.warns(RuntimeWarning, match="ignored"):
+        Transforms(64, "float64")
+    wisdom.save()
+    assert set(json.loads(path.read_text())) == {"double", "single", "long double"}
+
+
+def test_unwritable_cache_only_warns(wisdom_cache):
+    (wisdom_cache / "linecontact").write_text("a file where the folder should be")
+    with pytest.warns(RuntimeWarning, match="could not be kept"):
+        wisdom.save()
+
+
+def test_a_user_without_a_home_only_gets_a_warning(wisdom_cache, monkeypatch):
+    def homeless():
+        raise RuntimeError("Could not determine home directory.")
+
+    monkeypatch.delenv("XDG_CACHE_HOME")
+    monkeypatch.setattr(wisdom.Path, "home", homeless)
+    with pytest.warns(RuntimeWarning, match="ignored"):
+        wisdom.load()
+    with pytest.warns(RuntimeWarning, match="could not be kept"):
+        wisdom.save()
+
+
+def test_wisdom_that_is_no_file_is_ignored(wisdom_cache):
+    """A pipe was waited for, and anything read whole."""
+    path = wisdom.wisdom_file()
+    path.parent.mkdir(parents=True)
+    os.mkfifo(path)
+    with pytest.warns(RuntimeWarning, match="is not a file of up to 16 MiB"):
+        Transforms(64, "float64")
+
+
+def plan_both(precision="float64", planning="measure", threads=1):
+    """Plans that wisdom held, and new ones, of a forward and an inverse transform."""
+    transforms = Transforms(64, precision, threads, planning)
+    transforms.forward(transforms.buffer())
+    transforms.inverse(transforms.buffer())
+    return transforms.known, transforms.planned
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.parametrize("precision", ["float32", "float64"])
+def test_a_plan_is_made_once(wisdom_cache, precision, threads):
+    assert plan_both(precision, "estimate", threads) == (0, 2)
+    assert not wisdom.wisdom_file().exists()
+    assert plan_both(precision, "measure", threads) == (0, 2)
+    for planning in ("measure", "estimate"):
+        begin_anew()
+        before = wisdom.wisdom_file().stat()
+        assert plan_both(precision, planning, threads) == (2, 0)
+        after = wisdom.wisdom_file().stat()
+        assert (before.st_ino, before.st_mtime_ns) == (after.st_ino, after.st_mtime_ns)
+    assert plan_both(precision, "patient", threads) == (0, 2)
+    begin_anew()
+    assert plan_both(precision, "measure", threads) == (2, 0)
+
+
+def test_what_others_have_stored_is_left_in_the_file(wisdom_cache):
+    assert plan_both("float32") == (0, 2)
+    pyfftw.forget_wisdom()  # as a process that began before the file was there
+    assert plan_both("float64") == (0, 2)
+    begin_anew()
+    assert plan_both("float32") == plan_both("float64") == (2, 0)
+    assert [path.name for path in wisdom.cache_folder().iterdir()] == [wisdom.wisdom_file().name]
+
+
+@pytest.fixture
+def solve_counted(monkeypatch):
+    """`solve` of a scene on nested grids; returns how many measured plans wisdom held, and how many are new."""
+    made, begin = [], Transforms.__init__
+
+    def noted(self, *arguments, **options):
+        begin(self, *arguments, **options)
+        made.append(self)
+
+    def counted(precision="float64", **options):
+        made.clear()
+        scene = Scene(Layer(0.1), RoughIndenter(0.8, 0, 1 / 4, 1 / 16), 1e-2, num_points=2**12, precision=precision)
+        solve(scene, **options)
+        measured = [each for each in made if each.planning == "measure"]
+        return sum(each.known for each in measured), sum(each.planned for each in measured)
+
+    monkeypatch.setattr(Transforms, "__init__", noted)
+    return counted
+
+
+@pytest.mark.parametrize(
+    "options",
+    [{}, {"precision": "mixed"}, {"precision": "float32", "threads": 2}, {"accuracy": 1e-2}],
+    ids=lambda options: "-".join(map(str, options.values())) or "default",
+)
+def test_a_second_solve_plans_nothing(wisdom_cache, solve_counted, options):
+    options = {"planning": "measure", **options}
+    known, planned = solve_counted(**options)
+    assert planned >= 4  # there and back on two grids at least
+    begin_anew()
+    before = wisdom.wisdom_file().stat()
+    assert solve_counted(**options) == (known + planned, 0)
+    assert wisdom.wisdom_file().stat().st_ino == before.st_ino
+
+
+@pytest.mark.parametrize("finished", [2, 3])
+def test_interrupted_planning_keeps_every_plan_that_was_finished(wisdom_cache, solve_counted, monkeypatch, finished):
+    """Ctrl-C before the third plan, and while FFTW measures it, which cannot be stopped."""
+    fftw, plans = pyfftw.FFTW, []
+
+    def interrupted(*arguments, flags, **options):
+        if "FFTW_WISDOM_ONLY" in flags or "FFTW_MEASURE" not in flags:
+            return fftw(*arguments, flags=flags, **options)
+        if len(plans) == finished:
+            raise KeyboardInterrupt
+        plans.append(fftw(*arguments, flags=flags, **options))
+        if len(plans) == 3:
+            raise KeyboardInterrupt
+        return plans[-1]
+
+    monkeypatch.setattr(pyfftw, "FFTW", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        solve_counted(planning="measure")
+    monkeypatch.setattr(pyfftw, "FFTW", fftw)
+    begin_anew()
+    assert solve_counted(planning="measure") == (finished, 4 - finished)  # 4: there and back on two grids
+
+
+def test_a_second_process_plans_nothing(wisdom_cache):
+    program = (
+        "from linecontact.solver.transforms.planned import Transforms\n"
+        "for length in (64, 256):\n"
+        "    t = Transforms(length, 'float64', planning='measure')\n"
+        "    t.forward(t.buffer()), t.inverse(t.buffer())\n"
+        "    print(t.known, t.planned)\n"
+    )
+    printed = [subprocess.run([sys.executable, "-c", program], capture_output=True, text=True) for _ in range(2)]
+    assert [(each.stdout.split(), each.stderr) for each in printed] == [(["0", "2"] * 2, ""), (["2", "0"] * 2, "")]
