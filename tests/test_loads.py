@@ -179,7 +179,7 @@ def test_the_slope_beside_a_neighbour_is_that_of_its_displacement():
     for layer in (_LayerSlope.of(half_space, math.inf, 2**16), thin):
         others = _Neighbours.of(patches, np.array([1]), loads, middles, widths, layer)
         at = np.array([[1039.0, 1042.0, 1045.0]])
-        slope, _ = others.slope(at, layer)
+        slope = others.slope(at, layer)[0]
         t = np.cos((np.arange(4000) + 0.5) / 4000 * np.pi)
         share = np.sin((np.arange(4000) + 0.5) / 4000 * np.pi) ** 2 * 2 / 4000
         distance = at.T - middles[0] - widths[0] * t

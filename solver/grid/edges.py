@@ -9,7 +9,9 @@ inside the last node the curve goes over into a [(j - theta)^1/2 + e (j - theta)
 not into the root alone. In a patch of half-width A that is the pressure F(x; A) under a smooth indenter plus
 -4 e F'', with F'' the second derivative with respect to A. F'' carries load, so the half-width with that load is
 4 e/A less; and F'' goes like (j - theta)^-1/2 to the next order, which the three pressures take for 5/2 e/A of that
-already. What is left, 3/2 e/A = 3 e/w, the edge lies further inside than they say.
+already. What is left, 3/2 e/A = 3 e/w, the edge lies further inside than they say. If such patches follow each other
+at the distance P, end to end with the gaps, F' = f(A) cos(pi x/P) (sin^2(pi A/P) - sin^2(pi x/P))^-1/2, and the same
+steps leave pi/P (3 cot(pi A/P) + tan(pi A/P)) e/2: next to a narrow gap of g spacings e/g.
 """
 
 import math
@@ -171,11 +173,17 @@ def _ends(patches: Patches, pressure: Array64) -> Array64:
 
 
 def _to_second_order(curve: EdgeCurve, patches: Patches, pressure: Array64) -> Array64:
-    """theta of left and right ends to the second order in one over the width, shape (2, M)."""
+    """theta of left and right ends to the second order in one over the width, shape (2, M); each end as if patches like
+    its own, with gaps like the one next to it, followed each other.
+    """
     theta = edge_offset(curve, _ends(patches, pressure).reshape(-1, 3))[0].reshape(2, -1)
-    width = patches.size - 1 - theta.sum(axis=0)
+    left, right = patches.first + theta[0], patches.last - theta[1]
+    beyond = np.append(left[1:], left[:1] + patches.num_points) - right
+    period = right - left + np.stack([np.roll(beyond, 1), beyond])
+    tangent = np.tan(np.pi / 2 * (right - left) / period)
     beta = theta + curve.shift
-    return np.asarray(theta + 3 / 8 * (beta**2 - beta + 1 / 6) / width)
+    left_over = np.pi / period * (3 / tangent + tangent) / 2  # of e
+    return np.asarray(theta + left_over * (beta**2 - beta + 1 / 6) / 8)
 
 
 def _offsets(curve: EdgeCurve, patches: Patches, pressure: Array64) -> tuple[Array64, Array64]:

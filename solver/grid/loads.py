@@ -90,6 +90,9 @@ class FromLoads:
     """|b_2/b_1|: how unlike the patch's two halves are, shape (patches,) (dimensionless)."""
     bend: Array64
     """|b_3/b_1|: how far from a parabola the profile is, shape (patches,) (dimensionless)."""
+    by_others: Array64
+    """What the other patches add to the change of the slope, all parts of it taken positive, over that change, shape
+    (patches,) (dimensionless)."""
     solved: Mask
     """For which the equations were solved, shape (patches,)."""
 
@@ -134,11 +137,11 @@ def _solved(others: "_Neighbours", layer: "_LayerSlope", narrow: Mask, heights: 
     m, a = middle.copy(), others.own_half_width.copy()
     # everything but the indenter changes little while m and a do
     start = m[:, None] + a[:, None] * _T1
-    far, far_bent = others.slope(start, layer)
+    far, far_bent, of_others = others.slope(start, layer)
     if layer.distance.size:
         own, own_bent = (part * (load * narrow)[:, None] for part in layer.slope(start - others.own))
         far, far_bent = far + own, far_bent + own_bent
-    skew, bend, solved = np.zeros(a.size), np.zeros(a.size), np.zeros(a.size, dtype=bool)
+    (skew, bend, by_others), solved = np.zeros((3, a.size)), np.zeros(a.size, dtype=bool)
     left = np.arange(a.size)
     for _ in range(_STEPS):
         p, x, c = load[left], m[left], a[left]
@@ -154,12 +157,13 @@ def _solved(others: "_Neighbours", layer: "_LayerSlope", narrow: Mask, heights: 
         a[left], m[left] = c - step[0], x - step[1]
         with np.errstate(divide="ignore", invalid="ignore"):
             skew[left], bend[left] = np.abs(b[:, 1:].T / b[:, 0])
+            by_others[left] = of_others[left] * c / np.abs(b[:, 0])
         moved = np.abs(step).max(axis=0)
         solved[left] = usable & (moved < _CLOSE) & (b[:, 0] > 0)
         left = left[usable & (moved >= _CLOSE)]
         if not left.size:
             break
-    return FromLoads(m, a, skew, bend, solved)
+    return FromLoads(m, a, skew, bend, by_others, solved)
 
 
 def _newton(
@@ -273,15 +277,22 @@ class _Neighbours:
         near = which[:, 1:-1]
         return cls(place[:, 1:-1], load[near], half_width[near], own, load[chosen], half_width[chosen], beyond)
 
-    def slope(self, at: Array64, layer: _LayerSlope) -> tuple[Array64, Array64]:
-        """w' and its derivative [1/grid spacing] at some places of each patch, shape (patches, places)."""
+    def slope(self, at: Array64, layer: _LayerSlope) -> tuple[Array64, Array64, Array64]:
+        """w' and its derivative [1/grid spacing] at some places of each patch, shape (patches, places); and the sum of
+        what that derivative is made of, all taken positive, shape (patches,).
+        """
         load = self.load[:, None, :]
         distance = at[:, :, None] - self.middle[:, None, :]
         root = np.sqrt(np.maximum(distance**2 - self.half_width[:, None, :] ** 2, 0.25))
         size = 4 / np.pi * load / (np.abs(distance) + root)
         slope, bent = -np.copysign(size, distance), size / root
+        parts = bent.mean(axis=1)
         if layer.distance.size:
+            by_layer = np.zeros_like(bent)
             for across, share in zip(_ACROSS, _SHARES, strict=True):
-                by_layer, bent_by_layer = layer.slope(distance - across * self.half_width[:, None, :])
-                slope, bent = slope + share * load * by_layer, bent + share * load * bent_by_layer
-        return slope.sum(axis=2) + self.beyond * (at - self.own), bent.sum(axis=2) + self.beyond
+                slope_of_one, bent_of_one = layer.slope(distance - across * self.half_width[:, None, :])
+                slope, by_layer = slope + share * load * slope_of_one, by_layer + share * load * bent_of_one
+            bent = bent + by_layer
+            parts = parts + np.abs(by_layer.mean(axis=1))
+        far = self.beyond
+        return slope.sum(axis=2) + far * (at - self.own), bent.sum(axis=2) + far, parts.sum(axis=1) + far[:, 0]
