@@ -4,6 +4,7 @@ import math
 import textwrap
 from collections.abc import Iterable
 from dataclasses import fields
+from decimal import ROUND_CEILING, Context
 from html import escape
 from typing import Any, NamedTuple
 
@@ -34,9 +35,17 @@ def row(name: str, value: Any, length: str = "length") -> Row:
     return Row(name, number(value), named.get(unit(name), unit(name)))
 
 
+_UP = Context(prec=2, rounding=ROUND_CEILING)
+
+
 def rounded_up(value: float) -> str:
-    """A number > 0 with two digits that are not below it, for a bound."""
-    return f"{1.06 * value:.2g}"  # two digits are off by 5 % at most
+    """A number with two digits that are not below it: an error that is claimed, or a bound."""
+    return f"{float(_UP.create_decimal(repr(float(value)))):.2g}"
+
+
+def counted(count: int, noun: str) -> str:
+    """A count with its noun, like '1 line' or '2 lines'."""
+    return f"{count} {noun}" + "s" * (count != 1)
 
 
 def number(value: float) -> str:

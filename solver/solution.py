@@ -77,7 +77,8 @@ class Choice:
     """Estimate of the relative error that it brings into what the accuracy is asked of (dimensionless); 0: none."""
 
     def __repr__(self) -> str:
-        return f"Choice of {self.what}: {self.chosen}, error {self.error:.1g} [-], because {self.reason}"
+        error = display.rounded_up(self.error)
+        return f"Choice of {self.what}: {self.chosen}, error {error} [-], because {self.reason}"
 
 
 @dataclass(frozen=True)
@@ -143,7 +144,7 @@ class Solution:
         """What was found, as it is shown: how it ended and what it took first."""
         found, length = self.observables, self.scene.length_unit
         area, peak, kappa, approach = (
-            display.number(value) + (f" +- {error:.1g}" if error < math.inf else "")
+            display.number(value) + (f" +- {display.rounded_up(error)}" if error < math.inf else "")
             for value, error in (
                 (found.contact_area_subgrid, found.contact_area_error),
                 (found.peak_pressure, found.peak_pressure_error),

@@ -49,7 +49,8 @@ def solve(
     max_iterations: at least 1, all grids, hand-over included; default by method. Where an approach is given, of each
         of the solves that it takes.
     initial: displacement to start from, shape (N,) [length], for instance a neighbour's solution.
-    threads: of FFTW. planning: FFTW's effort, 'estimate', 'measure' or 'patient'; what it finds is kept at once.
+    threads: of FFTW; where other programs keep the cores busy, two take many times as long as one.
+    planning: FFTW's effort, 'estimate', 'measure' or 'patient'; what it finds is kept at once.
     backend: 'warp', or 'numpy' for the twins.
     progress: called about ten times a second with (iteration, residual).
 

@@ -11,6 +11,7 @@ from enum import StrEnum
 
 import numpy as np
 
+from . import display
 from .arrays import Array64
 from .grid.observables import Observables
 from .grid.patch_table import PatchTable
@@ -107,8 +108,8 @@ def _of_grid(scene: Scene, found: Observables, patches: PatchTable) -> Iterator[
     smooth = waves and patches.nodes.mean() <= _SMOOTH * half_wave
     edges = found.contact_area_edges_error
     if (_LIKELY_IF_SMOOTH if smooth else _LIKELY) * edges > LARGEST_ERROR * area:
-        claimed = max(edges, found.contact_area_error) / area
-        text = f"the area is likely off by more than {LARGEST_ERROR:.0%}, and may be by {claimed:.2g} of itself"
+        claimed = display.rounded_up(max(edges, found.contact_area_error) / area)
+        text = f"the area is likely off by more than {LARGEST_ERROR:.0%}, and may be by {claimed} of itself"
         yield SolutionWarning(WarningKind.ERROR, f"{text}: few nodes tell where its edges are; more num_points")
     if scene.indenter.given_points and waves:
         narrow = patches.width < scene.period / waves

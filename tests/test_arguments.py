@@ -86,6 +86,7 @@ def test_values_of_every_type():
     words = "--folder f --workers 3 --ratio -1e-3 --limit 1_0 --optional inf --text= --quick --unit mm --word two"
     expected = Every(Path("f"), 3, -1e-3, 10, float("inf"), "", True, "mm", "two", (Path("a"), Path("b")), 0.1, 2.0)
     assert parse(*words.split(), "--pair", "a", "b", "--two-words=2") == expected
+    assert parse("--optional", "Infinity").optional == float("inf")
     assert parse("--two_words", "2", "--workers", "5") == Every(two_words=2.0, workers=5)
     assert parse("--folder=--odd_name").folder == Path("--odd_name")
     assert arguments.parse(Positional, ["--level", "-3", "some file"], "prog") == Positional(Path("some file"), -3)
@@ -97,12 +98,14 @@ def test_values_of_every_type():
     [
         ("--ratio abc", "ratio is 'abc'; allowed: a number"),
         ("--two_words abc", "two_words is 'abc'; allowed: a number"),
-        ("--limit 1e3", "limit is '1e3'; allowed: an integer, like 262144 or 2^18"),
-        ("--limit None", "limit is 'None'; allowed: an integer, like 262144 or 2^18"),
+        ("--limit 1e3", "limit is '1e3'; allowed: an integer, in digits or like 2^10"),
+        ("--limit None", "limit is 'None'; allowed: an integer, in digits or like 2^10"),
         ("--unit km", "unit is 'km'; allowed: m, mm"),
         ("--word three", "word is 'three'; allowed: one, two"),
-        ("--limit", "limit has no value; allowed: an integer, like 262144 or 2^18"),
-        ("--limit --quick", "limit has no value; allowed: an integer, like 262144 or 2^18"),
+        ("--limit", "limit has no value; allowed: an integer, in digits or like 2^10"),
+        ("--limit --quick", "limit has no value; allowed: an integer, in digits or like 2^10"),
+        ("--ratio 1e400", "ratio is '1e400'; allowed: a number below 1.8e+308"),
+        ("--ratio -1e400", "ratio is '-1e400'; allowed: a number below 1.8e+308"),
         ("--pair a", "pair has no value; allowed: 2 values, each a path"),
         ("--quick=yes", "quick has a value; allowed: --quick alone"),
         ("yes", "'yes' is no option; allowed: the options of `prog --help`"),

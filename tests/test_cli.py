@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -50,7 +51,9 @@ def test_an_accuracy_is_bought_or_refused():
     short = run("solve", "--profile", "rough", "--cut-off-ratio", 1 / 16, "--num-points", 2048, "--accuracy", 1e-6)
     assert short.returncode == 3
     assert short.stderr.count("\n") == 1
-    assert "accuracy is 1e-06; allowed: above 0.0058, or a finer grid: num_points above 2048" in short.stderr
+    told = r"accuracy is 1e-06; allowed: above ([\d.]+), or a finer grid: num_points above 2048"
+    known = re.search(told, short.stderr)
+    assert f"(relative {known[1]})" in short.stdout
     assert "chosen for an accuracy of 1e-06" in short.stdout
 
 
@@ -75,7 +78,7 @@ def test_solve_table_save_and_plot(tmp_path):
     assert "exists" in again.stderr
     assert run("solve", "--num-points", 256, "--save", file, "--overwrite").returncode == 0
     drawn = run("plot", file)
-    assert drawn.returncode == 0, drawn.stderr
+    assert drawn.stdout.split() == [str(tmp_path / "run.png"), str(tmp_path / "run.pdf")], drawn.stderr
     assert (tmp_path / "run.png").stat().st_size > 5000
     assert (tmp_path / "run.pdf").stat().st_size > 5000
 
@@ -116,6 +119,23 @@ def test_a_scan_from_file_to_figure_in_one_command(tmp_path):
     assert again.returncode == 2
     assert "run.png exists" in again.stderr
     assert fields["profile"].max() < 5e-3  # nm to um
+    assert "1 line of header; positions even to " in result.stdout
+    assert re.search(r"of their spacing, taken as even; .*tilt of \S+ \(dimensionless\) removed", result.stdout)
+
+
+def test_all_files_that_are_written_are_named(tmp_path):
+    paths = {name: tmp_path / name for name in ("run.h5", "run.csv", "run.png", "run.pdf")}
+    words = ("solve", "--num-points", 256, "--save", paths["run.h5"], "--patches", paths["run.csv"], "--plot")
+    said = [
+        f"Data: {paths['run.h5']}",
+        f"Patches: {paths['run.csv']}",
+        f"Figures: {paths['run.png']}, {paths['run.pdf']}",
+    ]
+    assert run(*words).stdout.splitlines()[-3:] == said
+    as_json = run(*words, "--overwrite", "--json")
+    assert as_json.stderr.splitlines() == said
+    assert json.loads(as_json.stdout)["status"] == "converged"
+    assert all(path.is_file() for path in paths.values())
 
 
 @pytest.mark.parametrize("columns", [1, 2])
@@ -143,13 +163,27 @@ def test_lengths_of_a_scan_s_scene_may_have_units(tmp_path, capsys, columns):
         ("--radius 2mm", "radius is '2mm'; allowed: a number alone, the lengths"),
         ("--period 1um", "period is '1um'; allowed: a number alone, the lengths"),
         ("--approach 1um", "approach is '1um'; allowed: a number alone, the lengths"),
-        ("--thickness 2furlongs", "thickness is '2furlongs'; allowed: a number, or a length with its unit, like 50um"),
+        ("--thickness 2furlongs", "thickness is '2furlongs'; allowed: a number\n"),
+        ("--thickness thin", "thickness is 'thin'; allowed: a number\n"),
         ("--pressure 2mm", "pressure is '2mm'; allowed: a number"),
     ],
 )
 def test_a_scene_without_a_unit_takes_no_lengths_with_one(words, said, capsys):
     assert main(["solve", *words.split()]) == 2
     assert said in capsys.readouterr().err
+
+
+def test_a_length_of_a_scan_s_scene_is_a_number_or_has_a_unit_and_is_not_too_large(tmp_path, capsys):
+    np.savetxt(tmp_path / "scan.csv", np.random.default_rng(0).random((40, 2)).cumsum(axis=0), header="x um, z nm")
+    words = ["solve", "--profile", "file", "--profile-file", str(tmp_path / "scan.csv"), "--contact-modulus", "1e9"]
+    words += ["--pressure", "1", "--length-unit", "nm", "--thickness"]
+    for thickness, allowed in (
+        ("2furlongs", "a number, or a length with its unit, like 50um"),
+        ("1e305m", "a number below 1.8e+308, in nm"),
+        ("1e400m", "a number below 1.8e+308"),
+    ):
+        assert main([*words, thickness]) == 2
+        assert capsys.readouterr().err == f"linecontact: thickness is {thickness!r}; allowed: {allowed}\n"
 
 
 def test_a_scan_is_not_pressed_by_defaults(tmp_path):
@@ -180,6 +214,9 @@ def test_methods_and_grids(method, grids):
         (["solve", "--exponent", "two"], "exponent is 'two'; allowed: a number"),
         (["solve", "--thickness", "0"], "thickness is 0.0"),
         (["solve", "--thickness", "nan"], "thickness is nan"),
+        (["solve", "--thickness", "1e400"], "thickness is '1e400'; allowed: a number below 1.8e+308\n"),
+        (["solve", "--tolerance", "1e-15"], "tolerance is 1e-15; allowed: 1e-14 to 0.5\n"),
+        (["solve", "--scene-units"], "--scene-units is given; allowed: only with --profile file, not power"),
         (["solve", "--poisson-ratio", "0.6"], "poisson_ratio is 0.6"),
         (["solve", "--pressure", "-1"], "pressure is -1.0"),
         (["solve", "--num-points", "3"], "num_points is 3"),
@@ -190,7 +227,7 @@ def test_methods_and_grids(method, grids):
         (["solve", "--profile", "file"], "profile_file is missing"),
         (["solve", "--profile", "file", "--profile-file", "no.txt"], "no.txt, which is not a file"),
         (["solve", "--profile", "file", "--profile-file", __file__], "SurfaceTopography"),
-        (["solve", "--plot"], "together with --save"),
+        (["solve", "--plot"], "--plot is given without --save; allowed: both"),
         (["solve", "--plot", "--save", "x.png"], "not a figure's name"),
         (["solve", "--profile-file", __file__], "allowed: only with --profile file, not power"),
         (["solve", "--hurst", "0.3"], "hurst is 0.3; allowed: only with --profile rough, not power"),
@@ -204,17 +241,17 @@ def test_methods_and_grids(method, grids):
         (["solve", "--save", "/nowhere/at/all.h5"], "does not exist"),
         (["solve", "--colour", "red"], "--colour"),
         (["plot", "missing.h5"], "missing.h5 does not exist"),
-        (["plot", __file__], "not one of linecontact's"),
+        (["plot", __file__], "not one of linecontact's HDF5 files; allowed: one that it wrote"),
         (["study", "hertz", "--workers", "0"], "workers is 0"),
         (["study", "moon"], "moon"),
         (
             ["solve", "--num-points", "1e3"],
-            "num_points is '1e3'; allowed: an integer, like 262144 or 2^18\n",
+            "num_points is '1e3'; allowed: an integer, in digits or like 2^10\n",
         ),
         (["solve", "--pressure", "a'b"], 'linecontact: pressure is "a\'b"; allowed: a number\n'),
         (
             ["study", "hertz", "--workers", "two"],
-            "workers is 'two'; allowed: an integer, like 262144 or 2^18\n",
+            "workers is 'two'; allowed: an integer, in digits or like 2^10\n",
         ),
         ([], "solve"),
         (
@@ -303,7 +340,7 @@ def test_a_killed_study_continues(tmp_path, sign):
     assert 1 <= len(kept) < 43
     result = run("study", "hertz", "--quick", "--folder", tmp_path)
     assert result.returncode == 0, result.stderr
-    assert f"{len(kept)} of 43 tasks are done" in result.stderr
+    assert f"{len(kept)} of 43 tasks {'is' if len(kept) == 1 else 'are'} done" in result.stderr
     assert all(path.stat().st_mtime_ns == written for path, written in kept.items())  # not computed again
     finished = study_files.load_study(file)
     assert finished.complete

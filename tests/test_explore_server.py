@@ -221,7 +221,7 @@ def test_bad_input_is_one_line_and_status_2(tmp_path, capsys):
 
 def test_no_browser_is_one_line_and_status_2(tmp_path):
     said = bad("--port", 0, "--browser", "--num-points", 256, PATH=str(tmp_path), BROWSER=str(tmp_path / "none"))
-    assert "browser is True, but none could be opened; allowed: without it, and http://127.0.0.1:" in said
+    assert "--browser is given, but none could be opened; allowed: without it, and http://127.0.0.1:" in said
 
 
 def test_a_missing_extra_is_one_line_and_status_2():

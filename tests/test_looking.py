@@ -26,13 +26,16 @@ from linecontact import (
 from linecontact.solver import CoatedHalfSpace, SlidingLayer
 from linecontact.studies.command_line import main
 from linecontact.studies.curve import figures as curve_figures
+from linecontact.studies.curve import report as curve_report
 from linecontact.studies.figures import solution as solution_figure
 from linecontact.studies.figures.style import ONE_COLUMN, STYLE, TWO_COLUMNS, panels
 from linecontact.studies.figures.ticks import few_ticks
 from linecontact.studies.files.study_files import load_study
+from linecontact.studies.multilevel import figures as ensemble_figures
 from linecontact.studies.multilevel import report as ensemble_report
 from linecontact.studies.multilevel import tasks as ensemble_tasks
 from linecontact.studies.multilevel.estimator import Estimate, Term
+from linecontact.studies.multilevel.samples import FOUNDATION, Samples
 from linecontact.studies.runner.study import find
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
@@ -350,6 +353,33 @@ def test_nothing_hides_data_in_the_studies_figures(name):
             check_places(figure)
             assert not re.search(r"\binf\b|\[length\]|\[pressure\]", texts(figure))
             assert figure.get_figwidth() in (ONE_COLUMN, TWO_COLUMNS)
+
+
+def test_an_infinite_stiffness_of_a_curve_is_drawn_at_the_top():
+    with matplotlib.rc_context(STYLE):
+        (figure,) = curve_figures.draw(RESULTS / "curve.h5").values()
+    run = load_study(RESULTS / "curve.h5").runs[-1]
+    assert math.isinf(run["contact_stiffness"])
+    *_, panel = figure.axes
+    triangle = next(line for line in panel.get_lines() if line.get_marker() == "^")
+    assert triangle.get_xdata() == pytest.approx([run["scene.pressure"]])
+    assert figure.get_suptitle().endswith("Triangle at the top: infinite, in full contact.")
+    summary = curve_report.Summary(load_study(RESULTS / "curve.h5"))
+    assert "inf: in full contact no load moves the indenter further" in summary._table(curve_report._NARROW, "").caption
+
+
+def test_the_figure_of_an_ensemble_on_a_thin_layer_shows_the_foundation(tmp_path):
+    words = ["--thickness", "0.01", "--standard-error", "0.2", "--cut-off-ratio", "0.125", "--num-points", "2^11"]
+    assert main.main(["ensemble", "--folder", str(tmp_path), "--workers", "1", *words]) == 0
+    (figure,) = ensemble_figures.draw(tmp_path / "ensemble.h5").values()
+    labels = [line.get_label() for line in figure.axes[0].get_lines()]
+    assert labels[-2:] == ["std on the foundation, times its factor", "std of the change from there to a grid"]
+    level, change = figure.axes[0].get_lines()[-2:]
+    samples = Samples(load_study(tmp_path / "ensemble.h5").runs, "kappa")
+    assert level.get_ydata()[0] == pytest.approx(np.std([*samples.values[FOUNDATION].values()], ddof=1))
+    size = int(change.get_xdata()[0])
+    differences = [samples.values[size][seed] - samples.values[FOUNDATION][seed] for seed in samples.seeds(size, 0)]
+    assert change.get_ydata()[0] == pytest.approx(np.std(differences, ddof=1))
 
 
 def test_an_ensemble_says_which_way_is_cheaper_and_by_what_factor():

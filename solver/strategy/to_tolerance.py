@@ -1,5 +1,6 @@
 """A solve to a given residual, by a method of one's choice."""
 
+import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -84,7 +85,7 @@ def _prepare(effort: Effort, nested: bool | None, tolerance: float | None, initi
     if scene.precision not in kind.precisions:
         raise ValueError(f"precision is {scene.precision!r}; allowed: {', '.join(kind.precisions)}, for {kind.name}")
     if tolerance is not None:
-        tolerance = checks.real("tolerance", tolerance, "1e-14 < tolerance <= 0.5", 1e-14, 0.5)
+        tolerance = checks.real("tolerance", tolerance, "1e-14 to 0.5", math.nextafter(1e-14, 0), 0.5)
     problem, coarse = problems(scene)
     tolerance = reachable(scene, problem, coarse, tolerance)
     start = None if initial is None else _displacement(initial, scene, problem)

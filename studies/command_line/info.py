@@ -10,9 +10,9 @@ from linecontact import kernels
 from linecontact.kernels import tuning
 from linecontact.solver import provenance
 from linecontact.solver.transforms import planned, wisdom
-from rich.table import Table
 
 from ..terminal import console
+from ..terminal.tables import Whole
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class Options:
 def command(_: Options) -> int:
     """Print it all as a table; returns the exit status."""
     kernels.load()
-    table = Table(title="linecontact", show_header=False)
+    table = Whole(title="linecontact", show_header=False)
     rows = {
         **provenance.provenance(),
         "FFTW": planned.library(),

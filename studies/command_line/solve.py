@@ -3,15 +3,14 @@
 import inspect
 import json
 import re
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
 from linecontact.solver import METHODS, QUANTITIES, MeasuredIndenter, Scene, Solution, Status, solve
+from linecontact.solver.display import rounded_up
 from linecontact.solver.scene import PRECISIONS
 from linecontact.solver.transforms.planned import PLANNING
-from rich.table import Table
 
 from ..figures.names import FORMATS
 from ..files import solution_files, writing
@@ -21,6 +20,7 @@ from ..scenes import kinds, making
 from ..scenes.making import Given, make_scene
 from ..terminal import console
 from ..terminal.options import one_of
+from ..terminal.tables import Whole
 
 _DEFAULTS = {name: parameter.default for name, parameter in inspect.signature(solve).parameters.items()}
 """Of the parameters of `solve`."""
@@ -50,13 +50,14 @@ class Options(making.Options):
     grids: Literal["auto", "nested", "single"] = "auto"
     """Start from the solution on coarser grids; auto: for the active set."""
     tolerance: float | None = _DEFAULTS["tolerance"]
-    """Stop at this rms free residual over p (dimensionless); default 1e-8, in float32 what rounding allows."""
+    """Stop at this rms free residual over p, 1e-14 to 0.5 (dimensionless); default 1e-8, in float32 what rounding
+    allows."""
     max_iterations: int | None = _DEFAULTS["max_iterations"]
     """Iteration limit; reaching it gives exit status 3."""
     precision: str = one_of(PRECISIONS, Scene.precision)
     """Of the iteration; mixed: float32 inside, residuals in float64. The certificate is always float64."""
     threads: int = _DEFAULTS["threads"]
-    """Threads of the transforms."""
+    """Threads of the transforms. Where other programs keep the cores busy, two take many times as long as one."""
     planning: str = one_of(PLANNING, _DEFAULTS["planning"])
     """FFTW's planning effort; what it finds is kept for later runs."""
     json: bool = False
@@ -77,7 +78,7 @@ def command(options: Options, given: Given) -> int:
     """Solve the scene that the options describe, and show what was found; returns the exit status."""
     check_targets(options, given)
     if options.plot and not options.save:
-        raise ValueError("plot is True; allowed: together with --save, the figure is drawn from the file")
+        raise ValueError("--plot is given without --save; allowed: both, as the figure is drawn from the file")
     if options.accuracy is not None and options.grids != "auto":
         raise ValueError(f"grids is {options.grids}; allowed: auto, with accuracy, which chooses the grid")
     scene = make_scene(options, given)
@@ -108,10 +109,7 @@ def command(options: Options, given: Given) -> int:
             solution_files.save_solution(options.save, solution)
         if options.patches:
             solution_files.save_patches(options.patches, solution.patches)
-    if options.save and options.plot:
-        from . import plot  # Matplotlib takes its time
-
-        plot.command(plot.Options(options.save), sys.stderr if options.json else sys.stdout)
+    tell_files(options)
     status = console.exit_status(solution.status)
     if not status and options.strict and solution.warnings:
         named = ", ".join(warning.kind for warning in solution.warnings)
@@ -139,6 +137,19 @@ def show(solution: Solution, as_json: bool) -> None:
         console.Output().print(f"Profile: {steps}.")
 
 
+def tell_files(options: Options) -> None:
+    """Draw the figure if it is asked for, and say which files were written; not where the result itself is read."""
+    written = {"Data": [options.save], "Patches": [options.patches]}
+    if options.save and options.plot:
+        from ..runner import drawing  # Matplotlib takes its time
+
+        written["Figures"] = [*drawing.draw(options.save)]
+    output = console.errors if options.json else console.Output()
+    for what, paths in written.items():
+        if any(paths):
+            output.print(f"{what}: {', '.join(map(str, paths))}", soft_wrap=True, highlight=False)
+
+
 def check_targets(options: Options, given: Given) -> None:
     """Raise `ValueError` if the file or its figures would replace what they must not."""
     profile_file = given[kinds.title("profile", MeasuredIndenter.name)].get("profile_file")
@@ -156,26 +167,25 @@ def check_targets(options: Options, given: Given) -> None:
         writing.check_target(options.save.with_suffix(suffix), options.overwrite)
 
 
-def solution_table(solution: Solution) -> Table:
+def solution_table(solution: Solution) -> Whole:
     """What a solve found, with units."""
     record = solution.to_dict()
     fallbacks = METHODS[solution.method].fallbacks if solution.handed_over else ()
     handed = "".join(f", handed over to {f.method}" for f in fallbacks if f.method != solution.method)
     area, error = record["contact_area_subgrid"], record["contact_area_error"]
-    relative = f" (relative {error / area:.1g})" if area else ""
+    relative = f" (relative {rounded_up(error / area)})" if area else ""
     how = "converged on its grid" if solution.status is Status.CONVERGED and solution.certificate else solution.status
-    found = f"a_r = {area:.6g} +- {error:.1g}{relative}"
-    title = f"{solution.method}{handed}, {record['precision']}: {how}, {found}"
-    table = Table(title=title, show_header=True)
+    found = f"a_r = {area:.6g} +- {rounded_up(error)}{relative}"
+    table = Whole(title=f"{solution.method}{handed}, {record['precision']}: {how},\n{found}")
     table.add_column("quantity")
-    table.add_column("value", justify="right")
+    table.add_column("value", justify="right", no_wrap=True)
     table.add_column("unit")
     spacing = 1 / solution.scene.num_points
     image = ", mirror image too" * mirrored(record["scene"])
     own = "; edges only" if solution.certificate and not solution.levels else ""
     rows = [
         ("contact area a_r (sub-grid edges)", f"{record['contact_area_subgrid']:.10g}", "-"),
-        ("  its error, estimated", error, f"- (absolute{own})"),
+        ("  its error, estimated", rounded_up(error), f"- (absolute{own})"),
         ("contact width a_r L", record["contact_width"], "length"),
         *(
             [("contact area a_r (nodes counted)", f"{record['contact_area']:.8g}", f"- (one node: {spacing:.1e})")]
@@ -188,15 +198,15 @@ def solution_table(solution: Solution) -> Table:
         ("reduced pressure p* = p/(E* g_c)", record["reduced_pressure"], "-"),
         ("kappa = a_r/p*", record["kappa"], "-"),
         ("kappa (sub-grid edges)", record["kappa_subgrid"], "-"),
-        ("  its error, estimated", record["kappa_error"], "- (absolute)"),
+        ("  its error, estimated", rounded_up(record["kappa_error"]), "- (absolute)"),
         *_known("kappa over the half-space's", record.get("kappa_ratio"), "-"),
         ("reduced thickness d/(a_r L)", record["reduced_thickness"], "-"),
         ("approach", record["approach"], "length"),
-        *_known("  its error, estimated", record["approach_error"], "length (absolute)"),
+        *_known("  its error, estimated", rounded_up(record["approach_error"]), "length (absolute)"),
         ("mean gap", record["mean_gap"], "length"),
         *_known("contact stiffness dp/d(approach)", record.get("contact_stiffness"), "pressure/length"),
         ("peak pressure", record["peak_pressure"], "pressure"),
-        *_known("  its error, estimated", record["peak_pressure_error"], "pressure (absolute)"),
+        *_known("  its error, estimated", rounded_up(record["peak_pressure_error"]), "pressure (absolute)"),
         ("iterations", record["iterations"], "-"),
         ("transform pairs", record["transform_pairs"], "-"),
         *((f"time: {stage}", f"{seconds:.3f}", "s") for stage, seconds in record["seconds"].items()),
@@ -213,15 +223,16 @@ def _known(name: str, value: float | str | None, unit: str) -> list[tuple[str, f
     return [] if value is None or value == "inf" else [(name, value, unit)]
 
 
-def choices_table(solution: Solution) -> Table:
+def choices_table(solution: Solution) -> Whole:
     """What was chosen for the user."""
     of = solution.accuracy_of.replace("-", " ")
-    table = Table(
+    table = Whole(
         title="chosen" + (f" for an accuracy of {solution.accuracy:g} of the {of}" if solution.accuracy else ""),
         caption=f"error: estimate of the relative error that it brings into the {of} (dimensionless)",
     )
     for heading in ("what", "chosen", "error", "because"):
-        table.add_column(heading)
+        table.add_column(heading, no_wrap=heading == "error")
     for choice in solution.choices:
-        table.add_row(choice.what, choice.chosen, f"{choice.error:.1g}" if choice.error else "", choice.reason)
+        error = rounded_up(choice.error) if choice.error else ""
+        table.add_row(choice.what, choice.chosen, error, choice.reason)
     return table

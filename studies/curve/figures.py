@@ -5,11 +5,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from linecontact.solver.arrays import Array64
 from linecontact.solver.units import unit
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 
 from ..figures.scales import base, shown, thickness_in
 from ..figures.style import COLOURS, ONE_COLUMN, NothingToDraw, kind, layer, load, panels, plain, typeset
@@ -17,8 +17,6 @@ from ..figures.ticks import few_ticks
 from ..files.study_files import StudyFile
 from ..scans.units import UNITS, axis_units
 from .tasks import column
-
-Array64 = NDArray[np.float64]
 
 _DECADE = 10.0  # ratio of the ends from which an axis is logarithmic
 _BINS = 6  # intervals between the numbers at an axis, at most
@@ -35,12 +33,13 @@ def draw(path: Path) -> dict[str, Figure]:
     if not shown.any():
         raise NothingToDraw("a curve whose only value is infinite has no place on an axis")
     figure, grid = panels(3, 1, ONE_COLUMN, 6.0, sharex=True)
-    hidden = 0
+    hidden, infinite = 0, 0
     for axes, (name, error, label) in zip(grid[:, 0], _PANELS, strict=True):
         y, said = _shown(study, name)
         y = y[order]
         bars = study.column(error).astype(np.float64)[order] if error else None
         hidden += _panel(axes, value[shown], y[shown], None if bars is None else bars[shown], joined=over != "seed")
+        infinite += int(np.isposinf(y[shown]).sum())
         axes.set_ylabel(f"{label}\n({said})")
         for beyond in y[~shown] if error else ():  # a half-space, whose approach compares with no other
             axes.axhline(beyond, color=COLOURS[3], ls="--", lw=0.8, label="half-space")
@@ -50,6 +49,7 @@ def draw(path: Path) -> dict[str, Figure]:
         grid[-1, 0].xaxis.set_major_locator(MaxNLocator(integer=True))
     grid[-1, 0].set_xlabel(f"{over.replace('_', ' ').replace('poisson ', 'Poisson ')} ({along})")
     note = f"\nError bars not known, or too long for their panels: {hidden}." if hidden else ""
+    note += "\nTriangle at the top: infinite, in full contact." if infinite else ""
     figure.suptitle(_scene(study.runs[0], over) + note, fontsize=8, wrap=True)
     if not shown.all():
         figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside lower center")
@@ -99,13 +99,15 @@ _SCALES = ("contact_modulus", "period")
 
 def _panel(axes: Axes, x: Array64, y: Array64, error: Array64 | None, joined: bool) -> int:
     """Draw a curve; returns how many of its error bars are left out: not known, or too long for the panel."""
-    there = np.isfinite(y)
+    there, beyond, top = np.isfinite(y), x[np.isposinf(y)], axes.get_xaxis_transform()
     x_log, y_log = _logarithmic(x), _logarithmic(y[there])
     x, y, error = x[there], y[there], (np.zeros_like(y) if error is None else error)[there]
     span = float(np.ptp(y)) if y.size else 0.0
     most = 0.9 * y if y_log else np.full_like(y, span or np.inf)  # long error bars do not hide the curve
     seen = error < most
     error = np.where(seen, error, 0.0)
+    if beyond.size:
+        axes.plot(beyond, np.ones(beyond.size), "^", ms=4, color=COLOURS[0], transform=top, clip_on=False)
     line = "o" if not joined else "o-" if x.size < 100 else "-"
     axes.errorbar(x, y, yerr=error, fmt=line, ms=2.5, lw=0.9, color=COLOURS[0])
     if x_log:

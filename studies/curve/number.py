@@ -70,6 +70,8 @@ def spaced(first: float, last: float, count: int, spacing: Spacing, integers: bo
     low, high = min(first, last), max(first, last)
     if not (math.isfinite(low) and math.isfinite(high)):
         raise ValueError(f"to is {last:g}, and from {first:g}; allowed: finite numbers; --values takes inf")
+    if low == high:
+        raise ValueError(f"to is {last:g}, and from {first:g}; allowed: two numbers that differ; --values takes one")
     if integers and not (low == int(low) and high == int(high)):
         raise ValueError(f"to is {last:g}, and from {first:g}; allowed: integers")
     if spacing == "log" and not low > 0:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from linecontact.solver import Status
+from linecontact.solver.display import counted, rounded_up
 from rich.console import Console, ConsoleOptions, RenderableType, RenderResult
 from rich.table import Table
 
@@ -31,7 +32,8 @@ def short(file: StudyFile) -> list[str]:
     count = sum(run["status"] == str(Status.INACCURATE) for run in file.runs)
     c = file.configuration
     what = f"{c.get('accuracy')} of the {str(c.get('accuracy_of', '')).replace('-', ' ')}"
-    return [f"{count} values are less accurate than asked ({what}); allowed: more num_points."] if count else []
+    told = f"{counted(count, 'value')} less accurate than asked ({what}); allowed: more num_points."
+    return [told] if count else []
 
 
 def warned(file: StudyFile) -> list[str]:
@@ -51,7 +53,7 @@ class Summary:
     @property
     def title(self) -> str:
         """What stands above it."""
-        return f"{len(self.file.runs)} values of {self.file.configuration['over']}"
+        return f"{counted(len(self.file.runs), 'value')} of {self.file.configuration['over']}"
 
     def __rich_console__(self, screen: Console, options: ConsoleOptions) -> RenderResult:
         table = self._table(_WIDE, "All other quantities")
@@ -64,6 +66,8 @@ class Summary:
         caption = "a_r, kappa and p* between sub-grid edges, +-: the estimated error of a_r; stiffness: dp/d(approach);"
         steps = next((run.get("scene.profile_steps") for run in self.file.runs), "")
         image = ", mirror image too" * mirrored({"profile_steps": steps})
+        if any(math.isinf(float(run["contact_stiffness"])) for run in self.file.runs):
+            caption += " inf: in full contact no load moves the indenter further;"
         caption += f" M: contact patches{image}; *: not converged, or less accurate than asked."
         table = console.table(title=self.title, caption=f"{caption} {more}: `linecontact export`.")
         shown = [name for name in headings if name != _NOT_SHOWN.get(over, "p")]
@@ -81,7 +85,7 @@ _COLUMNS: dict[str, tuple[str, Callable[[Mapping[str, Any]], str]]] = {
     "p": ("pressure", lambda run: f"{float(run['scene.pressure']):.4g}"),
     "p*": ("reduced_pressure", lambda run: f"{_reduced_pressure(run):.4g}"),
     "a_r": ("contact_area_subgrid", lambda run: f"{run['contact_area_subgrid']:.6g}"),
-    "+-": ("contact_area_error", lambda run: f"{run['contact_area_error']:.0e}"),
+    "+-": ("contact_area_error", lambda run: rounded_up(run["contact_area_error"])),
     "kappa": ("kappa_subgrid", lambda run: f"{float(run['kappa_subgrid']):.5g}"),
     "approach": ("approach", lambda run: f"{float(run['approach']):.4g}"),
     "mean gap": ("mean_gap", lambda run: f"{float(run['mean_gap']):.4g}"),
@@ -113,5 +117,5 @@ def means(file: StudyFile) -> list[str]:
     for name, symbol in _MEANS.items():
         values = np.array([float(run[name]) for run in runs])
         error = float(values.std(ddof=1)) / math.sqrt(values.size)
-        found.append(f"{symbol} = {values.mean():.6g} +- {error:.2g}")
+        found.append(f"{symbol} = {values.mean():.6g} +- {rounded_up(error)}")
     return [f"Mean over {len(runs)} surfaces, with its standard error (dimensionless): {', '.join(found)}."]

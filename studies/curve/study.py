@@ -119,7 +119,7 @@ def _check_options(options: Options, given: Given, told: Mapping[str, Any]) -> N
     """Raise `ValueError` for options that do not go together."""
     over = options.over
     known = {name: value for group in given.values() for name, value in group.items()} | dict(told)
-    fixed = making.LOADS if over in making.LOADS else (over,)
+    fixed = making.LOADS if over in making.LOADS else () if over in _NO_NUMBERS else (over,)
     for name in fixed:
         if known.get(name) is not None:
             raise ValueError(f"{name} is {known[name]}; allowed: none with --over {over}")
@@ -138,6 +138,9 @@ def _check_options(options: Options, given: Given, told: Mapping[str, Any]) -> N
 
 _SCENE = ("profile", "layer", "pressure", "approach", "period", "num_points", "precision", "accuracy", "accuracy_of")
 """The options that make a scene."""
+
+_NO_NUMBERS = ("profile", "layer", "precision", "accuracy", "accuracy_of")
+"""Those that are refused as what varies, whether they are given or not."""
 
 
 def _values(options: Options, scene: Scene) -> tuple[float, ...]:

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from linecontact.solver import Indenter, Scene
+from linecontact.solver.arrays import Array64
 
-from ..figures.thinning import Array64
 from .answers import answer
 from .controls import LOAD, Control
 

@@ -8,10 +8,12 @@ import numpy as np
 from bokeh.models import ColumnDataSource, CustomJSTicker, CustomJSTickFormatter, Range1d
 from bokeh.plotting import figure
 from linecontact.solver import Scene, Solution
+from linecontact.solver.arrays import Array64
+from linecontact.solver.display import counted
 from numpy.typing import ArrayLike
 
 from ..figures.style import COLOURS
-from ..figures.thinning import Array64, extremes, merged
+from ..figures.thinning import extremes, merged
 from ..scans.preparation import mirrored
 from .controls import HALF_SPACE, Control
 from .curves import Curve, own_value
@@ -224,7 +226,7 @@ class Surroundings:
         x = np.array([self._place(v) for v in value])
         _put(self._curve, {"x": x, "y": area, "low": np.maximum(area - error, 1e-3 * area), "high": area + error})
         failed = f", {curve.failed} without an answer" if curve.failed else ""
-        self.figure.title.text = f"{value.size} scenes on {curve.num_points} points each{failed}"
+        self.figure.title.text = f"{counted(value.size, 'scene')} on {curve.num_points} points each{failed}"
         self._set_range()
 
     def _set_range(self) -> None:

@@ -123,4 +123,4 @@ def open_browser(address: str) -> None:
     except webbrowser.Error:
         shown = False
     if not shown:
-        raise ValueError(f"browser is True, but none could be opened; allowed: without it, and {address} by hand")
+        raise ValueError(f"--browser is given, but none could be opened; allowed: without it, and {address} by hand")

@@ -16,6 +16,7 @@ from linecontact.solver import Indenter, MeasuredIndenter, PowerIndenter, RoughI
 from linecontact.solver.scene import PRECISIONS
 
 from ..terminal.options import flag
+from ..terminal.text import number
 from .controls import CONTROLS, Control
 
 _LARGEST = 2.0**63  # of a number in a link, but for infinity
@@ -173,11 +174,11 @@ def _choice(text: str, indenters: Mapping[str, Indenter]) -> str:
 
 
 def _number(name: str, text: str) -> float:
-    for kind in (int, float):
+    for kind in (int, number):
         try:
-            number = kind(text)
-            if float(number) < _LARGEST or number == math.inf:
-                return number
+            found = kind(text)
+            if float(found) < _LARGEST or found == math.inf:
+                return found
         except (ValueError, OverflowError):
             continue
     raise ValueError(f"{name} is {text[:_SHOWN]!r}; allowed: a number below {_LARGEST:g}")

@@ -3,6 +3,7 @@
 import math
 
 from linecontact.solver import Scene, Solution
+from linecontact.solver.display import rounded_up
 
 from ..scans.preparation import mirrored
 from .answers import Answer
@@ -53,9 +54,9 @@ def _found(solution: Solution) -> list[str]:
     reduced_pressure = area / o.kappa_subgrid if o.kappa_subgrid else math.inf
     reduced_thickness = solution.scene.layer.thickness / (area * solution.scene.period) if area else math.inf
     return [
-        f"contact area a_r = {area:.6g} \N{PLUS-MINUS SIGN} {error:.1g} (dimensionless, relative error "
-        f"{error / area:.1g}, as claimed), {solution.status} on its grid",
-        f"kappa = {o.kappa_subgrid:.5g} \N{PLUS-MINUS SIGN} {o.kappa_error:.1g}, p* = {reduced_pressure:.4g}, "
+        f"contact area a_r = {area:.6g} \N{PLUS-MINUS SIGN} {rounded_up(error)} (dimensionless, relative error "
+        f"{rounded_up(error / area)}, as claimed), {solution.status} on its grid",
+        f"kappa = {o.kappa_subgrid:.5g} \N{PLUS-MINUS SIGN} {rounded_up(o.kappa_error)}, p* = {reduced_pressure:.4g}, "
         f"d/(a_r L) = {reduced_thickness:.4g}, peak pressure/E* = "
         f"{o.peak_pressure / solution.scene.layer.contact_modulus:.4g} (dimensionless)",
         f"{o.num_patches} contact {'patch' if o.num_patches == 1 else 'patches'}{image}, "

@@ -9,6 +9,7 @@ from typing import Any
 import matplotlib
 import numpy as np
 from linecontact.solver import LAYERS, Solution, Status
+from linecontact.solver.arrays import Array64
 from linecontact.solver.grid.contact import ends
 from linecontact.solver.grid.patches import Patches
 from matplotlib.axes import Axes
@@ -16,16 +17,13 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 
 from ..files import solution_files, writing
 from ..files.solution_files import Name, StoredSolution
 from .scales import Scales, scales
-from .style import COLOURS, ONE_COLUMN, STYLE, plain, typeset
+from .style import COLOURS, ONE_COLUMN, STYLE, plain, typeset, typeset_error
 from .thinning import extremes, merged
 from .ticks import few_ticks
-
-Array64 = NDArray[np.float64]
 
 _PLACES = 2000  # along an axis: more than a page can show
 _INDENTER, _SURFACE, _CONTACT, _ENLARGED = "k", COLOURS[0], COLOURS[3], COLOURS[4]
@@ -238,7 +236,7 @@ def _legend(units: Scales, enlarged: bool) -> list[Line2D | Patch]:
 
 def _title(results: dict[str, Any], units: Scales, patches: int) -> str:
     area, error = results["contact_area_subgrid"], results["contact_area_error"]
-    found = f"$a_r = {typeset(area, 6)} \\pm {typeset(error, 1)}$ in {patches} patch{'es' if patches != 1 else ''}"
+    found = f"$a_r = {typeset(area, 6)} \\pm {typeset_error(error)}$ in {patches} patch{'es' if patches != 1 else ''}"
     status = Status(results["status"])  # a file's text is not drawn if it is none of these
     ended = "" if status is Status.CONVERGED else f"\nNot as asked: {status}"
     scan = plain(str(results.get("scene.profile_file", "")))

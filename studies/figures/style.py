@@ -5,6 +5,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from linecontact.solver.display import rounded_up
+
 from ..files import study_files, writing
 from ..files.study_files import StudyFile
 
@@ -52,7 +54,16 @@ def distinct(values: Iterable[Any]) -> list[Any]:
 
 def typeset(value: float, digits: int = 4) -> str:
     """A number for a formula, powers of ten as people write them."""
-    factor, _, power = f"{value:.{digits}g}".partition("e")
+    return _typeset(f"{value:.{digits}g}")
+
+
+def typeset_error(value: float) -> str:
+    """An error that is claimed, for a formula."""
+    return _typeset(rounded_up(value))
+
+
+def _typeset(number: str) -> str:
+    factor, _, power = number.partition("e")
     if not power:
         return factor
     return f"{factor}\\times" * (factor != "1") + f"10^{{{int(power)}}}"

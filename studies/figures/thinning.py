@@ -1,12 +1,10 @@
 """Curves and patches with no more points than a screen can show, and with nothing lost that it could."""
 
 import numpy as np
-from numpy.typing import NDArray
-
-Array64 = NDArray[np.float64]
+from linecontact.solver.arrays import Array64, Indices
 
 
-def extremes(values: Array64, pixels: int) -> NDArray[np.int64]:
+def extremes(values: Array64, pixels: int) -> Indices:
     """Places of the lowest and the highest value of each pixel, and of both ends, in increasing order.
 
     values: shape (N,), any unit. pixels: at least 1. Returns at most 2 pixels + 4 places, shape (M,).

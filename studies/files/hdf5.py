@@ -85,7 +85,7 @@ def _verify(path: Path) -> str:
     expected = head("")[:40]
     alike = sum(a == b for a, b in zip(start, expected, strict=False))
     if any(start) and alike < min(len(start), len(expected)) - 2:  # zeros or a few flipped bits make no stranger of it
-        raise StoreError(f"file {path} is not one of linecontact's HDF5 files; allowed: another name")
+        raise StoreError(f"file {path} is not one of linecontact's HDF5 files; allowed: one that it wrote")
     raise DamagedError(f"file {path} is damaged: its checksum does not fit")
 
 

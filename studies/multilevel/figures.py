@@ -44,11 +44,23 @@ def _scatter(axes: Axes, observable: str, samples: Samples) -> None:
     }
     for i, (label, values) in enumerate(lines.items(), start=1):
         axes.plot(finer, values, f"{MARKERS[i]}-", ms=3.5, lw=0.8, color=COLOURS[i], label=label)
+    if FOUNDATION in samples.values:
+        _foundation(axes, samples, sizes)
     axes.set(
         xscale="log", yscale="log", xlabel="grid points (dimensionless)", ylabel=f"{observable} ({unit_of(observable)})"
     )
     axes.set_xscale("log", base=2)
     _legend(axes)
+
+
+def _foundation(axes: Axes, samples: Samples, sizes: list[int]) -> None:
+    """The scatter on the foundation, which has no grid points, and of the change from it to each grid."""
+    alone = float(np.std(list(samples.values[FOUNDATION].values()), ddof=1))
+    axes.axhline(alone, ls="--", lw=0.8, color=COLOURS[3], label="std on the foundation, times its factor")
+    shared = [size for size in sizes if len(samples.seeds(size, FOUNDATION)) > 1]
+    change = [math.sqrt(term(samples, size, FOUNDATION).variance) for size in shared]
+    label = "std of the change from there to a grid"
+    axes.plot(shared, change, f"{MARKERS[3]}-", ms=3.5, lw=0.8, color=COLOURS[3], label=label)
 
 
 def _legend(axes: Axes) -> None:

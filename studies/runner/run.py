@@ -7,6 +7,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from linecontact.solver.display import counted
+
 from ..figures.names import names
 from ..figures.style import NothingToDraw
 from ..files import study_files, writing
@@ -39,30 +41,40 @@ def run_study(study: Study, options: Options) -> int:
         figures = _draw(study, plans, files, folder, computed)
         with writing.expecting(folder):
             parts = study.report(files, folder)
+            asked = [(files[plan.kind], plan.configuration) for plan in plans]  # a file of something better may be kept
+            missed = {file.kind: study.missed(replace(file, configuration=own)) for file, own in asked}
     study.check_report(parts)
     output = console.Output()
     for part in parts:
-        output.print(part, soft_wrap=isinstance(part, str), highlight=False)
-    output.print(f"{time.monotonic() - begin:.1f} s in all." if computed else "Finished before; nothing computed.")
+        output.print(part, highlight=False)
+    done = "Finished before; nothing computed."
+    if any(missed.values()):
+        done = "Nothing computed; all that may be done was done before."
+    output.print(f"{time.monotonic() - begin:.1f} s in all." if computed else done)
     output.print(f"Data: {', '.join(str(plan.path(folder)) for plan in plans)}", soft_wrap=True)
     if figures:
         output.print(f"Figures: {', '.join(map(str, figures))}", soft_wrap=True)
-    return _exit_status(study, files.values())
+    return _exit_status(study, files, missed)
 
 
-def _exit_status(study: Study, files: Iterable[StudyFile]) -> int:
-    """4 if any task failed or there is a defect, 3 if any run is not certified at its tolerance, else 0."""
+def _exit_status(study: Study, files: Files, missed: Mapping[str, Iterable[str]]) -> int:
+    """4 if any task failed or there is a defect, 3 if any run is not certified at its tolerance, or what was asked for
+    is not reached, else 0.
+    """
     status = 0
-    for file in files:
+    for kind, file in files.items():
         for task, reason in file.failures.items():
-            console.errors.print(f"linecontact: {file.kind}: task {task} failed: {reason}")
+            console.errors.print(f"linecontact: {kind}: task {task} failed: {reason}")
             status = console.EXIT_FAILED
         for defect in study.defects(file):
-            console.errors.print(f"linecontact: {file.kind}: defect: {defect}")
+            console.errors.print(f"linecontact: {kind}: defect: {defect}")
             status = console.EXIT_FAILED
         unconverged = any(run.get("status", "converged") != "converged" for run in file.runs)
         if unconverged and not status and not study.may_not_converge:
             status = console.EXIT_NOT_CONVERGED
+        for reason in missed[kind]:
+            console.errors.print(f"linecontact: {kind}: what was asked for is not reached: {reason}")
+            status = status or console.EXIT_NOT_CONVERGED
     return status
 
 
@@ -148,8 +160,9 @@ def _begin(plans: Sequence[Plan], options: Options, folder: Path) -> Ensemble:
         results.forget(tasks)
     ensemble = Ensemble(tasks, results)
     if ensemble.found:
-        of_all = "" if any(plan.more for plan in plans) else f" of {len(ensemble.tasks)}"
-        console.errors.print(f"continuing: {ensemble.found}{of_all} tasks are done")
+        of_all = "" if any(plan.more for plan in plans) else f"{ensemble.found} of "
+        tasks_done = counted(len(ensemble.tasks) if of_all else ensemble.found, "task")
+        console.errors.print(f"continuing: {of_all}{tasks_done} {'is' if ensemble.found == 1 else 'are'} done")
     return ensemble
 
 

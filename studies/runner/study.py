@@ -97,7 +97,7 @@ def _rows(record: Record | None) -> Sequence[Record]:
     return () if record is None else record.get(ROWS, (record,))
 
 
-def _no_defects(_: StudyFile) -> Sequence[str]:
+def _none(_: StudyFile) -> Sequence[str]:
     return ()
 
 
@@ -119,8 +119,11 @@ class Study:
     """From the stored files, by kind, and their folder to what is shown at the end: tables and sentences."""
     draw: Callable[[Path], "dict[str, Figure]"] = _REQUIRED
     """From a stored file to its figures, by the endings of their names. It imports matplotlib when it is called."""
-    defects: Callable[[StudyFile], Sequence[str]] = _no_defects
+    defects: Callable[[StudyFile], Sequence[str]] = _none
     """What in a stored file must not be, a line each; any of them makes the exit status that of a failed task."""
+    missed: Callable[[StudyFile], Sequence[str]] = _none
+    """Why a stored file is less than what was asked for, with what is allowed instead, a line each; any of them makes
+    the exit status that of a run less accurate than asked."""
     may_not_converge: bool = False
     """Whether a run that does not converge is a result like any other, and the exit status 0 all the same."""
 

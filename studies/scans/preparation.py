@@ -5,10 +5,9 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
+from linecontact.solver.arrays import Array64
 from linecontact.solver.transforms.plain import irfft, rfft
-from numpy.typing import NDArray
 
-Array64 = NDArray[np.float64]
 Detrend = Literal["linear", "mean", "none"]
 Window = Literal["mirror", "tukey", "hann", "none"]
 
@@ -41,7 +40,7 @@ class Profile:
         if how == "linear":
             i = np.arange(self.z.size) - (self.z.size - 1) / 2
             slope = float(i @ self.z) / float(i @ i)
-            self.steps.append(f"tilt of {slope / self.spacing:.4g} removed (least squares)")
+            self.steps.append(f"tilt of {slope / self.spacing:.4g} (dimensionless) removed by least squares")
             self.z = self.z - slope * i
         if how != "none":
             self.steps.append("mean removed")
@@ -103,11 +102,11 @@ def evenly_spaced(x: Array64, z: Array64) -> Profile:
     off = float(np.abs(x - x.mean() - spacing * i).max())
     digit = _last_digit(x)
     if off <= max(_EVEN * spacing, _ROUNDING * digit if digit < _ROUNDED * spacing else 0.0):
-        even = f"positions even to {off / spacing:.2g} of the spacing {spacing:.6g}, taken as even"
+        even = f"positions even to {off / spacing:.2g} of their spacing, taken as even"
         return Profile(z, spacing * x.size, [even])
     gap = float(np.diff(x).max())
     if gap > _LONGEST_GAP * x[-1] and gap > 1.5 * spacing:
-        raise ValueError(f"x has a gap of {gap:.4g}, {gap / x[-1]:.1%} of the scan; allowed: up to {_LONGEST_GAP:.0%}")
+        raise ValueError(f"x has a gap of {gap / x[-1]:.1%} of the scan; allowed: up to {_LONGEST_GAP:.0%}")
     even_x = np.linspace(0, x[-1], x.size)
     told = f"interpolated linearly to even spacing, the largest gap {gap / even_x[1]:.3g} spacings"
     return Profile(np.asarray(np.interp(even_x, x, z)), float(x[-1]) * x.size / (x.size - 1), [told])

@@ -2,12 +2,12 @@
 
 from linecontact.solver import Scene
 from linecontact.solver.units import SCENE
-from rich.table import Table
 
+from ..terminal.tables import Whole
 from .units import UNITS
 
 
-def table(scene: Scene, over: str = "") -> Table:
+def table(scene: Scene, over: str = "") -> Whole:
     """Length, spacing, roughness and period of a scan, and the thickness of the layer.
 
     over: the number of the scene that varies, if one does.
@@ -16,9 +16,9 @@ def table(scene: Scene, over: str = "") -> Table:
     own = about["profile_length_unit"]
     along = about.get("profile_x_unit", own)
     heights = about["profile_z_unit"]
-    found = Table(title=f"Scan {about['profile_file']}: {about['profile_values']} values", caption=_caption(about))
+    found = Whole(title=f"Scan {about['profile_file']}: {about['profile_values']} values", caption=_caption(about))
     found.add_column("quantity")
-    found.add_column("value", justify="right")
+    found.add_column("value", justify="right", no_wrap=True)
     found.add_column("unit")
 
     def add(name: str, length: float, unit: str) -> None:

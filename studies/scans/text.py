@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from linecontact.solver.arrays import Array64
+from linecontact.solver.display import counted
 
 from .header import Label, is_downwards, labels, stated_units
 
-Array64 = NDArray[np.float64]
 Decimal = Literal["point", "comma"]
 
 MAX_TEXT = 2**25
@@ -109,8 +109,8 @@ def read_text(path: Path, name: str, decimal: Decimal | None) -> Table:
         for i in range(first, len(lines)):
             if writing.numbers(lines[i]) != count:
                 raise ValueError(
-                    f"profile_file {path}, line {i + 1}: {lines[i].strip()[:40]!r} is not {count} numbers; allowed: "
-                    f"a number in each of the {count} columns of every line ({writing})"
+                    f"profile_file {path}, line {i + 1}: {lines[i].strip()[:40]!r} is not {counted(count, 'number')}; "
+                    f"allowed: {counted(count, 'number')} in every line ({writing})"
                 ) from None
         # what float() reads and NumPy does not, like 1_0
         raise ValueError(f"profile_file {path}: {error}; allowed: plain numbers") from None
@@ -119,9 +119,9 @@ def read_text(path: Path, name: str, decimal: Decimal | None) -> Table:
     if len(cells) == count and any(writing.numbers(cell) for cell in cells if cell):
         raise ValueError(
             f"profile_file {path}, line {first}: {head[-1].strip()[:40]!r} looks like a row of the table below; "
-            f"allowed: {count} numbers there, or an empty line between header and table"
+            f"allowed: {counted(count, 'number')} there, or an empty line between header and table"
         )
-    origin = f"columns of {name}, {writing}, {first} lines of header"
+    origin = f"columns of {name}, {writing}, {counted(first, 'line')} of header"
     return Table(values, origin, labels(head, writing.delimiter, count), tuple(stated_units(head)), is_downwards(head))
 
 

@@ -1,9 +1,12 @@
 """Units of length, in the spellings that instruments and people use."""
 
+import math
 import re
 import unicodedata
 from collections.abc import Mapping
 from typing import Any, Literal
+
+from ..terminal.text import NOT_TOO_LARGE, number
 
 Unit = Literal["m", "cm", "mm", "um", "nm", "pm", "angstrom", "inch"]
 
@@ -47,15 +50,20 @@ def read(name: str, text: str, length: bool, own: str) -> float:
     known = unit_of(written)
     try:
         base, _, power = digits.partition("^")
-        value = float(base) ** int(power) if power else float(digits)
+        value = number(base) ** int(power) if power else number(digits)
         if written and not known:
             raise ValueError("of no known unit")
-    except (ValueError, OverflowError):
-        more = ", or a length with its unit, like 50um" * length
+    except OverflowError:
+        raise ValueError(f"{name} is {text!r}; allowed: {NOT_TOO_LARGE}") from None
+    except ValueError:
+        more = ", or a length with its unit, like 50um" * (length and own in UNITS)
         raise ValueError(f"{name} is {text!r}; allowed: a number{more}") from None
     if known and own not in UNITS:
         raise ValueError(f"{name} is {text!r}; allowed: a number alone, the lengths of this scene have no unit")
-    return value * (UNITS[known] / UNITS[own]) if known else value
+    found = value * (UNITS[known] / UNITS[own]) if known else value
+    if math.isinf(found) and not math.isinf(value):
+        raise ValueError(f"{name} is {text!r}; allowed: {NOT_TOO_LARGE}, in {own}")
+    return found
 
 
 def axis_units(about: Mapping[str, Any]) -> tuple[str, str, str] | None:

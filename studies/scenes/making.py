@@ -8,7 +8,7 @@ from linecontact.solver import INDENTERS, LAYERS, MeasuredIndenter, Scene
 
 from ..scans import reading
 from ..scans.units import read
-from ..terminal.options import one_of, options_of
+from ..terminal.options import one_of, options_of, told
 from . import kinds, stiffness_file
 
 Given = Mapping[str, Mapping[str, Any]]
@@ -98,7 +98,7 @@ def _made(what: str, options: Any, given: Given, unit: str) -> Any:
         for name, value in given[kinds.title(what, other)].items():
             if name not in own and not hasattr(options, name) and value != defaults[name]:
                 takers = " or ".join(one for one, taker in classes.items() if name in options_of(taker))
-                raise ValueError(f"{name} is {value}; allowed: only with --{what} {takers}, not {chosen}")
+                raise ValueError(f"{told(name, value)}; allowed: only with --{what} {takers}, not {chosen}")
     values = given[kinds.title(what, chosen)]
     for name, option in own.items():
         if option.default is MISSING and name not in values:

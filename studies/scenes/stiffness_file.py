@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 from linecontact.solver import TabulatedLayer
+from linecontact.solver.display import counted
 
 _MOST_BYTES = 2**24
 
@@ -41,7 +42,7 @@ def read(options: Options) -> TabulatedLayer:
             f"{what}, which cannot be read ({said}); allowed: text of two columns, q and K(q), with # before a header"
         ) from None
     if rows.shape[1] != 2:
-        raise ValueError(f"{what}, of {rows.shape[1]} columns; allowed: two, q and K(q)")
+        raise ValueError(f"{what}, of {counted(rows.shape[1], 'column')}; allowed: two, q and K(q)")
     modulus = math.nan if options.contact_modulus is None else options.contact_modulus
     try:
         return TabulatedLayer(tuple(rows[:, 0].tolist()), tuple(rows[:, 1].tolist()), modulus, path.name)

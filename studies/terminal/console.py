@@ -13,10 +13,10 @@ from linecontact.solver.methods import Progress as Report
 from rich import box
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-from rich.table import Table
 from rich.text import Text
 
 from . import arguments
+from .tables import Whole
 from .text import printable
 
 KEPT = "; finished tasks are kept"
@@ -30,10 +30,18 @@ EXIT_BROKEN_PIPE = 141
 
 
 class Plain(Console):
-    """A console that takes text as it is: no markup, no names of emoji, nothing that steers the terminal."""
+    """A console that takes text as it is: no markup, no names of emoji, nothing that steers the terminal.
+
+    Sentences are wrapped on a terminal only: in a file and a pipe a sentence is a line. Nothing is cut off.
+    """
 
     def __init__(self, **options: Any) -> None:
         super().__init__(markup=False, emoji=False, **options)
+
+    def print(self, *objects: Any, **options: Any) -> None:
+        """As of any console."""
+        sentences = all(isinstance(one, str) for one in objects)
+        super().print(*objects, **{"soft_wrap": sentences and not self.is_terminal, "crop": False} | options)
 
     def render_str(self, text: str, **options: Any) -> Text:
         """Whatever is printed, and the cells of tables, come through here."""
@@ -64,13 +72,13 @@ class Output(Plain):
         raise BrokenPipeError
 
 
-errors = _Messages(stderr=True, highlight=False, soft_wrap=True)
+errors = _Messages(stderr=True, highlight=False)
 """Progress and messages; results go to standard output."""
 
 
-def table(**options: Any) -> Table:
+def table(**options: Any) -> Whole:
     """A table as all studies close with: no frame, the caption flush left. options: of `rich.table.Table`."""
-    return Table(box=box.SIMPLE, pad_edge=False, caption_justify="left", **options)
+    return Whole(box=box.SIMPLE, pad_edge=False, caption_justify="left", **options)
 
 
 def exit_status(status: Status) -> int:

@@ -4,19 +4,16 @@ A field may be a number, text, a path, a flag (a bool, False by default), one of
 tuple of paths, numbers or text, or None where nothing is given. With `may_stand_alone` its value may be left out.
 """
 
-import contextlib
-import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import MISSING, Field, dataclass, field, fields
 from pathlib import Path
 from types import NoneType, UnionType
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
-_TYPES = {int: "an integer, like 262144 or 2^18", float: "a number", str: "some text", Path: "a path"}
+from .text import NOT_TOO_LARGE, number
+
+_TYPES = {int: "an integer, in digits or like 2^10", float: "a number", str: "some text", Path: "a path"}
 """What a value of each type is called."""
-
-
-_BEGINS_WITH_NUMBER = re.compile(r"\s*[-+]?\.?\d")
 
 
 def one_of(allowed: Iterable[str], default: Any) -> Any:
@@ -51,7 +48,7 @@ class Option:
     @property
     def _one(self) -> str:
         """What is allowed of one value."""
-        return ", ".join(self.choices) or _TYPES[self.type] + ", or a length with its unit, like 50um" * self.length
+        return ", ".join(self.choices) or _TYPES[self.type]
 
     @property
     def allowed(self) -> str:
@@ -67,18 +64,26 @@ class Option:
     def value(self, words: str | list[str] | bool) -> Any:
         """The value that a word stands for, or several; True is a flag that is given. Raises `ValueError`.
 
-        A length with a unit stays a text, until it is known in which unit the scene is.
+        A length that is no number alone stays a text, until it is known in which unit the scene is.
         """
         if isinstance(words, bool):
             return words
         if isinstance(words, list):
             return tuple(self.value(word) for word in words)
+        allowed = self._one
         if words in self.choices or not self.choices:
-            with contextlib.suppress(ValueError):
-                return _power(words) if self.type is int and "^" in words else self.type(words)
-        if self.length and _BEGINS_WITH_NUMBER.match(words):
-            return words
-        raise ValueError(f"{self.name} is {words!r}; allowed: {self._one}")
+            try:
+                return _power(words) if self.type is int and "^" in words else _READ.get(self.type, self.type)(words)
+            except OverflowError:
+                allowed = NOT_TOO_LARGE
+            except ValueError:
+                if self.length:
+                    return words
+        raise ValueError(f"{self.name} is {words!r}; allowed: {allowed}")
+
+
+_READ: dict[type, Callable[[str], Any]] = {float: number}
+"""How a value of a type is read that its class does not read as it should."""
 
 
 def _power(words: str) -> int:
@@ -92,6 +97,11 @@ def _power(words: str) -> int:
 def flag(name: str) -> str:
     """The name of a field as it is written on the command line; `from_`, which Python needs, is --from there."""
     return f"--{name.rstrip('_').replace('_', '-')}"
+
+
+def told(name: str, value: Any) -> str:
+    """An option that is given and its value, for messages."""
+    return f"{flag(name)} is given" if value is True else f"{name} is {value}"
 
 
 def options_of(kind: type) -> dict[str, Option]:

@@ -1,0 +1,135 @@
+"""What is printed on terminals of any width, and in files: no digit is lost, and errors are rounded up."""
+
+import io
+import itertools
+import re
+
+import pytest
+from linecontact.solver import Layer, RoughIndenter, Scene, solve
+from linecontact.solver.display import counted, rounded_up
+from linecontact.studies.command_line.solve import choices_table, solution_table
+from linecontact.studies.explore import wording
+from linecontact.studies.explore.answers import Answer
+from linecontact.studies.files.study_files import StudyFile
+from linecontact.studies.rough_surfaces import ensembles, means, report
+from linecontact.studies.runner import study
+from linecontact.studies.terminal import console
+from running import run_plans
+
+
+@pytest.fixture(scope="module")
+def solution():
+    return solve(Scene(Layer(0.1), RoughIndenter(cut_off_ratio=0.1), num_points=2**10), accuracy=1e-3)
+
+
+def printed(thing, width, terminal=False):
+    output = io.StringIO()
+    console.Plain(file=output, width=width, force_terminal=terminal, color_system=None).print(thing)
+    return output.getvalue()
+
+
+def words(text):
+    """Everything that is said but lines and blanks, wherever it is broken, in the order of the alphabet."""
+    return sorted(re.sub(r"[^\x21-\x7e]", "", text))
+
+
+def numbers(text):
+    return sorted(re.findall(r"\d[\d.]*(?:e[+-]\d+)?", text))
+
+
+@pytest.mark.parametrize("width", [20, 40, 60, 80])
+def test_a_narrow_terminal_loses_nothing_of_a_table(solution, width):
+    for table in (solution_table(solution), choices_table(solution)):
+        wide, narrow = printed(table, 500), printed(table, width)
+        assert len(words(narrow)) >= len(words(wide))
+        cells = [cell for column in table.columns if column.no_wrap for cell in column.cells]
+        assert all(cell in narrow for cell in cells)
+        assert width < 40 or max(map(len, narrow.splitlines())) <= width
+
+
+@pytest.mark.parametrize("width", [20, 40, 60])
+def test_a_table_of_numbers_comes_in_parts(width):
+    table = console.table(title="the title", caption="the caption")
+    for i in range(9):
+        table.add_column(f"column {i}", justify="right", no_wrap=True)
+    for i in range(3):
+        table.add_row(*(f"{i}.{k}23456" for k in range(9)))
+    table.add_section()
+    text = printed(table, width)
+    assert set(numbers(text)) == set(numbers(printed(table, 500)))
+    assert max(len(line.rstrip()) for line in text.splitlines()) <= max(width, 21)
+    assert [text.count(said) for said in ("the title", "the caption")] == [1, 1]
+    parts = text.count("column 0")
+    assert parts > 1
+    assert text.count("1.023456") == parts
+    assert text.count("1.823456") == 1
+
+
+def test_a_sentence_is_wrapped_on_a_terminal_only():
+    said = "some words of a long sentence " * 5
+    assert max(map(len, printed(said, 40, terminal=True).splitlines())) <= 40
+    assert printed(said, 40) == f"{said}\n"
+    assert printed("a" * 100, 40) == "a" * 100 + "\n"
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(0.01497, "0.015"), (0.0101, "0.011"), (0.1, "0.1"), (9.91e-8, "1e-07"), (0.0, "0"), (float("inf"), "inf")],
+)
+def test_an_error_is_rounded_up(value, text):
+    assert rounded_up(value) == text
+
+
+def test_a_count_has_its_noun():
+    assert [counted(n, "line") for n in (0, 1, 2)] == ["0 lines", "1 line", "2 lines"]
+
+
+def test_claimed_errors_are_rounded_up_wherever_they_are_shown(solution):
+    found = solution.observables
+    area, relative = (
+        rounded_up(found.contact_area_error),
+        rounded_up(found.contact_area_error / found.contact_area_subgrid),
+    )
+    table = printed(solution_table(solution), 200)
+    assert f"+- {area} (relative {relative})" in table
+    for error in (found.contact_area_error, found.kappa_error, found.approach_error, found.peak_pressure_error):
+        assert re.search(rf"its error, estimated +\S +{re.escape(rounded_up(error))} ", table)
+    (choice,) = (choice for choice in solution.choices if choice.what == "grid")
+    assert re.search(rf"grid +\S +\S+ points +\S +{rounded_up(choice.error)} ", printed(choices_table(solution), 200))
+    assert f"error {rounded_up(choice.error)} [-]" in repr(choice)
+    assert f"+- {area} [-]" in repr(solution)
+    assert f"+- {area}" in solution._repr_html_()
+    said = wording.said(Answer(solution.scene, solution, "", 0.1), 0.1)
+    assert f"{area} (dimensionless, relative error {relative}, as claimed)" in said
+    assert f"{rounded_up(found.kappa_error)}, p*" in said
+    mantissa, _, power = area.partition("e")
+    assert rf"\pm {mantissa}\times10^{{{int(power)}}}$" in solution.plot().get_suptitle().replace("  ", " ")
+    assert str(means.Mean(1.23456, 0.01497)) == "1.235 +- 0.015"
+
+
+def test_what_is_not_reached_is_said_each_time_on_standard_error(tmp_path, capsys):
+    def missed(file):
+        return ["it takes longer; allowed: more"] * (file.configuration["wanted"] < 1)
+
+    def draw(path):
+        return {}
+
+    plan = study.Plan("dummy", {"wanted": 0.5}, [], figures=())
+    one = study.Study(
+        name="hertz", options=study.Options, plans=lambda _: [plan], report=lambda *_: [], draw=draw, missed=missed
+    )
+    for last in ("s in all.", "Nothing computed; all that may be done was done before."):
+        assert run_plans(one, [plan], tmp_path) == 3
+        said = capsys.readouterr()
+        assert said.err == "linecontact: dummy: what was asked for is not reached: it takes longer; allowed: more\n"
+        assert last in said.out
+        assert "Finished" not in said.out
+
+
+def test_points_of_rough_surfaces_that_are_out_of_reach_are_said(monkeypatch):
+    file = StudyFile("rough", {"standard_error": 0.01}, [])
+    reasons = itertools.cycle(["too long", ""])
+    states = {i: type("State", (), {"out_of_reach": next(reasons)}) for i in range(4)}
+    monkeypatch.setattr(ensembles, "states", lambda _: states)
+    assert report.missed(file) == ["too long"]
+    assert report.missed(StudyFile("rough", {}, [])) == []
