@@ -220,7 +220,7 @@ def test_the_command_line(tmp_path, capsys):
     coarse = ["--num-points", "2^10", "--folder", str(tmp_path / "coarse"), "--accuracy", "1e-6"]
     assert main.main(["curve", *words[:4], *values[:2], *values[4:], *coarse]) == 3
     said = " ".join(capsys.readouterr().out.split())
-    assert "2 values less accurate than asked (1e-06 of the contact area); allowed: more num_points." in said
+    assert "2 values are less accurate than asked (1e-06 of the contact area); allowed: more num_points." in said
     columns = curve(Scene(Layer(0.1), num_points=2**12), "pressure", [1e-3], accuracy=1e-3, accuracy_of="approach")
     assert columns["approach_error"][0] <= 1e-3 * columns["approach"][0]
 

@@ -17,14 +17,13 @@ from functools import cached_property
 import numpy as np
 
 from ....kernels import Call, layout, record
-from ...arrays import Array64, Indices, Mask
-from ...grid.patches import Patches
+from ...arrays import Array64, Indices
 from ...grid.problem import Problem, foundation_pressure, rounding_floor, typical_stiffness
 from ..method import Method, Setting
 from .compliance import Compliance
-from .gap_by_gap import GapByGap
+from .free_set import FreeSet
 from .greens_function import GreensFunction
-from .search import HARDER, LOOSEST, MOST_ITERATIONS, SAFETY, Search
+from .search import HARDER, LOOSEST, SAFETY, Search
 from .storage import Whole
 
 _LEAST = 0.25  # share of the nodes in contact from which this form takes less time than that in the pressure
@@ -60,7 +59,7 @@ class FreeNodes(Method):
         self._search = Search()
         self._state = np.zeros(layout.GAP_STATE_LENGTH)
         self._displacement = np.zeros(problem.num_points)
-        self._set_free(self._displacement < problem.height)
+        self._set = FreeSet.of(self._displacement < problem.height, storage)
         self._force = operator.new_field()  # r
         self._force[:] = 1
 
@@ -94,24 +93,14 @@ class FreeNodes(Method):
         """Begin from a displacement, shape (N,) [u]."""
         displacement = np.minimum(self._storage.symmetric(displacement), self.problem.height)
         self._displacement, self.stopped, self._search = displacement, False, Search()
-        self._set_free(displacement < self.problem.height)
+        self._set = FreeSet.of(displacement < self.problem.height, self._storage)
         self._make_force()
         self._floor = _FLOOR * rounding_floor(self.problem.stiffness, displacement, "float64")
 
-    def _set_free(self, free: Mask) -> None:
-        """Turn to another set of free nodes, shape (N,)."""
-        self._gaps = Patches.of_nodes(self._storage.with_images(np.flatnonzero(free)), free.size)
-        self._nodes = self._gaps.nodes
-        self._free = np.zeros_like(free)
-        self._free[self._nodes] = True
-        self._places = self._storage.places(self._nodes)
-        self._inverse: GapByGap | None = None
-        self._direction, self._last_product = np.zeros(0), 0.0
-        self._first_residual, self._iterations, self._settled = math.inf, 0, False
-
     def _make_force(self) -> None:
         """The net force of all nodes from their displacement, those in contact on the exact wall."""
-        self._displacement[~self._free] = self.problem.height[~self._free]
+        held = ~self._set.free
+        self._displacement[held] = self.problem.height[held]
         self._apply(self._storage.places(np.arange(self._displacement.size)), self._displacement)
         np.subtract(1, self._operator.target, out=self._force)
 
@@ -124,7 +113,7 @@ class FreeNodes(Method):
         self._floor *= HARDER
         self.stopped = False
         self._make_force()  # what is carried along has lost touch with the displacement
-        self._last_product, self._iterations = 0.0, 0
+        self._set.begin_anew()
         return True
 
     def demand_every_node(self) -> None:
@@ -132,65 +121,61 @@ class FreeNodes(Method):
 
     def step(self) -> None:
         """One iteration on the free nodes; where they are solved well enough, update which nodes are free instead."""
-        force = self._force[self._places]
+        now = self._set
+        force = self._force[now.places]
         self.residual = math.sqrt(float(force @ force) / max(1, force.size))
-        if math.isinf(self._first_residual):
-            self._first_residual = self.residual
+        if math.isinf(now.first_residual):
+            now.first_residual = self.residual
             if self._reduction:
                 self.tolerance = max(self.tolerance, min(self._reduction * self.residual, LOOSEST))
                 self._target, self._reduction = SAFETY * self.tolerance, 0.0
         target = max(self._target, self._floor)
-        part = 0.0 if self._settled else self._search.forcing_term * self._first_residual
+        part = 0.0 if now.settled else self._search.forcing_term * now.first_residual
         if self.residual <= max(target, part):
             self.iteration += 1
             if self._update():
                 return
-            self._settled = True
+            now.settled = True
             if self.residual <= target:
                 self.stopped = True
                 return
-        if self._iterations >= MOST_ITERATIONS or not self._iterate(force):
+        if now.exhausted or not self._iterate(force):
             self.stopped = not self._update()  # it may be the wrong set
 
     def _iterate(self, force: Array64) -> bool:
         """One iteration of conjugate gradients; False if rounding has left no way down."""
-        self._iterations += 1
+        now = self._set
+        now.iterations += 1
         self.iteration += 1
-        if self._inverse is None:
-            self._inverse = GapByGap(self._green, self._gaps)
-        z = self._inverse.apply(force)
-        product = float(force @ z)
-        share = product / self._last_product if self._last_product else 0.0
-        self._direction = z + share * self._direction if share else z
-        self._last_product = product
-        self._apply(self._places, self._direction)
-        curvature = float(self._direction @ self._operator.target[self._places])
+        product = now.turn(force, self._green)
+        self._apply(now.places, now.direction)
+        curvature = float(now.direction @ self._operator.target[now.places])
         if not curvature > 0:
             return False
         step = product / curvature
-        self._displacement[self._nodes] += step * self._direction
+        self._displacement[now.gaps.nodes] += step * now.direction
         self._state[layout.STEP] = -step
         self._advance()
         return True
 
     def _update(self) -> bool:
         """Put nodes that penetrate onto the wall, set nodes free that pull; False if no more than may be wrong do."""
-        height, nodes = self.problem.height, self._nodes
+        height, nodes = self.problem.height, self._set.gaps.nodes
         penetrating = nodes[self._displacement[nodes] > height[nodes]]
         pull = self._storage.get(self._force) < -_SMALLEST_PULL * self.tolerance
-        pull &= ~self._free
+        pull &= ~self._set.free
         changed = penetrating.size + int(np.count_nonzero(pull))
-        if changed <= self._wrong_nodes_per_patch * max(1, self._gaps.count):
+        if changed <= self._wrong_nodes_per_patch * max(1, self._set.gaps.count):
             return False
         self._search.note(changed)
-        free = self._free | pull
+        free = self._set.free | pull
         free[penetrating] = False
         if free.all():  # K knows no load without contact
             free[np.argmax(self._displacement - height)] = False
-        self._set_free(free)
+        self._set = FreeSet.of(free, self._storage)
         self._make_force()
         self.residual = math.inf
-        self.stopped = self._search.in_circles(hash((self._gaps.first.tobytes(), self._gaps.last.tobytes())))
+        self.stopped = self._search.in_circles(self._set.key)
         return True
 
     @property
@@ -201,4 +186,4 @@ class FreeNodes(Method):
     @property
     def contact_pressure(self) -> Array64:
         """sigma, shape (N,) [p]."""
-        return np.where(self._free, 0.0, np.maximum(self._storage.get(self._force), 0.0))
+        return np.where(self._set.free, 0.0, np.maximum(self._storage.get(self._force), 0.0))

@@ -1,0 +1,73 @@
+"""What belongs to one set of free nodes; the search by displacements makes a new one whenever it changes the set."""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ...arrays import Array64, Indices, Mask
+from ...grid.patches import Patches
+from .gap_by_gap import GapByGap
+from .greens_function import GreensFunction
+from .search import MOST_ITERATIONS
+from .storage import Whole
+
+
+@dataclass
+class FreeSet:
+    """A set of free nodes, in the compact order of `Patches`, and conjugate gradients on it."""
+
+    gaps: Patches
+    """Its runs of neighbouring nodes."""
+    free: Mask
+    """Which nodes are free, shape (N,)."""
+    places: Indices
+    """Where the free nodes have their values in the stored field, shape (free nodes,)."""
+    inverse: GapByGap | None = None
+    """The preconditioner; made when it is needed."""
+    direction: Array64 = field(default_factory=lambda: np.zeros(0))
+    """Search direction of conjugate gradients, shape (free nodes,) [u]."""
+    last_product: float = 0.0
+    """Residual times preconditioned residual of the previous iteration [p u]; 0 makes the next step one of steepest
+    descent."""
+    first_residual: float = math.inf
+    """Residual when the set was new, over p (dimensionless)."""
+    settled: bool = False
+    """No node wanted to join or leave when the set was last examined."""
+    iterations: int = 0
+    """On this set."""
+
+    @classmethod
+    def of(cls, free: Mask, storage: Whole) -> "FreeSet":
+        """The set of the nodes that are free, shape (N,)."""
+        gaps = Patches.of_nodes(storage.with_images(np.flatnonzero(free)), free.size)
+        with_images = np.zeros_like(free)
+        with_images[gaps.nodes] = True
+        return cls(gaps, with_images, storage.places(gaps.nodes))
+
+    @property
+    def key(self) -> int:
+        """By which a set that comes back is recognised."""
+        return hash((self.gaps.first.tobytes(), self.gaps.last.tobytes()))
+
+    @property
+    def exhausted(self) -> bool:
+        """Whether more iterations are of no use."""
+        return self.iterations >= MOST_ITERATIONS
+
+    def begin_anew(self) -> None:
+        """Forget what conjugate gradients have found on the way."""
+        self.last_product, self.iterations = 0.0, 0
+
+    def turn(self, force: Array64, green: GreensFunction) -> float:
+        """Turn the search direction for a net force on the free nodes [p], shape (free nodes,); that force times the
+        preconditioned one [p u].
+        """
+        if self.inverse is None:
+            self.inverse = GapByGap(green, self.gaps)
+        z = self.inverse.apply(force)
+        product = float(force @ z)
+        share = product / self.last_product if self.last_product else 0.0
+        self.direction = z + share * self.direction if share else z
+        self.last_product = product
+        return product
