@@ -32,7 +32,8 @@ def short(file: StudyFile) -> list[str]:
     count = sum(run["status"] == str(Status.INACCURATE) for run in file.runs)
     c = file.configuration
     what = f"{c.get('accuracy')} of the {str(c.get('accuracy_of', '')).replace('-', ' ')}"
-    told = f"{counted(count, 'value')} {'is' if count == 1 else 'are'} less accurate than asked ({what}); allowed: more num_points."
+    values = f"{counted(count, 'value')} {'is' if count == 1 else 'are'}"
+    told = f"{values} less accurate than asked ({what}); allowed: more num_points."
     return [told] if count else []
 
 
