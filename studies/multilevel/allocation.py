@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from linecontact.solver import Scene
+from linecontact.solver.display import rounded_up
 
 from . import foundation
 from .estimator import Estimate, best_ladder, counts, estimate
@@ -203,9 +204,11 @@ def _within(found: State, rows: Sequence[Row], wanted: Wanted) -> State:
     seconds = _seconds(rows) + found.seconds_left
     solves = len(on_grids(rows)) + found.solves_left
     if seconds > wanted.max_seconds:
-        why = f"it takes about {seconds:.2g} s of solving; allowed: max_seconds of that, or a larger standard error"
+        more = f"it takes about {rounded_up(seconds)} s of solving"
+        why = f"{more}, max_seconds is {wanted.max_seconds:g}; allowed: max_seconds of that, or a larger standard error"
     elif solves > wanted.max_samples:
-        why = f"it takes about {solves:.2g} solves; allowed: max_samples of that, or a larger standard error"
+        more = f"it takes about {rounded_up(solves)} solves"
+        why = f"{more}, max_samples is {wanted.max_samples}; allowed: max_samples of that, or a larger standard error"
     else:
         return found
     return State(found.estimates, (), found.seconds_left, found.solves_left, why)

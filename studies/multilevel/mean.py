@@ -26,7 +26,8 @@ def ensemble_mean(
 
     scene: with an indenter that has a seed, which tells one ensemble from another; its grid is the finest that may be
         used.
-    standard_error: of the mean, > 0, in the unit of the observable; if `relative`, over the mean and at most 1.
+    standard_error: of the mean, 1e-60 and more, in the unit of the observable; if `relative`, over the mean and at
+        most 1.
     observable: 'kappa', 'contact-area', 'peak-pressure', 'approach' or 'mean-gap'. max_seconds, max_samples: time of
         solving [s], and solves, that may be planned.
 
@@ -55,9 +56,11 @@ def check_wanted(
     names = [name.strip().replace("_", "-") for name in observables]
     for name in names:
         checks.choice("observable", name, tuple(samples.OBSERVABLES))
+    allowed, most = "a number of 1e-60 and more, in the unit of the observable", math.inf
     if standard_error is None:
-        raise ValueError("standard_error is missing; allowed: a number > 0, in the unit of the observable")
-    allowed, most = ("1e-60 to 1, over the mean", 1.0) if relative else ("a number of 1e-60 and more", math.inf)
+        raise ValueError(f"standard_error is missing; allowed: {allowed}")
+    if relative:
+        allowed, most = "1e-60 to 1, over the mean", 1.0
     fewest = PILOT * FIRST_GRIDS
     return Wanted(
         tuple(dict.fromkeys(names)),

@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 from pathlib import Path
 
+from linecontact.solver.display import rounded_up
 from rich.console import RenderableType
 from rich.table import Table
 
@@ -33,7 +34,7 @@ def summary(observable: str, estimate: Estimate) -> Table:
     on_foundation = estimate.terms[0].num_points == FOUNDATION
     first = "A mean on a foundation, times a factor," if on_foundation else "A mean on a coarse grid,"
     table = console.table(
-        title=f"{observable}: {estimate.mean:.6g} +- {estimate.standard_error:.2g} [{unit_of(observable)}]",
+        title=f"{observable}: {estimate.mean:.6g} +- {rounded_up(estimate.standard_error)} [{unit_of(observable)}]",
         caption=f"{first} and means of the change to finer ones; std: of one surface; s: time of one surface, and of "
         "all of them [s].",
     )
@@ -54,12 +55,13 @@ def summary(observable: str, estimate: Estimate) -> Table:
 def _sentences(observable: str, estimate: Estimate, wanted: Wanted, spent: float) -> str:
     bias, number = estimate.bias, unit_of(observable)
     finest = estimate.terms[-1].num_points
-    off = f"The finest grid, {finest} points, is off by about {bias:.1g} [{number}]"
+    off = f"The finest grid, {finest} points, is off by about {rounded_up(bias)} [{number}]"
     if math.isnan(bias):
         off = f"Only {finest} points hold the surfaces: this is plain sampling, whose bias is not known"
     elif wanted.biased(estimate):
         off += f", more than a third of the standard error of {wanted.error(estimate):.2g} that was asked for"
-    said = f"{observable} = {estimate.mean:.6g} +- {estimate.standard_error:.2g} (standard error) [{number}]. {off}. "
+    error = rounded_up(estimate.standard_error)
+    said = f"{observable} = {estimate.mean:.6g} +- {error} (standard error) [{number}]. {off}. "
     said += f"Solving took {spent:.3g} s in all processes, with the first surfaces on other grids"
     if not estimate.standard_error > 0:
         return f"{said}; all surfaces have the same value."
@@ -73,7 +75,7 @@ def _sentences(observable: str, estimate: Estimate, wanted: Wanted, spent: float
 
 
 def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
-    """For each observable a table and what it means, and what is missing."""
+    """For each observable a table and what it means, and what is left out."""
     parts: list[RenderableType] = []
     for file in files.values():
         wanted, state = found(file)
@@ -84,9 +86,14 @@ def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
         lost = sum(run["status"] != "converged" for run in solves)
         if lost:
             parts.append(f"Left out: {lost} of {len(solves)} solves that did not converge.")
-        if not reached(wanted, state):
-            finer = "a finer grid is needed; allowed: more num_points, or a larger standard error"
-            biased = any(map(wanted.biased, state.estimates.values()))
-            why = state.out_of_reach or (finer if biased else "run again to continue")
-            parts.append(f"What was asked for is not reached: {why}.")
     return parts
+
+
+def missed(file: StudyFile) -> list[str]:
+    """Why a stored ensemble is not what was asked for, and what is allowed instead; nothing where it is."""
+    wanted, state = found(file)
+    if reached(wanted, state):
+        return []
+    biased = any(map(wanted.biased, state.estimates.values()))
+    finer = "a finer grid is needed; allowed: more num_points, or a larger standard error"
+    return [state.out_of_reach or (finer if biased else "it is not finished; allowed: to run it again")]

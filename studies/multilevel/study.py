@@ -8,18 +8,16 @@ from typing import TYPE_CHECKING, ClassVar
 
 from linecontact.solver import INDENTERS, RoughIndenter, Scene
 
-from ..files.study_files import load_study
 from ..runner import study
 from ..runner.run import run_study
 from ..runner.study import Plan, Study
 from ..scenes import kinds, making
 from ..scenes.described import base_scene, described
 from ..scenes.making import Given
-from ..terminal import console
 from ..terminal.options import one_of
 from . import tasks
 from .mean import MOST_SAMPLES, check_scene, check_wanted
-from .report import reached, report
+from .report import missed, report
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -45,9 +43,9 @@ class Options(making.Options, study.Options):
     """Whose mean is wanted: kappa, contact-area, peak-pressure, approach or mean-gap, or several of them separated by
     commas."""
     standard_error: float | None = None
-    """Standard error wanted of every mean, > 0, in its own unit; it must be given."""
+    """Standard error wanted of every mean, 1e-60 and more, in its own unit; it must be given."""
     relative: bool = False
-    """The standard error is over the mean (dimensionless)."""
+    """The standard error is over the mean, up to 1 (dimensionless)."""
     max_seconds: float = math.inf
     """Time of solving that may be planned, of all processes together [s]; beyond, it stops and says what it would
     take."""
@@ -84,13 +82,10 @@ def plans(options: Options) -> Sequence[Plan]:
     return [plan(replace(options, standard_error=error), {title: {} for title in kinds.titled()})]
 
 
-STUDY = Study(name=NAME, options=Options, plans=plans, report=report, draw=draw)
+STUDY = Study(name=NAME, options=Options, plans=plans, report=report, draw=draw, missed=missed)
 
 
 def command(options: Options, given: Given) -> int:
     """Sample as asked, or what is left of it; returns the exit status, 3 if that is not reached."""
     ready = plan(options, given)
-    status = run_study(replace(STUDY, plans=lambda _: [ready]), options)
-    stored = load_study(ready.path(STUDY.folder(options)))
-    asked = replace(stored, configuration=ready.configuration)  # a better one may be kept
-    return status or (0 if reached(*tasks.found(asked)) else console.EXIT_NOT_CONVERGED)
+    return run_study(replace(STUDY, plans=lambda _: [ready]), options)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from linecontact.solver import Scene
+from linecontact.solver.display import rounded_up
 from linecontact.solver.methods import Progress
 
 from ..files.study_files import StudyFile
@@ -48,7 +49,7 @@ def plan(description: str, scene: Scene, wanted: Wanted) -> Plan:
         known = rows(records)
         now = state(known, sizes, wanted, seed)
         means = (
-            f"{name} {found.mean:.5g} +- {found.standard_error:.2g} [{samples.unit_of(name)}], "
+            f"{name} {found.mean:.5g} +- {rounded_up(found.standard_error)} [{samples.unit_of(name)}], "
             f"{wanted.error(found):.2g} wanted"
             for name, found in now.estimates.items()
         )
