@@ -155,6 +155,16 @@ def test_interrupted_in_the_first_iteration(monkeypatch):
     assert solution.iterations == 1
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("method", METHODS)
+def test_a_grid_that_was_left_without_contact(method):
+    """The next one begins from a layer at rest (found by a soak: a division by zero)."""
+    problem = Problem.from_scene(Scene(num_points=64))
+    assert not problem.displacement_under(np.zeros(64)).any()
+    scene = Scene(Layer(0.1), num_points=64)
+    assert solve(scene, method=method, initial=np.full(64, -1.0)).status is Status.CONVERGED
+
+
 def test_contact_nodes_stand_on_the_profile():
     solution = solve(hertz(0.1, 0.25, 1000, pressure=1.7e-3, period=0.3))
     np.testing.assert_array_equal(solution.displacement[solution.contact], solution.scene.profile[solution.contact])

@@ -158,7 +158,12 @@ class Problem:
         return np.where(displacement >= self.height, np.maximum(self.net_force(displacement), 0.0), 0.0)
 
     def displacement_under(self, pressure: Array64) -> Array64:
-        """The displacement u <= h, shape (N,) [u], under a contact pressure [p]; on the wall where that acts."""
+        """The displacement u <= h, shape (N,) [u], under a contact pressure [p]; on the wall where that acts.
+
+        Without any, as a coarser grid may leave it, 0: a layer at rest.
+        """
+        if not pressure.any():
+            return np.zeros(self.num_points)
         modes = rfft(pressure)
         modes[0] = 0
         modes[1:] /= self.stiffness[1:]

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from linecontact.solver import checks
+from linecontact.solver.display import counted
 from linecontact.solver.methods import Progress
 from rich.console import RenderableType
 
@@ -120,9 +121,9 @@ def summary(file: StudyFile) -> str:
     hours, longest = sum(run["seconds.stretch"] for run in runs) / 3600, max(run["seconds.longest"] for run in runs)
     return (
         f"{total} random scenes in {hours:.2g} h: {count[CERTIFIED]} certified, {count[REFUSED]} refused with a reason "
-        f"({asked} of them asked for a tolerance or an accuracy of their own), {count[DEFECT]} defects. The longest "
-        f"took {longest:.3g} s. Resident memory: {first:.0f} MiB in the first tenth of the time, {last:.0f} MiB in the "
-        f"last (medians), at most {max(resident):.0f} MiB. Open files: {min(files)} to {max(files)}."
+        f"({asked} of them asked for a tolerance or an accuracy of their own), {counted(count[DEFECT], 'defect')}. The "
+        f"longest took {longest:.3g} s. Resident memory: {first:.0f} MiB in the first tenth of the time, {last:.0f} MiB in "
+        f"the last (medians), at most {max(resident):.0f} MiB. Open files: {min(files)} to {max(files)}."
     )
 
 
