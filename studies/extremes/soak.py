@@ -122,8 +122,9 @@ def summary(file: StudyFile) -> str:
     return (
         f"{total} random scenes in {hours:.2g} h: {count[CERTIFIED]} certified, {count[REFUSED]} refused with a reason "
         f"({asked} of them asked for a tolerance or an accuracy of their own), {counted(count[DEFECT], 'defect')}. The "
-        f"longest took {longest:.3g} s. Resident memory: {first:.0f} MiB in the first tenth of the time, {last:.0f} MiB in "
-        f"the last (medians), at most {max(resident):.0f} MiB. Open files: {min(files)} to {max(files)}."
+        f"longest took {longest:.3g} s. Resident memory: {first:.0f} MiB in the first tenth of the time, "
+        f"{last:.0f} MiB in the last (medians), at most {max(resident):.0f} MiB. "
+        f"Open files: {min(files)} to {max(files)}."
     )
 
 
