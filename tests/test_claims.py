@@ -79,8 +79,21 @@ def test_a_small_patch_among_large_ones_is_not_known_by_its_load():
     assert abs(coarse.contact_area_subgrid - fine.contact_area_subgrid) < coarse.contact_area_error
 
 
+def test_what_many_patches_have_in_common_is_claimed():
+    """With a hundred patches at 32 points to the shortest wave their common error is most of it (found by a user: half
+    of the claims too small)."""
+    beyond = []
+    for seed in range(12):
+        scene = Scene(indenter=RoughIndenter(0.8, seed, 1 / 8, 1 / 128), pressure=1e-2, num_points=2**15)
+        coarse, fine = (solve(scene.on_grid(n)).observables for n in (2**15, 2**18))
+        off = abs(coarse.contact_area_subgrid - fine.contact_area_subgrid)
+        beyond.append(off / coarse.contact_area_error)
+    assert sum(ratio > 1 for ratio in beyond) <= 2
+    assert max(beyond) < 1.5
+
+
 def test_few_points_to_the_shortest_wave_are_told():
-    """The same edges and changes are worth less there, and patches are too narrow: at 16 points by 0.06 spacings each
+    """The same edges and changes are worth less there, and patches are too narrow: at 16 points by 0.08 spacings each
     where pressures tell their ends and by 0.015 where loads do, and by more where much is in contact."""
     quantity = QUANTITIES["contact-area"]
     coarse, fine = (
@@ -91,9 +104,9 @@ def test_few_points_to_the_shortest_wave_are_told():
     estimates = [estimated(quantity, scene, 2**12, found.observables, found.levels) for scene in (coarse, fine)]
     by_load = found.observables.num_patches_by_load
     assert 0 < by_load < found.observables.num_patches
-    narrow = 0.06 * (found.observables.num_patches - by_load) + 0.015 * by_load
+    narrow = 0.08 * (found.observables.num_patches - by_load) + 0.015 * by_load
     narrow *= 1 + 4 * found.observables.contact_area_subgrid
-    common = [narrow / 2**12 * (16 / w) ** 1.5 for w in (16, 64)]
+    common = [narrow / 2**12 * (16 / w) ** (4 / 3) for w in (16, 64)]
     random = [math.sqrt(e**2 - c**2) for e, c in zip(estimates, common, strict=True)]
     assert random[0] == pytest.approx(2 * random[1])
     smooth = MeasuredIndenter(np.cos(2 * np.pi * np.arange(2**12) / 2**12))

@@ -14,8 +14,8 @@ The area between sub-grid edges converges with the second or third power of the 
 and e alone is careful: it has to hold without a coarser grid. (Not so under smooth profiles for patches of fewer than
 20 nodes, and where a table ends with the grid's shortest wave: there e is taken whole.) The errors of many patches are
 independent but for a part that they have in common: patches that a grid sees with few points to a wave are too narrow,
-if their pressures tell where they end, by up to 0.06 (1 + 4 a_r) (16/w)^1.5 grid spacings each for the area (0.08 for
-kappa), and by up to 0.015 (1 + 4 a_r) (16/w)^1.5 if their loads do. Their sum is b.
+if their pressures tell where they end, by up to 0.08 (1 + 4 a_r) (16/w)^(4/3) grid spacings each for the area (0.1
+for kappa), and by up to 0.015 (1 + 4 a_r) (16/w)^(4/3) if their loads do. Their sum is b.
 
 At tips sharper than |x|^1.5 kappa's sum over the slope converges more slowly, with the power 2n - 1, and more of c is
 taken.
@@ -80,7 +80,7 @@ QUANTITIES = {
         "contact_area_edges_error",
         of_edges=(0.36, 0.6),
         of_change=(1 / 13, 1 / 48),
-        per_patch=(0.06, 0.015),
+        per_patch=(0.08, 0.015),
     ),
     "kappa": Quantity(
         "kappa_subgrid",
@@ -88,7 +88,7 @@ QUANTITIES = {
         "kappa_edges_error",
         of_edges=(0.5, 0.4),
         of_change=(1 / 8, 1 / 48),
-        per_patch=(0.08, 0.015),
+        per_patch=(0.1, 0.015),
         of_slope=True,
         sensitivity=2.0,
     ),
@@ -104,6 +104,7 @@ _CAREFUL_FROM_IF_SMOOTH = 20.0
 _KNOWN = 0.001  # error of a layer's edge up to which the claim is careful [grid spacings]
 _INDEPENDENT = 0.6  # s of many well resolved patches, whose errors are independent; the two edges of one err alike
 _FEW, _FEW_OF_OTHERS, _COMMON = 36.0, 128.0, 16.0  # points to the shortest wave
+_COMMON_POWER = 4 / 3  # the mean falls like 1/w from 8 to 16, and like 1/w^2 from 32 to 64
 _OF_AREA = 4.0  # growth of what patches have in common with the contact area: the gaps between them become narrow
 _LEAST, _MOST = 1.25, 4.0  # factor by which changes fall from grid to grid, as far as that is believed
 _STIFF = 0.9  # 2K/(E* q) of the shortest wave, below which shorter ones find the layer stiffer
@@ -131,7 +132,8 @@ def estimated(
         return edges
     by_load = found.num_patches_by_load
     each = [share * of for share, of in zip(quantity.per_patch, (found.num_patches - by_load, by_load), strict=True)]
-    common = sum(each) * (1 + _OF_AREA * area) * math.pow(_COMMON * waves, 1.5) / num_points / area * abs(values[-1])
+    spacings = sum(each) * (1 + _OF_AREA * area) * math.pow(_COMMON * waves, _COMMON_POWER)
+    common = spacings / num_points / area * abs(values[-1])
     if not coarser:
         return math.hypot(edges, common)
     rough = waves > 0
