@@ -388,7 +388,7 @@ def test_an_ensemble_says_which_way_is_cheaper_and_by_what_factor():
     ((observable, estimate),) = state.estimates.items()
     plain = estimate.plain_cost(estimate.standard_error)
     for spent, said in (
-        (plain / 4, f"takes about {plain:.3g} s to the same standard error, 4 times as long."),
+        (plain / 4, f"takes about {plain:.3g} s to this standard error, 4 times as long."),
         (plain * 4, "is the cheaper way here, by a factor of 4, but does not tell the bias."),
     ):
         assert ensemble_report._sentences(observable, estimate, wanted, spent).endswith(said)

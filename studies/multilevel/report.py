@@ -68,7 +68,7 @@ def _sentences(observable: str, estimate: Estimate, wanted: Wanted, spent: float
     if math.isnan(bias):
         return f"{said}."
     plain = estimate.plain_cost(estimate.standard_error)
-    said += f". Plain sampling on {finest} points takes about {plain:.3g} s to the same standard error, "
+    said += f". Plain sampling on {finest} points takes about {plain:.3g} s to this standard error, "
     if plain > spent:
         return f"{said}{plain / spent:.2g} times as long."
     return f"{said}and is the cheaper way here, by a factor of {spent / plain:.2g}, but does not tell the bias."
