@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from linecontact import read_scan
 from linecontact.solver import METHODS, Layer, MeasuredIndenter, RoughIndenter, Scene, scene, solve, warnings
+from linecontact.solver.display import rounded_up
 from linecontact.solver.grid import contact, edges, kept, loads, problem
 from linecontact.solver.layers import coated
 from linecontact.solver.methods.active_set import active_set, storage
@@ -41,7 +42,7 @@ def what_the_tutorial_finds():
     rubber = Layer(thickness=2e-3, poisson_ratio=0.49, youngs_modulus=3e6)
     found, pressed = (solve(scan.scene(rubber, pressure=pressure)).observables for pressure in (5e3, 5e4))
     yield f"Of the period {found.contact_area_subgrid:.2f} is in contact, in {found.num_patches} patches."
-    yield f"The error that is claimed, {digits(found.contact_area_error)}, is as large"
+    yield f"The error that is claimed, {rounded_up(found.contact_area_error)}, is as large"
     yield "Ten times the load closes all gaps."
     assert pressed.contact_area == 1
 
