@@ -66,7 +66,7 @@ def test_a_table_of_numbers_comes_in_parts(width):
 
 
 def test_a_sentence_is_wrapped_on_a_terminal_only():
-    said = "some words of a long sentence " * 5
+    said = " ".join(["some words of a long sentence"] * 5)
     assert max(map(len, printed(said, 40, terminal=True).splitlines())) <= 40
     assert printed(said, 40) == f"{said}\n"
     assert printed("a" * 100, 40) == "a" * 100 + "\n"
