@@ -69,6 +69,15 @@ def test_a_tip_is_in_the_claim_without_a_coarser_grid(exponent, pressure, num_po
     assert abs(o.contact_area_subgrid - area) < o.contact_area_error < 0.03 / num_points
 
 
+@pytest.mark.parametrize(("exponent", "pressure"), [(1.2, 1e-6), (1.2, 1e-5), (1.5, 1e-6)])
+def test_a_tip_alone_is_known_as_well_as_by_counting(exponent, pressure):
+    """A contact of one or two nodes is nothing but a tip."""
+    scene = Scene(Layer(), PowerIndenter(exponent), pressure, num_points=256)
+    o = solve(scene, nested=False).observables
+    area = closed_forms.periodic_half_space_area(exponent, 1.0, pressure)
+    assert abs(o.contact_area_subgrid - area) < o.contact_area_error < 1.6 / 256
+
+
 def test_a_small_patch_among_large_ones_is_not_known_by_its_load():
     """Their slopes are those of Hertz contacts only about, and on a nearly incompressible layer they cancel each other
     (found by a soak: 25 times what was claimed)."""

@@ -166,7 +166,7 @@ def test_a_scan_with_lengths_in_units(tmp_path, capsys):
         ("--from 0 --to 1 --spacing log", "from is 0, and to 1; allowed: numbers > 0, with --spacing log"),
         ("--over profile --values 1", "over is 'profile'; allowed: pressure, approach, num_points, thickness"),
         ("--from 1 --to 1", "to is 1, and from 1; allowed: two numbers that differ; --values takes one\n"),
-        ("--over thickness --values 1,1e400", "values is '1e400'; allowed: a number below 1.8e+308\n"),
+        ("--over thickness --values 1,1e400", "values is '1e400'; allowed: a number between -1.8e+308 and 1.8e+308\n"),
         ("--from 1e-4 --to inf", "to is inf, and from 0.0001; allowed: finite numbers"),
         ("--points 1", "points is 1; allowed: an integer from 2 to 16384"),
         ("--values 1e-3 --from 1e-3", "from is '1e-3'; allowed: none with --values"),

@@ -362,3 +362,24 @@ def test_moves_point_to_the_true_edge():
         moves = edge_moves(Patches(2**11, nodes[:1], nodes[-1:]), pressure)
         assert (np.sign(moves) == np.sign(wrong)).all()
         assert (abs(moves - wrong) <= max(1, abs(wrong) // 3)).all()
+
+
+def test_each_end_feels_the_gap_next_to_it():
+    """pi/P (3 cot(pi A/P) + tan(pi A/P)) e/2 with the distance P that patches with that gap would have; 3 e/w where the
+    gap is wide."""
+    patches = Patches(2**14, np.array([1000, 1320]), np.array([1299, 1719]))  # 20 spacings apart, far from the images
+    inside = np.concatenate(
+        [np.sqrt(np.maximum(0, (x + 0.3) * (size - 0.6 - x))) for size in (300, 400) for x in [np.arange(float(size))]]
+    )
+    curve = half_space_curve()
+    theta = edges.edge_offset(curve, edges._ends(patches, inside).reshape(-1, 3))[0].reshape(2, -1)
+    beta = theta + curve.shift
+    e = (beta**2 - beta + 1 / 6) / 8
+    moved = (edges._to_second_order(curve, patches, inside) - theta) / e
+    width = patches.size - 1 - theta.sum(axis=0)
+    between = 21 + theta[1, 0] + theta[0, 1]
+    period = width + between
+    near = np.pi / period / 2 * (3 / np.tan(np.pi * width / 2 / period) + np.tan(np.pi * width / 2 / period))
+    np.testing.assert_allclose([moved[1, 0], moved[0, 1]], near, rtol=1e-12)
+    np.testing.assert_allclose([moved[0, 0], moved[1, 1]], 3 / width, rtol=2e-3)
+    assert near.min() > 0.9 / between > 3 / width.min()

@@ -3,6 +3,7 @@
 import io
 import itertools
 import re
+from collections import Counter
 
 import pytest
 from linecontact.solver import Layer, RoughIndenter, Scene, solve
@@ -41,7 +42,7 @@ def numbers(text):
 def test_a_narrow_terminal_loses_nothing_of_a_table(solution, width):
     for table in (solution_table(solution), choices_table(solution)):
         wide, narrow = printed(table, 500), printed(table, width)
-        assert len(words(narrow)) >= len(words(wide))
+        assert not Counter(words(wide)) - Counter(words(narrow))
         cells = [cell for column in table.columns if column.no_wrap for cell in column.cells]
         assert all(cell in narrow for cell in cells)
         assert width < 40 or max(map(len, narrow.splitlines())) <= width

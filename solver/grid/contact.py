@@ -42,8 +42,9 @@ def contact_edges(
         profile = scene.period * scene.indenter.profile(pressure.size, scene.period)
     scale = scene.reduced_load / (float(pressure.mean()) or 1.0)
     patches, edges = ends(scene.layer, scene.period, profile, pressure, scale, by_loads)
-    tip = 2 * scene.indenter.tip_error(float(edges.width[0])) if patches.count == 1 else 0.0
-    return patches, replace(edges, error=np.hypot(edges.error, tip)) if tip else edges
+    # both ends, the same way; no width is known worse than by counting; patches beside each other have left the tip
+    tip = min(2 * scene.indenter.tip_error(float(edges.width[0])), 1.0) if patches.count == 1 else 0.0
+    return patches, replace(edges, error=np.hypot(edges.error, tip))
 
 
 def ends(

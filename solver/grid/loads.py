@@ -278,8 +278,9 @@ class _Neighbours:
         return cls(place[:, 1:-1], load[near], half_width[near], own, load[chosen], half_width[chosen], beyond)
 
     def slope(self, at: Array64, layer: _LayerSlope) -> tuple[Array64, Array64, Array64]:
-        """w' and its derivative [1/grid spacing] at some places of each patch, shape (patches, places); and the sum of
-        what that derivative is made of, all taken positive, shape (patches,).
+        """w' and its derivative [1/grid spacing] at some places of each patch, shape (patches, places); and, averaged
+        over the places, the sum of what the single neighbours add to that derivative, by the half-space and by the
+        layer, all taken positive, shape (patches,) [1/grid spacing].
         """
         load = self.load[:, None, :]
         distance = at[:, :, None] - self.middle[:, None, :]

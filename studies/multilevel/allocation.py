@@ -207,7 +207,7 @@ def _within(found: State, rows: Sequence[Row], wanted: Wanted) -> State:
         more = f"it takes about {rounded_up(seconds)} s of solving"
         why = f"{more}, max_seconds is {wanted.max_seconds:g}; allowed: max_seconds of that, or a larger standard error"
     elif solves > wanted.max_samples:
-        more = f"it takes about {rounded_up(solves)} solves"
+        more = f"it takes about {math.ceil(float(rounded_up(solves)))} solves"
         why = f"{more}, max_samples is {wanted.max_samples}; allowed: max_samples of that, or a larger standard error"
     else:
         return found

@@ -41,7 +41,7 @@ def summary(own: Sequence[Curve]) -> Table:
 
 
 def _short(mean: Mean) -> str:
-    """A mean with its standard error in brackets: 1.698(2) is 1.698 +- 0.002."""
+    """A mean with its standard error in brackets: 1.6980(20) is 1.6980 +- 0.0020."""
     if not mean.error > 0:
         return f"{mean.value:.4g}"
     value, error = str(mean).split(" +- ")

@@ -33,7 +33,7 @@ class Mean:
         return cls(float(np.mean(values)) if values.size else math.nan, error)
 
     def __str__(self) -> str:
-        if not self.error > 0:
+        if not 0 < self.error < math.inf:
             return f"{self.value:.4g} +- {self.error}"
         error = float(rounded_up(self.error))
         digits = max(0, 1 - math.floor(math.log10(error)))

@@ -41,8 +41,8 @@ def run_study(study: Study, options: Options) -> int:
         figures = _draw(study, plans, files, folder, computed)
         with writing.expecting(folder):
             parts = study.report(files, folder)
-            asked = [(files[plan.kind], plan.configuration) for plan in plans]  # a file of something better may be kept
-            missed = {file.kind: study.missed(replace(file, configuration=own)) for file, own in asked}
+            asked = {plan.kind: plan.configuration for plan in plans}  # a file of something better may be kept
+            missed = {kind: study.missed(replace(files[kind], configuration=own)) for kind, own in asked.items()}
     study.check_report(parts)
     output = console.Output()
     for part in parts:

@@ -3,7 +3,7 @@
 import math
 import sys
 
-NOT_TOO_LARGE = f"a number below {sys.float_info.max:.1e}"
+NOT_TOO_LARGE = f"a number between -{sys.float_info.max:.1e} and {sys.float_info.max:.1e}"
 """What is allowed where `number` raises `OverflowError`."""
 
 

@@ -13,7 +13,7 @@ from .search import MOST_ITERATIONS
 from .storage import Whole
 
 
-@dataclass
+@dataclass(eq=False)
 class FreeSet:
     """A set of free nodes, in the compact order of `Patches`, and conjugate gradients on it."""
 
@@ -39,7 +39,7 @@ class FreeSet:
 
     @classmethod
     def of(cls, free: Mask, storage: Whole) -> "FreeSet":
-        """The set of the nodes that are free, shape (N,)."""
+        """The set of the nodes that are free, shape (N,), and of their mirror images."""
         gaps = Patches.of_nodes(storage.with_images(np.flatnonzero(free)), free.size)
         with_images = np.zeros_like(free)
         with_images[gaps.nodes] = True
@@ -56,12 +56,12 @@ class FreeSet:
         return self.iterations >= MOST_ITERATIONS
 
     def begin_anew(self) -> None:
-        """Forget what conjugate gradients have found on the way."""
+        """Let conjugate gradients begin anew on this set, with as many iterations as on a new one."""
         self.last_product, self.iterations = 0.0, 0
 
     def turn(self, force: Array64, green: GreensFunction) -> float:
-        """Turn the search direction for a net force on the free nodes [p], shape (free nodes,); that force times the
-        preconditioned one [p u].
+        """Turn the search direction for a net force on the free nodes [p], shape (free nodes,). Returns that force
+        times the preconditioned one [p u].
         """
         if self.inverse is None:
             self.inverse = GapByGap(green, self.gaps)
