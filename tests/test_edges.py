@@ -47,7 +47,7 @@ def curve_of(layer):
 def test_closed_form_constants():
     """s by the plain sum of its series, and S_j by expanding the factor on a circle: independent of the quadrature."""
     curve = half_space_curve()
-    n = 2**18
+    n = 2**15
     q = np.pi * (np.arange(n) + 0.5) / n
     half = [np.mean(np.log(q / 2 / np.sin(q / 2)) * np.cos(k * q)) for k in range(400)]  # l_k/2
     terms = np.array([half[0] / 2, *half[1:]])
@@ -184,8 +184,11 @@ def test_the_edge_is_as_far_from_that_on_the_foundation_as_without_a_grid(d, nu)
 )
 @pytest.mark.parametrize("spacings", [0.5, 1.0, 3.0, 7.0])
 def test_coatings_of_few_spacings_have_an_edge_of_their_own(spacings, ratio, exponent):
-    """Soft and stiff ones, to 0.01 spacings; the half-space's curve is off by up to a spacing."""
-    n = 2**12
+    """Soft and stiff ones, to 0.01 spacings; the half-space's curve is off by up to a spacing.
+
+    The contact has as many nodes on either grid; on the coarse one the oracle needs fewer of its own.
+    """
+    n = 2**10 if spacings < 3 else 2**12
     on_half_space = {2.0: math.pi / 4, 4.0: 3 * math.pi / 16}[exponent] * (40 / n) ** exponent
     load = on_half_space * min(ratio, 1.0)
     layer = CoatedHalfSpace(spacings / n, ratio, 0.3, 0.4)
@@ -362,24 +365,3 @@ def test_moves_point_to_the_true_edge():
         moves = edge_moves(Patches(2**11, nodes[:1], nodes[-1:]), pressure)
         assert (np.sign(moves) == np.sign(wrong)).all()
         assert (abs(moves - wrong) <= max(1, abs(wrong) // 3)).all()
-
-
-def test_each_end_feels_the_gap_next_to_it():
-    """pi/P (3 cot(pi A/P) + tan(pi A/P)) e/2 with the distance P that patches with that gap would have; 3 e/w where the
-    gap is wide."""
-    patches = Patches(2**14, np.array([1000, 1320]), np.array([1299, 1719]))  # 20 spacings apart, far from the images
-    inside = np.concatenate(
-        [np.sqrt(np.maximum(0, (x + 0.3) * (size - 0.6 - x))) for size in (300, 400) for x in [np.arange(float(size))]]
-    )
-    curve = half_space_curve()
-    theta = edges.edge_offset(curve, edges._ends(patches, inside).reshape(-1, 3))[0].reshape(2, -1)
-    beta = theta + curve.shift
-    e = (beta**2 - beta + 1 / 6) / 8
-    moved = (edges._to_second_order(curve, patches, inside) - theta) / e
-    width = patches.size - 1 - theta.sum(axis=0)
-    between = 21 + theta[1, 0] + theta[0, 1]
-    period = width + between
-    near = np.pi / period / 2 * (3 / np.tan(np.pi * width / 2 / period) + np.tan(np.pi * width / 2 / period))
-    np.testing.assert_allclose([moved[1, 0], moved[0, 1]], near, rtol=1e-12)
-    np.testing.assert_allclose([moved[0, 0], moved[1, 1]], 3 / width, rtol=2e-3)
-    assert near.min() > 0.9 / between > 3 / width.min()

@@ -97,12 +97,19 @@ def errors_of_the_hertz_study():
     ]
     yield f"known to {digits(max(off for thickness, off in edges if thickness > 5))} grid spacings, as long as"
     area, kappa = errors.QUANTITIES["contact-area"], errors.QUANTITIES["kappa"]
-    yield rf"[({area.of_edges[1]}\,e)^2 + (c/{1 / area.of_change[1]:.0f})^2\right]"
-    yield rf"with ${area.of_edges[0]}\,e$, $c/{1 / area.of_change[0]:.0f}$,"
+    assert area.of_edges[1] == kappa.of_edges[1]
+    yield rf"$$\sqrt{{({area.of_edges[1]}\,e)^2 + (c/{1 / area.of_change[1]:.0f})^2 + b^2}}"
+    yield rf"with ${area.of_edges[0]}\,e$, $c/{1 / area.of_change[0]:.0f}$ and $b = 0$."
     yield f"({area.per_patch[0]}\\,M_p + {area.per_patch[1]}\\,M_l)/N"
-    yield f"For kappa {kappa.of_edges[1]} stands for {area.of_edges[1]}, "
-    yield f"and {kappa.per_patch[0]} for {area.per_patch[0]};"
+    yield f"For kappa it is ${kappa.per_patch[0]}\\,M_p + {kappa.per_patch[1]}\\,M_l$;"
     yield rf"it is ${kappa.of_edges[0]}\,e$ and $c/{1 / kappa.of_change[0]:.0f}$"
+    for name, formula in (
+        ("peak-pressure", r"\sqrt{{(c/{})^2 + (c'/{})^2 + s^2}}"),
+        ("approach", r"\sqrt{{(c/{})^2 + (c'/{})^2}}"),
+    ):
+        last, before, _ = errors.QUANTITIES[name].of_changes
+        yield formula.format(round(1 / last), round(1 / before))
+    yield "alone $c$ and $4c$ stand for"
     long, longest = 2 * plan._LONG_ASPERITY, 2 * plan._LONGEST_ASPERITY
     yield f"contacts of up to {long:.0f} thicknesses ({longest:.0f} for A below 1e-5)"
     yield f"of the contact area, from 1e-9 to {to_accuracy.MOST_ACCURACY}."

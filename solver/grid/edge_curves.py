@@ -45,6 +45,7 @@ _THICK = 200.0  # grid spacings; thicker layers have the half-space's edge, to 1
 _STEP = 1.2  # factor of the wave number, to see how ln f ends on the grid
 _MOST_BEYOND = 0.5  # of delta's part by waves that the grid has not; real layers have up to 0.31
 _SPLIT = 2.0  # error where the curve says that nodes pull [grid spacings]
+_NO_PRESSURE = 1e-9  # of an edge at its last node, over that a spacing away
 _FIT = 9  # last entries of the table that tell the power
 
 
@@ -248,3 +249,14 @@ def edge_function(curve: EdgeCurve, beta: Array64, j: Indices) -> Array64:
     beta, j: broadcast against each other; the result has their common shape.
     """
     return np.asarray((1 - beta) * curve.at(j) + beta * curve.at(j - 1))
+
+
+def edge_distance(curve: EdgeCurve, theta: Array64) -> Array64:
+    """How the grid has the distance of its last three nodes from the edge: the pressures of a far field x^(3/2) over
+    those of x^(1/2), which has its edge theta inside the last node; shape (..., 3) [grid spacings].
+    """
+    theta = np.asarray(theta)[..., None] - curve.delta
+    low, middle, high = np.linalg.inv(curve.rows).T  # pressures of j^(-1/2), j^(1/2), j^(3/2)
+    edge = middle - theta / 2 * low
+    bent = high - 1.5 * theta * middle + 0.375 * theta**2 * low
+    return np.where(edge > _NO_PRESSURE, bent / np.maximum(edge, _NO_PRESSURE), 0.0)

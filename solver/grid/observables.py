@@ -147,7 +147,9 @@ def subgrid_measures(
     num_points, width = squared.size, float(edges.width.sum())
     if width == 0:
         return 0.0, 0.0, 0.0, math.inf
-    known = np.full(patches.count, np.nan) if edges.squared_slope is None else edges.squared_slope
+    known = scene.indenter.squared_slope_between(edges.left, edges.right, num_points, scene.period)
+    if known is None:
+        known = np.full(patches.count, np.nan) if edges.squared_slope is None else edges.squared_slope
     unknown = np.isnan(known)
     whole = np.where(unknown, patches.sums(squared[patches.nodes]), known)
     # what the sum leaves of the integral over the nodes' cells, to the next order (Euler and Maclaurin)

@@ -42,6 +42,12 @@ class Indenter(Protocol):
         h = self.profile(num_points, period)
         return (np.roll(h, -1) - np.roll(h, 1)) * (num_points / 2)
 
+    def squared_slope_between(self, left: Array64, right: Array64, num_points: int, period: float) -> Array64 | None:
+        """Integrals of h'^2 from some places to others, of their shape [grid spacings]; None, by default, where only
+        the nodes tell. left, right: in grid spacings, the first node at 0.
+        """
+        return None
+
     def on_grid(self, num_points: int, period: float) -> Self:
         """The same surface for a scene of `num_points`."""
         return self

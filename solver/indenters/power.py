@@ -52,6 +52,13 @@ class PowerIndenter(Indenter):
         np.negative(slope[: num_points // 2], out=slope[: num_points // 2])
         return slope
 
+    def squared_slope_between(self, left: Array64, right: Array64, num_points: int, period: float) -> Array64:
+        """See `Indenter`: x h'^2/(2n - 1), from the tip on."""
+        ends = np.stack([left, right]) - num_points // 2
+        steepness = self._steepness(np.abs(ends) / num_points, period)
+        from_tip = ends * steepness**2 / (2 * self.exponent - 1)
+        return np.asarray(from_tip[1] - from_tip[0])
+
     def shortest_wave(self, num_points: int) -> int:
         """None: the profile is smooth, see `Indenter`."""
         return 0

@@ -3,36 +3,35 @@
 From a grid with a quarter of the points to the present one a quantity changes by c; what is claimed for it from the
 edges of the patches alone is e. On a surface with w points to its shortest wave its error is estimated as
 
-    contact area               sqrt(s^2 ((0.6 e)^2 + (c/48)^2) + b^2), s = max(0.6, 6/sqrt(w))
-    kappa                      sqrt(s^2 ((0.4 e)^2 + (c/48)^2) + b^2)
-    peak pressure, approach    max(1, (128/w)^1.5) sqrt((m c)^2 + (c'/16)^2)
+    contact area, kappa    sqrt((0.7 e)^2 + (c/48)^2 + b^2)
+    peak pressure          sqrt((c/3)^2 + (c'/32)^2 + s^2)
+    approach               sqrt((c/2)^2 + (c'/16)^2)
 
-On smooth profiles s = 1, b = 0, the shares of area and kappa are 0.36 and 0.5 of e, c/13 and c/8, and the factor of the
-others is 1.
+with c' the change before c and s what the nodes may miss of a peak between them; with one coarser grid alone c is taken
+for the last two changes, 4 c for the approach.
+
+On smooth profiles b = 0, the shares of area and kappa are 0.36 and 0.5 of e, c/13 and c/8. The order of pressure and
+approach is measured there, and at best the first is believed: sqrt((m c)^2 + (c'/16)^2), m = 1/(c'/c - 1) between 1/3
+and 4, which also keeps a change that is small by accident from being believed; with one coarser grid the whole change.
 
 The area between sub-grid edges converges with the second or third power of the spacing, which would leave c/15 or c/63,
 and e alone is careful: it has to hold without a coarser grid. (Not so under smooth profiles for patches of fewer than
 20 nodes, and where a table ends with the grid's shortest wave: there e is taken whole.) The errors of many patches are
-independent but for a part that they have in common: patches that a grid sees with few points to a wave are too narrow,
-if their pressures tell where they end, by up to 0.08 (1 + 4 a_r) (16/w)^(4/3) grid spacings each for the area (0.1
-for kappa), and by up to 0.015 (1 + 4 a_r) (16/w)^(4/3) if their loads do. Their sum is b.
+independent but for a part that they have in common, b: a grid with few points to a wave misses what bends between its
+nodes. That is up to 0.03 (16/w)^2.5 grid spacings for the area of each patch whose pressures tell where it ends (0.04
+for kappa), and up to 0.004 (16/w)^2.5 (0.008) if its load does.
 
-At tips sharper than |x|^1.5 kappa's sum over the slope converges more slowly, with the power 2n - 1, and more of c is
-taken.
-
-The order of pressure and approach is measured, and at best the first is believed: m = 1/(c'/c - 1), between 1/3 and 4,
-with the change c' before c, which also keeps a change that is small by accident from being believed. With one coarser
-grid alone the whole change is taken. To the peak pressure's error comes what the nodes may miss of the peak; under a
-stiff coating thinner than a grid spacing that may be anything (`inf`).
+Under a stiff coating thinner than a grid spacing the nodes may miss anything of the peak pressure (`inf`).
 
 The numbers were fitted to random scenes (power profiles on layers and half-spaces against collocation; 700 rough
-surfaces, up to five grids of each, against grids of 8 times as many points and more), so that each estimate holds in 97
-of 100. On scenes that nothing was fitted to, see `linecontact study tradeoff`.
+surfaces, four or five grids of each, against grids of 8 times as many points and more), so that each estimate holds in
+97 of 100. On scenes that nothing was fitted to, see `linecontact study tradeoff`.
 """
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -58,10 +57,11 @@ class Quantity:
     of_change: tuple[float, float] = (0.0, 0.0)
     """Share of the last change between grids that is left, likewise (dimensionless)."""
     per_patch: tuple[float, float] = (0.0, 0.0)
-    """Error that patches have in common at 16 points to the shortest wave and small areas, in the width of each, where
-    pressures and where loads tell their ends [grid spacings]."""
-    of_slope: bool = False
-    """Whether it is made of the slope, too, whose mean square converges slowly at a sharp tip."""
+    """Error that patches have in common at 16 points to the shortest wave, in the width of each, where pressures and
+    where loads tell their ends [grid spacings]."""
+    of_changes: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Of what does not depend on edges, the shares of the last change and the one before that are left under rough
+    profiles, and of the only one where there is no other (dimensionless)."""
     sampling: str | None = None
     """The name, in both, of what nodes may miss of it; None where that is no matter."""
     sensitivity: float = 1.0
@@ -78,22 +78,23 @@ QUANTITIES = {
         "contact_area_subgrid",
         "contact_area_error",
         "contact_area_edges_error",
-        of_edges=(0.36, 0.6),
+        of_edges=(0.36, 0.7),
         of_change=(1 / 13, 1 / 48),
-        per_patch=(0.08, 0.015),
+        per_patch=(0.03, 0.004),
     ),
     "kappa": Quantity(
         "kappa_subgrid",
         "kappa_error",
         "kappa_edges_error",
-        of_edges=(0.5, 0.4),
+        of_edges=(0.5, 0.7),
         of_change=(1 / 8, 1 / 48),
-        per_patch=(0.1, 0.015),
-        of_slope=True,
+        per_patch=(0.04, 0.008),
         sensitivity=2.0,
     ),
-    "peak-pressure": Quantity("peak_pressure", "peak_pressure_error", sampling="peak_pressure_sampling"),
-    "approach": Quantity("approach", "approach_error"),
+    "peak-pressure": Quantity(
+        "peak_pressure", "peak_pressure_error", of_changes=(1 / 3, 1 / 32, 1.0), sampling="peak_pressure_sampling"
+    ),
+    "approach": Quantity("approach", "approach_error", of_changes=(1 / 2, 1 / 16, 4.0)),
 }
 """By the name under which an accuracy of it is asked for."""
 
@@ -102,14 +103,10 @@ DEFAULT_QUANTITY = "contact-area"
 _CAREFUL_FROM_IF_SMOOTH = 20.0
 """Nodes of a patch under a smooth profile, on the average, from which on the claim of its edges is careful."""
 _KNOWN = 0.001  # error of a layer's edge up to which the claim is careful [grid spacings]
-_INDEPENDENT = 0.6  # s of many well resolved patches, whose errors are independent; the two edges of one err alike
-_FEW, _FEW_OF_OTHERS, _COMMON = 36.0, 128.0, 16.0  # points to the shortest wave
-_COMMON_POWER = 4 / 3  # the mean falls like 1/w from 8 to 16, and like 1/w^2 from 32 to 64
-_OF_AREA = 4.0  # growth of what patches have in common with the contact area: the gaps between them become narrow
+_COMMON, _COMMON_POWER = 16.0, 2.5  # points to the shortest wave, and the power with which their share falls
 _LEAST, _MOST = 1.25, 4.0  # factor by which changes fall from grid to grid, as far as that is believed
 _STIFF = 0.9  # 2K/(E* q) of the shortest wave, below which shorter ones find the layer stiffer
 _EARLIER = 1 / 16  # share of the change before the last
-_OVER_ORDER = 1.25  # share of the change over what a known order would leave of it
 
 
 def estimated(
@@ -126,23 +123,23 @@ def estimated(
         if quantity.sampling and _hides_peaks(scene, num_points):
             return math.inf
         sampling = float(getattr(found, quantity.sampling)) if quantity.sampling else 0.0
-        return math.hypot(math.pow(max(1.0, _FEW_OF_OTHERS * waves), 1.5) * _by_order(values), sampling)
+        left = _by_shares(values, quantity.of_changes) if waves else _by_order(values)
+        return math.hypot(left, sampling)
     edges, area = float(getattr(found, quantity.edges)), found.contact_area_subgrid
     if not area:
         return edges
     by_load = found.num_patches_by_load
     each = [share * of for share, of in zip(quantity.per_patch, (found.num_patches - by_load, by_load), strict=True)]
-    spacings = sum(each) * (1 + _OF_AREA * area) * math.pow(_COMMON * waves, _COMMON_POWER)
+    spacings = sum(each) * math.pow(_COMMON * waves, _COMMON_POWER)
     common = spacings / num_points / area * abs(values[-1])
     if not coarser:
         return math.hypot(edges, common)
     rough = waves > 0
     careful = rough or area * num_points >= _CAREFUL_FROM_IF_SMOOTH * found.num_patches
     careful &= edge_curve(scene.layer, num_points, scene.period).error < _KNOWN
-    several = max(_INDEPENDENT, math.sqrt(_FEW * waves)) if rough else 1.0
     of_edges = quantity.of_edges[1 if rough else 0] if careful else 1.0
-    change = _of_change(quantity, scene, rough) * abs(values[-1] - values[-2])
-    return math.hypot(several * of_edges * edges, several * change, common)
+    change = quantity.of_change[1 if rough else 0] * abs(values[-1] - values[-2])
+    return math.hypot(of_edges * edges, change, common)
 
 
 def _hides_peaks(scene: Scene, num_points: int) -> bool:
@@ -152,14 +149,14 @@ def _hides_peaks(scene: Scene, num_points: int) -> bool:
     return bool(modulus_on_grid(scene.layer, np.array([np.pi]), num_points, scene.period)[0] < _STIFF)
 
 
-def _of_change(quantity: Quantity, scene: Scene, rough: bool) -> float:
-    """Share of the last change between grids that is left (dimensionless)."""
-    power = scene.indenter.power_law
-    share = quantity.of_change[1 if rough else 0]
-    if not (power and quantity.of_slope):
-        return share
-    order = min(2 * power[0] - 1, 2.0)  # of the mean square slope's sum
-    return max(share, _OVER_ORDER / (4**order - 1))
+def _by_shares(values: Sequence[float], shares: tuple[float, float, float]) -> float:
+    """What the changes of a quantity from grid to grid leave by shares of them, see `Quantity`. values: as in
+    `_by_order`.
+    """
+    changes = [abs(after - before) for before, after in pairwise(values)]
+    if len(changes) < 2:
+        return shares[2] * changes[0] if changes else math.inf
+    return math.hypot(shares[0] * changes[1], shares[1] * changes[0])
 
 
 def _by_order(values: Sequence[float]) -> float:

@@ -1,0 +1,96 @@
+"""Edges of patches that follow each other: H. M. Westergaard's row, from wide gaps to gaps of one grid spacing."""
+
+import math
+
+import numpy as np
+import pytest
+from linecontact.solver import Layer, MeasuredIndenter, PowerIndenter, Scene, solve
+from linecontact.solver.grid import edges
+from linecontact.solver.grid.edge_curves import edge_distance, half_space_curve
+from linecontact.solver.grid.edges import find_edges
+from linecontact.solver.grid.patches import Patches
+
+
+def row(width, gap, repeats=1):
+    """The contact under waves of the length width + gap [grid spacings], whose patches are as wide in closed form."""
+    period = round(width + gap)
+    assert math.isclose(period, width + gap)
+    amplitude = 1e-2 / repeats
+    wave = 1 - np.cos(2 * np.pi * np.arange(period * repeats) / period)
+    full = math.pi * amplitude * repeats
+    load = full * math.sin(math.pi * width / period / 2) ** 2
+    return solve(Scene(Layer(), MeasuredIndenter(amplitude * wave), load, num_points=period * repeats), tolerance=1e-11)
+
+
+@pytest.mark.parametrize(
+    ("least", "off", "period"),
+    [(1.05, 0.013, 128), (3.0, 0.007, 128), (8.0, 0.003, 128), (30.0, 3e-4, 128), (56.2, 6e-3, 64), (118.0, 2e-3, 128)],
+)
+def test_ends_of_a_row_between_the_nodes(least, off, period):
+    """Beside gaps of one spacing and more, and for patches of six and more. The claim holds and is not absurd."""
+    for more in np.linspace(0, 1.9, 7):
+        gap = least + more
+        solution = row(period - gap, gap)
+        patches = Patches.of(solution.contact_pressure > 0)
+        ends = find_edges(patches, solution.contact_pressure[patches.nodes], Layer(), 1.0)
+        wrong = abs(ends.width[0] - (period - gap))
+        assert wrong < 2 * off
+        assert wrong <= ends.error[0] < max(150 * off, 0.06)
+
+
+def test_the_mean_over_all_ends_decides_where_loads_are_shared():
+    """Each patch of eight has its nodes elsewhere. Alone each would have to carry its load, here they share it."""
+    period, repeats, width = 37.125, 8, 20.3
+    n = round(period * repeats)
+    wave = 1 - np.cos(2 * np.pi * np.arange(n) / period)
+    amplitude = 1e-2 / repeats
+    load = math.pi * amplitude * repeats * math.sin(math.pi * width / period / 2) ** 2
+    solution = solve(Scene(Layer(), MeasuredIndenter(amplitude * wave), load, num_points=n), tolerance=1e-11)
+    patches = Patches.of(solution.contact_pressure > 0)
+    ends = find_edges(patches, solution.contact_pressure[patches.nodes], Layer(), 1.0)
+    assert patches.count == repeats
+    assert abs(ends.width.mean() - width) < 6e-4
+    assert ends.width.std() < 2.2e-3  # 3.2e-3 if each had to carry its load
+
+
+def test_what_a_given_load_leaves_of_the_second_order():
+    """pi/P (3 cot(pi A/P) + tan(pi A/P)) e/2: 3 e/w where the gap is wide, e/g where it is narrow."""
+    curve = half_space_curve()
+    theta = np.array([[-0.3, 0.1], [0.0, -0.6]])
+    beta = theta + curve.shift
+    e = float(np.mean(beta**2 - beta + 1 / 6)) / 8
+    wide = Patches(2**20, np.array([1000, 400000]), np.array([1299, 400399]))
+    left = edges._by_load(wide, theta)
+    np.testing.assert_allclose(left, np.broadcast_to(3 * e / (wide.size - 1 - theta.sum(axis=0)), (2, 2)), rtol=2e-3)
+    narrow = Patches(2**20, np.array([0, 2**19]), np.array([2**19 - 11, 2**20 - 11]))
+    gaps = np.array([[11 + theta[0, 0] + theta[1, 1], 11 + theta[0, 1] + theta[1, 0]]] * 2)
+    gaps[1] = gaps[1, ::-1]
+    np.testing.assert_allclose(edges._by_load(narrow, theta), e / gaps, rtol=1e-3)
+
+
+def test_distance_of_the_last_nodes_as_the_grid_has_it():
+    """Nearly the distance far away; 3/4 (1 - beta) at the last node, whatever the far field."""
+    curve = half_space_curve()
+    beta = np.array([0.02, 0.3, 0.7, 1.0])
+    distance = edge_distance(curve, beta - curve.shift)
+    np.testing.assert_allclose(distance[:, 0], 0.75 * (1 - beta), atol=1e-9)
+    np.testing.assert_allclose(distance[:, 2], 2 - (beta - curve.shift), atol=0.03)
+    assert (np.diff(distance, axis=1) > 0.7).all()
+
+
+@pytest.mark.parametrize("exponent", [1.1, 1.5, 2.0, 4.0])
+def test_slope_of_a_power_profile_between_any_places(exponent):
+    indenter = PowerIndenter(exponent, radius=0.7)
+    x = (np.arange(10**6) + 0.5) / 10**6 * 30.6 - 12.3  # from the tip, in grid spacings
+    squared = (np.abs(x) / 256 * 2.0 / 0.7) ** (2 * exponent - 2)
+    found = indenter.squared_slope_between(np.array([128 - 12.3]), np.array([128 + 18.3]), 256, 2.0)
+    assert found[0] == pytest.approx(squared.mean() * 30.6, rel=1e-4)
+
+
+@pytest.mark.parametrize("exponent", [1.2, 1.35, 1.5])
+def test_kappa_of_sharp_tips_is_as_well_known_as_their_area(exponent):
+    """The slope's sum over the nodes would be wrong by 2e-3 to 2e-5 on the coarser of these grids."""
+    scenes = (Scene(Layer(), PowerIndenter(exponent), 2e-3, num_points=n) for n in (2**12, 2**16))
+    coarse, fine = (solve(scene).observables for scene in scenes)
+    assert abs(coarse.kappa_subgrid / fine.kappa_subgrid - 1) < 1e-4
+    assert abs(coarse.kappa_subgrid - fine.kappa_subgrid) <= coarse.kappa_error
