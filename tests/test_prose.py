@@ -60,8 +60,8 @@ def areas_of_hertz_contacts():
     assert off[0] < 1e-8
     assert off[1] < 2e-10
     yield "Hertz contacts on 2^12 points are right to 1e-8 of themselves, on 2^14 points to 2e-10."
-    assert (edges._SECOND_ORDER_NODES, edges._SECOND_ORDER_WIDTH, contact._MOST_NODES) == (7, 2, 32)
-    yield "This is taken for patches of seven nodes and more that are narrower than two thicknesses of the layer."
+    assert (edges._IN_ROW, contact._MOST_NODES) == (2, 32)
+    yield "All this is taken for patches that are narrower than two thicknesses of the layer."
     yield "Each patch of up to 32 nodes gets the ends"
 
 
