@@ -9,6 +9,8 @@ from linecontact.studies.one_thread import ONE_THREAD
 # Tests run side by side, and so do the studies in them. Threads of several of them on the same cores wait for each
 # other, and their number may change the last bit. To be set before NumPy is loaded.
 os.environ.update(ONE_THREAD)
+# Tests start some 150 programs. Without stored bytecode each of them compiles this package again, in half a second.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 
 @pytest.fixture

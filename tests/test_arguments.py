@@ -1,5 +1,6 @@
 """Arguments of the command line as dataclasses: values, errors, help, and what is known from the source alone."""
 
+import importlib
 import re
 import subprocess
 import sys
@@ -87,6 +88,8 @@ def test_values_of_every_type():
     expected = Every(Path("f"), 3, -1e-3, 10, float("inf"), "", True, "mm", "two", (Path("a"), Path("b")), 0.1, 2.0)
     assert parse(*words.split(), "--pair", "a", "b", "--two-words=2") == expected
     assert parse("--optional", "Infinity").optional == float("inf")
+    assert [parse("--limit", text).limit for text in ("1e5", "1.5E3", "2^10", "-2e0")] == [100_000, 1500, 1024, -2]
+    assert parse("--ratio", "-0.0e-400").ratio == 0
     assert parse("--two_words", "2", "--workers", "5") == Every(two_words=2.0, workers=5)
     assert parse("--folder=--odd_name").folder == Path("--odd_name")
     assert arguments.parse(Positional, ["--level", "-3", "some file"], "prog") == Positional(Path("some file"), -3)
@@ -98,15 +101,19 @@ def test_values_of_every_type():
     [
         ("--ratio abc", "ratio is 'abc'; allowed: a number"),
         ("--two_words abc", "two_words is 'abc'; allowed: a number"),
-        ("--limit 1e3", "limit is '1e3'; allowed: an integer, in digits or like 2^10"),
-        ("--limit None", "limit is 'None'; allowed: an integer, in digits or like 2^10"),
+        *(
+            (f"--limit {text}", f"limit is '{text}'; allowed: an integer, in digits or like 2^10 or 1e6")
+            for text in ("1.5e0", "1e-3", "1e-400", "1e17", "1e400", "1e", "2^1e1", "3.0", "inf")
+        ),
+        ("--limit None", "limit is 'None'; allowed: an integer, in digits or like 2^10 or 1e6"),
         ("--unit km", "unit is 'km'; allowed: m, mm"),
         ("--word three", "word is 'three'; allowed: one, two"),
-        ("--limit", "limit has no value; allowed: an integer, in digits or like 2^10"),
-        ("--limit --quick", "limit has no value; allowed: an integer, in digits or like 2^10"),
-        ("--ratio 1e400", "ratio is '1e400'; allowed: a number between -1.8e+308 and 1.8e+308"),
-        ("--ratio -1e400", "ratio is '-1e400'; allowed: a number between -1.8e+308 and 1.8e+308"),
-        ("--pair a", "pair has no value; allowed: 2 values, each a path"),
+        ("--limit", "limit has no value; allowed: an integer, in digits or like 2^10 or 1e6"),
+        ("--limit --quick", "limit has no value; allowed: an integer, in digits or like 2^10 or 1e6"),
+        ("--ratio 1e400", "ratio is '1e400'; allowed: a number of 4.9e-324 to 1.8e+308 in size"),
+        ("--ratio 1e-400", "ratio is '1e-400'; allowed: a number of 4.9e-324 to 1.8e+308 in size"),
+        ("--ratio -1e400", "ratio is '-1e400'; allowed: a number of 4.9e-324 to 1.8e+308 in size"),
+        ("--pair a", "pair has too few values; allowed: 2 values, each a path"),
         ("--quick=yes", "quick has a value; allowed: --quick alone"),
         ("yes", "'yes' is no option; allowed: the options of `prog --help`"),
         ("--ratoi 3", "option --ratoi is unknown, perhaps meant as --ratio; allowed: the options of `prog --help`"),
@@ -192,7 +199,8 @@ def test_what_the_source_does_not_tell_is_none(name):
 
 @pytest.mark.parametrize("name", [*WORDED, *(f"{module}:Options" for module in STUDIES.values())])
 def test_every_class_that_is_named_has_options_that_its_source_tells(name):
-    kind = arguments.load(name)
+    module, _, own = name.partition(":")
+    kind = getattr(importlib.import_module(module), own)
     declared = declarations.read(name)
     assert list(declared.fields) == list(options_of(kind))
     assert declared.summary

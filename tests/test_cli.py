@@ -1,5 +1,7 @@
-"""The command line as a subprocess."""
+"""The command line, as a subprocess where that matters."""
 
+import contextlib
+import io
 import json
 import os
 import re
@@ -20,6 +22,13 @@ CLI = [sys.executable, "-m", "linecontact.studies"]
 
 def run(*arguments, cwd=None, program=CLI):
     return subprocess.run([*program, *map(str, arguments)], capture_output=True, text=True, timeout=300, cwd=cwd)
+
+
+def here(*arguments):
+    """The same in this process, which has imported everything already: that takes longer than most commands."""
+    with contextlib.redirect_stdout(io.StringIO()) as stdout, contextlib.redirect_stderr(io.StringIO()) as stderr:
+        status = main([*map(str, arguments)])
+    return subprocess.CompletedProcess(arguments, status, stdout.getvalue(), stderr.getvalue())
 
 
 def test_solve_json():
@@ -45,10 +54,10 @@ def test_solve_json():
 
 
 def test_an_accuracy_is_bought_or_refused():
-    record = json.loads(run("solve", "--thickness", 0.1, "--accuracy", 1e-6, "--json").stdout)
+    record = json.loads(here("solve", "--thickness", 0.1, "--accuracy", 1e-6, "--json").stdout)
     assert abs(record["contact_area_subgrid"] / 0.094482408562 - 1) < 1e-6
     assert {"layer", "model", "grid"} <= set(record["choices"])
-    short = run("solve", "--profile", "rough", "--cut-off-ratio", 1 / 16, "--num-points", 2048, "--accuracy", 1e-6)
+    short = here("solve", "--profile", "rough", "--cut-off-ratio", 1 / 16, "--num-points", 2048, "--accuracy", 1e-6)
     assert short.returncode == 3
     assert short.stderr.count("\n") == 1
     told = r"accuracy is 1e-06; allowed: above ([\d.]+), or a finer grid: num_points above 2048"
@@ -58,26 +67,26 @@ def test_an_accuracy_is_bought_or_refused():
 
 
 def test_what_float32_cannot_reach_is_met_in_mixed_precision():
-    assert run("solve", "--precision", "float32", "--num-points", 2**20).returncode == 2
-    met = run("solve", "--precision", "mixed", "--num-points", 2**20, "--max-iterations", 1, "--json")
+    assert here("solve", "--precision", "float32", "--num-points", 2**20).returncode == 2
+    met = here("solve", "--precision", "mixed", "--num-points", 2**20, "--max-iterations", 1, "--json")
     assert met.returncode == 3, met.stderr
     assert json.loads(met.stdout)["precision"] == "mixed"
 
 
 def test_solve_table_save_and_plot(tmp_path):
     file = tmp_path / "run.h5"
-    result = run("solve", "--num-points", 256, "--thickness", "inf", "--save", file)
+    result = here("solve", "--num-points", 256, "--thickness", "inf", "--save", file)
     assert result.returncode == 0, result.stderr
     assert "contact area" in result.stdout
     assert "length" in result.stdout
     _, attributes = solution_files.load_solution(file)
     assert attributes["scene.thickness"] == "inf"
     assert attributes["certificate.free_residual"] <= 1e-8
-    again = run("solve", "--num-points", 256, "--save", file)
+    again = here("solve", "--num-points", 256, "--save", file)
     assert again.returncode == 2
     assert "exists" in again.stderr
-    assert run("solve", "--num-points", 256, "--save", file, "--overwrite").returncode == 0
-    drawn = run("plot", file)
+    assert here("solve", "--num-points", 256, "--save", file, "--overwrite").returncode == 0
+    drawn = here("plot", file)
     assert drawn.stdout.split() == [str(tmp_path / "run.png"), str(tmp_path / "run.pdf")], drawn.stderr
     assert (tmp_path / "run.png").stat().st_size > 5000
     assert (tmp_path / "run.pdf").stat().st_size > 5000
@@ -85,7 +94,7 @@ def test_solve_table_save_and_plot(tmp_path):
 
 def test_rough_surfaces(tmp_path):
     arguments = ["solve", "--profile", "rough", "--hurst", 0.5, "--seed", 3, "--cut-off-ratio", 1 / 64, "--json"]
-    results = [run(*arguments, "--pressure", 0.01, "--num-points", n) for n in (2**14, 2**15)]
+    results = [here(*arguments, "--pressure", 0.01, "--num-points", n) for n in (2**14, 2**15)]
     coarse, fine = (json.loads(result.stdout) for result in results)
     assert coarse["status"] == fine["status"] == "converged"
     assert coarse["scene"]["seed"] == 3
@@ -101,7 +110,7 @@ def test_a_scan_from_file_to_figure_in_one_command(tmp_path):
     np.savetxt(tmp_path / "scan.csv", scan, delimiter=",", header="x um, z nm")
     file = tmp_path / "run.h5"
     options = "--profile file --length-unit um --pressure 1e-4 --contact-modulus 1"  # the units stand in the header
-    result = run("solve", *options.split(), "--profile-file", tmp_path / "scan.csv", "--save", file, "--plot")
+    result = here("solve", *options.split(), "--profile-file", tmp_path / "scan.csv", "--save", file, "--plot")
     assert result.returncode == 0, result.stderr
     assert (tmp_path / "run.png").stat().st_size > 5000
     fields, attributes = solution_files.load_solution(file)
@@ -113,7 +122,7 @@ def test_a_scan_from_file_to_figure_in_one_command(tmp_path):
     (width,) = [line for line in result.stdout.splitlines() if "contact width" in line]
     assert width.split()[-2] == "um"
     assert "contact patches, mirror image too" in result.stdout
-    again = run(
+    again = here(
         "solve", *options.split(), "--profile-file", tmp_path / "scan.csv", "--save", tmp_path / "run.png", "--plot"
     )
     assert again.returncode == 2
@@ -131,8 +140,8 @@ def test_all_files_that_are_written_are_named(tmp_path):
         f"Patches: {paths['run.csv']}",
         f"Figures: {paths['run.png']}, {paths['run.pdf']}",
     ]
-    assert run(*words).stdout.splitlines()[-3:] == said
-    as_json = run(*words, "--overwrite", "--json")
+    assert here(*words).stdout.splitlines()[-3:] == said
+    as_json = here(*words, "--overwrite", "--json")
     assert as_json.stderr.splitlines() == said
     assert json.loads(as_json.stdout)["status"] == "converged"
     assert all(path.is_file() for path in paths.values())
@@ -173,14 +182,43 @@ def test_a_scene_without_a_unit_takes_no_lengths_with_one(words, said, capsys):
     assert said in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (
+            "--thickness 200",
+            "thickness is '200'; allowed: with its unit, like 200um, or --length-unit, that of all lengths of th",
+        ),
+        ("--thickness 2^3", "thickness is '2^3'; allowed: with its unit, like 2^3um, or"),
+        (
+            "--scene-units --thickness 3",
+            "length_unit is missing; allowed: the unit of the scene, where the file",
+        ),
+        ("--approach 2e-4", "approach is '0.0002'; allowed: with its unit, like 0.0002um"),
+        ("--layer file --stiffness-file {table}", "table.txt; allowed: with --length-unit, the unit of 1/q\n"),
+    ],
+)
+def test_a_length_of_a_scan_s_scene_is_not_guessed_to_be_in_metres(words, said, tmp_path, capsys):
+    np.savetxt(tmp_path / "scan.csv", np.random.default_rng(0).random((40, 2)).cumsum(axis=0), header="x um, z nm")
+    np.savetxt(tmp_path / "table.txt", np.outer(10.0 ** np.arange(-3, 9), (1, 0.5)))
+    scene = ["--profile", "file", "--profile-file", str(tmp_path / "scan.csv"), "--contact-modulus", "1"]
+    words = words.format(table=tmp_path / "table.txt").split()
+    words += [] if "--approach" in words else ["--pressure", "1e-3"]
+    assert main(["solve", *scene, *words]) == 2
+    assert said in capsys.readouterr().err
+    assert main(["solve", *scene, *words, "--length-unit", "um", "--json"]) == 0
+    nothing_to_guess = ["--thickness", "inf", "--approach", "0", "--json"]
+    assert main(["solve", *scene, *nothing_to_guess]) == 0
+
+
 def test_a_length_of_a_scan_s_scene_is_a_number_or_has_a_unit_and_is_not_too_large(tmp_path, capsys):
     np.savetxt(tmp_path / "scan.csv", np.random.default_rng(0).random((40, 2)).cumsum(axis=0), header="x um, z nm")
     words = ["solve", "--profile", "file", "--profile-file", str(tmp_path / "scan.csv"), "--contact-modulus", "1e9"]
     words += ["--pressure", "1", "--length-unit", "nm", "--thickness"]
     for thickness, allowed in (
         ("2furlongs", "a number, or a length with its unit, like 50um"),
-        ("1e305m", "a number between -1.8e+308 and 1.8e+308, in nm"),
-        ("1e400m", "a number between -1.8e+308 and 1.8e+308"),
+        ("1e305m", "a number of 4.9e-324 to 1.8e+308 in size, in nm"),
+        ("1e400m", "a number of 4.9e-324 to 1.8e+308 in size"),
     ):
         assert main([*words, thickness]) == 2
         assert capsys.readouterr().err == f"linecontact: thickness is {thickness!r}; allowed: {allowed}\n"
@@ -188,19 +226,19 @@ def test_a_length_of_a_scan_s_scene_is_a_number_or_has_a_unit_and_is_not_too_lar
 
 def test_a_scan_is_not_pressed_by_defaults(tmp_path):
     np.savetxt(tmp_path / "scan.csv", np.random.default_rng(0).random((20, 1)), header="Height [um]")
-    words = ["solve", "--profile", "file", "--profile-file", tmp_path / "scan.csv", "--scan-length", 1e-4]
+    words = ["solve", "--profile", "file", "--profile-file", tmp_path / "scan.csv", "--scan-length", "0.1mm"]
     both = "contact_modulus (or youngs_modulus) and pressure (or approach) are"
     for more, missing in (((), both), (("--youngs-modulus", 1), "pressure (or approach) is")):
-        refused = run(*words, *more)
+        refused = here(*words, *more)
         assert refused.returncode == 2
         assert refused.stderr.startswith(f"linecontact: {missing} missing; allowed: ")
-    assert run(*words, "--youngs-modulus", 1, "--pressure", 1e-3, "--json").returncode == 0
+    assert here(*words, "--youngs-modulus", 1, "--pressure", 1e-3, "--json").returncode == 0
 
 
 @pytest.mark.parametrize("method", ["active-set", "mass-weighted-fire"])
 @pytest.mark.parametrize("grids", ["single", "nested"])
 def test_methods_and_grids(method, grids):
-    result = run("solve", "--num-points", 2048, "--method", method, "--grids", grids, "--json")
+    result = here("solve", "--num-points", 2048, "--method", method, "--grids", grids, "--json")
     record = json.loads(result.stdout)
     assert record["status"] == "converged"
     assert bool(record["levels"]) == (grids == "nested")
@@ -214,7 +252,10 @@ def test_methods_and_grids(method, grids):
         (["solve", "--exponent", "two"], "exponent is 'two'; allowed: a number"),
         (["solve", "--thickness", "0"], "thickness is 0.0"),
         (["solve", "--thickness", "nan"], "thickness is nan"),
-        (["solve", "--thickness", "1e400"], "thickness is '1e400'; allowed: a number between -1.8e+308 and 1.8e+308\n"),
+        (
+            ["solve", "--thickness", "1e400"],
+            "thickness is '1e400'; allowed: a number of 4.9e-324 to 1.8e+308 in size\n",
+        ),
         (["solve", "--tolerance", "1e-15"], "tolerance is 1e-15; allowed: 1e-14 to 0.5\n"),
         (["solve", "--scene-units"], "--scene-units is given; allowed: only with --profile file, not power"),
         (["solve", "--poisson-ratio", "0.6"], "poisson_ratio is 0.6"),
@@ -228,7 +269,8 @@ def test_methods_and_grids(method, grids):
         (["solve", "--profile", "file", "--profile-file", "no.txt"], "no.txt, which is not a file"),
         (["solve", "--profile", "file", "--profile-file", __file__], "SurfaceTopography"),
         (["solve", "--plot"], "--plot is given without --save; allowed: both"),
-        (["solve", "--plot", "--save", "x.png"], "not a figure's name"),
+        (["solve", "--save", "x.txt"], "file x.txt would hold HDF5; allowed: a name that ends in .h5 or .hdf5\n"),
+        (["solve", "--plot", "--save", "x.png"], "file x.png would hold HDF5; allowed: a name that ends in .h5"),
         (["solve", "--profile-file", __file__], "allowed: only with --profile file, not power"),
         (["solve", "--hurst", "0.3"], "hurst is 0.3; allowed: only with --profile rough, not power"),
         (["solve", "--profile", "rough", "--exponent", "4"], "exponent is 4.0; allowed: only with --profile power"),
@@ -245,13 +287,27 @@ def test_methods_and_grids(method, grids):
         (["study", "hertz", "--workers", "0"], "workers is 0"),
         (["study", "moon"], "moon"),
         (
-            ["solve", "--num-points", "1e3"],
-            "num_points is '1e3'; allowed: an integer, in digits or like 2^10\n",
+            ["solve", "--num-points", "1e-3"],
+            "num_points is '1e-3'; allowed: an integer, in digits or like 2^10 or 1e6\n",
         ),
-        (["solve", "--pressure", "a'b"], 'linecontact: pressure is "a\'b"; allowed: a number\n'),
+        (["solve", "--pressure", "a'b"], 'linecontact: pressure is "a\'b"; allowed: a number alone, all pressures'),
+        (
+            ["solve", "--youngs-modulus", "1MPa"],
+            "'1MPa'; allowed: a number alone, all pressures and moduli in one unit",
+        ),
+        (
+            ["solve", "--pressure", "1e-400"],
+            "pressure is '1e-400'; allowed: a number of 4.9e-324 to 1.8e+308 in size",
+        ),
+        (
+            ["ensemble", "--observable"],
+            "has no value; allowed: kappa, contact-area, peak-pressure, approach, mean-",
+        ),
+        (["curve", "--values"], "values has no value; allowed: numbers separated by commas"),
+        (["curve", "--over"], "over has no value; allowed: pressure, approach, period, num_points, or a number of the"),
         (
             ["study", "hertz", "--workers", "two"],
-            "workers is 'two'; allowed: an integer, in digits or like 2^10\n",
+            "workers is 'two'; allowed: an integer, in digits or like 2^10 or 1e6\n",
         ),
         ([], "solve"),
         (
@@ -262,14 +318,34 @@ def test_methods_and_grids(method, grids):
         (["solve", "--tolerence", "1"], "option --tolerence is unknown, perhaps meant as --tolerance"),
     ],
 )
-def test_bad_input_is_one_line_and_status_2(arguments, message, tmp_path):
-    result = run(*arguments, cwd=tmp_path)
+def test_bad_input_is_one_line_and_status_2(arguments, message, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    result = here(*arguments)
     assert result.returncode == 2
     assert message in result.stderr
     assert result.stderr.count("\n") == 1
     assert result.stderr.startswith("linecontact: ")
     assert "Traceback" not in result.stderr
     assert not result.stdout
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        [],
+        ["stdy"],
+        ["solve", "--colour", "red"],
+        ["study", "hertz", "--quik"],
+        ["solve", "--exponent", "0.5"],
+        ["solve", "--profile", "file", "--profile-file", "no.txt"],
+        ["plot", __file__],
+    ],
+)
+def test_bad_input_ends_a_process_the_same_way(arguments, tmp_path, monkeypatch):
+    """It looks at the names of options before it imports anything."""
+    monkeypatch.chdir(tmp_path)
+    result, expected = run(*arguments), here(*arguments)
+    assert (result.returncode, result.stdout, result.stderr) == (2, "", expected.stderr)
 
 
 def test_iteration_limit_is_status_3_with_the_partial_result(tmp_path):
@@ -293,8 +369,15 @@ def test_iteration_limit_is_status_3_with_the_partial_result(tmp_path):
 def test_ctrl_c_is_status_130_with_the_partial_result(tmp_path, sign, ctrl_c):
     file = tmp_path / "run.h5"
     arguments = ["solve", "--num-points", str(2**18), "--method", "fire", "--tolerance", "1e-13", "--save", str(file)]
+    program = (
+        "import sys\n"
+        "from linecontact.studies import __main__ as entry\n"
+        "from linecontact.studies.terminal import console\n"
+        "console.Bar.every = 0.1\n"
+        "sys.exit(entry.main())"
+    )
     process = subprocess.Popen(
-        [*CLI, *arguments],
+        [sys.executable, "-c", program, *arguments],
         stderr=subprocess.PIPE,
         stdout=subprocess.PIPE,
         preexec_fn=lambda: signal.signal(signal.SIGINT, ctrl_c),

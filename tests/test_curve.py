@@ -142,6 +142,11 @@ def test_a_scan_with_lengths_in_units(tmp_path, capsys):
     with h5py.File(tmp_path / "out" / "curve.h5") as file:
         told = json.loads(json.loads(file.attrs["configuration"])["scene"])
     assert list(told["files"]) == ["scan.csv"]
+    assert curve(tmp_path / "no", *words, "--from", "1", "--to", "0.1mm") == 2
+    assert "from is '1'; allowed: with its unit, like 1um, or --length-unit" in capsys.readouterr().err
+    approach = [*words[:4], *words[6:-1], "approach", "--values", "10nm,20nm"]
+    assert curve(tmp_path / "approach", *approach) == 0
+    assert [run["approach"] for run in runs(tmp_path / "approach")] == pytest.approx([1e-8, 2e-8], rel=1e-6)
     scan.write_text(scan.read_text().replace("40", "41", 1) + "\n")
     os.remove(tmp_path / "out" / "curve.h5")
     assert curve(tmp_path / "out", *words, "--from", "1um", "--to", "0.1mm", "--points", "3") == 0
@@ -155,6 +160,7 @@ def test_a_scan_with_lengths_in_units(tmp_path, capsys):
         ("--over hurst --from 0 --to 1", "over is 'hurst'; allowed: with --profile rough, or pressure, "),
         ("--over thickness", "from is missing; allowed: a number, or --values, with --over thickness"),
         ("--over thickness --from 0.1", "to is missing; allowed: a number"),
+        ("--values 0.2,0.1,1e-1", "values hold 1e-1 a second time; allowed: each once"),
         ("--pressure 0.1", "pressure is 0.1; allowed: none with --over pressure"),
         ("--approach 0.1", "approach is 0.1; allowed: none with --over pressure"),
         ("--over approach --pressure 1 --values 1e-3", "pressure is 1.0; allowed: none with --over approach"),
@@ -166,7 +172,7 @@ def test_a_scan_with_lengths_in_units(tmp_path, capsys):
         ("--from 0 --to 1 --spacing log", "from is 0, and to 1; allowed: numbers > 0, with --spacing log"),
         ("--over profile --values 1", "over is 'profile'; allowed: pressure, approach, num_points, thickness"),
         ("--from 1 --to 1", "to is 1, and from 1; allowed: two numbers that differ; --values takes one\n"),
-        ("--over thickness --values 1,1e400", "values is '1e400'; allowed: a number between -1.8e+308 and 1.8e+308\n"),
+        ("--over thickness --values 1,1e400", "values is '1e400'; allowed: a number of 4.9e-324 to 1.8e+308 in size\n"),
         ("--from 1e-4 --to inf", "to is inf, and from 0.0001; allowed: finite numbers"),
         ("--points 1", "points is 1; allowed: an integer from 2 to 16384"),
         ("--values 1e-3 --from 1e-3", "from is '1e-3'; allowed: none with --values"),
@@ -192,7 +198,10 @@ def test_a_scan_with_lengths_in_units(tmp_path, capsys):
             "to is inf, and from 0; allowed: finite numbers",
         ),
         ("--over approach --from 1e-3 --to 1", "approach is 1; allowed: up to 0.041666"),
-        ("--layer coated --thickness 0.1", "base_modulus is missing; allowed: a number, with --layer coated"),
+        (
+            "--layer coated --thickness 0.1",
+            "base_modulus is missing; allowed: a number alone, all pressures and moduli in one unit, for instance Pa, ",
+        ),
     ],
 )
 def test_what_is_wrong_is_said_before_anything_is_solved(tmp_path, capsys, words, said):

@@ -233,7 +233,7 @@ def test_a_missing_extra_is_one_line_and_status_2():
 def test_a_scan_that_went_away_is_told_and_nothing_is_lost(tmp_path):
     file = write_scan(tmp_path)
     words = ["--profile", "file", "--profile-file", file, "--contact-modulus", 1e9, "--pressure", 5e4]
-    with Server(*words, "--thickness", 1e-6, "--num-points", 1024) as program:
+    with Server(*words, "--thickness", "1um", "--num-points", 1024) as program:
         with Client(program) as client:
             assert "[um]" in client.settle()
             assert not client.text("note")

@@ -37,8 +37,10 @@ def study(tmp_path):
 
 
 def test_a_study_is_read_back_by_the_csv_module(study, capfdbinary):
-    assert cli.main(["export", str(study), "--csv"]) == 0
+    assert cli.main(["export", str(study)]) == 0
     written = capfdbinary.readouterr().out
+    assert cli.main(["export", str(study), "--csv", "-"]) == 0
+    assert capfdbinary.readouterr().out == written
     assert written.count(b"\r\n") == len(RUNS) + 1  # RFC 4180
     head, *rows = csv.reader(io.StringIO(written.decode(), newline=""))
     names = {name.partition(" [")[0]: name for name in head}
@@ -107,11 +109,11 @@ def test_nothing_is_replaced_unasked(study, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["{study}"], "csv is missing; allowed: --csv for standard output"),
-        (["--csv"], "file is missing; allowed: a path"),
-        (["{folder}/none.h5", "--csv"], "none.h5 does not exist"),
-        ([__file__, "--csv"], "not one of linecontact's"),
-        (["{empty}", "--csv"], "holds no finished run yet"),
+        (["{study}", "--csv"], "csv has no value; allowed: a path"),
+        ([], "file is missing; allowed: a path"),
+        (["{folder}/none.h5"], "none.h5 does not exist"),
+        ([__file__], "not one of linecontact's"),
+        (["{empty}"], "holds no finished run yet"),
         (["{study}", "--csv", "{folder}/no/out.csv"], "does not exist"),
         (["{study}", "--tsv"], "option --tsv is unknown, perhaps meant as --csv"),
     ],

@@ -148,6 +148,19 @@ def test_a_measurement_is_not_compared_with_itself(tmp_path, capsys):
     assert "are the same" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--threshold", "1.2"], "threshold is 1.2; allowed: with --compare"),
+        (["--compare", "a", "b", "--json"], "--json is given; allowed: without --compare, which measures nothing"),
+        (["--compare", "a", "b", "--size", "2^10"], "size is 1024; allowed: without --compare, which measures nothing"),
+    ],
+)
+def test_options_that_would_say_nothing_are_refused(words, said, capsys):
+    assert cli.main(["study", "kernels", *words]) == 2
+    assert capsys.readouterr().err == f"linecontact: {said}\n"
+
+
 @pytest.mark.parametrize("threshold", ["1", "0.5", "nan", "11"])
 def test_bad_thresholds_are_refused(threshold, tmp_path, capsys):
     assert run(tmp_path, made(1), made(2), "--threshold", threshold) == 2

@@ -47,8 +47,9 @@ def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("kernels")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(study, "_SECONDS", 1e-4)
+        patch.setattr(measure, "_SPAN", 1e-6)
         patch.setattr(study, "_LEFT_OUT", ())
-        patch.setattr(transforms, "MOST_SECONDS", 0.1)
+        patch.setattr(transforms, "MOST_SECONDS", 0.02)
         patch.setattr(machine, "compile_seconds", lambda: {"seconds.compile.cold": 4.0, "seconds.compile.warm": 0.1})
         plan = study.plan(study.Options(size=1024, repeats=2))
         assert run_plans(study.STUDY, [plan], folder) == 0
@@ -169,6 +170,7 @@ def test_results_of_two_sources_lie_in_two_folders(monkeypatch, tmp_path, capsys
 @pytest.mark.parametrize("benchmark", ["restrict_to_free", "plain_sums", "fire_step", "mass_weighted_move"])
 def test_the_documented_example(benchmark, own, monkeypatch, tmp_path, capsys):
     monkeypatch.setattr(study, "_SECONDS", 1e-4)
+    monkeypatch.setattr(measure, "_SPAN", 1e-6)
     monkeypatch.chdir(EXAMPLE.parent)
     command = ["study", "kernels", "--variants", EXAMPLE.name, "--kernel", benchmark, "--size", "2^12"]
     assert cli.main([*command, "--folder", str(tmp_path), "--json"]) == 0

@@ -279,34 +279,43 @@ def test_kernels_with_another_chunk_and_other_flags(flags):
     np.testing.assert_allclose(squares, (expected**2).reshape(4, 256).sum(axis=1), rtol=1e-14)
 
 
-def test_a_cold_compile_announces_itself(tmp_path):
-    environment = {**os.environ, "WARP_CACHE_PATH": str(tmp_path), tuning.VARIABLE: "default"}
-    program = "import linecontact.kernels as k; k.load()"
-    said = [
-        subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True).stderr
-        for _ in range(2)
-    ]
-    assert "compiling kernels for this processor, once" in said[0]
-    assert said[1] == ""
+@pytest.fixture(scope="module")
+def compiled_afresh(tmp_path_factory):
+    """What two processes say that load the kernels, the first with an empty cache; and the C++ that it compiled.
 
-
-def test_every_element_wise_loop_is_vectorised(tmp_path):
-    """LLVM's own remark for every kernel, each in both precisions (compiled afresh into an empty cache)."""
+    With the flags that were chosen on this processor before, and LLVM's remarks.
+    """
+    folder = tmp_path_factory.mktemp("cache")
     program = (
         "import warp as wp\n"
         "wp.config.cpu_compiler_flags = (wp.config.cpu_compiler_flags or '') + ' -Rpass=loop-vectorize'\n"
-        "import linecontact.kernels\n"
-        "linecontact.kernels.load()\n"
+        "import linecontact.kernels as k\n"
+        f"k.tuning.chosen = lambda: {tuning.chosen()!r}\n"
+        "k.load()\n"
     )
-    environment = {**os.environ, "WARP_CACHE_PATH": str(tmp_path)}
-    result = subprocess.run(
-        [sys.executable, "-c", program], env=environment, capture_output=True, text=True, timeout=300
-    )
-    assert result.returncode == 0, result.stderr
-    sources = {path.name: path.read_text().splitlines() for path in tmp_path.rglob("*.cpp")}
+    environment = {**os.environ, "WARP_CACHE_PATH": str(folder)}
+    said = []
+    for _ in range(2):
+        result = subprocess.run(
+            [sys.executable, "-c", program], env=environment, capture_output=True, text=True, timeout=300
+        )
+        assert result.returncode == 0, result.stderr
+        said.append(result.stderr)
+    return said, {path.name: path.read_text().splitlines() for path in folder.rglob("*.cpp")}
+
+
+def test_a_cold_compile_announces_itself(compiled_afresh):
+    (cold, warm), _ = compiled_afresh
+    assert "compiling kernels for this processor, once" in cold
+    assert warm == ""
+
+
+def test_every_element_wise_loop_is_vectorised(compiled_afresh):
+    """LLVM's own remark for every kernel, each in both precisions."""
+    (cold, _), sources = compiled_afresh
     found = {}
     for name, line, width in re.findall(
-        r"([^/\s]+\.cpp):(\d+):\d+: remark: vectorized loop \(vectorization width: (\d+)", result.stderr
+        r"([^/\s]+\.cpp):(\d+):\d+: remark: vectorized loop \(vectorization width: (\d+)", cold
     ):
         functions = [
             re.match(r"static void (\w+)_[0-9a-f]{8}_cpu_kernel_forward\(", text) for text in sources[name][: int(line)]

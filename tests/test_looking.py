@@ -246,7 +246,7 @@ def test_the_curve_of_a_scan_names_its_file_and_has_its_unit(tmp_path):
     x = 0.5 * np.arange(200)
     np.savetxt(file, np.stack([x, 40 * np.sin(x / 7)], axis=1), delimiter=",", header="x [um],z [nm]")
     words = ["--profile", "file", "--profile-file", file, "--contact-modulus", 1e6, "--num-points", "2^10"]
-    over_load = curve_of(tmp_path / "load", *words, "--thickness", 2e-3, "--points", 3)
+    over_load = curve_of(tmp_path / "load", *words, "--thickness", "2mm", "--points", 3)
     assert over_load.get_suptitle().startswith(r"a \$scan.csv, $d=2$ mm, ")
     check_places(over_load)
     over_thickness = curve_of(

@@ -49,9 +49,19 @@ def test_too_coarse_a_grid_is_said(tmp_path, capsys):
 
 
 def test_full_contact_does_not_scatter(tmp_path, capsys):
-    words = ("--pressure", "100", "--observable", "contact-area", "--standard-error", "0.1")
-    assert ensemble(tmp_path, *SMALL, *words) == 0
+    """So that there is nothing to draw, but of the peak pressure, which does."""
+    words = ("--pressure", "100", "--standard-error", "0.1", "--observable")
+    assert ensemble(tmp_path, *SMALL, *words, "contact-area") == 0
     assert "all surfaces have the same value" in " ".join(capsys.readouterr().out.split())
+    assert not list(tmp_path.glob("*.png"))
+    assert ensemble(tmp_path, *SMALL, *words, "contact-area,peak-pressure") == 0
+    assert rows_of(tmp_path) == ["peak-pressure (pressure)"]
+
+
+def rows_of(folder):
+    """What the rows of the figure of a stored ensemble are of."""
+    (figure,) = study.draw(folder / "ensemble.h5").values()
+    return [axes.get_ylabel() for axes in figure.axes[::2]]
 
 
 def test_starting_anew_does_everything_again(tmp_path):
@@ -75,6 +85,7 @@ def test_the_command(tmp_path, capsys):
         assert found.standard_error <= 0.02 * abs(found.mean)
     assert list(now.estimates) == list(asked.observables) == ["kappa", "mean-gap"]
     assert {path.name for path in tmp_path.glob("*.p*")} == {"ensemble.png", "ensemble.pdf"}
+    assert rows_of(tmp_path) == ["kappa (dimensionless)", "mean-gap (length)"]
     one = next(row for row in file.runs if row["num_points"] == 1024)
     indenter = RoughIndenter(0.8, one["seed"], cut_off_ratio=0.125)
     alone = solve(Scene(Layer(0.1), indenter, 0.02, num_points=1024), tolerance=1e-10).observables
@@ -195,6 +206,7 @@ def test_progress_is_the_time_of_solving_and_says_what_is_reached():
     [
         ("", "standard_error is missing; allowed: a number of 1e-60 and more"),
         ("--standard-error 0", "standard_error is 0.0; allowed: a number of 1e-60 and more"),
+        ("--standard-error 1 --observable kappa,kappa", "observable holds kappa a second time; allowed: each once"),
         ("--standard-error 2 --relative", "standard_error is 2.0; allowed: 1e-60 to 1, over the mean"),
         (
             "--standard-error 0.1 --observable depth",

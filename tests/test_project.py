@@ -29,8 +29,11 @@ def test_style():
     run(sys.executable, "-m", "ruff", "format", "--check", ".", cwd=ROOT)
 
 
-def test_types(tmp_path):
-    """mypy sees the folders under their import name through links, as an installed package has them."""
+def test_types(tmp_path, request):
+    """mypy sees the folders under their import name through links, as an installed package has them.
+
+    What it knows of files that have not changed since is kept with what pytest keeps.
+    """
     package = tmp_path / "linecontact"
     package.mkdir()
     for folder in FOLDERS:
@@ -38,6 +41,7 @@ def test_types(tmp_path):
     for file in (ROOT / "api").glob("*.py"):
         (package / file.name).symlink_to(file)
     options = ["--config-file", ROOT / "pyproject.toml", "--namespace-packages", "--explicit-package-bases"]
+    options += ["--cache-dir", request.config.cache.mkdir("mypy")]
     environment = {**os.environ, "MYPYPATH": str(tmp_path)}
     run(sys.executable, "-m", "mypy", *options, "-p", "linecontact", cwd=tmp_path, env=environment)
 

@@ -48,6 +48,20 @@ def test_a_narrow_terminal_loses_nothing_of_a_table(solution, width):
         assert width < 40 or max(map(len, narrow.splitlines())) <= width
 
 
+@pytest.mark.parametrize(
+    ("load", "options", "said"),
+    [
+        (2e-3, {"max_iterations": 1}, "not computed - (result not as asked)"),
+        (2e-3, {"accuracy": 1e-9, "accuracy_of": "peak-pressure"}, "not computed - (result not as asked)"),
+        (100.0, {}, "inf pressure/length"),
+    ],
+)
+def test_the_row_of_the_stiffness_is_always_there(load, options, said):
+    found = solve(Scene(Layer(), RoughIndenter(cut_off_ratio=0.1), load, num_points=2**10), **options)
+    table = " ".join(printed(solution_table(found), 200).replace("\u2502", "").split())
+    assert f"contact stiffness dp/d(approach) {said}" in table
+
+
 @pytest.mark.parametrize("width", [20, 40, 60])
 def test_a_table_of_numbers_comes_in_parts(width):
     table = console.table(title="the title", caption="the caption")
@@ -75,7 +89,15 @@ def test_a_sentence_is_wrapped_on_a_terminal_only():
 
 @pytest.mark.parametrize(
     ("value", "text"),
-    [(0.01497, "0.015"), (0.0101, "0.011"), (0.1, "0.1"), (9.91e-8, "1e-07"), (0.0, "0"), (float("inf"), "inf")],
+    [
+        (0.01497, "0.015"),
+        (0.0101, "0.011"),
+        (0.1, "0.1"),
+        (9.91e-8, "1e-07"),
+        (0.0, "0"),
+        (float("inf"), "inf"),
+        (-0.0149, "-0.014"),
+    ],
 )
 def test_an_error_is_rounded_up(value, text):
     assert rounded_up(value) == text

@@ -12,6 +12,9 @@ from linecontact.solver import Layer, MeasuredIndenter, PowerIndenter, RoughInde
 from linecontact.solver.warnings import WarningKind
 from linecontact.studies.command_line import main
 
+UNSETTLED = Scene(Layer(1e-3), RoughIndenter(seed=2, cut_off_ratio=1 / 64), 1e-4, num_points=2**11)
+EXAMPLE = Path(__file__).parent.parent / "docs" / "examples" / "scan.csv"
+
 
 def kinds(scene, **options):
     return [warning.kind for warning in solve(scene, **options).warnings]
@@ -33,23 +36,22 @@ def test_each_kind_has_its_scene():
     assert WarningKind.SLOPE in kinds(replace(rough(rms_gradient=1.0), pressure=1e-2))
     assert WarningKind.STRAIN in kinds(Scene(pressure=0.2, num_points=2**10))
     assert WarningKind.FULL in kinds(replace(rough(), pressure=0.02))
-    assert WarningKind.ESTIMATE in kinds(Scene(indenter=RoughIndenter(), pressure=1e-2, num_points=2**14))
+    assert WarningKind.ESTIMATE in kinds(UNSETTLED)
 
 
-def test_a_peak_that_says_less_than_its_error_is_warned_of():
-    scene = Scene(indenter=RoughIndenter(), pressure=1e-2, num_points=2**14)
-    for points, warned in ((2**14, True), (2**16, False)):
-        solution = solve(scene.on_grid(points))
+def test_an_approach_that_says_less_than_its_error_is_warned_of():
+    for points, warned in ((2**11, True), (2**13, False)):
+        solution = solve(UNSETTLED.on_grid(points))
         found = solution.observables
-        assert (found.peak_pressure_error > found.peak_pressure) == warned
+        assert (found.approach_error > found.approach) == warned
         said = [warning.text for warning in solution.warnings if warning.kind == WarningKind.ESTIMATE]
         assert len(said) == warned
         assert all(
-            text.startswith("the error estimated of the peak pressure is larger") and "more num_points" in text
+            text.startswith("the error estimated of the approach is larger") and "more num_points" in text
             for text in said
         )
-    unknown = solve(scene, nested=False)
-    assert unknown.observables.peak_pressure_error == math.inf  # which is said already, and no warning
+    unknown = solve(UNSETTLED, nested=False)
+    assert unknown.observables.approach_error == math.inf  # which is said already, and no warning
     assert WarningKind.ESTIMATE not in {warning.kind for warning in unknown.warnings}
 
 
@@ -184,6 +186,21 @@ def test_patches_as_a_file(tmp_path, capsys):
     status, shown = run(capsys, *words, "--patches", tmp_path / "patches.csv")
     assert status == 2
     assert "patches.csv exists" in shown.err
+    scan = (
+        "--profile",
+        "file",
+        "--profile-file",
+        EXAMPLE,
+        "--length-unit",
+        "um",
+        "--contact-modulus",
+        1,
+        "--pressure",
+        1,
+    )
+    assert run(capsys, *scan, "--patches", tmp_path / "scan.csv")[0] == 0
+    head, *_ = (tmp_path / "scan.csv").read_text().splitlines()
+    assert head.startswith("left [um],right [um],width [um],nodes [-],load [pressure times um],peak_pressure [pressure")
 
 
 def random_scene(rng):

@@ -5,9 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..files import csv_tables, writing
-from ..terminal.options import may_stand_alone
 
-OUTPUT = "-"
+OUTPUT = Path("-")
 """What stands for standard output."""
 
 
@@ -21,17 +20,15 @@ class Options:
 
     file: Path
     """An HDF5 file that linecontact wrote."""
-    csv: Path | None = may_stand_alone(OUTPUT)  # noqa: RUF009, it makes a field
-    """Comma-separated values, into this file; on standard output if no file is named, or by -."""
+    csv: Path = OUTPUT
+    """The file to write, of comma-separated values; - is standard output."""
     overwrite: bool = False
     """Let --csv replace an existing file."""
 
 
 def command(options: Options) -> int:
     """Write the table; returns the exit status."""
-    if options.csv is None:
-        raise ValueError("csv is missing; allowed: --csv for standard output, or --csv FILE")
-    if str(options.csv) == OUTPUT:
+    if options.csv == OUTPUT:
         for part in csv_tables.table(options.file):
             sys.stdout.buffer.write(part)
         return 0

@@ -63,7 +63,7 @@ class Options(making.Options):
     json: bool = False
     """One JSON object on standard output instead of a table."""
     save: Path | None = None
-    """Write fields and results to this HDF5 file."""
+    """Write fields and results to this HDF5 file, .h5 or .hdf5."""
     plot: bool = False
     """Draw the figure beside the saved file."""
     patches: Path | None = None
@@ -108,7 +108,7 @@ def command(options: Options, given: Given) -> int:
         if options.save:
             solution_files.save_solution(options.save, solution)
         if options.patches:
-            solution_files.save_patches(options.patches, solution.patches)
+            solution_files.save_patches(options.patches, solution)
     tell_files(options)
     status = console.exit_status(solution.status)
     if not status and options.strict and solution.warnings:
@@ -156,14 +156,14 @@ def check_targets(options: Options, given: Given) -> None:
     for name, target in (("save", options.save), ("patches", options.patches)):
         if target and profile_file and target.exists() and profile_file.samefile(target):
             raise ValueError(f"{name} is {target}; allowed: another file than the profile's")
-        if target:
-            writing.check_target(target, options.overwrite)
+    if options.save:
+        solution_files.check_file(options.save, options.overwrite)
+    if options.patches:
+        writing.check_target(options.patches, options.overwrite)
     if options.save and options.save == options.patches:
         raise ValueError(f"patches is {options.patches}; allowed: another file than --save")
     for suffix in FORMATS if options.plot and options.save else ():
         assert options.save
-        if options.save.suffix == suffix:
-            raise ValueError(f"save is {options.save}; allowed: with --plot not a figure's name")
         writing.check_target(options.save.with_suffix(suffix), options.overwrite)
 
 
@@ -182,6 +182,7 @@ def solution_table(solution: Solution) -> Whole:
     table.add_column("unit")
     spacing = 1 / solution.scene.num_points
     image = ", mirror image too" * mirrored(record["scene"])
+    stiffness_unit = "pressure/length" if "contact_stiffness" in record else "- (result not as asked)"
     own = "; edges only" if solution.certificate and not solution.levels else ""
     rows = [
         ("contact area a_r (sub-grid edges)", f"{record['contact_area_subgrid']:.10g}", "-"),
@@ -204,7 +205,7 @@ def solution_table(solution: Solution) -> Whole:
         ("approach", record["approach"], "length"),
         *_known("  its error, estimated", rounded_up(record["approach_error"]), "length (absolute)"),
         ("mean gap", record["mean_gap"], "length"),
-        *_known("contact stiffness dp/d(approach)", record.get("contact_stiffness"), "pressure/length"),
+        ("contact stiffness dp/d(approach)", record.get("contact_stiffness", "not computed"), stiffness_unit),
         ("peak pressure", record["peak_pressure"], "pressure"),
         *_known("  its error, estimated", rounded_up(record["peak_pressure_error"]), "pressure (absolute)"),
         ("iterations", record["iterations"], "-"),

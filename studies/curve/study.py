@@ -15,12 +15,12 @@ from ..runner import study
 from ..runner.run import run_study
 from ..runner.study import Plan, Study
 from ..scans import summary
-from ..scans.units import read
+from ..scans.units import Own, read
 from ..scenes import kinds, making
 from ..scenes.described import base_scene, described, shown
 from ..scenes.making import Given
 from ..terminal import console
-from ..terminal.options import one_of, options_of
+from ..terminal.options import one_of, options_of, text
 from . import even_areas, number
 from .report import report
 from .tasks import Task
@@ -53,20 +53,20 @@ class Options(making.Options, study.Options):
     """Relative error wanted of every value, 1e-9 to 0.1 (dimensionless); num_points is then the most to use."""
     accuracy_of: str = one_of(QUANTITIES, DEFAULT_QUANTITY)
     """What the accuracy is wanted of; area and kappa between sub-grid edges."""
-    over: str = "pressure"
+    over: str = text("pressure, approach, period, num_points, or a number of the layer's or the indenter's", "pressure")
     """The number that is varied: pressure, approach, period, num_points, or one of the layer's or the indenter's own,
     like thickness, poisson_ratio, exponent, hurst or seed."""
-    from_: str | None = None
+    from_: str | None = text("a number", None)
     """First value, in the scene's unit or, with a scan, with its own, like 50um; default for the pressure: 1e-5 of that
     of full contact."""
-    to: str | None = None
+    to: str | None = text("a number", None)
     """Last value; default for the pressure: that of full contact."""
     points: int = 30
     """Number of values, 2 to 16384; of seeds every one, if they are fewer."""
     spacing: number.Spacing = "auto"
     """Of the values: even in their logarithm, or linear; auto: the logarithm from a decade on, but for seeds; area:
     pressures at which the contact area rises evenly."""
-    values: str | None = None
+    values: str | None = text("numbers separated by commas", None)
     """Values separated by commas, instead of --from and --to; inf is a half-space's thickness."""
 
 
@@ -76,18 +76,20 @@ def plan(options: Options, given: Given) -> Plan:
     over, accuracy, of = options.over, options.accuracy, options.accuracy_of
     told: dict[str, Any] = {name: getattr(options, name) for name in _SCENE}
     _check_options(options, given, told)
+    own = making.own_unit(options, given)
+    any_number = 1.0 if own.said else f"1{own.unit}"  # will do for the scene whose number is varied
     if over in making.LOADS:
-        told[over] = 1.0  # any number will do for the scene whose number is varied
+        told[over] = any_number if over == "approach" else 1.0
     every = {title: dict(group) for title, group in given.items()}
     for what in ("layer", "profile"):
         kind = told[what]
         option = options_of(kinds.classes(what)[kind]).get(over) if kind in kinds.classes(what) else None
         if option and option.default is MISSING and option.type is not Path:
-            every[kinds.title(what, kind)][over] = 1.0
+            every[kinds.title(what, kind)][over] = any_number if option.length else 1.0
     description = described(told, every)
     scene = base_scene(description)
     _check_over(over, number.numbers(scene))
-    values = _values(options, scene)
+    values = _values(options, scene, own._replace(unit=scene.length_unit))
     number.check(scene, over, values)
     return Plan(
         kind=NAME,
@@ -136,14 +138,14 @@ def _check_options(options: Options, given: Given, told: Mapping[str, Any]) -> N
                 raise ValueError(f"{name} is {getattr(options, name)}; allowed: none with --values")
 
 
-_SCENE = ("profile", "layer", "pressure", "approach", "period", "num_points", "precision", "accuracy", "accuracy_of")
-"""The options that make a scene."""
-
 _NO_NUMBERS = ("profile", "layer", "precision", "accuracy", "accuracy_of")
-"""Those that are refused as what varies, whether they are given or not."""
+"""Options of a scene that are refused as what varies, whether they are given or not."""
+
+_SCENE = (*_NO_NUMBERS, *making.LOADS, "period", "num_points")
+"""All that make a scene."""
 
 
-def _values(options: Options, scene: Scene) -> tuple[float, ...]:
+def _values(options: Options, scene: Scene, own: Own) -> tuple[float, ...]:
     ends = {"from": options.from_, "to": options.to}
     given = {name: text for name, text in ends.items() if text is not None}
     if options.values is not None:
@@ -153,8 +155,11 @@ def _values(options: Options, scene: Scene) -> tuple[float, ...]:
         texts = options.values.split(",")
         if len(texts) > number.MOST:
             raise ValueError(f"values are {len(texts)}; allowed: up to {number.MOST}")
-        return tuple(dict.fromkeys(_read(options, scene, "values", text) for text in texts))
-    found = {name: _read(options, scene, name, text) for name, text in given.items()}
+        values = tuple(_read(options, own, "values", text) for text in texts)
+        if again := [text for i, text in enumerate(texts) if values[i] in values[:i]]:
+            raise ValueError(f"values hold {again[0].strip()} a second time; allowed: each once")
+        return values
+    found = {name: _read(options, own, name, text) for name, text in given.items()}
     if options.over == "pressure" and len(found) < len(ends):
         full = full_contact_pressure(scene)
         found = {"from": _SMALLEST_LOAD * full, "to": _BEYOND * full} | found
@@ -173,8 +178,8 @@ def _values(options: Options, scene: Scene) -> tuple[float, ...]:
     return number.spaced(found["from"], found["to"], count, spacing, number.whole(scene, options.over))
 
 
-def _read(options: Options, scene: Scene, option: str, text: str) -> float:
-    return read(option, text, unit(options.over) == "length", scene.length_unit)
+def _read(options: Options, own: Own, option: str, text: str) -> float:
+    return read(option, text, unit(options.over) == "length", own)
 
 
 def draw(path: Path) -> "dict[str, Figure]":

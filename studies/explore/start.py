@@ -15,6 +15,7 @@ from urllib.parse import urlencode
 from linecontact.solver import Indenter, MeasuredIndenter, PowerIndenter, RoughIndenter, Scene
 from linecontact.solver.scene import PRECISIONS
 
+from ..scans import reading
 from ..terminal.options import flag
 from ..terminal.text import number
 from .controls import CONTROLS, Control
@@ -41,7 +42,7 @@ class Scan:
     def of(cls, path: Path, options: Mapping[str, Any]) -> Self:
         """The scan that a file holds now; options: those that read it, by name."""
         words: list[str] = []
-        for name, value in options.items():
+        for name, value in {"length_unit": reading.Options.length_unit, **options}.items():
             if name not in ("num_points", "period"):  # the scene says them
                 words += [flag(name)] if value is True else [flag(name), str(value)]
         return cls(path, tuple(words), cls.stamp_of(path))

@@ -18,11 +18,12 @@ from numpy.typing import NDArray
 
 from .hdf5 import column_of_numbers, new_file, open_file, scalar
 from .records import flatten, renamed, unit
-from .writing import as_path, check_target, write_bytes
+from .writing import StoreError, as_path, check_target, write_bytes
 
 Name = str | os.PathLike[str]
 
 KIND = "solution"
+_ENDINGS = (".h5", ".hdf5")
 _FIELDS = ("x", "profile", "displacement", "contact_pressure")
 _PATCH_UNITS = {"nodes": "-", "load": "pressure times length", "peak_pressure": "pressure"}
 
@@ -50,15 +51,22 @@ class StoredSolution:
 
 
 def save(solution: Solution, path: Name, overwrite: bool = False) -> None:
-    """Write a solution to an HDF5 file, which appears under its name only when it is complete.
+    """Write a solution to an HDF5 file, .h5 or .hdf5, which appears under its name only when it is complete.
 
     overwrite: whether an existing file may be replaced. Raises `ValueError` for a file that cannot be written.
     """
     if not isinstance(solution, Solution):
         raise ValueError(f"solution is {str(solution)[:40]!r}; allowed: a Solution")
     file = as_path("path", path)
-    check_target(file, overwrite)
+    check_file(file, overwrite)
     save_solution(file, solution)
+
+
+def check_file(path: Path, overwrite: bool) -> None:
+    """Raise `StoreError` before any work if `path` cannot become a new file of a solution."""
+    check_target(path, overwrite)
+    if path.suffix.lower() not in _ENDINGS:
+        raise StoreError(f"file {path} would hold HDF5; allowed: a name that ends in {' or '.join(_ENDINGS)}")
 
 
 def load(path: Name) -> StoredSolution:
@@ -67,11 +75,12 @@ def load(path: Name) -> StoredSolution:
     return StoredSolution(**arrays, results=results)
 
 
-def save_patches(path: Name, patches: PatchTable) -> None:
-    """Write a table of contact patches as CSV, with a line of names and units first."""
-    names = [field.name for field in fields(PatchTable)]
-    head = ",".join(f"{name} [{_PATCH_UNITS.get(name, 'length')}]" for name in names)
-    lines = (",".join(f"{value:.12g}" for value in row) for row in zip(*astuple(patches), strict=True))
+def save_patches(path: Name, solution: Solution) -> None:
+    """Write the table of contact patches as CSV, with a line of names and units first."""
+    units = {field.name: _PATCH_UNITS.get(field.name, "length") for field in fields(PatchTable)}
+    own = solution.scene.length_unit
+    head = ",".join(f"{name} [{unit.replace('length', own)}]" for name, unit in units.items())
+    lines = (",".join(f"{value:.12g}" for value in row) for row in zip(*astuple(solution.patches), strict=True))
     write_bytes(Path(path), ["\n".join([head, *lines, ""]).encode()])
 
 

@@ -27,7 +27,7 @@ from ..runner import study
 from ..runner.run import run_study
 from ..runner.study import Plan, Study
 from ..runner.tasks import Record
-from ..terminal.options import one_of
+from ..terminal.options import one_of, options_of, told
 from . import compare, cores, machine, measure, variants
 from . import report as tables
 from .benchmark import LARGEST, PRECISIONS, Benchmark
@@ -202,14 +202,22 @@ def plans(options: Options) -> Sequence[Plan]:
 STUDY = Study(name=tables.KIND, options=Options, plans=plans, report=report, draw=draw)
 
 
+def _check_together(options: Options) -> None:
+    """Raise `ValueError` for options of the comparison without one, and for others with one."""
+    for name, option in options_of(Options).items():
+        value = getattr(options, name)
+        if name != "compare" and value != option.default and (name == "threshold") != bool(options.compare):
+            which = "without --compare, which measures nothing" if options.compare else "with --compare"
+            raise ValueError(f"{told(name, value)}; allowed: {which}")
+
+
 def command(options: Options) -> int:
     """Measure what is left of the study, or compare two files; returns the exit status.
 
     Results lie in a folder of their own for every source, machine and choice of what is measured.
     """
+    _check_together(options)
     if options.compare:
-        if options.json:
-            raise ValueError("json is True; allowed: without --compare, which prints a table")
         return compare.command(*options.compare, options.threshold)
     (planned,) = plans(options)
     # the quick study needs no folder of its own name, because its key is another

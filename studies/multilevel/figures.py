@@ -15,19 +15,20 @@ from .tasks import found
 
 
 def draw(path: Path) -> dict[str, Figure]:
-    """Two panels for the first observable."""
+    """A row of two panels for each observable whose values differ from surface to surface."""
     study = load(path)
     estimates = found(study)[1].estimates
     if not estimates:
         raise NothingToDraw("too few surfaces are solved on all grids yet")
-    observable, estimate = next(iter(estimates.items()))
-    if not estimate.standard_error > 0:
+    shown = {observable: estimate for observable, estimate in estimates.items() if estimate.standard_error > 0}
+    if not shown:
         raise NothingToDraw("all surfaces have the same value")
-    samples = Samples(study.runs, observable)
     spent = float(sum(study.column("seconds.total")))
-    figure, ((left, right),) = panels(1, 2, TWO_COLUMNS, 3.4)
-    _scatter(left, observable, samples)
-    _errors(right, unit_of(observable), estimate, samples, spent)
+    figure, rows = panels(len(shown), 2, TWO_COLUMNS, 3.4 * len(shown))
+    for (left, right), (observable, estimate) in zip(rows, shown.items(), strict=True):
+        samples = Samples(study.runs, observable)
+        _scatter(left, observable, samples)
+        _errors(right, unit_of(observable), estimate, samples, spent)
     return {"": figure}
 
 

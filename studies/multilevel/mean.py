@@ -54,8 +54,10 @@ def check_wanted(
 ) -> Wanted:
     """What was asked for, checked. Raises `ValueError`."""
     names = [name.strip().replace("_", "-") for name in observables]
-    for name in names:
+    for i, name in enumerate(names):
         checks.choice("observable", name, tuple(samples.OBSERVABLES))
+        if name in names[:i]:
+            raise ValueError(f"observable holds {name} a second time; allowed: each once")
     allowed, most = "a number of 1e-60 and more, in the unit of the observable", math.inf
     if standard_error is None:
         raise ValueError(f"standard_error is missing; allowed: {allowed}")
@@ -63,7 +65,7 @@ def check_wanted(
         allowed, most = "1e-60 to 1, over the mean", 1.0
     fewest = PILOT * FIRST_GRIDS
     return Wanted(
-        tuple(dict.fromkeys(names)),
+        tuple(names),
         checks.real("standard_error", standard_error, allowed, math.nextafter(1e-60, 0), most),
         bool(relative),
         checks.real("max_seconds", max_seconds, "a time > 0 [s]", 0, infinite=True),

@@ -14,10 +14,11 @@ from ..runner.study import Plan, Study
 from ..scenes import kinds, making
 from ..scenes.described import base_scene, described
 from ..scenes.making import Given
-from ..terminal.options import one_of
+from ..terminal.options import one_of, text
 from . import tasks
 from .mean import MOST_SAMPLES, check_scene, check_wanted
 from .report import missed, report
+from .samples import OBSERVABLES
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -39,7 +40,7 @@ class Options(making.Options, study.Options):
     num_points: int | None = None
     """Points of the finest grid that may be used, like 2^20; it is used only if the bias asks for it. Default 2^20."""
     precision: ClassVar[str] = Scene.precision
-    observable: str = "kappa"
+    observable: str = text(f"{', '.join(OBSERVABLES)}, or several of them separated by commas", "kappa")
     """Whose mean is wanted: kappa, contact-area, peak-pressure, approach or mean-gap, or several of them separated by
     commas."""
     standard_error: float | None = None

@@ -59,8 +59,8 @@ class Options:
     scene_units: bool = False
     """Numbers for which no unit is known are in the scene's own unit of length."""
     length_unit: Unit = "m"
-    """The scene's own unit, in which its other lengths are given, the layer's thickness for instance, unless they are
-    written with a unit, like 2mm."""
+    """The scene's own unit, of results and of lengths that are written without one. Where it is not given, lengths are
+    written with their units, like 2mm."""
     scan_length: float | None = None
     """Length of a scan without positions [length], its spacing times its number of values."""
     columns: str | None = None
@@ -218,7 +218,7 @@ def _given_length(options: Options, count: int) -> float:
     if options.scan_length is None:
         raise ValueError(
             f"scan_length is missing: {path} holds {counted(count, 'height')} and no positions; allowed: its length, "
-            f"in the scene's unit (length_unit, {options.length_unit})"
+            f"on the command line with its unit, like 1.5mm, else in the scene's (length_unit, {options.length_unit})"
         )
     return checks.real("scan_length", options.scan_length, "a finite length > 0", 0)
 

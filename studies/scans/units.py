@@ -4,9 +4,9 @@ import math
 import re
 import unicodedata
 from collections.abc import Mapping
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
-from ..terminal.text import NOT_TOO_LARGE, number
+from ..terminal.text import IN_RANGE, number
 
 Unit = Literal["m", "cm", "mm", "um", "nm", "pm", "angstrom", "inch"]
 
@@ -38,11 +38,20 @@ _SHORT = {"m", "in", '"', "\u03bc", "\u00e5"}
 _NUMBER_AND_UNIT = re.compile(r"(.*[\d.])\s*([^\d.]+)")
 
 
-def read(name: str, text: str, length: bool, own: str) -> float:
+class Own(NamedTuple):
+    """A scene's own unit of length."""
+
+    unit: str
+    """One of `UNITS`; any other text where there is none."""
+    said: bool = True
+    """Whether the user chose it, so that lengths may be numbers alone."""
+
+
+def read(name: str, text: str, length: bool, own: Own) -> float:
     """A number as it is written on the command line, like 0.1 or 2^18, or a length with its unit, like 50um.
 
-    name: of the option, for messages. length: whether it is one. own: the scene's unit of length; any other text where
-        there is none. Raises `ValueError`.
+    name: of the option, for messages. length: whether it is one. own: the unit of the scene's lengths. Raises
+        `ValueError`.
     """
     text = text.strip()
     parted = _NUMBER_AND_UNIT.fullmatch(text)
@@ -54,15 +63,18 @@ def read(name: str, text: str, length: bool, own: str) -> float:
         if written and not known:
             raise ValueError("of no known unit")
     except OverflowError:
-        raise ValueError(f"{name} is {text!r}; allowed: {NOT_TOO_LARGE}") from None
+        raise ValueError(f"{name} is {text!r}; allowed: {IN_RANGE}") from None
     except ValueError:
-        more = ", or a length with its unit, like 50um" * (length and own in UNITS)
+        more = ", or a length with its unit, like 50um" * (length and own.unit in UNITS)
         raise ValueError(f"{name} is {text!r}; allowed: a number{more}") from None
-    if known and own not in UNITS:
+    if known and own.unit not in UNITS:
         raise ValueError(f"{name} is {text!r}; allowed: a number alone, the lengths of this scene have no unit")
-    found = value * (UNITS[known] / UNITS[own]) if known else value
-    if math.isinf(found) and not math.isinf(value):
-        raise ValueError(f"{name} is {text!r}; allowed: {NOT_TOO_LARGE}, in {own}")
+    if length and not (own.said or known or value == 0 or math.isinf(value)):
+        hint = f"with its unit, like {text}um, or --length-unit, that of all lengths of this scene"
+        raise ValueError(f"{name} is {text!r}; allowed: {hint}")
+    found = value * (UNITS[known] / UNITS[own.unit]) if known else value
+    if (math.isinf(found) and not math.isinf(value)) or (found == 0 and value != 0):
+        raise ValueError(f"{name} is {text!r}; allowed: {IN_RANGE}, in {own.unit}")
     return found
 
 

@@ -7,7 +7,7 @@ from typing import Any
 from linecontact.solver import INDENTERS, LAYERS, MeasuredIndenter, Scene
 
 from ..scans import reading
-from ..scans.units import read
+from ..scans.units import UNITS, Own, read
 from ..terminal.options import one_of, options_of, told
 from . import kinds, stiffness_file
 
@@ -34,13 +34,15 @@ def make_scene(options: Any, given: Given) -> Scene:
 
     Raises `ValueError`.
     """
-    measured = options.profile == MeasuredIndenter.name
-    profile = _made("profile", options, given, _unit_of_scan(given) if measured else "")
-    unit, own = "", {name: getattr(options, name, None) for name in (*LOADS, "period", "num_points")}
+    unit = own_unit(options, given)
+    profile = _made("profile", options, given, unit)
+    own = {name: getattr(options, name, None) for name in (*LOADS, "period", "num_points")}
     more: dict[str, Any] = {}
     if isinstance(profile, reading.Options):
         indenter, period, num_points = reading.read(profile)
-        unit = indenter.description["profile_length_unit"]
+        unit = unit._replace(unit=indenter.description["profile_length_unit"])
+        if unit.unit in UNITS and profile.scene_units and "length_unit" not in given[_SCAN]:
+            raise ValueError("length_unit is missing; allowed: the unit of the scene, where the file names its own")
         _check_scales(options, given)
         own |= {"period": None, "num_points": None}
         more = {"period": period, "num_points": num_points}
@@ -48,10 +50,16 @@ def make_scene(options: Any, given: Given) -> Scene:
         indenter = profile
     layer = _made("layer", options, given, unit)
     if isinstance(layer, stiffness_file.Options):
+        if not unit.said:
+            raise ValueError(f"stiffness_file is {layer.stiffness_file}; allowed: with --length-unit, the unit of 1/q")
         layer = stiffness_file.read(layer)
-    more |= {name: _number(name, value, unit) for name, value in own.items() if value is not None}
+    lengths = ("approach", "period")
+    more |= {n: _length(n, value, unit) if n in lengths else value for n, value in own.items() if value is not None}
     return Scene(layer=layer, indenter=indenter, precision=options.precision, **more)
 
+
+_SCAN = kinds.title("profile", MeasuredIndenter.name)
+"""The title of a scan's own options."""
 
 LOADS = ("pressure", "approach")
 """The options of which one tells the load."""
@@ -72,21 +80,25 @@ def _check_scales(options: Any, given: Given) -> None:
         raise ValueError(f"{names}; allowed: with a file, whose lengths have units, both must be given, in one unit")
 
 
-def _unit_of_scan(given: Given) -> str:
-    """The unit of a scan's own length, if it is given one; empty where that is the scene's, whatever it is."""
-    told = given[kinds.title("profile", MeasuredIndenter.name)]
-    return "" if told.get("scene_units") else str(told.get("length_unit", reading.Options.length_unit))
+def own_unit(options: Any, given: Given) -> Own:
+    """The unit of the scene's lengths, as far as the options tell it before a scan is read."""
+    told = given[_SCAN]
+    if options.profile != MeasuredIndenter.name or told.get("scene_units"):
+        return Own("")
+    return Own(told.get("length_unit", reading.Options.length_unit), "length_unit" in told)
 
 
-def _number(name: str, value: Any, unit: str) -> Any:
-    """The value of an option that is a number; a length with its unit in the scene's. Raises `ValueError`."""
-    return read(name, value, True, unit) if isinstance(value, str) else value
+def _length(name: str, value: Any, unit: Own) -> Any:
+    """The value of an option that is a length, in the scene's unit. Raises `ValueError`."""
+    if unit.said and not isinstance(value, str):
+        return value
+    return read(name, value if isinstance(value, str) else f"{value:g}", True, unit)
 
 
-def _made(what: str, options: Any, given: Given, unit: str) -> Any:
+def _made(what: str, options: Any, given: Given, unit: Own) -> Any:
     """The layer or the profile that the option `what` chooses, with its own options.
 
-    unit: the scene's unit of length; empty where that is not known.
+    unit: the unit of the scene's lengths.
 
     Raises `ValueError` if one of them is missing, and for those of another kind, unless they have their default.
     """
@@ -106,5 +118,5 @@ def _made(what: str, options: Any, given: Given, unit: str) -> Any:
     if missing := getattr(classes[chosen], "__abstractmethods__", ()):
         raise ValueError(f"{what} {chosen} lacks {', '.join(sorted(missing))}; allowed: one that offers what it must")
     return classes[chosen](
-        **{name: _number(name, value, unit) if own[name].length else value for name, value in values.items()}
+        **{name: _length(name, value, unit) if own[name].length else value for name, value in values.items()}
     )

@@ -7,7 +7,6 @@ was given, and what is allowed.
 
 import argparse
 import difflib
-import importlib
 import textwrap
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import MISSING
@@ -21,13 +20,6 @@ Kind = TypeVar("Kind")
 _HELP = {"-h", "--help"}
 _WIDTH = 100  # columns of --help
 _NOTHING = declarations.Declaration("", {})
-
-
-def load(kind: str) -> type:
-    """A class, named as "module:Class"."""
-    module, name = kind.split(":")
-    found: type = getattr(importlib.import_module(module), name)
-    return found
 
 
 def parse(kind: type[Kind], words: Sequence[str], prog: str) -> Kind:
@@ -58,7 +50,8 @@ def given(words: Sequence[str], kinds: Mapping[str, type], prog: str) -> dict[st
             raise ValueError("help has a value; allowed: --help alone") from None
         name = option.name.rstrip("_")
         if option.count:
-            raise ValueError(f"{name} has no value; allowed: {option.allowed}") from None
+            few = "no value" if option.count == 1 else "too few values"
+            raise ValueError(f"{name} has {few}; allowed: {option.allowed}") from None
         raise ValueError(f"{name} has a value; allowed: {flag(option.name)} alone") from None
     if more:
         raise ValueError(f"{more[0]!r} is no option; allowed: the options of `{prog} --help`")
@@ -193,9 +186,7 @@ def _add(section: Any, option: Option, positional: bool, said: str) -> None:
     elif positional:
         section.add_argument(option.name, nargs="?", metavar=option.name.upper(), **common)
     else:
-        count: int | str | None = option.count if option.count > 1 else None
-        if option.alone is not None:
-            count, common = "?", common | {"const": option.alone}
+        count = option.count if option.count > 1 else None
         shown = {"dest": option.name, "metavar": option.placeholder}
         section.add_argument(flag(option.name), action="append", nargs=count, **shown, **common)
 

@@ -1,7 +1,7 @@
 """A dataclass's fields as options of the command line: its defaults are theirs, its types say what is allowed.
 
 A field may be a number, text, a path, a flag (a bool, False by default), one of a few words (`Literal` or `one_of`), a
-tuple of paths, numbers or text, or None where nothing is given. With `may_stand_alone` its value may be left out.
+tuple of paths, numbers or text, or None where nothing is given.
 """
 
 from collections.abc import Callable, Iterable
@@ -10,10 +10,13 @@ from pathlib import Path
 from types import NoneType, UnionType
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
-from .text import NOT_TOO_LARGE, number
+from .text import IN_RANGE, number
 
-_TYPES = {int: "an integer, in digits or like 2^10", float: "a number", str: "some text", Path: "a path"}
+_TYPES = {int: "an integer, in digits or like 2^10 or 1e6", float: "a number", str: "some text", Path: "a path"}
 """What a value of each type is called."""
+
+_PRESSURE = "a number alone, all pressures and moduli in one unit, for instance Pa"
+_EXACT = 2.0**53  # up to here a float holds every integer
 
 
 def one_of(allowed: Iterable[str], default: Any) -> Any:
@@ -21,9 +24,9 @@ def one_of(allowed: Iterable[str], default: Any) -> Any:
     return field(default=default, metadata={"allowed": allowed})
 
 
-def may_stand_alone(meaning: str) -> Any:
-    """A field whose option may be given without a value, which then is `meaning`; None where it is not given."""
-    return field(default=None, metadata={"alone": meaning})
+def text(said: str, default: Any) -> Any:
+    """A field that takes a text. said: what is allowed, for messages."""
+    return field(default=default, metadata={"said": said})
 
 
 @dataclass(frozen=True)
@@ -40,15 +43,15 @@ class Option:
     """The words that are allowed; empty where others are."""
     default: Any
     """The value if the option is not given; `dataclasses.MISSING` if it must be."""
-    alone: str | None = None
-    """The word that stands for its value if it is given without one; None if it needs one."""
-    length: bool = False
+    length: bool
     """Whether it is a length of a scene, which may have its unit."""
+    said: str
+    """What is allowed of one value where there are no choices; empty for a flag."""
 
     @property
     def _one(self) -> str:
         """What is allowed of one value."""
-        return ", ".join(self.choices) or _TYPES[self.type]
+        return ", ".join(self.choices) or self.said
 
     @property
     def allowed(self) -> str:
@@ -73,17 +76,25 @@ class Option:
         allowed = self._one
         if words in self.choices or not self.choices:
             try:
-                return _power(words) if self.type is int and "^" in words else _READ.get(self.type, self.type)(words)
+                return _READ.get(self.type, self.type)(words)
             except OverflowError:
-                allowed = NOT_TOO_LARGE
+                allowed = IN_RANGE if self.type is float else allowed
             except ValueError:
                 if self.length:
                     return words
         raise ValueError(f"{self.name} is {words!r}; allowed: {allowed}")
 
 
-_READ: dict[type, Callable[[str], Any]] = {float: number}
-"""How a value of a type is read that its class does not read as it should."""
+def _integer(words: str) -> int:
+    """The integer that words stand for, in digits, or as 2^18 or 1e6. Raises `ValueError` for any other text."""
+    if "^" in words:
+        return _power(words)
+    if "e" not in words.lower():
+        return int(words)
+    found = number(words)
+    if not (found.is_integer() and abs(found) <= _EXACT):
+        raise ValueError(f"{words} is too large, or not an integer")
+    return int(found)
 
 
 def _power(words: str) -> int:
@@ -92,6 +103,10 @@ def _power(words: str) -> int:
     if not (0 < base < 1000 and 0 <= exponent <= 100):
         raise ValueError(f"{words} is too large, or not an integer")
     return int(base**exponent)
+
+
+_READ: dict[type, Callable[[str], Any]] = {float: number, int: _integer}
+"""How a value of a type is read that its class does not read as it should."""
 
 
 def flag(name: str) -> str:
@@ -126,4 +141,5 @@ def _option(entry: Field[Any], hint: Any) -> Option:
         raise TypeError(f"field {entry.name} is of type {hint}; allowed for an option: {allowed}")
     count = 0 if value is bool else len(values)
     length = value is float and "length" in (unit(entry.name), unit(f"profile_{entry.name}"))
-    return Option(entry.name, value, count, choices, default, entry.metadata.get("alone"), length)
+    called = _PRESSURE if value is float and unit(entry.name) == "pressure" else _TYPES.get(value, "")
+    return Option(entry.name, value, count, choices, default, length, entry.metadata.get("said", called))

@@ -5,6 +5,7 @@ Where even that is too wide, the table comes in parts below one another, each be
 """
 
 from collections.abc import Iterator, Sequence
+from copy import copy
 
 from rich.console import Console, ConsoleOptions, RenderableType, RenderResult
 from rich.measure import Measurement
@@ -44,8 +45,8 @@ def _parts(table: Table, screen: Console, width: int) -> Iterator[Table]:
     spans, groups = _layout(table, screen, width)
     for group in groups:
         room = width - _between(table, len(group)) - sum(spans[i].minimum for i in group)
-        part = Table(box=table.box, pad_edge=table.pad_edge, padding=table.padding, show_header=table.show_header)
-        part.caption_justify = table.caption_justify
+        part = copy(table)
+        part.columns, part.rows = [], []
         part.title = table.title if group is groups[0] else None
         part.caption = table.caption if group is groups[-1] else None
         for i, more in zip(group, _shared(room, [spans[i] for i in group]), strict=True):
@@ -61,16 +62,19 @@ def _layout(table: Table, screen: Console, width: int) -> tuple[list[Measurement
     enough.
     """
     whole, broken = ([_span(column, screen, shortest) for column in table.columns] for shortest in (_MOST, _SHORTEST))
-    for spans in (whole, broken, whole):
-        groups = [[0]]
-        for i in range(1, len(spans)):
-            least = sum(spans[k].minimum for k in (*groups[-1], i)) + _between(table, len(groups[-1]) + 1)
-            if least > width and len(groups[-1]) > 1:
-                groups.append([0])
-            groups[-1].append(i)
-        if len(groups) == 1:
-            break
-    return spans, groups
+    groups, fewer = (_groups(table, spans, width) for spans in (whole, broken))
+    return (broken, fewer) if len(fewer) == 1 < len(groups) else (whole, groups)
+
+
+def _groups(table: Table, spans: Sequence[Measurement], width: int) -> list[list[int]]:
+    """The columns of each part, counted from 0, where each column has its least width."""
+    groups = [[0]]
+    for i in range(1, len(spans)):
+        least = sum(spans[k].minimum for k in (*groups[-1], i)) + _between(table, len(groups[-1]) + 1)
+        if least > width and len(groups[-1]) > 1:
+            groups.append([0])
+        groups[-1].append(i)
+    return groups
 
 
 def _span(column: Column, screen: Console, shortest: int) -> Measurement:

@@ -3,17 +3,18 @@
 import math
 import sys
 
-NOT_TOO_LARGE = f"a number between -{sys.float_info.max:.1e} and {sys.float_info.max:.1e}"
+IN_RANGE = f"a number of {math.ulp(0.0):.1e} to {sys.float_info.max:.1e} in size"
 """What is allowed where `number` raises `OverflowError`."""
 
 
 def number(words: str) -> float:
-    """The number that words stand for, infinite only where they say inf or infinity.
+    """The number that words stand for, infinite only where they say inf or infinity, and 0 where all digits are.
 
-    Raises `ValueError` for words that are no number, and `OverflowError` for one that is too large.
+    Raises `ValueError` for words that are no number, and `OverflowError` for one that is too large or too small.
     """
     found = float(words)
-    if math.isinf(found) and "inf" not in words.lower():
+    digits = words.lower().partition("e")[0].strip()
+    if (math.isinf(found) and "inf" not in words.lower()) or (found == 0 and set(digits) - set("+-0._")):
         raise OverflowError(words)
     return found
 
