@@ -3,7 +3,7 @@
 From a grid with a quarter of the points to the present one a quantity changes by c; what is claimed for it from the
 edges of the patches alone is e. On a surface with w points to its shortest wave its error is estimated as
 
-    contact area, kappa    sqrt((0.7 e)^2 + (c/48)^2 + b^2)
+    contact area, kappa    sqrt((0.6 e)^2 + (c/48)^2 + b^2)
     peak pressure          sqrt((c/3)^2 + (c'/32)^2 + s^2)
     approach               sqrt((c/2)^2 + (c'/16)^2)
 
@@ -78,7 +78,7 @@ QUANTITIES = {
         "contact_area_subgrid",
         "contact_area_error",
         "contact_area_edges_error",
-        of_edges=(0.36, 0.7),
+        of_edges=(0.36, 0.6),
         of_change=(1 / 13, 1 / 48),
         per_patch=(0.03, 0.004),
     ),
@@ -86,7 +86,7 @@ QUANTITIES = {
         "kappa_subgrid",
         "kappa_error",
         "kappa_edges_error",
-        of_edges=(0.5, 0.7),
+        of_edges=(0.5, 0.6),
         of_change=(1 / 8, 1 / 48),
         per_patch=(0.04, 0.008),
         sensitivity=2.0,
