@@ -94,3 +94,12 @@ def test_kappa_of_sharp_tips_is_as_well_known_as_their_area(exponent):
     coarse, fine = (solve(scene).observables for scene in scenes)
     assert abs(coarse.kappa_subgrid / fine.kappa_subgrid - 1) < 1e-4
     assert abs(coarse.kappa_subgrid - fine.kappa_subgrid) <= coarse.kappa_error
+
+
+@pytest.mark.parametrize("size", [2**12, 2**16, 2**20])
+def test_wide_patches_are_well_known(size):
+    """Also where the fourth power of their nodes is no 64-bit integer."""
+    x = np.arange(float(size))
+    pressure = np.sqrt((x + 0.3) * (size - 0.6 - x))
+    found = find_edges(Patches(4 * size, np.array([9]), np.array([size + 8])), pressure, Layer(), 1.0)
+    assert 0 < found.error[0] < 0.02

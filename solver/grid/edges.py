@@ -168,7 +168,7 @@ def _claimed(patches: Patches, spread: Array64, layer: Array64, in_row: Mask) ->
     spread: how little the pressures look like an edge, shape (2, M); layer: the layer's share, of the same shape;
     in_row: which patches are taken as a row's, shape (M,).
     """
-    size, gap = patches.size, _gaps(patches.first, patches.last + 1, patches.num_points)
+    size, gap = patches.size.astype(np.float64), _gaps(patches.first, patches.last + 1, patches.num_points)
     fitted = (_OF_SPREAD + _OF_SPREAD_OVER_SIZE / size) * spread + _OVER_SIZE / size + _OVER_SIZE_SQUARED / size**2
     fitted = fitted + _OVER_SIZE_FOURTH / size**4 + _OVER_GAP_SQUARED / gap**2
     if_wide = np.where(spread < _CLOSE, _OF_SPREAD_IF_WIDE * spread, spread) + _OVER_GAP_SQUARED_IF_WIDE / gap**2
