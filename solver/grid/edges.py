@@ -132,7 +132,8 @@ def find_edges(patches: Patches, pressure: Array64, layer: ElasticLayer, period:
     contact has no edge at all.
 
     period: L [length]. The error is an estimate, see the constants of this module; where the pressures do not look like
-    an edge, because the profile bends within a few spacings, it is half a spacing, as by counting.
+    an edge, because the profile bends within a few spacings, it is as large as two estimates of the edge differ, from
+    half a spacing, as by counting, to one.
     """
     if patches.full:
         half = np.array([0.5])  # error: a gap between two nodes would not be seen
@@ -153,7 +154,8 @@ def find_edges(patches: Patches, pressure: Array64, layer: ElasticLayer, period:
     outside = np.where(counted, 0.5, -theta)
     left, right = apart(patches.first - outside[0], patches.last + outside[1], patches.num_points)
     error = np.where(counted, math.sqrt(0.5), _claimed(patches, spread, by_layer, in_row))
-    return Edges(left, right, np.hypot(*error), counted)
+    alike = in_row if patches.count == 1 else np.zeros(in_row.shape, dtype=bool)  # under a blunt profile for instance
+    return Edges(left, right, np.where(alike, error.sum(axis=0), np.hypot(*error)), counted)
 
 
 def apart(left: Array64, right: Array64, num_points: int) -> tuple[Array64, Array64]:
@@ -174,7 +176,8 @@ def _claimed(patches: Patches, spread: Array64, layer: Array64, in_row: Mask) ->
     if_wide = np.where(spread < _CLOSE, _OF_SPREAD_IF_WIDE * spread, spread) + _OVER_GAP_SQUARED_IF_WIDE / gap**2
     if_wide = if_wide + _OVER_SIZE_IF_WIDE / size + _OVER_SIZE_SQUARED_IF_WIDE / size**2
     counting = np.maximum(layer, 0.5)  # an edge is known as well as by counting, unless the layer spoils it
-    return np.where(spread < _ALIKE, np.minimum(np.where(in_row, fitted, if_wide) + layer, counting), counting)
+    known = np.minimum(np.where(in_row, fitted, if_wide) + layer, counting)
+    return np.where(spread < _ALIKE, known, np.clip(spread, counting, np.maximum(counting, 1.0)))
 
 
 def _gaps(left: Array64 | Indices, right: Array64 | Indices, num_points: int) -> Array64:
