@@ -54,7 +54,7 @@ class PowerIndenter(Indenter):
 
     def squared_slope_between(self, left: Array64, right: Array64, num_points: int, period: float) -> Array64:
         """See `Indenter`: x h'^2/(2n - 1), from the tip on."""
-        ends = np.stack([left, right]) - num_points // 2
+        ends = np.clip(np.stack([left, right]) - num_points // 2, -num_points / 2, num_points / 2)
         steepness = self._steepness(np.abs(ends) / num_points, period)
         from_tip = ends * steepness**2 / (2 * self.exponent - 1)
         return np.asarray(from_tip[1] - from_tip[0])

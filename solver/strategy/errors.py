@@ -7,8 +7,8 @@ edges of the patches alone is e. On a surface with w points to its shortest wave
     peak pressure          sqrt((c/3)^2 + (c'/32)^2 + s^2)
     approach               sqrt((c/2)^2 + (c'/16)^2)
 
-with c' the change before c and s what the nodes may miss of a peak between them; with one coarser grid alone c is taken
-for the last two changes, 4 c for the approach.
+with c' the change before c and s what the nodes may miss of a peak between them; with one coarser grid alone they are
+c and 4 c.
 
 On smooth profiles b = 0, the shares of area and kappa are 0.36 and 0.5 of e, c/13 and c/8. The order of pressure and
 approach is measured there, and at best the first is believed: sqrt((m c)^2 + (c'/16)^2), m = 1/(c'/c - 1) between 1/3

@@ -62,7 +62,7 @@ def read(name: str, text: str, length: bool, own: Own) -> float:
         value = number(base) ** int(power) if power else number(digits)
         if written and not known:
             raise ValueError("of no known unit")
-    except OverflowError:
+    except (OverflowError, ZeroDivisionError):
         raise ValueError(f"{name} is {text!r}; allowed: {IN_RANGE}") from None
     except ValueError:
         more = ", or a length with its unit, like 50um" * (length and own.unit in UNITS)
