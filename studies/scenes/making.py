@@ -92,7 +92,7 @@ def _length(name: str, value: Any, unit: Own) -> Any:
     """The value of an option that is a length, in the scene's unit. Raises `ValueError`."""
     if unit.said and not isinstance(value, str):
         return value
-    return read(name, value if isinstance(value, str) else repr(value), True, unit)
+    return read(name, value if isinstance(value, str) else repr(value).removesuffix(".0"), True, unit)
 
 
 def _made(what: str, options: Any, given: Given, unit: Own) -> Any:
