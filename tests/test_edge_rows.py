@@ -38,7 +38,28 @@ def test_ends_of_a_row_between_the_nodes(least, off, period):
         assert wrong <= ends.error[0] < max(150 * off, 0.06)
 
 
-def test_the_mean_over_all_ends_decides_where_loads_are_shared():
+@pytest.mark.parametrize(
+    ("rule", "beside_one", "beside_ten"), [("grid", 0.012, 0.002), ("distance", 0.06, 0.02), ("alone", 0.5, 0.2)]
+)
+def test_what_other_rules_leave_beside_narrow_gaps(rule, beside_one, beside_ten, monkeypatch):
+    """The distance as the grid has it, the distance itself, and each end by itself: largest error of an end."""
+    if rule == "distance":
+        monkeypatch.setattr(edges, "edge_distance", lambda curve, theta: np.arange(3) - theta[..., None])
+    curve, period = half_space_curve(), 128
+    for least, most in ((1.05, beside_one), (10.0, beside_ten)):
+        wrong = []
+        for gap in least + np.linspace(0, 1, 9):
+            solution = row(period - gap, gap)
+            patches = Patches.of(solution.contact_pressure > 0)
+            pressure = solution.contact_pressure[patches.nodes]
+            width = find_edges(patches, pressure, Layer(), 1.0).width[0]
+            if rule == "alone":
+                width = patches.size[0] - 1 - edges.edge_offset(curve, edges._ends(patches, pressure)[:, 0])[0].sum()
+            wrong.append(abs(width - (period - gap)) / 2)
+        assert max(wrong) == pytest.approx(most, rel=0.5)
+
+
+def test_ends_are_not_moved_one_by_one_where_patches_share_the_load():
     """Each patch of eight has its nodes elsewhere. Alone each would have to carry its load, here they share it."""
     period, repeats, width = 37.125, 8, 20.3
     n = round(period * repeats)
@@ -58,14 +79,18 @@ def test_what_a_given_load_leaves_of_the_second_order():
     curve = half_space_curve()
     theta = np.array([[-0.3, 0.1], [0.0, -0.6]])
     beta = theta + curve.shift
-    e = float(np.mean(beta**2 - beta + 1 / 6)) / 8
+    e, everywhere = float(np.mean(beta**2 - beta + 1 / 6)) / 8, np.ones((2, 2), dtype=bool)
     wide = Patches(2**20, np.array([1000, 400000]), np.array([1299, 400399]))
-    left = edges._by_load(wide, theta)
+    left = edges._by_load(wide, theta, everywhere)
     np.testing.assert_allclose(left, np.broadcast_to(3 * e / (wide.size - 1 - theta.sum(axis=0)), (2, 2)), rtol=2e-3)
     narrow = Patches(2**20, np.array([0, 2**19]), np.array([2**19 - 11, 2**20 - 11]))
     gaps = np.array([[11 + theta[0, 0] + theta[1, 1], 11 + theta[0, 1] + theta[1, 0]]] * 2)
     gaps[1] = gaps[1, ::-1]
-    np.testing.assert_allclose(edges._by_load(narrow, theta), e / gaps, rtol=1e-3)
+    np.testing.assert_allclose(edges._by_load(narrow, theta, everywhere), e / gaps, rtol=1e-3)
+    known = np.array([[True, False], [True, True]])  # the mean is over these, and the others stay
+    of_known = np.mean((beta**2 - beta + 1 / 6)[known]) / 8
+    some = edges._by_load(narrow, theta, known)
+    np.testing.assert_allclose(some, np.where(known, of_known / gaps, 0.0), rtol=1e-3)
 
 
 def test_distance_of_the_last_nodes_as_the_grid_has_it():

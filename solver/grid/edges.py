@@ -21,7 +21,8 @@ theta)^-3/2], e = (beta^2 - beta + 1/6)/8, and not into the root alone. In a pat
 F(x; A) under a smooth indenter plus -4 e F'', with F'' the second derivative with respect to A. F'' carries load, so
 the half-width with that load is 4e/A less; and F'' goes like (j - theta)^-1/2 to the next order, which the pressures
 take for 5/2 e/A of that already. What is left, 3/2 e/A, the ends lie further inside than they say, and pi/P (3 cot(pi
-A/P) + tan(pi A/P)) e/2 in a row. As it is the load of all patches together that is given, e is the mean over all ends.
+A/P) + tan(pi A/P)) e/2 in a row. As it is the load of all patches together that is given, e is the mean over all ends
+of this kind.
 """
 
 import math
@@ -46,7 +47,7 @@ grid spacings and more."""
 # points to the shortest wave, and where the collocation oracle knows the edges of smooth profiles (Hertz, sharp and
 # blunt ones, nu = -0.9 to 1/2, layers of 0.03 spacings to the half-space). First of patches on the half-space, and of
 # those narrower than two thicknesses of a layer.
-_IN_ROW = 2.0
+_ON_THICK = 2.0
 _OF_SPREAD, _OF_SPREAD_OVER_SIZE = 0.4, 5.0  # of the difference between two estimates, and of that over the nodes
 _OVER_SIZE, _OVER_SIZE_SQUARED = 0.05, 1.0  # over the nodes of the patch and over their square
 _OVER_SIZE_FOURTH = 40.0  # over their fourth power: patches of three nodes, which may be of any shape
@@ -57,7 +58,7 @@ _OVER_SIZE_IF_WIDE, _OVER_SIZE_SQUARED_IF_WIDE = 0.3, 10.0
 _OVER_GAP_SQUARED_IF_WIDE = 3.0
 # By the layer.
 _OVER_THICKNESS, _OVER_THICKNESS_SQUARED = 0.05, 0.25  # over the thickness [grid spacings], of narrow patches
-_OF_LAYER, _OF_LAYER_OVER_SIZE = 0.003, 0.3  # of patches that are wide beside the layer
+_OF_LAYER, _OF_LAYER_OVER_SIZE = 0.001, 0.4  # of patches that are wide beside the layer
 
 _NARROWEST = 0.5  # gap between two patches that is believed [grid spacings]
 _TURNS = 4  # until ends and pressures agree
@@ -148,13 +149,13 @@ def find_edges(patches: Patches, pressure: Array64, layer: ElasticLayer, period:
         theta = np.where(narrow, theta, wide.reshape(2, -1))
         spread = np.where(narrow, spread, spread_of_wide.reshape(2, -1))
         by_layer = np.where(narrow, by_layer, _OF_LAYER + _OF_LAYER_OVER_SIZE / patches.size + curve.error)
-    in_row = (patches.size < _IN_ROW * thickness) & (thickness > _THINNEST)
-    theta = np.where(in_row & narrow, theta + _by_load(patches, theta), theta)
+    on_thick = (patches.size < _ON_THICK * thickness) & (thickness > _THINNEST)
     counted = patches.size < COUNTED_BELOW
+    theta = theta + _by_load(patches, theta, on_thick & narrow & ~counted)
     outside = np.where(counted, 0.5, -theta)
     left, right = apart(patches.first - outside[0], patches.last + outside[1], patches.num_points)
-    error = np.where(counted, math.sqrt(0.5), _claimed(patches, spread, by_layer, in_row))
-    alike = in_row if patches.count == 1 else np.zeros(in_row.shape, dtype=bool)  # under a blunt profile for instance
+    error = np.where(counted, math.sqrt(0.5), _claimed(patches, spread, by_layer, on_thick))
+    alike = on_thick & (patches.count == 1)  # under a blunt profile for instance
     return Edges(left, right, np.where(alike, error.sum(axis=0), np.hypot(*error)), counted)
 
 
@@ -164,11 +165,11 @@ def apart(left: Array64, right: Array64, num_points: int) -> tuple[Array64, Arra
     return left + np.roll(overlap, 1), right - overlap
 
 
-def _claimed(patches: Patches, spread: Array64, layer: Array64, in_row: Mask) -> Array64:
+def _claimed(patches: Patches, spread: Array64, layer: Array64, on_thick: Mask) -> Array64:
     """Estimated errors of the left and the right ends, shape (2, M) [grid spacings].
 
     spread: how little the pressures look like an edge, shape (2, M); layer: the layer's share, of the same shape;
-    in_row: which patches are taken as a row's, shape (M,).
+    on_thick: which patches lie on a layer that is thick beside them, shape (M,).
     """
     size, gap = patches.size.astype(np.float64), _gaps(patches.first, patches.last + 1, patches.num_points)
     fitted = (_OF_SPREAD + _OF_SPREAD_OVER_SIZE / size) * spread + _OVER_SIZE / size + _OVER_SIZE_SQUARED / size**2
@@ -176,7 +177,7 @@ def _claimed(patches: Patches, spread: Array64, layer: Array64, in_row: Mask) ->
     if_wide = np.where(spread < _CLOSE, _OF_SPREAD_IF_WIDE * spread, spread) + _OVER_GAP_SQUARED_IF_WIDE / gap**2
     if_wide = if_wide + _OVER_SIZE_IF_WIDE / size + _OVER_SIZE_SQUARED_IF_WIDE / size**2
     counting = np.maximum(layer, 0.5)  # an edge is known as well as by counting, unless the layer spoils it
-    known = np.minimum(np.where(in_row, fitted, if_wide) + layer, counting)
+    known = np.minimum(np.where(on_thick, fitted, if_wide) + layer, counting)
     return np.where(spread < _ALIKE, known, np.clip(spread, counting, np.maximum(counting, 1.0)))
 
 
@@ -210,13 +211,16 @@ def _in_row(patches: Patches, pressure: Array64) -> tuple[Array64, Array64]:
     return theta, spread
 
 
-def _by_load(patches: Patches, theta: Array64) -> Array64:
-    """What is left to the second order if the load is given, shape (2, M) [grid spacings]."""
+def _by_load(patches: Patches, theta: Array64, known: Mask) -> Array64:
+    """What is left to the second order if the load is given, shape (2, M) [grid spacings].
+
+    known: which ends the half-space's curve tells, shape (2, M); the others are left where they are.
+    """
     width, gap = _around(patches, theta)
     tangent = np.tan(np.pi / 2 * width / (width + gap))
     beta = theta + half_space_curve().shift
-    e = float(np.sum(beta**2 - beta + 1 / 6)) / 8 / max(beta.size, 1)
-    return np.asarray(np.pi / (width + gap) * (3 / tangent + tangent) / 2 * e)
+    e = float(np.sum(beta**2 - beta + 1 / 6, where=known)) / 8 / max(int(known.sum()), 1)
+    return np.where(known, np.pi / (width + gap) * (3 / tangent + tangent) / 2 * e, 0.0)
 
 
 def _around(patches: Patches, theta: Array64) -> tuple[Array64, Array64]:
