@@ -275,3 +275,14 @@ def test_kappa_at_sharp_tips(exponent):
         scene = Scene(layer, PowerIndenter(exponent), 0.01, num_points=2**12)
         coarse, fine = (solve(scene.on_grid(n)).observables for n in (2**12, 2**18))
         assert abs(coarse.kappa_subgrid - fine.kappa_subgrid) < coarse.kappa_error < 0.01 * fine.kappa_subgrid
+
+
+@pytest.mark.parametrize("exponent", [1.2, 2.0, 4.0, 20.0])
+@pytest.mark.parametrize("num_points", [2**10, 2**14])
+def test_kappa_in_full_contact(exponent, num_points):
+    """a_r = 1 and the slope's root mean square over the period, (1/2)^(n-1)/sqrt(2n-1) for R = L, over p/E*."""
+    scene = Scene(Layer(), PowerIndenter(exponent), 9.0, num_points=num_points)
+    found = solve(scene).observables
+    kappa = 0.5 ** (exponent - 1) / math.sqrt(2 * exponent - 1) / 9.0
+    assert found.contact_area_subgrid == 1
+    assert abs(found.kappa_subgrid - kappa) < found.kappa_error < 0.05 * kappa
