@@ -211,6 +211,30 @@ def test_a_length_of_a_scan_s_scene_is_not_guessed_to_be_in_metres(words, said, 
     assert main(["solve", *scene, *nothing_to_guess]) == 0
 
 
+def test_the_unit_of_a_scene_is_that_of_numbers_in_scene_units(tmp_path, capsys):
+    np.savetxt(tmp_path / "scan.csv", np.random.default_rng(0).random((40, 1)))
+    words = ["solve", "--profile", "file", "--profile-file", str(tmp_path / "scan.csv"), "--contact-modulus", "1"]
+    words += ["--scene-units", "--pressure", "1e-3", "--json"]
+    length = ["--scan-length", "1.5mm"]
+    assert main([*words, *length]) == 2
+    assert capsys.readouterr().err == (
+        "linecontact: scan_length is '1.5mm'; allowed: a number alone, the lengths of this scene have no unit, unless "
+        "--length-unit names one\n"
+    )
+    found = []
+    for more in (
+        [*length, "--length-unit", "um", "--thickness", "2mm"],
+        ["--scan-length", "1500", "--thickness", "2000"],
+    ):
+        assert main([*words, *more]) == 0
+        found.append(json.loads(capsys.readouterr().out))
+    assert [record["scene"]["period"] for record in found] == pytest.approx([3000] * 2)
+    assert [record["scene"]["thickness"] for record in found] == pytest.approx([2000] * 2)
+    assert [record["scene"]["profile_length_unit"] for record in found] == ["um", "the scene's"]
+    assert found[0]["scene"]["profile_z_unit"] == "um"
+    assert found[0]["contact_area_subgrid"] == pytest.approx(found[1]["contact_area_subgrid"])
+
+
 def test_a_length_of_a_scan_s_scene_is_a_number_or_has_a_unit_and_is_not_too_large(tmp_path, capsys):
     np.savetxt(tmp_path / "scan.csv", np.random.default_rng(0).random((40, 2)).cumsum(axis=0), header="x um, z nm")
     words = ["solve", "--profile", "file", "--profile-file", str(tmp_path / "scan.csv"), "--contact-modulus", "1e9"]

@@ -6,6 +6,8 @@ import unicodedata
 from collections.abc import Mapping
 from typing import Any, Literal, NamedTuple
 
+from linecontact.solver.units import SCENE
+
 from ..terminal.text import IN_RANGE, number
 
 Unit = Literal["m", "cm", "mm", "um", "nm", "pm", "angstrom", "inch"]
@@ -68,7 +70,8 @@ def read(name: str, text: str, length: bool, own: Own) -> float:
         more = ", or a length with its unit, like 50um" * (length and own.unit in UNITS)
         raise ValueError(f"{name} is {text!r}; allowed: a number{more}") from None
     if known and own.unit not in UNITS:
-        raise ValueError(f"{name} is {text!r}; allowed: a number alone, the lengths of this scene have no unit")
+        hint = ", unless --length-unit names one" * (own.unit == SCENE)
+        raise ValueError(f"{name} is {text!r}; allowed: a number alone, the lengths of this scene have no unit{hint}")
     if length and not (own.said or known or value == 0 or math.isinf(value)):
         hint = f"with its unit, like {text}um, or --length-unit, that of all lengths of this scene"
         raise ValueError(f"{name} is {text!r}; allowed: {hint}")

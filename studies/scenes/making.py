@@ -5,6 +5,7 @@ from dataclasses import MISSING, dataclass
 from typing import Any
 
 from linecontact.solver import INDENTERS, LAYERS, MeasuredIndenter, Scene
+from linecontact.solver.units import SCENE
 
 from ..scans import reading
 from ..scans.units import UNITS, Own, read
@@ -83,9 +84,11 @@ def _check_scales(options: Any, given: Given) -> None:
 def own_unit(options: Any, given: Given) -> Own:
     """The unit of the scene's lengths, as far as the options tell it before a scan is read."""
     told = given[_SCAN]
-    if options.profile != MeasuredIndenter.name or told.get("scene_units"):
+    if options.profile != MeasuredIndenter.name:
         return Own("")
-    return Own(told.get("length_unit", reading.Options.length_unit), "length_unit" in told)
+    if told.get("scene_units") and "length_unit" not in told:
+        return Own(SCENE)
+    return Own(reading.own_unit(told.get("length_unit")), "length_unit" in told)
 
 
 def _length(name: str, value: Any, unit: Own) -> Any:
