@@ -210,6 +210,25 @@ def test_what_is_wrong_is_said_before_anything_is_solved(tmp_path, capsys, words
     assert not (tmp_path / "out" / "tasks").exists()
 
 
+def test_a_repeated_value_is_found_in_one_pass():
+    """Comparisons are counted: as many as pairs of values would take minutes where values are many."""
+    compared = 0
+
+    class Counting(float):
+        def __eq__(self, other):
+            nonlocal compared
+            compared += 1
+            return float(self) == float(other)
+
+        __hash__ = float.__hash__
+
+    values = [Counting(value) for value in range(10_000)]
+    assert number.repeated(values) is None
+    assert number.repeated([*values, Counting(9), Counting(8)]) == 10_000
+    assert compared < 10 * len(values)
+    assert number.repeated([]) is None
+
+
 def test_columns_in_python():
     scene = Scene(Layer(0.1), num_points=2**9)
     found = curve_of(scene, "pressure", [1e-3, 2e-3])

@@ -156,8 +156,9 @@ def _values(options: Options, scene: Scene, own: Own) -> tuple[float, ...]:
         if len(texts) > number.MOST:
             raise ValueError(f"values are {len(texts)}; allowed: up to {number.MOST}")
         values = tuple(_read(options, own, "values", text) for text in texts)
-        if again := [text for i, text in enumerate(texts) if values[i] in values[:i]]:
-            raise ValueError(f"values hold {again[0].strip()} a second time; allowed: each once")
+        again = number.repeated(values)
+        if again is not None:
+            raise ValueError(f"values hold {texts[again].strip()} a second time; allowed: each once")
         return values
     found = {name: _read(options, own, name, text) for name, text in given.items()}
     if options.over == "pressure" and len(found) < len(ends):
