@@ -280,6 +280,13 @@ def test_methods_and_grids(method, grids):
             ["solve", "--thickness", "1e400"],
             "thickness is '1e400'; allowed: a number of 4.9e-324 to 1.8e+308 in size\n",
         ),
+        (
+            ["solve", "--thickness", "2^-2000"],
+            "thickness is '2^-2000'; allowed: a number of 4.9e-324 to 1.8e+308 in size\n",
+        ),
+        (["solve", "--thickness", "0^-1"], "thickness is '0^-1'; allowed: a number of 4.9e-324 to 1.8e+308 in size\n"),
+        (["solve", "--thickness", "-2^2"], "thickness is -4.0; allowed: "),
+        (["solve", "--thickness", "-2mm"], "thickness is '-2mm'; allowed: a number alone, the lengths of this scene"),
         (["solve", "--tolerance", "1e-15"], "tolerance is 1e-15; allowed: 1e-14 to 0.5\n"),
         (["solve", "--scene-units"], "--scene-units is given; allowed: only with --profile file, not power"),
         (["solve", "--poisson-ratio", "0.6"], "poisson_ratio is 0.6"),
