@@ -180,34 +180,41 @@ def solution_table(solution: Solution) -> Whole:
     table.add_column("quantity")
     table.add_column("value", justify="right", no_wrap=True)
     table.add_column("unit")
-    spacing = 1 / solution.scene.num_points
     image = ", mirror image too" * mirrored(record["scene"])
-    stiffness_unit = "pressure/length" if "contact_stiffness" in record else "- (result not as asked)"
-    own = "; edges only" if solution.certificate and not solution.levels else ""
+    unknown = "" if "contact_stiffness" in record else " (needs a result as asked)"
+    own = " (edges only)" if solution.certificate and not solution.levels else ""
     rows = [
         ("contact area a_r (sub-grid edges)", f"{record['contact_area_subgrid']:.10g}", "-"),
-        ("  its error, estimated", rounded_up(error), f"- (absolute{own})"),
+        (f"  its absolute error, estimated{own}", rounded_up(error), "-"),
         ("contact width a_r L", record["contact_width"], "length"),
         *(
-            [("contact area a_r (nodes counted)", f"{record['contact_area']:.8g}", f"- (one node: {spacing:.1e})")]
+            [
+                ("contact area a_r (nodes counted)", f"{record['contact_area']:.8g}", "-"),
+                ("  of one node", f"{1 / solution.scene.num_points:.1e}", "-"),
+            ]
             if solution.certificate
             else []
         ),
         ("mean pressure p", solution.scene.pressure, "pressure"),
-        (f"contact patches{image}", record["num_patches"], f"- ({record['num_counted_patches']} counted by nodes)"),
+        (f"contact patches{image}", record["num_patches"], "-"),
+        ("  counted by nodes", record["num_counted_patches"], "-"),
         ("rms gradient in contact g_c", record["rms_gradient_contact"], "-"),
         ("reduced pressure p* = p/(E* g_c)", record["reduced_pressure"], "-"),
         ("kappa = a_r/p*", record["kappa"], "-"),
         ("kappa (sub-grid edges)", record["kappa_subgrid"], "-"),
-        ("  its error, estimated", rounded_up(record["kappa_error"]), "- (absolute)"),
+        ("  its absolute error, estimated", rounded_up(record["kappa_error"]), "-"),
         *_known("kappa over the half-space's", record.get("kappa_ratio"), "-"),
         ("reduced thickness d/(a_r L)", record["reduced_thickness"], "-"),
         ("approach", record["approach"], "length"),
-        *_known("  its error, estimated", rounded_up(record["approach_error"]), "length (absolute)"),
+        *_known("  its absolute error, estimated", rounded_up(record["approach_error"]), "length"),
         ("mean gap", record["mean_gap"], "length"),
-        ("contact stiffness dp/d(approach)", record.get("contact_stiffness", "not computed"), stiffness_unit),
+        (
+            f"contact stiffness dp/d(approach){unknown}",
+            record.get("contact_stiffness", "not computed"),
+            "pressure/length",
+        ),
         ("peak pressure", record["peak_pressure"], "pressure"),
-        *_known("  its error, estimated", rounded_up(record["peak_pressure_error"]), "pressure (absolute)"),
+        *_known("  its absolute error, estimated", rounded_up(record["peak_pressure_error"]), "pressure"),
         ("iterations", record["iterations"], "-"),
         ("transform pairs", record["transform_pairs"], "-"),
         *((f"time: {stage}", f"{seconds:.3f}", "s") for stage, seconds in record["seconds"].items()),
