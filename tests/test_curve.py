@@ -186,6 +186,7 @@ def test_a_scan_with_lengths_in_units(tmp_path, capsys):
         ("--over thickness --thickness 0.5 --values 0.1", "thickness is 0.5; allowed: none with --over thickness"),
         ("--youngs-modulus 3 --over poisson_ratio --values 0.1", "youngs_modulus is 3; allowed: contact_modulus"),
         ("--values 1e-3,2e-3 --points 3", "points is 3; allowed: none with --values"),
+        ("--values 1e-3,2e-3 --points 30", "points is 30; allowed: none with --values"),
         (
             "--over seed --profile rough --cut-off-ratio 0.25 --from 0.5 --to 3",
             "to is 3, and from 0.5; allowed: integers",
