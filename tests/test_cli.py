@@ -303,6 +303,7 @@ def test_methods_and_grids(method, grids):
         (["solve", "--save", "x.txt"], "file x.txt would hold HDF5; allowed: a name that ends in .h5 or .hdf5\n"),
         (["solve", "--plot", "--save", "x.png"], "file x.png would hold HDF5; allowed: a name that ends in .h5"),
         (["solve", "--profile-file", __file__], "allowed: only with --profile file, not power"),
+        (["solve", "--hurst", "0.8"], "hurst is 0.8; allowed: only with --profile rough, not power"),
         (["solve", "--hurst", "0.3"], "hurst is 0.3; allowed: only with --profile rough, not power"),
         (["solve", "--profile", "rough", "--exponent", "4"], "exponent is 4.0; allowed: only with --profile power"),
         (["solve", "--profile", "file", "--scene-units", "--seed", "1"], "seed is 1"),

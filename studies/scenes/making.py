@@ -103,15 +103,14 @@ def _made(what: str, options: Any, given: Given, unit: Own) -> Any:
 
     unit: the unit of the scene's lengths.
 
-    Raises `ValueError` if one of them is missing, and for those of another kind, unless they have their default.
+    Raises `ValueError` if one of them is missing, and for those of another kind.
     """
     chosen = getattr(options, what)
     classes = kinds.classes(what)
     own = options_of(classes[chosen])
-    for other, kind in classes.items():
-        defaults = {name: option.default for name, option in options_of(kind).items()}
+    for other in classes:
         for name, value in given[kinds.title(what, other)].items():
-            if name not in own and not hasattr(options, name) and value != defaults[name]:
+            if name not in own and not hasattr(options, name):
                 takers = " or ".join(one for one, taker in classes.items() if name in options_of(taker))
                 raise ValueError(f"{told(name, value)}; allowed: only with --{what} {takers}, not {chosen}")
     values = given[kinds.title(what, chosen)]
