@@ -147,6 +147,27 @@ def test_all_files_that_are_written_are_named(tmp_path):
     assert all(path.is_file() for path in paths.values())
 
 
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("--save run.h5 --patches link/run.h5", "patches is link/run.h5, the file of save"),
+        ("--save run.h5 --plot --patches run.png", "patches is run.png, the file of plot"),
+        ("--layer file --stiffness-file k.txt --patches ./k.txt", "patches is k.txt, the file of stiffness_file"),
+        (
+            "--profile file --profile-file link/scan.h5 --save scan.h5",
+            "save is scan.h5, the file of profile_file",
+        ),
+    ],
+)
+def test_a_file_is_not_written_over_another_one_of_the_same_command(words, said, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "link").symlink_to(tmp_path, target_is_directory=True)
+    (tmp_path / "k.txt").touch()
+    (tmp_path / "scan.h5").touch()
+    assert main(["solve", *words.split(), "--overwrite"]) == 2
+    assert capsys.readouterr().err == f"linecontact: {said}; allowed: another file\n"
+
+
 @pytest.mark.parametrize("columns", [1, 2])
 def test_lengths_of_a_scan_s_scene_may_have_units(tmp_path, capsys, columns):
     values = np.random.default_rng(0).random((40, 1))

@@ -12,11 +12,11 @@ from linecontact.solver.display import rounded_up
 from linecontact.solver.scene import PRECISIONS
 from linecontact.solver.transforms.planned import PLANNING
 
-from ..figures.names import FORMATS
+from ..figures.names import names
 from ..files import solution_files, writing
 from ..scans import summary
 from ..scans.preparation import mirrored
-from ..scenes import kinds, making
+from ..scenes import making
 from ..scenes.making import Given, make_scene
 from ..terminal import console
 from ..terminal.options import one_of
@@ -151,20 +151,16 @@ def tell_files(options: Options) -> None:
 
 
 def check_targets(options: Options, given: Given) -> None:
-    """Raise `ValueError` if the file or its figures would replace what they must not."""
-    profile_file = given[kinds.title("profile", MeasuredIndenter.name)].get("profile_file")
-    for name, target in (("save", options.save), ("patches", options.patches)):
-        if target and profile_file and target.exists() and profile_file.samefile(target):
-            raise ValueError(f"{name} is {target}; allowed: another file than the profile's")
+    """Raise `ValueError` if the files or the figures would replace what they must not, or one another."""
+    read = [(name, path) for group in given.values() for name, path in group.items() if isinstance(path, Path)]
+    written = []
     if options.save:
         solution_files.check_file(options.save, options.overwrite)
+        written.append(("save", options.save))
+        written += [("plot", figure) for figure in names(options.save, [""] * options.plot)]
     if options.patches:
-        writing.check_target(options.patches, options.overwrite)
-    if options.save and options.save == options.patches:
-        raise ValueError(f"patches is {options.patches}; allowed: another file than --save")
-    for suffix in FORMATS if options.plot and options.save else ():
-        assert options.save
-        writing.check_target(options.save.with_suffix(suffix), options.overwrite)
+        written.append(("patches", options.patches))
+    writing.check_targets(read, written, options.overwrite)
 
 
 def solution_table(solution: Solution) -> Whole:
