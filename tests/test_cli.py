@@ -150,12 +150,12 @@ def test_all_files_that_are_written_are_named(tmp_path):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ("--save run.h5 --patches link/run.h5", "patches is link/run.h5, the file of save"),
-        ("--save run.h5 --plot --patches run.png", "patches is run.png, the file of plot"),
-        ("--layer file --stiffness-file k.txt --patches ./k.txt", "patches is k.txt, the file of stiffness_file"),
+        ("--save run.h5 --patches link/run.h5", "patches is link/run.h5, which is taken by save"),
+        ("--save run.h5 --plot --patches run.png", "patches is run.png, which is taken by plot"),
+        ("--layer file --stiffness-file k.txt --patches ./k.txt", "patches is k.txt, which is taken by stiffness_file"),
         (
             "--profile file --profile-file link/scan.h5 --save scan.h5",
-            "save is scan.h5, the file of profile_file",
+            "save is scan.h5, which is taken by profile_file",
         ),
     ],
 )

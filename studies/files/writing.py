@@ -70,7 +70,7 @@ def check_targets(read: Iterable[Named], written: Iterable[Named], overwrite: bo
     for name, path in written:
         other = names.setdefault(os.path.realpath(path), name)
         if other != name:
-            raise StoreError(f"{name} is {path}, the file of {other}; allowed: another file")
+            raise StoreError(f"{name} is {path}, which is taken by {other}; allowed: another file")
         check_target(path, overwrite)
 
 
