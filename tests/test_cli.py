@@ -335,6 +335,8 @@ def test_methods_and_grids(method, grids):
         (["solve", "--threads", "0"], "threads is 0"),
         (["solve", "--save", "/nowhere/at/all.h5"], "does not exist"),
         (["solve", "--colour", "red"], "--colour"),
+        (["curve", "--folder", ""], "folder is ''; allowed: a path\n"),
+        (["plot", ""], "file is ''; allowed: a path\n"),
         (["plot", "missing.h5"], "missing.h5 does not exist"),
         (["plot", __file__], "not one of linecontact's HDF5 files; allowed: one that it wrote"),
         (["study", "hertz", "--workers", "0"], "workers is 0"),
