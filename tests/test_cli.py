@@ -213,7 +213,7 @@ def test_a_scene_without_a_unit_takes_no_lengths_with_one(words, said, capsys):
         ("--thickness 2^3", "thickness is '2^3'; allowed: with its unit, like 2^3um, or"),
         (
             "--scene-units --thickness 3",
-            "length_unit is missing; allowed: the unit of the scene, where the file",
+            "length_unit is missing; allowed: the unit of the scene, where one of the file is known",
         ),
         ("--approach 2e-4", "approach is '0.0002'; allowed: with its unit, like 0.0002um"),
         ("--layer file --stiffness-file {table}", "table.txt; allowed: with --length-unit, the unit of 1/q\n"),

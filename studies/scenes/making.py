@@ -43,7 +43,7 @@ def make_scene(options: Any, given: Given) -> Scene:
         indenter, period, num_points = reading.read(profile)
         unit = unit._replace(unit=indenter.description["profile_length_unit"])
         if unit.unit in UNITS and profile.scene_units and "length_unit" not in given[_SCAN]:
-            raise ValueError("length_unit is missing; allowed: the unit of the scene, where the file names its own")
+            raise ValueError("length_unit is missing; allowed: the unit of the scene, where one of the file is known")
         _check_scales(options, given)
         own |= {"period": None, "num_points": None}
         more = {"period": period, "num_points": num_points}
