@@ -4,6 +4,7 @@ import functools
 import importlib
 import logging
 import os
+import signal
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -103,7 +104,8 @@ def _is_compiled(module: str) -> bool:
 @functools.cache
 def start_warp() -> None:
     """Import and initialise Warp. Raises `ValueError` if its kernel cache cannot be used."""
-    import warp as wp  # takes as long as everything else together, and often is not needed
+    with _undivided():
+        import warp as wp  # takes as long as everything else together, and often is not needed
 
     wp.config.log_level = wp.LOG_WARNING
     try:
@@ -111,6 +113,23 @@ def start_warp() -> None:
             wp.init()
     except OSError as error:
         raise ValueError(f"Warp's kernel cache: {error}; allowed: a writable folder, set WARP_CACHE_PATH") from error
+
+
+@contextmanager
+def _undivided() -> Iterator[None]:
+    """Ctrl-C is taken at the end of the block: a package whose import it has ended cannot be imported again."""
+    caught: list[int] = []
+    before = signal.getsignal(signal.SIGINT)
+    if threading.current_thread() is not threading.main_thread() or not callable(before):
+        yield
+        return
+    signal.signal(signal.SIGINT, lambda number, _: caught.append(number))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+        if caught:
+            signal.raise_signal(signal.SIGINT)
 
 
 @contextmanager

@@ -147,6 +147,27 @@ def test_all_files_that_are_written_are_named(tmp_path):
     assert all(path.is_file() for path in paths.values())
 
 
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("--save run.h5 --patches link/run.h5", "patches is link/run.h5, which is taken by save"),
+        ("--save run.h5 --plot --patches run.png", "patches is run.png, which is taken by plot"),
+        ("--layer file --stiffness-file k.txt --patches ./k.txt", "patches is k.txt, which is taken by stiffness_file"),
+        (
+            "--profile file --profile-file link/scan.h5 --save scan.h5",
+            "save is scan.h5, which is taken by profile_file",
+        ),
+    ],
+)
+def test_a_file_is_not_written_over_another_one_of_the_same_command(words, said, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "link").symlink_to(tmp_path, target_is_directory=True)
+    (tmp_path / "k.txt").touch()
+    (tmp_path / "scan.h5").touch()
+    assert main(["solve", *words.split(), "--overwrite"]) == 2
+    assert capsys.readouterr().err == f"linecontact: {said}; allowed: another file\n"
+
+
 @pytest.mark.parametrize("columns", [1, 2])
 def test_lengths_of_a_scan_s_scene_may_have_units(tmp_path, capsys, columns):
     values = np.random.default_rng(0).random((40, 1))
@@ -192,7 +213,7 @@ def test_a_scene_without_a_unit_takes_no_lengths_with_one(words, said, capsys):
         ("--thickness 2^3", "thickness is '2^3'; allowed: with its unit, like 2^3um, or"),
         (
             "--scene-units --thickness 3",
-            "length_unit is missing; allowed: the unit of the scene, where the file",
+            "length_unit is missing; allowed: the unit of the scene, where one of the file is known",
         ),
         ("--approach 2e-4", "approach is '0.0002'; allowed: with its unit, like 0.0002um"),
         ("--layer file --stiffness-file {table}", "table.txt; allowed: with --length-unit, the unit of 1/q\n"),
@@ -209,6 +230,30 @@ def test_a_length_of_a_scan_s_scene_is_not_guessed_to_be_in_metres(words, said, 
     assert main(["solve", *scene, *words, "--length-unit", "um", "--json"]) == 0
     nothing_to_guess = ["--thickness", "inf", "--approach", "0", "--json"]
     assert main(["solve", *scene, *nothing_to_guess]) == 0
+
+
+def test_the_unit_of_a_scene_is_that_of_numbers_in_scene_units(tmp_path, capsys):
+    np.savetxt(tmp_path / "scan.csv", np.random.default_rng(0).random((40, 1)))
+    words = ["solve", "--profile", "file", "--profile-file", str(tmp_path / "scan.csv"), "--contact-modulus", "1"]
+    words += ["--scene-units", "--pressure", "1e-3", "--json"]
+    length = ["--scan-length", "1.5mm"]
+    assert main([*words, *length]) == 2
+    assert capsys.readouterr().err == (
+        "linecontact: scan_length is '1.5mm'; allowed: a number alone, the lengths of this scene have no unit, unless "
+        "--length-unit names one\n"
+    )
+    found = []
+    for more in (
+        [*length, "--length-unit", "um", "--thickness", "2mm"],
+        ["--scan-length", "1500", "--thickness", "2000"],
+    ):
+        assert main([*words, *more]) == 0
+        found.append(json.loads(capsys.readouterr().out))
+    assert [record["scene"]["period"] for record in found] == pytest.approx([3000] * 2)
+    assert [record["scene"]["thickness"] for record in found] == pytest.approx([2000] * 2)
+    assert [record["scene"]["profile_length_unit"] for record in found] == ["um", "the scene's"]
+    assert found[0]["scene"]["profile_z_unit"] == "um"
+    assert found[0]["contact_area_subgrid"] == pytest.approx(found[1]["contact_area_subgrid"])
 
 
 def test_a_length_of_a_scan_s_scene_is_a_number_or_has_a_unit_and_is_not_too_large(tmp_path, capsys):
@@ -256,6 +301,13 @@ def test_methods_and_grids(method, grids):
             ["solve", "--thickness", "1e400"],
             "thickness is '1e400'; allowed: a number of 4.9e-324 to 1.8e+308 in size\n",
         ),
+        (
+            ["solve", "--thickness", "2^-2000"],
+            "thickness is '2^-2000'; allowed: a number of 4.9e-324 to 1.8e+308 in size\n",
+        ),
+        (["solve", "--thickness", "0^-1"], "thickness is '0^-1'; allowed: a number of 4.9e-324 to 1.8e+308 in size\n"),
+        (["solve", "--thickness", "-2^2"], "thickness is -4.0; allowed: "),
+        (["solve", "--thickness", "-2mm"], "thickness is '-2mm'; allowed: a number alone, the lengths of this scene"),
         (["solve", "--tolerance", "1e-15"], "tolerance is 1e-15; allowed: 1e-14 to 0.5\n"),
         (["solve", "--scene-units"], "--scene-units is given; allowed: only with --profile file, not power"),
         (["solve", "--poisson-ratio", "0.6"], "poisson_ratio is 0.6"),
@@ -272,6 +324,7 @@ def test_methods_and_grids(method, grids):
         (["solve", "--save", "x.txt"], "file x.txt would hold HDF5; allowed: a name that ends in .h5 or .hdf5\n"),
         (["solve", "--plot", "--save", "x.png"], "file x.png would hold HDF5; allowed: a name that ends in .h5"),
         (["solve", "--profile-file", __file__], "allowed: only with --profile file, not power"),
+        (["solve", "--hurst", "0.8"], "hurst is 0.8; allowed: only with --profile rough, not power"),
         (["solve", "--hurst", "0.3"], "hurst is 0.3; allowed: only with --profile rough, not power"),
         (["solve", "--profile", "rough", "--exponent", "4"], "exponent is 4.0; allowed: only with --profile power"),
         (["solve", "--profile", "file", "--scene-units", "--seed", "1"], "seed is 1"),
@@ -282,6 +335,8 @@ def test_methods_and_grids(method, grids):
         (["solve", "--threads", "0"], "threads is 0"),
         (["solve", "--save", "/nowhere/at/all.h5"], "does not exist"),
         (["solve", "--colour", "red"], "--colour"),
+        (["curve", "--folder", ""], "folder is ''; allowed: a path\n"),
+        (["plot", ""], "file is ''; allowed: a path\n"),
         (["plot", "missing.h5"], "missing.h5 does not exist"),
         (["plot", __file__], "not one of linecontact's HDF5 files; allowed: one that it wrote"),
         (["study", "hertz", "--workers", "0"], "workers is 0"),

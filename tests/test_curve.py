@@ -186,6 +186,7 @@ def test_a_scan_with_lengths_in_units(tmp_path, capsys):
         ("--over thickness --thickness 0.5 --values 0.1", "thickness is 0.5; allowed: none with --over thickness"),
         ("--youngs-modulus 3 --over poisson_ratio --values 0.1", "youngs_modulus is 3; allowed: contact_modulus"),
         ("--values 1e-3,2e-3 --points 3", "points is 3; allowed: none with --values"),
+        ("--values 1e-3,2e-3 --points 30", "points is 30; allowed: none with --values"),
         (
             "--over seed --profile rough --cut-off-ratio 0.25 --from 0.5 --to 3",
             "to is 3, and from 0.5; allowed: integers",
@@ -208,6 +209,25 @@ def test_what_is_wrong_is_said_before_anything_is_solved(tmp_path, capsys, words
     assert curve(tmp_path / "out", *grid(words), *words.split()) == 2
     assert capsys.readouterr().err.startswith(f"linecontact: {said}")
     assert not (tmp_path / "out" / "tasks").exists()
+
+
+def test_a_repeated_value_is_found_in_one_pass():
+    """Comparisons are counted: as many as pairs of values would take minutes where values are many."""
+    compared = 0
+
+    class Counting(float):
+        def __eq__(self, other):
+            nonlocal compared
+            compared += 1
+            return float(self) == float(other)
+
+        __hash__ = float.__hash__
+
+    values = [Counting(value) for value in range(10_000)]
+    assert number.repeated(values) is None
+    assert number.repeated([*values, Counting(9), Counting(8)]) == 10_000
+    assert compared < 10 * len(values)
+    assert number.repeated([]) is None
 
 
 def test_columns_in_python():

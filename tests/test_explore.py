@@ -151,6 +151,14 @@ def test_the_command_line_reads_the_scan_on_the_screen(tmp_path, monkeypatch, ca
     assert np.array_equal(again.indenter.heights, scene.indenter.heights)
 
 
+def test_the_command_line_leaves_a_scene_without_a_unit_as_it_is(tmp_path, monkeypatch, capsys):
+    np.savetxt(tmp_path / "scan.csv", np.random.default_rng(0).random((40, 1)))
+    given = {"profile_file": tmp_path / "scan.csv", "scene_units": True, "scan_length": "2"}
+    scene = read_scan(given["profile_file"], scene_units=True, scan_length=2.0).scene(Layer(3.0), 1e-3)
+    again = scene_of(Start(scene, Scan.of(given["profile_file"], given)).command(scene), monkeypatch)
+    assert again.to_dict() == scene.to_dict()
+
+
 @pytest.mark.parametrize("count", [1, 5, 100, 101, 4096, 5003])
 def test_thinning_keeps_the_extremes_of_every_pixel(count):
     values, pixels = np.random.default_rng(0).standard_normal(count), 50

@@ -152,7 +152,9 @@ def test_a_measurement_is_not_compared_with_itself(tmp_path, capsys):
     ("words", "said"),
     [
         (["--threshold", "1.2"], "threshold is 1.2; allowed: with --compare"),
+        (["--threshold", "1.05"], "threshold is 1.05; allowed: with --compare"),
         (["--compare", "a", "b", "--json"], "--json is given; allowed: without --compare, which measures nothing"),
+        (["--compare", "a", "b", "--repeats", "4"], "repeats is 4; allowed: without --compare, which measures nothing"),
         (["--compare", "a", "b", "--size", "2^10"], "size is 1024; allowed: without --compare, which measures nothing"),
     ],
 )

@@ -331,3 +331,30 @@ def test_every_element_wise_loop_is_vectorised(compiled_afresh):
     assert all(len(widths) == 2 + (name == "advance_response") for name, widths in exact.items()), exact
     assert all(max(w) >= 2 for widths in exact.values() for w in widths)
     assert set(ELEMENTWISE) | {"fire_control"} == set(KERNELS)
+
+
+INTERRUPTED_IMPORT = """
+import os, signal, sys
+from linecontact import kernels
+
+class Interrupt:
+    def find_spec(self, name, path=None, target=None):
+        if name.startswith("warp.") and len([known for known in sys.modules if known.startswith("warp.")]) > 5:
+            sys.meta_path.remove(self)
+            os.kill(os.getpid(), signal.SIGINT)
+
+sys.meta_path.insert(0, Interrupt())
+try:
+    kernels.start_warp()
+except KeyboardInterrupt:
+    print("interrupted")
+kernels.start_warp()
+print("started")
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
+def test_after_ctrl_c_during_its_import_warp_still_starts():
+    """As where a solve goes on to the finest grid with what it has."""
+    done = subprocess.run([sys.executable, "-c", INTERRUPTED_IMPORT], capture_output=True, text=True, check=False)
+    assert done.stdout.split() == ["interrupted", "started"], done.stderr

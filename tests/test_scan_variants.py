@@ -78,6 +78,8 @@ READ = {
     "given as the file has it": ("x [um],z [um]\n" + rows(), UNITS),
     "given for one": ("x [mm],z\n" + rows(x="mm", z="nm"), {"z_unit": "nm"}),
     "the scene's own": (rows(x="m", z="m"), {"scene_units": True}),
+    "the scene's own, mm": (rows(x="mm", z="mm"), {"scene_units": True, "length_unit": "mm"}),
+    "positions the scene's own, mm": ("x,z [nm]\n" + rows(x="mm", z="nm"), {"scene_units": True, "length_unit": "mm"}),
     "a scene in mm": ("x [um],z [nm]\n" + rows(z="nm"), {"length_unit": "mm"}),
     # encodings
     "Latin-1": ((PARAMETERS + "Lateral \u00b5m,Raw \u00b5m\n" + rows()).encode("latin-1"), {}),

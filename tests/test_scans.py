@@ -275,7 +275,8 @@ def test_a_scan_that_names_its_unit(tmp_path, monkeypatch):
     [
         ({"x_unit": "furlong"}, "x_unit is 'furlong'; allowed: m, cm, mm, um"),
         ({"length_unit": "ft"}, "length_unit is 'ft'"),
-        ({"length_unit": None}, "length_unit is None"),
+        ({"length_unit": 1.0}, "length_unit is 1.0"),
+        ({"scene_units": True, "scan_length": None}, "scan_length is missing: .*; allowed: .* a number alone in the"),
         ({"profile_convention": "gaps"}, "profile_convention is 'gaps'; allowed: heights, gap"),
         ({"window": "foo"}, "window is 'foo'; allowed: mirror, tukey, hann, none"),
         ({"detrend": "quad"}, "detrend is 'quad'; allowed: linear, mean, none"),

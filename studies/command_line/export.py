@@ -32,8 +32,6 @@ def command(options: Options) -> int:
         for part in csv_tables.table(options.file):
             sys.stdout.buffer.write(part)
         return 0
-    if options.csv.exists() and options.file.exists() and options.csv.samefile(options.file):
-        raise ValueError(f"csv is {options.csv}; allowed: another file than the one that is exported")
-    writing.check_target(options.csv, options.overwrite)
+    writing.check_targets([("file", options.file)], [("csv", options.csv)], options.overwrite)
     writing.write_bytes(options.csv, csv_tables.table(options.file))
     return 0

@@ -12,11 +12,11 @@ from linecontact.solver.display import rounded_up
 from linecontact.solver.scene import PRECISIONS
 from linecontact.solver.transforms.planned import PLANNING
 
-from ..figures.names import FORMATS
+from ..figures.names import names
 from ..files import solution_files, writing
 from ..scans import summary
 from ..scans.preparation import mirrored
-from ..scenes import kinds, making
+from ..scenes import making
 from ..scenes.making import Given, make_scene
 from ..terminal import console
 from ..terminal.options import one_of
@@ -151,20 +151,16 @@ def tell_files(options: Options) -> None:
 
 
 def check_targets(options: Options, given: Given) -> None:
-    """Raise `ValueError` if the file or its figures would replace what they must not."""
-    profile_file = given[kinds.title("profile", MeasuredIndenter.name)].get("profile_file")
-    for name, target in (("save", options.save), ("patches", options.patches)):
-        if target and profile_file and target.exists() and profile_file.samefile(target):
-            raise ValueError(f"{name} is {target}; allowed: another file than the profile's")
+    """Raise `ValueError` if the files or the figures would replace what they must not, or one another."""
+    read = [(name, path) for group in given.values() for name, path in group.items() if isinstance(path, Path)]
+    written = []
     if options.save:
         solution_files.check_file(options.save, options.overwrite)
+        written.append(("save", options.save))
+        written += [("plot", figure) for figure in names(options.save, [""] * options.plot)]
     if options.patches:
-        writing.check_target(options.patches, options.overwrite)
-    if options.save and options.save == options.patches:
-        raise ValueError(f"patches is {options.patches}; allowed: another file than --save")
-    for suffix in FORMATS if options.plot and options.save else ():
-        assert options.save
-        writing.check_target(options.save.with_suffix(suffix), options.overwrite)
+        written.append(("patches", options.patches))
+    writing.check_targets(read, written, options.overwrite)
 
 
 def solution_table(solution: Solution) -> Whole:
@@ -180,34 +176,41 @@ def solution_table(solution: Solution) -> Whole:
     table.add_column("quantity")
     table.add_column("value", justify="right", no_wrap=True)
     table.add_column("unit")
-    spacing = 1 / solution.scene.num_points
     image = ", mirror image too" * mirrored(record["scene"])
-    stiffness_unit = "pressure/length" if "contact_stiffness" in record else "- (result not as asked)"
-    own = "; edges only" if solution.certificate and not solution.levels else ""
+    unknown = "" if "contact_stiffness" in record else " (needs a result as asked)"
+    own = " (edges only)" if solution.certificate and not solution.levels else ""
     rows = [
         ("contact area a_r (sub-grid edges)", f"{record['contact_area_subgrid']:.10g}", "-"),
-        ("  its error, estimated", rounded_up(error), f"- (absolute{own})"),
+        (f"  its absolute error, estimated{own}", rounded_up(error), "-"),
         ("contact width a_r L", record["contact_width"], "length"),
         *(
-            [("contact area a_r (nodes counted)", f"{record['contact_area']:.8g}", f"- (one node: {spacing:.1e})")]
+            [
+                ("contact area a_r (nodes counted)", f"{record['contact_area']:.8g}", "-"),
+                ("  of one node", f"{1 / solution.scene.num_points:.1e}", "-"),
+            ]
             if solution.certificate
             else []
         ),
         ("mean pressure p", solution.scene.pressure, "pressure"),
-        (f"contact patches{image}", record["num_patches"], f"- ({record['num_counted_patches']} counted by nodes)"),
+        (f"contact patches{image}", record["num_patches"], "-"),
+        ("  counted by nodes", record["num_counted_patches"], "-"),
         ("rms gradient in contact g_c", record["rms_gradient_contact"], "-"),
         ("reduced pressure p* = p/(E* g_c)", record["reduced_pressure"], "-"),
         ("kappa = a_r/p*", record["kappa"], "-"),
         ("kappa (sub-grid edges)", record["kappa_subgrid"], "-"),
-        ("  its error, estimated", rounded_up(record["kappa_error"]), "- (absolute)"),
+        ("  its absolute error, estimated", rounded_up(record["kappa_error"]), "-"),
         *_known("kappa over the half-space's", record.get("kappa_ratio"), "-"),
         ("reduced thickness d/(a_r L)", record["reduced_thickness"], "-"),
         ("approach", record["approach"], "length"),
-        *_known("  its error, estimated", rounded_up(record["approach_error"]), "length (absolute)"),
+        *_known("  its absolute error, estimated", rounded_up(record["approach_error"]), "length"),
         ("mean gap", record["mean_gap"], "length"),
-        ("contact stiffness dp/d(approach)", record.get("contact_stiffness", "not computed"), stiffness_unit),
+        (
+            f"contact stiffness dp/d(approach){unknown}",
+            record.get("contact_stiffness", "not computed"),
+            "pressure/length",
+        ),
         ("peak pressure", record["peak_pressure"], "pressure"),
-        *_known("  its error, estimated", rounded_up(record["peak_pressure_error"]), "pressure (absolute)"),
+        *_known("  its absolute error, estimated", rounded_up(record["peak_pressure_error"]), "pressure"),
         ("iterations", record["iterations"], "-"),
         ("transform pairs", record["transform_pairs"], "-"),
         *((f"time: {stage}", f"{seconds:.3f}", "s") for stage, seconds in record["seconds"].items()),

@@ -62,6 +62,16 @@ def whole(scene: Scene, name: str) -> bool:
     return isinstance(numbers(scene)[name], int)
 
 
+def repeated(values: Sequence[float]) -> int | None:
+    """The place, from 0, of the first value that stands at an earlier place, too; None if there is none."""
+    seen = set[float]()
+    for place, value in enumerate(values):
+        if value in seen:
+            return place
+        seen.add(value)
+    return None
+
+
 def spaced(first: float, last: float, count: int, spacing: Spacing, integers: bool) -> tuple[float, ...]:
     """Values from the first to the last, evenly spaced in their logarithm or as they are. Raises `ValueError`.
 

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 NAME = "curve"
+_POINTS = 30
 _SMALLEST_LOAD, _BEYOND = 1e-5, 1 + 1e-9  # over that of full contact: where a curve over the load begins and ends
 
 
@@ -61,8 +62,8 @@ class Options(making.Options, study.Options):
     of full contact."""
     to: str | None = text("a number", None)
     """Last value; default for the pressure: that of full contact."""
-    points: int = 30
-    """Number of values, 2 to 16384; of seeds every one, if they are fewer."""
+    points: int | None = None
+    """Number of values, 2 to 16384; of seeds every one, if they are fewer; default: 30."""
     spacing: number.Spacing = "auto"
     """Of the values: even in their logarithm, or linear; auto: the logarithm from a decade on, but for seeds; area:
     pressures at which the contact area rises evenly."""
@@ -156,8 +157,9 @@ def _values(options: Options, scene: Scene, own: Own) -> tuple[float, ...]:
         if len(texts) > number.MOST:
             raise ValueError(f"values are {len(texts)}; allowed: up to {number.MOST}")
         values = tuple(_read(options, own, "values", text) for text in texts)
-        if again := [text for i, text in enumerate(texts) if values[i] in values[:i]]:
-            raise ValueError(f"values hold {again[0].strip()} a second time; allowed: each once")
+        again = number.repeated(values)
+        if again is not None:
+            raise ValueError(f"values hold {texts[again].strip()} a second time; allowed: each once")
         return values
     found = {name: _read(options, own, name, text) for name, text in given.items()}
     if options.over == "pressure" and len(found) < len(ends):
@@ -166,7 +168,7 @@ def _values(options: Options, scene: Scene, own: Own) -> tuple[float, ...]:
     for name in ends:
         if name not in found:
             raise ValueError(f"{name} is missing; allowed: a number, or --values, with --over {options.over}")
-    count, spacing = options.points, options.spacing
+    count, spacing = _POINTS if options.points is None else options.points, options.spacing
     checks.integer("points", count, f"an integer from 2 to {number.MOST}", 2, number.MOST)
     if spacing == "area":
         if options.over != "pressure":

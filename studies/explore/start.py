@@ -42,7 +42,8 @@ class Scan:
     def of(cls, path: Path, options: Mapping[str, Any]) -> Self:
         """The scan that a file holds now; options: those that read it, by name."""
         words: list[str] = []
-        for name, value in {"length_unit": reading.Options.length_unit, **options}.items():
+        own = {} if options.get("scene_units") else {"length_unit": reading.own_unit(None)}  # what the numbers are in
+        for name, value in {**own, **options}.items():
             if name not in ("num_points", "period"):  # the scene says them
                 words += [flag(name)] if value is True else [flag(name), str(value)]
         return cls(path, tuple(words), cls.stamp_of(path))

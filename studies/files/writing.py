@@ -15,6 +15,9 @@ from ..terminal import console
 MAX_NAME = 200
 """Bytes of a file's name: most systems take 255, and the names of other files are made from it."""
 
+Named = tuple[str, Path]
+"""An option of the command line, and a file that it names."""
+
 _UMASK = os.umask(0)
 os.umask(_UMASK)
 
@@ -55,6 +58,20 @@ def check_target(path: Path, overwrite: bool) -> None:
     if not path.parent.is_dir():
         raise StoreError(f"folder {path.parent} of file {path.name} does not exist; allowed: an existing folder")
     check_folder(path.parent)
+
+
+def check_targets(read: Iterable[Named], written: Iterable[Named], overwrite: bool) -> None:
+    """Raise `StoreError` before any work if a file to be written is one that is read or written, too, or cannot become
+    a new file.
+
+    read, written: the options that name the files, and the files.
+    """
+    names = {os.path.realpath(path): name for name, path in read}
+    for name, path in written:
+        other = names.setdefault(os.path.realpath(path), name)
+        if other != name:
+            raise StoreError(f"{name} is {path}, which is taken by {other}; allowed: another file")
+        check_target(path, overwrite)
 
 
 def check_folder(folder: Path) -> None:

@@ -51,6 +51,7 @@ SIZES = {
 QUICK = (2**10, 2**14, 2**18)
 _SECONDS = 0.05  # to measure for, in each repetition
 _LONG = 2**22  # points from which a repetition takes as long as on all smaller grids together
+_REPEATS, _THRESHOLD = 4, 1.05
 _LEFT_OUT = ("transforms",)  # FFTW plans for minutes
 
 
@@ -67,16 +68,17 @@ class Options(study.Options):
     """Number of points, like 2^18; default: from 2^10 to 2^22."""
     variants: Path | None = None
     """A Python file that registers variants of your own, see docs/kernels.md."""
-    repeats: int = 4
-    """Times that everything is measured on new buffers, 2 to 100; on 2^22 points and more half as many, but two."""
+    repeats: int | None = None
+    """Times that everything is measured on new buffers, 2 to 100; on 2^22 points and more half as many, but two;
+    default: 4."""
     quick: bool = False
     """2^10, 2^14 and 2^18 points only."""
     json: bool = False
     """One JSON object on standard output instead of the tables; figures and data are written all the same."""
     compare: tuple[Path, Path] | None = None
     """Measure nothing; what changed from the first to the second: stored .h5, a saved --json, or folders with such."""
-    threshold: float = 1.05
-    """Comparing: the least change that counts, 1 to 10 (dimensionless)."""
+    threshold: float | None = None
+    """Comparing: the least change that counts, 1 to 10 (dimensionless); default: 1.05."""
 
 
 @dataclass(frozen=True)
@@ -116,7 +118,8 @@ class Task:
 
 def plan(options: Options) -> Plan:
     """The tasks, repetition by repetition, so that the repetitions of one are far apart. Raises `ValueError`."""
-    repeats = checks.integer("repeats", options.repeats, "an integer from 2 to 100", 2, 100)
+    repeats = _REPEATS if options.repeats is None else options.repeats
+    checks.integer("repeats", repeats, "an integer from 2 to 100", 2, 100)
     if options.workers != 1:
         raise ValueError(f"workers is {options.workers}; allowed: 1, because two would disturb each other's times")
     if options.quick and options.size is not None:
@@ -203,7 +206,10 @@ STUDY = Study(name=tables.KIND, options=Options, plans=plans, report=report, dra
 
 
 def _check_together(options: Options) -> None:
-    """Raise `ValueError` for options of the comparison without one, and for others with one."""
+    """Raise `ValueError` for options of the comparison without one, and for others with one.
+
+    All but the workers, of which there is one in any case, have defaults that nobody can give.
+    """
     for name, option in options_of(Options).items():
         value = getattr(options, name)
         if name != "compare" and value != option.default and (name == "threshold") != bool(options.compare):
@@ -218,7 +224,7 @@ def command(options: Options) -> int:
     """
     _check_together(options)
     if options.compare:
-        return compare.command(*options.compare, options.threshold)
+        return compare.command(*options.compare, _THRESHOLD if options.threshold is None else options.threshold)
     (planned,) = plans(options)
     # the quick study needs no folder of its own name, because its key is another
     folder = STUDY.folder(replace(options, quick=False)) / machine.key(planned.configuration)

@@ -12,7 +12,6 @@ import numpy as np
 from linecontact.solver.arrays import Array64
 from linecontact.solver.display import counted
 from linecontact.solver.scene import MAX_POINTS
-from linecontact.solver.units import SCENE
 
 from ..files import confined
 from .header import Label
@@ -194,12 +193,12 @@ def _named(label: Label | None, table: Table, axis: str) -> dict[str, str]:
 
 
 def units(
-    path: Path, named: dict[str, dict[str, str]], given: dict[str, str | None], scene_units: bool
+    path: Path, named: dict[str, dict[str, str]], given: dict[str, str | None], unknown: str | None
 ) -> dict[str, str]:
-    """The unit of each axis, 'x' and 'z'; `SCENE` for the scene's own.
+    """The unit of each axis, 'x' and 'z'.
 
-    named: units that the file names, for each axis; given: the user's. scene_units: whether the user says that numbers
-    without a unit are in the scene's. Raises `ValueError` where a unit is not known, or the file contradicts the user.
+    named: units that the file names, for each axis; given: the user's. unknown: that of numbers for which no unit is
+    known, if the user says so. Raises `ValueError` where a unit is not known, or the file contradicts the user.
     """
     found, missing = {}, []
     for axis, places in named.items():
@@ -212,8 +211,8 @@ def units(
         elif places:
             seen = " and ".join(f"{unit or 'no unit of length'} ({where})" for unit, where in places.items())
             raise ValueError(f"{axis}_unit is missing: {path} names {seen}; allowed: {', '.join(UNITS)}")
-        elif scene_units:
-            found[axis] = SCENE
+        elif unknown:
+            found[axis] = unknown
         else:
             missing.append(axis)
     if missing:

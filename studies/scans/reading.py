@@ -57,10 +57,10 @@ class Options:
     z_unit: Unit | None = None
     """Unit of the heights, where the file names none."""
     scene_units: bool = False
-    """Numbers for which no unit is known are in the scene's own unit of length."""
-    length_unit: Unit = "m"
-    """The scene's own unit, of results and of lengths that are written without one. Where it is not given, lengths are
-    written with their units, like 2mm."""
+    """Numbers for which no unit is known are in the scene's own unit of length, which --length-unit may name."""
+    length_unit: Unit | None = None
+    """The scene's own unit, of results and of lengths that are written without one; default: m. Where it is not given,
+    lengths are written with their units, like 2mm, or with --scene-units as numbers alone."""
     scan_length: float | None = None
     """Length of a scan without positions [length], its spacing times its number of values."""
     columns: str | None = None
@@ -85,7 +85,7 @@ class Options:
         if not isinstance(self.profile_file, Path):
             raise ValueError(f"profile_file is {self.profile_file!r}; allowed: a path")
         for name, allowed in _WORDS.items():
-            if getattr(self, name) is not None or name in ("length_unit", "window"):
+            if getattr(self, name) is not None or name == "window":
                 checks.choice(name, getattr(self, name), get_args(allowed))
         if not isinstance(self.scene_units, bool):
             raise ValueError(f"scene_units is {self.scene_units!r}; allowed: True or False")
@@ -93,6 +93,11 @@ class Options:
             if not isinstance(getattr(self, name), str | None):
                 raise ValueError(f"{name} is {getattr(self, name)!r}; allowed: text, like '2,3'")
         check_accuracy(self.accuracy, DEFAULT_QUANTITY)
+
+
+def own_unit(length_unit: Unit | None) -> Unit:
+    """The unit that the lengths of a scan's scene are in, if they have one. length_unit: the user's."""
+    return length_unit or "m"
 
 
 class Scan(NamedTuple):
@@ -166,7 +171,7 @@ def read(options: Options) -> Scan:
         "profile_convention": options.profile_convention or "heights",
         "profile_values": count,
         **units,
-        "profile_length_unit": options.length_unit if known else SCENE,
+        "profile_length_unit": own_unit(options.length_unit) if known else SCENE,
         **scan,
         "profile_steps": "; ".join([found.origin, *profile.steps, "shifted to h >= 0"]),
     }
@@ -178,8 +183,10 @@ def _measured(found: columns.Columns, options: Options) -> tuple[Profile, dict[s
     path, x, z = options.profile_file, found.x, found.z
     length = _given_length(options, z.size) if x is None else 0.0
     named = {"z": found.z_units} if x is None else {"x": found.x_units, "z": found.z_units}
-    units = columns.units(path, named, {"x": options.x_unit, "z": options.z_unit}, options.scene_units)
-    scene = {SCENE: 1.0} | {unit: size / UNITS[options.length_unit] for unit, size in UNITS.items()}
+    unknown = (options.length_unit or SCENE) if options.scene_units else None
+    units = columns.units(path, named, {"x": options.x_unit, "z": options.z_unit}, unknown)
+    own = UNITS[own_unit(options.length_unit)]
+    scene = {SCENE: 1.0} | {unit: size / own for unit, size in UNITS.items()}
     described = {f"profile_{axis}_unit": unit for axis, unit in units.items()}
     if x is None:
         columns.check_values(path, None, z)
@@ -216,9 +223,13 @@ def _given_length(options: Options, count: int) -> float:
     if options.x_unit:
         raise ValueError(f"x_unit is {options.x_unit}; allowed: none, {path} has no positions (give scan_length)")
     if options.scan_length is None:
+        own = f"the scene's unit (length_unit, {own_unit(options.length_unit)})"
+        allowed = f"on the command line with its unit, like 1.5mm, else in {own}"
+        if options.scene_units and options.length_unit is None:
+            allowed = "a number alone in the scene's unit, or with a unit, like 1.5mm, if length_unit says that one"
         raise ValueError(
             f"scan_length is missing: {path} holds {counted(count, 'height')} and no positions; allowed: its length, "
-            f"on the command line with its unit, like 1.5mm, else in the scene's (length_unit, {options.length_unit})"
+            f"{allowed}"
         )
     return checks.real("scan_length", options.scan_length, "a finite length > 0", 0)
 

@@ -6,6 +6,8 @@ import unicodedata
 from collections.abc import Mapping
 from typing import Any, Literal, NamedTuple
 
+from linecontact.solver.units import SCENE
+
 from ..terminal.text import IN_RANGE, number
 
 Unit = Literal["m", "cm", "mm", "um", "nm", "pm", "angstrom", "inch"]
@@ -59,7 +61,7 @@ def read(name: str, text: str, length: bool, own: Own) -> float:
     known = unit_of(written)
     try:
         base, _, power = digits.partition("^")
-        value = number(base) ** int(power) if power else number(digits)
+        value = _power(number(base), int(power)) if power else number(digits)
         if written and not known:
             raise ValueError("of no known unit")
     except (OverflowError, ZeroDivisionError):
@@ -68,13 +70,22 @@ def read(name: str, text: str, length: bool, own: Own) -> float:
         more = ", or a length with its unit, like 50um" * (length and own.unit in UNITS)
         raise ValueError(f"{name} is {text!r}; allowed: a number{more}") from None
     if known and own.unit not in UNITS:
-        raise ValueError(f"{name} is {text!r}; allowed: a number alone, the lengths of this scene have no unit")
+        hint = ", unless --length-unit names one" * (own.unit == SCENE)
+        raise ValueError(f"{name} is {text!r}; allowed: a number alone, the lengths of this scene have no unit{hint}")
     if length and not (own.said or known or value == 0 or math.isinf(value)):
         hint = f"with its unit, like {text}um, or --length-unit, that of all lengths of this scene"
         raise ValueError(f"{name} is {text!r}; allowed: {hint}")
     found = value * (UNITS[known] / UNITS[own.unit]) if known else value
     if (math.isinf(found) and not math.isinf(value)) or (found == 0 and value != 0):
         raise ValueError(f"{name} is {text!r}; allowed: {IN_RANGE}, in {own.unit}")
+    return found
+
+
+def _power(base: float, exponent: int) -> float:
+    """The power that 2^18 stands for, and -2^18 its negative. Raises `OverflowError` for one too large or too small."""
+    found = math.copysign(abs(base) ** exponent, base)
+    if found == 0 and base != 0:
+        raise OverflowError(f"{base}^{exponent}")
     return found
 
 

@@ -5,6 +5,7 @@ from dataclasses import MISSING, dataclass
 from typing import Any
 
 from linecontact.solver import INDENTERS, LAYERS, MeasuredIndenter, Scene
+from linecontact.solver.units import SCENE
 
 from ..scans import reading
 from ..scans.units import UNITS, Own, read
@@ -42,7 +43,7 @@ def make_scene(options: Any, given: Given) -> Scene:
         indenter, period, num_points = reading.read(profile)
         unit = unit._replace(unit=indenter.description["profile_length_unit"])
         if unit.unit in UNITS and profile.scene_units and "length_unit" not in given[_SCAN]:
-            raise ValueError("length_unit is missing; allowed: the unit of the scene, where the file names its own")
+            raise ValueError("length_unit is missing; allowed: the unit of the scene, where one of the file is known")
         _check_scales(options, given)
         own |= {"period": None, "num_points": None}
         more = {"period": period, "num_points": num_points}
@@ -83,9 +84,11 @@ def _check_scales(options: Any, given: Given) -> None:
 def own_unit(options: Any, given: Given) -> Own:
     """The unit of the scene's lengths, as far as the options tell it before a scan is read."""
     told = given[_SCAN]
-    if options.profile != MeasuredIndenter.name or told.get("scene_units"):
+    if options.profile != MeasuredIndenter.name:
         return Own("")
-    return Own(told.get("length_unit", reading.Options.length_unit), "length_unit" in told)
+    if told.get("scene_units") and "length_unit" not in told:
+        return Own(SCENE)
+    return Own(reading.own_unit(told.get("length_unit")), "length_unit" in told)
 
 
 def _length(name: str, value: Any, unit: Own) -> Any:
@@ -100,15 +103,14 @@ def _made(what: str, options: Any, given: Given, unit: Own) -> Any:
 
     unit: the unit of the scene's lengths.
 
-    Raises `ValueError` if one of them is missing, and for those of another kind, unless they have their default.
+    Raises `ValueError` if one of them is missing, and for those of another kind.
     """
     chosen = getattr(options, what)
     classes = kinds.classes(what)
     own = options_of(classes[chosen])
-    for other, kind in classes.items():
-        defaults = {name: option.default for name, option in options_of(kind).items()}
+    for other in classes:
         for name, value in given[kinds.title(what, other)].items():
-            if name not in own and not hasattr(options, name) and value != defaults[name]:
+            if name not in own and not hasattr(options, name):
                 takers = " or ".join(one for one, taker in classes.items() if name in options_of(taker))
                 raise ValueError(f"{told(name, value)}; allowed: only with --{what} {takers}, not {chosen}")
     values = given[kinds.title(what, chosen)]

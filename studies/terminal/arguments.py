@@ -7,6 +7,7 @@ was given, and what is allowed.
 
 import argparse
 import difflib
+import re
 import textwrap
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import MISSING
@@ -123,12 +124,8 @@ def _plain(words: Sequence[str]) -> list[str]:
 
 
 def _is_number(word: str) -> bool:
-    """Whether it is a number, or several separated by commas."""
-    try:
-        [float(part) for part in word.split(",")]
-    except ValueError:
-        return False
-    return True
+    """Whether a word with a hyphen first is a number, perhaps with a unit or more numbers behind it, and no option."""
+    return re.match(r"-(\d|\.\d|inf|nan)", word, re.IGNORECASE) is not None
 
 
 def _nearest(word: str, names: Collection[str]) -> str:

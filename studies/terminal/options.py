@@ -105,7 +105,14 @@ def _power(words: str) -> int:
     return int(base**exponent)
 
 
-_READ: dict[type, Callable[[str], Any]] = {float: number, int: _integer}
+def _path(words: str) -> Path:
+    """The path that words name. Raises `ValueError` for no words, which would be the folder that one is in."""
+    if not words:
+        raise ValueError("a path is empty")
+    return Path(words)
+
+
+_READ: dict[type, Callable[[str], Any]] = {float: number, int: _integer, Path: _path}
 """How a value of a type is read that its class does not read as it should."""
 
 
