@@ -90,6 +90,7 @@ def test_values_of_every_type():
     assert parse("--optional", "Infinity").optional == float("inf")
     assert [parse("--limit", text).limit for text in ("1e5", "1.5E3", "2^10", "-2e0")] == [100_000, 1500, 1024, -2]
     assert parse("--ratio", "-0.0e-400").ratio == 0
+    assert [parse("--ratio", text).ratio for text in ("2^-9", "-2^2", "1.5^2")] == [2**-9, -4, 2.25]
     assert parse("--two_words", "2", "--workers", "5") == Every(two_words=2.0, workers=5)
     assert parse("--folder=--odd_name").folder == Path("--odd_name")
     assert arguments.parse(Positional, ["--level", "-3", "some file"], "prog") == Positional(Path("some file"), -3)

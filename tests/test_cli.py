@@ -210,7 +210,7 @@ def test_a_scene_without_a_unit_takes_no_lengths_with_one(words, said, capsys):
             "--thickness 200",
             "thickness is '200'; allowed: with its unit, like 200um, or --length-unit, that of all lengths of th",
         ),
-        ("--thickness 2^3", "thickness is '2^3'; allowed: with its unit, like 2^3um, or"),
+        ("--thickness 2^3", "thickness is '8'; allowed: with its unit, like 8um, or"),
         (
             "--scene-units --thickness 3",
             "length_unit is missing; allowed: the unit of the scene, where one of the file is known",

@@ -60,11 +60,10 @@ def read(name: str, text: str, length: bool, own: Own) -> float:
     digits, written = parted.groups() if parted and length else (text, "")
     known = unit_of(written)
     try:
-        base, _, power = digits.partition("^")
-        value = _power(number(base), int(power)) if power else number(digits)
+        value = number(digits)
         if written and not known:
             raise ValueError("of no known unit")
-    except (OverflowError, ZeroDivisionError):
+    except OverflowError:
         raise ValueError(f"{name} is {text!r}; allowed: {IN_RANGE}") from None
     except ValueError:
         more = ", or a length with its unit, like 50um" * (length and own.unit in UNITS)
@@ -78,14 +77,6 @@ def read(name: str, text: str, length: bool, own: Own) -> float:
     found = value * (UNITS[known] / UNITS[own.unit]) if known else value
     if (math.isinf(found) and not math.isinf(value)) or (found == 0 and value != 0):
         raise ValueError(f"{name} is {text!r}; allowed: {IN_RANGE}, in {own.unit}")
-    return found
-
-
-def _power(base: float, exponent: int) -> float:
-    """The power that 2^18 stands for, and -2^18 its negative. Raises `OverflowError` for one too large or too small."""
-    found = math.copysign(abs(base) ** exponent, base)
-    if found == 0 and base != 0:
-        raise OverflowError(f"{base}^{exponent}")
     return found
 
 

@@ -8,14 +8,27 @@ IN_RANGE = f"a number of {math.ulp(0.0):.1e} to {sys.float_info.max:.1e} in size
 
 
 def number(words: str) -> float:
-    """The number that words stand for, infinite only where they say inf or infinity, and 0 where all digits are.
+    """The number that words stand for, which may be a power, like 2^18; -2^18 is its negative.
 
-    Raises `ValueError` for words that are no number, and `OverflowError` for one that is too large or too small.
+    It is infinite only where they say inf or infinity, and 0 where all digits are. Raises `ValueError` for words that
+    are no number, and `OverflowError` for one that is too large or too small.
     """
+    base, _, exponent = words.partition("^")
+    if exponent:
+        return _power(number(base), int(exponent))
     found = float(words)
     digits = words.lower().partition("e")[0].strip()
     if (math.isinf(found) and "inf" not in words.lower()) or (found == 0 and set(digits) - set("+-0._")):
         raise OverflowError(words)
+    return found
+
+
+def _power(base: float, exponent: int) -> float:
+    if base == 0 and exponent < 0:
+        raise OverflowError(f"0^{exponent}")
+    found = math.copysign(abs(base) ** exponent, base)
+    if found == 0 and base != 0:
+        raise OverflowError(f"{base}^{exponent}")
     return found
 
 
