@@ -92,8 +92,8 @@ def _claimed(patches: Patches, chosen: Indices, found: FromLoads, wide: Array64)
     error = _OVER_SIZE / size + _OF_SKEW * found.skew**2 + _OF_BEND * found.bend
     error += _OF_OTHERS * size * found.by_others
     error += np.where(wide < _NARROW, _OF_THICKNESS * size * wide**4, _ESTIMATED * size)
-    gaps = np.append(patches.first[1:], patches.first[:1] + patches.num_points) - patches.last - 1
-    return np.asarray(error + _OVER_GAP_SQUARED * (1 / gaps[chosen] ** 2 + 1 / np.roll(gaps, 1)[chosen] ** 2))
+    before, after = patches.to_neighbours[:, chosen] - 1
+    return np.asarray(error + _OVER_GAP_SQUARED * (1 / before**2 + 1 / after**2))
 
 
 def _jagged(profile: Array64, nodes: Indices) -> Mask:

@@ -28,7 +28,7 @@ end feels the other; they have the half-space's edge where they look like it (se
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache, lru_cache
+from functools import cache, cached_property, lru_cache
 
 import numpy as np
 
@@ -70,6 +70,13 @@ class EdgeCurve:
     error: float
     """What is not known of s [grid spacings]: where the layer does not tell its stiffness for waves shorter than the
     grid's, or where the curve says that nodes pull."""
+
+    @cached_property
+    def far_fields(self) -> Array64:
+        """Pressures of the last three nodes under the far fields j^(3/2), j^(1/2), j^(-1/2), shape (3, 3), by far field
+        and node (dimensionless).
+        """
+        return np.linalg.inv(self.rows).T[::-1].copy()
 
     @property
     def punch_end(self) -> float:
@@ -256,7 +263,7 @@ def edge_distance(curve: EdgeCurve, theta: Array64) -> Array64:
     those of x^(1/2), which has its edge theta inside the last node; shape (..., 3) [grid spacings].
     """
     theta = np.asarray(theta)[..., None] - curve.delta
-    low, middle, high = np.linalg.inv(curve.rows).T  # pressures of j^(-1/2), j^(1/2), j^(3/2)
+    high, middle, low = curve.far_fields
     edge = middle - theta / 2 * low
     bent = high - 1.5 * theta * middle + 0.375 * theta**2 * low
     return np.where(edge > _NO_PRESSURE, bent / np.maximum(edge, _NO_PRESSURE), 0.0)

@@ -30,7 +30,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import Array64, Indices, Mask
+from ..arrays import Array64, Mask
 from ..layers import ElasticLayer
 from .edge_curves import EdgeCurve, edge_curve, edge_distance, edge_function, half_space_curve
 from .layer_on_grid import thickness_on_grid
@@ -62,6 +62,7 @@ _OF_LAYER, _OF_LAYER_OVER_SIZE = 0.001, 0.4  # of patches that are wide beside t
 
 _NARROWEST = 0.5  # gap between two patches that is believed [grid spacings]
 _TURNS = 4  # until ends and pressures agree
+_NO_DISTANCE = 1e-9  # of a node from an edge, over the wave of the row
 
 _CLOSE, _ALIKE = 0.05, 0.15
 """Grid spacings by which two estimates of an edge may differ to be as good as equal, and to be of an edge at all."""
@@ -73,21 +74,23 @@ def edge_offset(curve: EdgeCurve, pressures: Array64) -> tuple[Array64, Array64,
     The edge lies theta inside the last contact node (outside for theta < 0); -s <= theta <= 1 - s. The third result is
     how little the pressures look like an edge: by how far the estimates differ, before they are put into these bounds.
     """
+    least, most = -curve.shift, 1 - curve.shift
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         ratio = pressures[:, 0] / pressures[:, 1]
         two = curve.table[0] - ratio * curve.table[1]
         two = two / (two + ratio * curve.table[0]) - curve.shift
-    two = np.where(np.isfinite(two), two, 0.5 - curve.shift)
-    bounded = np.clip(two, -curve.shift, 1 - curve.shift)
-    spread = np.abs(two - bounded)
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         low, middle, high = curve.rows @ pressures.T
         theta = -2 * low / middle
         for _ in range(3):  # -theta middle/2 - 3/8 theta^2 high = low
             theta = -2 * low / (middle + 0.75 * theta * high)
         theta += curve.delta
-        spread = np.maximum(spread, np.where(np.isfinite(theta), np.abs(theta - bounded), 1.0))
-    theta = np.clip(np.where(np.isfinite(theta), theta, bounded), -curve.shift, 1 - curve.shift)
+    two[~np.isfinite(two)] = 0.5 - curve.shift
+    bounded = np.minimum(np.maximum(two, least), most)
+    differ = np.abs(theta - bounded)
+    unknown = ~np.isfinite(theta)
+    differ[unknown], theta[unknown] = 1.0, bounded[unknown]
+    spread = np.maximum(np.abs(two - bounded), differ)
+    theta = np.minimum(np.maximum(theta, least), most)
     # two estimates far apart: the patch is too small for a third family
     return np.where(np.abs(theta - bounded) < _ALIKE, theta, bounded), bounded, spread
 
@@ -171,7 +174,7 @@ def _claimed(patches: Patches, spread: Array64, layer: Array64, on_thick: Mask) 
     spread: how little the pressures look like an edge, shape (2, M); layer: the layer's share, of the same shape;
     on_thick: which patches lie on a layer that is thick beside them, shape (M,).
     """
-    size, gap = patches.size.astype(np.float64), _gaps(patches.first, patches.last + 1, patches.num_points)
+    size, gap = patches.size.astype(np.float64), patches.to_neighbours - 1
     fitted = (_OF_SPREAD + _OF_SPREAD_OVER_SIZE / size) * spread + _OVER_SIZE / size + _OVER_SIZE_SQUARED / size**2
     fitted = fitted + _OVER_SIZE_FOURTH / size**4 + _OVER_GAP_SQUARED / gap**2
     if_wide = np.where(spread < _CLOSE, _OF_SPREAD_IF_WIDE * spread, spread) + _OVER_GAP_SQUARED_IF_WIDE / gap**2
@@ -179,12 +182,6 @@ def _claimed(patches: Patches, spread: Array64, layer: Array64, on_thick: Mask) 
     counting = np.maximum(layer, 0.5)  # an edge is known as well as by counting, unless the layer spoils it
     known = np.minimum(np.where(on_thick, fitted, if_wide) + layer, counting)
     return np.where(spread < _ALIKE, known, np.clip(spread, counting, np.maximum(counting, 1.0)))
-
-
-def _gaps(left: Array64 | Indices, right: Array64 | Indices, num_points: int) -> Array64:
-    """The gaps to the left and to the right of patches with these ends, shape (2, M) [grid spacings]."""
-    gap = np.append(left[1:], left[:1] + num_points) - right
-    return np.stack([np.roll(gap, 1), gap]).astype(np.float64)
 
 
 def _ends(patches: Patches, pressure: Array64) -> Array64:
@@ -203,10 +200,10 @@ def _in_row(patches: Patches, pressure: Array64) -> tuple[Array64, Array64]:
     ends, theta = _ends(patches, pressure), np.full((2, patches.count), 0.5 - curve.shift)
     for _ in range(_TURNS):
         width, gap = (of[..., None] for of in _around(patches, theta))
-        period, away = width + gap, np.minimum(edge_distance(curve, theta), width)
-        to_other = np.maximum(width - away, _NARROWEST)
-        beyond = np.sin(np.pi * to_other / period) * np.sinc(away / period)
-        alone = ends / (np.sin(np.pi * (gap / 2 + away) / period) * np.sqrt(beyond))
+        wave, away = np.pi / (width + gap), np.minimum(edge_distance(curve, theta), width)
+        from_end, to_other = np.maximum(wave * away, _NO_DISTANCE), wave * np.maximum(width - away, _NARROWEST)
+        beyond = np.sin(to_other) * np.sin(from_end) / from_end
+        alone = ends / (np.sin(wave * (gap / 2 + away)) * np.sqrt(beyond))
         theta, _, spread = (of.reshape(2, -1) for of in edge_offset(curve, alone.reshape(-1, 3)))
     return theta, spread
 
@@ -227,9 +224,9 @@ def _around(patches: Patches, theta: Array64) -> tuple[Array64, Array64]:
     """Widths of patches, and of the gaps to their left and right, shape (2, M) each [grid spacings]; widths not below
     two, the least that three nodes can have, and gaps not below `_NARROWEST`.
     """
-    left, right = patches.first + theta[0], patches.last - theta[1]
-    width = np.maximum(right - left, 2.0)
-    gap = np.maximum(_gaps(left, right, patches.num_points), _NARROWEST)
+    width = np.maximum(patches.size - 1 - theta.sum(axis=0), 2.0)
+    facing = np.stack([np.roll(theta[1], 1), np.roll(theta[0], -1)])
+    gap = np.maximum(patches.to_neighbours + theta + facing, _NARROWEST)
     return np.broadcast_to(width, gap.shape), gap
 
 

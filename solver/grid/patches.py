@@ -56,6 +56,12 @@ class Patches:
         """Compact index of each patch's first node, shape (M,)."""
         return np.cumsum(self.size) - self.size
 
+    @cached_property
+    def to_neighbours(self) -> Array64:
+        """From first and last nodes of patches to the next contact nodes beyond, shape (2, M) [grid spacings]."""
+        gap = np.append(self.first[1:], self.first[:1] + self.num_points) - self.last
+        return np.stack([np.roll(gap, 1), gap]).astype(np.float64)
+
     def hold(self, nodes: Indices) -> Mask:
         """Whether these nodes, from 0 to N - 1, are contact nodes; of their shape."""
         after = np.searchsorted(self.first, nodes, side="right")

@@ -93,9 +93,9 @@ def _beyond_nodes(scene: Scene, pressure: Array64, punch: Array64) -> float:
     patches, edges = contact_edges(scene, pressure)
     curve = edge_curve(scene.layer, pressure.size, scene.period)
     total = 0.0
-    gaps = np.append(patches.first[1:], patches.first[:1] + pressure.size) - patches.last - 1
-    left = patches.first, patches.first - edges.left, np.roll(gaps, 1)
-    for node, beyond, gap in (left, (patches.last, edges.right - patches.last, gaps)):
+    before, after = patches.to_neighbours - 1  # nodes of the gaps
+    left = patches.first, patches.first - edges.left, before
+    for node, beyond, gap in (left, (patches.last, edges.right - patches.last, after)):
         squared = (punch[node % pressure.size] / curve.strength) ** 2  # k^2 over the grid spacing
         known = (patches.size >= COUNTED_BELOW) & (gap >= COUNTED_BELOW)
         total += float(np.sum(np.where(known, squared * (beyond - curve.punch_end), 0.0)))

@@ -21,7 +21,6 @@ from bokeh.models import (
     TextAreaInput,
     TextInput,
 )
-from linecontact.solver import Solution
 from linecontact.solver.layers import ElasticLayer
 
 from ..terminal.text import complain
@@ -184,7 +183,7 @@ class Page:
                     curve.aim(scene)
                 self._newest.outdated(_PAINTED)  # a pause, which a newer event ends
             curves = {control: curve.copy() for control, curve in self._curves.items()}
-            self._later(partial(self._show_around, event, found.solution, curves))
+            self._later(partial(self._show_around, event, found, curves))
             if scene is None or self._newest.outdated(_QUIET):
                 return
             for control, curve in self._curves.items():
@@ -203,15 +202,16 @@ class Page:
         solution = found.solution
         self._answer.value, self._doubts.value = said(found, time.perf_counter() - event.moment), doubted(found)
         self._fields.show(solution)
-        self._command.value = self._start.command(found.scene) if found.scene else ""
         if self._start.scan and (trouble := self._start.scan.trouble()):
             _tell(trouble)
             self.complain(f"The {trouble}: the page goes on with what was read, the command may not repeat it.")
 
-    def _show_around(self, event: Event, solution: Solution | None, curves: Mapping[Control, Curve]) -> None:
+    def _show_around(self, event: Event, found: Answer, curves: Mapping[Control, Curve]) -> None:
+        solution = found.solution
         for control, around in self._around.items():
             around.show_point(solution)
             around.show_curve(curves[control] if solution else None)
+        self._command.value = self._start.command(found.scene) if found.scene else ""
         self._link.value = f"{self._address}?{self._start.query(event.values)}"
         if event.values == self._values:
             self._status.value = ""

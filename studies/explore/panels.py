@@ -73,7 +73,7 @@ def _label_logarithmic(axis: Any, end: float | None = None, last: float = 1e300)
 
 def _put(source: ColumnDataSource, data: Mapping[str, ArrayLike]) -> None:
     """Set a source's columns if they are others: what stays as it is is neither sent nor painted again."""
-    if any(not np.array_equal(source.data[name], column) for name, column in data.items()):
+    if any(not np.array_equal(source.data[name], column, equal_nan=True) for name, column in data.items()):
         source.data = dict(data)
 
 
@@ -81,6 +81,12 @@ def _up(number: float) -> float:
     """The next round number from a positive one on: a range that seldom changes is seldom drawn anew."""
     decade = 10.0 ** math.floor(math.log10(number))
     return next(step * decade for step in (1, 1.5, 2, 3, 5, 7, 10, 15) if step * decade >= number)
+
+
+def _of_one_length(data: Mapping[str, Array64]) -> dict[str, Array64]:
+    """Columns of one length, as a source needs them: the shorter ones end with NaN, which is not drawn."""
+    longest = max(column.size for column in data.values())
+    return {name: np.append(column, np.full(longest - column.size, np.nan)) for name, column in data.items()}
 
 
 def _clear(source: ColumnDataSource) -> None:
@@ -96,18 +102,19 @@ class Fields:
         self._solution: Solution | None = None
         self._pixels = _UNKNOWN_WIDTH
         self.x_range = Range1d(0, self._whole)
-        self._shown = {name: ColumnDataSource({"x": [], "y": []}) for name in ("indenter", "surface", "pressure")}
-        self._patches = ColumnDataSource({"left": [], "right": []})
+        self._indenter = ColumnDataSource({"x": [], "h": []})
+        # one source for all that every solution changes: each that is sent costs the browser some milliseconds
+        self._found = ColumnDataSource({name: [] for name in ("u_x", "u", "p_x", "p", "left", "right")})
         label = f"height{self._heights.symbol}"
         self.shape = _figure(label, 275, x_range=self.x_range, y_range=Range1d(0, 1))
         self.pressure = _figure("pressure/E* (dimensionless)", 255, x_range=self.x_range, y_range=Range1d(0, 1))
         self.shape.xaxis.visible = False
         self.pressure.xaxis.axis_label = f"position x{self._along.symbol}"
         down = "indenter h: its peaks point down"
-        self.shape.line("x", "y", source=self._shown["indenter"], color="black", legend_label=down)
-        self.shape.line("x", "y", source=self._shown["surface"], color=COLOURS[0], legend_label="surface u")
-        self.pressure.line("x", "y", source=self._shown["pressure"], color=COLOURS[3], legend_label="pressure")
-        bar = {"source": self._patches, "y0": 0, "y1": 0, "line_width": 6, "color": COLOURS[1]}
+        self.shape.line("x", "h", source=self._indenter, color="black", legend_label=down)
+        self.shape.line("u_x", "u", source=self._found, color=COLOURS[0], legend_label="surface u")
+        self.pressure.line("p_x", "p", source=self._found, color=COLOURS[3], legend_label="pressure")
+        bar = {"source": self._found, "y0": 0, "y1": 0, "line_width": 6, "color": COLOURS[1]}
         self.pressure.segment(x0="left", x1="right", legend_label="contact patches", **bar)
         if mirrored(scene.indenter.to_dict()):
             half = {"x0": self._whole / 2, "x1": self._whole, "level": "underlay"}
@@ -131,8 +138,8 @@ class Fields:
         """Draw a solution, or nothing."""
         self._solution = solution
         if solution is None:
-            for source in (*self._shown.values(), self._patches):
-                _clear(source)
+            _clear(self._indenter)
+            _clear(self._found)
         else:
             self.thin()
 
@@ -150,18 +157,21 @@ class Fields:
         pixels = self._pixels
         part = slice(first, last)
         height = self._heights.factor
-        fields = {
-            "indenter": solution.scene.profile[part] * height,
-            "surface": solution.displacement[part] * height,
-            "pressure": solution.contact_pressure[part] / solution.scene.layer.contact_modulus,
-        }
-        for name, values in fields.items():
-            places = extremes(values, pixels)
-            _put(self._shown[name], {"x": (first + places) * spacing, "y": values[places]})
-        self._show_patches(solution, (high - low) / pixels)
-        self._set_ranges(fields)
+        indenter = solution.scene.profile[part] * height
+        surface = solution.displacement[part] * height
+        pressure = solution.contact_pressure[part] / solution.scene.layer.contact_modulus
 
-    def _show_patches(self, solution: Solution, pixel: float) -> None:
+        def thinned(values: Array64, x: str, y: str) -> dict[str, Array64]:
+            places = extremes(values, pixels)
+            return {x: (first + places) * spacing, y: values[places]}
+
+        _put(self._indenter, thinned(indenter, "x", "h"))
+        found = thinned(surface, "u_x", "u") | thinned(pressure, "p_x", "p")
+        _put(self._found, _of_one_length(found | self._shown_patches(solution, (high - low) / pixels)))
+        self._set_ranges(indenter, surface, float(pressure.max()))
+
+    def _shown_patches(self, solution: Solution, pixel: float) -> dict[str, Array64]:
+        """Left and right ends of the patches, those closer than a pixel as one."""
         found, factor, whole = solution.patches, self._along.factor, self._whole
         left, right = found.left * factor, found.right * factor
         over = right > whole  # a patch that goes on at the beginning of the period
@@ -169,17 +179,17 @@ class Fields:
         right = np.concatenate([np.minimum(right, whole), right[over] - whole])
         order = np.argsort(left)
         left, right = merged(left[order], right[order], pixel)
-        _put(self._patches, {"left": left, "right": right})
+        return {"left": left, "right": right}
 
-    def _set_ranges(self, fields: dict[str, Array64]) -> None:
+    def _set_ranges(self, indenter: Array64, surface: Array64, peak: float) -> None:
         """The surface fills a quarter to a half of its panel: what rises higher of the indenter is far from it."""
-        low, high = float(fields["surface"].min()), float(fields["surface"].max())
-        room = _up((high - low) or float(np.ptp(fields["indenter"])) or 1.0)
-        top = min(high + room, max(high, float(fields["indenter"].max())))
+        low, high = float(surface.min()), float(surface.max())
+        room = _up((high - low) or float(np.ptp(indenter)) or 1.0)
+        top = min(high + room, max(high, float(indenter.max())))
         step = 0.2 * room
         self.shape.y_range.update(start=(math.floor(low / step) - 0.5) * step, end=(math.ceil(top / step) + 0.5) * step)
-        peak = _up(float(fields["pressure"].max()) or 1.0)
-        self.pressure.y_range.update(start=-0.08 * peak, end=1.08 * peak)
+        most = _up(peak or 1.0)
+        self.pressure.y_range.update(start=-0.08 * most, end=1.08 * most)
 
 
 class Surroundings:
