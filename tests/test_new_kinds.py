@@ -185,6 +185,32 @@ def test_a_thin_layer_has_its_own_edges():
     assert abs(o.contact_area_subgrid - fine.contact_area_subgrid) < o.contact_area_edges_error < 0.1 / 2**12
 
 
+@dataclass(frozen=True)
+class Membrane(FrictionlessLayer):
+    """A membrane of the tension G on a foundation, K(q) = k + G q^2: its short waves are no half-space's."""
+
+    tension: float = 0.01
+
+    def stiffness(self, wave_numbers, period):
+        return 10 * period + self.tension * wave_numbers**2 / period
+
+    def foundation_modulus(self, period):
+        return 10 * period
+
+
+@pytest.mark.parametrize("thickness", [1e-6, 0.1, math.inf])
+@pytest.mark.parametrize("tension", [0.001, 0.01])
+@pytest.mark.parametrize("num_points", [2**12, 2**14])
+def test_a_layer_whose_short_waves_find_no_half_space(thickness, tension, num_points):
+    """Under a parabola, on |x| < a: u = D - x^2/2 inside, k u = G u'' outside, u' continuous."""
+    half, length = 0.0376, math.sqrt(tension / 10)
+    depth = half * length + half**2 / 2
+    pressure = 2 * (10 * (depth * half - half**3 / 6) + tension * half)
+    scene = Scene(Membrane(thickness, tension=tension), pressure=pressure, num_points=num_points)
+    found = solve(scene).observables
+    assert abs(found.contact_area_subgrid - 2 * half) < found.contact_area_error < 0.05 / num_points
+
+
 @pytest.mark.parametrize("thickness", [1e-9, 1e-3, 0.1, 100.0])
 def test_no_shortcut_is_taken_that_a_layer_does_not_justify(thickness):
     """The bonded layer takes one on each of these."""

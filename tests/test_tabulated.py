@@ -161,3 +161,12 @@ def test_a_function_is_known_to_six_digits(layer):
 def test_functions_that_are_no_stiffness_are_named_at_once(function, first, last, message):
     with pytest.raises(ValueError, match=message):
         TabulatedLayer.from_function(function, first, last)
+
+
+def test_a_solution_on_a_table_is_drawn_saved_or_not(tmp_path):
+    """A file does not hold the table, which tells where between the nodes a contact ends."""
+    scene = Scene(tabulated(Layer(0.1)), num_points=2**10)
+    solution = solve(scene)
+    solution.save(tmp_path / "table.h5")
+    assert main.main(["plot", str(tmp_path / "table.h5")]) == 0
+    assert solution.plot().axes[1].get_lines()[0].get_ydata().max() == solution.observables.peak_pressure

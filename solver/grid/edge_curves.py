@@ -76,7 +76,7 @@ class EdgeCurve:
         """Pressures of the last three nodes under the far fields j^(3/2), j^(1/2), j^(-1/2), shape (3, 3), by far field
         and node (dimensionless).
         """
-        return np.linalg.inv(self.rows).T[::-1].copy()
+        return np.asarray(np.linalg.inv(self.rows).T[::-1], dtype=np.float64)
 
     @property
     def punch_end(self) -> float:

@@ -163,7 +163,7 @@ class Fields:
 
         def thinned(values: Array64, x: str, y: str) -> dict[str, Array64]:
             places = extremes(values, pixels)
-            return {x: (first + places) * spacing, y: values[places]}
+            return {x: np.asarray((first + places) * spacing), y: values[places]}
 
         _put(self._indenter, thinned(indenter, "x", "h"))
         found = thinned(surface, "u_x", "u") | thinned(pressure, "p_x", "p")

@@ -2,7 +2,8 @@
 
 import io
 import math
-from dataclasses import dataclass, fields
+from collections.abc import Mapping
+from dataclasses import MISSING, dataclass, fields
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from linecontact.solver import LAYERS, Solution, Status
 from linecontact.solver.arrays import Array64
 from linecontact.solver.grid.contact import ends
 from linecontact.solver.grid.patches import Patches
+from linecontact.solver.layers import ElasticLayer
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -134,19 +136,28 @@ def figure(solution: StoredSolution) -> Figure:
 
 
 def _contact(solution: StoredSolution) -> Contact:
-    """The patches between their edges; where the layer is not known to this program, half a spacing from the nodes."""
+    """The patches between their edges; half a spacing from the nodes where the results do not tell the layer."""
     pressure, results = solution.contact_pressure, solution.results
     patches = Patches.of(pressure > 0)
     if not patches.count:
         return Contact(np.zeros(0), np.zeros(0))
     spacing = float(solution.x[1] - solution.x[0])
-    kind: Any = LAYERS.get(str(results.get("scene.layer")))
-    if kind is None:
+    layer = _layer(results)
+    if layer is None:
         return Contact(*(np.asarray(end * spacing) for end in (patches.first - 0.5, patches.last + 0.5)))
-    layer = kind(**{f.name: results[f"scene.{f.name}"] for f in fields(kind) if f"scene.{f.name}" in results})
     scale = float(results["scene.pressure"]) / layer.contact_modulus / float(pressure.mean())
     patches, edges = ends(layer, spacing * pressure.size, solution.profile, pressure, scale)
     return Contact(edges.left * spacing, (edges.left + edges.width) * spacing)
+
+
+def _layer(results: Mapping[str, Any]) -> ElasticLayer | None:
+    """The layer of a solution; None where the results do not tell all of it, as of a table or a kind not known here."""
+    kind: Any = LAYERS.get(str(results.get("scene.layer")))
+    if kind is None:
+        return None
+    told = {field.name: results[f"scene.{field.name}"] for field in fields(kind) if f"scene.{field.name}" in results}
+    needed = {field.name for field in fields(kind) if field.default is field.default_factory is MISSING}
+    return kind(**told) if needed <= told.keys() else None
 
 
 def _thinned(x: Array64, *curves: Array64) -> list[Array64]:
