@@ -19,6 +19,7 @@ from linecontact.solver.strategy.to_accuracy import check_accuracy
 from linecontact.solver.units import SCENE, length_unit
 
 from ..files.writing import as_path
+from ..terminal.options import refused
 from . import columns
 from .columns import MAX_REFINEMENT
 from .preparation import Detrend, Profile, Window, evenly_spaced
@@ -75,7 +76,7 @@ class Options:
     """What is removed of the tilt; default: linear, but none with --window none."""
     window: Window = "mirror"
     """What makes the profile periodic: its mirror image, a window, or nothing if it is periodic."""
-    period: float | None = None
+    period: float | None = refused()
     """Not with a file."""
     accuracy: float | None = None
     """Relative error wanted of a_r (dimensionless); it chooses the grid."""
