@@ -13,10 +13,12 @@ def real(
 ) -> float:
     """`value` as float if it is a real number with low < value <= high (value < inf unless `infinite`).
 
-    NumPy's scalars are numbers, texts and truth values are none. Raises `ValueError`.
+    NumPy's scalars are numbers, texts and truth values are none; but where infinity is allowed, 'inf' is, too, which
+    stands for it in records. Raises `ValueError`.
     """
     try:
-        number = float(value) if isinstance(value, Real) and not isinstance(value, bool) else math.nan
+        known = isinstance(value, Real) or (infinite and isinstance(value, str) and value == "inf")
+        number = float(value) if known and not isinstance(value, bool) else math.nan  # type: ignore[arg-type]
     except (TypeError, ValueError, OverflowError):
         number = math.nan
     if not low < number <= high or (math.isinf(number) and not infinite):

@@ -330,9 +330,12 @@ def test_scalars_of_numpy_are_numbers():
         scene = Scene(Layer(kind(2)), pressure=kind(1), num_points=kind(64))
         assert (scene.layer.thickness, scene.pressure, scene.num_points) == (2.0, 1.0, 64)
         assert (type(scene.layer.thickness), type(scene.num_points)) == (float, int)
-    for wrong in (np.True_, np.str_("2"), np.complex128(2)):
+    assert Layer("inf").thickness == math.inf  # as `Scene.to_dict` has it
+    for wrong in (np.True_, np.str_("2"), "infinity", np.complex128(2)):
         with pytest.raises(ValueError, match="thickness is"):
             Layer(wrong)
+    with pytest.raises(ValueError, match="pressure is 'inf'"):
+        Scene(pressure="inf")
 
 
 def test_too_large_for_the_machine(monkeypatch):
