@@ -31,14 +31,15 @@ def integer(name: str, value: object, allowed: str, low: int, high: int, multipl
 
     Like `real` it takes NumPy's scalars, and no texts. Raises `ValueError`.
     """
+    given: Any = value if isinstance(value, Real) and not isinstance(value, bool) else math.nan
     try:
-        number = int(value) if isinstance(value, Real) and not isinstance(value, bool) else None  # type: ignore[call-overload]
-        good = number is not None and number == value and low <= number <= high and number % multiple == 0
+        number = int(given)
+        good = number == given and low <= number <= high and number % multiple == 0
     except (TypeError, ValueError, OverflowError):
         good = False
     if not good:
         raise ValueError(f"{name} is {value!r}; allowed: {allowed}")
-    return int(number)
+    return number
 
 
 def choice(name: str, value: object, allowed: tuple[str, ...]) -> str:
