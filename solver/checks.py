@@ -3,6 +3,7 @@
 import inspect
 import math
 from collections.abc import Mapping
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -10,9 +11,14 @@ from typing import Any
 def real(
     name: str, value: object, allowed: str, low: float = -math.inf, high: float = math.inf, *, infinite: bool = False
 ) -> float:
-    """`value` as float if low < value <= high (value < inf unless `infinite`), else `ValueError`."""
+    """`value` as float if it is a real number with low < value <= high (value < inf unless `infinite`).
+
+    NumPy's scalars are numbers, texts and truth values are none; but where infinity is allowed, 'inf' is, too, which
+    stands for it in records. Raises `ValueError`.
+    """
     try:
-        number = float(value) if not isinstance(value, bool) else math.nan  # type: ignore[arg-type]
+        known = isinstance(value, Real) or (infinite and isinstance(value, str) and value == "inf")
+        number = float(value) if known and not isinstance(value, bool) else math.nan  # type: ignore[arg-type]
     except (TypeError, ValueError, OverflowError):
         number = math.nan
     if not low < number <= high or (math.isinf(number) and not infinite):
@@ -21,15 +27,19 @@ def real(
 
 
 def integer(name: str, value: object, allowed: str, low: int, high: int, multiple: int = 1) -> int:
-    """`value` as int if low <= value <= high and a multiple of `multiple`, else `ValueError`."""
+    """`value` as int if it is a whole number with low <= value <= high and a multiple of `multiple`.
+
+    Like `real` it takes NumPy's scalars, and no texts. Raises `ValueError`.
+    """
+    given: Any = value if isinstance(value, Real) and not isinstance(value, bool) else math.nan
     try:
-        number = int(value)  # type: ignore[call-overload]
-        good = number == value and not isinstance(value, bool) and low <= number <= high and number % multiple == 0
+        number = int(given)
+        good = number == given and low <= number <= high and number % multiple == 0
     except (TypeError, ValueError, OverflowError):
         good = False
     if not good:
         raise ValueError(f"{name} is {value!r}; allowed: {allowed}")
-    return int(number)
+    return number
 
 
 def choice(name: str, value: object, allowed: tuple[str, ...]) -> str:

@@ -168,6 +168,19 @@ def test_help_shows_what_is_said_what_is_allowed_and_the_default(capsys):
     assert "--name" not in said
 
 
+def test_help_does_not_offer_what_is_refused(capsys):
+    asked = {}
+    for name in ("solve", "explore"):
+        with pytest.raises(SystemExit, match=r"^0$"):
+            main.main([name, "--help"])
+        asked[name] = " ".join(capsys.readouterr().out.split())
+        assert "only with --profile file: A scan or another profile from a file." in asked[name]
+        assert asked[name].count("--period") == 1
+    assert "It takes --num-points (not needed), --accuracy (not needed), too." in asked["solve"]
+    assert "It takes --num-points (not needed), too." in asked["explore"]
+    assert "--accuracy" not in asked["explore"]
+
+
 @pytest.mark.parametrize(
     "hint", [list[str], int | str, dict[str, int], bool | None, tuple[int, str], bytes, tuple[bool, bool]]
 )

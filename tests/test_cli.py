@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 from linecontact.studies.command_line.main import main
 from linecontact.studies.files import solution_files, study_files
+from linecontact.studies.scans import units
 
 CLI = [sys.executable, "-m", "linecontact.studies"]
 
@@ -184,6 +185,23 @@ def test_lengths_of_a_scan_s_scene_may_have_units(tmp_path, capsys, columns):
     assert found[1]["scene"]["period"] == pytest.approx(80)
     areas = [record["contact_area_subgrid"] for record in found]
     assert areas == pytest.approx([areas[0]] * 4, rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [
+        ("200um", "m", 2e-4),
+        ("3nm", "m", 3e-9),
+        ("0.7 um", "mm", 7e-4),
+        ("1e-3 mm", "um", 1.0),
+        ("2.54cm", "inch", 1.0),
+        ("1.1 m", "angstrom", 1.1e10),
+        ("2^-3 um", "nm", 125.0),
+        ("0um", "m", 0.0),
+    ],
+)
+def test_a_length_in_another_unit_is_the_number_with_its_digits(text, unit, value):
+    assert units.read("thickness", text, True, units.Own(unit)) == value
 
 
 @pytest.mark.parametrize(

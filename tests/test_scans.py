@@ -189,7 +189,7 @@ ROWS = "".join(f"{i} {i % 7}\n" for i in range(40))
 @pytest.mark.parametrize(
     ("make", "options", "named"),
     [
-        (lambda folder: folder / "missing.txt", {}, "missing.txt, which is not a file"),
+        (lambda folder: folder / "missing.txt", {}, "missing.txt, which is not a file; allowed: an existing file$"),
         (lambda folder: folder, {}, "is not a file"),
         (text(""), {}, "no table of numbers"),
         (text("a b\nc d\n"), {}, "no table of numbers"),
@@ -292,8 +292,8 @@ def test_wrong_options_are_named_in_python(tmp_path, options, named):
     path = write(tmp_path, ".csv", [np.random.default_rng(0).random(32)])
     with pytest.raises(ValueError, match=named):
         read_scan(path, **{"scan_length": 1.0, "z_unit": "um"} | options)
-    for wrong in (None, 3, b"scan.csv"):
-        with pytest.raises(ValueError, match=r"path is .*; allowed: text or a path"):
+    for wrong, shown in ((None, "None"), (3, "3"), (b"scan.csv", "b'scan.csv'")):
+        with pytest.raises(ValueError, match=rf"^path is {shown}; allowed: text or a path"):
             read_scan(wrong)
 
 
@@ -303,6 +303,11 @@ def test_the_scene_of_a_scan(tmp_path):
     scene = scan.scene(Layer(1e-3), 1e-6)
     assert (scene.period, scene.num_points) == (scan.period, scan.num_points) == (2e-3, 256)
     assert scene.pressure == 1e-6
+    assert scan.scene(Layer(1e-3), approach=1e-9).approach == 1e-9
+    with pytest.raises(ValueError, match=r"^pressure \(or approach\) is missing; allowed: one of the two"):
+        scan.scene(Layer(1e-3))
+    with pytest.raises(ValueError, match=r"^pressure is nan; allowed: a finite pressure"):
+        scan.scene(Layer(1e-3), math.nan)
 
 
 LAYER = Layer(thickness=2e-3, poisson_ratio=0.49, contact_modulus=3e6 / (1 - 0.49**2))

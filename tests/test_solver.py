@@ -266,6 +266,12 @@ def test_scaling_is_exact(length, pressure, d, precision):
         (lambda: Layer(-1.0), "thickness"),
         (lambda: Layer(math.nan), "thickness is nan"),
         (lambda: Layer("thick"), "thickness is 'thick'"),
+        (lambda: Layer("0.1"), "thickness is '0.1'; allowed: a length > 0, or inf"),
+        (lambda: Layer(b"0.1"), "thickness is b'0.1'"),
+        (lambda: Scene(pressure="2"), "pressure is '2'; allowed: a finite pressure >= 0"),
+        (lambda: Scene(num_points="64"), "num_points is '64'"),
+        (lambda: Scene(num_points=True), "num_points is True"),
+        (lambda: Scene(num_points=64 + 0j), "num_points is \\(64\\+0j\\)"),
         (lambda: Layer(1.0, 0.51), "poisson_ratio is 0.51"),
         (lambda: Layer(1.0, -1.0), "poisson_ratio"),
         (lambda: Layer(1.0, math.nan), "poisson_ratio"),
@@ -317,6 +323,19 @@ def test_scaling_is_exact(length, pressure, d, precision):
 def test_bad_input_is_named(make, named):
     with pytest.raises(ValueError, match=named):
         make()
+
+
+def test_scalars_of_numpy_are_numbers():
+    for kind in (np.float64, np.float32, np.longdouble, np.int64, np.uint8):
+        scene = Scene(Layer(kind(2)), pressure=kind(1), num_points=kind(64))
+        assert (scene.layer.thickness, scene.pressure, scene.num_points) == (2.0, 1.0, 64)
+        assert (type(scene.layer.thickness), type(scene.num_points)) == (float, int)
+    assert Layer("inf").thickness == math.inf  # as `Scene.to_dict` has it
+    for wrong in (np.True_, np.str_("2"), "infinity", np.complex128(2)):
+        with pytest.raises(ValueError, match="thickness is"):
+            Layer(wrong)
+    with pytest.raises(ValueError, match="pressure is 'inf'"):
+        Scene(pressure="inf")
 
 
 def test_too_large_for_the_machine(monkeypatch):

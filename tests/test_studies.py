@@ -71,6 +71,9 @@ def test_targets_are_checked_before_the_work(tmp_path):
     with pytest.raises(writing.StoreError, match=r"there\.h5 exists"):
         writing.check_target(tmp_path / "there.h5", overwrite=False)
     writing.check_target(tmp_path / "there.h5", overwrite=True)
+    for folder in (tmp_path / "there.h5", tmp_path / "there.h5" / "below"):
+        with pytest.raises(writing.StoreError, match=r"there\.h5 is a file; allowed: a new or existing folder"):
+            writing.make_folder(folder)
     with pytest.raises(writing.StoreError, match="does not exist"):
         writing.check_target(tmp_path / "no" / "run.h5", overwrite=False)
     with pytest.raises(writing.StoreError, match="is a folder"):

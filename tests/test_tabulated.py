@@ -104,7 +104,7 @@ def test_from_a_file(file, capsys):
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        (None, "which is not a file; allowed: text of two columns"),
+        (None, "which is not a file; allowed: an existing file, with two columns"),
         ("1 2 3\n4 5 6\n", "of 3 columns; allowed: two, q and K(q)"),
         ("1 2\n3\n", "which cannot be read ("),
         ("q K\n", "which cannot be read (could not convert string 'q'"),

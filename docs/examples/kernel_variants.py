@@ -23,8 +23,8 @@ for name, more in tuning.CANDIDATES.items():
 # A whole iteration with transforms on two threads.
 replanned("plain_iteration", "2-threads", threads=2)
 
-# A kernel of one's own, here as it was before a choice became a factor. On AMD's Zen 3 LLVM makes a masked store of the
-# choice, and it takes three to four times as long.
+# A kernel of one's own, here as it was before a choice became a factor. LLVM makes a masked store of the
+# choice, which took 1.6 to 5 times as long on AMD's Zen 3 (docs/kernels.md). The flags are those of the program's own.
 wp.set_module_options({"enable_backward": False, "cpu_compiler_flags": tuning.flags()["warp_fire"]})
 
 

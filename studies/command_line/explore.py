@@ -4,11 +4,12 @@ from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
-from linecontact.solver import MeasuredIndenter, Scene, TabulatedLayer, solve
+from linecontact.solver import LAYERS, MeasuredIndenter, Scene, TabulatedLayer, solve
 
 from ..scenes import kinds, making
 from ..scenes.making import Given, make_scene
 from ..terminal import console
+from ..terminal.options import one_of, refused
 
 _NUM_POINTS = 2**14
 
@@ -24,7 +25,11 @@ class Options(making.Options):
 
     num_points: int | None = None
     """Grid points, at least 4, like 16384 or 2^14; default 2^14, for a file four or more to a value."""
+    layer: str = one_of(LAYERS, next(iter(LAYERS)))
+    """Layer, any but file, a table that no slider can move; what each one is, and takes, is told below."""
     precision: ClassVar[str] = Scene.precision
+    accuracy: float | None = refused()
+    """None: the grid is that of num_points."""
     port: int = 5006
     """Port on 127.0.0.1 at which the page is served; 0: any that is free."""
     browser: bool = False
@@ -45,8 +50,8 @@ def command(options: Options, given: Given) -> int:
     if options.layer == TabulatedLayer.name:
         raise ValueError(f"layer is {options.layer}; allowed: one that sliders can move, which a table is not")
     words, scan = given[kinds.title("profile", MeasuredIndenter.name)], None
-    if "accuracy" in words:
-        raise ValueError(f"accuracy is {words['accuracy']}; allowed: none, the grid is that of num_points")
+    if options.accuracy is not None:
+        raise ValueError(f"accuracy is {options.accuracy}; allowed: none, the grid is that of num_points")
     if options.profile != MeasuredIndenter.name and options.num_points is None:
         options = replace(options, num_points=_NUM_POINTS)
     if options.profile == MeasuredIndenter.name and "profile_file" in words:

@@ -1,5 +1,6 @@
 """`linecontact curve`: contact area, kappa, approach and stiffness over the load, or over another number of a scene."""
 
+import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import MISSING, dataclass, replace
 from pathlib import Path
@@ -162,6 +163,7 @@ def _values(options: Options, scene: Scene, own: Own) -> tuple[float, ...]:
             raise ValueError(f"values hold {texts[again].strip()} a second time; allowed: each once")
         return values
     found = {name: _read(options, own, name, text) for name, text in given.items()}
+    _check_ends(options.over, scene, found, given)
     if options.over == "pressure" and len(found) < len(ends):
         full = full_contact_pressure(scene)
         found = {"from": _SMALLEST_LOAD * full, "to": _BEYOND * full} | found
@@ -178,6 +180,26 @@ def _values(options: Options, scene: Scene, own: Own) -> tuple[float, ...]:
         spacing = "linear" if spacing == "auto" else spacing
         count = int(min(count, abs(found["to"] - found["from"]) + 1))
     return number.spaced(found["from"], found["to"], count, spacing, number.whole(scene, options.over))
+
+
+def _check_ends(over: str, scene: Scene, found: Mapping[str, float], given: Mapping[str, str]) -> None:
+    """Raise `ValueError` for an end that makes no scene, or whose scene has no solution, as it was given.
+
+    found: the ends that are given, by the names of their options; given: the texts that stand for them. Ends that are
+        not finite, or no integers where they should be, are left to `number.spaced`.
+    """
+    for name, value in found.items():
+        if not math.isfinite(value) or (number.whole(scene, over) and value != int(value)):
+            continue
+        try:
+            if value == max(found.values()):
+                number.check(scene, over, [value])
+            else:
+                number.put(scene, over, value)
+        except ValueError as error:
+            about, _, allowed = str(error).partition("; allowed: ")
+            why = f"; allowed: {allowed}" if about.startswith(f"{over} is ") else f", where {error}"
+            raise ValueError(f"{name} is {given[name]}{why}") from None
 
 
 def _read(options: Options, own: Own, option: str, text: str) -> float:

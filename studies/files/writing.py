@@ -33,7 +33,7 @@ class DamagedError(StoreError):
 def as_path(name: str, path: object) -> Path:
     """A path from text or a path; raises `StoreError`, which names the parameter, for anything else."""
     if not isinstance(path, str | os.PathLike):
-        raise StoreError(f"{name} is {str(path)[:40]!r}; allowed: text or a path")
+        raise StoreError(f"{name} is {repr(path)[:40]}; allowed: text or a path")
     return Path(path)
 
 
@@ -42,6 +42,11 @@ def make_folder(folder: Path) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
+        for place in (folder, *folder.parents):
+            if place.exists() and not place.is_dir():
+                raise StoreError(
+                    f"folder is {folder}, but {place} is a file; allowed: a new or existing folder"
+                ) from None
         raise StoreError(f"folder {folder} cannot be made ({error.strerror}); allowed: a writable place") from None
 
 

@@ -19,6 +19,7 @@ from linecontact.solver.strategy.to_accuracy import check_accuracy
 from linecontact.solver.units import SCENE, length_unit
 
 from ..files.writing import as_path
+from ..terminal.options import refused
 from . import columns
 from .columns import MAX_REFINEMENT
 from .preparation import Detrend, Profile, Window, evenly_spaced
@@ -75,7 +76,7 @@ class Options:
     """What is removed of the tilt; default: linear, but none with --window none."""
     window: Window = "mirror"
     """What makes the profile periodic: its mirror image, a window, or nothing if it is periodic."""
-    period: float | None = None
+    period: float | None = refused()
     """Not with a file."""
     accuracy: float | None = None
     """Relative error wanted of a_r (dimensionless); it chooses the grid."""
@@ -116,12 +117,15 @@ class Scan(NamedTuple):
             f"{type(self).__name__}: period {self.period:.6g} [{unit}], num_points {self.num_points}; {self.indenter}"
         )
 
-    def scene(self, layer: ElasticLayer, pressure: float = math.nan, approach: float | None = None) -> Scene:
+    def scene(self, layer: ElasticLayer, pressure: float | None = None, approach: float | None = None) -> Scene:
         """The scan pressed against a layer, by a mean pressure [pressure] or to an approach [length].
 
-        Lengths are in the same unit as the scan's.
+        Lengths are in the same unit as the scan's. Raises `ValueError`.
         """
-        return Scene(layer, self.indenter, pressure, self.period, self.num_points, approach=approach)
+        if pressure is None and approach is None:
+            raise ValueError("pressure (or approach) is missing; allowed: one of the two, in the units of the layer")
+        load = math.nan if pressure is None else pressure
+        return Scene(layer, self.indenter, load, self.period, self.num_points, approach=approach)
 
 
 def read_scan(path: str | os.PathLike[str], **options: Any) -> Scan:
@@ -144,7 +148,7 @@ def read(options: Options) -> Scan:
     """As `read_scan`."""
     path = options.profile_file
     if not os.path.isfile(path):  # Path's own raises for some names
-        raise ValueError(f"profile_file is {path}, which is not a file; allowed: .npy, .csv, .txt, .h5, scans")
+        raise ValueError(f"profile_file is {path}, which is not a file; allowed: an existing file")
     if options.period is not None:
         raise ValueError(
             f"period is {options.period}; allowed: none with a file, whose scan is the period, with its mirror image "

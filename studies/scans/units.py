@@ -4,6 +4,7 @@ import math
 import re
 import unicodedata
 from collections.abc import Mapping
+from decimal import Decimal
 from typing import Any, Literal, NamedTuple
 
 from linecontact.solver.units import SCENE
@@ -74,10 +75,16 @@ def read(name: str, text: str, length: bool, own: Own) -> float:
     if length and not (own.said or known or value == 0 or math.isinf(value)):
         hint = f"with its unit, like {text}um, or --length-unit, that of all lengths of this scene"
         raise ValueError(f"{name} is {text!r}; allowed: {hint}")
-    found = value * (UNITS[known] / UNITS[own.unit]) if known else value
+    found = _converted(value, known, own.unit) if known else value
     if (math.isinf(found) and not math.isinf(value)) or (found == 0 and value != 0):
         raise ValueError(f"{name} is {text!r}; allowed: {IN_RANGE}, in {own.unit}")
     return found
+
+
+def _converted(value: float, unit: str, own: str) -> float:
+    """A length in another unit, from the digits that it is written in: 200 um are 0.0002 m and not 1e-20 less."""
+    sizes = (Decimal(repr(UNITS[name])) for name in (unit, own))
+    return float(Decimal(repr(value)) * next(sizes) / next(sizes))
 
 
 def axis_units(about: Mapping[str, Any]) -> tuple[str, str, str] | None:

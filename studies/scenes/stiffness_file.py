@@ -28,7 +28,7 @@ def read(options: Options) -> TabulatedLayer:
     path = options.stiffness_file
     what = f"stiffness_file is {path}"
     if not os.path.isfile(path):  # Path's own raises for some names
-        raise ValueError(f"{what}, which is not a file; allowed: text of two columns, q and K(q)")
+        raise ValueError(f"{what}, which is not a file; allowed: an existing file, with two columns, q and K(q)")
     if path.stat().st_size > _MOST_BYTES:
         raise ValueError(f"{what}, of {path.stat().st_size} bytes; allowed: up to {_MOST_BYTES}")
     try:

@@ -147,17 +147,20 @@ def _parser(
     )
     parser.add_argument("-h", "--help", action="store_true", default=argparse.SUPPRESS, help="Show this.")
     added = set[str]()
+    refused = {name for name, option in next(iter(groups.values())).items() if option.refused}  # by the whole command
     for title, group in groups.items():
         declared = _declaration(told[title]) if told else _NOTHING
         if not title:
             parser.description = declared.text
-        shared = [f"{flag(name)} ({_default(option)})" for name, option in group.items() if name in added]
+        offered = {name: option for name, option in group.items() if not option.refused and name not in refused}
+        shared = [f"{flag(name)} ({_default(option)})" for name, option in offered.items() if name in added]
         also = f" It takes {', '.join(shared)}, too." if shared and told else ""
         about = textwrap.fill(declared.summary + also, _WIDTH - 2)
         section = parser.add_argument_group(title, about) if title else parser
         for name, option in group.items():
             if name not in added:
-                _add(section, option, name in required, declared.fields.get(name, ""))
+                said = declared.fields.get(name, "") if name in offered else argparse.SUPPRESS
+                _add(section, option, name in required, said)
         added |= set(group)
     return parser
 

@@ -29,6 +29,11 @@ def text(said: str, default: Any) -> Any:
     return field(default=default, metadata={"said": said})
 
 
+def refused() -> Any:
+    """A field that is there to be refused with a reason, and that --help does not offer."""
+    return field(default=None, metadata={"refused": True})
+
+
 @dataclass(frozen=True)
 class Option:
     """A field of a dataclass as it is given on the command line."""
@@ -47,6 +52,8 @@ class Option:
     """Whether it is a length of a scene, which may have its unit."""
     said: str
     """What is allowed of one value where there are no choices; empty for a flag."""
+    refused: bool = False
+    """Whether whatever is given is refused, with a reason."""
 
     @property
     def _one(self) -> str:
@@ -149,4 +156,5 @@ def _option(entry: Field[Any], hint: Any) -> Option:
     count = 0 if value is bool else len(values)
     length = value is float and "length" in (unit(entry.name), unit(f"profile_{entry.name}"))
     called = _PRESSURE if value is float and unit(entry.name) == "pressure" else _TYPES.get(value, "")
-    return Option(entry.name, value, count, choices, default, length, entry.metadata.get("said", called))
+    said, no = entry.metadata.get("said", called), entry.metadata.get("refused", False)
+    return Option(entry.name, value, count, choices, default, length, said, no)
