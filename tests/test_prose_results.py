@@ -97,12 +97,10 @@ def errors_of_the_hertz_study():
     ]
     yield f"known to {digits(max(off for thickness, off in edges if thickness > 5))} grid spacings, as long as"
     area, kappa = errors.QUANTITIES["contact-area"], errors.QUANTITIES["kappa"]
-    assert area.of_edges[1] == kappa.of_edges[1]
-    yield rf"$$\sqrt{{({area.of_edges[1]}\,e)^2 + (c/{1 / area.of_change[1]:.0f})^2 + b^2}}"
-    yield rf"with ${area.of_edges[0]}\,e$, $c/{1 / area.of_change[0]:.0f}$ and $b = 0$."
-    yield f"({area.per_patch[0]}\\,M_p + {area.per_patch[1]}\\,M_l)/N"
-    yield f"For kappa it is ${kappa.per_patch[0]}\\,M_p + {kappa.per_patch[1]}\\,M_l$;"
-    yield rf"it is ${kappa.of_edges[0]}\,e$ and $c/{1 / kappa.of_change[0]:.0f}$"
+    for name, of in (("area", area), ("kappa", kappa)):
+        for place, profile in enumerate(("smooth", "rough")):
+            shares = (of.of_edges[place], f"1/{1 / of.of_change[place]:.0f}", *(of.per_patch if place else (0, 0)))
+            yield f"| {name} | {profile} | {' | '.join(map(str, shares))} |"
     for name, formula in (
         ("peak-pressure", r"\sqrt{{(c/{})^2 + (c'/{})^2 + s^2}}"),
         ("approach", r"\sqrt{{(c/{})^2 + (c'/{})^2}}"),
