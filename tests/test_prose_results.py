@@ -114,7 +114,7 @@ def errors_of_the_hertz_study():
 
 
 def the_figure_of_the_first_page():
-    yield f"Symbols: {sum(not math.isinf(run['scene.thickness']) for run in stored('hertz').runs)} runs at 2^18 points."
+    yield f"Symbols: the {sum(not math.isinf(run['scene.thickness']) for run in stored('hertz').runs)} runs on layers, at 2^18 points."
 
 
 def scatter_of_rough_surfaces():
