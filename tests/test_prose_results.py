@@ -54,7 +54,7 @@ def kappa_over_the_load():
     above = [100 * (value / theory - 1) for own in kappa for value in own]
     yield f"Its value is {min(above):.0f} to {max(above):.0f} % above sqrt(8/pi) = {theory:.3f}"
     first = [curve.points[0].kappa_surface.value / theory for curve in rough]
-    yield f"At the smallest loads {span(first)} times that is measured"
+    yield f"The slope measured at the smallest loads is {span(first)} times as large."
     at = [
         found
         for curve in curves
@@ -114,7 +114,8 @@ def errors_of_the_hertz_study():
 
 
 def the_figure_of_the_first_page():
-    yield f"Symbols: the {sum(not math.isinf(run['scene.thickness']) for run in stored('hertz').runs)} runs on layers, at 2^18 points."
+    layers = sum(not math.isinf(run["scene.thickness"]) for run in stored("hertz").runs)
+    yield f"Symbols: the {layers} runs on layers, at 2^18 points."
 
 
 def scatter_of_rough_surfaces():
@@ -134,7 +135,7 @@ def scatter_of_rough_surfaces():
 
 def contacts_of_rough_surfaces():
     areas = [run["contact_area"] for run in stored("rough").runs if math.isinf(run["scene.thickness"])]
-    yield f"on the half-space {100 * np.mean(areas):.1f} % of the nodes are in contact"
+    yield f"on the half-space have {100 * np.mean(areas):.1f} % of their nodes in contact"
 
 
 def loads_of_the_study_pressure():
@@ -154,7 +155,8 @@ def loads_of_the_study_pressure():
     assert max(200 * p.kappa.error / p.kappa.value for curve, p in full if curve.is_half_space) < 1
     yield f"still scatter by {min(scatter):.0f} to {max(scatter):.0f} %."
     free = [100 * ((1 - p.persson) / (1 - p.area.value) - 1) for curve, p in full if curve.is_half_space]
-    yield f"at p = E* its free share 1 - a_r is {min(free):.0f} to {max(free):.0f} % too large."
+    yield "the theory's share of the period without contact, 1 - a_r, is"
+    yield f"{min(free):.0f} to {max(free):.0f} % larger than the measured one."
 
 
 def kappa_on_layers():
@@ -174,7 +176,7 @@ def kappa_on_layers():
         for part in (r"(\d+)% of the points", r"at most -(\d+)", r"and \+(\d+) %")
     )
     yield f"up to {1 + max(above) / 100:.1f} times as high as the line"
-    yield f"{min(near)} to {max(near)} % of the points with a_r up to 0.3 that are within the line are within 25 %"
+    yield f"an abscissa that the line covers, {min(near)} to {max(near)} % are within 25 % of it."
     yield f"off by up to a factor of {1 / (1 - max(below) / 100):.1f}: below the line by {max(below)} %"
 
 
