@@ -87,8 +87,8 @@ def find_warnings(
     yield from _of_estimates(found)
     yield from _of_elasticity(scene, found, _strain(scene, found, patches, displacement))
     if area > NEARLY_FULL:
-        text = f"{area:.4f} of the period is in contact; areas above {NEARLY_FULL} have not been checked against others"
-        yield SolutionWarning(WarningKind.FULL, text)
+        text = f"{area:.4f} of the period is in contact; areas above {NEARLY_FULL}"
+        yield SolutionWarning(WarningKind.FULL, f"{text} have not been compared with other solutions")
 
 
 def _of_grid(scene: Scene, found: Observables, patches: PatchTable) -> Iterator[SolutionWarning]:

@@ -47,7 +47,7 @@ grid spacings and more."""
 # points to the shortest wave, and where the collocation oracle knows the edges of smooth profiles (Hertz, sharp and
 # blunt ones, nu = -0.9 to 1/2, layers of 0.03 spacings to the half-space). First of patches on the half-space, and of
 # those narrower than two thicknesses of a layer.
-_ON_THICK = 2.0
+_ON_THICK = 2.0  # layer thicknesses
 _OF_SPREAD, _OF_SPREAD_OVER_SIZE = 0.4, 5.0  # of the difference between two estimates, and of that over the nodes
 _OVER_SIZE, _OVER_SIZE_SQUARED = 0.05, 1.0  # over the nodes of the patch and over their square
 _OVER_SIZE_FOURTH = 40.0  # over their fourth power: patches of three nodes, which may be of any shape

@@ -17,6 +17,7 @@ def thickness_on_grid(layer: ElasticLayer, num_points: int, period: float) -> fl
     """d [grid spacings], on a grid of `num_points` in the period L [length]; `inf` for a half-space.
 
     Where it is large short waves find a half-space. A layer on which the grid's shortest wave does not counts as thin.
+    Raises `ValueError` where the layer does not know that wave.
     """
     (shortest,) = modulus_on_grid(layer, np.array([np.pi]), num_points, period)
     thickness = layer.thickness / period * num_points

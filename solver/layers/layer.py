@@ -19,7 +19,8 @@ class ElasticLayer(Protocol):
     contact_modulus: float
     """E* > 0 [pressure], the modulus with which short waves find a half-space: K(q) = E* q/2."""
     thickness: float
-    """d > 0 [length], the layer's length scale: much shorter waves find a half-space; `inf` for a half-space."""
+    """d > 0 [length], the layer's length scale: much shorter waves find a half-space; `inf` for a half-space. On a grid
+    whose shortest wave does not find one, K(q) alone is believed."""
 
     @abstractmethod
     def stiffness(self, wave_numbers: Array64, period: float) -> Array64:
