@@ -343,6 +343,7 @@ class Interrupt:
             sys.meta_path.remove(self)
             os.kill(os.getpid(), signal.SIGINT)
 
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell has its background programs ignore it
 sys.meta_path.insert(0, Interrupt())
 try:
     kernels.start_warp()
