@@ -183,6 +183,12 @@ def test_the_documented_example(benchmark, own, monkeypatch, tmp_path, capsys):
     assert cli.main([*command, "--folder", str(tmp_path)]) == 0
     out = capsys.readouterr().out
     assert all(name.replace("_", "-").split("-")[0] in out for name in names)
+    (path,) = tmp_path.glob("*/kernels.h5")
+    assert path.with_name("kernels-variants.png").exists()
+    panel = figures.own_variants(study_files.load_study(path)).axes[0]
+    (first, *_) = [cell for cell in cells.cells(rows).values() if cell.key.precision == "float32"]
+    shown = {str(bars.get_label()): float(bars[0].get_ydata()[0]) for bars in panel.containers}
+    assert shown == {name: pytest.approx(first.ratio(name)) for name in {"warp"} | names}
 
 
 def test_a_whole_iteration_with_transforms_of_ones_own(own):

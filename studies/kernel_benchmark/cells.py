@@ -17,6 +17,11 @@ Run = dict[str, Any]
 MACHINE = "machine"
 """Stands for a benchmark in the record of the machine itself."""
 
+GROUPED = ("kernels", "sequences", "iterations")
+"""Groups that are measured beside C."""
+
+_SHIPPED = ("warp", "c", "element", "numpy", "copy", "roof", "transforms")  # variants of these groups
+
 INTERVAL = 0.95
 """Probability of the intervals that are shown."""
 
@@ -85,6 +90,11 @@ def cells(runs: Iterable[Run]) -> dict[Key, Cell]:
             key = Key(run["benchmark"], run["precision"], int(run["num_points"]))
             found.setdefault(key, Cell(key, [])).runs.append(run)
     return found
+
+
+def own_names(found: Iterable[Cell]) -> list[str]:
+    """Names of users' variants in measurements beside C, each once."""
+    return list(dict.fromkeys(v for cell in found for v in cell.variants if v not in _SHIPPED))
 
 
 def machine(study: StudyFile) -> Run:

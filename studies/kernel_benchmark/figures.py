@@ -1,4 +1,6 @@
-"""Figures: bandwidth over the working set beside what the memory gives, the roofline, and transforms over N."""
+"""Figures: bandwidth over the working set beside what the memory gives, the roofline, transforms over N, and users'
+variants beside C.
+"""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -7,10 +9,20 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..figures.style import COLOURS, TWO_COLUMNS, NothingToDraw, legend_below, load, panels
+from ..figures.style import (
+    COLOURS,
+    MARKERS,
+    TWO_COLUMNS,
+    NothingToDraw,
+    distinct,
+    legend_below,
+    load,
+    panels,
+    plain,
+)
 from ..files.study_files import StudyFile
 from .benchmark import PRECISIONS
-from .cells import Cell, Run, cells, machine
+from .cells import GROUPED, Cell, Run, Scatter, cells, machine, own_names
 
 _STYLES = {
     "c": ("C", COLOURS[3], "^"),
@@ -23,12 +35,14 @@ _ROOFS = (2**12, 2**18, 2**22)  # numbers of points; those of them that were mea
 
 
 def draw(path: Path) -> dict[str, Figure]:
-    """The figures by the endings of their names: of kernels the bandwidth and the roofline, or of transforms one."""
+    """The figures by the endings of their names: of kernels the bandwidth and the roofline, or of transforms one, and
+    one of users' variants.
+    """
     study = load(path)
-    found = {"": bandwidth(study) or transforms(study), "-roofline": roofline(study)}
+    found = {"": bandwidth(study) or transforms(study), "-roofline": roofline(study), "-variants": own_variants(study)}
     drawn = {name: figure for name, figure in found.items() if figure}
     if not drawn:
-        raise NothingToDraw(f"file {path} holds neither kernels nor transforms yet")
+        raise NothingToDraw(f"file {path} holds neither kernels nor transforms nor variants of your own yet")
     return drawn
 
 
@@ -164,4 +178,36 @@ def transforms(study: StudyFile) -> Figure | None:
     for axes in grid[1]:
         axes.set_xlabel("N")
     legend_below(figure, grid[0][0], 4)
+    return figure
+
+
+def own_variants(study: StudyFile) -> Figure | None:
+    """Times of users' variants and of Warp over C's, with their intervals, over N; a row for each benchmark."""
+    measured = list(cells(study.runs).values())
+    found = [cell for cell in measured if cell.benchmark.group in GROUPED and own_names([cell])]
+    if not found:
+        return None
+    names = distinct(cell.key.benchmark for cell in found)
+    scatters = {variant: Scatter(measured, variant) for variant in ("warp", *own_names(found))}
+    figure, grid = panels(len(names), 2, TWO_COLUMNS, 0.7 + 1.6 * len(names), sharex=True, sharey="row")
+    for row, name in zip(grid, names, strict=True):
+        some = [cell for cell in found if cell.key.benchmark == name]
+        for axes, precision in zip(row, PRECISIONS, strict=True):
+            own = sorted((c for c in some if c.key.precision == precision), key=lambda cell: cell.key.num_points)
+            for i, variant in enumerate(["warp", *own_names(some)]):
+                x = [c.key.num_points * 2 ** (0.08 * i) for c in own]  # side by side
+                y = [c.ratio(variant) for c in own]
+                half = [scatters[variant].half_width(c, variant) for c in own]
+                marker, colour = MARKERS[i % len(MARKERS)], COLOURS[i % len(COLOURS)]
+                axes.errorbar(x, y, half, marker=marker, color=colour, ms=4, lw=1, label=plain(variant))
+            axes.axhline(1, color="0.5", ls=":", lw=0.9)  # C
+            axes.set_xscale("log", base=2)
+            axes.set_title(f"{name}, {precision}")
+        bottom, top = row[0].get_ylim()
+        row[0].set_ylim(min(bottom, 0.9), max(top, 1.1))  # less is not told from what others on the machine do
+        row[1].legend(loc="center left", bbox_to_anchor=(1.02, 0.5))
+    sizes = [cell.key.num_points for cell in found]
+    for axes in grid[-1]:
+        axes.set(xlabel="N", xlim=(min(sizes) / 1.3, max(sizes) * 1.6))
+    figure.supylabel("time over C's (dimensionless), 95 % intervals", fontsize=8)
     return figure

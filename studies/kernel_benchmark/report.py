@@ -23,7 +23,7 @@ from ..files.records import plain
 from ..files.study_files import StudyFile
 from ..terminal.tables import Whole
 from .benchmark import PRECISIONS
-from .cells import Cell, Key, Run, Scatter, cells, machine
+from .cells import GROUPED, Cell, Key, Run, Scatter, cells, machine, own_names
 
 KIND = "kernels"
 """Name of the study."""
@@ -34,10 +34,6 @@ GOAL_FROM = 2**14
 """Number of points from which that is asked for."""
 SHOWN = (2**14, 2**18, 2**22)
 """Numbers of points with a table; all of them where none of these was measured."""
-GROUPED = ("kernels", "sequences", "iterations")
-"""Groups whose tables are by number of points."""
-SHIPPED = ("warp", "c", "element", "numpy", "copy", "roof", "transforms")
-"""Variants with columns of their own."""
 
 
 def to_json(study: StudyFile) -> Run:
@@ -149,7 +145,7 @@ def own_tables(found: list[Cell], scatters: Callable[[str], Scatter]) -> Iterato
 
     scatters: of the ratios to C, by variant.
     """
-    own = list(dict.fromkeys(v for cell in found for v in cell.variants if v not in SHIPPED))
+    own = own_names(found)
     for some in (own[i : i + _OWN_COLUMNS] for i in range(0, len(own), _OWN_COLUMNS)):
         columns = [column for v in some for column in (v.replace("-", "\n").replace("_", "\n") + "\n/C", "+-")]
         table = new_table(["", "real", "N", "Warp\n/C", "+-", *columns], "Variants of your own", _OWN)

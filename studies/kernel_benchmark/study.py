@@ -33,7 +33,7 @@ from . import report as tables
 from .benchmark import LARGEST, PRECISIONS, Benchmark
 from .benchmarks import BENCHMARKS, GROUPS
 from .c_code import compile_c
-from .cells import MACHINE
+from .cells import GROUPED, MACHINE
 from .shipped import check_names
 
 if TYPE_CHECKING:
@@ -151,6 +151,7 @@ def plan(options: Options) -> Plan:
                         tasks.append(Task(one.name, precision, n, repeat, _SECONDS, path, identity))
     groups = {one.group for one in chosen}
     figures = [""] * bool(groups & {"kernels", "transforms"}) + ["-roofline"] * ({"kernels", "roofs"} <= groups)
+    figures += ["-variants"] * bool(path and groups & set(GROUPED))
     return Plan(tables.KIND, configuration, tasks, figures=figures)
 
 
