@@ -1,6 +1,6 @@
 """NumPy twin of every Warp kernel: same names, same arguments, same order.
 
-The oracle of the kernel tests and the baseline of the benchmarks. Plain expressions, no attempt at speed.
+What the kernel tests compare with, and the baseline of the benchmarks. Plain expressions, no attempt at speed.
 """
 
 from typing import Any

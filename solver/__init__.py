@@ -1,4 +1,4 @@
-"""Scenes, methods, certificates, closed forms and the collocation oracle. Knows no study's files and no plots.
+"""Scenes, methods, certificates, closed forms and collocation. Knows no study's files and no plots.
 
 From the scene to the solution: `scene` (with `layers` and `indenters`) is what is pressed against what; `grid` makes
 the discrete problem of it, and measures solutions; `methods` solve the problem on one grid; `strategy` chooses method,

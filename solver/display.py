@@ -39,7 +39,7 @@ _UP = Context(prec=2, rounding=ROUND_CEILING)
 
 
 def rounded_up(value: float) -> str:
-    """A number with two digits that are not below it, whatever its sign: an error that is claimed, or a bound."""
+    """A number with two digits that are not below it, whatever its sign: an estimated error, or a bound."""
     return f"{float(_UP.create_decimal(repr(float(value)))):.2g}"
 
 

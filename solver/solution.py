@@ -47,7 +47,7 @@ class Level:
     num_patches_by_load: int
     """Of these, those whose ends are found by their load."""
     contact_area_edges_error: float
-    """What is claimed of a_r's error from the edges alone (dimensionless)."""
+    """a_r's error, estimated from the edges alone (dimensionless)."""
     kappa_edges_error: float
     """The same for kappa (dimensionless)."""
     iterations: int

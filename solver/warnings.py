@@ -30,11 +30,11 @@ NEARLY_FULL = 0.97
 """Contact area beyond which the gaps left have no reference to be compared with (dimensionless)."""
 
 # Calibrated on 1000 random scenes (power, rough and measured profiles, 2^8 to 2^14 points) against eight times as many
-# points: of 210 areas that are off by more than 5 % all but two are warned of, and 13 % of those within 1 %. What is
-# claimed for the edges of small patches is careful, the more where the profile is smooth in them.
+# points: of 210 areas that are off by more than 5 % all but two are warned of, and 13 % of those within 1 %. The
+# estimated error of the edges of small patches is careful, the more where the profile is smooth in them.
 _UNRESOLVED_SHARE = 0.2  # of the contact nodes, in patches that are not resolved
-_UNRESOLVED_ERROR = 0.08  # relative error claimed of a_r, up to which their loads tell their ends well all the same
-_LIKELY, _LIKELY_IF_SMOOTH = 0.2, 0.09  # likely error of the edges over the one claimed
+_UNRESOLVED_ERROR = 0.08  # estimated relative error of a_r, up to which their loads tell their ends well all the same
+_LIKELY, _LIKELY_IF_SMOOTH = 0.2, 0.09  # likely error of the edges over the estimated one
 _SMOOTH = 1 / 3  # of half a shortest wave: in patches narrower on the average the profile is smooth
 _MOST_OMITTED = 0.001  # share of the mean square slope in waves that the grid leaves out
 _FEWEST_NODES = 3  # of a patch that is resolved
@@ -108,8 +108,8 @@ def _of_grid(scene: Scene, found: Observables, patches: PatchTable) -> Iterator[
     smooth = waves and patches.nodes.mean() <= _SMOOTH * half_wave
     edges = found.contact_area_edges_error
     if (_LIKELY_IF_SMOOTH if smooth else _LIKELY) * edges > LARGEST_ERROR * area:
-        claimed = display.rounded_up(max(edges, found.contact_area_error) / area)
-        text = f"the area is likely off by more than {LARGEST_ERROR:.0%}, and may be by {claimed} of itself"
+        estimated = display.rounded_up(max(edges, found.contact_area_error) / area)
+        text = f"the area is likely off by more than {LARGEST_ERROR:.0%}, and may be by {estimated} of itself"
         yield SolutionWarning(WarningKind.ERROR, f"{text}: few nodes tell where its edges are; more num_points")
     if scene.indenter.given_points and waves:
         narrow = patches.width < scene.period / waves
@@ -121,11 +121,11 @@ def _of_grid(scene: Scene, found: Observables, patches: PatchTable) -> Iterator[
 
 def _of_estimates(found: Observables) -> Iterator[SolutionWarning]:
     """Whether peak pressure and approach say more than their estimated errors; for kappa the area's warnings do."""
-    claimed = {
+    estimated = {
         "peak pressure": (found.peak_pressure, found.peak_pressure_error),
         "approach": (found.approach, found.approach_error),
     }
-    large = [name for name, (value, error) in claimed.items() if 0 < value < error < math.inf]
+    large = [name for name, (value, error) in estimated.items() if 0 < value < error < math.inf]
     if large:
         text = f"the error estimated of the {' and of the '.join(large)} is larger than the value"
         why = "it has not settled from one nested grid to the next; more num_points"

@@ -232,7 +232,7 @@ def test_contact_stiffness_under_a_sine_wave(num_points, share):
 
 @pytest.mark.parametrize("layer", [Layer(0.1, 0.3), Layer(0.02, 0.5), SlidingLayer(0.03), CoatedHalfSpace(0.05, 10.0)])
 def test_contact_stiffness_on_layers(layer):
-    """Against differences of the collocation oracle's approach."""
+    """Against differences of collocation's approach."""
     low, high = (collocation.solve_layer(layer, load, 2.0, 1.0) for load in (2e-3 * (1 - 1e-4), 2e-3 * (1 + 1e-4)))
     solution = solve(Scene(layer, num_points=2**13))
     exact = (high.load - low.load) / (high.approach - low.approach)

@@ -1,4 +1,4 @@
-"""The oracle: against the periodic closed form, against itself with more nodes, against a physical identity."""
+"""Collocation: against the periodic closed form, against itself with more nodes, against a physical identity."""
 
 import numpy as np
 import pytest

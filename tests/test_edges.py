@@ -1,4 +1,4 @@
-"""Sub-grid edges: the closed form against measured places, areas against the oracle, and the error they claim."""
+"""Sub-grid edges: the closed form against measured places, areas against collocation, and their estimated error."""
 
 import math
 from dataclasses import dataclass
@@ -186,7 +186,7 @@ def test_the_edge_is_as_far_from_that_on_the_foundation_as_without_a_grid(d, nu)
 def test_coatings_of_few_spacings_have_an_edge_of_their_own(spacings, ratio, exponent):
     """Soft and stiff ones, to 0.01 spacings; the half-space's curve is off by up to a spacing.
 
-    The contact has as many nodes on either grid; on the coarse one the oracle needs fewer of its own.
+    The contact has as many nodes on either grid; on the coarse one collocation needs fewer of its own.
     """
     n = 2**10 if spacings < 3 else 2**12
     on_half_space = {2.0: math.pi / 4, 4.0: 3 * math.pi / 16}[exponent] * (40 / n) ** exponent

@@ -1,4 +1,4 @@
-"""The sliding layer and the coated half-space: K against 60-digit arithmetic, limits, the oracle, bad input."""
+"""The sliding layer and the coated half-space: K against 60-digit arithmetic, limits, collocation, bad input."""
 
 import math
 import warnings
@@ -89,7 +89,7 @@ def _random_layers(kind, count):
 
 @pytest.mark.parametrize("exponent", [2.0, 4.0])
 @pytest.mark.parametrize("kind", ["sliding", "coated"])
-def test_the_grid_agrees_with_the_oracle(kind, exponent):
+def test_the_grid_agrees_with_collocation(kind, exponent):
     """Edges to 0.01 grid spacings; peak and approach to the order h^2 of the grid, with h = 1/(nodes in contact)."""
     for layer in _random_layers(kind, 10):
         load = 2e-3

@@ -42,7 +42,7 @@ def what_the_tutorial_finds():
     rubber = Layer(thickness=2e-3, poisson_ratio=0.49, youngs_modulus=3e6)
     found, pressed = (solve(scan.scene(rubber, pressure=pressure)).observables for pressure in (5e3, 5e4))
     yield f"Of the period {found.contact_area_subgrid:.2f} is in contact, in {found.num_patches} patches."
-    yield f"The error that is claimed, {rounded_up(found.contact_area_error)}, is as large"
+    yield f"The estimated error, {rounded_up(found.contact_area_error)}, is as large"
     yield "Ten times the load closes all gaps."
     assert pressed.contact_area == 1
 
@@ -161,7 +161,7 @@ def limits_of_scans():
     assert columns.MAX_REFINEMENT == 16
     yield "more than a fifth of the contact nodes are in patches of fewer than three nodes"
     assert (warnings._UNRESOLVED_SHARE, warnings._FEWEST_NODES) == (0.2, 3)
-    yield f"the error claimed of the area is above {100 * warnings._UNRESOLVED_ERROR:.0f} %"
+    yield f"the estimated error of the area is above {100 * warnings._UNRESOLVED_ERROR:.0f} %"
     yield f"the area is likely off by more than {100 * warnings.LARGEST_ERROR:.0f} %"
     yield f"patches as narrow as two values carry more than {100 * warnings._SHARE_OF_LOAD:.0f} % of the load"
     yield f"strains reach about {warnings.LARGEST_STRAIN}:"

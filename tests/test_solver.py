@@ -1,4 +1,4 @@
-"""FIRE against the oracle, convergence order, certificates, bad input, extremes."""
+"""FIRE against collocation, convergence order, certificates, bad input, extremes."""
 
 import dataclasses
 import itertools
@@ -56,7 +56,7 @@ SCENES = [
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize(("d", "nu", "n"), SCENES)
-def test_against_the_oracle(method, d, nu, n):
+def test_against_collocation(method, d, nu, n):
     points = 2**11 if method == "fire" else 2**12
     scene = Scene(Layer(d, nu), PowerIndenter(n), pressure=1e-3, num_points=points)
     exact = collocation.solve_load(1e-3, n, 1.0, d, nu)

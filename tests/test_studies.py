@@ -147,11 +147,11 @@ def test_figures_hold_the_stored_numbers(paper_folder):
     with np.load(ARRAYS) as stored:
         assert set(drawn) == set(stored.files)
         for name in stored.files:
-            errors = ("accuracy" in name) * 2e-4  # differences from the oracle: what the tolerance leaves of them
+            errors = ("accuracy" in name) * 2e-4  # differences from collocation: what the tolerance leaves of them
             np.testing.assert_allclose(drawn[name], stored[name], rtol=1e-5, atol=errors, err_msg=name)
     study = study_files.load_study(paper_folder / "hertz.h5")
     run = study.select("scene.poisson_ratio", 0.25).runs[0]
-    points = drawn["hertz.0.4"]  # markers and oracle, then two limits and the published one, for each nu
+    points = drawn["hertz.0.4"]  # markers and collocation, then two limits and the published one, for each nu
     t = run["scene.thickness"] / run["contact_area_subgrid"]
     y = run["kappa_subgrid"] / closed_forms.kappa_half_space(2.0) / t
     assert any(np.allclose(xy[:, 0], (t, y)) for xy in drawn.values() if xy.shape == points.shape or xy.shape[1] == 6)

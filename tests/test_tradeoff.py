@@ -82,7 +82,7 @@ def test_misses_are_listed():
     first, *misses, last = report.random_scenes(made_up(*runs))
     assert "4 random scenes" in first
     assert "2 meet the accuracy" in first
-    assert "claimed holds in 2" in first
+    assert "estimated error holds in 2" in first
     assert [line.split(" (")[0] for line in misses] == ["  missed: power 1", "  missed: power 3"]
     assert "because" in misses[1]
     assert "100 us (median" in last

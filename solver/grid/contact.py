@@ -19,7 +19,7 @@ _THINNEST = 1e-9  # grid spacings; as if a thinner layer were so thick
 _JAGGED = 1.9  # fourth over second difference of the heights; 2 for a wave of four grid spacings
 _FARTHEST = 0.5  # grid spacings by which the two may differ for the load to be believed
 
-# What is claimed for a width by the load [grid spacings]: fitted so that it holds in 95 of 100 patches of rough
+# The estimated error of a width by the load [grid spacings]: fitted so that it holds in 95 of 100 patches of rough
 # surfaces with 4 to 32 points to the shortest wave, on half-spaces and layers.
 _OVER_SIZE, _OF_SKEW, _OF_BEND = 0.065, 0.65, 0.25  # over the nodes; of the squared skew; of the bend
 _OF_THICKNESS = 2.0  # of the fourth power of the width over the thickness, and of the width
@@ -74,7 +74,7 @@ def ends(
     start = np.where(edges.counted, np.clip(hertz, 0.05, patches.size), edges.width / 2)
     found = from_loads(patches, chosen, narrow, inside, heights, modulus, thickness, start)
     left, right = found.centre - found.half_width, found.centre + found.half_width
-    error = _claimed(patches, chosen, found, wide)
+    error = _estimated(patches, chosen, found, wide)
     differ = np.maximum(np.abs(left - edges.left[chosen]), np.abs(right - edges.right[chosen]))
     better = found.solved & (error < edges.error[chosen])
     better &= differ < np.where(edges.counted[chosen], patches.size[chosen], _FARTHEST)
@@ -84,7 +84,7 @@ def ends(
     return patches, _with(edges, chosen[better], left[better], right[better], error[better], by_load, heights)
 
 
-def _claimed(patches: Patches, chosen: Indices, found: FromLoads, wide: Array64) -> Array64:
+def _estimated(patches: Patches, chosen: Indices, found: FromLoads, wide: Array64) -> Array64:
     """Estimated errors of the widths of the chosen patches, shape (patches,) [grid spacings]. wide: their nodes over
     the layer's thickness.
     """

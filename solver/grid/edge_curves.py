@@ -17,7 +17,7 @@ f = 1 (s = 0.80999 on the half-space), with
 
 Nothing is asked of f at q = 0, where a foundation may be, an incompressible layer or another half-space.
 
-Against the collocation oracle (layers of 0.03 to 160 spacings: bonded with nu = -0.9 to 1/2, sliding, coatings with
+Against collocation (layers of 0.03 to 160 spacings: bonded with nu = -0.9 to 1/2, sliding, coatings with
 ratios of moduli from 1e-4 to 1e5) that is right to 0.03 spacings for contacts of 20 nodes and more (0.07 for nu = 1/2),
 mostly to 0.002, and from 200 nodes on to 0.002, mostly to 0.0002. In contacts narrower than some layer thicknesses each
 end feels the other; they have the half-space's edge where they look like it (see `edges`).

@@ -43,8 +43,8 @@ _NARROW, _THINNEST = 8.0, 2.5
 """Layer thicknesses; narrower patches have the half-space's edge if their pressures look like it, on layers of so many
 grid spacings and more."""
 
-# What is claimed for an edge [grid spacings]: fitted so that it holds in 97 of 100 on rough surfaces with 8 to 64
-# points to the shortest wave, and where the collocation oracle knows the edges of smooth profiles (Hertz, sharp and
+# The estimated error of an edge [grid spacings]: fitted so that it holds in 97 of 100 on rough surfaces with 8 to 64
+# points to the shortest wave, and where collocation knows the edges of smooth profiles (Hertz, sharp and
 # blunt ones, nu = -0.9 to 1/2, layers of 0.03 spacings to the half-space). First of patches on the half-space, and of
 # those narrower than two thicknesses of a layer.
 _ON_THICK = 2.0  # layer thicknesses
@@ -157,7 +157,7 @@ def find_edges(patches: Patches, pressure: Array64, layer: ElasticLayer, period:
     theta = theta + _by_load(patches, theta, on_thick & narrow & ~counted)
     outside = np.where(counted, 0.5, -theta)
     left, right = apart(patches.first - outside[0], patches.last + outside[1], patches.num_points)
-    error = np.where(counted, math.sqrt(0.5), _claimed(patches, spread, by_layer, on_thick))
+    error = np.where(counted, math.sqrt(0.5), _estimated(patches, spread, by_layer, on_thick))
     alike = on_thick & (patches.count == 1)  # under a blunt profile for instance
     return Edges(left, right, np.where(alike, error.sum(axis=0), np.hypot(*error)), counted)
 
@@ -168,7 +168,7 @@ def apart(left: Array64, right: Array64, num_points: int) -> tuple[Array64, Arra
     return left + np.roll(overlap, 1), right - overlap
 
 
-def _claimed(patches: Patches, spread: Array64, layer: Array64, on_thick: Mask) -> Array64:
+def _estimated(patches: Patches, spread: Array64, layer: Array64, on_thick: Mask) -> Array64:
     """Estimated errors of the left and the right ends, shape (2, M) [grid spacings].
 
     spread: how little the pressures look like an edge, shape (2, M); layer: the layer's share, of the same shape;

@@ -1,4 +1,4 @@
-"""One asperity on a layer of any thickness, solved without a grid: the oracle for every error of the grid methods.
+"""One asperity on a layer of any thickness, solved without a grid: errors of grid methods are measured by it.
 
 The half-width is searched for at which the solution of `gradient_equation` carries the load. Units here: L = E* = 1.
 """

@@ -1,7 +1,7 @@
 """Estimates of the error that grid and iteration leave in what is measured on a solution.
 
-From a grid with a quarter of the points to the present one a quantity changes by c; what is claimed for it from the
-edges of the patches alone is e. On a surface with w points to its shortest wave its error is estimated as
+From a grid with a quarter of the points to the present one a quantity changes by c; its error estimated from the edges
+of the patches alone is e. On a surface with w points to its shortest wave its error is estimated as
 
     contact area, kappa    sqrt((0.6 e)^2 + (c/48)^2 + b^2)
     peak pressure          sqrt((c/3)^2 + (c'/32)^2 + s^2)
@@ -101,8 +101,8 @@ QUANTITIES = {
 DEFAULT_QUANTITY = "contact-area"
 
 _CAREFUL_FROM_IF_SMOOTH = 20.0
-"""Nodes of a patch under a smooth profile, on the average, from which on the claim of its edges is careful."""
-_KNOWN = 0.001  # error of a layer's edge up to which the claim is careful [grid spacings]
+"""Nodes of a patch under a smooth profile, on the average, from which on the estimate from its edges is careful."""
+_KNOWN = 0.001  # error of a layer's edge up to which the estimate is careful [grid spacings]
 _COMMON, _COMMON_POWER = 16.0, 2.5  # points to the shortest wave, and the power with which their share falls
 _LEAST, _MOST = 1.25, 4.0  # factor by which changes fall from grid to grid, as far as that is believed
 _STIFF = 0.9  # 2K/(E* q) of the shortest wave, below which shorter ones find the layer stiffer
@@ -114,8 +114,8 @@ def estimated(
 ) -> float:
     """Estimated error that a grid leaves in a quantity, in its unit.
 
-    found: on this grid; coarser: the grids before it, from coarse to fine. Without any, what is claimed for the edges
-    alone, and `inf` for what does not depend on edges.
+    found: on this grid; coarser: the grids before it, from coarse to fine. Without any, the estimate from the
+    edges alone, and `inf` for what does not depend on edges.
     """
     waves = scene.indenter.effective_wave(num_points) / num_points  # 1/w
     values = [float(getattr(level, quantity.value)) for level in (*coarser[-2:], found)]

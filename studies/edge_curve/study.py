@@ -2,7 +2,7 @@
 
 linecontact study edge-curve [--folder FOLDER]
 
-Loads are chosen so that the edge, known from the collocation oracle, takes every place between two nodes. The curves in
+Loads are chosen so that the edge, known from collocation, takes every place between two nodes. The curves in
 `linecontact.solver.grid.edge_curves` are closed forms; this is the check, and their error.
 """
 
@@ -104,11 +104,11 @@ class Task:
         n = self.num_points
         layer = layer_of(self.layer, self.spacings / n, self.poisson_ratio, self.base_modulus)
 
-        def oracle(load: float) -> collocation.Asperity:
+        def asperity(load: float) -> collocation.Asperity:
             return collocation.solve_layer(layer, load, self.exponent, 1.0)
 
         # a grid spacing more of half-width, in steps; near enough, what matters is that the places differ
-        first, more = (oracle(load).half_width for load in (self.pressure, _STEP * self.pressure))
+        first, more = (asperity(load).half_width for load in (self.pressure, _STEP * self.pressure))
         load = self.pressure * (1 + self.place / (first * n)) ** (math.log(_STEP) / math.log(more / first))
         scene = Scene(layer, PowerIndenter(self.exponent), load, num_points=n)
         solution = solve(scene, tolerance=self.tolerance, progress=report)
@@ -120,7 +120,7 @@ class Task:
             **{name: getattr(self, name) for name in SCENE},
             "place": self.place,
             "ratio": float(last[0, 0] / last[0, 1]),
-            "offset": float(n / 2 - oracle(load).half_width * n - patches.first[0]),
+            "offset": float(n / 2 - asperity(load).half_width * n - patches.first[0]),
             "offset.two_nodes": float(two[0]),
             "offset.three_nodes": float(three[0]),
         }
@@ -135,7 +135,7 @@ def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
 def summary(file: StudyFile) -> Table:
     """A table of the largest deviations from the closed form, one row for each scene."""
     table = console.table(
-        title="Places of edges against the oracle",
+        title="Places of edges against collocation",
         caption="d: thickness in grid spacings; nodes: in contact. Largest |error| of the edge's place by the closed "
         "form, from the last two and the last three nodal pressures, in grid spacings. The rest dimensionless.",
     )

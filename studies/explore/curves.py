@@ -27,7 +27,7 @@ class Curve:
     num_points: int = 0
     """Grid points of the curve's scenes."""
     found: dict[float, tuple[float, float]] = field(default_factory=dict)
-    """By the slider's number, divided by its scale: contact area a_r and its claimed error (dimensionless); NaN where
+    """By the slider's number, divided by its scale: contact area a_r and its estimated error (dimensionless); NaN where
     there is none."""
 
     def copy(self) -> "Curve":

@@ -75,18 +75,18 @@ def _parameter(run: Record) -> str:
 
 
 def areas(runs: Sequence[Record]) -> str:
-    """How far the areas are off where they are known, and how often the claimed error holds."""
+    """How far the areas are off where they are known, and how often the estimated error holds."""
     known = [run for run in runs if math.isfinite(run.get("off.known", math.nan)) and run["method"] != "to an accuracy"]
     if not known:
         return "No area is known from elsewhere."
-    subgrid, counted, claimed, error = (
+    subgrid, counted, estimated, error = (
         np.array([run[f"off.{name}"] for run in known]) for name in ("subgrid", "counted", "claimed", "known")
     )
-    share, passed = 100 * float(np.mean(subgrid <= claimed + error)), float(((subgrid - error) / claimed).max())
+    share, passed = 100 * float(np.mean(subgrid <= estimated + error)), float(((subgrid - error) / estimated).max())
     return (
         f"In {len(known)} cells solved on a grid to a tolerance the area is known from elsewhere. An edge is off by "
         f"{np.median(subgrid):.2g} grid spacings between nodes, by {np.median(counted):.2g} where nodes are counted "
         f"(medians); at most by {subgrid.max():.2g} and {counted.max():.2g}, and nowhere by more than "
-        f"{(subgrid - counted).max():.2g} above counting. The error claimed holds in {share:.1f} % and is passed by a "
-        f"factor of {passed:.1f} at most."
+        f"{(subgrid - counted).max():.2g} above counting. The estimated error holds in {share:.1f} % and is passed by "
+        f"a factor of {passed:.1f} at most."
     )

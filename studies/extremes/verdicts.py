@@ -1,9 +1,9 @@
 """What becomes of a cell: certified, refused for a reason that it names, or a defect.
 
 Certified is what converged and stands up to a second look: the certificate made again from the stored displacement
-alone, in the user's units, which must give the stored pressure, contact and load; the area, and what is claimed of its
-error, beside a closed form, collocation, or a finer grid where one of these knows it (power profiles and roughness in
-partial contact, to a tenth of a grid spacing); and up to `_REFERENCE_TO` points the same to the last bit in other
+alone, in the user's units, which must give the stored pressure, contact and load; the area, and its estimated error,
+beside a closed form, collocation, or a finer grid where one of these knows it (power profiles and roughness in partial
+contact, to a tenth of a grid spacing); and up to `_REFERENCE_TO` points the same to the last bit in other
 units. What is not finite must be what the documentation says is not.
 """
 
@@ -33,7 +33,7 @@ _ERRORS = {"kappa_error", "kappa_edges_error", "peak_pressure_error", "approach_
 _INFINITE = _ERRORS | {"thickness", "reduced_thickness", "reduced_pressure", "contact_stiffness"}
 _OTHER_UNITS = 2.0**-60, 2.0**80  # times those of length and pressure: ratios are the same to the last bit
 _MOST_ENERGY = 0.1  # of the bound over the elastic energy, where no tolerance was asked for
-_CLAIM = 5.0  # how often the claimed error, an estimate, may be passed
+_MOST_PASSED = 5.0  # times that the estimated error may be passed
 _HALF_SPACE_FROM = 10.0  # periods
 _LONGEST = 20.0  # half-widths over thicknesses, for collocation in a fraction of a second
 _KNOWN = 0.1  # grid spacings to which a reference must know the area
@@ -120,7 +120,7 @@ def _walk(record: Record, prefix: str = "") -> list[tuple[str, Any]]:
 
 
 def _look_again(solution: Solution, asked: bool) -> None:
-    """Raise `DefectError` unless the fields alone show that the solution is as good as it claims."""
+    """Raise `DefectError` unless the fields alone show that the solution is as good as it says."""
     scene, u, pressure, o = solution.scene, solution.displacement, solution.contact_pressure, solution.observables
     if not 0 < o.contact_area <= 1 or not 0 < o.contact_area_subgrid <= 1 + 1e-12:
         raise DefectError(f"a_r is {o.contact_area}, between the edges {o.contact_area_subgrid}")
@@ -138,8 +138,8 @@ def _look_again(solution: Solution, asked: bool) -> None:
         return
     again, force, _ = certify(problem, u)
     if not again.free_residual <= 2 * solution.tolerance + rounding:
-        claim = f"{solution.tolerance:.2g} is claimed"
-        raise DefectError(f"free residual {again.free_residual:.2g} at the second look, {claim}")
+        said = f"the solution says {solution.tolerance:.2g}"
+        raise DefectError(f"free residual {again.free_residual:.2g} at the second look, {said}")
     if not asked and not again.energy_error_bound <= 1.01 * _MOST_ENERGY:  # units round
         raise DefectError(f"the energy may be off by {again.energy_error_bound:.2g} of itself")
     off = float(np.sqrt(np.mean((pressure / scene.pressure - force) ** 2)))
@@ -153,7 +153,7 @@ def _look_at_area(cell: Cell, solution: Solution, record: Record) -> None:
     """Add the distances of both areas from the true one, per edge [grid spacings], where that is known.
 
     Raises `DefectError` if the sub-grid area is worse than counting by more than a spacing an edge, or its error far
-    beyond what is claimed, or beyond the accuracy asked.
+    beyond the estimated one, or beyond the accuracy asked.
     """
     o, n = solution.observables, solution.scene.num_points
     known = _true_area(cell, solution)
@@ -161,13 +161,13 @@ def _look_at_area(cell: Cell, solution: Solution, record: Record) -> None:
         return
     edges = 2 * max(1, o.num_patches)
     off, counted = abs(o.contact_area_subgrid - known[0]), abs(o.contact_area - known[0])
-    claimed = o.contact_area_error
-    distances = {"subgrid": off, "counted": counted, "claimed": claimed, "known": known[1]}
+    estimated = o.contact_area_error
+    distances = {"subgrid": off, "counted": counted, "claimed": estimated, "known": known[1]}
     record |= {f"off.{name}": value * n / edges for name, value in distances.items()}
     if solution.method not in GRID_FREE and (off - counted - known[1]) * n / edges > 1:
         raise DefectError(f"sub-grid edges are off by {off * n:.2g} spacings in all, counted ones by {counted * n:.2g}")
-    if off > _CLAIM * claimed + known[1]:
-        raise DefectError(f"a_r is off by {off:.2g}, claimed {claimed:.2g}, one grid spacing is {1 / n:.2g}")
+    if off > _MOST_PASSED * estimated + known[1]:
+        raise DefectError(f"a_r is off by {off:.2g}, estimated {estimated:.2g}, one grid spacing is {1 / n:.2g}")
     if solution.accuracy and off > solution.accuracy * o.contact_area_subgrid + known[1]:
         raise DefectError(f"a_r is off by {off / known[0]:.2g} of itself, asked for {solution.accuracy:.2g}")
 
@@ -207,7 +207,7 @@ def _true_area_of_a_power(scene: Scene, method: str) -> tuple[float, float] | No
 def _on_a_grid(scene: Scene, num_points: int) -> tuple[float, float] | None:
     fine = solve(replace(scene, num_points=num_points, precision="float64"))
     o = fine.observables
-    return (o.contact_area_subgrid, _CLAIM * o.contact_area_error) if fine.status is Status.CONVERGED else None
+    return (o.contact_area_subgrid, _MOST_PASSED * o.contact_area_error) if fine.status is Status.CONVERGED else None
 
 
 def _in_other_units(cell: Cell, solution: Solution) -> None:

@@ -58,7 +58,7 @@ def typeset(value: float, digits: int = 4) -> str:
 
 
 def typeset_error(value: float) -> str:
-    """An error that is claimed, for a formula."""
+    """An estimated error, for a formula."""
     return _typeset(rounded_up(value))
 
 

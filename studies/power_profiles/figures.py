@@ -17,7 +17,7 @@ from .tasks import FIGURES
 
 
 def draw(path: Path) -> dict[str, Figure]:
-    """kappa over the reduced thickness, and the errors against the oracle."""
+    """kappa over the reduced thickness, and the errors against collocation."""
     study = load(path)
     return dict(zip(FIGURES, (ratio(study), accuracy(study)), strict=True))
 
@@ -46,7 +46,7 @@ def ratio(study: StudyFile) -> Figure:
             below.plot(line["reduced_thickness"], line["kappa_ratio"], color=colour, lw=0.9)
         _limits(axes, c, nu, colour, low)
     _half_space(axes, below, study, high)
-    axes.plot([], [], "k-", lw=0.9, label="collocation oracle")
+    axes.plot([], [], "k-", lw=0.9, label="collocation")
     axes.plot([], [], "k--", lw=0.7, label=r"first order, exact $\alpha$")
     axes.plot([], [], "k:", lw=0.9, label="second order")
     axes.plot([], [], "k-.", lw=0.5, label=rf"published $\alpha={c['published_alpha']:.4g}$")
@@ -91,7 +91,7 @@ def _half_space(axes: Axes, below: Axes, study: StudyFile, high: float) -> None:
 
 
 def accuracy(study: StudyFile) -> Figure:
-    """Errors of area (in grid spacings) and peak pressure against the oracle, over d/a_r."""
+    """Errors of area (in grid spacings) and peak pressure against collocation, over d/a_r."""
     figure, grid = panels(3, 1, ONE_COLUMN, 5.6, sharex=True)
     rows = grid[:, 0]
     study = report.layers(study)
@@ -106,8 +106,8 @@ def accuracy(study: StudyFile) -> Figure:
         for panel, values in zip(rows, (counted, subgrid, peak), strict=True):
             panel.plot(t[nus == nu], values[nus == nu], marker, ms=3.5, color=colour, label=rf"$\nu={nu:g}$")
     rows[0].axhline(0, color="k", lw=0.6)
-    rows[0].set(xscale="log", ylim=(-2, 2), ylabel="counted $a_r$ minus oracle\n[grid spacings]")
-    rows[1].set(yscale="log", ylabel="|sub-grid $a_r$ minus oracle|\n[grid spacings]")
+    rows[0].set(xscale="log", ylim=(-2, 2), ylabel="counted $a_r$ minus collocation\n[grid spacings]")
+    rows[1].set(yscale="log", ylabel="|sub-grid $a_r$ minus collocation|\n[grid spacings]")
     rows[2].set(
         yscale="log",
         xlabel=r"reduced thickness $d/a_r$ ($L=1$, dimensionless)",

@@ -1,4 +1,4 @@
-"""The report of a study of one power profile: its runs beside the collocation oracle and the limits of thin layers."""
+"""The report of a study of one power profile: its runs beside collocation and the limits of thin layers."""
 
 import math
 from collections.abc import Sequence
@@ -29,21 +29,21 @@ def half_space(file: StudyFile) -> Record | None:
 
 
 def summary(file: StudyFile) -> Table:
-    """The closing table: one row per Poisson's ratio, errors against the oracle."""
+    """The closing table: one row per Poisson's ratio, errors against collocation."""
     points, exponent, least = (
         file.configuration[name] for name in ("num_points", "exponent", "thinnest_incompressible")
     )
     table = console.table(
         padding=0,
         title=f"{file.kind} (n = {exponent:g}), {points} points, p = {file.configuration['pressure']:g} E*, "
-        "against the oracle",
+        "against collocation",
         caption="ok: runs certified; count, sub-grid: largest |error| of a_r in grid spacings, nodes counted and "
         "between sub-grid edges; peak err: largest |relative error| of the peak pressure; y = "
         "(kappa_d/kappa_inf)/(d/a_r) at the least d/a_r, sub-grid, beside the thin-layer limit to first and second "
         "order; "
         "pairs: transforms in all; s: seconds of solving in all. Row with nu = -: the half-space. All but s "
         "dimensionless."
-        + ("" if exponent % 2 == 0 else " The oracle knows the pressure at a sharp tip to 2 % only.")
+        + ("" if exponent % 2 == 0 else " Collocation knows the pressure at a sharp tip to 2 % only.")
         + (f" nu = 0.5: only d/a_r of {least:g} and more." if least else ""),
     )
     headings = ("nu", "ok", "count", "sub-\ngrid", "peak\nerr", "y", "y/1st\n- 1", "y/2nd\n- 1")

@@ -1,7 +1,7 @@
 """A study of one power profile, h = (R/n) |x/R|^n, on layers of any thickness: what hertz, sharp and blunt are made of.
 
-kappa_d/kappa_inf over d/a_r for p = 2e-3 E*, R = L = E* = 1. The thicknesses are those at which the collocation oracle
-finds the wanted d/a_r, and the oracle's area and peak pressure are stored beside each run's.
+kappa_d/kappa_inf over d/a_r for p = 2e-3 E*, R = L = E* = 1. The thicknesses are those at which collocation
+finds the wanted d/a_r, and collocation's area and peak pressure are stored beside each run's.
 """
 
 from collections.abc import Sequence

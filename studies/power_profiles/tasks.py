@@ -1,4 +1,4 @@
-"""The tasks of a study of one power profile: solves on layers, and the collocation oracle's line beside them."""
+"""The tasks of a study of one power profile: solves on layers, and collocation's line beside them."""
 
 import math
 from collections.abc import Mapping
@@ -19,8 +19,8 @@ RADIUS = 1.0
 
 FIGURES: Mapping[str, str] = {
     "": "After Zhou and Yang (2022), Figures 2 to 4. Symbols: this study, between sub-grid edges; solid lines: the "
-    "collocation oracle, which uses no grid.",
-    "-accuracy": "Errors against the oracle.",
+    "collocation, which uses no grid.",
+    "-accuracy": "Errors against collocation.",
 }
 """Endings of the figures' names, with captions for a report."""
 
@@ -48,12 +48,12 @@ class Configuration:
     method: str = DEFAULT.name
     """Of the solves."""
     line_points: int = 30
-    """Points of each of the oracle's lines."""
+    """Points of each line by collocation."""
 
 
 @dataclass(frozen=True)
 class Task:
-    """One solve, with the collocation oracle's numbers beside it."""
+    """One solve, with collocation's numbers beside it."""
 
     kind: ClassVar[str] = "linecontact.studies.asperity.Task"
 
@@ -73,8 +73,8 @@ class Task:
     """Of the solve."""
 
     def run(self, report: Progress | None) -> Record:
-        """The solution's record with the oracle's numbers beside it."""
-        thickness, exact = _oracle(self.pressure, self.exponent, self.reduced_thickness, self.poisson_ratio)
+        """The solution's record with collocation's numbers beside it."""
+        thickness, exact = _collocation(self.pressure, self.exponent, self.reduced_thickness, self.poisson_ratio)
         layer, indenter = Layer(thickness, self.poisson_ratio), PowerIndenter(self.exponent, RADIUS)
         scene = Scene(layer, indenter, self.pressure, num_points=self.num_points)
         solution = solve(scene, method=self.method, tolerance=self.tolerance, progress=report)
@@ -87,8 +87,8 @@ class Task:
 
 
 @dataclass(frozen=True)
-class OracleLine:
-    """The oracle's kappa_d/kappa_inf over d/a_r, as a line."""
+class CollocationLine:
+    """Collocation's kappa_d/kappa_inf over d/a_r, as a line."""
 
     kind: ClassVar[str] = "linecontact.studies.asperity.OracleLine"
 
@@ -104,13 +104,13 @@ class OracleLine:
     def run(self, _: Progress | None) -> Record:
         """Columns of the line."""
         ratios = [
-            _oracle(self.pressure, self.exponent, t, self.poisson_ratio)[1].kappa_ratio
+            _collocation(self.pressure, self.exponent, t, self.poisson_ratio)[1].kappa_ratio
             for t in self.reduced_thicknesses
         ]
         return {"reduced_thickness": list(self.reduced_thicknesses), "kappa_ratio": ratios}
 
 
-def _oracle(
+def _collocation(
     pressure: float, exponent: float, reduced_thickness: float, poisson_ratio: float
 ) -> tuple[float, collocation.Asperity]:
     # an odd power's kink takes more nodes: 640 know the area to 3e-4 spacings of 2^18, but the pressure at the tip,
@@ -131,7 +131,7 @@ def plan(kind: str, c: Configuration) -> Plan:
         kind=kind,
         configuration=asdict(c),
         runs=[Task(c.exponent, c.num_points, c.pressure, *which, c.tolerance, c.method) for which in wanted],
-        lines={f"nu={nu:g}": OracleLine(c.exponent, c.pressure, nu, line) for nu in c.poisson_ratios},
+        lines={f"nu={nu:g}": CollocationLine(c.exponent, c.pressure, nu, line) for nu in c.poisson_ratios},
         figures=FIGURES,
     )
 

@@ -33,7 +33,7 @@ class Options:
     memory: float | None = None
     """Budget of each worker process [GiB]; default: what is free at the start, shared among them."""
     scheduler: str | None = None
-    """Address of a Dask scheduler to use instead of processes, like tcp://host:8786."""
+    """Address of a Dask scheduler, like tcp://host:8786, whose workers do the tasks; workers is not used then."""
     overwrite: bool = False
     """Start anew even if there are results."""
 

@@ -16,7 +16,7 @@ from ..runner.tasks import Record
 from . import families
 from .measuring import Found, measured, of_solution, refused, warm_up
 
-_SAMPLES = 2**12  # of the oracle's field
+_SAMPLES = 2**12  # of collocation's field
 _COARSER = 1e-5  # tolerance on the coarser grid
 _ITERATIONS = 100  # over which a single one is timed
 
@@ -111,7 +111,7 @@ class Accuracy:
 
 
 @dataclass(frozen=True)
-class Oracle:
+class Collocation:
     """A smooth scene by collocation at a given number of nodes; the field is sampled, outside of the time."""
 
     kind: ClassVar[str] = "linecontact.studies.tradeoff.choices.Oracle"
@@ -126,7 +126,7 @@ class Oracle:
 
         def run(variant: int) -> Found:
             begin = time.perf_counter()
-            found = families.oracle(self.family, variant, self.num_nodes, 0.0)
+            found = families.asperity(self.family, variant, self.num_nodes, 0.0)
             seconds = time.perf_counter() - begin
             field = families.sample(found, _SAMPLES)
             areas = math.nan, found.contact_area

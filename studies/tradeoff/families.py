@@ -1,4 +1,4 @@
-"""The families of scenes, and what is exact for them: the collocation oracle, or rough surfaces on a finer grid."""
+"""The families of scenes, and what is exact for them: collocation, or rough surfaces on a finer grid."""
 
 import functools
 import math
@@ -83,7 +83,7 @@ def make_scene(family: str, log2_points: int, precision: str = "float64", varian
     return Scene(Layer(thickness), indenter, load, num_points=2**log2_points, precision=precision)
 
 
-def oracle(family: str, variant: int, num_nodes: int, resolution: float) -> Asperity:
+def asperity(family: str, variant: int, num_nodes: int, resolution: float) -> Asperity:
     """A smooth family's scene by collocation; arguments as for `collocation.solve_load`."""
     scene = make_scene(family, 8, variant=variant)
     assert scene.layer.bonded is not None
@@ -94,11 +94,11 @@ def oracle(family: str, variant: int, num_nodes: int, resolution: float) -> Aspe
 def exact(family: str, variant: int, reference: int) -> Exact:
     """The exact solution of a family's scene.
 
-    reference: log2 of the points of the grid that stands in for it where there is no oracle, solved to a certified
-    residual of 1e-8.
+    reference: log2 of the points of the grid that stands in for it where collocation is not possible, solved to a
+    certified residual of 1e-8.
     """
     if not is_rough(family):
-        found = oracle(family, variant, _NODES, _RESOLUTION)
+        found = asperity(family, variant, _NODES, _RESOLUTION)
 
         @functools.cache
         def sampled(num_points: int) -> Array64:
@@ -119,5 +119,5 @@ def exact(family: str, variant: int, reference: int) -> Exact:
 
 
 def sample(found: Asperity, num_points: int) -> Array64:
-    """The oracle's contact pressure on a grid, shape (N,)."""
+    """Collocation's contact pressure on a grid, shape (N,)."""
     return found.pressure_at((np.arange(num_points) / num_points - 0.5) / found.half_width)

@@ -51,11 +51,11 @@ def panels(study: StudyFile, what: str) -> Figure:
 
 
 def ensembles(study: StudyFile) -> Figure:
-    """A panel for each ensemble, and one for the claims of single scenes."""
+    """A panel for each ensemble, and one for the estimated errors of single scenes."""
     figure, grid = empty_panels(2, 2, TWO_COLUMNS, 6.4)
     for axes, family in zip(grid.flat, ENSEMBLES, strict=False):
         _ensemble(axes, study, family)
-    _claims(grid[1, 1], study)
+    _estimates(grid[1, 1], study)
     shown: dict[str, Line2D] = {}
     for panel in grid.flat:
         shown |= {label: handle for handle, label in zip(*panel.get_legend_handles_labels(), strict=True)}
@@ -83,18 +83,18 @@ def _ensemble(axes: Axes, study: StudyFile, family: str) -> None:
     axes.set_ylim(0.3 * min(y) / mean, 3 * max(y) / mean)
 
 
-def _claims(axes: Axes, study: StudyFile) -> None:
-    """How many of the random scenes' claims are at most so many times the true error."""
+def _estimates(axes: Axes, study: StudyFile) -> None:
+    """How many of the random scenes' estimated errors are at most so many times the true one."""
     solved = [run for run in front.runs_of(study, "scene") if "claimed.former" in run and run["error.area"] > 0]
     for name, label, style in (
-        ("claimed", "claims now", "k-"),
-        ("claimed.former", "claims, rule of 0.1.0", "k--"),
+        ("claimed", "now", "k-"),
+        ("claimed.former", "by the rule of 0.1.0", "k--"),
     ):
         ratio = np.sort([run[name] / run["error.area"] for run in solved])
         axes.step(ratio, np.arange(1, ratio.size + 1) / max(1, ratio.size), style, lw=1.0, label=label)
     axes.axvline(1, color="0.6", lw=0.6)
-    axes.set(xscale="log", xlim=(0.1, 1e5), title="claims of single scenes")
-    axes.set(xlabel="error claimed over true error of $a_r$", ylabel="share of the random scenes")
+    axes.set(xscale="log", xlim=(0.1, 1e5), title="estimated errors of single scenes")
+    axes.set(xlabel="estimated error over true error of $a_r$", ylabel="share of the random scenes")
 
 
 def _panel(axes: Axes, study: StudyFile, family: str, what: str) -> None:
@@ -138,7 +138,7 @@ def _legend(study: StudyFile, what: str) -> list[Line2D]:
     best = [entry("front of all these", "", "k", "-")]
     paper = [entry(f"the published choice: plain FIRE, $2^{{{size}}}$", "*", COLOURS[3], ms=12, mec="k")]
     kinds = [entry("filled: sub-grid edges", "o", "0.3"), entry("hollow: nodes counted", "o", "0.3", mfc="none")]
-    others = [entry("--accuracy", "X", COLOURS[3], "--"), entry("collocation oracle", "D", COLOURS[4], ":")]
+    others = [entry("--accuracy", "X", COLOURS[3], "--"), entry("collocation", "D", COLOURS[4], ":")]
     others += [
         entry(peer, marker, COLOURS[5], "-")
         for peer, marker in zip(study.configuration["peers"], itertools.cycle(_PEERS), strict=False)

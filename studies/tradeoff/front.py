@@ -25,7 +25,7 @@ FIGURES = dict(zip(("", "-field"), FRONTS, strict=True))
 """Which of the fronts a figure shows, by the ending of its name."""
 
 ENSEMBLES_FIGURE = "-ensembles"
-"""Ending of the name of the figure of ensembles and of claims."""
+"""Ending of the name of the figure of ensembles and of estimated errors."""
 
 
 class Point(NamedTuple):

@@ -69,7 +69,7 @@ def front_table(study: StudyFile, family: str) -> Table:
 
 
 def _beside(study: StudyFile, family: str) -> list[Point]:
-    """The points shown beside the front: the published choice by counting, the peers, and the best of the oracle."""
+    """The points shown beside the front: the published choice by counting, the peers, and the best of collocation."""
     paper = paper_choice(study, family)
     chosen = [p for p in points([paper], "a_r") if p.counted] if paper else []
     peers = runs_of(study, "peer", family)
@@ -107,7 +107,7 @@ def _cells(point: Point, best: Sequence[Point]) -> list[str]:
 def _choice(point: Point) -> str:
     run = point.run
     if run["kind"] == "oracle":
-        return f"the oracle, {run['num_nodes']:.0f} nodes"
+        return f"collocation, {run['num_nodes']:.0f} nodes"
     words = [run["method"].replace("mass-weighted-fire", "mass-w.").replace("fire", "FIRE")]
     if run["kind"] == "choice":
         words.append(run["precision"].replace("float", "f"))
@@ -213,7 +213,7 @@ def precisions(study: StudyFile) -> Iterator[str]:
 
 
 def random_scenes(study: StudyFile) -> Iterator[str]:
-    """Sentences on how many random scenes met what was asked, which did not, and what the claims are worth."""
+    """Sentences on how many random scenes met what was asked, which did not, and what estimated errors are worth."""
     runs = runs_of(study, "scene")
     if not runs:
         return
@@ -224,7 +224,7 @@ def random_scenes(study: StudyFile) -> Iterator[str]:
     yield (
         f"{len(runs)} random scenes, none used for calibration: {len(met)} meet the accuracy asked for; "
         f"{len(short)} say of themselves that they fall short, "
-        f"{sum(run in met for run in short)} of which met it all the same; the error claimed holds in {len(held)}."
+        f"{sum(run in met for run in short)} of which met it all the same; the estimated error holds in {len(held)}."
     )
     for run in runs:
         if run not in met:
@@ -236,8 +236,8 @@ def random_scenes(study: StudyFile) -> Iterator[str]:
         )
         slow = float(np.median([run["seconds.decide"] for run in runs]))
         yield (
-            f"Claims are {ratio:.2g} times the true error (median; by the rule of version 0.1.0, {former:.2g}). The "
-            f"planner alone takes {slow * 1e6:.0f} us "
+            f"The estimated error is {ratio:.2g} times the true one (median; by the rule of version 0.1.0, "
+            f"{former:.2g}). The planner alone takes {slow * 1e6:.0f} us "
             f"(median, {max(run['seconds.decide'] for run in runs) * 1e6:.0f} us at most)."
         )
 
@@ -268,7 +268,7 @@ def _scene(run: Run) -> str:
     if run["status"] == REFUSED:
         return text + f"refused: {run['reason']}"
     return text + (
-        f"off by {run['error.area']:.1e} +- {run['error.reference']:.0e}, claimed {run['claimed']:.1e}; "
+        f"off by {run['error.area']:.1e} +- {run['error.reference']:.0e}, estimated {run['claimed']:.1e}; "
         f"{run['method']}, {run['scene.num_points']:.0f} points, {run['status']}"
     )
 
@@ -289,8 +289,10 @@ def not_certified(study: StudyFile) -> Iterator[str]:
     reference = max((run["error.reference"] for run in runs if is_rough(run["family"])), default=0.0)
     if reference > 0:
         size = study.configuration["reference"]
-        yield f"The rough surfaces' areas on 2^{size} points, which count as exact, claim an error of {reference:.0e}."
+        exact = f"The rough surfaces' areas on 2^{size} points, which count as exact,"
+        yield f"{exact} are off by an estimated {reference:.0e}."
     for run in (*runs_of(study, "accuracy"), *runs_of(study, "oracle")):
         if run["status"] == REFUSED:
-            what = f"accuracy {run['accuracy']:g}" if run["kind"] == "accuracy" else f"oracle, {run['num_nodes']} nodes"
+            by_nodes = run["kind"] == "oracle"
+            what = f"collocation, {run['num_nodes']} nodes" if by_nodes else f"accuracy {run['accuracy']:g}"
             yield f"Refused: {run['family']}, {what}: {run['reason']}"

@@ -1,4 +1,4 @@
-"""Random scenes, solved to an accuracy: is the claim kept on what nothing was calibrated with?"""
+"""Random scenes, solved to an accuracy: does the estimated error hold where nothing was calibrated?"""
 
 import math
 import time
@@ -51,7 +51,7 @@ class RandomScene:
     """log2 of the points of the finest grid allowed."""
 
     def run(self, report: Progress | None) -> Record:
-        """What was asked, claimed, and true, and the time of the planner alone."""
+        """What was asked, estimated, and true, and the time of the planner alone."""
         scene, accuracy = draw(self.scene_kind, self.seed, self.log2_points)
         begin = time.perf_counter()
         plan.decide(scene, accuracy)
@@ -78,16 +78,16 @@ class RandomScene:
             | {
                 "scene.num_points": solution.scene.num_points,
                 "claimed": o.contact_area_error / o.contact_area_subgrid,
-                "claimed.former": _former_claim(solution),
+                "claimed.former": _former_estimate(solution),
                 "error.area": abs(o.contact_area_subgrid / truth - 1),
                 "error.reference": uncertain,
             }
         )
 
 
-def _former_claim(solution: Solution) -> float:
-    """What version 0.1.0 would claim of a_r, relative: a third of the change from the last coarser grid, and what is
-    claimed of the edges. Without a coarser grid the claim of today.
+def _former_estimate(solution: Solution) -> float:
+    """The error of a_r as version 0.1.0 would estimate it, relative: a third of the change from the last coarser grid,
+    and the estimate from the edges. Without a coarser grid today's estimate.
     """
     o = solution.observables
     if not solution.levels:

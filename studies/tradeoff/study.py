@@ -2,8 +2,8 @@
 
 linecontact study tradeoff [--quick] [--folder FOLDER]
 
-Methods, precisions, tolerances, grids, threads, nested or not; beside them solving to an accuracy, the collocation
-oracle, and the peers that are installed. Smooth scenes are compared with the oracle, rough ones with a certified
+Methods, precisions, tolerances, grids, threads, nested or not; beside them solving to an accuracy, collocation
+and the peers that are installed. Smooth scenes are compared with collocation, rough ones with a certified
 solution on a finer grid than any. Others on the machine disturb all times: trust ratios.
 """
 
@@ -24,7 +24,7 @@ from ..runner.study import Plan, Study
 from ..runner.tasks import Task
 from . import front
 from . import report as tables
-from .choices import Accuracy, Choice, Oracle, Peer, Precisions
+from .choices import Accuracy, Choice, Collocation, Peer, Precisions
 from .ensembles import ENSEMBLES, Ensemble
 from .families import COARSEST_ROUGH, FAMILIES, is_rough
 from .scenes import KINDS, RandomScene
@@ -58,7 +58,7 @@ class Configuration:
     rough_to: float = -4.0
     """The least of these powers that is asked for on rough surfaces."""
     nodes: tuple[int, ...] = (8, 12, 16, 24, 32, 48, 64, 96, 128, 160)
-    """Numbers of nodes of the collocation oracle."""
+    """Numbers of collocation nodes."""
     scenes: int = 150
     """Random scenes of each of `scenes.KINDS`."""
     scene_points: tuple[int, ...] = (18, 16)
@@ -90,7 +90,7 @@ class Configuration:
             if sizes and (not rough or power >= self.rough_to):
                 yield Accuracy(family, float(f"{10**power:.3g}"), sizes[-1], reference)
         if not rough:
-            yield from (Oracle(family, nodes) for nodes in self.nodes)
+            yield from (Collocation(family, nodes) for nodes in self.nodes)
         for peer in self.peers:
             yield from (Peer(family, peer, size, 1e-8, reference) for size in sizes if 12 <= size <= self.paper)
 
