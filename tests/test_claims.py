@@ -17,6 +17,8 @@ from linecontact.solver import (
     Status,
     solve,
 )
+from linecontact.solver.grid.edges import unseen_gaps
+from linecontact.solver.grid.patches import Patches
 from linecontact.solver.reference import closed_forms, collocation
 from linecontact.solver.strategy.errors import estimated
 from linecontact.studies.command_line import main
@@ -86,6 +88,27 @@ def test_a_small_patch_among_large_ones_is_not_known_by_its_load():
     coarse, fine = (solve(scene.on_grid(n)).observables for n in (3254, 13016))
     assert coarse.num_patches == fine.num_patches == 5
     assert abs(coarse.contact_area_subgrid - fine.contact_area_subgrid) < coarse.contact_area_error
+
+
+def test_a_gap_between_two_nodes_is_in_the_estimated_error():
+    """Near full contact the gap may be all that is off (found by a soak: 5 times the estimated error)."""
+    rough = RoughIndenter(0.3, 702364, cut_off_ratio=1 / 4)
+    scene = Scene(Layer(0.1), rough, 0.9194363195903827, num_points=512)
+    coarse, fine = (solve(scene.on_grid(n)).observables for n in (512, 4096))
+    assert (coarse.num_patches, fine.num_patches) == (2, 3)
+    off = abs(coarse.contact_area_subgrid - fine.contact_area_subgrid)
+    assert 0.29 / 512 < off < coarse.contact_area_error < 2 * off
+
+
+@pytest.mark.parametrize("gap", [0.2, 0.7, 1.4])
+def test_a_gap_between_two_nodes_is_seen(gap):
+    """The pressure beside a narrow gap, as it is on a grid without a node in it: the gap is where the middle is."""
+    pressure = np.full(16, 10.0)
+    pressure[5:9] = (np.arange(4) - 1.5) ** 2 - gap**2 / 8
+    for patches in (Patches.of_nodes(np.arange(16), 16), Patches.of_nodes(np.arange(3, 19), 32)):
+        assert unseen_gaps(patches, pressure) == pytest.approx([gap])
+    two = Patches.of_nodes(np.delete(np.arange(17), 7), 32)  # a node without contact is no gap that is not seen
+    assert not unseen_gaps(two, pressure).any()
 
 
 def test_what_many_patches_have_in_common_is_claimed():

@@ -8,7 +8,7 @@ import numpy as np
 from ..arrays import Array64, Indices, Mask
 from ..layers import ElasticLayer
 from ..scene import Scene
-from .edges import COUNTED_BELOW, Edges, apart, find_edges
+from .edges import COUNTED_BELOW, Edges, apart, find_edges, unseen_gaps
 from .layer_on_grid import modulus_on_grid, thickness_on_grid
 from .loads import FromLoads, Heights, from_loads
 from .patches import Patches
@@ -44,7 +44,8 @@ def contact_edges(
     patches, edges = ends(scene.layer, scene.period, profile, pressure, scale, by_loads)
     # both ends, the same way; no width is known worse than by counting; patches beside each other have left the tip
     tip = min(2 * scene.indenter.tip_error(float(edges.width[0])), 1.0) if patches.count == 1 else 0.0
-    return patches, replace(edges, error=np.hypot(edges.error, tip))
+    unseen = unseen_gaps(patches, pressure[patches.nodes])
+    return patches, replace(edges, error=np.hypot(edges.error, tip) + unseen)
 
 
 def ends(

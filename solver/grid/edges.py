@@ -162,6 +162,23 @@ def find_edges(patches: Patches, pressure: Array64, layer: ElasticLayer, period:
     return Edges(left, right, np.where(alike, error.sum(axis=0), np.hypot(*error)), counted)
 
 
+def unseen_gaps(patches: Patches, pressure: Array64) -> Array64:
+    """Widths of gaps that lie between two contact nodes, their sum in each patch, shape (M,) [grid spacings].
+
+    pressure: as for `find_edges`. In full contact the pressure beside the middle of a narrow gap of the width g would
+    be c (y^2 - g^2/8), with y the distance from it (H. M. Westergaard, J. Appl. Mech. 6, 49 (1939)), and a grid on
+    which no node lies in the gap has just that. So there is a gap where the cubic through four pressures is negative
+    between the middle ones.
+    """
+    inside = np.arange(pressure.size) - np.repeat(patches.offset, patches.size)
+    four = np.flatnonzero(inside < np.repeat(patches.size, patches.size) - 3)
+    a, b, c, d = (pressure[four + k] for k in range(4))
+    negative = a + d > 9 * (b + c)
+    outer, inner = (a + d)[negative], (b + c)[negative]
+    width = np.sqrt(2 * (outer - 9 * inner) / (outer - inner))
+    return np.bincount(patches.label[four[negative]], width, patches.count)
+
+
 def apart(left: Array64, right: Array64, num_points: int) -> tuple[Array64, Array64]:
     """Ends of patches in a period of `num_points` spacings, those of neighbours not beyond each other."""
     overlap = np.maximum(right - np.append(left[1:], left[:1] + num_points), 0.0) / 2
