@@ -106,12 +106,12 @@ def accuracy(study: StudyFile) -> Figure:
         for panel, values in zip(rows, (counted, subgrid, peak), strict=True):
             panel.plot(t[nus == nu], values[nus == nu], marker, ms=3.5, color=colour, label=rf"$\nu={nu:g}$")
     rows[0].axhline(0, color="k", lw=0.6)
-    rows[0].set(xscale="log", ylim=(-2, 2), ylabel="counted $a_r$ minus collocation\n[grid spacings]")
-    rows[1].set(yscale="log", ylabel="|sub-grid $a_r$ minus collocation|\n[grid spacings]")
+    rows[0].set(xscale="log", ylim=(-2, 2), ylabel="error of counted $a_r$\n[grid spacings]")
+    rows[1].set(yscale="log", ylabel="|error of sub-grid $a_r$|\n[grid spacings]")
     rows[2].set(
         yscale="log",
         xlabel=r"reduced thickness $d/a_r$ ($L=1$, dimensionless)",
-        ylabel="|peak pressure error|\n(relative)",
+        ylabel="|error of peak pressure|\n(relative)",
     )
     legend_below(figure, rows[0], 3)
     return figure

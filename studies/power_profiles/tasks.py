@@ -18,7 +18,7 @@ RADIUS = 1.0
 """R in units of the period."""
 
 FIGURES: Mapping[str, str] = {
-    "": "After Zhou and Yang (2022), Figures 2 to 4. Symbols: this study, between sub-grid edges; solid lines: the "
+    "": "After Zhou and Yang (2022), Figures 2 to 4. Symbols: this study, between sub-grid edges; solid lines: "
     "collocation, which uses no grid.",
     "-accuracy": "Errors against collocation.",
 }
