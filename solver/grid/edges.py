@@ -175,8 +175,9 @@ def unseen_gaps(patches: Patches, pressure: Array64) -> Array64:
     a, b, c, d = (pressure[four + k] for k in range(4))
     negative = a + d > 9 * (b + c)
     outer, inner = (a + d)[negative], (b + c)[negative]
-    width = np.sqrt(2 * (outer - 9 * inner) / (outer - inner))
-    return np.bincount(patches.label[four[negative]], width, patches.count)
+    width = np.zeros(pressure.size)
+    width[four[negative]] = np.sqrt(2 * (outer - 9 * inner) / (outer - inner))
+    return patches.sums(width)
 
 
 def apart(left: Array64, right: Array64, num_points: int) -> tuple[Array64, Array64]:
