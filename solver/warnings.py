@@ -31,7 +31,7 @@ NEARLY_FULL = 0.97
 
 # Calibrated on 1000 random scenes (power, rough and measured profiles, 2^8 to 2^14 points) against eight times as many
 # points: of 210 areas that are off by more than 5 % all but two are warned of, and 13 % of those within 1 %. The
-# estimated error of the edges of small patches is careful, the more where the profile is smooth in them.
+# estimated error of the edges of small patches is mostly too large, the more where the profile is smooth in them.
 _UNRESOLVED_SHARE = 0.2  # of the contact nodes, in patches that are not resolved
 _UNRESOLVED_ERROR = 0.08  # estimated relative error of a_r, up to which their loads tell their ends well all the same
 _LIKELY, _LIKELY_IF_SMOOTH = 0.2, 0.09  # likely error of the edges over the estimated one

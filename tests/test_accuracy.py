@@ -52,7 +52,7 @@ def test_a_thick_layer_is_a_half_space():
 
 
 @pytest.mark.parametrize("nu", [-0.9, 0.0, 0.3, 0.49, 0.5])
-def test_the_half_space_is_off_by_no_more_than_claimed(nu):
+def test_the_half_space_is_off_by_no_more_than_estimated(nu):
     """Power profiles, and a sinusoidal one next to full contact, where the area is most sensitive."""
     wave = MeasuredIndenter(0.01 * (1 - np.cos(2 * np.pi * np.arange(1024) / 1024)))
     used = 0
@@ -61,18 +61,18 @@ def test_the_half_space_is_off_by_no_more_than_claimed(nu):
         if replaced.thickness < math.inf:
             continue
         used += 1
-        claimed = choices[0].error
+        estimate = choices[0].error
         for exponent, load in ((2.0, 2e-3), (2.0, 0.3), (4.0, 2e-2)):
             layer, half_space = (
                 collocation.solve_load(load, exponent, 1.0, d, nu).contact_area for d in (thickness, math.inf)
             )
-            assert abs(half_space / layer - 1) <= claimed
+            assert abs(half_space / layer - 1) <= estimate
         full = 0.01 * np.pi
         layer, half_space = (
             solve(Scene(Layer(d, nu), wave, full, num_points=1024)).observables.contact_area_subgrid
             for d in (thickness, math.inf)
         )
-        assert abs(half_space / layer - 1) <= claimed + 2 / 1024
+        assert abs(half_space / layer - 1) <= estimate + 2 / 1024
     assert used
 
 
@@ -137,8 +137,8 @@ def test_what_no_foundation_can_carry():
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_the_foundation_is_off_by_no_more_than_claimed(seed):
-    """Nor by much less: its edges are a third to a half of the claim."""
+def test_the_foundation_is_off_by_no_more_than_estimated(seed):
+    """Nor by much less: its edges are a third to a half of the estimate."""
     rng = np.random.default_rng(seed)
     for indenter in (PowerIndenter(rng.uniform(1.5, 4)), RoughIndenter(rng.uniform(0.3, 0.9), seed, 1 / 8, 1 / 4)):
         d = 10 ** rng.uniform(-5, -4)
@@ -291,7 +291,7 @@ def test_an_interrupted_iteration_returns_what_there_is(options, monkeypatch):
 
 
 def test_an_answer_that_is_less_accurate_than_estimated_goes_on_from_its_grid(monkeypatch):
-    """Claims that turn out too large only after certification: no grid is begun twice."""
+    """Estimated errors that turn out too large only after certification: no grid is begun twice."""
     sizes, real = [], DEFAULT.begin
     kind = dataclasses.replace(DEFAULT, begin=lambda p, s: sizes.append(p.num_points) or real(p, s))
     monkeypatch.setattr("linecontact.solver.strategy.to_accuracy.DEFAULT", kind)

@@ -91,7 +91,7 @@ def test_stiff_coating_on_which_the_search_does_not_settle():
     assert not any(choice.what == "precision" for choice in mixed.choices)
 
 
-def test_grids_that_were_not_solved_do_not_count_in_a_claim():
+def test_grids_that_were_not_solved_do_not_count_in_an_estimated_error():
     """Under this coating the search does not settle on the coarser grid either."""
     coating = CoatedHalfSpace(2**-8, base_modulus=1e-4)
     fine, coarse = (solve(Scene(coating, pressure=1e-3, num_points=n)).observables for n in (2**12, 2**10))

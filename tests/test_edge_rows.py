@@ -27,7 +27,7 @@ def row(width, gap, repeats=1):
     [(1.05, 0.013, 128), (3.0, 0.007, 128), (8.0, 0.003, 128), (30.0, 3e-4, 128), (56.2, 6e-3, 64), (118.0, 2e-3, 128)],
 )
 def test_ends_of_a_row_between_the_nodes(least, off, period):
-    """Beside gaps of one spacing and more, and for patches of six and more. The estimated error holds and is fair."""
+    """Beside gaps of one spacing and more, and for patches of six and more, within the estimated error."""
     for more in np.linspace(0, 1.9, 7):
         gap = least + more
         solution = row(period - gap, gap)

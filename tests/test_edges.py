@@ -199,7 +199,7 @@ def test_coatings_of_few_spacings_have_an_edge_of_their_own(spacings, ratio, exp
     assert error < found.contact_area_edges_error < 0.2 / n
 
 
-def test_what_a_table_does_not_tell_of_the_edge_is_claimed():
+def test_what_a_table_does_not_tell_of_the_edge_is_estimated():
     """It ends with the grid's shortest wave, far from a half-space."""
     n, layer = 2**10, SlidingLayer(0.3 / 2**10)
     exact = collocation.solve_layer(layer, 2e-3, 2.0, 1.0)

@@ -63,7 +63,7 @@ def falsified(solution):
         replace(solution, observables=replace(o, contact_area_subgrid=o.contact_area + 9 / n)),
         "sub-grid edges are off",
     )
-    yield replace(solution, observables=replace(o, contact_area_error=1e-12)), "estimated 1e-12"
+    yield replace(solution, observables=replace(o, contact_area_error=1e-12)), "estimated error 1e-12"
     yield replace(solution, contact_pressure=7 * solution.contact_pressure), "the load is off by 6"
     yield replace(solution, contact_pressure=moved, contact=moved > 0), "free residual"
     yield replace(solution, displacement=lower), "free residual"

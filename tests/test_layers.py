@@ -108,7 +108,7 @@ def test_the_grid_agrees_with_collocation(kind, exponent):
     "layer",
     [SlidingLayer(1.0), CoatedHalfSpace(1.0, 0.02), CoatedHalfSpace(1.0, 50.0), CoatedHalfSpace(1.0, 1.0, 0.5, -0.9)],
 )
-def test_edges_on_layers_as_thin_as_the_grid_are_claimed_honestly(layer, spacings):
+def test_edges_on_layers_as_thin_as_the_grid_have_honest_errors(layer, spacings):
     n = 2**8
     layer = layer.in_units(spacings / n, 1.0)
     found = solve(Scene(layer, num_points=n), nested=False).observables

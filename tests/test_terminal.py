@@ -110,7 +110,7 @@ def test_a_count_has_its_noun():
     assert [counted(n, "line") for n in (0, 1, 2)] == ["0 lines", "1 line", "2 lines"]
 
 
-def test_claimed_errors_are_rounded_up_wherever_they_are_shown(solution):
+def test_estimated_errors_are_rounded_up_wherever_they_are_shown(solution):
     found = solution.observables
     area, relative = (
         rounded_up(found.contact_area_error),
@@ -126,7 +126,7 @@ def test_claimed_errors_are_rounded_up_wherever_they_are_shown(solution):
     assert f"+- {area} [-]" in repr(solution)
     assert f"+- {area}" in solution._repr_html_()
     said = wording.said(Answer(solution.scene, solution, "", 0.1), 0.1)
-    assert f"{area} (dimensionless, relative error {relative}, estimated)" in said
+    assert f"{area} (dimensionless, estimated relative error {relative})" in said
     assert f"{rounded_up(found.kappa_error)}, p*" in said
     mantissa, _, power = area.partition("e")
     assert rf"\pm {mantissa}\times10^{{{int(power)}}}$" in solution.plot().get_suptitle().replace("  ", " ")

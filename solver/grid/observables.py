@@ -59,7 +59,7 @@ class Observables:
     kappa_error: float
     """Estimated error of `kappa_subgrid`; `inf` where the contact is flat."""
     contact_area_edges_error: float
-    """a_r's error, estimated from the edges alone; careful, it has to hold without a coarser grid."""
+    """a_r's error, estimated from the edges alone; mostly too large, as it has to hold without a coarser grid."""
     kappa_edges_error: float
     """The same for kappa."""
     peak_pressure_sampling: float

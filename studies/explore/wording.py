@@ -54,8 +54,8 @@ def _found(solution: Solution) -> list[str]:
     reduced_pressure = area / o.kappa_subgrid if o.kappa_subgrid else math.inf
     reduced_thickness = solution.scene.layer.thickness / (area * solution.scene.period) if area else math.inf
     return [
-        f"contact area a_r = {area:.6g} \N{PLUS-MINUS SIGN} {rounded_up(error)} (dimensionless, relative error "
-        f"{rounded_up(error / area)}, estimated), {solution.status} on its grid",
+        f"contact area a_r = {area:.6g} \N{PLUS-MINUS SIGN} {rounded_up(error)} (dimensionless, estimated relative "
+        f"error {rounded_up(error / area)}), {solution.status} on its grid",
         f"kappa = {o.kappa_subgrid:.5g} \N{PLUS-MINUS SIGN} {rounded_up(o.kappa_error)}, p* = {reduced_pressure:.4g}, "
         f"d/(a_r L) = {reduced_thickness:.4g}, peak pressure/E* = "
         f"{o.peak_pressure / solution.scene.layer.contact_modulus:.4g} (dimensionless)",

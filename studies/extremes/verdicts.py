@@ -167,7 +167,7 @@ def _look_at_area(cell: Cell, solution: Solution, record: Record) -> None:
     if solution.method not in GRID_FREE and (off - counted - known[1]) * n / edges > 1:
         raise DefectError(f"sub-grid edges are off by {off * n:.2g} spacings in all, counted ones by {counted * n:.2g}")
     if off > _MOST_PASSED * estimated + known[1]:
-        raise DefectError(f"a_r is off by {off:.2g}, estimated {estimated:.2g}, one grid spacing is {1 / n:.2g}")
+        raise DefectError(f"a_r is off by {off:.2g}, estimated error {estimated:.2g}, one grid spacing is {1 / n:.2g}")
     if solution.accuracy and off > solution.accuracy * o.contact_area_subgrid + known[1]:
         raise DefectError(f"a_r is off by {off / known[0]:.2g} of itself, asked for {solution.accuracy:.2g}")
 

@@ -35,9 +35,9 @@ def summary(file: StudyFile) -> Table:
     )
     table = console.table(
         padding=0,
-        title=f"{file.kind} (n = {exponent:g}), {points} points, p = {file.configuration['pressure']:g} E*, "
-        "against collocation",
-        caption="ok: runs certified; count, sub-grid: largest |error| of a_r in grid spacings, nodes counted and "
+        title=f"{file.kind} (n = {exponent:g}), {points} points, p = {file.configuration['pressure']:g} E*",
+        caption="Errors are against collocation. "
+        "ok: runs certified; count, sub-grid: largest |error| of a_r in grid spacings, nodes counted and "
         "between sub-grid edges; peak err: largest |relative error| of the peak pressure; y = "
         "(kappa_d/kappa_inf)/(d/a_r) at the least d/a_r, sub-grid, beside the thin-layer limit to first and second "
         "order; "

@@ -48,7 +48,7 @@ class Configuration:
     method: str = DEFAULT.name
     """Of the solves."""
     line_points: int = 30
-    """Points of each line by collocation."""
+    """Points of each of the lines found by collocation."""
 
 
 @dataclass(frozen=True)

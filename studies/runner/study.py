@@ -33,7 +33,7 @@ class Options:
     memory: float | None = None
     """Budget of each worker process [GiB]; default: what is free at the start, shared among them."""
     scheduler: str | None = None
-    """Address of a Dask scheduler, like tcp://host:8786, whose workers do the tasks; workers is not used then."""
+    """Address of a Dask scheduler, like tcp://host:8786, whose workers do the tasks; `workers` has no effect then."""
     overwrite: bool = False
     """Start anew even if there are results."""
 

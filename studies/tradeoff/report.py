@@ -69,7 +69,7 @@ def front_table(study: StudyFile, family: str) -> Table:
 
 
 def _beside(study: StudyFile, family: str) -> list[Point]:
-    """The points shown beside the front: the published choice by counting, the peers, and the best of collocation."""
+    """The points shown beside the front: the published choice by counting, the peers, and the best by collocation."""
     paper = paper_choice(study, family)
     chosen = [p for p in points([paper], "a_r") if p.counted] if paper else []
     peers = runs_of(study, "peer", family)
@@ -268,7 +268,7 @@ def _scene(run: Run) -> str:
     if run["status"] == REFUSED:
         return text + f"refused: {run['reason']}"
     return text + (
-        f"off by {run['error.area']:.1e} +- {run['error.reference']:.0e}, estimated {run['claimed']:.1e}; "
+        f"off by {run['error.area']:.1e} +- {run['error.reference']:.0e}, estimated error {run['claimed']:.1e}; "
         f"{run['method']}, {run['scene.num_points']:.0f} points, {run['status']}"
     )
 
@@ -290,7 +290,7 @@ def not_certified(study: StudyFile) -> Iterator[str]:
     if reference > 0:
         size = study.configuration["reference"]
         exact = f"The rough surfaces' areas on 2^{size} points, which count as exact,"
-        yield f"{exact} are off by an estimated {reference:.0e}."
+        yield f"{exact} have an estimated error of {reference:.0e}."
     for run in (*runs_of(study, "accuracy"), *runs_of(study, "oracle")):
         if run["status"] == REFUSED:
             by_nodes = run["kind"] == "oracle"

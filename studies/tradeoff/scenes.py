@@ -1,4 +1,4 @@
-"""Random scenes, solved to an accuracy: does the estimated error hold where nothing was calibrated?"""
+"""Random scenes, solved to an accuracy: does the estimated error hold on scenes that nothing was fitted to?"""
 
 import math
 import time

@@ -48,8 +48,8 @@ def ratios():
         scene = rough_scene(seed)
         coarse, fine = (solve(scene.on_grid(n), tolerance=1e-8) for n in (2**12, 2**16))
         for name, quantity in QUANTITIES.items():
-            value, claimed = measured(coarse, quantity)
-            found[name].append(claimed / max(abs(value - measured(fine, quantity)[0]), 1e-9 * abs(value)))
+            value, estimate = measured(coarse, quantity)
+            found[name].append(estimate / max(abs(value - measured(fine, quantity)[0]), 1e-9 * abs(value)))
     return {name: np.array(values) for name, values in found.items()}
 
 
@@ -62,9 +62,9 @@ def test_estimates_hold_and_are_not_much_too_large(ratios, name):
 
 @pytest.mark.parametrize("exponent", [1.01, 1.2, 1.5])
 @pytest.mark.parametrize(("pressure", "num_points"), [(0.02, 4096), (0.09, 4099), (0.4, 16384)])
-def test_a_tip_is_in_the_claim_without_a_coarser_grid(exponent, pressure, num_points):
+def test_a_tip_is_in_the_estimated_error_without_a_coarser_grid(exponent, pressure, num_points):
     """The nodes see too little of a tip; that, and not the edges, is most of the error of a wide contact (found by a
-    soak: 20 times what was claimed)."""
+    soak: off by 20 times the estimate)."""
     scene = Scene(Layer(), PowerIndenter(exponent), pressure, num_points=num_points)
     o = solve(scene, nested=False, tolerance=1e-10).observables
     area = closed_forms.periodic_half_space_area(exponent, 1.0, pressure)
@@ -82,7 +82,7 @@ def test_a_tip_alone_is_known_as_well_as_by_counting(exponent, pressure):
 
 def test_a_small_patch_among_large_ones_is_not_known_by_its_load():
     """Their slopes are those of Hertz contacts only about, and on a nearly incompressible layer they cancel each other
-    (found by a soak: 25 times what was claimed)."""
+    (found by a soak: off by 25 times the estimate)."""
     rough = RoughIndenter(0.5216199445743808, 546384164, 0.1484276472465341, 0.9624699003674242, 13.161174665479246)
     scene = Scene(Layer(0.11797911947220245, 0.499), rough, 1.7656690730713824, num_points=3254)
     coarse, fine = (solve(scene.on_grid(n)).observables for n in (3254, 13016))
@@ -91,7 +91,7 @@ def test_a_small_patch_among_large_ones_is_not_known_by_its_load():
 
 
 def test_a_gap_between_two_nodes_is_in_the_estimated_error():
-    """Near full contact the gap may be all that is off (found by a soak: 5 times the estimated error)."""
+    """Near full contact the gap may be all that is off (found by a soak: off by 5 times the estimated error)."""
     rough = RoughIndenter(0.3, 702364, cut_off_ratio=1 / 4)
     scene = Scene(Layer(0.1), rough, 0.9194363195903827, num_points=512)
     coarse, fine = (solve(scene.on_grid(n)).observables for n in (512, 4096))
@@ -102,18 +102,18 @@ def test_a_gap_between_two_nodes_is_in_the_estimated_error():
 
 @pytest.mark.parametrize("gap", [0.2, 0.7, 1.4])
 def test_a_gap_between_two_nodes_is_seen(gap):
-    """The pressure beside a narrow gap, as it is on a grid without a node in it: the gap is where the middle is."""
+    """The pressure beside a narrow gap, as it is on a grid without a node in it, halfway between two nodes."""
     pressure = np.full(16, 10.0)
     pressure[5:9] = (np.arange(4) - 1.5) ** 2 - gap**2 / 8
     for patches in (Patches.of_nodes(np.arange(16), 16), Patches.of_nodes(np.arange(3, 19), 32)):
         assert unseen_gaps(patches, pressure) == pytest.approx([gap])
-    two = Patches.of_nodes(np.delete(np.arange(17), 7), 32)  # a node without contact is no gap that is not seen
+    two = Patches.of_nodes(np.delete(np.arange(17), 7), 32)  # a gap with a node in it is seen already
     assert not unseen_gaps(two, pressure).any()
 
 
-def test_what_many_patches_have_in_common_is_claimed():
+def test_what_many_patches_have_in_common_is_estimated():
     """With a hundred patches at 32 points to the shortest wave their common error is most of it (found by a user: half
-    of the claims too small)."""
+    of the estimates too small)."""
     beyond = []
     for seed in range(12):
         scene = Scene(indenter=RoughIndenter(0.8, seed, 1 / 8, 1 / 128), pressure=1e-2, num_points=2**15)
