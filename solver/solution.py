@@ -50,6 +50,8 @@ class Level:
     """a_r's error, estimated from the edges alone (dimensionless)."""
     kappa_edges_error: float
     """The same for kappa (dimensionless)."""
+    unseen_gap_area: float
+    """Estimated share of the period in gaps that lie between two contact nodes (dimensionless)."""
     iterations: int
     """Iterations on this grid."""
     transform_pairs: float

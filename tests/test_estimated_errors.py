@@ -100,15 +100,16 @@ def test_a_gap_between_two_nodes_is_in_the_estimated_error():
     assert 0.29 / 512 < off < coarse.contact_area_error < 2 * off
 
 
-@pytest.mark.parametrize("gap", [0.2, 0.7, 1.4])
-def test_a_gap_between_two_nodes_is_seen(gap):
-    """The pressure beside a narrow gap, as it is on a grid without a node in it, halfway between two nodes."""
-    pressure = np.full(16, 10.0)
-    pressure[5:9] = (np.arange(4) - 1.5) ** 2 - gap**2 / 8
-    for patches in (Patches.of_nodes(np.arange(16), 16), Patches.of_nodes(np.arange(3, 19), 32)):
-        assert unseen_gaps(patches, pressure) == pytest.approx([gap])
+@pytest.mark.parametrize(("gap", "beside"), [(0.2, 0.0), (0.2, 0.39), (0.7, -0.14), (0.9, 0.04)])
+def test_a_gap_between_two_nodes_is_seen(gap, beside):
+    """The pressure beside a narrow gap, as it is on a grid without a node in it, wherever between two nodes it lies."""
+    pressure = 0.1 * (np.arange(16) - 6.5 - beside) ** 2 - 0.1 * gap**2 / 8
+    for patches in (Patches.of_nodes(np.arange(16), 17), Patches.of_nodes(np.arange(3, 19), 32)):
+        assert unseen_gaps(patches, pressure) == pytest.approx(gap)
+    for shift in range(16):  # in full contact also across the end of the period
+        assert unseen_gaps(Patches.of_nodes(np.arange(16), 16), np.roll(pressure, shift)) == pytest.approx(gap)
     two = Patches.of_nodes(np.delete(np.arange(17), 7), 32)  # a gap with a node in it is seen already
-    assert not unseen_gaps(two, pressure).any()
+    assert not unseen_gaps(two, pressure)
 
 
 def test_what_many_patches_have_in_common_is_estimated():

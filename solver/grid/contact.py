@@ -44,9 +44,8 @@ def contact_edges(
     patches, edges = ends(scene.layer, scene.period, profile, pressure, scale, by_loads)
     # both ends, the same way; no width is known worse than by counting; patches beside each other have left the tip
     tip = min(2 * scene.indenter.tip_error(float(edges.width[0])), 1.0) if patches.count == 1 else 0.0
-    # gaps without a node in them make the area too large, however well the ends are known
     unseen = unseen_gaps(patches, pressure[patches.nodes])
-    return patches, replace(edges, error=np.hypot(edges.error, tip) + unseen)
+    return patches, replace(edges, error=np.hypot(edges.error, tip), unseen=unseen)
 
 
 def ends(

@@ -64,6 +64,8 @@ class Observables:
     """The same for kappa."""
     peak_pressure_sampling: float
     """By how much the pressure between the nodes may pass the largest one, see `peak_sampling` [pressure]."""
+    unseen_gap_area: float = 0.0
+    """Estimated share of the period in gaps that lie between two contact nodes; part of `contact_area_error`."""
     peak_pressure_error: float = math.inf
     """Estimated error of the largest contact pressure [pressure]; `inf` where no coarser grid tells."""
     approach_error: float = math.inf
@@ -111,6 +113,7 @@ def observe(
         contact_area_edges_error=area_error,
         kappa_edges_error=kappa_error,
         peak_pressure_sampling=peak_sampling(contact_pressure),
+        unseen_gap_area=edges.unseen / scene.num_points,
     )
 
 

@@ -3,7 +3,7 @@
 From a grid with a quarter of the points to the present one a quantity changes by c; its error estimated from the edges
 of the patches alone is e. On a surface with w points to its shortest wave its error is estimated as
 
-    contact area, kappa    sqrt((0.6 e)^2 + (c/48)^2 + b^2)
+    contact area, kappa    sqrt((0.6 e)^2 + (c/48)^2 + b^2) + g
     peak pressure          sqrt((c/3)^2 + (c'/32)^2 + s^2)
     approach               sqrt((c/2)^2 + (c'/16)^2)
 
@@ -19,7 +19,8 @@ and e alone is careful: it has to hold without a coarser grid. (Not so under smo
 20 nodes, and where a table ends with the grid's shortest wave: there e is taken whole.) The errors of many patches are
 independent but for a part that they have in common, b: a grid with few points to a wave misses what bends between its
 nodes. That is up to 0.03 (16/w)^2.5 grid spacings for the area of each patch whose pressures tell where it ends (0.04
-for kappa), and up to 0.004 (16/w)^2.5 (0.008) if its load does.
+for kappa), and up to 0.004 (16/w)^2.5 (0.008) if its load does. Gaps that lie between two contact nodes all make the
+area too large: the sum of their widths g is added as it is, and in kappa the same share.
 
 Under a stiff coating thinner than a grid spacing the nodes may miss anything of the peak pressure (`inf`).
 
@@ -129,17 +130,18 @@ def estimated(
     if not area:
         return edges
     by_load = found.num_patches_by_load
+    gaps = found.unseen_gap_area / area * abs(values[-1])
     each = [share * of for share, of in zip(quantity.per_patch, (found.num_patches - by_load, by_load), strict=True)]
     spacings = sum(each) * math.pow(_COMMON * waves, _COMMON_POWER)
     common = spacings / num_points / area * abs(values[-1])
     if not coarser:
-        return math.hypot(edges, common)
+        return math.hypot(edges, common) + gaps
     rough = waves > 0
     careful = rough or area * num_points >= _CAREFUL_FROM_IF_SMOOTH * found.num_patches
     careful &= edge_curve(scene.layer, num_points, scene.period).error < _KNOWN
     of_edges = quantity.of_edges[1 if rough else 0] if careful else 1.0
     change = quantity.of_change[1 if rough else 0] * abs(values[-1] - values[-2])
-    return math.hypot(of_edges * edges, change, common)
+    return math.hypot(of_edges * edges, change, common) + gaps
 
 
 def _hides_peaks(scene: Scene, num_points: int) -> bool:

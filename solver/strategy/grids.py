@@ -89,6 +89,7 @@ class Reached:
             num_patches_by_load=edges.num_by_load,
             contact_area_edges_error=error,
             kappa_edges_error=sensitivity * error if error else 0.0,
+            unseen_gap_area=edges.unseen / self.num_points,
             iterations=state.iteration,
             transform_pairs=round(state.transform_pairs, 3),
         )
