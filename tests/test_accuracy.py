@@ -15,6 +15,8 @@ from linecontact.solver.methods.active_set.storage import Half, Whole, is_even
 from linecontact.solver.reference import collocation, gradient_equation
 from linecontact.solver.strategy import plan, small_models
 
+pytestmark = pytest.mark.once
+
 ROUGH = RoughIndenter(0.8, 3, 1 / 8, 1 / 16)
 
 

@@ -479,6 +479,7 @@ def test_a_full_disk_keeps_the_result_and_leaves_no_file(tmp_path):
     "sign", [signal.SIGKILL, *(pytest.param(sign, marks=pytest.mark.slow) for sign in (signal.SIGINT, signal.SIGTERM))]
 )
 def test_a_killed_study_continues(tmp_path, sign):
+    """As a command at first, then as a module."""
     command = [*CLI, "study", "hertz", "--quick", "--folder", str(tmp_path), "--workers", "2"]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, start_new_session=True)
     file, tasks = tmp_path / "hertz.h5", tmp_path / "tasks"
@@ -494,15 +495,19 @@ def test_a_killed_study_continues(tmp_path, sign):
     assert process.returncode == (-9 if sign == signal.SIGKILL else 130)
     kept = {path: path.stat().st_mtime_ns for path in tasks.glob("*.json")}
     assert 1 <= len(kept) < 43
-    result = run("study", "hertz", "--quick", "--folder", tmp_path)
+    result = run("--quick", "--folder", tmp_path, program=[sys.executable, "-m", "linecontact.studies.hertz"])
     assert result.returncode == 0, result.stderr
+    assert "6/6" in result.stdout
     assert f"{len(kept)} of 43 tasks {'is' if len(kept) == 1 else 'are'} done" in result.stderr
     assert all(path.stat().st_mtime_ns == written for path, written in kept.items())  # not computed again
     finished = study_files.load_study(file)
     assert finished.complete
     assert len(finished.runs) == 37
-    again = run("study", "hertz", "--quick", "--folder", tmp_path)
+    again = here("study", "hertz", "--quick", "--folder", tmp_path)
     assert "nothing computed" in again.stdout
+    other = here("study", "hertz", "--folder", tmp_path)
+    assert other.returncode == 2
+    assert "made with other options" in other.stderr
 
 
 @pytest.mark.skipif(os.name != "posix", reason="pipes of POSIX")
@@ -557,19 +562,6 @@ def test_info():
         assert word in result.stdout
 
 
-def test_quick_study_as_a_module(tmp_path):
-    program = [sys.executable, "-m", "linecontact.studies.hertz"]
-    result = run("--quick", "--folder", tmp_path, program=program)
-    assert result.returncode == 0, result.stderr
-    assert "6/6" in result.stdout
-    study = study_files.load_study(tmp_path / "hertz.h5")
-    assert study.complete
-    assert len(study.runs) == 37
-    other = run("study", "hertz", "--folder", tmp_path)
-    assert other.returncode == 2
-    assert "made with other options" in other.stderr
-
-
 def test_iterations_study(tmp_path):
     result = run("study", "iterations", "--quick", "--folder", tmp_path)
     assert result.returncode == 0, result.stderr
@@ -579,7 +571,7 @@ def test_iterations_study(tmp_path):
     lost = study.runs[1]["task"]
     (tmp_path / "iterations.h5").unlink()
     (tmp_path / "tasks" / f"{lost}.json").unlink()
-    again = run("study", "iterations", "--quick", "--folder", tmp_path)
+    again = here("study", "iterations", "--quick", "--folder", tmp_path)
     assert again.returncode == 0, again.stderr
     assert "7 of 8 tasks are done" in again.stderr
     before, study = study, study_files.load_study(tmp_path / "iterations.h5")

@@ -24,6 +24,8 @@ from linecontact.solver.strategy.errors import estimated
 from linecontact.studies.command_line import main
 from linecontact.studies.files.study_files import load_study
 
+pytestmark = pytest.mark.once
+
 QUICK_ROUGH = RoughIndenter(0.8, 3, 1 / 8, 1 / 8)
 
 

@@ -19,20 +19,20 @@ pytestmark = pytest.mark.once
 
 @pytest.fixture(scope="module")
 def sample():
-    """Records of 500 cells of the map."""
+    """Records of 300 cells, one at every place of the map."""
     return [task.run(None) for task in extremes.QUICK.plan().runs]
 
 
 def test_a_sample_of_the_map(sample):
-    assert len(sample) == 500
+    assert len(sample) == 300
     assert not extremes.defects(StudyFile("extremes", {}, sample))
     plain = [run for run in sample if not run["asked"]]
     solved = sum(run["verdict"] == verdicts.CERTIFIED for run in plain)
-    assert solved >= 0.97 * len(plain) > 300
+    assert solved >= 0.97 * len(plain) > 200
     for run in sample:
         assert run["verdict"] == verdicts.CERTIFIED or " is " in run["why"]
         assert run["verdict"] == verdicts.CERTIFIED or "; allowed: " in run["why"]
-    assert sum("off.subgrid" in run for run in sample) > 50  # known from elsewhere
+    assert sum("off.subgrid" in run for run in sample) > 30  # known from elsewhere
 
 
 def test_the_sample_covers_the_map(sample):

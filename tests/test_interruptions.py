@@ -21,11 +21,11 @@ pytestmark = [
 ]
 
 
-def test_twenty_kills_lose_only_what_was_in_flight(tmp_path, folder):
+def test_ten_kills_lose_only_what_was_in_flight(tmp_path, folder):
     """At random moments after the first new task is begun, or after the start of the process."""
     todo, rng = [Square(i, pause=0.01) for i in range(200)], random.Random(1)
     kept, lost, kills = {}, 0, 0
-    while kills < 20:
+    while kills < 10:
         known = len(dummy_tasks.log())
         process = begin(program(todo, folder))
         try:

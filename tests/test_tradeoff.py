@@ -14,6 +14,8 @@ from linecontact.studies.tradeoff import study as tradeoff
 from linecontact.studies.tradeoff.ensembles import ALONE, ENSEMBLES, MANY
 from running import run_plans
 
+pytestmark = pytest.mark.once
+
 STORED = Path(studies.__file__).parent / "results" / "tradeoff.h5"
 HERTZ, ROUGH = "Hertz, half-space", "rough, half-space"
 

@@ -109,12 +109,12 @@ class Edges:
     """Which patches have as many spacings as nodes because nothing better is known, shape (M,)."""
     by_load: Mask | None = None
     """Which narrow patches have ends that their loads have told, see `loads`, shape (M,); None for none."""
-    unseen: float = 0.0
-    """Widths of gaps that lie between two contact nodes, see `unseen_gaps`, their sum [grid spacings]; by so much the
-    widths are too large together."""
     squared_slope: Array64 | None = None
     """Integral of h'^2 over each patch, shape (M,) [grid spacings]; NaN, or None for all, where it is to be had from
     the nodes."""
+    unseen: float = 0.0
+    """Widths of gaps that lie between two contact nodes, see `unseen_gaps`, their sum [grid spacings]; by so much the
+    widths are too large together."""
 
     @property
     def width(self) -> Array64:

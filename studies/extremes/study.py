@@ -49,7 +49,7 @@ class Configuration:
         return Plan(NAME, asdict(self), [Task(self.seed, number, size) for size, number in numbers])
 
 
-QUICK = Configuration(small=490, middle=10, large=0)
+QUICK = Configuration(small=290, middle=10, large=0)
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class Options(study.Options):
     """Scenes at the extremes, each certified, refused for a reason, or a defect: data, figure, table."""
 
     quick: bool = False
-    """500 cells on up to 2^18 points instead of 20 420 on up to 2^24."""
+    """300 cells on up to 2^18 points instead of 20 420 on up to 2^24."""
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,7 @@ def save(path: Path, draw: Callable[[Path], dict[str, Figure]]) -> list[Path]:
     written = []
     with plt.rc_context(STYLE), expecting(path):
         for ending, figure in draw(path).items():
+            _lay_out(figure)
             for form, file in zip(FORMATS, names(path, [ending]), strict=True):
                 image = io.BytesIO()
                 figure.savefig(image, format=form[1:])
@@ -31,3 +32,12 @@ def save(path: Path, draw: Callable[[Path], dict[str, Figure]]) -> list[Path]:
                 written.append(file)
             plt.close(figure)
     return written
+
+
+def _lay_out(figure: Figure) -> None:
+    """Give the parts of a figure their places, which otherwise takes half of the time of every format."""
+    engine = figure.get_layout_engine()
+    if engine is not None:
+        figure.set_dpi(matplotlib.rcParams["savefig.dpi"])
+        engine.execute(figure)
+        figure.set_layout_engine(None)
