@@ -6,15 +6,13 @@ from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from typing import Any
 
-import numpy as np
-
 from .. import __version__
 from . import checks, display
 from .arrays import Array64, Mask
 from .endings import Reason, Status
 from .grid.certificate import Certificate
 from .grid.observables import Observables
-from .grid.patch_table import PatchTable, patch_table
+from .grid.patch_table import PatchTable
 from .provenance import provenance
 from .scene import Scene
 from .warnings import SolutionWarning, find_warnings
@@ -103,6 +101,8 @@ class Solution:
     """Nodes that the wall carries, shape (N,)."""
     observables: Observables
     """Contact area, kappa and what else is measured."""
+    patches: PatchTable
+    """The contact patches: their ends, widths, loads and largest pressures."""
     certificate: Certificate | None
     """How wrong the displacement is; None where there was no discrete problem to solve."""
     iterations: int
@@ -166,11 +166,6 @@ class Solution:
             display.Row("kappa_subgrid", kappa, "-"),
             display.Row("approach", approach, length),
         ]
-
-    @cached_property
-    def patches(self) -> PatchTable:
-        """The contact patches: their ends, widths, loads and largest pressures."""
-        return patch_table(self.scene, np.where(self.contact, self.contact_pressure, 0.0))
 
     @cached_property
     def warnings(self) -> tuple[SolutionWarning, ...]:

@@ -255,7 +255,8 @@ def edge_function(curve: EdgeCurve, beta: Array64, j: Indices) -> Array64:
 
     beta, j: broadcast against each other; the result has their common shape.
     """
-    return np.asarray((1 - beta) * curve.at(j) + beta * curve.at(j - 1))
+    values = curve.at(np.arange(-1, int(j.max(initial=0)) + 1))  # once for all edges
+    return np.asarray((1 - beta) * values[j + 1] + beta * values[j])
 
 
 def edge_distance(curve: EdgeCurve, theta: Array64) -> Array64:

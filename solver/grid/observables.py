@@ -11,6 +11,7 @@ from ..reference.closed_forms import kappa_half_space
 from ..scene import Scene
 from .contact import contact_edges
 from .edges import Edges
+from .patch_table import PatchTable, patch_table
 from .patches import Patches
 from .problem import squared_slope
 
@@ -77,8 +78,9 @@ class Observables:
 
 def observe(
     scene: Scene, profile: Array64, displacement: Array64, contact_pressure: Array64, contact: Mask
-) -> Observables:
-    """Observables of a displacement [length] and contact pressure [pressure], 0 off the contact; all shape (N,).
+) -> tuple[Observables, PatchTable]:
+    """Observables and patches of a displacement [length] and contact pressure [pressure], 0 off the contact; all shape
+    (N,).
 
     profile: h [length].
     """
@@ -92,7 +94,7 @@ def observe(
     area_subgrid, gradient_subgrid, kappa_subgrid, sensitivity = subgrid_measures(scene, patches, edges, squared)
     area_error = edges.total_error / scene.num_points if area else 1.0
     kappa_error = sensitivity * area_error if area_error else 0.0
-    return Observables(
+    found = Observables(
         contact_area=area,
         rms_gradient_contact=gradient,
         reduced_pressure=reduced,
@@ -115,6 +117,7 @@ def observe(
         peak_pressure_sampling=peak_sampling(contact_pressure),
         unseen_gap_area=edges.unseen / scene.num_points,
     )
+    return found, patch_table(patches, edges, contact_pressure, scene.period)
 
 
 def foundation_modulus(scene: Scene) -> float:

@@ -10,8 +10,8 @@ import numpy as np
 
 from .. import display
 from ..arrays import Array64
-from ..scene import Scene
-from .contact import contact_edges
+from .edges import Edges
+from .patches import Patches
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,12 +37,14 @@ class PatchTable:
         return f"{type(self).__name__}: {count} contact patch{'es' * (count != 1)}{widest}"
 
 
-def patch_table(scene: Scene, pressure: Array64) -> PatchTable:
-    """The patches of a contact pressure, shape (N,) [pressure], 0 off the contact."""
-    patches, edges = contact_edges(scene, pressure)
+def patch_table(patches: Patches, edges: Edges, pressure: Array64, period: float) -> PatchTable:
+    """The table of patches with these edges, see `contact.contact_edges`, for the period L [length].
+
+    pressure: contact pressure, shape (N,) [pressure], 0 off the contact.
+    """
     if not patches.count:
         return PatchTable(*np.zeros((6, 0)))
-    spacing, inside = scene.period / pressure.size, pressure[patches.nodes]
+    spacing, inside = period / pressure.size, pressure[patches.nodes]
     left = edges.left % pressure.size
     return PatchTable(
         left=left * spacing,

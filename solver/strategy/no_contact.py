@@ -31,7 +31,7 @@ def without_contact(scene: Scene, means: Means) -> Solution:
         scene = replace(scene, approach=None, pressure=0.0)
     displacement, pressure = np.full(scene.num_points, approach), np.zeros(scene.num_points)
     contact = np.zeros(scene.num_points, dtype=bool)
-    found = observe(scene, scene.profile, displacement, pressure, contact)
+    found, patches = observe(scene, scene.profile, displacement, pressure, contact)
     found = replace(
         found,
         contact_area_error=0.0,
@@ -55,6 +55,7 @@ def without_contact(scene: Scene, means: Means) -> Solution:
         contact_pressure=pressure,
         contact=contact,
         observables=found,
+        patches=patches,
         certificate=None,
         iterations=0,
         transform_pairs=0.0,

@@ -44,19 +44,16 @@ def prolong(scene: Scene, pressure: Array64, patches: Patches, ends: Edges, num_
 
     steps = np.arange(patches.nodes.size) - np.repeat(patches.offset, patches.size)
     smooth = pressure[patches.nodes] / np.maximum(edges_at(patches, steps, 1.0, coarse_curve), 1e-3)
-    # Lagrange's polynomial through up to four nodes of the patch
+    # Newton's polynomial through up to four nodes of the patch
     x = nodes / factor - patches.first[p]
-    count = np.minimum(patches.size, 4)[p]
-    base = np.clip(np.floor(x).astype(np.int64) - 1, 0, patches.size[p] - count)
+    base = np.clip(np.floor(x).astype(np.int64) - 1, 0, np.maximum(patches.size - 4, 0)[p])
     x -= base
     base += patches.offset[p]
+    first_nodes, *differences = _differences(smooth, patches)
     values = np.zeros(x.size)
-    for k in range(4):
-        basis = (k < count).astype(np.float64)
-        for m in range(4):
-            if m != k:
-                basis *= np.where(m < count, (x - m) / (k - m), 1.0)
-        values += basis * smooth[np.minimum(base + k, smooth.size - 1)]
+    for k, difference in reversed([*enumerate(differences)]):
+        values = (values + difference[base]) * (x - k) / (k + 1)
+    values += first_nodes[base]
     values *= edges_at(fine, nodes - first[p], factor, fine_curve)
     # every patch keeps its load; nodes may lie outside of where that says that the patch ends
     values = np.maximum(values, 0.0)
@@ -67,3 +64,11 @@ def prolong(scene: Scene, pressure: Array64, patches: Patches, ends: Edges, num_
     # never 0: the node belongs to the contact
     fine_pressure[nodes % num_points] = np.maximum(values, 1e-12 * pressure.max())
     return fine_pressure
+
+
+def _differences(values: Array64, patches: Patches) -> list[Array64]:
+    """Values on contact nodes, and their first three forward differences; 0 for those that no patch of its size has."""
+    found = [values]
+    for k in range(1, 4):
+        found.append(np.where(patches.size[patches.label] > k, np.diff(found[-1], append=0.0), 0.0))
+    return found

@@ -27,7 +27,7 @@ def make_solution(
     np.minimum(displacement, profile, out=displacement)  # units round
     displacement[contact] = profile[contact]
     pressure *= scene.pressure
-    observables = observe(scene, profile, displacement, pressure, contact)
+    observables, patches = observe(scene, profile, displacement, pressure, contact)
     del profile
     return Solution(
         scene=scene,
@@ -38,6 +38,7 @@ def make_solution(
         contact_pressure=pressure,
         contact=contact,
         observables=with_errors(scene, observables, levels, certified.certificate.free_residual),
+        patches=patches,
         certificate=certified.certificate,
         iterations=effort.iterations,
         transform_pairs=effort.points_transformed / scene.num_points,

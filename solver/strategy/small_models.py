@@ -15,6 +15,7 @@ import numpy as np
 from ..arrays import Array64, Indices, Mask
 from ..grid.edges import Edges
 from ..grid.observables import Observables, observe, subgrid_measures
+from ..grid.patch_table import PatchTable
 from ..grid.patches import Patches
 from ..grid.problem import Problem, Stiffness, foundation_level, squared_slope
 from ..layers import ElasticLayer
@@ -47,6 +48,8 @@ class Modelled:
     """Nodes in contact, shape (N,)."""
     observables: Observables
     """What is measured, with the errors of the model."""
+    patches: PatchTable
+    """The contact patches of these fields."""
     error: float
     """Estimated relative error: by collocation of what the accuracy is asked of, of a foundation that of a_r."""
     problem: Problem | None = None
@@ -75,7 +78,7 @@ def asperity(scene: Scene, layer: ElasticLayer, accuracy: float, of: str) -> Mod
     approach = length * found.approach
     if layer is not scene.layer:  # the mean compression of the layer that there is
         approach += length * scene.pressure / modulus / scene.layer.foundation_modulus(length)
-    observables = observe(scene, profile, displacement, pressure, pressure > 0)
+    observables, patches = observe(scene, profile, displacement, pressure, pressure > 0)
     observables = _with_area(scene, observables, found.contact_area, errors["contact_area"], errors["kappa"])
     peak = modulus * found.peak_pressure
     observables = replace(
@@ -86,7 +89,7 @@ def asperity(scene: Scene, layer: ElasticLayer, accuracy: float, of: str) -> Mod
         approach=approach,
         approach_error=errors["approach"] * length * abs(found.approach),
     )
-    return Modelled(scene, displacement, pressure, pressure > 0, observables, errors[of])
+    return Modelled(scene, displacement, pressure, pressure > 0, observables, patches, errors[of])
 
 
 def _field_scene(scene: Scene, area: float) -> Scene:
@@ -148,7 +151,7 @@ def winkler(scene: Scene) -> Modelled:
         pressure *= scene.pressure / pressure.mean()  # the sampled load is off by the sampling
     profile = scene.profile
     displacement = np.where(contact, profile, np.minimum(level * problem.length_unit, profile))
-    observables = observe(scene, profile, displacement, pressure, contact)
+    observables, patches = observe(scene, profile, displacement, pressure, contact)
     if sampled:
         assert power
         error = _edges(scene) / area
@@ -167,7 +170,7 @@ def winkler(scene: Scene) -> Modelled:
             kappa_error=kappa_error,
             kappa_edges_error=kappa_error,
         )
-    return Modelled(scene, displacement, pressure, contact, observables, error, None if sampled else problem)
+    return Modelled(scene, displacement, pressure, contact, observables, patches, error, None if sampled else problem)
 
 
 def _edges(scene: Scene) -> float:

@@ -171,6 +171,7 @@ def _modelled(task: _Task, name: str, found: Modelled) -> Solution:
         contact_pressure=found.contact_pressure,
         contact=found.contact,
         observables=found.observables,
+        patches=found.patches,
         certificate=certificate,
         iterations=0,
         transform_pairs=0.0,
