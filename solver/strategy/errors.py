@@ -3,9 +3,10 @@
 From a grid with a quarter of the points to the present one a quantity changes by c; its error estimated from the edges
 of the patches alone is e. On a surface with w points to its shortest wave its error is estimated as
 
-    contact area, kappa    sqrt((0.6 e)^2 + (c/48)^2 + b^2) + g
-    peak pressure          sqrt((c/3)^2 + (c'/32)^2 + s^2)
-    approach               sqrt((c/2)^2 + (c'/16)^2)
+    contact area     sqrt((0.55 e)^2 + (c/48)^2 + b^2) + g
+    kappa            sqrt((0.6 e)^2 + (c/48)^2 + b^2) + g
+    peak pressure    sqrt((c/3)^2 + (c'/32)^2 + s^2)
+    approach         sqrt((c/2)^2 + (c'/16)^2)
 
 with c' the change before c and s what the nodes may miss of a peak between them; with one coarser grid alone they are
 c and 4 c.
@@ -79,7 +80,7 @@ QUANTITIES = {
         "contact_area_subgrid",
         "contact_area_error",
         "contact_area_edges_error",
-        of_edges=(0.36, 0.6),
+        of_edges=(0.36, 0.55),
         of_change=(1 / 13, 1 / 48),
         per_patch=(0.03, 0.004),
     ),
