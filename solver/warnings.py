@@ -107,7 +107,7 @@ def _of_grid(scene: Scene, found: Observables, patches: PatchTable) -> Iterator[
         )
     smooth = waves and patches.nodes.mean() <= _SMOOTH * half_wave
     edges = found.contact_area_edges_error
-    if (_LIKELY_IF_SMOOTH if smooth else _LIKELY) * edges > LARGEST_ERROR * area:
+    if (_LIKELY_IF_SMOOTH if smooth else _LIKELY) * edges + found.unseen_gap_area > LARGEST_ERROR * area:
         estimated = display.rounded_up(max(edges, found.contact_area_error) / area)
         text = f"the area is likely off by more than {LARGEST_ERROR:.0%}, and may be by {estimated} of itself"
         yield SolutionWarning(WarningKind.ERROR, f"{text}: few nodes tell where its edges are; more num_points")

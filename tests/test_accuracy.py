@@ -160,6 +160,16 @@ def test_short_waves_find_the_foundation_too_stiff_or_too_soft():
     assert found.error > 0.1
 
 
+def test_a_gap_between_two_nodes_counts_on_a_foundation():
+    """Nearly full contact, of which only the highest point of the profile is left open."""
+    scene = Scene(Layer(1e-7, 0.2), RoughIndenter(0.8, 55, 1 / 4, 1 / 8), pressure=1.0, num_points=256)
+    profile, modulus = scene.profile, scene.layer.foundation_modulus(1.0) * scene.layer.contact_modulus
+    scene = replace(scene, pressure=modulus * float((profile.max() - profile).mean()) * 1.0001)
+    coarse, fine = (small_models.winkler(scene.on_grid(n)).observables for n in (256, 2**14))
+    assert coarse.contact_area_subgrid == 1
+    assert 1e-3 < 1 - fine.contact_area_subgrid <= coarse.unseen_gap_area < coarse.contact_area_error
+
+
 def test_a_refused_foundation_says_so():
     solution = solve(Scene(Layer(1e-4, 0.25), ROUGH, 2e-2, num_points=2**16), accuracy=1e-3)
     reasons = {choice.what: choice.reason for choice in solution.choices}

@@ -80,6 +80,14 @@ def test_exact_edges_are_recovered():
         np.testing.assert_allclose(three, beta - curve.shift, atol=1e-11)
 
 
+def test_beyond_the_last_contact_node_an_edge_has_no_pressure():
+    """Patches of one and two nodes are asked for it by the edges of the patches beside them."""
+    for curve in (half_space_curve(), curve_of(FEW_SPACINGS[0])):
+        values = edge_function(curve, np.array([0.4]), np.array([5, 0, -1, -2]))
+        assert (values[:2] > 0).all()
+        assert not values[2:].any()
+
+
 def test_stored_measurement_meets_the_closed_form():
     """High-resolution solutions: the curves are the layers' own, and the closed forms are they."""
     study = study_files.load_study(STORED)

@@ -19,7 +19,7 @@ pytestmark = pytest.mark.once
 
 @pytest.fixture(scope="module")
 def sample():
-    """Records of 300 cells, one at every place of the map."""
+    """Records of 300 cells of the map."""
     return [task.run(None) for task in extremes.QUICK.plan().runs]
 
 

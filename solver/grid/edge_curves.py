@@ -255,8 +255,7 @@ def edge_function(curve: EdgeCurve, beta: Array64, j: Indices) -> Array64:
 
     beta, j: broadcast against each other; the result has their common shape.
     """
-    values = curve.at(np.arange(-1, int(j.max(initial=0)) + 1))  # once for all edges
-    return np.asarray((1 - beta) * values[j + 1] + beta * values[j])
+    return np.asarray((1 - beta) * curve.at(j) + beta * curve.at(j - 1))
 
 
 def edge_distance(curve: EdgeCurve, theta: Array64) -> Array64:

@@ -143,7 +143,7 @@ def find_edges(patches: Patches, pressure: Array64, layer: ElasticLayer, period:
     half a spacing, as by counting, to one.
     """
     if patches.full:
-        half = np.array([0.5])  # error: a gap between two nodes may not be seen
+        half = np.array([0.5])  # error: a gap between two nodes that not even `unseen_gaps` finds
         return Edges(patches.first - half, patches.last + half, np.ones(1), np.zeros(1, dtype=bool))
     thickness = thickness_on_grid(layer, patches.num_points, period)
     theta, spread = _in_row(patches, pressure)
@@ -171,8 +171,9 @@ def unseen_gaps(patches: Patches, pressure: Array64) -> float:
     pressure: as for `find_edges`. In full contact the pressure beside the middle of a narrow gap of the width g would
     be proportional to y^2 - g^2/8, with y the distance from it (H. M. Westergaard, J. Appl. Mech. 6, 49 (1939)), and a
     grid on which no node lies in the gap has just that. So there is a gap where the parabola through four pressures
-    (least squares) is negative somewhere between the middle ones. On thin layers the widths come out up to 1.4 times
-    too large.
+    (least squares) is negative somewhere between the middle ones. On thin compressible layers the widths come out up to
+    1.4 times too large, on thin incompressible ones many times. Where the pressure is no parabola, a gap near a node
+    may be missed.
     """
     four = np.flatnonzero(patches.label[3:] == patches.label[:-3])
     if patches.full:

@@ -65,7 +65,7 @@ class Observables:
     """The same for kappa."""
     peak_pressure_sampling: float
     """By how much the pressure between the nodes may pass the largest one, see `peak_sampling` [pressure]."""
-    unseen_gap_area: float = 0.0
+    unseen_gap_area: float
     """Estimated share of the period in gaps that lie between two contact nodes; part of `contact_area_error`."""
     peak_pressure_error: float = math.inf
     """Estimated error of the largest contact pressure [pressure]; `inf` where no coarser grid tells."""

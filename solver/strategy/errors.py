@@ -16,12 +16,12 @@ approach is measured there, and at best the first is believed: sqrt((m c)^2 + (c
 and 4, which also keeps a change that is small by accident from being believed; with one coarser grid the whole change.
 
 The area between sub-grid edges converges with the second or third power of the spacing, which would leave c/15 or c/63,
-and e alone is careful: it has to hold without a coarser grid. (Not so under smooth profiles for patches of fewer than
-20 nodes, and where a table ends with the grid's shortest wave: there e is taken whole.) The errors of many patches are
-independent but for a part that they have in common, b: a grid with few points to a wave misses what bends between its
-nodes. That is up to 0.03 (16/w)^2.5 grid spacings for the area of each patch whose pressures tell where it ends (0.04
-for kappa), and up to 0.004 (16/w)^2.5 (0.008) if its load does. Gaps that lie between two contact nodes all make the
-area too large: the sum of their widths g is added as it is, and in kappa the same share.
+and e alone is mostly too large: it has to hold without a coarser grid. (Not so under smooth profiles for patches of
+fewer than 20 nodes, and where a table ends with the grid's shortest wave: there e is taken whole.) The errors of many
+patches are independent but for a part that they have in common, b: a grid with few points to a wave misses what bends
+between its nodes. That is up to 0.03 (16/w)^2.5 grid spacings for the area of each patch whose pressures tell where it
+ends (0.04 for kappa), and up to 0.004 (16/w)^2.5 (0.008) if its load does. Gaps that lie between two contact nodes all
+make the area too large: the sum of their widths over the period, g, is added as it is, and in kappa the same share.
 
 Under a stiff coating thinner than a grid spacing the nodes may miss anything of the peak pressure (`inf`).
 
@@ -103,8 +103,8 @@ QUANTITIES = {
 DEFAULT_QUANTITY = "contact-area"
 
 _CAREFUL_FROM_IF_SMOOTH = 20.0
-"""Nodes of a patch under a smooth profile, on the average, from which on the estimate from its edges is careful."""
-_KNOWN = 0.001  # error of a layer's edge up to which the estimate is careful [grid spacings]
+"""Nodes of a patch under a smooth profile, on the average, from which on its edges are known better than estimated."""
+_KNOWN = 0.001  # error of a layer's edge up to which that is so [grid spacings]
 _COMMON, _COMMON_POWER = 16.0, 2.5  # points to the shortest wave, and the power with which their share falls
 _LEAST, _MOST = 1.25, 4.0  # factor by which changes fall from grid to grid, as far as that is believed
 _STIFF = 0.9  # 2K/(E* q) of the shortest wave, below which shorter ones find the layer stiffer

@@ -9,8 +9,8 @@ of a profile sharper than a parabola.
 
 Half-space. Its stiffness differs from the layer's by a share e at most. The area then changes by about e, as it would
 for such a change of the load, but near full contact by up to (2/pi) sqrt(e) (a sinusoidal indenter,
-`closed_forms.westergaard_area`): sqrt(e) is taken for it. And e is small beside the tolerance, because the certificate
-stays the layer's.
+`closed_forms.westergaard_area`): that change is estimated as sqrt(e). And e is small beside the tolerance, because the
+certificate stays the layer's.
 
 No shortcut is taken that layer and indenter do not justify: see `ElasticLayer` and `Indenter` for what they may offer.
 """

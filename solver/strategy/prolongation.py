@@ -9,7 +9,7 @@ for a few nodes, and the error of the pressure is that of the coarse grid, not o
 import numpy as np
 
 from ..arrays import Array64, Indices
-from ..grid.edge_curves import EdgeCurve, edge_curve, edge_function, half_space_curve
+from ..grid.edge_curves import EdgeCurve, edge_curve, half_space_curve
 from ..grid.edges import Edges
 from ..grid.layer_on_grid import thickness_on_grid
 from ..grid.patches import Patches
@@ -38,9 +38,15 @@ def prolong(scene: Scene, pressure: Array64, patches: Patches, ends: Edges, num_
     p = fine.label
 
     def edges_at(at: Patches, inside: Indices, scale: float, curve: EdgeCurve) -> Array64:
+        steps = np.arange(int(at.size.max()))
+        known, before = curve.at(steps), curve.at(steps - 1)  # of every step once, for all ends; see `edge_function`
+
+        def edge(beta: Array64, j: Indices) -> Array64:
+            return np.asarray((1 - beta) * known[j] + beta * before[j])
+
         left = np.clip(scale * ends.left - at.first + curve.shift, 0, 1)[at.label]
         right = np.clip(at.last - scale * ends.right + curve.shift, 0, 1)[at.label]
-        return edge_function(curve, left, inside) * edge_function(curve, right, at.size[at.label] - 1 - inside)
+        return edge(left, inside) * edge(right, at.size[at.label] - 1 - inside)
 
     steps = np.arange(patches.nodes.size) - np.repeat(patches.offset, patches.size)
     smooth = pressure[patches.nodes] / np.maximum(edges_at(patches, steps, 1.0, coarse_curve), 1e-3)

@@ -127,6 +127,7 @@ def _with_area(
         num_patches=1,
         num_counted_patches=0,
         num_patches_by_load=0,
+        unseen_gap_area=0.0,
     )
 
 
@@ -162,6 +163,7 @@ def winkler(scene: Scene) -> Modelled:
         observables, change = _measured(scene, observables, height, depth, modulus)
         area = observables.contact_area_subgrid
         error = _edges(scene) * observables.num_patches / area + change + _stiffening(scene) if area else math.inf
+        error += observables.unseen_gap_area / area if area else 0.0
         kappa_error = 2 * error * observables.kappa_subgrid
         observables = replace(
             observables,

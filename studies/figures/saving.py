@@ -35,7 +35,7 @@ def save(path: Path, draw: Callable[[Path], dict[str, Figure]]) -> list[Path]:
 
 
 def _lay_out(figure: Figure) -> None:
-    """Give the parts of a figure their places, which otherwise takes half of the time of every format."""
+    """Lay out the figure once; otherwise every format does it again, which is half of its time."""
     engine = figure.get_layout_engine()
     if engine is not None:
         figure.set_dpi(matplotlib.rcParams["savefig.dpi"])
