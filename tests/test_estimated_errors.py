@@ -102,6 +102,14 @@ def test_a_gap_between_two_nodes_is_in_the_estimated_error():
     assert 0.29 / 512 < off < coarse.contact_area_error < 2 * off
 
 
+def test_a_narrow_gap_between_wide_patches_ends_where_a_finer_grid_has_it():
+    """Of ten layer thicknesses each (found by a user: off by 1.3 grid spacings, 1.5 times the estimated error)."""
+    rough = RoughIndenter(0.3, 10, cut_off_ratio=1 / 8)
+    coarse, fine = (solve(Scene(Layer(0.05), rough, 1.2, num_points=n)).observables for n in (2**11, 2**14))
+    assert coarse.num_patches == fine.num_patches == 2
+    assert abs(coarse.contact_area_subgrid - fine.contact_area_subgrid) < 0.05 / 2**11
+
+
 @pytest.mark.parametrize(("gap", "beside"), [(0.2, 0.0), (0.2, 0.39), (0.7, -0.14), (1.35, 0.01)])
 def test_a_gap_between_two_nodes_is_seen(gap, beside):
     """The pressure beside a narrow gap, as it is on a grid without a node in it, wherever between two nodes it lies."""

@@ -39,9 +39,9 @@ from .patches import Patches
 COUNTED_BELOW = 3
 """Nodes; smaller patches have no pressures that tell their ends."""
 
-_NARROW, _THINNEST = 8.0, 2.5
-"""Layer thicknesses; narrower patches have the half-space's edge if their pressures look like it, on layers of so many
-grid spacings and more."""
+_NARROW, _NARROW_GAP, _THINNEST = 8.0, 0.5, 2.5
+"""Layer thicknesses; narrower patches, and patches beside narrower gaps, have the half-space's edge if their pressures
+look like it, on layers of so many grid spacings and more."""
 
 # The estimated error of an edge [grid spacings]: fitted so that it holds in 97 of 100 on rough surfaces with 8 to 64
 # points to the shortest wave, and where collocation knows the edges of smooth profiles (Hertz, sharp and
@@ -147,7 +147,8 @@ def find_edges(patches: Patches, pressure: Array64, layer: ElasticLayer, period:
         return Edges(patches.first - half, patches.last + half, np.ones(1), np.zeros(1, dtype=bool))
     thickness = thickness_on_grid(layer, patches.num_points, period)
     theta, spread = _in_row(patches, pressure)
-    narrow = (patches.size < _NARROW * thickness) & (thickness > _THINNEST) & (spread < _ALIKE)
+    narrow = (patches.size < _NARROW * thickness) | (patches.to_neighbours - 1 < _NARROW_GAP * thickness)
+    narrow &= (thickness > _THINNEST) & (spread < _ALIKE)
     by_layer = np.full(narrow.shape, _OVER_THICKNESS / thickness + _OVER_THICKNESS_SQUARED / thickness**2)
     if thickness < math.inf and not narrow.all():
         curve = edge_curve(layer, patches.num_points, period)
