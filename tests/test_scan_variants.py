@@ -90,6 +90,8 @@ READ = {
     "decoded once too little": ("x [\u00c2\u00b5m],z [\u00c2\u00b5m]\n" + rows(), {}),
     "line ends": (("x [um],z [um]\n" + rows()).replace("\n", "\r\n"), {}),
     "old line ends": (("x [um],z [um]\n" + rows()).replace("\n", "\r"), {}),
+    "a comment below the labels": ("x [um],z [um]\n# measured by me\n" + rows(), {}),
+    "labels and a comment, both marked": ("# x [um],z [um]\n# measured by me\n" + rows(), {}),
     # separators and decimals
     "decimal commas, semicolons": ("x [um];z [um]\n" + rows(sep=";", decimal=","), {}),
     "decimal commas, tabs": ("x [um]\tz [um]\n" + rows(sep="\t", decimal=","), {}),
@@ -203,6 +205,11 @@ REFUSED = {
     "a long gap": ("x [um],z [um]\n" + rows(keep=np.r_[:60, 100:COUNT]), {}, "x has a gap of .* of the scan"),
     "too few digits": ("x [um],z [um]\n" + rows(digits=2), {}, "x goes from"),
     "not measured": ("x [um],z [um]\n" + rows().replace("\n", "\n0.1,nan\n", 1), {}, "height number 2 is not finite"),
+    "a short row of integers": (
+        "x [um],z [nm]\n0,1\n1\n" + "".join(f"{i},{i * 7 % 11}\n" for i in range(2, 60)),
+        {},
+        "line 3: '1' is not 2 numbers",
+    ),
     "a word for a value": ("x [um],z [um]\n" + rows() + "32,BAD\n", {}, "line 202: '32,BAD' is not 2 numbers"),
     "an empty cell": ("x [um],z [um]\n" + rows() + "32,\n", {}, "line 202: '32,' is not 2 numbers"),
     "a period": ("x [um],z [um]\n" + rows(), {"period": 1e-3}, "period is 0.001; allowed: none"),

@@ -74,6 +74,8 @@ def labels(lines: Sequence[str], delimiter: str | None, count: int) -> list[Labe
         lines = lines[:-1]
     for line in lines[: -_LINES - 1 : -1]:
         cells = _cells(line, delimiter, count)
+        if not cells and not found and line.lstrip().startswith(("#", "%")):
+            continue  # a comment below the labels
         values = any(_VALUE.search(cell) or _PARAMETER.search(cell.lower()) for cell in cells)
         if not cells or values or any(label.role and label.unit for label in found):
             break

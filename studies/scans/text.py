@@ -108,10 +108,7 @@ def read_text(path: Path, name: str, decimal: Decimal | None) -> Table:
     except ValueError as error:
         for i in range(first, len(lines)):
             if writing.numbers(lines[i]) != count:
-                raise ValueError(
-                    f"profile_file {path}, line {i + 1}: {lines[i].strip()[:40]!r} is not {counted(count, 'number')}; "
-                    f"allowed: {counted(count, 'number')} in every line ({writing})"
-                ) from None
+                raise ValueError(_not_a_row(path, lines, i, writing, count)) from None
         # what float() reads and NumPy does not, like 1_0
         raise ValueError(f"profile_file {path}: {error}; allowed: plain numbers") from None
     head = lines[:first]
@@ -173,8 +170,12 @@ def _find(path: Path, lines: Sequence[str], decimal: Decimal | None) -> _Found:
         raise ValueError(f"profile_file {path} holds no table of numbers{signs}{seen}; allowed: {allowed}")
     longest = max(table.run for table in found)
     best, *others = [table for table in found if table.run == longest]
-    labelled = next((one for one in (best, *others) if one.writing.delimiter == "," and _has_labels(lines, one)), None)
-    if labelled:  # as many labels between commas as numbers: these part columns
+    # as many labels between commas as numbers: these part columns
+    labelled = next((one for one in found if one.writing.delimiter == "," and _after_labels(lines, one)), None)
+    if labelled:
+        for i in range(_after_labels(lines, labelled), labelled.first):
+            if labelled.run < longest and lines[i].strip() and labelled.writing.numbers(lines[i]) != labelled.count:
+                raise ValueError(_not_a_row(path, lines, i, labelled.writing, labelled.count))
         return labelled
     unclear = any((other.first, other.count) != (best.first, best.count) for other in others)
     if unclear or (decimal is None and _may_be_thousands(best.writing, lines[best.first :])):
@@ -185,8 +186,20 @@ def _find(path: Path, lines: Sequence[str], decimal: Decimal | None) -> _Found:
     return best
 
 
-def _has_labels(lines: Sequence[str], table: _Found) -> bool:
-    return any(label.names_unit for label in labels(lines[: table.first], table.writing.delimiter, table.count))
+def _after_labels(lines: Sequence[str], table: _Found) -> int:
+    """The line after the last one above a table that labels its columns with units; 0 without one."""
+    for end in range(table.first, 0, -1):
+        if any(label.names_unit for label in labels(lines[:end], table.writing.delimiter, table.count)):
+            return end
+    return 0
+
+
+def _not_a_row(path: Path, lines: Sequence[str], i: int, writing: Writing, count: int) -> str:
+    numbers = counted(count, "number")
+    return (
+        f"profile_file {path}, line {i + 1}: {lines[i].strip()[:40]!r} is not {numbers}; allowed: {numbers} in every "
+        f"line ({writing})"
+    )
 
 
 def _table(lines: Sequence[str], writing: Writing, with_sign: bool) -> _Found | None:
