@@ -178,10 +178,12 @@ def solution_table(solution: Solution) -> Whole:
     table.add_column("unit")
     image = ", mirror image too" * mirrored(record["scene"])
     unknown = "" if "contact_stiffness" in record else " (needs a result as asked)"
+    gaps = record["unseen_gap_area"]
     own = " (edges only)" if solution.certificate and not solution.levels else ""
     rows = [
         ("contact area a_r (sub-grid edges)", f"{record['contact_area_subgrid']:.10g}", "-"),
         (f"  its absolute error, estimated{own}", rounded_up(error), "-"),
+        *([("  of it gaps between two nodes", rounded_up(gaps), "-")] if gaps else []),
         ("contact width a_r L", record["contact_width"], "length"),
         *(
             [
