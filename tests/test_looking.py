@@ -312,6 +312,8 @@ def test_numbers_at_an_axis_do_not_run_into_each_other(first, ratio):
         (Scene(SlidingLayer(0.1), num_points=256), "sliding, $d=0.1\\,L$"),
         (Scene(pressure=1.0, num_points=256), "in 1 patch"),
         (Scene(pressure=1e-9, num_points=256), "dimensionless"),
+        (Scene(num_points=256), "profile: power, $n=2$"),
+        (Scene(Layer(0.1), RoughIndenter(0.3, 70236, cut_off_ratio=1 / 8), 1e-2, num_points=512), "seed 70236"),
     ],
 )
 def test_what_a_figure_says(scene, said):

@@ -254,7 +254,18 @@ def _title(results: dict[str, Any], units: Scales, patches: int) -> str:
     scan = scan if len(scan) <= _LONGEST_NAME else f"{scan[: _LONGEST_NAME - 4]} ..."
     below = f"\n{units.base}" * bool(units.base)  # on a line of its own
     told = ", ".join(filter(None, (units.thickness, _ratio(results), below, units.load)))
-    return "\n".join(filter(None, (scan, told, found))) + ended
+    return "\n".join(filter(None, (scan or _surface(results), told, found))) + ended
+
+
+def _surface(results: dict[str, Any]) -> str:
+    """What is pressed against the layer, for what is no scan."""
+    told = [f"profile: {plain(str(results['scene.profile']))}"]
+    for name, sign in (("exponent", "n"), ("hurst", "H"), ("cut_off_ratio", r"\lambda_s/\lambda_r")):
+        if (key := f"scene.{name}") in results:
+            told.append(f"${sign}={typeset(float(results[key]))}$")
+    if "scene.seed" in results:
+        told.append(f"seed {int(results['scene.seed'])}")
+    return ", ".join(told)
 
 
 def _ratio(results: dict[str, Any]) -> str:
