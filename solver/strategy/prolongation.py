@@ -36,20 +36,7 @@ def prolong(scene: Scene, pressure: Array64, patches: Patches, ends: Edges, num_
     fine = Patches(num_points, first, last)
     nodes = np.arange(int(fine.size.sum())) - np.repeat(fine.offset - first, fine.size)
     p = fine.label
-
-    def edges_at(at: Patches, inside: Indices, scale: float, curve: EdgeCurve) -> Array64:
-        steps = np.arange(int(at.size.max()))
-        known, before = curve.at(steps), curve.at(steps - 1)  # of every step once, for all ends; see `edge_function`
-
-        def edge(beta: Array64, j: Indices) -> Array64:
-            return np.asarray((1 - beta) * known[j] + beta * before[j])
-
-        left = np.clip(scale * ends.left - at.first + curve.shift, 0, 1)[at.label]
-        right = np.clip(at.last - scale * ends.right + curve.shift, 0, 1)[at.label]
-        return edge(left, inside) * edge(right, at.size[at.label] - 1 - inside)
-
-    steps = np.arange(patches.nodes.size) - np.repeat(patches.offset, patches.size)
-    smooth = pressure[patches.nodes] / np.maximum(edges_at(patches, steps, 1.0, coarse_curve), 1e-3)
+    smooth = pressure[patches.nodes] / np.maximum(_edge_functions(coarse_curve, patches, ends, 1.0), 1e-3)
     # Newton's polynomial through up to four nodes of the patch
     x = nodes / factor - patches.first[p]
     base = np.clip(np.floor(x).astype(np.int64) - 1, 0, np.maximum(patches.size - 4, 0)[p])
@@ -60,7 +47,7 @@ def prolong(scene: Scene, pressure: Array64, patches: Patches, ends: Edges, num_
     for k, difference in reversed([*enumerate(differences)]):
         values = (values + difference[base]) * (x - k) / (k + 1)
     values += first_nodes[base]
-    values *= edges_at(fine, nodes - first[p], factor, fine_curve)
+    values *= _edge_functions(fine_curve, fine, ends, factor)
     # every patch keeps its load; nodes may lie outside of where that says that the patch ends
     values = np.maximum(values, 0.0)
     lost = fine.sums(values) <= 0
@@ -70,6 +57,23 @@ def prolong(scene: Scene, pressure: Array64, patches: Patches, ends: Edges, num_
     # never 0: the node belongs to the contact
     fine_pressure[nodes % num_points] = np.maximum(values, 1e-12 * pressure.max())
     return fine_pressure
+
+
+def _edge_functions(curve: EdgeCurve, patches: Patches, ends: Edges, factor: float) -> Array64:
+    """The edge functions of both ends of the patches, multiplied, at their contact nodes; see `edge_function`.
+
+    factor: grid spacings of the patches in one of the ends.
+    """
+    steps = np.arange(int(patches.size.max()))
+    known, before = curve.at(steps), curve.at(steps - 1)  # of every step once, for all ends
+    inside, p = np.arange(patches.label.size) - np.repeat(patches.offset, patches.size), patches.label
+
+    def edge(beyond: Array64, j: Indices) -> Array64:
+        beta = np.clip(beyond + curve.shift, 0, 1)[p]
+        return np.asarray((1 - beta) * known[j] + beta * before[j])
+
+    left, right = factor * ends.left - patches.first, patches.last - factor * ends.right
+    return edge(left, inside) * edge(right, patches.size[p] - 1 - inside)
 
 
 def _differences(values: Array64, patches: Patches) -> list[Array64]:

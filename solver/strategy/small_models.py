@@ -162,8 +162,8 @@ def winkler(scene: Scene) -> Modelled:
     else:
         observables, change = _measured(scene, observables, height, depth, modulus)
         area = observables.contact_area_subgrid
-        error = _edges(scene) * observables.num_patches / area + change + _stiffening(scene) if area else math.inf
-        error += observables.unseen_gap_area / area if area else 0.0
+        unknown = _edges(scene) * observables.num_patches + observables.unseen_gap_area
+        error = unknown / area + change + _stiffening(scene) if area else math.inf
         kappa_error = 2 * error * observables.kappa_subgrid
         observables = replace(
             observables,

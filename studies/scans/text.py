@@ -170,12 +170,10 @@ def _find(path: Path, lines: Sequence[str], decimal: Decimal | None) -> _Found:
         raise ValueError(f"profile_file {path} holds no table of numbers{signs}{seen}; allowed: {allowed}")
     longest = max(table.run for table in found)
     best, *others = [table for table in found if table.run == longest]
-    # as many labels between commas as numbers: these part columns
     labelled = next((one for one in found if one.writing.delimiter == "," and _after_labels(lines, one)), None)
-    if labelled:
-        for i in range(_after_labels(lines, labelled), labelled.first):
-            if labelled.run < longest and lines[i].strip() and labelled.writing.numbers(lines[i]) != labelled.count:
-                raise ValueError(_not_a_row(path, lines, i, labelled.writing, labelled.count))
+    if labelled:  # as many labels between commas as numbers: these part columns
+        if labelled.run < longest:  # written in another way, lines above it would be rows, too
+            _check_rows(path, lines, labelled)
         return labelled
     unclear = any((other.first, other.count) != (best.first, best.count) for other in others)
     if unclear or (decimal is None and _may_be_thousands(best.writing, lines[best.first :])):
@@ -192,6 +190,13 @@ def _after_labels(lines: Sequence[str], table: _Found) -> int:
         if any(label.names_unit for label in labels(lines[:end], table.writing.delimiter, table.count)):
             return end
     return 0
+
+
+def _check_rows(path: Path, lines: Sequence[str], table: _Found) -> None:
+    """Whether all lines between the labels and a table are rows of it, or empty. Raises `ValueError`."""
+    for i in range(_after_labels(lines, table), table.first):
+        if lines[i].strip() and table.writing.numbers(lines[i]) != table.count:
+            raise ValueError(_not_a_row(path, lines, i, table.writing, table.count))
 
 
 def _not_a_row(path: Path, lines: Sequence[str], i: int, writing: Writing, count: int) -> str:
