@@ -41,6 +41,19 @@ def unit(name: str) -> str:
     return "s" if "seconds." in name else _UNITS.get(name.rsplit(".", 1)[-1], "1")
 
 
+def declare(units: Mapping[str, str]) -> None:
+    """Say in which units the numbers of a layer or an indenter of one's own are.
+
+    units: 'length', 'pressure' or 'pressure/length' by the name of the number. Raises `ValueError` for another unit,
+    and for one that the same name does not have elsewhere.
+    """
+    for name, one in units.items():
+        if one not in _UNITS.values():
+            raise ValueError(f"units of {name} is {one!r}; allowed: {', '.join(sorted(set(_UNITS.values())))}")
+        if _UNITS.setdefault(name, one) != one:
+            raise ValueError(f"units of {name} is {one!r}; allowed: {_UNITS[name]}, which it is elsewhere")
+
+
 def length_unit(about: Mapping[str, Any], prefix: str = "") -> str:
     """The unit of length of what is described by these names; 'length' where nobody has said which one it is.
 

@@ -248,6 +248,8 @@ def test_a_length_of_a_scan_s_scene_is_not_guessed_to_be_in_metres(words, said, 
     assert main(["solve", *scene, *words, "--length-unit", "um", "--json"]) == 0
     nothing_to_guess = ["--thickness", "inf", "--approach", "0", "--json"]
     assert main(["solve", *scene, *nothing_to_guess]) == 0
+    assert main(["solve", *scene, *nothing_to_guess, "--period", "1"]) == 2
+    assert "period is 1.0; allowed: none with a file" in capsys.readouterr().err
 
 
 def test_the_unit_of_a_scene_is_that_of_numbers_in_scene_units(tmp_path, capsys):

@@ -261,7 +261,7 @@ def test_the_curve_of_a_scan_names_its_file_and_has_its_unit(tmp_path):
 def test_the_curve_of_a_layer_names_its_thickness_over_the_period(tmp_path):
     words = ["--thickness", 0.2, "--num-points", "2^9"]
     figure = curve_of(tmp_path / "nu", *words, "--period", 2, "--over", "poisson_ratio", "--values", "0,0.4")
-    assert "power, $p=0.002\\,E^*$, $n=2$, $d=0.1\\,L$, 512 points" in figure.get_suptitle()
+    assert "profile: power, $n=2$, $d=0.1\\,L$, $p=0.002\\,E^*$, 512 points" in figure.get_suptitle()
     assert figure.axes[-1].get_xlabel() == "Poisson ratio (dimensionless)"
     figure = curve_of(tmp_path / "period", *words, "--over", "period", "--values", "1,2")
     assert "$d=0.2$" in figure.get_suptitle()

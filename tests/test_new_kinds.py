@@ -5,6 +5,7 @@ They go all the way: `solve`, nested grids, certificate, accuracy, the stored fi
 
 import json
 import math
+import re
 from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
@@ -27,6 +28,7 @@ from linecontact.solver import (
 )
 from linecontact.solver.grid.kept import forget
 from linecontact.solver.layers.bonded import layer_factor
+from linecontact.solver.units import unit
 from linecontact.studies.command_line import main
 from linecontact.studies.extremes import cells
 from linecontact.studies.files import solution_files
@@ -87,6 +89,7 @@ class CosineIndenter(Indenter):
     """m >= 1."""
 
     name: ClassVar[str] = "cosine"
+    units: ClassVar[dict[str, str]] = {"amplitude": "length"}
 
     def profile(self, num_points, period):
         x = np.arange(num_points) / num_points
@@ -379,11 +382,24 @@ def test_the_command_line_knows_them(tmp_path, capsys, options):
     assert record["scene"]["profile"] == given.get("--profile", "power")
     if "--amplitude" in given:
         assert (record["scene"]["amplitude"], record["scene"]["waves"]) == (0.02, 3)
+        assert (unit("scene.amplitude"), unit("scene.waves")) == ("length", "1")
     fields, attributes = solution_files.load_solution(file)
     assert attributes["scene.layer"] == record["scene"]["layer"]
     assert attributes["contact_area_subgrid"] == record["contact_area_subgrid"]
     assert fields["x"].size == record["scene"]["num_points"]
     assert file.with_suffix(".png").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize(
+    ("units", "allowed"),
+    [
+        ({"amplitude": "metre"}, "units of amplitude is 'metre'; allowed: length, pressure, pressure/length"),
+        ({"radius": "pressure"}, "units of radius is 'pressure'; allowed: length, which it is elsewhere"),
+    ],
+)
+def test_units_of_own_numbers_agree_with_all_others(units, allowed):
+    with pytest.raises(ValueError, match=re.escape(allowed)):
+        type("Own", (Indenter,), {"units": units})
 
 
 def test_options_of_another_kind_are_refused(capsys):

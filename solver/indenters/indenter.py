@@ -5,12 +5,14 @@ Heights come in units of the period L, so that a shape has no unit of its own.
 """
 
 from abc import abstractmethod
+from collections.abc import Mapping
 from typing import Any, ClassVar, Protocol, Self
 
 import numpy as np
 
 from ..arrays import Array64
 from ..layers import ElasticLayer
+from ..units import declare
 
 
 class Indenter(Protocol):
@@ -18,6 +20,12 @@ class Indenter(Protocol):
 
     name: ClassVar[str]
     """The indenter's name on the command line and in stored results."""
+    units: ClassVar[Mapping[str, str]] = {}
+    """Units of its own fields by name, 'length' or 'pressure'; those that are not named are dimensionless."""
+
+    def __init_subclass__(cls, **more: Any) -> None:
+        super().__init_subclass__(**more)
+        declare(cls.units)
 
     @abstractmethod
     def profile(self, num_points: int, period: float) -> Array64:

@@ -5,9 +5,11 @@ the defaults of the rest say "not known", and then no shortcut is taken.
 """
 
 from abc import abstractmethod
+from collections.abc import Mapping
 from typing import Any, ClassVar, Protocol, Self
 
 from ..arrays import Array64
+from ..units import declare
 
 
 class ElasticLayer(Protocol):
@@ -15,6 +17,12 @@ class ElasticLayer(Protocol):
 
     name: ClassVar[str]
     """The layer's name on the command line and in stored results."""
+    units: ClassVar[Mapping[str, str]] = {}
+    """Units of its own fields by name, 'length' or 'pressure'; those that are not named are dimensionless."""
+
+    def __init_subclass__(cls, **more: Any) -> None:
+        super().__init_subclass__(**more)
+        declare(cls.units)
 
     contact_modulus: float
     """E* > 0 [pressure], the modulus with which short waves find a half-space: K(q) = E* q/2."""

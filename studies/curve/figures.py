@@ -12,8 +12,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from ..figures.scales import base, shown, thickness_in
-from ..figures.style import COLOURS, ONE_COLUMN, NothingToDraw, kind, layer, load, panels, plain, typeset
+from ..figures.style import COLOURS, ONE_COLUMN, NothingToDraw, kind, layer, load, panels, typeset
 from ..figures.ticks import few_ticks
+from ..figures.titles import poisson, pressed
 from ..files.study_files import StudyFile
 from ..scans.units import UNITS, axis_units
 from .tasks import column
@@ -126,27 +127,25 @@ def _logarithmic(values: Array64) -> bool:
 
 def _scene(run: Mapping[str, Any], over: str) -> str:
     """What all points have in common, in a line."""
-    told = {name: run[f"scene.{name}"] for name in _SYMBOLS if name != over and f"scene.{name}" in run}
-    units = _units(run)
-    period = float(run["scene.period"]) if over != "period" else 0.0  # where it varies d/L does, too
-    numbers = [_number(name, float(value), units, period) for name, value in told.items() if np.isfinite(value)]
-    half_space = ["half-space"] * (told.get("thickness") == np.inf) + [kind(str(run["scene.layer"]))]
+    told = [pressed(run, over), kind(str(run["scene.layer"]))]
+    if over != "thickness" and "scene.thickness" in run:
+        told.append(_thickness(run, over))
+    if over != "poisson_ratio":
+        told.append(poisson(run))
     if over not in ("contact_modulus", "base_modulus", "base_poisson_ratio"):
-        numbers.append(base(run))
+        told.append(base(run))
     load = float(run["scene.pressure"]) / float(run.get("scene.contact_modulus", np.nan))
     if over not in ("pressure", "approach") and np.isfinite(load):
-        half_space.append(f"$p={typeset(load)}\\,E^*$")
-    points = [] if over == "num_points" else [f"{run['scene.num_points']} points"]
-    indenter = plain(Path(str(run.get("scene.profile_file", run["scene.profile"]))).name)
-    return ", ".join(filter(None, [indenter, *half_space, *numbers, *points]))
+        told.append(f"$p={typeset(load)}\\,E^*$")
+    if over != "num_points":
+        told.append(f"{run['scene.num_points']} points")
+    return ", ".join(filter(None, told))
 
 
-def _number(name: str, value: float, units: tuple[str, str] | None, period: float) -> str:
-    """A number of the scene with its symbol: a thickness in a scan's units, or over the period unless that is 0."""
-    if name == "thickness" and (units or period):
-        return thickness_in(value, units[0]) if units else layer(value / period)
-    return f"${_SYMBOLS[name]}={typeset(value)}$"
-
-
-_SYMBOLS = {"exponent": "n", "hurst": "H", "thickness": "d", "poisson_ratio": "\\nu"}
-"""Numbers of a scene that are told above its curve, with their symbols."""
+def _thickness(run: Mapping[str, Any], over: str) -> str:
+    """The layer's thickness in a scan's units, else over the period unless that varies."""
+    thickness, units = float(run["scene.thickness"]), _units(run)
+    if units:
+        return thickness_in(thickness, units[0])
+    varies = over == "period" and np.isfinite(thickness)
+    return f"$d={typeset(thickness)}$" if varies else layer(thickness / float(run["scene.period"]))

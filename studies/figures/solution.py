@@ -23,15 +23,15 @@ from matplotlib.ticker import MaxNLocator
 from ..files import solution_files, writing
 from ..files.solution_files import Name, StoredSolution
 from .scales import Scales, scales
-from .style import COLOURS, ONE_COLUMN, STYLE, plain, typeset, typeset_error
+from .style import COLOURS, ONE_COLUMN, STYLE, typeset, typeset_error
 from .thinning import extremes, merged
 from .ticks import few_ticks
+from .titles import poisson, pressed
 
 _PLACES = 2000  # along an axis: more than a page can show
 _INDENTER, _SURFACE, _CONTACT, _ENLARGED = "k", COLOURS[0], COLOURS[3], COLOURS[4]
 _INDENTER_BODY, _LAYER_BODY, _MIRROR = "0.82", "#d9e8f2", "0.55"
 _FEW = 40  # nodes in the enlarged patch that are shown one by one
-_LONGEST_NAME = 48  # characters of a scan's name in the title
 _WIDE = 0.4  # of the period: no patch as wide as that needs to be enlarged
 
 
@@ -131,7 +131,9 @@ def figure(solution: StoredSolution) -> Figure:
     if enlarged:
         _enlarge(axes, units, contact, solution)
     drawn.suptitle(_title(solution.results, units, contact.left.size), fontsize=8)
-    drawn.legend(handles=_legend(units, enlarged), loc="outside lower center", ncols=2, columnspacing=1.2)
+    drawn.legend(
+        handles=_legend(units, contact.left.size > 0, enlarged), loc="outside lower center", ncols=2, columnspacing=1.2
+    )
     return drawn
 
 
@@ -232,12 +234,13 @@ def _enlarge(axes: dict[str, Axes], units: Scales, contact: Contact, solution: S
         axes[name].plot(place, 1, "v", color=_ENLARGED, ms=4, transform=axes[name].get_xaxis_transform(), clip_on=False)
 
 
-def _legend(units: Scales, enlarged: bool) -> list[Line2D | Patch]:
+def _legend(units: Scales, touching: bool, enlarged: bool) -> list[Line2D | Patch]:
     found: list[Line2D | Patch] = [
         Line2D([], [], color=_INDENTER, lw=0.8, label="indenter $h$"),
         Line2D([], [], color=_SURFACE, lw=0.8, label="surface $u$ of the layer"),
-        Patch(fc=_CONTACT, label="contact patches"),
     ]
+    if touching:
+        found.append(Patch(fc=_CONTACT, label="contact patches"))
     if enlarged:
         found.append(Line2D([], [], color=_ENLARGED, ls="--", lw=0.7, marker="v", ms=4, label="enlarged, its edges"))
     if units.mirrored:
@@ -250,25 +253,6 @@ def _title(results: dict[str, Any], units: Scales, patches: int) -> str:
     found = f"$a_r = {typeset(area, 6)} \\pm {typeset_error(error)}$ in {patches} patch{'es' if patches != 1 else ''}"
     status = Status(results["status"])  # a file's text is not drawn if it is none of these
     ended = "" if status is Status.CONVERGED else f"\nNot as asked: {status}"
-    scan = plain(str(results.get("scene.profile_file", "")))
-    scan = scan if len(scan) <= _LONGEST_NAME else f"{scan[: _LONGEST_NAME - 4]} ..."
     below = f"\n{units.base}" * bool(units.base)  # on a line of its own
-    told = ", ".join(filter(None, (units.thickness, _ratio(results), below, units.load)))
-    return "\n".join(filter(None, (scan or _surface(results), told, found))) + ended
-
-
-def _surface(results: dict[str, Any]) -> str:
-    """What is pressed against the layer, for what is no scan."""
-    told = [f"profile: {plain(str(results['scene.profile']))}"]
-    for name, sign in (("exponent", "n"), ("hurst", "H"), ("cut_off_ratio", r"\lambda_s/\lambda_r")):
-        if (key := f"scene.{name}") in results:
-            told.append(f"${sign}={typeset(float(results[key]))}$")
-    if "scene.seed" in results:
-        told.append(f"seed {int(results['scene.seed'])}")
-    return ", ".join(told)
-
-
-def _ratio(results: dict[str, Any]) -> str:
-    """Poisson's ratio of the layer; not every one has it."""
-    ratio = results.get("scene.poisson_ratio")
-    return "" if ratio is None else f"$\\nu={ratio:g}$"
+    told = ", ".join(filter(None, (units.thickness, poisson(results), below, units.load)))
+    return "\n".join(filter(None, (pressed(results), told, found))) + ended

@@ -127,8 +127,8 @@ def state(rows: Sequence[Row], sizes: Sequence[int], wanted: Wanted, seed: int) 
         seconds = main.seconds(reached[-1]) * finer / reached[-1]
         batches = _batches(begin, count, (finer,), seconds)
         seconds, solves = count * seconds + then.seconds_left, count + then.solves_left
-        return _within(State(estimates, batches, seconds, solves), rows, wanted)
-    return _within(then, rows, wanted)
+        return _within(State(estimates, batches, seconds, solves), rows, wanted, "at least")
+    return _within(then, rows, wanted, "about")
 
 
 def share_done(ensembles: Iterable[tuple[Sequence[Row], State]]) -> float:
@@ -197,18 +197,22 @@ def _batches(first: int, count: int, sizes: tuple[int, ...], seconds: float) -> 
     return tuple(Batch(first + done, min(size, count - done), sizes) for done in range(0, count, size))
 
 
-def _within(found: State, rows: Sequence[Row], wanted: Wanted) -> State:
-    """The same, without anything left to do if that would go beyond what may be planned."""
+def _within(found: State, rows: Sequence[Row], wanted: Wanted, known: str) -> State:
+    """The same, without anything left to do if that would go beyond what may be planned.
+
+    known: 'about' or 'at least', how well it is known what is left.
+    """
     if not found.batches:
         return found
     seconds = _seconds(rows) + found.seconds_left
     solves = len(on_grids(rows)) + found.solves_left
+    allowed = "of that or more, or a larger standard error"
     if seconds > wanted.max_seconds:
-        more = f"it takes about {rounded_up(seconds)} s of solving"
-        why = f"{more}, max_seconds is {wanted.max_seconds:g}; allowed: max_seconds of that, or a larger standard error"
+        more = f"it takes {known} {rounded_up(seconds)} s of solving, max_seconds is {wanted.max_seconds:g}"
+        why = f"{more}; allowed: max_seconds {allowed}"
     elif solves > wanted.max_samples:
-        more = f"it takes about {math.ceil(float(rounded_up(solves)))} solves"
-        why = f"{more}, max_samples is {wanted.max_samples}; allowed: max_samples of that, or a larger standard error"
+        more = f"it takes {known} {math.ceil(float(rounded_up(solves)))} solves, max_samples is {wanted.max_samples}"
+        why = f"{more}; allowed: max_samples {allowed}"
     else:
         return found
     return State(found.estimates, (), found.seconds_left, found.solves_left, why)

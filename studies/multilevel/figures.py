@@ -8,7 +8,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..figures.style import COLOURS, MARKERS, TWO_COLUMNS, NothingToDraw, load, panels
+from ..figures.style import COLOURS, MARKERS, TWO_COLUMNS, NothingToDraw, load, panels, plain
+from ..scenes.described import in_words
 from .estimator import Estimate, differences, term
 from .samples import FOUNDATION, Samples, unit_of
 from .tasks import found
@@ -28,7 +29,8 @@ def draw(path: Path) -> dict[str, Figure]:
     for (left, right), (observable, estimate) in zip(rows, shown.items(), strict=True):
         samples = Samples(study.runs, observable)
         _scatter(left, observable, samples)
-        _errors(right, unit_of(observable), estimate, samples, spent)
+        _errors(right, observable, estimate, samples, spent)
+    figure.suptitle(plain(in_words(study.configuration["scene"])), fontsize=8, wrap=True)
     return {"": figure}
 
 
@@ -48,7 +50,10 @@ def _scatter(axes: Axes, observable: str, samples: Samples) -> None:
     if FOUNDATION in samples.values:
         _foundation(axes, samples, sizes)
     axes.set(
-        xscale="log", yscale="log", xlabel="grid points (dimensionless)", ylabel=f"{observable} ({unit_of(observable)})"
+        xscale="log",
+        yscale="log",
+        xlabel="grid points (dimensionless)",
+        ylabel=f"{observable}: scatter and change ({unit_of(observable)})",
     )
     axes.set_xscale("log", base=2)
     _legend(axes)
@@ -69,7 +74,7 @@ def _legend(axes: Axes) -> None:
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2))
 
 
-def _errors(axes: Axes, said: str, estimate: Estimate, samples: Samples, spent: float) -> None:
+def _errors(axes: Axes, observable: str, estimate: Estimate, samples: Samples, spent: float) -> None:
     finest = estimate.terms[-1].num_points
     seconds = np.geomspace(spent / 30, spent * 30, 30)
     for i, size in enumerate(sorted({t.num_points for t in estimate.terms} - {FOUNDATION})):
@@ -80,5 +85,5 @@ def _errors(axes: Axes, said: str, estimate: Estimate, samples: Samples, spent: 
     if estimate.bias > 0:
         axes.axhline(estimate.bias, color="0.6", ls=":", lw=0.8, label="bias of the finest grid, about")
     axes.set(xscale="log", yscale="log", xlabel="time of solving [s]")
-    axes.set_ylabel(f"standard error ({said})")
+    axes.set_ylabel(f"standard error of {observable} ({unit_of(observable)})")
     _legend(axes)

@@ -120,5 +120,8 @@ def _made(what: str, options: Any, given: Given, unit: Own) -> Any:
     if missing := getattr(classes[chosen], "__abstractmethods__", ()):
         raise ValueError(f"{what} {chosen} lacks {', '.join(sorted(missing))}; allowed: one that offers what it must")
     return classes[chosen](
-        **{name: _length(name, value, unit) if own[name].length else value for name, value in values.items()}
+        **{
+            name: _length(name, value, unit) if own[name].length and not own[name].refused else value
+            for name, value in values.items()
+        }
     )
