@@ -53,7 +53,7 @@ def _scatter(axes: Axes, observable: str, samples: Samples) -> None:
         xscale="log",
         yscale="log",
         xlabel="grid points (dimensionless)",
-        ylabel=f"{observable}: scatter and change ({unit_of(observable)})",
+        ylabel=f"{observable}: scatter and change\n({unit_of(observable)})",
     )
     axes.set_xscale("log", base=2)
     _legend(axes)
@@ -85,5 +85,5 @@ def _errors(axes: Axes, observable: str, estimate: Estimate, samples: Samples, s
     if estimate.bias > 0:
         axes.axhline(estimate.bias, color="0.6", ls=":", lw=0.8, label="bias of the finest grid, about")
     axes.set(xscale="log", yscale="log", xlabel="time of solving [s]")
-    axes.set_ylabel(f"standard error of {observable} ({unit_of(observable)})")
+    axes.set_ylabel(f"standard error of {observable}\n({unit_of(observable)})")
     _legend(axes)
