@@ -1,6 +1,6 @@
 """Units of the quantities in scenes and results, by their names."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
 SCENE = "the scene's"
@@ -28,8 +28,13 @@ _UNITS = {
     "profile_scan_length": "length",
     "profile_spacing": "length",
     "profile_rms_height": "length",
+    **dict.fromkeys(("exponent", "hurst", "seed", "cut_off_ratio", "roll_off_ratio", "rms_gradient"), "1"),
+    **dict.fromkeys(("poisson_ratio", "base_poisson_ratio", "num_points"), "1"),
 }
 """Units by the last part of a name; 'seconds.*' is in seconds, 'bytes.*' in bytes, everything else dimensionless."""
+
+_OWN: dict[str, str] = {}  # of layers and indenters that are not the program's
+_DIMENSIONS = ("length", "pressure", "pressure/length")
 
 
 def unit(name: str) -> str:
@@ -38,20 +43,28 @@ def unit(name: str) -> str:
         return "length"
     if name.startswith("bytes."):
         return "byte"
-    return "s" if "seconds." in name else _UNITS.get(name.rsplit(".", 1)[-1], "1")
+    return "s" if "seconds." in name else _known(name.rsplit(".", 1)[-1])
 
 
-def declare(units: Mapping[str, str]) -> None:
+def _known(name: str) -> str:
+    return _UNITS.get(name) or _OWN.get(name, "1")
+
+
+def declare(fields: Collection[str], units: Mapping[str, str]) -> None:
     """Say in which units the numbers of a layer or an indenter of one's own are.
 
-    units: 'length', 'pressure' or 'pressure/length' by the name of the number. Raises `ValueError` for another unit,
-    and for one that the same name does not have elsewhere.
+    fields: their names. units: 'length', 'pressure' or 'pressure/length' by name; a later one replaces it. Raises
+    `ValueError` for anything else, and for a unit that a name of the program itself does not have.
     """
     for name, one in units.items():
-        if one not in _UNITS.values():
-            raise ValueError(f"units of {name} is {one!r}; allowed: {', '.join(sorted(set(_UNITS.values())))}")
-        if _UNITS.setdefault(name, one) != one:
-            raise ValueError(f"units of {name} is {one!r}; allowed: {_UNITS[name]}, which it is elsewhere")
+        if name not in fields:
+            raise ValueError(f"units names {name!r}; allowed: {', '.join(fields) or 'nothing, without fields'}")
+        if one not in _DIMENSIONS:
+            raise ValueError(f"units of {name} is {one!r}; allowed: {', '.join(_DIMENSIONS)}")
+        if _UNITS.get(name, one) != one:
+            known = _UNITS[name].replace("1", "none, it is dimensionless")
+            raise ValueError(f"units of {name} is {one!r}; allowed: {known}, as elsewhere in the program")
+    _OWN.update(units)
 
 
 def length_unit(about: Mapping[str, Any], prefix: str = "") -> str:

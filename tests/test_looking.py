@@ -189,6 +189,22 @@ def test_a_figure_from_the_file_is_the_same(solution, tmp_path):
                 np.testing.assert_array_equal(line.get_xydata(), other.get_xydata())
 
 
+def test_a_figure_without_contact_names_no_patches():
+    def named(pressure):
+        (legend,) = solve(Scene(pressure=pressure, num_points=64)).plot().legends
+        return [text.get_text() for text in legend.get_texts()]
+
+    assert "contact patches" in named(1e-2)
+    assert "contact patches" not in named(0)
+
+
+def test_a_title_tells_layers_and_surfaces_apart():
+    scene = Scene(Layer(0.1, poisson_ratio=0.49999), RoughIndenter(cut_off_ratio=1 / 64, rms_gradient=0.5), 0.05)
+    title = solve(dataclasses.replace(scene, num_points=2**12)).plot().get_suptitle()
+    assert "$\\nu=0.49999$" in title
+    assert "h'=0.5$" in title
+
+
 def test_a_figure_of_many_patches_shows_each_and_the_largest_pressure():
     scene = Scene(indenter=RoughIndenter(cut_off_ratio=1 / 64), pressure=0.05, num_points=2**14)
     solution = solve(scene)

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 
 import pytest
 from linecontact import ensemble_mean
@@ -61,7 +62,7 @@ def test_full_contact_does_not_scatter(tmp_path, capsys):
 def rows_of(folder):
     """What the rows of the figure of a stored ensemble are of."""
     (figure,) = study.draw(folder / "ensemble.h5").values()
-    assert figure.get_suptitle().startswith("profile rough, cut off ratio 0.125; layer bonded")
+    assert figure.get_suptitle().startswith("profile: rough, $H=0.8$, $\\lambda_s/\\lambda_r=0.125$, ")
     return [axes.get_ylabel() for axes in figure.axes[::2]]
 
 
@@ -118,6 +119,9 @@ def test_what_is_out_of_reach(tmp_path, capsys):
         match=r"standard_error is 1e-06: it takes at least .* s of solving, max_seconds is 10; allowed: max_s",
     ):
         ensemble_mean(SCENE, 1e-6, max_seconds=10)
+    coarse = replace(SCENE, num_points=2**10)  # which leaves no finer grid that may be needed
+    with pytest.raises(ValueError, match=r"it takes about .* solves, max_samples is 100; allowed: max_samples of that"):
+        ensemble_mean(coarse, 1e-4, max_samples=100)
 
 
 def test_a_killed_ensemble_goes_on(tmp_path):

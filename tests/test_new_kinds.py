@@ -391,15 +391,28 @@ def test_the_command_line_knows_them(tmp_path, capsys, options):
 
 
 @pytest.mark.parametrize(
-    ("units", "allowed"),
+    ("name", "units", "allowed"),
     [
-        ({"amplitude": "metre"}, "units of amplitude is 'metre'; allowed: length, pressure, pressure/length"),
-        ({"radius": "pressure"}, "units of radius is 'pressure'; allowed: length, which it is elsewhere"),
+        ("amplitude", {"amplitude": "metre"}, "units of amplitude is 'metre'; allowed: length, pressure, pressure/le"),
+        ("radius", {"radius": "pressure"}, "units of radius is 'pressure'; allowed: length, as elsewhere"),
+        ("hurst", {"hurst": "length"}, "units of hurst is 'length'; allowed: none, it is dimensionless, as elsewhere"),
+        ("amplitude", {"amplitud": "length"}, "units names 'amplitud'; allowed: amplitude"),
     ],
 )
-def test_units_of_own_numbers_agree_with_all_others(units, allowed):
+def test_units_of_own_numbers_agree_with_all_others(name, units, allowed):
     with pytest.raises(ValueError, match=re.escape(allowed)):
-        type("Own", (Indenter,), {"units": units})
+        type("Own", (Indenter,), {"__annotations__": {name: float}, "units": units})
+
+
+def test_own_lengths_are_lengths_everywhere(tmp_path, capsys):
+    assert CosineIndenter(0.02, 3).in_units(2.0) == CosineIndenter(0.04, 3)
+    words = ["--over", "amplitude", "--values", "0.01,0.02", "--pressure", "0.01", "--num-points", "2^9"]
+    assert main.main(["curve", "--profile", "cosine", *words, "--folder", str(tmp_path), "--workers", "1"]) == 0
+    assert main.main(["export", str(tmp_path / "curve.h5"), "--csv", str(tmp_path / "curve.csv")]) == 0
+    assert "scene.amplitude [length]" in (tmp_path / "curve.csv").read_text().splitlines()[0]
+    capsys.readouterr()
+    assert main.main(["solve", "--profile", "cosine", "--amplitude", "2um"]) == 2
+    assert "amplitude is 2um" in capsys.readouterr().err.replace("'", "")
 
 
 def test_options_of_another_kind_are_refused(capsys):

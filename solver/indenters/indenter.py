@@ -4,8 +4,10 @@ A new indenter is a frozen dataclass that inherits from `Indenter`. It must offe
 Heights come in units of the period L, so that a shape has no unit of its own.
 """
 
+import inspect
 from abc import abstractmethod
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any, ClassVar, Protocol, Self
 
 import numpy as np
@@ -21,11 +23,12 @@ class Indenter(Protocol):
     name: ClassVar[str]
     """The indenter's name on the command line and in stored results."""
     units: ClassVar[Mapping[str, str]] = {}
-    """Units of its own fields by name, 'length' or 'pressure'; those that are not named are dimensionless."""
+    """Units of its fields by name: 'length', 'pressure' or 'pressure/length'. A field that is not named here has the
+    unit that the program has for its name, as for `thickness` and `radius`, and is dimensionless if it has none."""
 
     def __init_subclass__(cls, **more: Any) -> None:
         super().__init_subclass__(**more)
-        declare(cls.units)
+        declare(inspect.get_annotations(cls), cls.__dict__.get("units", {}))
 
     @abstractmethod
     def profile(self, num_points: int, period: float) -> Array64:
@@ -61,8 +64,9 @@ class Indenter(Protocol):
         return self
 
     def in_units(self, length: float) -> Self:
-        """The same surface in another unit: lengths are multiplied by `length`."""
-        return self
+        """The same surface in another unit: lengths, here those that `units` names, are multiplied by `length`."""
+        lengths = {name: getattr(self, name) * length for name, one in self.units.items() if one == "length"}
+        return replace(self, **lengths) if lengths else self  # type: ignore[type-var]
 
     def check(self, num_points: int) -> None:
         """Raise `ValueError` if a grid of that many points cannot hold the surface."""

@@ -1,8 +1,6 @@
 """The figure of a curve: contact area, kappa and contact stiffness over the number that is varied."""
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from linecontact.solver.arrays import Array64
@@ -11,12 +9,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from ..figures.scales import base, shown, thickness_in
-from ..figures.style import COLOURS, ONE_COLUMN, NothingToDraw, kind, layer, load, panels, typeset
+from ..figures import titles
+from ..figures.scales import shown
+from ..figures.style import COLOURS, ONE_COLUMN, NothingToDraw, load, panels
 from ..figures.ticks import few_ticks
-from ..figures.titles import poisson, pressed
+from ..figures.titles import scan_units
 from ..files.study_files import StudyFile
-from ..scans.units import UNITS, axis_units
+from ..scans.units import UNITS
 from .tasks import column
 
 _DECADE = 10.0  # ratio of the ends from which an axis is logarithmic
@@ -51,7 +50,7 @@ def draw(path: Path) -> dict[str, Figure]:
     grid[-1, 0].set_xlabel(f"{over.replace('_', ' ').replace('poisson ', 'Poisson ')} ({along})")
     note = f"\nError bars not known, or too long for their panels: {hidden}." if hidden else ""
     note += "\nTriangle at the top: infinite, in full contact." if infinite else ""
-    figure.suptitle(_scene(study.runs[0], over) + note, fontsize=8, wrap=True)
+    figure.suptitle(titles.scene(study.runs[0], {over}) + note, fontsize=8, wrap=True)
     if not shown.all():
         figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside lower center")
     return {"": figure}
@@ -71,7 +70,7 @@ def _shown(study: StudyFile, name: str, stored: str = "") -> tuple[Array64, str]
     name: of the quantity; stored: name of its column, by default the same.
     """
     values = study.column(stored or name).astype(np.float64)
-    dimension, units = unit(name), _units(study.runs[0])
+    dimension, units = unit(name), scan_units(study.runs[0])
     if dimension == "1":
         return values, "dimensionless"
     scales = [np.array([float(run.get(f"scene.{of}", np.nan)) for run in study.runs]) for of in _SCALES]
@@ -87,12 +86,6 @@ def _shown(study: StudyFile, name: str, stored: str = "") -> tuple[Array64, str]
     if dimension == "length":
         return values / length, over if units else f"over {over}"
     return values / modulus * length, f"over $E^*$/{over}"
-
-
-def _units(run: Mapping[str, Any]) -> tuple[str, str] | None:
-    """Units of the scene's lengths and of a scan's positions; None where they are not known."""
-    units = axis_units({name.removeprefix("scene."): value for name, value in run.items()})
-    return units[:2] if units else None
 
 
 _SCALES = ("contact_modulus", "period")
@@ -123,29 +116,3 @@ def _panel(axes: Axes, x: Array64, y: Array64, error: Array64 | None, joined: bo
 
 def _logarithmic(values: Array64) -> bool:
     return bool(values.size and values.min() > 0 and values.max() >= _DECADE * values.min())
-
-
-def _scene(run: Mapping[str, Any], over: str) -> str:
-    """What all points have in common, in a line."""
-    told = [pressed(run, over), kind(str(run["scene.layer"]))]
-    if over != "thickness" and "scene.thickness" in run:
-        told.append(_thickness(run, over))
-    if over != "poisson_ratio":
-        told.append(poisson(run))
-    if over not in ("contact_modulus", "base_modulus", "base_poisson_ratio"):
-        told.append(base(run))
-    load = float(run["scene.pressure"]) / float(run.get("scene.contact_modulus", np.nan))
-    if over not in ("pressure", "approach") and np.isfinite(load):
-        told.append(f"$p={typeset(load)}\\,E^*$")
-    if over != "num_points":
-        told.append(f"{run['scene.num_points']} points")
-    return ", ".join(filter(None, told))
-
-
-def _thickness(run: Mapping[str, Any], over: str) -> str:
-    """The layer's thickness in a scan's units, else over the period unless that varies."""
-    thickness, units = float(run["scene.thickness"]), _units(run)
-    if units:
-        return thickness_in(thickness, units[0])
-    varies = over == "period" and np.isfinite(thickness)
-    return f"$d={typeset(thickness)}$" if varies else layer(thickness / float(run["scene.period"]))

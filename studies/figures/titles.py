@@ -1,31 +1,71 @@
 """What the title of a figure says of a scene, from its stored numbers."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
-from .style import plain, typeset
+import numpy as np
+
+from ..scans.units import axis_units
+from .scales import base, thickness_in
+from .style import kind, layer, plain, typeset
 
 _LONGEST_NAME = 48  # characters of a scan's name
-_NUMBERS = {"exponent": "n", "hurst": "H", "cut_off_ratio": r"\lambda_s/\lambda_r"}  # of an indenter, with their signs
+_NUMBERS = {"exponent": "n", "hurst": "H", "cut_off_ratio": r"\lambda_s/\lambda_r"}
+_UNUSUAL = {"radius": ("R", 1.0), "roll_off_ratio": (r"\lambda_r/L", 0.125), "rms_gradient": (r"\mathrm{rms}\ h'", 1.0)}
+"""Numbers of an indenter with their signs; those of the second list are told where they are not the default."""
 
 
-def pressed(results: Mapping[str, Any], but: str = "") -> str:
-    """What is pressed against the layer: the name of a scan, or a profile and its numbers, without the one named `but`.
+def pressed(results: Mapping[str, Any], but: Collection[str] = ()) -> str:
+    """What is pressed against the layer: the name of a scan, or a profile and its numbers.
 
-    results: with `scene.` before each name.
+    results: with `scene.` before each name. but: numbers that are left out.
     """
     if scan := plain(str(results.get("scene.profile_file", ""))):
         return scan if len(scan) <= _LONGEST_NAME else f"{scan[: _LONGEST_NAME - 4]} ..."
+    known = {name.removeprefix("scene."): value for name, value in results.items()}
+    known = {name: value for name, value in known.items() if name not in but}
     told = [f"profile: {plain(str(results['scene.profile']))}"]
-    for name, sign in _NUMBERS.items():
-        if name != but and (key := f"scene.{name}") in results:
-            told.append(f"${sign}={typeset(float(results[key]))}$")
-    if but != "seed" and "scene.seed" in results:
-        told.append(f"seed {int(results['scene.seed'])}")
-    return ", ".join(told)
+    told += [f"${sign}={typeset(float(known[name]))}$" for name, sign in _NUMBERS.items() if name in known]
+    for name, (sign, usual) in _UNUSUAL.items():
+        if float(known.get(name, usual)) != usual:
+            told.append(f"${sign}={typeset(float(known[name]))}$")
+    return ", ".join([*told, *([f"seed {int(known['seed'])}"] if "seed" in known else [])])
 
 
 def poisson(results: Mapping[str, Any]) -> str:
     """Poisson's ratio of the layer; empty where it has none."""
     ratio = results.get("scene.poisson_ratio")
-    return "" if ratio is None else f"$\\nu={typeset(float(ratio))}$"
+    return "" if ratio is None else f"$\\nu={typeset(float(ratio), 6)}$"
+
+
+def scene(results: Mapping[str, Any], but: Collection[str]) -> str:
+    """A scene in a line. results: with `scene.` before each name. but: numbers that are left out."""
+    told = [pressed(results, but), kind(str(results["scene.layer"]))]
+    if "thickness" not in but and "scene.thickness" in results:
+        told.append(_thickness(results, but))
+    if "poisson_ratio" not in but:
+        told.append(poisson(results))
+    if not {"contact_modulus", "base_modulus", "base_poisson_ratio"} & set(but):
+        told.append(base(results))
+    load = float(results["scene.pressure"]) / float(results.get("scene.contact_modulus", np.nan))
+    if not {"pressure", "approach"} & set(but) and np.isfinite(load):
+        told.append(f"$p={typeset(load)}\\,E^*$")
+    if "num_points" not in but:
+        told.append(f"{results['scene.num_points']} points")
+    return ", ".join(filter(None, told))
+
+
+def scan_units(results: Mapping[str, Any]) -> tuple[str, str] | None:
+    """Units of a scene's lengths and of a scan's positions; None where they are not known."""
+    units = axis_units({name.removeprefix("scene."): value for name, value in results.items()})
+    return units[:2] if units else None
+
+
+def _thickness(results: Mapping[str, Any], but: Collection[str]) -> str:
+    """The layer's thickness in a scan's units, else over the period if that is told."""
+    thickness, units = float(results["scene.thickness"]), scan_units(results)
+    if units:
+        return thickness_in(thickness, units[0])
+    if "period" in but and np.isfinite(thickness):
+        return f"$d={typeset(thickness)}$"
+    return layer(thickness / float(results["scene.period"]))

@@ -127,8 +127,8 @@ def state(rows: Sequence[Row], sizes: Sequence[int], wanted: Wanted, seed: int) 
         seconds = main.seconds(reached[-1]) * finer / reached[-1]
         batches = _batches(begin, count, (finer,), seconds)
         seconds, solves = count * seconds + then.seconds_left, count + then.solves_left
-        return _within(State(estimates, batches, seconds, solves), rows, wanted, "at least")
-    return _within(then, rows, wanted, "about")
+        return _within(State(estimates, batches, seconds, solves), rows, wanted, more_grids=True)
+    return _within(then, rows, wanted, more_grids=False)
 
 
 def share_done(ensembles: Iterable[tuple[Sequence[Row], State]]) -> float:
@@ -197,16 +197,16 @@ def _batches(first: int, count: int, sizes: tuple[int, ...], seconds: float) -> 
     return tuple(Batch(first + done, min(size, count - done), sizes) for done in range(0, count, size))
 
 
-def _within(found: State, rows: Sequence[Row], wanted: Wanted, known: str) -> State:
+def _within(found: State, rows: Sequence[Row], wanted: Wanted, more_grids: bool) -> State:
     """The same, without anything left to do if that would go beyond what may be planned.
 
-    known: 'about' or 'at least', how well it is known what is left.
+    more_grids: whether finer grids are needed, on which not all is known that they take.
     """
     if not found.batches:
         return found
     seconds = _seconds(rows) + found.seconds_left
     solves = len(on_grids(rows)) + found.solves_left
-    allowed = "of that or more, or a larger standard error"
+    known, allowed = "at least about" if more_grids else "about", "of that or more, or a larger standard error"
     if seconds > wanted.max_seconds:
         more = f"it takes {known} {rounded_up(seconds)} s of solving, max_seconds is {wanted.max_seconds:g}"
         why = f"{more}; allowed: max_seconds {allowed}"

@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..figures.style import COLOURS, MARKERS, TWO_COLUMNS, NothingToDraw, load, panels, plain
-from ..scenes.described import in_words
+from ..figures import titles
+from ..figures.style import COLOURS, MARKERS, TWO_COLUMNS, NothingToDraw, load, panels
 from .estimator import Estimate, differences, term
 from .samples import FOUNDATION, Samples, unit_of
 from .tasks import found
@@ -30,7 +30,10 @@ def draw(path: Path) -> dict[str, Figure]:
         samples = Samples(study.runs, observable)
         _scatter(left, observable, samples)
         _errors(right, observable, estimate, samples, spent)
-    figure.suptitle(plain(in_words(study.configuration["scene"])), fontsize=8, wrap=True)
+    numbers = {f"scene.{name}": value for name, value in study.configuration.get("numbers", {}).items()}
+    if numbers:  # not in older files
+        finest = max(int(points) for points in study.column("num_points"))
+        figure.suptitle(f"{titles.scene(numbers, {'num_points'})}, up to {finest} points", fontsize=8, wrap=True)
     return {"": figure}
 
 

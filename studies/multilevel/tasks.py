@@ -61,6 +61,7 @@ def plan(description: str, scene: Scene, wanted: Wanted) -> Plan:
 
     configuration: dict[str, Any] = {
         "scene": shown(description),
+        "numbers": {name: value for name, value in scene.to_dict().items() if name not in ("seed", "num_points")},
         "sizes": grids,
         "seed": seed,
         "observables": wanted.observables,

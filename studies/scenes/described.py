@@ -10,7 +10,6 @@ from typing import Any
 
 from linecontact.solver import Scene
 
-from .kinds import title
 from .making import Given, make_scene
 
 
@@ -44,19 +43,6 @@ def shown(description: str) -> str:
 
 def _name(value: Any) -> Any:
     return Path(value["path"]).name if isinstance(value, Mapping) else value
-
-
-def in_words(description: str) -> str:
-    """What was asked for: each option that is given with its value, the profile's first, then the layer's."""
-    told = json.loads(description)
-    options = {name: value for name, value in told["options"].items() if value is not None}
-    groups = [
-        {choice: options.pop(choice)} | told["given"].get(title(choice, told["options"][choice]), {})
-        for choice in ("profile", "layer")
-    ]
-    return "; ".join(
-        ", ".join(f"{name.replace('_', ' ')} {value}" for name, value in one.items()) for one in [*groups, options]
-    )
 
 
 @lru_cache(maxsize=1)
