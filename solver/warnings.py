@@ -110,7 +110,8 @@ def _of_grid(scene: Scene, found: Observables, patches: PatchTable) -> Iterator[
     smooth = waves and patches.nodes.mean() <= _SMOOTH * half_wave
     edges = found.contact_area_edges_error
     if (_LIKELY_IF_SMOOTH if smooth else _LIKELY) * edges + found.unseen_gap_area > LARGEST_ERROR * area:
-        estimated = display.rounded_up(max(edges, found.contact_area_error) / area)
+        known = found.contact_area_error if math.isfinite(found.contact_area_error) else 0.0  # an unfinished iteration
+        estimated = display.rounded_up(max(edges, known) / area)
         text = f"the area is likely off by more than {LARGEST_ERROR:.0%}, and may be by {estimated} of itself"
         yield SolutionWarning(WarningKind.ERROR, f"{text}: few nodes tell where its edges are; more num_points")
     if scene.indenter.given_points and waves:

@@ -42,6 +42,14 @@ def rough_scene(seed):
     return Scene(Layer(thickness, float(rng.uniform(-0.3, 0.5))), indenter, float(10 ** rng.uniform(-2.5, -0.5)))
 
 
+def test_of_an_iteration_that_has_hardly_begun_no_error_is_known():
+    scene = Scene(Layer(), RoughIndenter(cut_off_ratio=1 / 64), 0.01, num_points=2**12)
+    solution = solve(scene, method="fire", nested=False, max_iterations=12)
+    assert solution.status is Status.ITERATION_LIMIT
+    assert {measured(solution, quantity)[1] for quantity in QUANTITIES.values()} == {math.inf}
+    assert "inf" not in " ".join(warning.text for warning in solution.warnings)
+
+
 @pytest.fixture(scope="module")
 def ratios():
     """Error estimated over true error of 60 rough scenes at 2^12 points, by quantity; the truth is that of 2^16."""

@@ -34,6 +34,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -188,16 +189,19 @@ def with_errors(scene: Scene, observables: Observables, levels: Sequence[Level],
 
     levels: the coarser grids, from coarse to fine; free_residual: over p.
     """
-    errors = {}
+    errors: dict[str, Any] = {}
+    share = iteration_share(free_residual)
     for quantity in QUANTITIES.values():
-        unfinished = quantity.sensitivity * iteration_share(free_residual) * abs(getattr(observables, quantity.value))
+        value = abs(getattr(observables, quantity.value))
+        unfinished = quantity.sensitivity * share * value if math.isfinite(share) else math.inf
         errors[quantity.error] = estimated(quantity, scene, scene.num_points, observables, levels) + unfinished
     return replace(observables, **errors)
 
 
 def iteration_share(free_residual: float) -> float:
-    """Estimated relative error of a_r that a free residual leaves.
+    """Estimated relative error of a_r that a free residual leaves; `inf` where the area may be anything.
 
     Measured: up to 0.12 of residuals below 1e-3; 0.8 of one of 0.03, and of no meaning beyond.
     """
-    return min(1.0, (0.25 + 30 * free_residual) * free_residual)
+    share = (0.25 + 30 * free_residual) * free_residual
+    return share if share < 1 else math.inf

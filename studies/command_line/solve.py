@@ -2,6 +2,7 @@
 
 import inspect
 import json
+import math
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -168,8 +169,8 @@ def solution_table(solution: Solution) -> Whole:
     record = solution.to_dict()
     fallbacks = METHODS[solution.method].fallbacks if solution.handed_over else ()
     handed = "".join(f", handed over to {f.method}" for f in fallbacks if f.method != solution.method)
-    area, error = record["contact_area_subgrid"], record["contact_area_error"]
-    relative = f" (relative {rounded_up(error / area)})" if area else ""
+    area, error = record["contact_area_subgrid"], float(record["contact_area_error"])
+    relative = f" (relative {rounded_up(error / area)})" if area and math.isfinite(error) else ""
     how = "converged on its grid" if solution.status is Status.CONVERGED and solution.certificate else solution.status
     found = f"a_r = {area:.6g} +- {rounded_up(error)}{relative}"
     table = Whole(title=f"{solution.method}{handed}, {record['precision']}: {how},\n{found}")

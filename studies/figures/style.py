@@ -63,6 +63,8 @@ def typeset_error(value: float) -> str:
 
 
 def _typeset(number: str) -> str:
+    if number == "inf":
+        return r"\infty"
     factor, _, power = number.partition("e")
     if not power:
         return factor

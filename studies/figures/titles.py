@@ -13,6 +13,9 @@ _LONGEST_NAME = 48  # characters of a scan's name
 _NUMBERS = {"exponent": "n", "hurst": "H", "cut_off_ratio": r"\lambda_s/\lambda_r"}
 _UNUSUAL = {"radius": ("R", 1.0), "roll_off_ratio": (r"\lambda_r/L", 0.125), "rms_gradient": (r"\mathrm{rms}\ h'", 1.0)}
 """Numbers of an indenter with their signs; those of the second list are told where they are not the default."""
+_ELSEWHERE = {"profile", "seed", "layer", "thickness", "poisson_ratio", "contact_modulus", "base_modulus"}
+_ELSEWHERE |= {"base_poisson_ratio", "pressure", "approach", "period", "num_points", "precision"}
+"""Other parts of a scene that the program knows; what is none of all these belongs to a kind of one's own."""
 
 
 def pressed(results: Mapping[str, Any], but: Collection[str] = ()) -> str:
@@ -22,13 +25,15 @@ def pressed(results: Mapping[str, Any], but: Collection[str] = ()) -> str:
     """
     if scan := plain(str(results.get("scene.profile_file", ""))):
         return scan if len(scan) <= _LONGEST_NAME else f"{scan[: _LONGEST_NAME - 4]} ..."
-    known = {name.removeprefix("scene."): value for name, value in results.items()}
-    known = {name: value for name, value in known.items() if name not in but}
+    scene = {name.removeprefix("scene."): value for name, value in results.items() if name.startswith("scene.")}
+    known = {name: value for name, value in scene.items() if name not in but}
     told = [f"profile: {plain(str(results['scene.profile']))}"]
     told += [f"${sign}={typeset(float(known[name]))}$" for name, sign in _NUMBERS.items() if name in known]
     for name, (sign, usual) in _UNUSUAL.items():
         if float(known.get(name, usual)) != usual:
             told.append(f"${sign}={typeset(float(known[name]))}$")
+    own = {name: value for name, value in known.items() if name not in {*_NUMBERS, *_UNUSUAL, *_ELSEWHERE}}
+    told += [f"{plain(name.replace('_', ' '))} {plain(str(value))}" for name, value in own.items()]
     return ", ".join([*told, *([f"seed {int(known['seed'])}"] if "seed" in known else [])])
 
 

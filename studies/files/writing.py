@@ -59,7 +59,9 @@ def check_target(path: Path, overwrite: bool) -> None:
     if path.exists() and not path.is_file():
         raise StoreError(f"file {path} is not a regular file; allowed: the name of a file")
     if path.exists() and not overwrite:
-        raise StoreError(f"file {path} exists; allowed: a new name, or overwriting it by --overwrite")
+        raise StoreError(
+            f"file {path} exists; allowed: a new name, or overwriting it (--overwrite, in Python overwrite=True)"
+        )
     if not path.parent.is_dir():
         raise StoreError(f"folder {path.parent} of file {path.name} does not exist; allowed: an existing folder")
     check_folder(path.parent)

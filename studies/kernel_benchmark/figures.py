@@ -208,6 +208,6 @@ def own_variants(study: StudyFile) -> Figure | None:
         row[1].legend(loc="center left", bbox_to_anchor=(1.02, 0.5))
     sizes = [cell.key.num_points for cell in found]
     for axes in grid[-1]:
-        axes.set(xlabel="N", xlim=(min(sizes) / 1.3, max(sizes) * 1.6))
-    figure.supylabel("time over C's (dimensionless), 95 % intervals", fontsize=8)
+        axes.set(xlabel="points $N$ (dimensionless)", xlim=(min(sizes) / 1.3, max(sizes) * 1.6))
+    figure.supylabel("time over C's\n(dimensionless), 95 % intervals", fontsize=8)
     return figure

@@ -195,10 +195,10 @@ def _draw(study: Study, plans: Sequence[Plan], files: Mapping[str, StudyFile], f
     drawn: list[Path] = []
     for plan in plans:
         path = plan.path(folder)
-        figures = names(path, plan.figures)
+        figures = names(path, plan.figures) if files[plan.kind].runs else []
         written = path.stat().st_mtime_ns
         there = all(figure.is_file() and figure.stat().st_mtime_ns >= written for figure in figures)
-        if figures and files[plan.kind].runs and (new or not there):
+        if figures and (new or not there):
             from ..figures import saving  # matplotlib takes its time
 
             try:
