@@ -30,6 +30,7 @@ from linecontact.solver.grid.kept import forget
 from linecontact.solver.layers.bonded import layer_factor
 from linecontact.solver.units import unit
 from linecontact.studies.command_line import main
+from linecontact.studies.curve import study as curve_study
 from linecontact.studies.extremes import cells
 from linecontact.studies.files import solution_files
 from linecontact.studies.tradeoff import choices
@@ -410,6 +411,8 @@ def test_own_lengths_are_lengths_everywhere(tmp_path, capsys):
     assert main.main(["curve", "--profile", "cosine", *words, "--folder", str(tmp_path), "--workers", "1"]) == 0
     assert main.main(["export", str(tmp_path / "curve.h5"), "--csv", str(tmp_path / "curve.csv")]) == 0
     assert "scene.amplitude [length]" in (tmp_path / "curve.csv").read_text().splitlines()[0]
+    (figure,) = curve_study.draw(tmp_path / "curve.h5").values()
+    assert figure.get_suptitle().startswith("profile: cosine, waves 1, half-space")
     capsys.readouterr()
     assert main.main(["solve", "--profile", "cosine", "--amplitude", "2um"]) == 2
     assert "amplitude is 2um" in capsys.readouterr().err.replace("'", "")

@@ -1,6 +1,7 @@
 """What the title of a figure says of a scene, from its stored numbers."""
 
 from collections.abc import Collection, Mapping
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -13,9 +14,9 @@ _LONGEST_NAME = 48  # characters of a scan's name
 _NUMBERS = {"exponent": "n", "hurst": "H", "cut_off_ratio": r"\lambda_s/\lambda_r"}
 _UNUSUAL = {"radius": ("R", 1.0), "roll_off_ratio": (r"\lambda_r/L", 0.125), "rms_gradient": (r"\mathrm{rms}\ h'", 1.0)}
 """Numbers of an indenter with their signs; those of the second list are told where they are not the default."""
-_ELSEWHERE = {"profile", "seed", "layer", "thickness", "poisson_ratio", "contact_modulus", "base_modulus"}
-_ELSEWHERE |= {"base_poisson_ratio", "pressure", "approach", "period", "num_points", "precision"}
-"""Other parts of a scene that the program knows; what is none of all these belongs to a kind of one's own."""
+_ELSEWHERE = {"seed", "thickness", "poisson_ratio", "contact_modulus", "base_modulus"}
+_ELSEWHERE |= {"base_poisson_ratio", "stiffness_rows", "pressure", "approach", "period", "num_points"}
+"""Other numbers of a scene that the program knows; those that are none of all these belong to a kind of one's own."""
 
 
 def pressed(results: Mapping[str, Any], but: Collection[str] = ()) -> str:
@@ -33,7 +34,7 @@ def pressed(results: Mapping[str, Any], but: Collection[str] = ()) -> str:
         if float(known.get(name, usual)) != usual:
             told.append(f"${sign}={typeset(float(known[name]))}$")
     own = {name: value for name, value in known.items() if name not in {*_NUMBERS, *_UNUSUAL, *_ELSEWHERE}}
-    told += [f"{plain(name.replace('_', ' '))} {plain(str(value))}" for name, value in own.items()]
+    told += [f"{plain(name.replace('_', ' '))} {value:g}" for name, value in own.items() if isinstance(value, Real)]
     return ", ".join([*told, *([f"seed {int(known['seed'])}"] if "seed" in known else [])])
 
 
