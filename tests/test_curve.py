@@ -94,8 +94,11 @@ def test_more_values_continue(loads, tmp_path, capsys):
     assert curve(tmp_path, *known, "--values", "0.1,0.2") == 0
     records = {file: file.stat().st_mtime_ns for file in (tmp_path / "tasks").iterdir()}
     os.remove(tmp_path / "curve.h5")
+    assert "compare with no other" not in " ".join(capsys.readouterr().out.split())
     assert curve(tmp_path, *known, "--values", "0.1,0.2,inf") == 0
-    assert "continuing: 2 of 3 tasks are done" in capsys.readouterr().err
+    said = capsys.readouterr()
+    assert "continuing: 2 of 3 tasks are done" in said.err
+    assert "half-space have another reference, and compare with no other" in " ".join(said.out.split())
     assert all(file.stat().st_mtime_ns == then for file, then in records.items())
     assert [run["scene.thickness"] for run in runs(tmp_path)] == [0.1, 0.2, math.inf]
 

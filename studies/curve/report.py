@@ -69,6 +69,8 @@ class Summary:
         image = ", mirror image too" * mirrored({"profile_steps": steps})
         if any(math.isinf(float(run["contact_stiffness"])) for run in self.file.runs):
             caption += " inf: in full contact no load moves the indenter further;"
+        if {math.isinf(float(run.get("scene.thickness", 0))) for run in self.file.runs} == {True, False}:
+            caption += " approach and stiffness of the half-space have another reference, and compare with no other;"
         caption += f" M: contact patches{image}; *: not converged, or less accurate than asked."
         table = console.table(title=self.title, caption=f"{caption} {more}: `linecontact export`.")
         shown = [name for name in headings if name != _NOT_SHOWN.get(over, "p")]
