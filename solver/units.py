@@ -1,7 +1,8 @@
 """Units of the quantities in scenes and results, by their names."""
 
-from collections.abc import Collection, Mapping
-from typing import Any
+import inspect
+from collections.abc import Mapping
+from typing import Any, ClassVar, Protocol
 
 SCENE = "the scene's"
 """The unit of length that the scene is in, where nobody has said which one it is."""
@@ -31,7 +32,8 @@ _UNITS = {
     **dict.fromkeys(("exponent", "hurst", "seed", "cut_off_ratio", "roll_off_ratio", "rms_gradient"), "1"),
     **dict.fromkeys(("poisson_ratio", "base_poisson_ratio", "num_points"), "1"),
 }
-"""Units by the last part of a name; 'seconds.*' is in seconds, 'bytes.*' in bytes, everything else dimensionless."""
+"""Units by the last part of a name; 'seconds.*' is in seconds, 'bytes.*' in bytes. Everything else is dimensionless but
+what a layer or an indenter of one's own says of its fields; it must not give the names above another unit."""
 
 _OWN: dict[str, str] = {}  # of layers and indenters that are not the program's
 _DIMENSIONS = ("length", "pressure", "pressure/length")
@@ -43,28 +45,35 @@ def unit(name: str) -> str:
         return "length"
     if name.startswith("bytes."):
         return "byte"
-    return "s" if "seconds." in name else _known(name.rsplit(".", 1)[-1])
+    if "seconds." in name:
+        return "s"
+    last = name.rsplit(".", 1)[-1]
+    return _UNITS.get(last) or _OWN.get(last, "1")
 
 
-def _known(name: str) -> str:
-    return _UNITS.get(name) or _OWN.get(name, "1")
+class WithUnits(Protocol):
+    """A layer or an indenter, which may say in which units its fields are.
 
-
-def declare(fields: Collection[str], units: Mapping[str, str]) -> None:
-    """Say in which units the numbers of a layer or an indenter of one's own are.
-
-    fields: their names. units: 'length', 'pressure' or 'pressure/length' by name; a later one replaces it. Raises
-    `ValueError` for anything else, and for a unit that a name of the program itself does not have.
+    Making such a class raises `ValueError` for a name that is none of its fields, for an unknown unit, and for one that
+    the name does not have elsewhere in the program.
     """
-    for name, one in units.items():
-        if name not in fields:
-            raise ValueError(f"units names {name!r}; allowed: {', '.join(fields) or 'nothing, without fields'}")
-        if one not in _DIMENSIONS:
-            raise ValueError(f"units of {name} is {one!r}; allowed: {', '.join(_DIMENSIONS)}")
-        if _UNITS.get(name, one) != one:
-            known = _UNITS[name].replace("1", "none, it is dimensionless")
-            raise ValueError(f"units of {name} is {one!r}; allowed: {known}, as elsewhere in the program")
-    _OWN.update(units)
+
+    units: ClassVar[Mapping[str, str]] = {}
+    """Units of its fields by name: 'length', 'pressure' or 'pressure/length'. A field that is not named here has the
+    unit that the program has for its name, as for `thickness` and `radius`, and is dimensionless if it has none."""
+
+    def __init_subclass__(cls, **more: Any) -> None:
+        super().__init_subclass__(**more)
+        own, fields = cls.__dict__.get("units", {}), inspect.get_annotations(cls)
+        for name, one in own.items():
+            if name not in fields:
+                raise ValueError(f"units names {name!r}; allowed: {', '.join(fields) or 'nothing, without fields'}")
+            if one not in _DIMENSIONS:
+                raise ValueError(f"units of {name} is {one!r}; allowed: {', '.join(_DIMENSIONS)}")
+            if _UNITS.get(name, one) != one:
+                known = _UNITS[name].replace("1", "none, it is dimensionless")
+                raise ValueError(f"units of {name} is {one!r}; allowed: {known}, as elsewhere in the program")
+        _OWN.update(own)
 
 
 def length_unit(about: Mapping[str, Any], prefix: str = "") -> str:

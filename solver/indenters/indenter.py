@@ -4,9 +4,7 @@ A new indenter is a frozen dataclass that inherits from `Indenter`. It must offe
 Heights come in units of the period L, so that a shape has no unit of its own.
 """
 
-import inspect
 from abc import abstractmethod
-from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, ClassVar, Protocol, Self
 
@@ -14,21 +12,14 @@ import numpy as np
 
 from ..arrays import Array64
 from ..layers import ElasticLayer
-from ..units import declare
+from ..units import WithUnits
 
 
-class Indenter(Protocol):
+class Indenter(WithUnits, Protocol):
     """A rigid, periodic indenter, as the program needs to know it."""
 
     name: ClassVar[str]
     """The indenter's name on the command line and in stored results."""
-    units: ClassVar[Mapping[str, str]] = {}
-    """Units of its fields by name: 'length', 'pressure' or 'pressure/length'. A field that is not named here has the
-    unit that the program has for its name, as for `thickness` and `radius`, and is dimensionless if it has none."""
-
-    def __init_subclass__(cls, **more: Any) -> None:
-        super().__init_subclass__(**more)
-        declare(inspect.get_annotations(cls), cls.__dict__.get("units", {}))
 
     @abstractmethod
     def profile(self, num_points: int, period: float) -> Array64:

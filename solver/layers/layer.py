@@ -4,27 +4,18 @@ A new layer is a frozen dataclass that inherits from `ElasticLayer`. It must off
 the defaults of the rest say "not known", and then no shortcut is taken.
 """
 
-import inspect
 from abc import abstractmethod
-from collections.abc import Mapping
 from typing import Any, ClassVar, Protocol, Self
 
 from ..arrays import Array64
-from ..units import declare
+from ..units import WithUnits
 
 
-class ElasticLayer(Protocol):
+class ElasticLayer(WithUnits, Protocol):
     """An elastic layer and what it rests on, as the program needs to know them."""
 
     name: ClassVar[str]
     """The layer's name on the command line and in stored results."""
-    units: ClassVar[Mapping[str, str]] = {}
-    """Units of its fields by name: 'length', 'pressure' or 'pressure/length'. A field that is not named here has the
-    unit that the program has for its name, as for `thickness` and `radius`, and is dimensionless if it has none."""
-
-    def __init_subclass__(cls, **more: Any) -> None:
-        super().__init_subclass__(**more)
-        declare(inspect.get_annotations(cls), cls.__dict__.get("units", {}))
 
     contact_modulus: float
     """E* > 0 [pressure], the modulus with which short waves find a half-space: K(q) = E* q/2."""

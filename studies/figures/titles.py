@@ -5,6 +5,7 @@ from numbers import Real
 from typing import Any
 
 import numpy as np
+from linecontact.solver import PowerIndenter, RoughIndenter
 
 from ..scans.units import axis_units
 from .scales import base, thickness_in
@@ -12,7 +13,11 @@ from .style import kind, layer, plain, typeset
 
 _LONGEST_NAME = 48  # characters of a scan's name
 _NUMBERS = {"exponent": "n", "hurst": "H", "cut_off_ratio": r"\lambda_s/\lambda_r"}
-_UNUSUAL = {"radius": ("R", 1.0), "roll_off_ratio": (r"\lambda_r/L", 0.125), "rms_gradient": (r"\mathrm{rms}\ h'", 1.0)}
+_UNUSUAL = {
+    "radius": ("R", PowerIndenter.radius),
+    "roll_off_ratio": (r"\lambda_r/L", RoughIndenter.roll_off_ratio),
+    "rms_gradient": (r"\mathrm{rms}\ h'", RoughIndenter.rms_gradient),
+}
 """Numbers of an indenter with their signs; those of the second list are told where they are not the default."""
 _ELSEWHERE = {"seed", "thickness", "poisson_ratio", "contact_modulus", "base_modulus"}
 _ELSEWHERE |= {"base_poisson_ratio", "stiffness_rows", "pressure", "approach", "period", "num_points"}
@@ -26,8 +31,8 @@ def pressed(results: Mapping[str, Any], but: Collection[str] = ()) -> str:
     """
     if scan := plain(str(results.get("scene.profile_file", ""))):
         return scan if len(scan) <= _LONGEST_NAME else f"{scan[: _LONGEST_NAME - 4]} ..."
-    scene = {name.removeprefix("scene."): value for name, value in results.items() if name.startswith("scene.")}
-    known = {name: value for name, value in scene.items() if name not in but}
+    numbers = {name.removeprefix("scene."): value for name, value in results.items() if name.startswith("scene.")}
+    known = {name: value for name, value in numbers.items() if name not in but}
     told = [f"profile: {plain(str(results['scene.profile']))}"]
     told += [f"${sign}={typeset(float(known[name]))}$" for name, sign in _NUMBERS.items() if name in known]
     for name, (sign, usual) in _UNUSUAL.items():
