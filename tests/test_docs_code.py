@@ -25,7 +25,6 @@ SMOOTH = f"--cut-off-ratio 0.125 {COARSE}"
 POOR = f"--standard-error 0.1 {SMOOTH}"
 FEW = f"--points 3 {COARSE}"
 LITTLE = "--size 2^12 --repeats 2"
-EXAMPLE = "docs/examples/kernel_variants.py"
 
 MORE = {
     "linecontact study hertz --folder new": "--quick --workers 1",
@@ -41,7 +40,6 @@ MORE = {
     "linecontact study kernels --variants mine.py --kernel fire_step --size 2^18": LITTLE,
     "linecontact study kernels --kernel fire_step --folder before": LITTLE,
     "linecontact study kernels --kernel fire_step --folder after": LITTLE,
-    f"linecontact study kernels --variants {EXAMPLE} --kernel restrict_to_free --size 2^18": LITTLE,
 }
 """Commands that would take longer than a second or two, and options with which they do the same in little, further ones
 or in the place of theirs."""
@@ -62,6 +60,8 @@ ELSEWHERE = {
     "--dist loadfile": "these tests, by .ci/run",
     "python3 -m venv .venv-lowest && .venv-lowest/bin/pip install -q -e '.[test]' -c tests/lowest.txt && "
     ".venv-lowest/bin/python -m pytest -n 2 --dist loadfile -m 'not slow and not once'": "these tests, by .ci/run",
+    "linecontact study kernels --variants docs/examples/kernel_variants.py --kernel restrict_to_free --size 2^18": "by "
+    "test_kernel_study.py",
     "pip install -e '.[explore]'": "by the extra named test",
     "python docs/fill_in.py": "test_what_a_page_shows_is_what_is_stored",
     ".venv/bin/sphinx-build -W docs docs/build": "the last test of test_docs.py",
@@ -80,7 +80,7 @@ NEEDED = {
     "README.md": {"docs/examples/scan.csv": "docs/examples/scan.csv"},
     "CONTRIBUTING.md": {"studies/results/hertz.h5": "studies/results/hertz.h5"},
     "docs/results.md": {"studies/results/hertz.h5": "studies/results/hertz.h5"},
-    "docs/kernels.md": {"mine.py": VARIANT, EXAMPLE: EXAMPLE},
+    "docs/kernels.md": {"mine.py": VARIANT},
 }
 """Files that a page speaks of and does not make itself, and what they are copies of, or their text."""
 

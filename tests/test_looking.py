@@ -29,7 +29,7 @@ from linecontact.studies.curve import figures as curve_figures
 from linecontact.studies.curve import report as curve_report
 from linecontact.studies.figures import solution as solution_figure
 from linecontact.studies.figures.style import ONE_COLUMN, STYLE, TWO_COLUMNS, panels
-from linecontact.studies.figures.ticks import few_ticks
+from linecontact.studies.figures.ticks import few_ticks, in_plain_text
 from linecontact.studies.files.study_files import load_study
 from linecontact.studies.multilevel import figures as ensemble_figures
 from linecontact.studies.multilevel import report as ensemble_report
@@ -136,6 +136,7 @@ def bars(axes):
 
 def check_places(figure):
     """No legend and no label lies on a panel, or on another panel's label."""
+    in_plain_text(figure)
     figure.draw_without_rendering()
     panels = [axes.get_window_extent() for axes in figure.axes]
     legends = [*figure.legends, *(axes.get_legend() for axes in figure.axes if axes.get_legend())]

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from ..files.writing import expecting, write_bytes
 from .names import FORMATS, names
 from .style import STYLE
+from .ticks import in_plain_text
 
 
 def save(path: Path, draw: Callable[[Path], dict[str, Figure]]) -> list[Path]:
@@ -24,6 +25,7 @@ def save(path: Path, draw: Callable[[Path], dict[str, Figure]]) -> list[Path]:
     written = []
     with plt.rc_context(STYLE), expecting(path):
         for ending, figure in draw(path).items():
+            in_plain_text(figure)
             _lay_out(figure)
             for form, file in zip(FORMATS, names(path, [ending]), strict=True):
                 image = io.BytesIO()
