@@ -5,6 +5,7 @@ import os
 import re
 import subprocess
 import sys
+import threading
 
 import numpy as np
 import pytest
@@ -209,6 +210,29 @@ def test_bad_arrays_and_backends_are_refused():
         record("warp", [Call("spectral_multiply", (np.zeros(2 * CHUNK)[::2],), (good,))])
     with pytest.raises(ValueError, match="backend is 'cuda'"):
         record("cuda", [Call("spectral_multiply", (good,), (good,))])
+
+
+def test_what_one_thread_repeats_is_not_put_into_the_graph_that_another_records():
+    doubling = np.full(CHUNK, 2.0)
+    mine, other = np.ones(CHUNK), np.ones(CHUNK)
+    one = Call("spectral_multiply", (doubling,), (mine,))
+    repeat, ended = record("warp", [one]), threading.Event()
+
+    def record_graphs():
+        while not ended.is_set():
+            record("warp", [Call("spectral_multiply", (doubling,), (other,))] * 2)
+
+    recording = threading.Thread(target=record_graphs)
+    recording.start()
+    try:
+        for _ in range(1000):
+            repeat()
+            assert mine[0] == mine[-1] == 2.0
+            mine[:] = 1.0
+    finally:
+        ended.set()
+        recording.join()
+    assert other[0] == 1.0
 
 
 @pytest.fixture

@@ -191,7 +191,7 @@ def unseen_gaps(patches: Patches, pressure: Array64) -> float:
 def apart(left: Array64, right: Array64, num_points: int) -> tuple[Array64, Array64]:
     """Ends of patches in a period of `num_points` spacings, those of neighbours not beyond each other."""
     overlap = np.maximum(right - np.append(left[1:], left[:1] + num_points), 0.0) / 2
-    return left + np.roll(overlap, 1), right - overlap
+    return left + np.append(overlap[-1:], overlap[:-1]), right - overlap
 
 
 def _estimated(patches: Patches, spread: Array64, layer: Array64, on_thick: Mask) -> Array64:
@@ -251,7 +251,8 @@ def _around(patches: Patches, theta: Array64) -> tuple[Array64, Array64]:
     two, the least that three nodes can have, and gaps not below `_NARROWEST`.
     """
     width = np.maximum(patches.size - 1 - theta.sum(axis=0), 2.0)
-    facing = np.stack([np.roll(theta[1], 1), np.roll(theta[0], -1)])
+    left, right = theta
+    facing = np.concatenate((right[-1:], right[:-1], left[1:], left[:1])).reshape(theta.shape)  # of the neighbours
     gap = np.maximum(patches.to_neighbours + theta + facing, _NARROWEST)
     return np.broadcast_to(width, gap.shape), gap
 

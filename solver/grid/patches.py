@@ -60,7 +60,7 @@ class Patches:
     def to_neighbours(self) -> Array64:
         """From first and last nodes of patches to the next contact nodes beyond, shape (2, M) [grid spacings]."""
         gap = np.append(self.first[1:], self.first[:1] + self.num_points) - self.last
-        return np.stack([np.roll(gap, 1), gap]).astype(np.float64)
+        return np.concatenate((gap[-1:], gap[:-1], gap)).reshape(2, -1).astype(np.float64)
 
     def hold(self, nodes: Indices) -> Mask:
         """Whether these nodes, from 0 to N - 1, are contact nodes; of their shape."""

@@ -1,7 +1,7 @@
 """Few ticks, whose numbers do not run into each other in a figure one column wide.
 
-Numbers are plain text: Matplotlib writes powers of ten as formulas, and typesetting these took a quarter of the time of a
-solution's figure.
+Numbers are plain text: Matplotlib writes powers of ten as formulas, and typesetting these took a quarter of the time of
+a solution's figure.
 """
 
 import math

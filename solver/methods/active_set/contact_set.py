@@ -53,7 +53,8 @@ class ContactSet:
         """The set of nodes in ascending order, with their pressure [p], shape (contact nodes,) each."""
         patches = Patches.of_nodes(nodes, storage.num_points)
         compact = patches.nodes
-        pressure = np.roll(pressure, -int(np.searchsorted(nodes, compact[0])))  # where a patch goes on at node 0
+        if compact[0] != nodes[0]:  # a patch goes on at node 0
+            pressure = np.roll(pressure, -int(np.searchsorted(nodes, compact[0])))
         direction = np.zeros(nodes.size)
         return cls(patches, compact, storage.mirrored(compact), pressure, direction)
 
