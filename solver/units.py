@@ -54,8 +54,8 @@ def unit(name: str) -> str:
 class WithUnits(Protocol):
     """A layer or an indenter, which may say in which units its fields are.
 
-    Making such a class raises `ValueError` for a name that is none of its fields, for an unknown unit, and for one that
-    the name does not have elsewhere in the program.
+    Making such a class raises `ValueError` for what is no mapping, for a name that is none of its fields, for an
+    unknown unit, and for one that the name does not have elsewhere in the program.
     """
 
     units: ClassVar[Mapping[str, str]] = {}
@@ -65,6 +65,8 @@ class WithUnits(Protocol):
     def __init_subclass__(cls, **more: Any) -> None:
         super().__init_subclass__(**more)
         own, fields = cls.__dict__.get("units", {}), inspect.get_annotations(cls)
+        if not isinstance(own, Mapping):
+            raise ValueError(f"units is {own!r}; allowed: units of fields by name, like {{'width': 'length'}}")
         for name, one in own.items():
             if name not in fields:
                 raise ValueError(f"units names {name!r}; allowed: {', '.join(fields) or 'nothing, without fields'}")

@@ -61,6 +61,8 @@ class WarningKind(StrEnum):
     """The contact is nearly full."""
     SCAN = "scan"
     """What a scan does not resolve carries load."""
+    PROFILE = "profile"
+    """What was made of a scan may not be the surface."""
 
 
 @dataclass(frozen=True)
@@ -84,6 +86,8 @@ def find_warnings(
         yield SolutionWarning(WarningKind.GRID, "nothing is in contact; more num_points, or another start")
         return
     yield from _of_grid(scene, found, patches)
+    if doubts := scene.indenter.doubts:
+        yield SolutionWarning(WarningKind.PROFILE, doubts)
     yield from _of_estimates(found)
     yield from _of_elasticity(scene, found, _strain(scene, found, patches, displacement))
     if area > NEARLY_FULL:

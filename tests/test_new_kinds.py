@@ -398,6 +398,7 @@ def test_the_command_line_knows_them(tmp_path, capsys, options):
         ("radius", {"radius": "pressure"}, "units of radius is 'pressure'; allowed: length, as elsewhere"),
         ("hurst", {"hurst": "length"}, "units of hurst is 'length'; allowed: none, it is dimensionless, as elsewhere"),
         ("amplitude", {"amplitud": "length"}, "units names 'amplitud'; allowed: amplitude"),
+        ("amplitude", ["amplitude"], "units is ['amplitude']; allowed: units of fields by name, like {'width'"),
     ],
 )
 def test_units_of_own_numbers_agree_with_all_others(name, units, allowed):

@@ -152,6 +152,29 @@ def test_uneven_positions_are_interpolated(tmp_path):
     assert "interpolated" in read(write(tmp_path, ".txt", [shaken, x]))[0].description["profile_steps"]
 
 
+def doubts(path, **options):
+    scan = read_scan(path, **{"scene_units": True, **options})
+    warnings = solve(scan.scene(Layer(), pressure=1e-3)).warnings
+    return [warning.text for warning in warnings if warning.kind == "profile"]
+
+
+def test_what_was_made_of_a_scan_is_doubted_where_it_may_be_wrong(tmp_path):
+    x = np.arange(400.0)
+    z = np.cos(2 * np.pi * x / 400)
+    assert doubts(write(tmp_path, ".txt", [x, z]), window="none") == []
+    assert doubts(write(tmp_path, ".txt", [x[::-1], z]), window="none") == []
+    tilted = write(tmp_path, ".txt", [x, z + 0.01 * x])
+    assert doubts(tilted) == []  # by its mirror image
+    (text,) = doubts(tilted, window="none")
+    step = 0.01 * 399 + z[-1] - z[0]
+    assert f"a step {step / np.abs(np.diff(z + 0.01 * x)).max():.2g} times as high as any in the scan" in text
+    holed = (x < 200) | (x > 210)
+    (text,) = doubts(write(tmp_path, ".txt", [x[holed], z[holed]]))
+    assert text == "a gap of 0.03 of the scan, where it has no values, was filled by a straight line"
+    single = x != 200
+    assert doubts(write(tmp_path, ".txt", [x[single], z[single]])) == []
+
+
 def test_headers_and_line_ends(tmp_path):
     path = tmp_path / "scan.csv"
     rows = "".join(f"{0.1 * i:.1f},{math.sin(i):.5f},,\r\n" for i in range(32))

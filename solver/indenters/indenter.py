@@ -67,6 +67,11 @@ class Indenter(WithUnits, Protocol):
         """The dimensionless numbers, by name, that must be neither too large nor too small to compute with."""
         return {}
 
+    @property
+    def doubts(self) -> str:
+        """What there is to doubt of the surface itself, in words, for a warning; empty if nothing."""
+        return ""
+
     def effective_wave(self, num_points: int) -> int:
         """Number in the period of the wave that decides how fine a grid has to be; 0 for a smooth profile.
 

@@ -98,6 +98,11 @@ class MeasuredIndenter(Indenter):
     def given_points(self) -> int | None:
         return self.heights.size
 
+    @property
+    def doubts(self) -> str:
+        """Those in its description, see `Indenter`."""
+        return str(self.description.get("profile_doubts", ""))
+
     def on_grid(self, num_points: int, period: float) -> Self:
         """Resampled by Fourier modes, see `Indenter`."""
         if num_points == self.heights.size:

@@ -35,6 +35,10 @@ _PARAMETER = re.compile(
     r"\b(?:range|resolution|spacing|size|cut-?off|filter|radius|speed|force|pitch|limits?|tolerance|stage|offset|width)\b"
 )
 """Names of numbers that describe a scan; with a unit they are no label of a column."""
+_OF_ANOTHER = re.compile(
+    r"\b(?:per|log|log10|ln|lg|sqrt|divided|multiplied|times|scaled|normali[sz]ed|bits?|counts?|squared)\b|/\s*\w+\s*$"
+)
+"""What stands beside a unit where the numbers are not lengths in it, but something made of them."""
 _NEUTRAL = {"data", "values", "axis", "surface"}
 _LINES = 2  # above the table, that may label its columns: names, and units below them
 _LONGEST = 1000  # characters of a line that is looked at
@@ -162,7 +166,8 @@ def _label(text: str) -> Label:
         if alone and words and all(word.lower() in _NEUTRAL or _role(word) for word in words):
             name, unit = " ".join(words), alone
     others = {unit_of(found[1]) for found in brackets} | {unit_of(word, expected=False) for word in name.split()}
-    if unit and (re.search(r"[\d\u00b2\u00b3^]", name) or others - {None, unit}):
+    changed = re.search(r"[\d\u00b2\u00b3^]", name) or _OF_ANOTHER.search(name.lower())
+    if unit and (changed or others - {None, unit}):
         unit, unknown = "", text  # a factor, "x10 nm", or two units
     return Label(text, _role(name), unit, unknown, bool(unit) and not stated)
 

@@ -16,6 +16,8 @@ _ROUNDING = 0.6  # of the positions' last digit: by how much rounding puts them 
 _ROUNDED = 0.9  # spacings that the last digit may be worth: one spacing is a value left out
 _EVEN = 0.01  # spacings by which positions may be off without that
 _LONGEST_GAP = 0.05  # share of the scan that may be without values
+_DOUBTED_GAP = 0.01  # of the scan, from which a line in its place is worth a warning
+_JUMP = 2.0  # from the last value to the first, over the largest step between neighbours
 _MIRROR = "made periodic by its mirror image"
 
 
@@ -29,6 +31,8 @@ class Profile:
     """Their number times their spacing [length]."""
     steps: list[str] = field(default_factory=list)
     """What has been done, in words."""
+    doubts: list[str] = field(default_factory=list)
+    """What of it may be wrong, in words."""
 
     @property
     def spacing(self) -> float:
@@ -56,6 +60,12 @@ class Profile:
             self.z, self.length = np.concatenate([self.z, self.z[::-1]]), 2 * self.length
         elif window == "none":
             self.steps.append("taken as periodic: the last value meets the first")
+            jump, largest = abs(float(self.z[0] - self.z[-1])), float(np.abs(np.diff(self.z)).max())
+            if jump > _JUMP * largest:
+                self.doubts.append(
+                    f"from the last value of the scan to the first, which it meets, is a step {jump / largest:.2g} "
+                    "times as high as any in the scan: it does not look periodic (window)"
+                )
         else:
             taper = 0.5 if window == "hann" else _TAPER
             z = self.z - self.z.mean()
@@ -109,7 +119,10 @@ def evenly_spaced(x: Array64, z: Array64) -> Profile:
         raise ValueError(f"x has a gap of {gap / x[-1]:.1%} of the scan; allowed: up to {_LONGEST_GAP:.0%}")
     even_x = np.linspace(0, x[-1], x.size)
     told = f"interpolated linearly to even spacing, the largest gap {gap / even_x[1]:.3g} spacings"
-    return Profile(np.asarray(np.interp(even_x, x, z)), float(x[-1]) * x.size / (x.size - 1), [told])
+    doubts = []
+    if gap > max(_DOUBTED_GAP * x[-1], 1.5 * even_x[1]):
+        doubts = [f"a gap of {gap / x[-1]:.2g} of the scan, where it has no values, was filled by a straight line"]
+    return Profile(np.asarray(np.interp(even_x, x, z)), float(x[-1]) * x.size / (x.size - 1), [told], doubts)
 
 
 def _last_digit(x: Array64) -> float:

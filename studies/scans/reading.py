@@ -177,6 +177,7 @@ def read(options: Options) -> Scan:
         **units,
         "profile_length_unit": own_unit(options.length_unit) if known else SCENE,
         **scan,
+        **({"profile_doubts": "; ".join(profile.doubts)} if profile.doubts else {}),
         "profile_steps": "; ".join([found.origin, *profile.steps, "shifted to h >= 0"]),
     }
     return Scan(MeasuredIndenter(profile.z, measured, description), profile.length, n)
