@@ -103,6 +103,22 @@ def test_more_values_continue(loads, tmp_path, capsys):
     assert [run["scene.thickness"] for run in runs(tmp_path)] == [0.1, 0.2, math.inf]
 
 
+def test_a_file_that_has_the_name_of_a_figure_is_left_alone(tmp_path, capsys):
+    (tmp_path / "curve.pdf").write_text("mine")
+    known = ["--num-points", "2^9", "--over", "thickness", "--values", "0.1"]
+    assert curve(tmp_path, *known) == 0
+    said = "curve.pdf has the name of a figure, but linecontact has not written it; allowed: to move it away"
+    assert said in " ".join(capsys.readouterr().err.split())
+    assert not (tmp_path / "curve.png").exists()
+    assert main.main(["plot", str(tmp_path / "curve.h5")]) == 2
+    assert said in capsys.readouterr().err
+    assert (tmp_path / "curve.pdf").read_text() == "mine"
+    os.remove(tmp_path / "curve.pdf")
+    for _ in range(2):  # the second time it is its own
+        assert main.main(["plot", str(tmp_path / "curve.h5")]) == 0
+    assert (tmp_path / "curve.pdf").read_bytes().startswith(b"%PDF")
+
+
 @pytest.mark.parametrize(
     ("words", "column", "values"),
     [

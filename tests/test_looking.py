@@ -374,6 +374,25 @@ def test_nothing_hides_data_in_the_studies_figures(name):
             assert figure.get_figwidth() in (ONE_COLUMN, TWO_COLUMNS)
 
 
+@pytest.mark.parametrize(
+    ("base", "limits", "labels"),
+    [
+        (2, (2**14, 2**18), ["2¹⁴", "2¹⁶", "2¹⁸"]),
+        (10, (1e-3, 1e1), ["10⁻³", "10⁻²", "10⁻¹", "10⁰", "10¹"]),
+        (10, (2e-4, 5e-4), ["2\u00d710⁻⁴", "3\u00d710⁻⁴", "4\u00d710⁻⁴"]),
+    ],
+)
+def test_numbers_at_logarithmic_axes_are_plain_text(base, limits, labels):
+    figure, grid = panels(1, 1, ONE_COLUMN, 2.0)
+    grid[0, 0].set_xscale("log", base=base)
+    grid[0, 0].set_xlim(*limits)
+    in_plain_text(figure)
+    figure.draw_without_rendering()
+    shown = [text.get_text() for which in ("major", "minor") for text in grid[0, 0].get_xticklabels(which=which)]
+    assert set(labels) <= set(shown)
+    assert not any("$" in text for text in shown)
+
+
 def test_an_infinite_stiffness_of_a_curve_is_drawn_at_the_top():
     with matplotlib.rc_context(STYLE):
         (figure,) = curve_figures.draw(RESULTS / "curve.h5").values()

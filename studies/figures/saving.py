@@ -11,29 +11,49 @@ matplotlib.use("Agg")
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
-from ..files.writing import expecting, write_bytes
+from ..files.writing import StoreError, expecting, write_bytes
 from .names import FORMATS, names
 from .style import STYLE
 from .ticks import in_plain_text
 
+_SIGNATURE = "linecontact"
+_SIGNED = {".png": "Software", ".pdf": "Creator"}
+"""Where it stands in the files of figures."""
 
-def save(path: Path, draw: Callable[[Path], dict[str, Figure]]) -> list[Path]:
-    """Draw and write the figures of a stored file; returns the files. Raises `StoreError`.
 
-    draw: makes figures from the stored file, by the endings of their names.
+class ForeignFileError(StoreError):
+    """A file of another program that has the name of a figure."""
+
+
+def save(path: Path, draw: Callable[[Path], dict[str, Figure]], overwrite: bool = False) -> list[Path]:
+    """Draw and write the figures of a stored file; returns the files. Raises `StoreError`, and `ForeignFileError` where
+    another program's file has the name of one.
+
+    draw: makes figures from the stored file, by the endings of their names. overwrite: whether such a file may be
+    replaced.
     """
     written = []
     with plt.rc_context(STYLE), expecting(path):
-        for ending, figure in draw(path).items():
+        drawn = draw(path)
+        for file in names(path, drawn if not overwrite else ()):
+            _check_ours(file)
+        for ending, figure in drawn.items():
             in_plain_text(figure)
             _lay_out(figure)
             for form, file in zip(FORMATS, names(path, [ending]), strict=True):
                 image = io.BytesIO()
-                figure.savefig(image, format=form[1:])
+                figure.savefig(image, format=form[1:], metadata={_SIGNED[form]: _SIGNATURE})
                 write_bytes(file, [image.getvalue()])
                 written.append(file)
             plt.close(figure)
     return written
+
+
+def _check_ours(file: Path) -> None:
+    """Raise `ForeignFileError` if there is such a file, and it is no figure of linecontact's."""
+    if file.exists() and _SIGNATURE.encode() not in file.read_bytes():
+        reason = "has the name of a figure, but linecontact has not written it"
+        raise ForeignFileError(f"file {file} {reason}; allowed: to move it away, then linecontact plot")
 
 
 def _lay_out(figure: Figure) -> None:

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogFormatterSciNotation, LogLocator, MaxNLocator, NullFormatter, ScalarFormatter
 
 _TIMES = "\N{MULTIPLICATION SIGN}"
-_FORMULA = re.compile(r"\$\\mathdefault\{(?:(\d+)\\times)?10\^\{(-?\d+)\}\}\$")
+_FORMULA = re.compile(r"\$\\mathdefault\{(?:(\d+)\\times)?(\d+)\^\{(-?\d+)\}\}\$")
 _RAISED = str.maketrans("-\N{MINUS SIGN}0123456789", "⁻⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -30,13 +30,14 @@ class _Numbers(ScalarFormatter):
 
 
 class _Powers(LogFormatterSciNotation):
-    """Powers of ten and their multiples."""
+    """Powers of ten, or of another base, and their multiples."""
 
     def __call__(self, x: float, pos: int | None = None) -> str:
         formula = super().__call__(x, pos)
         if not (found := _FORMULA.fullmatch(formula)):
             return str(formula)
-        return f"{found[1]}{_TIMES}" * bool(found[1]) + f"10{found[2].translate(_RAISED)}"
+        factor, base, exponent = found.groups("")
+        return f"{factor}{_TIMES}" * bool(factor) + base + exponent.translate(_RAISED)
 
 
 def few_ticks(axes: Axes, bins: int = 4) -> None:
@@ -62,8 +63,9 @@ def in_plain_text(figure: Figure) -> None:
     """Have the numbers at all logarithmic axes of a figure in plain text."""
     for axes in figure.axes:
         for axis in (axes.xaxis, axes.yaxis):
-            if type(axis.get_major_formatter()) is LogFormatterSciNotation:
-                axis.set_major_formatter(_Powers())
-            minor = axis.get_minor_formatter()
+            major, minor = axis.get_major_formatter(), axis.get_minor_formatter()
+            base = getattr(axis.get_transform(), "base", 10.0)
+            if type(major) is LogFormatterSciNotation:
+                axis.set_major_formatter(_Powers(base))
             if type(minor) is LogFormatterSciNotation:
-                axis.set_minor_formatter(_Powers(labelOnlyBase=minor.labelOnlyBase))
+                axis.set_minor_formatter(_Powers(base, labelOnlyBase=minor.labelOnlyBase))

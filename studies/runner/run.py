@@ -203,7 +203,7 @@ def _draw(study: Study, plans: Sequence[Plan], files: Mapping[str, StudyFile], f
 
             try:
                 figures = saving.save(path, study.draw)
-            except NothingToDraw as error:
+            except (NothingToDraw, saving.ForeignFileError) as error:
                 console.errors.print(f"{plan.kind}: {error}")
                 figures = []
         drawn += figures
