@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from linecontact.solver import CoatedHalfSpace, Layer, RoughIndenter, Scene, SlidingLayer, TabulatedLayer, solve
 from linecontact.studies.command_line import main
+from linecontact.studies.scenes import stiffness_file
 
 Q = np.geomspace(1.0, 1e5, 200)
 WAVES = 2 * np.pi * np.arange(1.0, 2**11 + 1)
@@ -121,6 +122,32 @@ def test_bad_files_are_one_line_and_status_2(tmp_path, capsys, text, said):
     error = capsys.readouterr().err
     assert said in error
     assert error.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("header", "unit", "named"),
+    [
+        ("q [1/um], K [MPa/um]", "m", "um"),
+        ("q in um^-1", "m", "um"),
+        ("q (µm⁻¹)", "mm", "um"),
+        ("q 1/m; K GPa/mm", "m", "mm"),
+        ("q [1/um], K [MPa/um]", "um", ""),
+        ("q [1/m], K [Pa/m], 3 rows of E/2", "m", ""),
+        ("q [1/um], K [MPa/um]", "length", ""),
+        ("graded layer, 1/q down to 1e-4", "m", ""),
+    ],
+)
+def test_a_unit_in_a_comment_is_that_of_the_scan(tmp_path, header, unit, named):
+    q = np.logspace(-1, 5, 200)
+    np.savetxt(tmp_path / "k.txt", np.stack([q, 0.5 * q], axis=1), header=header, encoding="utf-8")
+    options = stiffness_file.Options(tmp_path / "k.txt")
+    if not named:
+        assert stiffness_file.read(options, unit).wave_numbers == tuple(q)
+        return
+    with pytest.raises(
+        ValueError, match=f"names {named}, and the scene's lengths are in {unit}; allowed: q in 1/{unit}"
+    ):
+        stiffness_file.read(options, unit)
 
 
 @pytest.mark.parametrize("layer", [Layer(0.1, 0.25), Layer(0.01, 0.49), Layer(0.05, 0.5), CoatedHalfSpace(1e-3, 5.0)])

@@ -53,7 +53,7 @@ def make_scene(options: Any, given: Given) -> Scene:
     if isinstance(layer, stiffness_file.Options):
         if not unit.said:
             raise ValueError(f"stiffness_file is {layer.stiffness_file}; allowed: with --length-unit, the unit of 1/q")
-        layer = stiffness_file.read(layer)
+        layer = stiffness_file.read(layer, unit.unit)
     lengths = ("approach", "period")
     more |= {n: _length(n, value, unit) if n in lengths else value for n, value in own.items() if value is not None}
     return Scene(layer=layer, indenter=indenter, precision=options.precision, **more)

@@ -2,6 +2,8 @@
 
 import math
 import os
+import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,7 +11,13 @@ import numpy as np
 from linecontact.solver import TabulatedLayer
 from linecontact.solver.display import counted
 
+from ..scans.units import UNITS, plain, unit_of
+
 _MOST_BYTES = 2**24
+_OVER_LENGTH = re.compile(
+    r"(?:\b1|(?<=[^\W\d]))\s*/\s*([^\W\d]+)|([^\W\d]+)(?:\s*(?:\^|\*\*)\s*[({]?\s*)?[-\N{MINUS SIGN}]\s*1\b"
+)
+"""A unit of q or K in a comment, like 1/um, MPa/mm or m^-1."""
 
 
 @dataclass(frozen=True)
@@ -23,8 +31,10 @@ class Options:
     """E* [pressure] of p* and kappa; default: 2 K/q of the last row."""
 
 
-def read(options: Options) -> TabulatedLayer:
-    """The layer. Raises `ValueError` for a file that is none, and like `TabulatedLayer`."""
+def read(options: Options, length_unit: str) -> TabulatedLayer:
+    """The layer. length_unit: that of the scene's lengths. Raises `ValueError` for a file that is none, for one that
+    names another unit, and like `TabulatedLayer`.
+    """
     path = options.stiffness_file
     what = f"stiffness_file is {path}"
     if not os.path.isfile(path):  # Path's own raises for some names
@@ -36,6 +46,7 @@ def read(options: Options) -> TabulatedLayer:
         if all(not line.partition("#")[0].strip() for line in lines):
             raise ValueError("it has no rows")
         rows = np.loadtxt(lines, ndmin=2)
+        comments = [line for line in map(plain, lines) if "#" in line]
     except (OSError, UnicodeDecodeError, ValueError) as error:
         said = str(error).splitlines()[0]
         raise ValueError(
@@ -43,8 +54,21 @@ def read(options: Options) -> TabulatedLayer:
         ) from None
     if rows.shape[1] != 2:
         raise ValueError(f"{what}, of {counted(rows.shape[1], 'column')}; allowed: two, q and K(q)")
+    _check_units(what, comments, length_unit)
     modulus = math.nan if options.contact_modulus is None else options.contact_modulus
     try:
         return TabulatedLayer(tuple(rows[:, 0].tolist()), tuple(rows[:, 1].tolist()), modulus, path.name)
     except ValueError as error:
         raise ValueError(f"{what}, whose {error}") from None
+
+
+def _check_units(what: str, comments: Sequence[str], own: str) -> None:
+    """Raise `ValueError` where a comment names another unit of length than the scene's, if that is known."""
+    for line in comments if own in UNITS else ():
+        for found in _OVER_LENGTH.finditer(line.partition("#")[2]):
+            unit = unit_of(found[1] or found[2])
+            if unit and unit != own:
+                raise ValueError(
+                    f"{what}, whose line {line.strip()[:60]!r} names {unit}, and the scene's lengths are in {own}; "
+                    f"allowed: q in 1/{own} and K in the scene's pressure over {own}, or another length_unit"
+                )
