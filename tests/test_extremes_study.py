@@ -19,20 +19,20 @@ pytestmark = pytest.mark.once
 
 @pytest.fixture(scope="module")
 def sample():
-    """Records of 300 cells of the map."""
-    return [task.run(None) for task in extremes.QUICK.plan().runs]
+    """Records of some cells of the map."""
+    return [task.run(None) for task in replace(extremes.QUICK, small=196, middle=4).plan().runs]
 
 
 def test_a_sample_of_the_map(sample):
-    assert len(sample) == 300
+    assert len(sample) == 200
     assert not extremes.defects(StudyFile("extremes", {}, sample))
     plain = [run for run in sample if not run["asked"]]
     solved = sum(run["verdict"] == verdicts.CERTIFIED for run in plain)
-    assert solved >= 0.97 * len(plain) > 200
+    assert solved >= 0.97 * len(plain) > 130
     for run in sample:
         assert run["verdict"] == verdicts.CERTIFIED or " is " in run["why"]
         assert run["verdict"] == verdicts.CERTIFIED or "; allowed: " in run["why"]
-    assert sum("off.subgrid" in run for run in sample) > 30  # known from elsewhere
+    assert sum("off.subgrid" in run for run in sample) > 20  # known from elsewhere
 
 
 def test_the_sample_covers_the_map(sample):

@@ -67,7 +67,7 @@ def rows_of(folder):
 
 
 def test_starting_anew_does_everything_again(tmp_path):
-    words = (*SMALL, "--standard-error", "0.03")
+    words = (*SMALL, "--standard-error", "0.08")
     assert ensemble(tmp_path, *words) == 0
     done = {path: path.stat().st_mtime_ns for path in (tmp_path / "tasks").glob("*.json")}
     assert ensemble(tmp_path, *words, "--overwrite") == 0
@@ -77,14 +77,14 @@ def test_starting_anew_does_everything_again(tmp_path):
 
 
 def test_the_command(tmp_path, capsys):
-    words = (*SMALL, "--thickness", "0.1", "--observable", "kappa,mean_gap", "--standard-error", "0.02", "--relative")
+    words = (*SMALL, "--thickness", "0.1", "--observable", "kappa,mean_gap", "--standard-error", "0.05", "--relative")
     assert ensemble(tmp_path, *words) == 0
     said = " ".join(capsys.readouterr().out.split())
     file = load_study(tmp_path / "ensemble.h5")
     asked, now = tasks.found(file)
     for name, found in now.estimates.items():
         assert f"{name} = {found.mean:.6g} +- {rounded_up(found.standard_error)}" in said
-        assert found.standard_error <= 0.02 * abs(found.mean)
+        assert found.standard_error <= 0.05 * abs(found.mean)
     assert list(now.estimates) == list(asked.observables) == ["kappa", "mean-gap"]
     assert {path.name for path in tmp_path.glob("*.p*")} == {"ensemble.png", "ensemble.pdf"}
     assert rows_of(tmp_path) == [
@@ -181,7 +181,7 @@ def test_an_interrupted_run_does_not_replace_a_finished_one(tmp_path, capsys, mo
 
 def test_a_refused_run_does_not_replace_a_better_one(tmp_path, capsys):
     words, path = (*SMALL, "--standard-error"), tmp_path / "ensemble.h5"
-    assert ensemble(tmp_path, *words, "0.02") == 0
+    assert ensemble(tmp_path, *words, "0.05") == 0
     before = path.read_bytes()
     capsys.readouterr()
     assert ensemble(tmp_path, *words, "1e-6", "--max-seconds", "10") == 3
@@ -189,7 +189,7 @@ def test_a_refused_run_does_not_replace_a_better_one(tmp_path, capsys):
     assert "what was asked for is not reached: it takes at least" in said.err
     assert f"{path} is kept: it is finished, and holds more than this" in said.err
     assert path.read_bytes() == before
-    assert ensemble(tmp_path, *words, "0.02") == 0
+    assert ensemble(tmp_path, *words, "0.05") == 0
     assert "Finished before" in capsys.readouterr().out
 
 
