@@ -8,6 +8,8 @@ from decimal import ROUND_CEILING, Context
 from html import escape
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from .units import unit
 
 _WIDTH = 100  # columns of a printed line
@@ -48,8 +50,10 @@ def counted(count: int, noun: str) -> str:
     return f"{count} {noun}" + "s" * (count != 1)
 
 
-def number(value: float) -> str:
-    """A number with up to six digits."""
+def number(value: Any) -> str:
+    """A number with up to six digits; of an array, how many values it holds."""
+    if isinstance(value, np.ndarray):
+        return counted(value.size, "value")
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 

@@ -1,8 +1,7 @@
 """Units of the quantities in scenes and results, by their names."""
 
-import inspect
-from collections.abc import Mapping
-from typing import Any, ClassVar, Protocol
+from collections.abc import Collection, Mapping
+from typing import Any
 
 SCENE = "the scene's"
 """The unit of length that the scene is in, where nobody has said which one it is."""
@@ -51,31 +50,23 @@ def unit(name: str) -> str:
     return _UNITS.get(last) or _OWN.get(last, "1")
 
 
-class WithUnits(Protocol):
-    """A layer or an indenter, which may say in which units its fields are.
+def declare(own: Mapping[str, str], fields: Collection[str]) -> None:
+    """Note the units of fields of a layer or an indenter, by their names. fields: the names that there are.
 
-    Making such a class raises `ValueError` for what is no mapping, for a name that is none of its fields, for an
-    unknown unit, and for one that the name does not have elsewhere in the program.
+    Raises `ValueError` for what is no mapping, for a name that is none of the fields, for an unknown unit, and for one
+    that the name does not have elsewhere in the program.
     """
-
-    units: ClassVar[Mapping[str, str]] = {}
-    """Units of its fields by name: 'length', 'pressure' or 'pressure/length'. A field that is not named here has the
-    unit that the program has for its name, as for `thickness` and `radius`, and is dimensionless if it has none."""
-
-    def __init_subclass__(cls, **more: Any) -> None:
-        super().__init_subclass__(**more)
-        own, fields = cls.__dict__.get("units", {}), inspect.get_annotations(cls)
-        if not isinstance(own, Mapping):
-            raise ValueError(f"units is {own!r}; allowed: units of fields by name, like {{'width': 'length'}}")
-        for name, one in own.items():
-            if name not in fields:
-                raise ValueError(f"units names {name!r}; allowed: {', '.join(fields) or 'nothing, without fields'}")
-            if one not in _DIMENSIONS:
-                raise ValueError(f"units of {name} is {one!r}; allowed: {', '.join(_DIMENSIONS)}")
-            if _UNITS.get(name, one) != one:
-                known = _UNITS[name].replace("1", "none, it is dimensionless")
-                raise ValueError(f"units of {name} is {one!r}; allowed: {known}, as elsewhere in the program")
-        _OWN.update(own)
+    if not isinstance(own, Mapping):
+        raise ValueError(f"units is {own!r}; allowed: units of fields by name, like {{'width': 'length'}}")
+    for name, one in own.items():
+        if name not in fields:
+            raise ValueError(f"units names {name!r}; allowed: {', '.join(fields) or 'nothing, without fields'}")
+        if one not in _DIMENSIONS:
+            raise ValueError(f"units of {name} is {one!r}; allowed: {', '.join(_DIMENSIONS)}")
+        if _UNITS.get(name, one) != one:
+            known = _UNITS[name].replace("1", "none, it is dimensionless")
+            raise ValueError(f"units of {name} is {one!r}; allowed: {known}, as elsewhere in the program")
+    _OWN.update(own)
 
 
 def length_unit(about: Mapping[str, Any], prefix: str = "") -> str:

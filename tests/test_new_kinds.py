@@ -406,6 +406,17 @@ def test_units_of_own_numbers_agree_with_all_others(name, units, allowed):
         type("Own", (Indenter,), {"__annotations__": {name: float}, "units": units})
 
 
+def test_own_numbers_are_printed_with_their_units():
+    assert repr(CosineIndenter(0.02, 3)) == "CosineIndenter: amplitude 0.02 [length], waves 3 [-]"
+    assert "    CosineIndenter: amplitude 0.01 [length]" in repr(solve(Scene(indenter=CosineIndenter(), num_points=64)))
+
+    @dataclass(frozen=True)
+    class WithHeights(CosineIndenter):
+        heights: np.ndarray = field(default_factory=lambda: np.zeros(1000))
+
+    assert repr(WithHeights()).endswith("heights 1000 values [-]")
+
+
 def test_own_lengths_are_lengths_everywhere(tmp_path, capsys):
     assert CosineIndenter(0.02, 3).in_units(2.0) == CosineIndenter(0.04, 3)
     words = ["--over", "amplitude", "--values", "0.01,0.02", "--pressure", "0.01", "--num-points", "2^9"]

@@ -11,11 +11,11 @@ from typing import Any, ClassVar, Protocol, Self
 import numpy as np
 
 from ..arrays import Array64
+from ..kind import Kind
 from ..layers import ElasticLayer
-from ..units import WithUnits
 
 
-class Indenter(WithUnits, Protocol):
+class Indenter(Kind, Protocol):
     """A rigid, periodic indenter, as the program needs to know it."""
 
     name: ClassVar[str]

@@ -5,7 +5,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from .. import checks, display
+from .. import checks
 from ..arrays import Array64
 from ..layers import ElasticLayer
 from ..reference.closed_forms import guessed_half_width
@@ -35,9 +35,6 @@ class PowerIndenter(Indenter):
             exponent=checks.real("exponent", self.exponent, "1 < n <= 100", 1, 100),
             radius=checks.real("radius", self.radius, "a finite length > 0", 0),
         )
-
-    def __repr__(self) -> str:
-        return display.line(self)
 
     def profile(self, num_points: int, period: float) -> Array64:
         distance = self._distance(num_points)

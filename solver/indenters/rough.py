@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from .. import checks, display
+from .. import checks
 from ..arrays import Array64, Modes
 from ..layers import ElasticLayer
 from ..transforms.plain import irfft
@@ -49,9 +49,6 @@ class RoughIndenter(Indenter):
             checks.assign(self, **{name: checks.real(name, getattr(self, name), "1e-9 < ratio <= 1", 1e-9, 1)})
         gradient = checks.real("rms_gradient", self.rms_gradient, "a finite number > 0", 0)
         checks.assign(self, rms_gradient=gradient)
-
-    def __repr__(self) -> str:
-        return display.line(self)
 
     def shortest_wave(self, num_points: int) -> int:
         """k_s, see `Indenter`; the same on every grid."""

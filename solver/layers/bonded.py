@@ -21,7 +21,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from .. import checks, display
+from .. import checks
 from ..arrays import Array64
 from .edge_shift import wiener_hopf_shift
 from .exponentials import sinh_minus_argument
@@ -121,9 +121,6 @@ class Layer(ElasticLayer):
             self,
             contact_modulus=checks.real("contact_modulus", self.contact_modulus, "a finite pressure > 0", 0),
         )
-
-    def __repr__(self) -> str:
-        return display.line(self)
 
     def stiffness(self, wave_numbers: Array64, period: float) -> Array64:
         return stiffness(wave_numbers, self.thickness / period, self.poisson_ratio)

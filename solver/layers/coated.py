@@ -20,7 +20,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from .. import checks, display
+from .. import checks
 from ..arrays import Array64
 from .exponentials import sinh_minus_argument
 from .layer import ElasticLayer
@@ -90,9 +90,6 @@ class CoatedHalfSpace(ElasticLayer):
                 f"from {_LEAST_RATIO:g} to {_MOST_RATIO:g} of the layer's contact_modulus, {self.contact_modulus:g}"
             )
             raise ValueError(f"base_modulus is {self.base_modulus!r}; allowed: {allowed}")
-
-    def __repr__(self) -> str:
-        return display.line(self)
 
     @property
     def shear_ratio(self) -> float:

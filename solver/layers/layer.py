@@ -8,10 +8,10 @@ from abc import abstractmethod
 from typing import Any, ClassVar, Protocol, Self
 
 from ..arrays import Array64
-from ..units import WithUnits
+from ..kind import Kind
 
 
-class ElasticLayer(WithUnits, Protocol):
+class ElasticLayer(Kind, Protocol):
     """An elastic layer and what it rests on, as the program needs to know them."""
 
     name: ClassVar[str]

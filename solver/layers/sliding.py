@@ -17,7 +17,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from .. import checks, display
+from .. import checks
 from ..arrays import Array64
 from .layer import ElasticLayer
 
@@ -54,9 +54,6 @@ class SlidingLayer(ElasticLayer):
             thickness=checks.real("thickness", self.thickness, "a length > 0, or inf", 0, infinite=True),
             contact_modulus=checks.real("contact_modulus", self.contact_modulus, "a finite pressure > 0", 0),
         )
-
-    def __repr__(self) -> str:
-        return display.line(self)
 
     def stiffness(self, wave_numbers: Array64, period: float) -> Array64:
         k = wave_numbers / 2
