@@ -17,7 +17,8 @@ class Kind(Protocol):
 
     def __init_subclass__(cls, **more: Any) -> None:
         super().__init_subclass__(**more)
-        units.declare(cls.__dict__.get("units", {}), inspect.get_annotations(cls))
+        numbers = [name for name, of in inspect.get_annotations(cls).items() if "ClassVar" not in str(of)]
+        units.declare(cls.__dict__.get("units", {}), numbers)
         if "__repr__" not in cls.__dict__:  # a dataclass would make its own, without units
             cls.__repr__ = _line  # type: ignore[assignment]
 

@@ -14,7 +14,7 @@ from linecontact import curve as curve_of
 from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, Status, solve
 from linecontact.solver.display import rounded_up
 from linecontact.studies.command_line import main
-from linecontact.studies.curve import number, tasks
+from linecontact.studies.curve import number, study, tasks
 from linecontact.studies.files.study_files import load_study
 
 
@@ -107,16 +107,27 @@ def test_a_file_that_has_the_name_of_a_figure_is_left_alone(tmp_path, capsys):
     (tmp_path / "curve.pdf").write_text("mine")
     known = ["--num-points", "2^9", "--over", "thickness", "--values", "0.1"]
     assert curve(tmp_path, *known) == 0
-    said = "curve.pdf has the name of a figure, but linecontact has not written it; allowed: to move it away"
+    said = "curve.pdf has the name of a figure, and is not one that this version of linecontact has drawn; allowed: to"
     assert said in " ".join(capsys.readouterr().err.split())
     assert not (tmp_path / "curve.png").exists()
     assert main.main(["plot", str(tmp_path / "curve.h5")]) == 2
     assert said in capsys.readouterr().err
     assert (tmp_path / "curve.pdf").read_text() == "mine"
-    os.remove(tmp_path / "curve.pdf")
-    for _ in range(2):  # the second time it is its own
-        assert main.main(["plot", str(tmp_path / "curve.h5")]) == 0
+    (tmp_path / "curve.pdf").write_text("see linecontact")
+    assert curve(tmp_path, *known) == 0
+    assert "Figures" not in capsys.readouterr().out
+    assert curve(tmp_path, *known, "--overwrite") == 0
     assert (tmp_path / "curve.pdf").read_bytes().startswith(b"%PDF")
+    assert main.main(["plot", str(tmp_path / "curve.h5")]) == 0  # now it is its own
+
+
+def test_the_half_space_of_a_curve_over_thickness_is_seen(tmp_path):
+    assert curve(tmp_path, "--num-points", "2^9", "--over", "thickness", "--values", "0.1,0.2,inf") == 0
+    (figure,) = study.draw(tmp_path / "curve.h5").values()
+    for axes in figure.axes[:2]:  # its stiffness has another reference
+        (line,) = [line for line in axes.get_lines() if line.get_label() == "half-space"]
+        low, high = axes.get_ylim()
+        assert low < line.get_ydata()[0] < high
 
 
 @pytest.mark.parametrize(

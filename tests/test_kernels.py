@@ -1,5 +1,6 @@
 """Every kernel against its NumPy twin, in both precisions, on lengths around the chunk; and proof of vector code."""
 
+import contextlib
 import json
 import os
 import re
@@ -9,6 +10,7 @@ import threading
 
 import numpy as np
 import pytest
+import warp as wp
 from linecontact.kernels import CHUNK, KERNELS, Call, layout, padded_length, recompile, record, tuning
 
 PRECISIONS = ["float32", "float64"]
@@ -212,27 +214,39 @@ def test_bad_arrays_and_backends_are_refused():
         record("cuda", [Call("spectral_multiply", (good,), (good,))])
 
 
-def test_what_one_thread_repeats_is_not_put_into_the_graph_that_another_records():
-    doubling = np.full(CHUNK, 2.0)
-    mine, other = np.ones(CHUNK), np.ones(CHUNK)
-    one = Call("spectral_multiply", (doubling,), (mine,))
-    repeat, ended = record("warp", [one]), threading.Event()
+def test_a_launch_waits_while_another_thread_records_a_graph(monkeypatch):
+    """Beside the recording it would crash."""
+    doubling, mine, other = np.full(CHUNK, 2.0), np.ones(CHUNK), np.ones(CHUNK)
+    repeat = record("warp", [Call("spectral_multiply", (doubling,), (mine,))], seldom=True)
+    launch, thread, waits = wp.launch, threading.Thread(target=repeat), []
 
-    def record_graphs():
-        while not ended.is_set():
-            record("warp", [Call("spectral_multiply", (doubling,), (other,))] * 2)
+    def launch_beside(*given, **options):
+        if not waits:
+            thread.start()
+            thread.join(0.1)
+            waits.append(thread.is_alive())
+        return launch(*given, **options)
 
-    recording = threading.Thread(target=record_graphs)
-    recording.start()
-    try:
-        for _ in range(1000):
-            repeat()
-            assert mine[0] == mine[-1] == 2.0
-            mine[:] = 1.0
-    finally:
-        ended.set()
-        recording.join()
+    monkeypatch.setattr(wp, "launch", launch_beside)
+    record("warp", [Call("spectral_multiply", (doubling,), (other,))] * 2)
+    thread.join()
+    assert waits == [True]
+    assert mine[0] == mine[-1] == 2.0
     assert other[0] == 1.0
+
+
+@pytest.mark.parametrize("points", [CHUNK, 128 * CHUNK])
+@pytest.mark.parametrize("seldom", [False, True])
+def test_what_is_seldom_repeated_is_kept_as_a_launch_if_it_is_short(seldom, points, monkeypatch):
+    graphs = []
+    monkeypatch.setattr(wp, "ScopedCapture", lambda **given: graphs.append(1) or contextlib.nullcontext(Graph))
+    call = Call("spectral_multiply", (np.full(points, 2.0),), (np.ones(points),))
+    record("warp", [call], seldom=seldom)
+    assert len(graphs) == (0 if seldom and points == CHUNK else 1)
+
+
+class Graph:
+    graph = None
 
 
 @pytest.fixture

@@ -393,6 +393,25 @@ def test_numbers_at_logarithmic_axes_are_plain_text(base, limits, labels):
     assert not any("$" in text for text in shown)
 
 
+@pytest.mark.parametrize("formulas", [False, True])
+def test_a_power_of_ten_stands_at_the_end_of_an_axis_in_plain_text(formulas):
+    with matplotlib.rc_context({"axes.formatter.use_mathtext": formulas}):
+        figure, grid = panels(1, 1, ONE_COLUMN, 2.0)
+        grid[0, 0].plot([0, 1], [0, 3e-5])
+        few_ticks(grid[0, 0])
+        figure.draw_without_rendering()
+    assert grid[0, 0].yaxis.get_offset_text().get_text() == "\u00d710⁻⁵"
+
+
+def test_a_solution_s_figure_is_known_as_linecontact_s(solution, tmp_path):
+    solution.save(tmp_path / "run.h5")
+    solution.plot(tmp_path / "run.png")
+    assert main.main(["plot", str(tmp_path / "run.h5")]) == 0
+    (tmp_path / "run.pdf").write_text("mine")
+    assert main.main(["plot", str(tmp_path / "run.h5")]) == 2
+    assert (tmp_path / "run.pdf").read_text() == "mine"
+
+
 def test_an_infinite_stiffness_of_a_curve_is_drawn_at_the_top():
     with matplotlib.rc_context(STYLE):
         (figure,) = curve_figures.draw(RESULTS / "curve.h5").values()

@@ -167,10 +167,15 @@ def test_what_was_made_of_a_scan_is_doubted_where_it_may_be_wrong(tmp_path):
     assert doubts(tilted) == []  # by its mirror image
     (text,) = doubts(tilted, window="none")
     step = 0.01 * 399 + z[-1] - z[0]
-    assert f"a step {step / np.abs(np.diff(z + 0.01 * x)).max():.2g} times as high as any in the scan" in text
+    assert f"a step {round(step / np.abs(np.diff(z + 0.01 * x)).max())} times as high as any in the scan" in text
     holed = (x < 200) | (x > 210)
     (text,) = doubts(write(tmp_path, ".txt", [x[holed], z[holed]]))
-    assert text == "a gap of 0.03 of the scan, where it has no values, was filled by a straight line"
+    assert text == "3.0% of the scan, where it has no values, were filled by straight lines"
+    many = x % 20 > 1
+    (text,) = doubts(write(tmp_path, ".txt", [x[many], z[many]]))
+    assert text.startswith("14.4% of the scan")
+    jittered = np.cumsum(np.random.default_rng(5).uniform(0.5, 1.5, 100))
+    assert doubts(write(tmp_path, ".txt", [jittered, np.sin(jittered)])) == []
     single = x != 200
     assert doubts(write(tmp_path, ".txt", [x[single], z[single]])) == []
 

@@ -135,6 +135,14 @@ def test_bad_files_are_one_line_and_status_2(tmp_path, capsys, text, said):
         ("q [1/m], K [Pa/m], 3 rows of E/2", "m", ""),
         ("q [1/um], K [MPa/um]", "length", ""),
         ("graded layer, 1/q down to 1e-4", "m", ""),
+        ("length unit: mm", "m", "mm"),
+        ("units: um, MPa", "m", "um"),
+        ("q per micrometre", "m", "um"),
+        ("q [1/um], K [MPa/um], E = 2000 N/mm^2", "um", ""),
+        ("K [(N/mm²)/um]", "um", ""),
+        ("K [(N/mm²)/um]", "m", "um"),
+        ("density 1100 kg/m^3; cantilever 0.2 N/m; λ/μ = 2.5", "um", ""),
+        ("thickness d/mm = 5, data/in/k.txt", "m", ""),
     ],
 )
 def test_a_unit_in_a_comment_is_that_of_the_scan(tmp_path, header, unit, named):

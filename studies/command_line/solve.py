@@ -70,7 +70,7 @@ class Options(making.Options):
     patches: Path | None = None
     """Write the contact patches to this CSV file: left and right end, width, nodes, load, largest pressure."""
     overwrite: bool = False
-    """Let --save and --patches replace an existing file."""
+    """Let --save, --plot and --patches replace an existing file."""
     strict: bool = False
     """Give exit status 3 if there is a warning."""
 

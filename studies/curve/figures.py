@@ -43,6 +43,7 @@ def draw(path: Path) -> dict[str, Figure]:
         axes.set_ylabel(f"{label}\n({said})")
         for beyond in y[~shown] if error else ():  # a half-space, whose approach compares with no other
             axes.axhline(beyond, color=COLOURS[3], ls="--", lw=0.8, label="half-space")
+            _make_room(axes, beyond)
     for axes in grid[:, 0]:
         few_ticks(axes, _BINS)
     if over == "seed":
@@ -112,6 +113,15 @@ def _panel(axes: Axes, x: Array64, y: Array64, error: Array64 | None, joined: bo
         low, high = float((y - error)[seen].min(initial=y.min())), float((y + error)[seen].max(initial=y.max()))
         axes.set_ylim(low - 0.1 * span, high + 0.1 * span)
     return int((~seen).sum())
+
+
+def _make_room(axes: Axes, y: float) -> None:
+    """Have a panel reach beyond a value, which may be NaN."""
+    low, high = axes.get_ylim()
+    if axes.get_yscale() == "log":
+        axes.set_ylim(np.fmin(low, y / 1.1), np.fmax(high, 1.1 * y))
+    else:
+        axes.set_ylim(np.fmin(low, y - 0.1 * abs(high - y)), np.fmax(high, y + 0.1 * abs(y - low)))
 
 
 def _logarithmic(values: Array64) -> bool:

@@ -12,17 +12,13 @@ from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
 from ..files.writing import StoreError, expecting, write_bytes
-from .names import FORMATS, names
+from .names import FORMATS, is_ours, marked, names
 from .style import STYLE
 from .ticks import in_plain_text
 
-_SIGNATURE = "linecontact"
-_SIGNED = {".png": "Software", ".pdf": "Creator"}
-"""Where it stands in the files of figures."""
-
 
 class ForeignFileError(StoreError):
-    """A file of another program that has the name of a figure."""
+    """A file that has the name of a figure, but is another program's, or an earlier version's."""
 
 
 def save(path: Path, draw: Callable[[Path], dict[str, Figure]], overwrite: bool = False) -> list[Path]:
@@ -35,14 +31,14 @@ def save(path: Path, draw: Callable[[Path], dict[str, Figure]], overwrite: bool 
     written = []
     with plt.rc_context(STYLE), expecting(path):
         drawn = draw(path)
-        for file in names(path, drawn if not overwrite else ()):
+        for file in names(path, () if overwrite else drawn):
             _check_ours(file)
         for ending, figure in drawn.items():
             in_plain_text(figure)
             _lay_out(figure)
             for form, file in zip(FORMATS, names(path, [ending]), strict=True):
                 image = io.BytesIO()
-                figure.savefig(image, format=form[1:], metadata={_SIGNED[form]: _SIGNATURE})
+                figure.savefig(image, format=form[1:], metadata=marked(form))
                 write_bytes(file, [image.getvalue()])
                 written.append(file)
             plt.close(figure)
@@ -51,8 +47,8 @@ def save(path: Path, draw: Callable[[Path], dict[str, Figure]], overwrite: bool 
 
 def _check_ours(file: Path) -> None:
     """Raise `ForeignFileError` if there is such a file, and it is no figure of linecontact's."""
-    if file.exists() and _SIGNATURE.encode() not in file.read_bytes():
-        reason = "has the name of a figure, but linecontact has not written it"
+    if file.is_file() and not is_ours(file):
+        reason = "has the name of a figure, and is not one that this version of linecontact has drawn"
         raise ForeignFileError(f"file {file} {reason}; allowed: to move it away, then linecontact plot")
 
 

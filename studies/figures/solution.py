@@ -22,6 +22,7 @@ from matplotlib.ticker import MaxNLocator
 
 from ..files import solution_files, writing
 from ..files.solution_files import Name, StoredSolution
+from .names import marked
 from .scales import Scales, scales
 from .style import COLOURS, ONE_COLUMN, STYLE, typeset, typeset_error
 from .thinning import extremes, merged
@@ -96,7 +97,8 @@ def plot(solution: Solution | StoredSolution, path: Name | None = None, overwrit
         drawn.draw_without_rendering()  # ticks take their style from here
         if file:
             image = io.BytesIO()
-            drawn.savefig(image, format=file.suffix[1:].lower())
+            form = file.suffix.lower()
+            drawn.savefig(image, format=form[1:], metadata=marked(form))
             writing.write_bytes(file, [image.getvalue()])
     return drawn
 
@@ -130,7 +132,7 @@ def figure(solution: StoredSolution) -> Figure:
             )  # over the bodies
     if enlarged:
         _enlarge(axes, units, contact, solution)
-    drawn.suptitle(_title(solution.results, units, contact.left.size), fontsize=8)
+    drawn.suptitle(_title(solution.results, units, contact.left.size), fontsize=8, wrap=True)
     drawn.legend(
         handles=_legend(units, contact.left.size > 0, enlarged), loc="outside lower center", ncols=2, columnspacing=1.2
     )

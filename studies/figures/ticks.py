@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogFormatterSciNotation, LogLocator, MaxNLocator, NullFormatter, ScalarFormatter
 
 _TIMES = "\N{MULTIPLICATION SIGN}"
-_FORMULA = re.compile(r"\$\\mathdefault\{(?:(\d+)\\times)?(\d+)\^\{(-?\d+)\}\}\$")
+_FORMULA = re.compile(r"\$\\mathdefault\{(?:([\d.]+)\\times)?(\d+)\^\{(-?\d+)\}\}\$")
 _RAISED = str.maketrans("-\N{MINUS SIGN}0123456789", "⁻⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -21,12 +21,13 @@ class _Numbers(ScalarFormatter):
     """Numbers; powers of ten but small ones stand once at the axis."""
 
     def __init__(self) -> None:
-        super().__init__(useOffset=False)
+        super().__init__(useOffset=False, useMathText=False)
         self.set_powerlimits((-2, 4))
 
     def get_offset(self) -> str:
-        _, power, exponent = super().get_offset().partition("1e")
-        return f"{_TIMES}10{exponent.translate(_RAISED)}" if power else ""
+        offset = super().get_offset()
+        before, power, exponent = offset.partition("1e")
+        return f"{before}{_TIMES}10{exponent.translate(_RAISED)}" if power else str(offset)
 
 
 class _Powers(LogFormatterSciNotation):
@@ -55,7 +56,7 @@ def _logarithmic(axis: Axis, decades: float) -> None:
     labelled = (1.0, 2.0, 5.0) if decades < 1.4 else (1.0, 3.0) if decades < 2.2 else (1.0,)
     if len(labelled) > 1:
         axis.set_major_locator(LogLocator(subs=labelled))
-    axis.set_major_formatter(_Powers(labelOnlyBase=len(labelled) == 1, minor_thresholds=(math.inf, math.inf)))
+        axis.set_major_formatter(_Powers(labelOnlyBase=False, minor_thresholds=(math.inf, math.inf)))
     axis.set_minor_formatter(NullFormatter())
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from linecontact.solver.display import counted
 
-from ..figures.names import names
+from ..figures.names import is_ours, names
 from ..figures.style import NothingToDraw
 from ..files import study_files, writing
 from ..files.records import plain
@@ -38,7 +38,7 @@ def run_study(study: Study, options: Options) -> int:
         computed = len(files) < len(plans)
         if computed:
             files = _compute(plans, options, folder)
-        figures = _draw(study, plans, files, folder, computed)
+        figures = _draw(study, plans, files, folder, computed, options.overwrite)
         with writing.expecting(folder):
             parts = study.report(files, folder)
             asked = {plan.kind: plan.configuration for plan in plans}  # a file of something better may be kept
@@ -190,19 +190,24 @@ def _is_finished(path: Path) -> bool:
     return path.exists() and study_files.is_complete(path)
 
 
-def _draw(study: Study, plans: Sequence[Plan], files: Mapping[str, StudyFile], folder: Path, new: bool) -> list[Path]:
-    """Figures of everything that was computed anew, or that has none yet; returns the files of all figures."""
+def _draw(
+    study: Study, plans: Sequence[Plan], files: Mapping[str, StudyFile], folder: Path, new: bool, overwrite: bool
+) -> list[Path]:
+    """Figures of everything that was computed anew, or that has none yet; returns the files of all figures.
+
+    overwrite: whether other programs' files may be replaced.
+    """
     drawn: list[Path] = []
     for plan in plans:
         path = plan.path(folder)
         figures = names(path, plan.figures) if files[plan.kind].runs else []
         written = path.stat().st_mtime_ns
-        there = all(figure.is_file() and figure.stat().st_mtime_ns >= written for figure in figures)
+        there = all(is_ours(figure) and figure.stat().st_mtime_ns >= written for figure in figures)
         if figures and (new or not there):
             from ..figures import saving  # matplotlib takes its time
 
             try:
-                figures = saving.save(path, study.draw)
+                figures = saving.save(path, study.draw, overwrite)
             except (NothingToDraw, saving.ForeignFileError) as error:
                 console.errors.print(f"{plan.kind}: {error}")
                 figures = []

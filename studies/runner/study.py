@@ -35,7 +35,7 @@ class Options:
     scheduler: str | None = None
     """Address of a Dask scheduler, like tcp://host:8786, whose workers do the tasks; `workers` has no effect then."""
     overwrite: bool = False
-    """Start anew even if there are results."""
+    """Start anew even if there are results, and replace any file that has the name of a figure."""
 
 
 @dataclass(frozen=True)

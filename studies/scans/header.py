@@ -36,10 +36,11 @@ _PARAMETER = re.compile(
 )
 """Names of numbers that describe a scan; with a unit they are no label of a column."""
 _OF_ANOTHER = re.compile(
-    r"\b(?:per|log|log10|ln|lg|sqrt|divided|multiplied|times|scaled|normali[sz]ed|bits?|counts?|squared)\b|/\s*\w+\s*$"
+    r"^\W*(?:log|log10|ln|lg|sqrt)\b|\bper\s+(?!line|trace|scan|profile)"
+    r"|\b(?:divided|multiplied|times|bits?|counts?|squared|logarithm\w*)\b"
 )
 """What stands beside a unit where the numbers are not lengths in it, but something made of them."""
-_NEUTRAL = {"data", "values", "axis", "surface"}
+_NEUTRAL = {"data", "values", "axis", "surface", "total"}
 _LINES = 2  # above the table, that may label its columns: names, and units below them
 _LONGEST = 1000  # characters of a line that is looked at
 _AXIS = r"x|lateral|horizontal|positions?|z|heights?|vertical"
@@ -152,7 +153,7 @@ def _any_unit(row: Sequence[Label]) -> bool:
 
 def _label(text: str) -> Label:
     """What one cell says."""
-    brackets = list(re.finditer(r"[\[({<]\s*(?:in\s+)?([^\])}>]*?)\s*[\])}>]", text))
+    brackets = list(re.finditer(r"[\[({<]\s*(?:in\s+|units?\s*:\s*)?([^\])}>]*?)\s*[\])}>]", text))
     bracket = next((found for found in reversed(brackets) if unit_of(found[1])), brackets[-1] if brackets else None)
     stated = bracket or re.search(r"\s(?:in\s+|/\s*)(\S+)$|(?<=\w)/(\S+)$", text)
     name, unit, unknown = text, "", ""
@@ -166,7 +167,8 @@ def _label(text: str) -> Label:
         if alone and words and all(word.lower() in _NEUTRAL or _role(word) for word in words):
             name, unit = " ".join(words), alone
     others = {unit_of(found[1]) for found in brackets} | {unit_of(word, expected=False) for word in name.split()}
-    changed = re.search(r"[\d\u00b2\u00b3^]", name) or _OF_ANOTHER.search(name.lower())
+    over = stated and re.match(r"/\s*\w", text[stated.end() :])  # "Height (nm)/bit"
+    changed = re.search(r"[\d\u00b2\u00b3^]", name) or _OF_ANOTHER.search(name.lower()) or over
     if unit and (changed or others - {None, unit}):
         unit, unknown = "", text  # a factor, "x10 nm", or two units
     return Label(text, _role(name), unit, unknown, bool(unit) and not stated)
@@ -187,6 +189,6 @@ def _merged(above: Label, below: Label) -> Label:
     """One label from two lines, names above units."""
     text = f"{above.text} {below.text}"
     role, unit, unknown = below.role or above.role, below.unit or above.unit, below.unknown or above.unknown
-    if above.unit and below.unit and above.unit != below.unit:
+    if (above.unit and below.unit and above.unit != below.unit) or (unit and _OF_ANOTHER.search(text.lower())):
         unit, unknown = "", text
     return Label(text, role, unit, unknown)

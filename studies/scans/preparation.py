@@ -16,7 +16,8 @@ _ROUNDING = 0.6  # of the positions' last digit: by how much rounding puts them 
 _ROUNDED = 0.9  # spacings that the last digit may be worth: one spacing is a value left out
 _EVEN = 0.01  # spacings by which positions may be off without that
 _LONGEST_GAP = 0.05  # share of the scan that may be without values
-_DOUBTED_GAP = 0.01  # of the scan, from which a line in its place is worth a warning
+_DOUBTED = 0.01  # share of the scan that may be filled without a warning
+_GAP = 1.8  # spacings from which values are missing
 _JUMP = 2.0  # from the last value to the first, over the largest step between neighbours
 _MIRROR = "made periodic by its mirror image"
 
@@ -63,7 +64,7 @@ class Profile:
             jump, largest = abs(float(self.z[0] - self.z[-1])), float(np.abs(np.diff(self.z)).max())
             if jump > _JUMP * largest:
                 self.doubts.append(
-                    f"from the last value of the scan to the first, which it meets, is a step {jump / largest:.2g} "
+                    f"from the last value of the scan to the first, which it meets, is a step {round(jump / largest)} "
                     "times as high as any in the scan: it does not look periodic (window)"
                 )
         else:
@@ -119,9 +120,11 @@ def evenly_spaced(x: Array64, z: Array64) -> Profile:
         raise ValueError(f"x has a gap of {gap / x[-1]:.1%} of the scan; allowed: up to {_LONGEST_GAP:.0%}")
     even_x = np.linspace(0, x[-1], x.size)
     told = f"interpolated linearly to even spacing, the largest gap {gap / even_x[1]:.3g} spacings"
+    steps = np.diff(x)
+    filled = float((steps[steps > _GAP * np.median(steps)]).sum() / x[-1])
     doubts = []
-    if gap > max(_DOUBTED_GAP * x[-1], 1.5 * even_x[1]):
-        doubts = [f"a gap of {gap / x[-1]:.2g} of the scan, where it has no values, was filled by a straight line"]
+    if filled > _DOUBTED:
+        doubts = [f"{filled:.1%} of the scan, where it has no values, were filled by straight lines"]
     return Profile(np.asarray(np.interp(even_x, x, z)), float(x[-1]) * x.size / (x.size - 1), [told], doubts)
 
 

@@ -110,4 +110,7 @@ def unit_of(word: str, *, expected: bool = True) -> str | None:
     expected: whether a unit must stand there, as in brackets; elsewhere `m` and `in` are no units.
     """
     word = plain(word).strip(".").lower()
-    return None if not expected and word in _SHORT else _SPELLINGS.get(word)
+    if not expected and word in _SHORT:
+        return None
+    bare = "".join(c for c in unicodedata.normalize("NFKD", word) if not unicodedata.combining(c))  # "nanomètre"
+    return _SPELLINGS.get(word) or _SPELLINGS.get(bare)

@@ -3,7 +3,7 @@
 import math
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,10 +14,13 @@ from linecontact.solver.display import counted
 from ..scans.units import UNITS, plain, unit_of
 
 _MOST_BYTES = 2**24
+_SPEAKS = re.compile(r"\W*(?:(q|k|wave\s?numbers?|stiffness)|(?:length\s)?units?)\b(.*)", re.I)
+"""Part of a comment that speaks of q or K, or of units."""
 _OVER_LENGTH = re.compile(
-    r"(?:\b1|(?<=[^\W\d]))\s*/\s*([^\W\d]+)|([^\W\d]+)(?:\s*(?:\^|\*\*)\s*[({]?\s*)?[-\N{MINUS SIGN}]\s*1\b"
+    r"(?:(?:\b1|[^\W\d]|[)\]])\s*/\s*|\bper\s+)([^\W\d]+)(?!\w|\s*\^)"
+    r"|([^\W\d]+)(?:\s*(?:\^|\*\*)\s*[({]?\s*)?[-\N{MINUS SIGN}]\s*1\b"
 )
-"""A unit of q or K in a comment, like 1/um, MPa/mm or m^-1."""
+"""A unit of length there, in 1/um, MPa/mm, m^-1 or per um."""
 
 
 @dataclass(frozen=True)
@@ -65,10 +68,21 @@ def read(options: Options, length_unit: str) -> TabulatedLayer:
 def _check_units(what: str, comments: Sequence[str], own: str) -> None:
     """Raise `ValueError` where a comment names another unit of length than the scene's, if that is known."""
     for line in comments if own in UNITS else ():
-        for found in _OVER_LENGTH.finditer(line.partition("#")[2]):
-            unit = unit_of(found[1] or found[2])
+        for word in _words_of_units(line.partition("#")[2]):
+            unit = unit_of(word)
             if unit and unit != own:
                 raise ValueError(
                     f"{what}, whose line {line.strip()[:60]!r} names {unit}, and the scene's lengths are in {own}; "
                     f"allowed: q in 1/{own} and K in the scene's pressure over {own}, or another length_unit"
                 )
+
+
+def _words_of_units(comment: str) -> Iterator[str]:
+    """Words of a comment that may be units of the lengths in q and K."""
+    for part in re.split(r"[,;]|\band\b", comment):
+        if found := _SPEAKS.fullmatch(part):
+            of_q_or_k, said = found.groups()
+            if of_q_or_k:
+                yield from (one or other for one, other in _OVER_LENGTH.findall(said))
+            else:
+                yield from re.findall(r"[^\W\d]+", said)

@@ -17,7 +17,8 @@ class Compliance:
         """Makes a field of the target's length and type."""
         self.target = transforms.field()
         forward, inverse = transforms.forward(self.target), transforms.inverse(self.target)
-        self._parts = forward, record(backend, [storage.multiply(symbol, transforms, self.target)]), inverse
+        multiply = record(backend, [storage.multiply(symbol, transforms, self.target)], seldom=True)
+        self._parts = forward, multiply, inverse
         self.pair_length = storage.length / storage.num_points
         """Length of its transforms over N (dimensionless)."""
 

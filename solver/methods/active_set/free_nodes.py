@@ -75,7 +75,7 @@ class FreeNodes(Method):
     @cached_property
     def _advance(self) -> Callable[[], None]:
         call = Call("advance_response", (self._operator.target, self._state), (self._force,))
-        return record(self._backend, [call])
+        return record(self._backend, [call], seldom=True)
 
     def start(self, displacement: Array64) -> None:
         if (displacement < self.problem.height).all():  # K knows no load without contact
