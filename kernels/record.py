@@ -40,7 +40,7 @@ class Call(NamedTuple):
 def record(backend: str, calls: Sequence[Call], seldom: bool = False) -> Callable[[], None]:
     """A function without arguments that runs `calls` in order.
 
-    seldom: whether it will run some ten times only, so that what it takes to record it matters more.
+    seldom: whether it is to run some ten times only, so that the time of recording it matters more than that of a run.
 
     Raises `ValueError` for an unknown backend or an array that a kernel cannot take.
     """

@@ -137,6 +137,7 @@ def test_bad_files_are_one_line_and_status_2(tmp_path, capsys, text, said):
         ("graded layer, 1/q down to 1e-4", "m", ""),
         ("length unit: mm", "m", "mm"),
         ("units: um, MPa", "m", "um"),
+        ("q [1/um], E = 2 N/m", "um", ""),
         ("q per micrometre", "m", "um"),
         ("q [1/um], K [MPa/um], E = 2000 N/mm^2", "um", ""),
         ("K [(N/mm²)/um]", "um", ""),

@@ -45,11 +45,12 @@ def read(options: Options, length_unit: str) -> TabulatedLayer:
     if path.stat().st_size > _MOST_BYTES:
         raise ValueError(f"{what}, of {path.stat().st_size} bytes; allowed: up to {_MOST_BYTES}")
     try:
-        lines = [line.replace(",", " ") for line in path.read_text(encoding="utf-8-sig").splitlines()]
+        written = path.read_text(encoding="utf-8-sig").splitlines()
+        lines = [line.replace(",", " ") for line in written]
         if all(not line.partition("#")[0].strip() for line in lines):
             raise ValueError("it has no rows")
         rows = np.loadtxt(lines, ndmin=2)
-        comments = [line for line in map(plain, lines) if "#" in line]
+        comments = [line for line in map(plain, written) if "#" in line]
     except (OSError, UnicodeDecodeError, ValueError) as error:
         said = str(error).splitlines()[0]
         raise ValueError(
