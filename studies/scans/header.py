@@ -31,6 +31,8 @@ _SAID_DOWNWARDS = re.compile(
 )
 _VALUE = re.compile(r"(?:^|[\s:=<>~\u00b1\u2212\u2013-])[-+]?[\d.,]*\d(?:[eE][-+]?\d+)?\s*(?:$|[\[({<]|[^\W\d]+$)")
 """A number at the end of a cell, or one with a unit: the value of a parameter, and no label."""
+_COUNTED = re.compile(r"\b(profile|line|channel|ch|trace|curve)[\s_#]*\d+\b", re.I)
+"""One of several columns of a kind: its number is no value."""
 _PARAMETER = re.compile(
     r"\b(?:range|resolution|spacing|size|cut-?off|filter|radius|speed|force|pitch|limits?|tolerance|stage|offset|width)\b"
 )
@@ -81,7 +83,7 @@ def labels(lines: Sequence[str], delimiter: str | None, count: int) -> list[Labe
         cells = _cells(line, delimiter, count)
         if not cells and not found and line.lstrip().startswith(("#", "%")):
             continue  # a comment below the labels
-        values = any(_VALUE.search(cell) or _PARAMETER.search(cell.lower()) for cell in cells)
+        values = any(_VALUE.search(_uncounted(cell)) or _PARAMETER.search(cell.lower()) for cell in cells)
         if not cells or values or any(label.role and label.unit for label in found):
             break
         read = _row(cells)
@@ -168,10 +170,14 @@ def _label(text: str) -> Label:
             name, unit = " ".join(words), alone
     others = {unit_of(found[1]) for found in brackets} | {unit_of(word, expected=False) for word in name.split()}
     over = stated and re.match(r"/\s*\w", text[stated.end() :])  # "Height (nm)/bit"
-    changed = re.search(r"[\d\u00b2\u00b3^]", name) or _OF_ANOTHER.search(name.lower()) or over
+    changed = re.search(r"[\d\u00b2\u00b3^]", _uncounted(name)) or _OF_ANOTHER.search(name.lower()) or over
     if unit and (changed or others - {None, unit}):
         unit, unknown = "", text  # a factor, "x10 nm", or two units
     return Label(text, _role(name), unit, unknown, bool(unit) and not stated)
+
+
+def _uncounted(text: str) -> str:
+    return _COUNTED.sub(r"\1", text)
 
 
 def _role(name: str) -> Role:
