@@ -177,7 +177,11 @@ REFUSED = {
     "counts of a converter": ("x [um],Height (nm) per bit\n" + rows(), {}, "z_unit is missing: .* no unit of length"),
     "nanometres for each count": ("x [um],Height (nm)/count\n" + rows(), {}, "z_unit is missing"),
     "logarithms above units": ("x,log z\num,nm\n" + rows(), {}, "z_unit is missing"),
-    "a number of no column": ("x [um],Height 12 [nm]\n" + rows(), {}, "x_unit and z_unit are missing"),
+    "a number of no column": (
+        "x [um],Height 12 [nm]\n" + rows(),
+        {},
+        r"x_unit .* \(its line 'x \[um\],Heig.* holds num",
+    ),
     "bits over": ("x [um],Height (nm)/LSB\n" + rows(), {}, "z_unit is missing"),
     "logarithms": ("x [um],log z [nm]\n" + rows(), {}, "z_unit is missing"),
     "numbers that were divided": ("x [um],z [nm] divided by ten\n" + rows(), {}, "z_unit is missing"),

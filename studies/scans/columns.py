@@ -39,6 +39,8 @@ class Columns:
     """The same for z."""
     is_depth: bool = False
     """Whether the file calls the heights depths."""
+    unread: str = ""
+    """A line that may be labels but is not taken for them, see `header.unread`."""
 
 
 def load(path: Path, dataset: str | None, columns: str | None, decimal: Decimal | None) -> Columns:
@@ -137,6 +139,7 @@ def _choose(path: Path, table: Table, columns: str | None) -> Columns:
         _named(labels.get(-1 if x is None else x), table, "x"),
         _named(labels.get(z), table, "z"),
         table.is_downwards or (bool(table.labels) and table.labels[z].role == "depth"),
+        table.unread,
     )
 
 
@@ -193,12 +196,13 @@ def _named(label: Label | None, table: Table, axis: str) -> dict[str, str]:
 
 
 def units(
-    path: Path, named: dict[str, dict[str, str]], given: dict[str, str | None], unknown: str | None
+    path: Path, named: dict[str, dict[str, str]], given: dict[str, str | None], unknown: str | None, unread: str
 ) -> dict[str, str]:
     """The unit of each axis, 'x' and 'z'.
 
     named: units that the file names, for each axis; given: the user's. unknown: that of numbers for which no unit is
-    known, if the user says so. Raises `ValueError` where a unit is not known, or the file contradicts the user.
+    known, if the user says so; unread: a line that is not taken for labels. Raises `ValueError` where a unit is not
+    known, or the file contradicts the user.
     """
     found, missing = {}, []
     for axis, places in named.items():
@@ -218,6 +222,7 @@ def units(
     if missing:
         names = " and ".join(f"{axis}_unit" for axis in missing)
         what = " and ".join({"x": "positions", "z": "heights"}[axis] for axis in missing)
+        what += f" (its line {unread[:60]!r} holds numbers, and is not taken for labels)" if unread else ""
         raise ValueError(
             f"{names} {'are' if len(missing) > 1 else 'is'} missing: {path} names no unit of its {what}; allowed: "
             f"{', '.join(UNITS)}; or scene_units, if its numbers are in the scene's own unit"

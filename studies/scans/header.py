@@ -95,6 +95,14 @@ def labels(lines: Sequence[str], delimiter: str | None, count: int) -> list[Labe
     return found if any(label.role for label in found) or _any_unit(found) else []
 
 
+def unread(lines: Sequence[str], delimiter: str | None, count: int) -> str:
+    """The line right above the table, where it looks like labels with units but for numbers in it; else empty."""
+    line = next((line for line in reversed(lines) if line.strip()), "")
+    cells = _cells(line, delimiter, count)
+    held = not labels(lines, delimiter, count) and any(_label(cell).names_unit for cell in cells)
+    return line.strip() if held else ""
+
+
 def is_downwards(lines: Sequence[str]) -> bool:
     """Whether a header says anywhere that its heights may grow into the valleys."""
     return any(_SAID_DOWNWARDS.search(plain(line[:_LONGEST]).lower()) for line in lines)

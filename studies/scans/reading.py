@@ -189,7 +189,7 @@ def _measured(found: columns.Columns, options: Options) -> tuple[Profile, dict[s
     length = _given_length(options, z.size) if x is None else 0.0
     named = {"z": found.z_units} if x is None else {"x": found.x_units, "z": found.z_units}
     unknown = (options.length_unit or SCENE) if options.scene_units else None
-    units = columns.units(path, named, {"x": options.x_unit, "z": options.z_unit}, unknown)
+    units = columns.units(path, named, {"x": options.x_unit, "z": options.z_unit}, unknown, found.unread)
     own = UNITS[own_unit(options.length_unit)]
     scene = {SCENE: 1.0} | {unit: size / own for unit, size in UNITS.items()}
     described = {f"profile_{axis}_unit": unit for axis, unit in units.items()}

@@ -12,7 +12,7 @@ import numpy as np
 from linecontact.solver.arrays import Array64
 from linecontact.solver.display import counted
 
-from .header import Label, is_downwards, labels, stated_units
+from .header import Label, is_downwards, labels, stated_units, unread
 
 Decimal = Literal["point", "comma"]
 
@@ -82,6 +82,8 @@ class Table:
     """Units that the file names elsewhere, see `header.stated_units`."""
     is_downwards: bool = False
     """Whether the header says that heights may grow into the valleys."""
+    unread: str = ""
+    """A line that may be labels but is not taken for them, see `header.unread`."""
 
 
 def read_text(path: Path, name: str, decimal: Decimal | None) -> Table:
@@ -119,7 +121,8 @@ def read_text(path: Path, name: str, decimal: Decimal | None) -> Table:
             f"allowed: {counted(count, 'number')} there, or an empty line between header and table"
         )
     origin = f"columns of {name}, {writing}, {counted(first, 'line')} of header"
-    return Table(values, origin, labels(head, writing.delimiter, count), tuple(stated_units(head)), is_downwards(head))
+    above = head, writing.delimiter, count
+    return Table(values, origin, labels(*above), tuple(stated_units(head)), is_downwards(head), unread(*above))
 
 
 def _decoded(path: Path) -> str:
