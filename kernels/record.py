@@ -21,9 +21,9 @@ from .recording import keep_launch, record_launches
 
 Array = NDArray[Any]
 
-_SHORT = 2**6  # threads of a launch that takes less time than it would take to record it as a graph
-
 BACKENDS = ("warp", "numpy")
+
+_SHORT = 2**6  # threads of a launch, up to which recording it as a graph takes longer than some ten launches
 
 
 class Call(NamedTuple):

@@ -17,6 +17,7 @@ class Kind(Protocol):
 
     def __init_subclass__(cls, **more: Any) -> None:
         super().__init_subclass__(**more)
+        # annotations may be texts; what belongs to the class is no number of a layer or an indenter
         numbers = [name for name, of in inspect.get_annotations(cls).items() if "ClassVar" not in str(of)]
         units.declare(cls.__dict__.get("units", {}), numbers)
         if "__repr__" not in cls.__dict__:  # a dataclass would make its own, without units

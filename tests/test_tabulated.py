@@ -159,6 +159,25 @@ def test_a_unit_in_a_comment_is_that_of_the_scan(tmp_path, header, unit, named):
         stiffness_file.read(options, unit)
 
 
+def test_beside_a_scan_the_command_line_knows_the_unit(tmp_path, capsys):
+    q = np.logspace(-1, 9, 400)
+    np.savetxt(tmp_path / "k.txt", np.stack([q, 0.5 * q], axis=1), header="q [1/um]")
+    np.savetxt(tmp_path / "scan.csv", np.stack([np.arange(64), np.arange(64) % 7], axis=1), header="x [um] z [nm]")
+    words = [
+        "--profile",
+        "file",
+        "--profile-file",
+        str(tmp_path / "scan.csv"),
+        "--length-unit",
+        "mm",
+        "--pressure",
+        "1",
+    ]
+    table = ["--layer", "file", "--stiffness-file", str(tmp_path / "k.txt"), "--contact-modulus", "1e6"]
+    assert main.main(["solve", *words, *table]) == 2
+    assert "names um, and the scene's lengths are in mm" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("layer", [Layer(0.1, 0.25), Layer(0.01, 0.49), Layer(0.05, 0.5), CoatedHalfSpace(1e-3, 5.0)])
 def test_a_function_is_known_to_six_digits(layer):
     first = 0.1 if layer.foundation_modulus(1.0) == math.inf else 1e-4

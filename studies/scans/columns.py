@@ -40,7 +40,7 @@ class Columns:
     is_depth: bool = False
     """Whether the file calls the heights depths."""
     unread: str = ""
-    """A line that may be labels but is not taken for them, see `header.unread`."""
+    """A line that may be labels but is not taken for them, see `header.like_labels`."""
 
 
 def load(path: Path, dataset: str | None, columns: str | None, decimal: Decimal | None) -> Columns:

@@ -95,12 +95,10 @@ def labels(lines: Sequence[str], delimiter: str | None, count: int) -> list[Labe
     return found if any(label.role for label in found) or _any_unit(found) else []
 
 
-def unread(lines: Sequence[str], delimiter: str | None, count: int) -> str:
-    """The line right above the table, where it looks like labels with units but for numbers in it; else empty."""
-    line = next((line for line in reversed(lines) if line.strip()), "")
-    cells = _cells(line, delimiter, count)
-    held = not labels(lines, delimiter, count) and any(_label(cell).names_unit for cell in cells)
-    return line.strip() if held else ""
+def like_labels(lines: Sequence[str], delimiter: str | None, count: int) -> str:
+    """The line right above a table without labels, where its cells name units all the same; else empty."""
+    line = next((line.strip() for line in reversed(lines) if line.strip()), "")
+    return line if any(_label(cell).names_unit for cell in _cells(line, delimiter, count)) else ""
 
 
 def is_downwards(lines: Sequence[str]) -> bool:
@@ -185,6 +183,7 @@ def _label(text: str) -> Label:
 
 
 def _uncounted(text: str) -> str:
+    """The same without the numbers of columns."""
     return _COUNTED.sub(r"\1", text)
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from linecontact.solver.arrays import Array64
 from linecontact.solver.display import counted
 
-from .header import Label, is_downwards, labels, stated_units, unread
+from .header import Label, is_downwards, labels, like_labels, stated_units
 
 Decimal = Literal["point", "comma"]
 
@@ -83,7 +83,7 @@ class Table:
     is_downwards: bool = False
     """Whether the header says that heights may grow into the valleys."""
     unread: str = ""
-    """A line that may be labels but is not taken for them, see `header.unread`."""
+    """A line that may be labels but is not taken for them, see `header.like_labels`."""
 
 
 def read_text(path: Path, name: str, decimal: Decimal | None) -> Table:
@@ -121,8 +121,9 @@ def read_text(path: Path, name: str, decimal: Decimal | None) -> Table:
             f"allowed: {counted(count, 'number')} there, or an empty line between header and table"
         )
     origin = f"columns of {name}, {writing}, {counted(first, 'line')} of header"
-    above = head, writing.delimiter, count
-    return Table(values, origin, labels(*above), tuple(stated_units(head)), is_downwards(head), unread(*above))
+    labelled = labels(head, writing.delimiter, count)
+    unread = "" if labelled else like_labels(head, writing.delimiter, count)
+    return Table(values, origin, labelled, tuple(stated_units(head)), is_downwards(head), unread)
 
 
 def _decoded(path: Path) -> str:
