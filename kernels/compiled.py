@@ -6,7 +6,7 @@ import logging
 import os
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
@@ -15,21 +15,13 @@ from typing import Any
 from .module_copies import copy_module
 from .tuning import flags
 
-KERNELS = (
-    "spectral_multiply",
-    "mirror_multiply",
-    "paired_multiply",
-    "net_force",
-    "restrict_to_free",
-    "fire_control",
-    "fire_step",
-    "plain_sums",
-    "plain_step",
-    "advance_response",
-    "count_below",
-)
-MODULES = ("warp_fields", "warp_fire", "warp_sums")
-"""The modules that they are in."""
+MODULES = {
+    "warp_fields": ("spectral_multiply", "mirror_multiply", "paired_multiply", "advance_response", "count_below"),
+    "warp_fire": ("restrict_to_free", "fire_control", "fire_step", "plain_step"),
+    "warp_sums": ("net_force", "plain_sums"),
+}
+"""The kernels, by the modules that they are in."""
+KERNELS = tuple(name for names in MODULES.values() for name in names)
 
 _lock = threading.RLock()  # of several threads one compiles
 _logger = logging.getLogger("linecontact.kernels")
@@ -55,20 +47,22 @@ def _load() -> dict[str, Any]:
     return _compile(modules)
 
 
-def recompile(chunk: int, compiled_with: str | None) -> dict[str, Any]:
-    """The same kernels from the same source, with `chunk` points per thread and other flags of the compiler.
+def recompile(names: Collection[str], chunk: int, compiled_with: str | None) -> dict[str, Any]:
+    """Kernels from the same source, with `chunk` points per thread and other flags of the compiler, by name.
 
-    chunk: a power of two; compiled_with: all flags, None the program's. Raises `ValueError` like `load`.
+    names: of the kernels that are needed; those of their modules are compiled. chunk: a power of two; compiled_with:
+    all flags, None the program's. Raises `ValueError` like `load`.
     """
     start_warp()
     with _lock:
-        return _recompile(chunk, compiled_with)
+        needed = [module for module, there in MODULES.items() if not set(there).isdisjoint(names)]
+        copies = [_recompile(module, chunk, compiled_with) for module in needed]
+    return {name: kernel for copy in copies for name, kernel in copy.items()}
 
 
 @functools.cache
-def _recompile(chunk: int, compiled_with: str | None) -> dict[str, Any]:
-    chosen = flags() if compiled_with is None else dict.fromkeys(MODULES, compiled_with)
-    return _compile([copy_module(name, chunk, chosen[name]) for name in MODULES])
+def _recompile(module: str, chunk: int, compiled_with: str | None) -> dict[str, Any]:
+    return _compile([copy_module(module, chunk, flags()[module] if compiled_with is None else compiled_with)])
 
 
 def _compile(modules: list[ModuleType]) -> dict[str, Any]:

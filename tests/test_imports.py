@@ -10,6 +10,7 @@ modules. The `__init__` of the folder above may always be imported.
 """
 
 import ast
+import functools
 import re
 from pathlib import Path
 
@@ -57,10 +58,16 @@ def imported(module, tree, modules, is_package):
     return found - {module}
 
 
-def read_imports(root):
-    """By module, the modules of the project that it imports."""
+def read(root):
+    """Source trees of all modules, the names of the folders among them, and what each module imports of the project."""
     modules, folders = read_modules(root), packages(root)
-    return {name: imported(name, tree, modules, name in folders) for name, tree in modules.items()}
+    return modules, folders, {name: imported(name, tree, modules, name in folders) for name, tree in modules.items()}
+
+
+@functools.cache
+def read_project():
+    """The same of this project; it takes more than a second."""
+    return read(ROOT)
 
 
 def circle(graph):
@@ -96,11 +103,10 @@ def inside(name, folder):
     return name == folder or name.startswith(f"{folder}.")
 
 
-def forbidden_imports(root):
+def forbidden_imports(modules, folders, graph):
     """A line on every import that a sub-folder's `__init__` does not allow."""
-    modules, graph = read_modules(root), read_imports(root)
     lines = []
-    for package in sorted(packages(root)):
+    for package in sorted(folders):
         if package.count(".") < 2:
             continue
         allowed = permissions(package, modules)
@@ -117,28 +123,27 @@ def forbidden_imports(root):
     return lines
 
 
-IMPORTS = read_imports(ROOT)
-
-
 @pytest.mark.parametrize("folder", FOLDERS)
 def test_folders_import_one_way(folder):
-    own = {name: others for name, others in IMPORTS.items() if inside(name, f"linecontact.{folder}")}
+    _, _, graph = read_project()
+    own = {name: others for name, others in graph.items() if inside(name, f"linecontact.{folder}")}
     assert len(own) > 3
     for above in FORBIDDEN[folder]:
         assert not [name for name, others in own.items() if any(inside(o, f"linecontact.{above}") for o in others)]
 
 
 def test_no_modules_import_each_other_in_a_circle():
-    assert not circle(IMPORTS)
+    _, _, graph = read_project()
+    assert not circle(graph)
 
 
 def test_sub_folders_import_what_they_say():
-    assert not forbidden_imports(ROOT)
+    assert not forbidden_imports(*read_project())
 
 
 def test_sub_folders_allow_no_circle():
-    modules = read_modules(ROOT)
-    allowed = {name: permissions(name, modules) or set() for name in packages(ROOT) if name.count(".") > 1}
+    modules, folders, _ = read_project()
+    allowed = {name: permissions(name, modules) or set() for name in folders if name.count(".") > 1}
     assert allowed
     assert not circle(allowed)
 
@@ -166,14 +171,14 @@ def project(tmp_path):
 
 
 def test_a_sound_project_is_read(project):
-    graph = read_imports(project)
+    modules, folders, graph = read(project)
     low, high = "linecontact.studies.low", "linecontact.studies.high"
     assert graph[f"{low}.a"] == {"linecontact.studies", f"{low}.b"}
     assert graph[f"{low}.b"] == {"linecontact.solver"}
     assert graph[f"{high}.a"] == {f"{low}.a"}
     assert graph["linecontact.solver"] == {"linecontact.kernels"}
     assert not circle(graph)
-    assert not forbidden_imports(project)
+    assert not forbidden_imports(modules, folders, graph)
 
 
 @pytest.mark.parametrize(
@@ -186,14 +191,15 @@ def test_a_sound_project_is_read(project):
 )
 def test_a_forbidden_import_is_found(project, line, found):
     (project / "studies/low/b.py").write_text(line)
-    assert forbidden_imports(project) == [found]
-    assert bool(circle(read_imports(project))) == ("high" in line)
+    modules, folders, graph = read(project)
+    assert forbidden_imports(modules, folders, graph) == [found]
+    assert bool(circle(graph)) == ("high" in line)
 
 
 def test_a_sub_folder_that_says_nothing_is_found(project):
     (project / "studies/low/__init__.py").write_text('"""A room."""\n')
-    assert forbidden_imports(project) == ["linecontact.studies.low does not say what it may import"]
+    assert forbidden_imports(*read(project)) == ["linecontact.studies.low does not say what it may import"]
     (project / "studies/low/__init__.py").write_text('"""A room.\n\nMay import: linecontact.solver, cellar.\n"""\n')
-    assert forbidden_imports(project) == [
+    assert forbidden_imports(*read(project)) == [
         "linecontact.studies.low may import linecontact.studies.cellar, which does not exist"
     ]

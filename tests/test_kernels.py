@@ -305,7 +305,7 @@ def test_candidates_are_really_timed(tmp_path):
 
 @pytest.mark.parametrize("flags", [None, "-O1"])
 def test_kernels_with_another_chunk_and_other_flags(flags):
-    kernel = recompile(256, flags)["restrict_to_free"]
+    kernel = recompile(["restrict_to_free"], 256, flags)["restrict_to_free"]
     import warp as wp
 
     rng = np.random.default_rng(0)

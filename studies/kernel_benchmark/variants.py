@@ -129,7 +129,8 @@ def compiled_again(arrays: Arrays, chunk: int, compiled_with: str | None = None)
         for argument in arrays.benchmark.arrays:
             if argument.role == "sum":
                 arrays.arrays[argument.name] = np.zeros(arrays.num_points // chunk)
-    return warp_lines(arrays, kernels.recompile(chunk, compiled_with))
+    names = {line.kernel for line in arrays.benchmark.steps}
+    return warp_lines(arrays, kernels.recompile(names, chunk, compiled_with))
 
 
 def replanned(benchmark: str, name: str, planning: str = "estimate", threads: int = 1) -> None:
