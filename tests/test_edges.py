@@ -190,7 +190,7 @@ def test_the_edge_is_as_far_from_that_on_the_foundation_as_without_a_grid(d, nu)
     ("ratio", "exponent"),  # stiff coatings touch a blunt indenter at two places
     [(0.01, 2.0), (0.1, 2.0), (3.0, 2.0), (3.0, 4.0), (100.0, 2.0), (100.0, 4.0), (1e4, 2.0)],
 )
-@pytest.mark.parametrize("spacings", [0.5, 1.0, 3.0, 7.0])
+@pytest.mark.parametrize("spacings", [0.5, 3.0, 7.0])
 def test_coatings_of_few_spacings_have_an_edge_of_their_own(spacings, ratio, exponent):
     """Soft and stiff ones, to 0.01 spacings; the half-space's curve is off by up to a spacing.
 

@@ -142,8 +142,8 @@ def solve_counted(monkeypatch):
 
 @pytest.mark.parametrize(
     "options",
-    [{}, {"precision": "mixed"}, {"precision": "float32", "threads": 2}, {"accuracy": 1e-2}],
-    ids=lambda options: "-".join(map(str, options.values())) or "default",
+    [{"precision": "mixed"}, {"precision": "float32", "threads": 2}, {"accuracy": 1e-2}],
+    ids=lambda options: "-".join(map(str, options.values())),
 )
 def test_a_second_solve_plans_nothing(wisdom_cache, solve_counted, options):
     options = {"planning": "measure", **options}

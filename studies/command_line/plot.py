@@ -15,11 +15,13 @@ class Options:
 
     file: Path
     """An HDF5 file that linecontact wrote."""
+    overwrite: bool = False
+    """Replace another program's files that have the names of the figures."""
 
 
 def command(options: Options) -> int:
     """Draw the figures and print their paths; returns the exit status."""
-    drawn = drawing.draw(options.file)
+    drawn = drawing.draw(options.file, options.overwrite)
     if hdf5.file_kind(options.file) in STUDIES and not study_files.is_complete(options.file):
         complain(f"file {options.file} does not hold all that was asked for; run its study again to go on")
     for file in drawn:

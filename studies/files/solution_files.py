@@ -43,11 +43,18 @@ class StoredSolution:
     results: dict[str, Any]
     """Everything else, by the names of the command line's JSON joined by dots, like 'certificate.free_residual'."""
 
+    @property
+    def warnings(self) -> dict[str, str]:
+        """What to doubt of it: texts, by the kinds of `Solution.warnings`."""
+        told = {name.partition("warnings."): str(text) for name, text in self.results.items()}
+        return {kind: text for (before, found, kind), text in told.items() if found and not before}
+
     def __repr__(self) -> str:
         names = ("status", "contact_area_subgrid", "contact_area_error", "num_patches", "scene.thickness")
         length = length_unit(self.results, "scene.")
         rows = [row(name, self.results[name], length) for name in names if name in self.results]
-        return sentence(f"{type(self).__name__}: fields of {self.x.size} points, and {len(self.results)} results", rows)
+        title = f"{type(self).__name__}: fields of {self.x.size} points, and {len(self.results)} results"
+        return "\n  ".join([sentence(title, rows), *(f"warning, {kind}: {text}" for kind, text in self.warnings.items())])
 
 
 def save(solution: Solution, path: Name, overwrite: bool = False) -> None:

@@ -39,7 +39,8 @@ _PARAMETER = re.compile(
 """Names of numbers that describe a scan; with a unit they are no label of a column."""
 _OF_ANOTHER = re.compile(
     r"^\W*(?:log|log10|ln|lg|sqrt)\b|\bper\s+(?!line|trace|scan|profile)"
-    r"|\b(?:divided|multiplied|times|bits?|counts?|squared|logarithm\w*)\b"
+    r"|\b(?:divided|multiplied|times|bits?|counts?|squared|logarithm\w*|wurzel|racine)\b"
+    r"|\b(?:psd|fft|db|spe[ck]tr\w*|density|slope|gradient|curvature|\w*correlation)\b"
 )
 """What stands beside a unit where the numbers are not lengths in it, but something made of them."""
 _NEUTRAL = {"data", "values", "axis", "surface", "total"}
