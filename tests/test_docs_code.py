@@ -59,7 +59,7 @@ ELSEWHERE = {
     "python3 -m venv .venv && .venv/bin/pip install -q -e '.[test,docs]' && .venv/bin/python -m pytest -n logical "
     "--dist loadfile": "these tests, by .ci/run",
     "python3 -m venv .venv-lowest && .venv-lowest/bin/pip install -q -e '.[test]' -c tests/lowest.txt && "
-    ".venv-lowest/bin/python -m pytest -n logical --dist loadfile -m 'not slow and not once'": "these tests, by .ci/run",
+    ".venv-lowest/bin/python -m pytest -n logical --dist loadfile -m 'not slow and not once'": "these too, by .ci/run",
     "linecontact study kernels --variants docs/examples/kernel_variants.py --kernel restrict_to_free --size 2^18": "by "
     "test_kernel_study.py",
     "pip install -e '.[explore]'": "by the extra named test",

@@ -9,6 +9,7 @@ import warnings
 import pyfftw
 import pytest
 from linecontact.solver import Layer, RoughIndenter, Scene, solve
+from linecontact.solver.grid import kept
 from linecontact.solver.transforms import planned, wisdom
 from linecontact.solver.transforms.planned import Transforms
 
@@ -17,6 +18,7 @@ def begin_anew():
     """Know as little of wisdom as a new process."""
     wisdom._loaded = False
     pyfftw.forget_wisdom()
+    kept.forget()
 
 
 def test_a_measured_plan_is_used_ever_after(wisdom_cache, monkeypatch):

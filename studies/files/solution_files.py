@@ -54,7 +54,9 @@ class StoredSolution:
         length = length_unit(self.results, "scene.")
         rows = [row(name, self.results[name], length) for name in names if name in self.results]
         title = f"{type(self).__name__}: fields of {self.x.size} points, and {len(self.results)} results"
-        return "\n  ".join([sentence(title, rows), *(f"warning, {kind}: {text}" for kind, text in self.warnings.items())])
+        return "\n  ".join(
+            [sentence(title, rows), *(f"warning, {kind}: {text}" for kind, text in self.warnings.items())]
+        )
 
 
 def save(solution: Solution, path: Name, overwrite: bool = False) -> None:

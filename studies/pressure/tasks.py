@@ -138,9 +138,11 @@ def plan(c: Configuration) -> Plan:
     def runs() -> Iterator[RoughTask | ProfileTask]:
         for n, (nu, d), area in product(c.exponents, layers(c), c.half_space_areas):
             yield ProfileTask(c.num_points, n, area, nu, d, c.tolerance)
-        for hurst, layer in product(c.hursts, layers(c)):
+        # the loads of a surface one after the other: it is made once
+        for hurst, layer, seed in product(c.hursts, layers(c), range(max(c.realisations))):
             for pressure, count in zip(c.pressures, c.realisations, strict=True):
-                yield from (rough(hurst, layer, pressure, seed) for seed in range(count))
+                if seed < count:
+                    yield rough(hurst, layer, pressure, seed)
 
     smooth = (float(f"{p:.6g}") for p in np.geomspace(c.pressures[0], c.pressures[-1], 60))
     line = tuple(sorted({*smooth, *c.pressures}))  # exact where the surfaces are

@@ -3,24 +3,21 @@
 `active_set` is the method, `free_nodes` the same with displacements as unknown, with `gap_by_gap`, `search` when they
 update their set, `contact_set` what belongs to one set of nodes, `response` what the surface does under its pressure,
 on all nodes in `everywhere` by the operator `compliance`, near the contact in `nearby` by that of `packed`, `storage`
-where nodes have their values, `preconditioner` with `local_inverses`, `long_patch` and `greens_function` what makes its
-iterations few.
+where nodes have their values, `spare` what one solve leaves to the next, `preconditioner` with `local_inverses`,
+`long_patch` and `greens_function` what makes its iterations few.
 
 May import: method, linecontact.solver.arrays, linecontact.solver.transforms, linecontact.solver.grid,
 linecontact.kernels.
 """
 
-from ...arrays import Array64
 from ...grid.problem import Problem
-from ...transforms.planned import Transforms
 from ..method import Fallback, MethodKind, Setting
 from .active_set import ActiveSet
-from .compliance import Compliance
-from .everywhere import Everywhere, Operators
 from .free_nodes import FreeNodes, suits
 from .greens_function import GreensFunction, Tables
 from .nearby import make_split
 from .response import Response
+from .spare import Spare
 from .storage import Whole, choose
 
 __all__ = ["KIND", "ActiveSet", "begin"]
@@ -33,26 +30,18 @@ def begin(problem: Problem, setting: Setting, storage: Whole | None = None) -> A
     storage = storage or choose(problem, setting.tolerance)
     made = problem.rigidity.made
     tables: Tables = made.setdefault("active set", Tables(problem.stiffness, problem.num_points))
-
-    def operator(symbol: Array64, precision: str) -> Compliance:
-        # of half the length they take less time, but what rounding leaves of the gap's shortest waves is twice as large
-        transforms = Transforms(storage.length, precision, setting.threads, setting.planning, half_length=False)
-        return Compliance(symbol, storage, transforms, setting.backend)
-
+    spare: Spare = made.setdefault("spare", Spare())
     green = GreensFunction(tables)
     if suits(problem, setting):
-        return FreeNodes(problem, setting, green, storage, operator(problem.stiffness, "float64"))
-
-    def operators() -> Operators:
-        directions = operator(tables.compliance, setting.working_precision)
-        return directions, operator(tables.compliance, "float64") if setting.precision == "mixed" else directions
-
+        loan = spare.lend(problem.stiffness, "K", storage, setting)
+        return loan.to(FreeNodes(problem, setting, green, storage, loan.everywhere))
     if "split" not in made:
         made["split"] = make_split(tables.compliance, problem.num_points)
-    everywhere = Everywhere(problem.height, storage, operators, setting.backend)
-    response = Response(problem, storage, made["split"], everywhere)
+    loan = spare.lend(tables.compliance, "G", storage, setting)
+    loan.everywhere.begin(problem.height)
+    response = Response(problem, storage, made["split"], loan.everywhere)
     few = setting.wrong_nodes_per_patch
-    return ActiveSet(problem, setting.tolerance, green, storage, response, few, setting.reduction)
+    return loan.to(ActiveSet(problem, setting.tolerance, green, storage, response, few, setting.reduction))
 
 
 def _bytes_per_point(contact_share: float) -> float:

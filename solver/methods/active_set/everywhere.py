@@ -1,6 +1,7 @@
-"""The response to the contact pressure on all nodes, in fields in the storage's order, and the kernels that work on it.
+"""A field of all nodes that an operator makes and adds to, in the storage's order, and the kernels that work on it.
 
-A node's gap is h + w - level, w = G sigma being the response and the level the rigid approach.
+With G it is the response w = G sigma to the contact pressure: a node's gap is h + w - level, the level being the rigid
+approach. With K it is the net force r = 1 - K u.
 """
 
 from collections.abc import Callable
@@ -14,24 +15,29 @@ from .compliance import Compliance
 from .storage import Whole
 
 Operators = tuple[Compliance, Compliance]
-"""G on search directions and on the pressure: two objects in mixed precision, else the same one."""
+"""For search directions and for the field itself: two objects in mixed precision, else the same one."""
 
 
 class Everywhere:
-    """w = G sigma on all nodes. height: h, shape (N,) [u]."""
+    """The field of an operator, on all nodes."""
 
-    def __init__(self, height: Array64, storage: Whole, make_operators: Callable[[], Operators], backend: str) -> None:
-        self._storage, self._make_operators, self._backend = storage, make_operators, backend
-        directions, responses = self._operators
-        self.mixed = directions is not responses
-        """Whether images of search directions are float32 and the response is float64."""
-        self.pair_length = responses.pair_length
+    def __init__(self, storage: Whole, make_operators: Callable[[], Operators], backend: str, large: bool) -> None:
+        """large: whether the operators are given back while the field rests."""
+        self._storage, self._make_operators, self._backend, self._large = storage, make_operators, backend, large
+        directions, whole = self._operators
+        self.mixed = directions is not whole
+        """Whether images of search directions are float32 and the field is float64."""
+        self.pair_length = whole.pair_length
         """Length of the transforms over N (dimensionless)."""
-        self.field = responses.new_field()
-        """w [u], of the storage's length and padding."""
-        self._height = storage.heights(height, self.field)
+        self.field = whole.new_field()
+        """w [u] or r [p], of the storage's length and padding."""
         self._state = np.zeros(layout.GAP_STATE_LENGTH)
+
+    def begin(self, height: Array64) -> None:
+        """Turn to another scene. height: h, shape (N,) [u]."""
+        self._height = self._storage.heights(height, self.field)
         self._counts = np.zeros(self._height.size // CHUNK)
+        self.__dict__.pop("_count", None)
 
     @cached_property
     def _operators(self) -> Operators:
@@ -43,8 +49,8 @@ class Everywhere:
         return record(self._backend, [call], seldom=True)
 
     def rest(self) -> None:
-        """Give back the operators; they are made anew when they are needed."""
-        for name in ("_advance", "_operators"):
+        """Give back the operators on a large grid; they are made anew when they are needed."""
+        for name in ("_advance", "_operators") if self._large else ():
             self.__dict__.pop(name, None)
 
     @cached_property
@@ -54,12 +60,18 @@ class Everywhere:
 
     def renew(self, places: Indices, pressure: Array64) -> None:
         """Make the response to a pressure at these places, 0 elsewhere [p]."""
-        responses = self._operators[1]
-        responses.apply(places, pressure)
-        self.field[:] = responses.target
+        whole = self._operators[1]
+        whole.apply(places, pressure)
+        self.field[:] = whole.target
+
+    def renew_force(self, places: Indices, displacement: Array64) -> None:
+        """Make the net force 1 - K u of a displacement at these places, 0 elsewhere [u]."""
+        whole = self._operators[1]
+        whole.apply(places, displacement)
+        np.subtract(1, whole.target, out=self.field)
 
     def image(self, places: Indices, direction: Array64) -> Array:
-        """The response to a search direction at these places, in the precision of its transforms, there [u]."""
+        """The image of a search direction at these places, in the precision of its transforms, there."""
         directions = self._operators[0]
         directions.apply(places, direction)
         return np.asarray(directions.target[places])
@@ -79,5 +91,5 @@ class Everywhere:
         return self._storage.nodes_at(chunks[row] * CHUNK + column)
 
     def at(self, nodes: Indices) -> Array:
-        """The response at some nodes [u]."""
+        """The values at some nodes."""
         return np.asarray(self.field[self._storage.places(nodes)])

@@ -11,16 +11,13 @@ Not for layers whose longest waves are the stiffest, thin and incompressible one
 """
 
 import math
-from collections.abc import Callable
-from functools import cached_property
 
 import numpy as np
 
-from ....kernels import Call, layout, record
-from ...arrays import Array64, Indices
+from ...arrays import Array64
 from ...grid.problem import Problem, foundation_pressure, rounding_floor, typical_stiffness
 from ..method import Method, Setting
-from .compliance import Compliance
+from .everywhere import Everywhere
 from .free_set import FreeSet
 from .greens_function import GreensFunction
 from .search import HARDER, LOOSEST, SAFETY, Search
@@ -49,19 +46,17 @@ class FreeNodes(Method):
     mixed = False
 
     def __init__(
-        self, problem: Problem, setting: Setting, green: GreensFunction, storage: Whole, operator: Compliance
+        self, problem: Problem, setting: Setting, green: GreensFunction, storage: Whole, everywhere: Everywhere
     ) -> None:
-        """operator: applies K."""
+        """everywhere: the net force of all nodes, by K."""
         self.problem, self.tolerance, self._reduction = problem, setting.tolerance, setting.reduction
-        self._wrong_nodes_per_patch, self._backend = setting.wrong_nodes_per_patch, setting.backend
-        self._green, self._storage, self._operator = green, storage, operator
+        self._wrong_nodes_per_patch = setting.wrong_nodes_per_patch
+        self._green, self._storage, self._all = green, storage, everywhere
         self._target, self._floor, self._pairs = SAFETY * self.tolerance, 0.0, 0.0
         self._search = Search()
-        self._state = np.zeros(layout.GAP_STATE_LENGTH)
         self._displacement = np.zeros(problem.num_points)
         self._set = FreeSet.of(self._displacement < problem.height, storage)
-        self._force = operator.new_field()  # r
-        self._force[:] = 1
+        self._all.field[:] = 1
 
     @property
     def even(self) -> bool:
@@ -71,11 +66,6 @@ class FreeNodes(Method):
     @property
     def transform_pairs(self) -> float:
         return self._pairs + self._green.transformed / self.problem.num_points
-
-    @cached_property
-    def _advance(self) -> Callable[[], None]:
-        call = Call("advance_response", (self._operator.target, self._state), (self._force,))
-        return record(self._backend, [call], seldom=True)
 
     def start(self, displacement: Array64) -> None:
         if (displacement < self.problem.height).all():  # K knows no load without contact
@@ -101,12 +91,8 @@ class FreeNodes(Method):
         """The net force of all nodes from their displacement, those in contact on the exact wall."""
         held = ~self._set.free
         self._displacement[held] = self.problem.height[held]
-        self._apply(self._storage.places(np.arange(self._displacement.size)), self._displacement)
-        np.subtract(1, self._operator.target, out=self._force)
-
-    def _apply(self, places: Indices, values: Array64) -> None:
-        self._operator.apply(places, values)
-        self._pairs += self._operator.pair_length
+        self._all.renew_force(self._storage.places(np.arange(self._displacement.size)), self._displacement)
+        self._pairs += self._all.pair_length
 
     def try_harder(self) -> bool:
         self._target *= HARDER
@@ -122,7 +108,7 @@ class FreeNodes(Method):
     def step(self) -> None:
         """One iteration on the free nodes; where they are solved well enough, update which nodes are free instead."""
         now = self._set
-        force = self._force[now.places]
+        force = self._all.field[now.places]
         self.residual = math.sqrt(float(force @ force) / max(1, force.size))
         if math.isinf(now.first_residual):
             now.first_residual = self.residual
@@ -148,21 +134,20 @@ class FreeNodes(Method):
         now.iterations += 1
         self.iteration += 1
         product = now.turn(force, self._green)
-        self._apply(now.places, now.direction)
-        curvature = float(now.direction @ self._operator.target[now.places])
+        curvature = float(now.direction @ self._all.image(now.places, now.direction))
+        self._pairs += self._all.pair_length
         if not curvature > 0:
             return False
         step = product / curvature
         self._displacement[now.gaps.nodes] += step * now.direction
-        self._state[layout.STEP] = -step
-        self._advance()
+        self._all.advance(-step)
         return True
 
     def _update(self) -> bool:
         """Put nodes that penetrate onto the wall, set nodes free that pull; False if no more than may be wrong do."""
         height, nodes = self.problem.height, self._set.gaps.nodes
         penetrating = nodes[self._displacement[nodes] > height[nodes]]
-        pull = self._storage.get(self._force) < -_SMALLEST_PULL * self.tolerance
+        pull = self._storage.get(self._all.field) < -_SMALLEST_PULL * self.tolerance
         pull &= ~self._set.free
         changed = penetrating.size + int(np.count_nonzero(pull))
         if changed <= self._wrong_nodes_per_patch * max(1, self._set.gaps.count):
@@ -186,4 +171,4 @@ class FreeNodes(Method):
     @property
     def contact_pressure(self) -> Array64:
         """sigma, shape (N,) [p]."""
-        return np.where(self._set.free, 0.0, np.maximum(self._storage.get(self._force), 0.0))
+        return np.where(self._set.free, 0.0, np.maximum(self._storage.get(self._all.field), 0.0))

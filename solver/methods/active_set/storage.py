@@ -146,4 +146,10 @@ def choose(problem: Problem, tolerance: float) -> Whole:
     K <= 2 in the problem's units, and must be small beside the tolerance.
     """
     even = problem.num_points >= _EVEN_FROM and is_even(problem.height, 0.1 * tolerance, problem.reach)
-    return Half(problem.num_points) if even else Whole(problem.num_points)
+    if not even:
+        return Whole(problem.num_points)
+    made = problem.rigidity.made
+    if "half" not in made:
+        made["half"] = Half(problem.num_points)
+    half: Half = made["half"]
+    return half

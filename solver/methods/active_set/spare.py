@@ -1,0 +1,71 @@
+"""Fields and transforms that a solve leaves to the next one with the same layer on the same grid.
+
+Made anew for every solve they take a twentieth of its time.
+"""
+
+import weakref
+from collections import defaultdict
+from dataclasses import dataclass
+from functools import partial
+from typing import TypeVar
+
+from ...arrays import Array64
+from ...transforms.planned import Transforms
+from ..method import Setting
+from .compliance import Compliance
+from .everywhere import Everywhere, Operators
+from .storage import Whole
+
+_MOST_POINTS = 2**18
+"""Of a grid whose fields are kept: they take 40 bytes a point."""
+
+User = TypeVar("User")
+
+
+@dataclass(frozen=True)
+class Loan:
+    """A field with its operator, for one user at a time."""
+
+    everywhere: Everywhere
+    shelf: list[Everywhere]
+    """Where it belongs."""
+    kept: bool
+
+    def to(self, user: User) -> User:
+        """Give it back when this user is gone."""
+        if self.kept:
+            weakref.finalize(user, self.shelf.append, self.everywhere).atexit = False
+        return user
+
+
+class Spare:
+    """What solves with one layer on one grid have left."""
+
+    def __init__(self) -> None:
+        self._shelves: dict[tuple[object, ...], list[Everywhere]] = defaultdict(list)
+
+    def lend(self, symbol: Array64, name: str, storage: Whole, setting: Setting) -> Loan:
+        """The field of an operator: one that is free, or a new one.
+
+        symbol: of the operator, shape (N//2 + 1,), always the same by that name.
+        """
+        kept = storage.num_points <= _MOST_POINTS
+        means = setting.precision, setting.threads, setting.planning, setting.backend
+        shelf = self._shelves[name, storage.length, *means]
+        try:
+            return Loan(shelf.pop(), shelf, kept)
+        except IndexError:  # all are in use
+            make = partial(_operators, symbol, storage, setting)
+            return Loan(Everywhere(storage, make, setting.backend, large=not kept), shelf, kept)
+
+
+def _operators(symbol: Array64, storage: Whole, setting: Setting) -> Operators:
+    """For search directions and for the field itself."""
+
+    def operator(precision: str) -> Compliance:
+        # of half the length they take less time, but what rounding leaves of the gap's shortest waves is twice as large
+        transforms = Transforms(storage.length, precision, setting.threads, setting.planning, half_length=False)
+        return Compliance(symbol, storage, transforms, setting.backend)
+
+    directions = operator(setting.working_precision)
+    return directions, operator("float64") if setting.precision == "mixed" else directions
