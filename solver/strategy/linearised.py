@@ -90,7 +90,7 @@ def _beyond_nodes(scene: Scene, pressure: Array64, punch: Array64) -> float:
     pressure: contact pressure [any unit]; punch: d sigma/dp; both shape (N,). It is not known, and 0, for patches of
     one or two nodes, and at gaps of one or two.
     """
-    patches, edges = contact_edges(scene, pressure)
+    patches, edges = contact_edges(scene, pressure, Problem.from_scene(scene).profile * scene.period)
     curve = edge_curve(scene.layer, pressure.size, scene.period)
     total = 0.0
     before, after = patches.to_neighbours - 1  # nodes of the gaps
