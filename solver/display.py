@@ -29,7 +29,7 @@ class Row(NamedTuple):
 
 def row(name: str, value: Any, length: str = "length") -> Row:
     """A quantity by its name in results. length: the unit of length, where it is known."""
-    if name == "thickness" and value in (math.inf, "inf"):
+    if name.rpartition(".")[2] == "thickness" and value in (math.inf, "inf"):
         return Row(name, "half-space", "")
     if isinstance(value, str):
         return Row(name, textwrap.shorten(value, _LONGEST, placeholder=" ..."), "")

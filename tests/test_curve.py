@@ -113,6 +113,8 @@ def test_a_file_that_has_the_name_of_a_figure_is_left_alone(tmp_path, capsys):
     assert main.main(["plot", str(tmp_path / "curve.h5")]) == 2
     assert said in capsys.readouterr().err
     assert (tmp_path / "curve.pdf").read_text() == "mine"
+    assert main.main(["plot", str(tmp_path / "curve.h5"), "--overwrite"]) == 0
+    assert (tmp_path / "curve.pdf").read_bytes().startswith(b"%PDF")
     (tmp_path / "curve.pdf").write_text("see linecontact")
     assert curve(tmp_path, *known) == 0
     assert "Figures" not in capsys.readouterr().out

@@ -49,7 +49,7 @@ def _check_ours(file: Path) -> None:
     """Raise `ForeignFileError` if there is such a file, and it is no figure of linecontact's."""
     if file.is_file() and not is_ours(file):
         reason = "has the name of a figure, and is not one that this version of linecontact has drawn"
-        raise ForeignFileError(f"file {file} {reason}; allowed: to move it away, then linecontact plot")
+        raise ForeignFileError(f"file {file} {reason}; allowed: to move it away, or linecontact plot --overwrite")
 
 
 def _lay_out(figure: Figure) -> None:
