@@ -2,7 +2,8 @@
 
 import inspect
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from numbers import Real
 from pathlib import Path
 from typing import Any
@@ -62,6 +63,22 @@ def offers(name: str, value: object, kind: type[Any], allowed: str) -> None:
         raise ValueError(f"{name} is {value!r}; allowed: {allowed}")
     if missing:
         raise ValueError(f"{name} is {value!r}, which lacks {', '.join(missing)}; allowed: {allowed}")
+
+
+@contextmanager
+def own_code(what: str, allowed: str) -> Iterator[None]:
+    """Raise `ValueError` with a name for whatever goes wrong within a layer or an indenter, which may be one's own.
+
+    What says itself what is allowed is passed on.
+    """
+    try:
+        yield
+    except MemoryError:
+        raise
+    except Exception as error:
+        if "allowed: " in str(error):
+            raise
+        raise ValueError(f"{what} fails ({type(error).__name__}: {error}); {allowed}") from error
 
 
 def available_memory() -> int | None:

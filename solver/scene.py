@@ -14,6 +14,7 @@ from . import checks, display
 from .arrays import Array64
 from .indenters import Indenter, PowerIndenter
 from .layers import ElasticLayer, Layer
+from .parts import check_foundation, check_indenter, check_layer
 from .units import length_unit
 
 PRECISIONS = ("float64", "float32", "mixed")
@@ -54,12 +55,6 @@ class Scene:
     touches. See `Observables.approach`."""
 
     def __post_init__(self) -> None:
-        checks.offers("layer", self.layer, ElasticLayer, "a Layer, or what `ElasticLayer` describes")
-        allowed = "a PowerIndenter, RoughIndenter or MeasuredIndenter, or what `Indenter` describes"
-        checks.offers("indenter", self.indenter, Indenter, allowed)
-        checks.real("thickness", self.layer.thickness, "a length > 0, or inf", 0, infinite=True)
-        what = f"contact_modulus of layer {self.layer.name}"
-        checks.real(what, self.layer.contact_modulus, "a finite pressure > 0", 0)
         points = f"an integer from {MIN_POINTS} to {MAX_POINTS}"
         self._check_load()
         checks.assign(
@@ -68,10 +63,10 @@ class Scene:
             num_points=checks.integer("num_points", self.num_points, points, MIN_POINTS, MAX_POINTS),
         )
         checks.choice("precision", self.precision, PRECISIONS)
-        self.indenter.check(self.num_points)
+        check_indenter(self.indenter, self.num_points)
+        check_layer(self.layer, self.num_points, self.period)
         self._check_scales()
-        modulus, allowed = self.layer.foundation_modulus(self.period), "a number >= 0, inf where it is incompressible"
-        checks.real(f"foundation_modulus of layer {self.layer.name}", modulus, allowed, _BELOW_ZERO, infinite=True)
+        check_foundation(self.layer, self.period)
 
     def _check_load(self) -> None:
         """Of pressure and approach one must be given, or none."""

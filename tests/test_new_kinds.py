@@ -300,11 +300,12 @@ def test_the_command_line_names_what_is_missing(monkeypatch, capsys):
 @pytest.mark.parametrize(
     ("heights", "named"),
     [
-        (lambda h: np.append(h, 0.0), r"is of type float64 and shape \(1025,\); allowed: 1024 finite heights"),
-        (lambda h: h + 0.5, r"is from 0.5 to 0.52; allowed: 1024 finite heights, the lowest 0"),
+        (lambda h: np.append(h, 0.0), r"is of type float64 and shape \(1025,\); allowed: 1024 finite floating"),
+        (lambda h: h + 0.5, r"is from 0.5 to 0.52; allowed: 1024 finite floating-point heights, the lowest 0"),
         (lambda h: np.where(h > 0.01, np.nan, h), "is from nan to nan"),
         (lambda h: h.astype(int), "is of type int64"),
         (lambda h: None, "is of type object"),
+        (lambda h: h[2000], r"fails \(IndexError: index 2000 is out of bounds .*\); allowed: 1024 finite floating"),
     ],
 )
 def test_heights_that_are_none_are_refused(monkeypatch, heights, named):
@@ -328,12 +329,17 @@ _SHAPE = r"allowed: real numbers of the wave numbers' shape, \(512,\)"
         (lambda q: q[:-1], rf"has shape \(511,\) and type float64; {_SHAPE}"),
         (lambda q: 1.0, rf"has shape \(\) and type float64; {_SHAPE}"),
         (lambda q: None, rf"has shape \(\) and type object; {_SHAPE}"),
+        (
+            lambda q: max(q, 1.0),
+            r"fails \(ValueError: The truth value .*\); allowed: a function of an array of wave numb",
+        ),
         (lambda q: q + 0j, rf"has shape \(512,\) and type complex128; {_SHAPE}"),
     ],
 )
 def test_a_stiffness_that_is_none_is_refused(monkeypatch, stiffness, named):
     forget()
     monkeypatch.setattr(FrictionlessLayer, "stiffness", lambda self, q, period: stiffness(q))
+    monkeypatch.setattr(FrictionlessLayer, "foundation_modulus", lambda self, period: 0.0)
     with pytest.raises(ValueError, match=f"stiffness of layer frictionless {named}"):
         solve(Scene(FrictionlessLayer(), num_points=1024))
 
@@ -343,6 +349,48 @@ def test_numbers_of_a_layer_that_are_none_are_refused(monkeypatch, modulus):
     monkeypatch.setattr(FrictionlessLayer, "foundation_modulus", lambda self, period: modulus)
     with pytest.raises(ValueError, match=f"foundation_modulus of layer frictionless is {modulus!r}; allowed: a number"):
         Scene(FrictionlessLayer())
+
+
+@pytest.mark.parametrize("factor", [1e-4, 0.5, 20.0])
+def test_a_foundation_that_long_waves_do_not_find_is_refused(monkeypatch, factor):
+    right = FrictionlessLayer().foundation_modulus(1.0)
+    monkeypatch.setattr(FrictionlessLayer, "foundation_modulus", lambda self, period: factor * right)
+    monkeypatch.setattr(FrictionlessLayer, "stiffness", lambda self, q, period: right * sliding(q * self.thickness))
+    with pytest.raises(
+        ValueError, match=f"foundation_modulus of layer frictionless is {factor * right:.6g}, and its st"
+    ):
+        Scene(FrictionlessLayer())
+
+
+@pytest.mark.parametrize("wave", [None, "short", -3, math.nan, 0.1])
+def test_a_shortest_wave_that_is_none_is_refused(monkeypatch, wave):
+    monkeypatch.setattr(CosineIndenter, "shortest_wave", lambda self, num_points: wave)
+    with pytest.raises(
+        ValueError, match=f"shortest_wave of indenter cosine is {wave!r}; allowed: an integer >= 0, 0 f"
+    ):
+        Scene(indenter=CosineIndenter())
+
+
+@pytest.mark.parametrize(
+    ("described", "named"),
+    [
+        (None, "gives None; allowed: a dictionary with 'cosine' under 'profile'"),
+        ({}, "gives {}; allowed: a dictionary with 'cosine' under 'profile'"),
+        ({"profile": "sine"}, "gives {'profile': 'sine'}; allowed: a dictionary with 'cosine' under 'profile'"),
+        ({"profile": "cosine", "waves": None}, "has waves 'None'; allowed: a number, a text, True or False"),
+    ],
+)
+def test_a_description_that_cannot_be_stored_is_refused(monkeypatch, described, named):
+    monkeypatch.setattr(CosineIndenter, "to_dict", lambda self: described)
+    with pytest.raises(ValueError, match=re.escape(f"to_dict of indenter cosine {named}")):
+        Scene(indenter=CosineIndenter())
+
+
+@pytest.mark.parametrize(("name", "said"), [("power", "that of PowerIndenter; allowed: an"), ("", "''; allowed: a te")])
+def test_a_name_that_is_none_or_another_s_is_refused(monkeypatch, name, said):
+    monkeypatch.setattr(CosineIndenter, "name", name)
+    with pytest.raises(ValueError, match=f"name of indenter is .*{said}"):
+        Scene(indenter=CosineIndenter())
 
 
 def test_lengths_and_moduli_of_a_layer_that_are_none_are_refused():

@@ -180,6 +180,25 @@ def test_what_was_made_of_a_scan_is_doubted_where_it_may_be_wrong(tmp_path):
     assert doubts(write(tmp_path, ".txt", [x[single], z[single]])) == []
 
 
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda z: np.put(z, [40, 41, 300], -9999), "3 of 512 values, the first is -9999 nm in row 41, are far"),
+        (lambda z: np.put(z, [0], 512), "1 of 512 values, the first is 512 nm in row 1, are far"),
+        (lambda z: np.put(z, [511], 99999), "1 of 512 values, the first is 99999 nm in row 512, are far"),
+        (lambda z: np.put(z, [7], 60), ""),  # a high peak
+        (lambda z: np.put(z, range(100, 121), -500 * (1 - np.linspace(-1, 1, 21) ** 2)), ""),  # a deep scratch
+    ],
+)
+def test_values_that_may_stand_for_missing_ones_are_doubted(tmp_path, change, said):
+    z = np.random.default_rng(1).normal(0, 10, 512)
+    change(z)
+    (tmp_path / "scan.csv").write_text("x [um],z [nm]\n" + "".join(f"{i},{h}\n" for i, h in enumerate(z)))
+    indenter = read_scan(tmp_path / "scan.csv", length_unit="um").indenter
+    assert indenter.doubts.startswith(said)
+    assert bool(indenter.doubts) == bool(said)
+
+
 def test_headers_and_line_ends(tmp_path):
     path = tmp_path / "scan.csv"
     rows = "".join(f"{0.1 * i:.1f},{math.sin(i):.5f},,\r\n" for i in range(32))

@@ -225,3 +225,13 @@ def test_a_solution_on_a_table_is_drawn_saved_or_not(tmp_path):
     solution.save(tmp_path / "table.h5")
     assert main.main(["plot", str(tmp_path / "table.h5")]) == 0
     assert solution.plot().axes[1].get_lines()[0].get_ydata().max() == solution.observables.peak_pressure
+
+
+@pytest.mark.parametrize("unit", [1e-9, 1e9])
+def test_a_table_that_holds_none_of_the_scene_s_waves_is_refused(unit):
+    """As one in another unit of length; both of its ends find a half-space."""
+    q = np.geomspace(1.0, 1e4, 40) * unit
+    with pytest.raises(
+        ValueError, match=r"stiffnesses are of waves from q = .*, and this scene's are from 6.283 to 804"
+    ):
+        Scene(TabulatedLayer(tuple(q), tuple(0.5 * q)), num_points=256)

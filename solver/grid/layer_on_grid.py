@@ -40,4 +40,4 @@ def modulus_anywhere(layer: ElasticLayer, q: Array64, num_points: int, period: f
     Raises `ValueError` where the layer does not know them.
     """
     wave_numbers = q * num_points
-    return np.asarray(2 * layer.stiffness(wave_numbers, period) / wave_numbers)
+    return np.asarray(2 * np.asarray(layer.stiffness(wave_numbers, period)) / wave_numbers)

@@ -20,6 +20,7 @@ from typing import Any
 
 import numpy as np
 
+from .. import checks
 from ..arrays import Array64
 from ..indenters import Indenter
 from ..layers import ElasticLayer
@@ -33,9 +34,10 @@ _FAR = 1e6  # times the reach
 @kept
 def _profile(indenter: Indenter, num_points: int, period: float) -> Array64:
     """The indenter's heights on a grid, shape (num_points,) [L], read-only. Raises `ValueError` for anything else."""
-    heights = np.asarray(indenter.profile(num_points, period)).view()
     what = f"profile of indenter {indenter.name}"
-    allowed = f"allowed: {num_points} finite heights, the lowest 0, in units of the period"
+    allowed = f"allowed: {num_points} finite floating-point heights, the lowest 0, in units of the period"
+    with checks.own_code(what, allowed):
+        heights = np.asarray(indenter.profile(num_points, period)).view()
     if heights.shape != (num_points,) or heights.dtype.kind != "f":
         raise ValueError(f"{what} is of type {heights.dtype} and shape {heights.shape}; {allowed}")
     lowest, highest = float(heights.min()), float(heights.max())
@@ -57,11 +59,13 @@ def squared_slope(indenter: Indenter, num_points: int, period: float) -> Array64
 def half_spectrum(layer: ElasticLayer, num_points: int, period: float) -> Array64:
     """K(q_k) of a layer for k = 0 ... N/2, shape (N//2 + 1,), in units of E*/L; 0 for the mean mode.
 
-    Raises `ValueError` for a stiffness that is not positive and finite, or not of the waves' shape.
+    Raises `ValueError` for a stiffness that fails, is not positive and finite, or not of the waves' shape.
     """
     stiffness = np.zeros(num_points // 2 + 1)
     wave_numbers = 2 * np.pi * np.arange(1, stiffness.size, dtype=np.float64)
-    found, what = np.asarray(layer.stiffness(wave_numbers, period)), f"stiffness of layer {layer.name}"
+    what = f"stiffness of layer {layer.name}"
+    with checks.own_code(what, "allowed: a function of an array of wave numbers"):
+        found = np.asarray(layer.stiffness(wave_numbers, period))
     if found.shape != wave_numbers.shape or found.dtype.kind not in "fiu":
         allowed = f"real numbers of the wave numbers' shape, {wave_numbers.shape}"
         raise ValueError(f"{what} has shape {found.shape} and type {found.dtype}; allowed: {allowed}")

@@ -41,6 +41,12 @@ class ElasticLayer(Kind, Protocol):
     def to_dict(self) -> dict[str, Any]:
         """Flat, JSON-ready description under the command line's names."""
 
+    def check(self, num_points: int, period: float) -> None:
+        """Raise `ValueError` if the stiffness is not known of the waves of a grid of that many points in the period L
+        [length].
+        """
+        return
+
     def ratios(self, period: float) -> dict[str, float]:
         """The dimensionless numbers, by name, that must be neither too large nor too small to compute with."""
         return {}

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
-from linecontact.solver.arrays import Array64
+from linecontact.solver.arrays import Array64, Indices
 from linecontact.solver.transforms.plain import irfft, rfft
 
 Detrend = Literal["linear", "mean", "none"]
@@ -19,6 +19,8 @@ _LONGEST_GAP = 0.05  # share of the scan that may be without values
 _DOUBTED = 0.01  # share of the scan that may be filled without a warning
 _GAP = 1.8  # spacings from which values are missing
 _JUMP = 2.0  # from the last value to the first, over the largest step between neighbours
+_FAR = 10.0  # times as far from the median as nine in ten values
+_SUDDEN = 0.8  # of that distance, covered by one step: no peak or valley of a surface looks like that
 _MIRROR = "made periodic by its mirror image"
 
 
@@ -126,6 +128,26 @@ def evenly_spaced(x: Array64, z: Array64) -> Profile:
     if filled > _DOUBTED:
         doubts = [f"{filled:.1%} of the scan, where it has no values, were filled by straight lines"]
     return Profile(np.asarray(np.interp(even_x, x, z)), float(x[-1]) * x.size / (x.size - 1), [told], doubts)
+
+
+def may_be_missing(z: Array64) -> Indices:
+    """Which heights may stand for missing values, like -9999: far from nearly all others, from one value to the next.
+
+    z: shape (number of values,) [any unit].
+    """
+    away = np.abs(z - np.median(z))
+    far = np.concatenate([[False], away > _FAR * np.quantile(away, 0.9), [False]])
+    first, last = np.flatnonzero(np.diff(far.astype(int)) > 0), np.flatnonzero(np.diff(far.astype(int)) < 0) - 1
+    sudden = [_is_sudden(z, away, int(inside), -1) for inside in first]
+    sudden = [so and _is_sudden(z, away, int(inside), 1) for so, inside in zip(sudden, last, strict=True)]
+    runs = [np.arange(a, b + 1) for a, b, so in zip(first, last, sudden, strict=True) if so]
+    return np.concatenate([np.zeros(0, dtype=np.int64), *runs])
+
+
+def _is_sudden(z: Array64, away: Array64, inside: int, side: int) -> bool:
+    """Whether the step from a far value to its neighbour is most of the way back; True at the end of the scan."""
+    outside = inside + side
+    return not 0 <= outside < z.size or abs(float(z[inside] - z[outside])) > _SUDDEN * away[inside]
 
 
 def _last_digit(x: Array64) -> float:

@@ -22,7 +22,7 @@ from ..files.writing import as_path
 from ..terminal.options import refused
 from . import columns
 from .columns import MAX_REFINEMENT
-from .preparation import Detrend, Profile, Window, evenly_spaced
+from .preparation import Detrend, Profile, Window, evenly_spaced, may_be_missing
 from .text import Decimal
 from .units import UNITS, Unit
 
@@ -159,6 +159,12 @@ def read(options: Options) -> Scan:
     except (OSError, EOFError, UnicodeError) as error:
         raise ValueError(f"profile_file {path} cannot be read: {error}") from None
     profile, units = _measured(found, options)
+    if (odd := may_be_missing(found.z)).size:
+        unit = units["profile_z_unit"].replace(SCENE, "")
+        profile.doubts.append(
+            f"{odd.size} of {counted(found.z.size, 'value')}, the first is {found.z[odd[0]]:g} {unit}".rstrip()
+            + f" in row {odd[0] + 1}, are far from all others: if they stand for missing values, leave them out"
+        )
     count, scan = profile.z.size, _statistics(profile)
     _turn_over(profile, found, options)
     height = np.ptp(profile.z)

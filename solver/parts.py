@@ -1,0 +1,72 @@
+"""Checks of what a scene's layer and indenter say of themselves; those of one's own may say anything.
+
+What they compute, stiffnesses and heights, is checked where it is used (`grid.problem`).
+"""
+
+import math
+from collections.abc import Mapping
+from contextlib import suppress
+from numbers import Real
+from typing import Any
+
+import numpy as np
+
+from . import checks
+from .indenters import INDENTERS, Indenter
+from .layers import LAYERS, ElasticLayer
+
+_ALIKE = 0.01  # relative difference of K of long waves from the foundation's modulus
+_LONG = (1e-3, 1e-6, 1e-9)  # waves over the longest of period and thickness; rounding may spoil K of the longest
+
+
+def check_layer(layer: ElasticLayer, num_points: int, period: float) -> None:
+    """Raise `ValueError` unless this is a layer for a grid of so many points in the period L [length]."""
+    checks.offers("layer", layer, ElasticLayer, "a Layer, or what `ElasticLayer` describes")
+    checks.real("thickness", layer.thickness, "a length > 0, or inf", 0, infinite=True)
+    _check_description("layer", layer, LAYERS)
+    checks.real(f"contact_modulus of layer {layer.name}", layer.contact_modulus, "a finite pressure > 0", 0)
+    layer.check(num_points, period)
+
+
+def check_foundation(layer: ElasticLayer, period: float) -> None:
+    """Raise `ValueError` unless a layer's foundation modulus is one, and K of some long waves if it is one's own."""
+    what, allowed = f"foundation_modulus of layer {layer.name}", "a number >= 0, inf where it is incompressible"
+    modulus = checks.real(what, layer.foundation_modulus(period), allowed, -math.ulp(0.0), infinite=True)
+    if not 0 < modulus < math.inf or type(layer).__module__.startswith(f"{__package__}."):
+        return
+    wrong, waves = "", min(2 * np.pi, period / layer.thickness) * np.array(_LONG)
+    with np.errstate(all="ignore"), suppress(Exception):  # one's own code: what is wrong is said where it is used
+        found = np.asarray(layer.stiffness(waves, period), dtype=np.float64)
+        if found.shape == waves.shape and np.isfinite(found).any() and (np.abs(found / modulus - 1) > _ALIKE).all():
+            long_waves = ", ".join(f"{value:.4g}" for value in found)
+            allowed = "the limit of its stiffness for long waves, in units of E*/L"
+            wrong = f"{what} is {modulus:.6g}, and its stiffness there {long_waves}; allowed: {allowed}"
+    if wrong:
+        raise ValueError(wrong)
+
+
+def check_indenter(indenter: Indenter, num_points: int) -> None:
+    """Raise `ValueError` unless this is an indenter for a grid of so many points."""
+    allowed = "a PowerIndenter, RoughIndenter or MeasuredIndenter, or what `Indenter` describes"
+    checks.offers("indenter", indenter, Indenter, allowed)
+    _check_description("indenter", indenter, INDENTERS)
+    wave, allowed = indenter.shortest_wave(num_points), "an integer >= 0, 0 for a smooth profile"
+    checks.integer(f"shortest_wave of indenter {indenter.name}", wave, allowed, 0, 2**53)
+    indenter.check(num_points)
+
+
+def _check_description(what: str, part: Any, listed: Mapping[str, type]) -> None:
+    """Raise `ValueError` unless a part has a name of its own and a description that can be stored."""
+    if not isinstance(part.name, str) or not part.name:
+        raise ValueError(f"name of {what} is {part.name!r}; allowed: a text that is not empty")
+    owner = listed.get(part.name)
+    if owner and not isinstance(part, owner) and owner.__module__.startswith(f"{__package__}."):
+        raise ValueError(f"name of {what} is {part.name!r}, which is that of {owner.__name__}; allowed: another one")
+    described, key = part.to_dict(), {"layer": "layer", "indenter": "profile"}[what]
+    if not isinstance(described, Mapping) or described.get(key) != part.name:
+        allowed = f"a dictionary with {part.name!r} under {key!r}"
+        raise ValueError(f"to_dict of {what} {part.name} gives {str(described)[:60]}; allowed: {allowed}")
+    for name, value in described.items():
+        if not isinstance(value, (str, Real, np.bool_)):
+            allowed = "a number, a text, True or False"
+            raise ValueError(f"to_dict of {what} {part.name} has {name} {str(value)[:40]!r}; allowed: {allowed}")
