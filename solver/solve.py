@@ -5,7 +5,7 @@ import numpy as np
 from ..kernels import BACKENDS
 from . import checks
 from .arrays import Array64
-from .methods import DEFAULT, METHODS, Progress
+from .methods import DEFAULT, METHODS, MethodKind, Progress
 from .one_thread import on_one_thread
 from .scene import Scene
 from .solution import Solution
@@ -78,6 +78,8 @@ def solve(
             return without_contact(scene, means)
         return solve_to_accuracy(scene, accuracy, accuracy_of, means)
     kind = METHODS[checks.choice("method", DEFAULT.name if method is None else method, tuple(METHODS))]
+    if not isinstance(kind, MethodKind):
+        raise ValueError(f"method {method} is {kind!r} in METHODS; allowed: a MethodKind")
     if max_iterations is not None:
         max_iterations = checks.integer("max_iterations", max_iterations, "an integer from 1 to 2^53", 1, 2**53)
 

@@ -17,7 +17,7 @@ from linecontact import read_scan
 from linecontact.solver import CoatedHalfSpace, Layer, MeasuredIndenter, PowerIndenter, RoughIndenter, Scene, solve
 from linecontact.solver.display import rounded_up
 from linecontact.studies.command_line import main
-from linecontact.studies.explore import answers, page
+from linecontact.studies.explore import answers, page, wording
 from linecontact.studies.explore.controls import CONTROLS, LOAD, THICKNESS
 from linecontact.studies.explore.curves import Curve, grid
 from linecontact.studies.explore.newest import Newest
@@ -391,6 +391,11 @@ def test_the_page_names_its_layer():
         texts = [model.text for model in made.document.select({"type": Div})]
         made.page.end(PATIENCE)
         assert any(said in text for text in texts)
+
+
+def test_an_answer_names_the_base_of_a_coating():
+    scene = Scene(CoatedHalfSpace(0.1, base_modulus=2.0, contact_modulus=4.0), num_points=2**8)
+    assert "base E2*/E* = 0.5, nu2 = 0.25, " in wording.said(answers.Answer(scene, solve(scene), "", 0.1), 0.1)
 
 
 def test_only_layers_that_may_be_half_spaces_have_one_on_their_curve():

@@ -28,6 +28,7 @@ from linecontact.studies.command_line import main
 from linecontact.studies.curve import figures as curve_figures
 from linecontact.studies.curve import report as curve_report
 from linecontact.studies.figures import solution as solution_figure
+from linecontact.studies.figures import titles
 from linecontact.studies.figures.style import ONE_COLUMN, STYLE, TWO_COLUMNS, panels
 from linecontact.studies.figures.ticks import few_ticks, in_plain_text
 from linecontact.studies.files.study_files import load_study
@@ -341,6 +342,22 @@ def test_what_a_figure_says(scene, said):
     assert "inf" not in text
     assert "[" not in text
     check_places(figure)
+
+
+@pytest.mark.parametrize(
+    ("but", "said"),
+    [
+        ((), "base: $E_2^*=0.5\\,E^*$, $\\nu_2=0.3$"),
+        (("base_modulus",), "base: $\\nu_2=0.3$"),
+        (("base_poisson_ratio",), "base: $E_2^*=0.5\\,E^*$"),
+        (("contact_modulus", "base_poisson_ratio"), ""),
+    ],
+)
+def test_a_title_names_what_its_points_share_of_the_base(but, said):
+    scene = Scene(CoatedHalfSpace(0.1, 2.5, 0.4, 0.3, contact_modulus=5.0), num_points=512)
+    numbers = {f"scene.{name}": value for name, value in scene.to_dict().items()}
+    assert titles.base(numbers, but) == said
+    assert said in titles.scene(numbers, but)
 
 
 def test_a_figure_says_that_a_solve_has_not_ended_well():

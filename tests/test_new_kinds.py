@@ -386,6 +386,27 @@ def test_a_description_that_cannot_be_stored_is_refused(monkeypatch, described, 
         Scene(indenter=CosineIndenter())
 
 
+def methods_that_are_none():
+    class Idle(ProjectedGradient):
+        def step(self):
+            pass
+
+    class Short(ProjectedGradient):
+        displacement = property(lambda self: self._u[1:])
+
+    kind = MethodKind("own", "own", Idle, 1000)
+    yield kind, "iteration of Idle is 0 after 1001 more steps; allowed: a number that grows"
+    yield replace(kind, begin=Short), r"displacement of Short has shape \(255,\); allowed: \(256,\)"
+    yield Idle, "method own is .*Idle.* in METHODS; allowed: a MethodKind"
+
+
+@pytest.mark.parametrize(("kind", "named"), [*methods_that_are_none()])
+def test_a_method_that_is_none_is_refused(monkeypatch, kind, named):
+    monkeypatch.setitem(METHODS, "own", kind)
+    with pytest.raises(ValueError, match=named):
+        solve(Scene(num_points=256), method="own")
+
+
 @pytest.mark.parametrize(("name", "said"), [("power", "that of PowerIndenter; allowed: an"), ("", "''; allowed: a te")])
 def test_a_name_that_is_none_or_another_s_is_refused(monkeypatch, name, said):
     monkeypatch.setattr(CosineIndenter, "name", name)

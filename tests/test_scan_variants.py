@@ -180,7 +180,7 @@ REFUSED = {
     "a number of no column": (
         "x [um],Height 12 [nm]\n" + rows(),
         {},
-        r"x_unit .* \(its line 'x \[um\],Heig.* holds num",
+        r"x_unit .* \(its line 'x \[um\],Heig.* is not understood as labels",
     ),
     "bits over": ("x [um],Height (nm)/LSB\n" + rows(), {}, "z_unit is missing"),
     "logarithms": ("x [um],log z [nm]\n" + rows(), {}, "z_unit is missing"),

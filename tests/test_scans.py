@@ -268,7 +268,8 @@ ROWS = "".join(f"{i} {i % 7}\n" for i in range(40))
         (empty_dataset, {}, "not an array of numbers"),
         (no_dataset, {}, "holds no dataset"),
         (lambda folder: write(folder, ".npy", [np.arange(40.0) % 7]), {"profile_dataset": "z"}, "profile_dataset is z"),
-        (text("256\n0.5\n\n" + "1\n2\n" * 20), {}, "line 3 is empty"),
+        (text("256\n0.5\n\n" + "1\n2\n" * 20), {}, "line 3 is empty; allowed: rows of numbers to the end"),
+        (text("1\n2\n" * 20 + "\nRa = 3 nm\n"), {}, "line 41 is empty, and 'Ra = 3 nm' stands behind the table"),
         (lambda folder: write(folder, ".npy", [np.array(["a"] * 20)]), {}, "holds <U1"),
         (lambda folder: write(folder, ".npy", [np.array([{}] * 20)]), {}, "not a plain array"),
         (

@@ -57,7 +57,7 @@ class PowerIndenter(Indenter):
         return np.asarray(from_tip[1] - from_tip[0])
 
     def shortest_wave(self, num_points: int) -> int:
-        """None: the profile is smooth, see `Indenter`."""
+        """0: the profile is smooth, see `Indenter`."""
         return 0
 
     def in_units(self, length: float) -> Self:

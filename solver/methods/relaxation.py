@@ -10,6 +10,9 @@ from .method import Method
 Progress = Callable[[int, float], None]
 """Called with (iteration, residual over the mean pressure)."""
 
+_IDLE = 1000
+"""Steps in a row that need not count as iterations."""
+
 OVERFLOWING = 1e30
 """Residual over the mean pressure; a larger one is on its way to overflow."""
 
@@ -18,12 +21,18 @@ def relax(state: Method, max_iterations: int, progress: Progress | None = None) 
     """Step until the residual meets the tolerance, and say how it ended.
 
     Other ends: `max_iterations`; no new minimum of the residual for long (the limit of the precision); overflow;
-    Ctrl-C. The state stays usable after each of them.
+    Ctrl-C. The state stays usable after each of them. Raises `ValueError` for a method whose steps do not count.
     """
     best, best_at, shown = math.inf, 0, time.monotonic()
+    counted, idle = state.iteration, 0
     try:
         while state.iteration < max_iterations:
             state.step()
+            idle = idle + 1 if state.iteration == counted else 0
+            counted = state.iteration
+            if idle > _IDLE:
+                what = f"iteration of {type(state).__name__} is {counted} after {idle} more steps"
+                raise ValueError(f"{what}; allowed: a number that grows with the steps")
             if state.stopped:
                 if state.residual <= state.tolerance:
                     return Status.CONVERGED

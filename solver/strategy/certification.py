@@ -105,6 +105,10 @@ class _Certification:
     def certify(self) -> bool:
         """Make the certificate of the present state; whether it is good enough."""
         self.displacement = self.state.displacement
+        shape = np.shape(self.displacement)
+        if shape != (self.problem.num_points,):
+            what = f"displacement of {type(self.state).__name__} has shape {shape}"
+            raise ValueError(f"{what}; allowed: ({self.problem.num_points},)")
         if not np.isfinite(self.displacement).all():  # diverged beyond all numbers
             self.state.start(np.zeros_like(self.displacement))
             self.displacement = self.state.displacement

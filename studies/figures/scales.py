@@ -3,7 +3,7 @@ numbers are dimensionless.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -89,13 +89,14 @@ def thickness_in(thickness: float, unit: str) -> str:
     return f"$d={typeset(size / UNITS[best])}$ {shown(best)}"
 
 
-def base(results: Mapping[str, Any]) -> str:
-    """The elastic half-space below a coating, in words; empty for a layer on a rigid base."""
-    modulus = results.get("scene.base_modulus")
-    if modulus is None:
-        return ""
-    over = float(modulus) / float(results["scene.contact_modulus"])
-    return f"base: $E_2^*={typeset(over)}\\,E^*$, $\\nu_2={float(results['scene.base_poisson_ratio']):g}$"
+def base(results: Mapping[str, Any], but: Collection[str] = ()) -> str:
+    """The elastic half-space below a coating, in words; empty for a layer on a rigid base. but: what is left out."""
+    modulus, told = results.get("scene.base_modulus"), []
+    if modulus is not None and not {"base_modulus", "contact_modulus"} & set(but):
+        told.append(f"$E_2^*={typeset(float(modulus) / float(results['scene.contact_modulus']))}\\,E^*$")
+    if modulus is not None and "base_poisson_ratio" not in but:
+        told.append(f"$\\nu_2={float(results['scene.base_poisson_ratio']):g}$")
+    return f"base: {', '.join(told)}" if told else ""
 
 
 def shown(unit: str) -> str:

@@ -56,8 +56,7 @@ def scene(results: Mapping[str, Any], but: Collection[str]) -> str:
         told.append(_thickness(results, but))
     if "poisson_ratio" not in but:
         told.append(poisson(results))
-    if not {"contact_modulus", "base_modulus", "base_poisson_ratio"} & set(but):
-        told.append(base(results))
+    told.append(base(results, but))
     load = float(results["scene.pressure"]) / float(results.get("scene.contact_modulus", np.nan))
     if not {"pressure", "approach"} & set(but) and np.isfinite(load):
         told.append(f"$p={typeset(load)}\\,E^*$")

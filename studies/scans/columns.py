@@ -222,7 +222,7 @@ def units(
     if missing:
         names = " and ".join(f"{axis}_unit" for axis in missing)
         what = " and ".join({"x": "positions", "z": "heights"}[axis] for axis in missing)
-        what += f" (its line {unread[:60]!r} holds numbers, and is not taken for labels)" if unread else ""
+        what += f" (its line {unread[:60]!r} is not understood as labels)" if unread else ""
         raise ValueError(
             f"{names} {'are' if len(missing) > 1 else 'is'} missing: {path} names no unit of its {what}; allowed: "
             f"{', '.join(UNITS)}; or scene_units, if its numbers are in the scene's own unit"

@@ -98,7 +98,9 @@ def read_text(path: Path, name: str, decimal: Decimal | None) -> Table:
     writing, first, count = found.writing, found.first, found.count
     for i in range(first, len(lines)):
         if not lines[i].strip():  # what is before may be a header of numbers
-            raise ValueError(f"profile_file {path}, line {i + 1} is empty; allowed: none between numbers")
+            after = next((line.strip() for line in lines[i:] if line.strip()), "")
+            behind = "" if writing.numbers(after) == count else f", and {after[:40]!r} stands behind the table"
+            raise ValueError(f"profile_file {path}, line {i + 1} is empty{behind}; allowed: rows of numbers to the end")
     if writing.decimal == "comma" and any("." in line for line in lines[first:]):
         i = next(i for i in range(first, len(lines)) if "." in lines[i])
         raise ValueError(
@@ -167,8 +169,8 @@ def _find(path: Path, lines: Sequence[str], decimal: Decimal | None) -> _Found:
     if not found:
         signs = "" if decimal is None else f", with decimal {decimal}s"
         allowed = (
-            f"columns of numbers behind up to {_MAX_HEADER} lines of header, a number in every cell, parted by commas, "
-            "semicolons, tabs or spaces"
+            f"columns of numbers behind up to {_MAX_HEADER} lines of header, line after line, a number in every cell, "
+            "parted by commas, semicolons, tabs or spaces"
         )
         seen = f"; the last line is {lines[-1].strip()[:40]!r}" if lines else ""
         raise ValueError(f"profile_file {path} holds no table of numbers{signs}{seen}; allowed: {allowed}")

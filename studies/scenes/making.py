@@ -78,7 +78,12 @@ def _check_scales(options: Any, given: Given) -> None:
     missing = [f"contact_modulus{either}"] * needed + [f"pressure{alternative}"] * unloaded
     if missing:
         names = f"{' and '.join(missing)} {'are' if len(missing) > 1 else 'is'} missing"
-        raise ValueError(f"{names}; allowed: with a file, whose lengths have units, both must be given, in one unit")
+        other = "youngs_modulus" in {name for fields in given.values() for name in fields} - known
+        not_taken = f" (layer {options.layer} takes no youngs_modulus)" * other
+        raise ValueError(
+            f"{names}{not_taken}; allowed: with a file, whose lengths have units, modulus and load must be given, in "
+            "one unit"
+        )
 
 
 def own_unit(options: Any, given: Given) -> Own:
