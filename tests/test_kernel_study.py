@@ -276,6 +276,23 @@ def test_bad_files_of_variants_are_refused(text, message, own, tmp_path, capsys)
     assert "allowed" in caught.err
 
 
+def failing(a):
+    return variants.repeated(lambda: 1 / 0)
+
+
+@pytest.mark.parametrize("build", [lambda a: 1 / 0, failing])
+def test_a_variant_that_fails_is_named(build, own):
+    variants.variant("fire_step", "mine")(build)
+    with pytest.raises(ValueError, match=r"variant mine of fire_step fails \(ZeroDivisionError: .*\); allowed: code"):
+        Bench(BENCHMARKS["fire_step"], "float32", 1024).check()
+
+
+def test_flags_that_the_compiler_does_not_know_are_named(own):
+    variants.recompiled("fire_step", "mine", compiled_with="-no-such-flag")
+    with pytest.raises(ValueError, match=r"variant mine of fire_step fails .* allowed: code that runs, flags that Warp"):
+        Bench(BENCHMARKS["fire_step"], "float32", 1024)
+
+
 @pytest.mark.parametrize(
     ("option", "message"),
     [

@@ -5,6 +5,7 @@ from collections.abc import Iterable
 
 import numpy as np
 from linecontact.kernels import CHUNK
+from linecontact.solver import checks
 from linecontact.solver.transforms.planned import Transforms
 
 from . import agreement
@@ -18,6 +19,7 @@ UNCHECKED = ("copy", "roof", "roof-unrolled", "transforms")
 """Variants that do something else."""
 
 _SMALL = 2**16  # points
+_CODE = "allowed: code that runs, flags that Warp's compiler knows"
 
 
 class Bench:
@@ -55,11 +57,11 @@ class Bench:
 
     def _bind(self, variant: Variant, arrays: Arrays) -> None:
         hidden = self.benchmark.transforms and not variant.wisdom
-        with without_wisdom() if hidden else contextlib.nullcontext():
+        what = f"variant {variant.name} of {self.benchmark.name}"
+        with without_wisdom() if hidden else contextlib.nullcontext(), checks.own_code(what, _CODE):
             runs = variant.build(arrays)
         if not callable(runs):
-            allowed = "launched(...) or repeated(...)"
-            raise ValueError(f"variant {variant.name} of {self.benchmark.name} gave {runs!r}; allowed: {allowed}")
+            raise ValueError(f"{what} gave {runs!r}; allowed: launched(...) or repeated(...)")
         self.variants[variant.name] = runs
         self._views[variant.name], self.notes[variant.name] = arrays, arrays.notes
         self.slow |= {variant.name} if variant.slow else set()
@@ -82,7 +84,8 @@ class Bench:
         start = self.benchmark.make(self.num_points, self.precision, exact=True)
         expected = self._expected(start)
         for name in [name for name in self.variants if expected and name not in UNCHECKED]:
-            found = self._run(name, start, (1,))
+            with checks.own_code(f"variant {name} of {self.benchmark.name}", _CODE):
+                found = self._run(name, start, (1,))
             for argument in self.benchmark.arrays:
                 if argument.name in expected:
                     agreement.compare(name, argument, found, expected, self.benchmark.transforms)

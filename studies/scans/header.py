@@ -48,8 +48,11 @@ _LINES = 2  # above the table, that may label its columns: names, and units belo
 _LONGEST = 1000  # characters of a line that is looked at
 _AXIS = r"x|lateral|horizontal|positions?|z|heights?|vertical"
 _BOTH = r"lengths|coordinates|data|columns|both"
-_UNIT_LINE = re.compile(rf"(?:({_AXIS})[\s_-]*(?:axis[\s_-]*)?)?(?:units?|einheit)\b[\"'\s]*[:=,;\t](.*)", re.I)
-"""A line that names units: "X Unit: um", "Units,um"."""
+_UNIT_LINE = re.compile(
+    rf"(?:({_AXIS})[\s_-]*(?:axis[\s_-]*)?)?(?:units?|einheit|unit[e\u00e9])\b(?:\s+({_AXIS})\b)?[\"'\s]*[:=,;\t](.*)",
+    re.I,
+)
+"""A line that names units: "X Unit: um", "Units,um", "Einheit X: mm"."""
 _CLAUSE = re.compile(rf"(?:all\s+)?(?:({_AXIS})|{_BOTH})\s+(?:is\s+|are\s+|given\s+)*in\s+(\S+?)\.?", re.I)
 """Part of a line that names one: "x in mm", "all lengths in um"."""
 
@@ -112,7 +115,7 @@ def stated_units(lines: Sequence[str]) -> Iterator[tuple[str, str, str]]:
     for line in (plain(line) for line in lines if len(line) <= _LONGEST):
         bare = line.lstrip("#%*;\"' ")
         if match := _UNIT_LINE.fullmatch(bare):
-            found = [(match[1], set(re.findall(r"[^\s,;=:\"']+", match[2])))]
+            found = [(match[1] or match[2], set(re.findall(r"[^\s,;=:\"']+", match[3])))]
         else:
             clauses = [_CLAUSE.fullmatch(clause.strip()) for clause in re.split(r"[,;]|\band\b", bare)]
             found = [(clause[1], {clause[2]}) for clause in clauses if clause]
