@@ -38,8 +38,8 @@ def _scene(scene: Scene) -> str:
     parts = [over, f"p/E* = {scene.reduced_load:.3g}"]
     given = scene.to_dict()
     if "base_modulus" in given:
-        over = float(given["base_modulus"]) / scene.layer.contact_modulus
-        parts.append(f"base E2*/E* = {over:.3g}, nu2 = {given['base_poisson_ratio']:g}")
+        ratio = float(given["base_modulus"]) / scene.layer.contact_modulus
+        parts.append(f"base E2*/E* = {ratio:.3g}, nu2 = {given['base_poisson_ratio']:g}")
     named = {"poisson_ratio": "nu", "exponent": "n", "hurst": "H", "seed": "seed"}
     parts += [f"{sign} = {given[name]:g}" for name, sign in named.items() if name in given]
     if "profile_file" in given:
