@@ -16,7 +16,8 @@ from linecontact.solver import (
 )
 from linecontact.solver.grid import contact
 from linecontact.solver.grid.contact import contact_edges
-from linecontact.solver.grid.loads import Heights, _LayerSlope, _Neighbours, from_loads
+from linecontact.solver.grid.layer_on_grid import modulus_on_grid
+from linecontact.solver.grid.loads import Heights, LayerSlope, _Neighbours, from_loads, loads_tell
 from linecontact.solver.grid.patches import Patches
 from linecontact.solver.reference import closed_forms, collocation
 
@@ -52,7 +53,10 @@ def test_a_patch_whose_load_is_known_in_closed_form(cubic, quartic):
     """Exact but for its images in the other periods, a^2/24 (2 pi/N)^2 of the curvature."""
     half_width, nodes = 5.3, 11
     patches, pressure, height = alone(0.01, cubic, quartic, half_width, nodes)
-    one, known = (np.array([0]), np.array([True])), (half_space, math.inf, np.array([5.0]))
+    one, known = (
+        (np.array([0]), np.array([True])),
+        (half_space, LayerSlope.of(half_space, math.inf, 4096), np.array([5.0])),
+    )
     found = from_loads(patches, *one, pressure, Heights(height, 1.0), *known)
     assert found.solved[0]
     assert found.half_width[0] == pytest.approx(half_width, rel=1e-5)
@@ -175,8 +179,8 @@ def test_the_slope_beside_a_neighbour_is_that_of_its_displacement():
     """Hertz' displacement beside a contact, by the sum over its pressure; the layer's part by its waves."""
     patches = Patches(2**16, np.array([1000, 1040]), np.array([1010, 1044]))
     loads, middles, widths = np.array([0.5, 0.1]), np.array([1005.0, 1042.0]), np.array([5.5, 2.5])
-    thin = _LayerSlope.of(lambda q: 1 / np.tanh(40 * q), 40.0, 2**16)
-    for layer in (_LayerSlope.of(half_space, math.inf, 2**16), thin):
+    thin = LayerSlope.of(lambda q: 1 / np.tanh(40 * q), 40.0, 2**16)
+    for layer in (LayerSlope.of(half_space, math.inf, 2**16), thin):
         others = _Neighbours.of(patches, np.array([1]), loads, middles, widths, layer)
         at = np.array([[1039.0, 1042.0, 1045.0]])
         slope = others.slope(at, layer)[0]
@@ -189,3 +193,34 @@ def test_the_slope_beside_a_neighbour_is_that_of_its_displacement():
             part = np.sin(distance[:, ::40, None] * q) @ (2 - 2 * np.tanh(40 * q)) * (q[1] - q[0]) / np.pi
             expected += loads[0] * (part * share[::40] * 40).sum(axis=1)
         np.testing.assert_allclose(slope[0], expected, rtol=0.02)
+
+
+def bumps(layer, pressure, num_points):
+    """Twenty bumps of different height in the period."""
+    x = np.arange(num_points) / num_points - 0.5
+    heights = -1e-3 * np.cos(40 * np.pi * x) - 2e-3 * np.cos(2 * np.pi * x)
+    return Scene(layer, MeasuredIndenter(heights), pressure, num_points=num_points)
+
+
+@pytest.mark.parametrize("base", [1e3, 0.5, 0.1, 0.01, 0.003])
+def test_ends_by_loads_on_bases_of_any_stiffness(base):
+    """A response that goes over into that of the base after many thicknesses; the fine grid needs no loads."""
+    layer, pressure = CoatedHalfSpace(0.05, base, 0.25, 0.3), 2e-3 * math.sqrt(min(base, 1.0))
+    found = solve(bumps(layer, pressure, 2**11)).observables
+    exact = solve(bumps(layer, pressure, 2**15)).observables
+    assert found.num_patches_by_load > 0
+    assert exact.num_patches_by_load == 0
+    error = abs(found.contact_area_subgrid - exact.contact_area_subgrid)
+    assert error < found.contact_area_error < 0.02 * exact.contact_area_subgrid
+
+
+def test_an_accuracy_on_a_base_much_softer_than_the_layer():
+    """Collocation of all patches together gives 0.0352448."""
+    found = solve(bumps(CoatedHalfSpace(0.05, 0.01, 0.25, 0.3), 2e-4, 2**17), accuracy=1e-3)
+    assert found.observables.contact_area_subgrid == pytest.approx(0.0352448, rel=1e-3)
+
+
+@pytest.mark.parametrize(("base", "tells"), [(1e3, True), (1.0, True), (1e-2, True), (1e-5, False)])
+def test_loads_tell_nothing_where_no_wave_of_the_reach_finds_the_base(base, tells):
+    layer = CoatedHalfSpace(0.001, base, 0.25, 0.3)
+    assert loads_tell(lambda q: modulus_on_grid(layer, q, 2**12, 1.0), 0.001 * 2**12, 2**12) is tells

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -9,8 +10,9 @@ from ..arrays import Array64, Indices, Mask
 from ..layers import ElasticLayer
 from ..scene import Scene
 from .edges import COUNTED_BELOW, Edges, apart, find_edges, unseen_gaps
+from .kept import kept
 from .layer_on_grid import modulus_on_grid, thickness_on_grid
-from .loads import FromLoads, Heights, from_loads
+from .loads import FromLoads, Heights, LayerSlope, from_loads, loads_tell
 from .patches import Patches
 
 _MOST_NODES = 32  # of a patch whose ends are looked for by its load; wider ones have ends by pressures as well known
@@ -48,6 +50,13 @@ def contact_edges(
     return patches, replace(edges, error=np.hypot(edges.error, tip), unseen=unseen)
 
 
+@kept
+def _layer_slope(layer: ElasticLayer, num_points: int, period: float) -> LayerSlope:
+    """The layer's part of the response, on a grid of that many points."""
+    thickness = max(thickness_on_grid(layer, num_points, period), _THINNEST)
+    return LayerSlope.of(partial(modulus_on_grid, layer, num_points=num_points, period=period), thickness, num_points)
+
+
 def ends(
     layer: ElasticLayer, period: float, profile: Array64, pressure: Array64, scale: float, by_loads: bool = True
 ) -> tuple[Patches, Edges]:
@@ -60,20 +69,18 @@ def ends(
     edges = find_edges(patches, inside, layer, period)
     largest = min(_MOST_NODES, max(_NARROW * layer_thickness, COUNTED_BELOW - 1))
     chosen = np.flatnonzero(patches.size <= min(largest, n / 2))
-    if not (by_loads and chosen.size):
-        return patches, edges
     heights, thickness = Heights(profile, n / period), max(layer_thickness, _THINNEST)
+    modulus = partial(modulus_on_grid, layer, num_points=n, period=period)
+    if not (by_loads and chosen.size and loads_tell(modulus, thickness, n)):
+        return patches, edges
     wide = patches.size[chosen] / thickness
     narrow = wide < _NARROW
-
-    def modulus(q: Array64) -> Array64:
-        return modulus_on_grid(layer, q, n, period)
 
     # patches without ends begin with Hertz' law
     curvature = heights.slope((patches.first + patches.last) / 2)[1]
     hertz = np.sqrt(4 / math.pi * patches.sums(inside)) / np.sqrt(np.maximum(curvature, 1e-300))  # no overflow
     start = np.where(edges.counted, np.clip(hertz, 0.05, patches.size), edges.width / 2)
-    found = from_loads(patches, chosen, narrow, inside, heights, modulus, thickness, start)
+    found = from_loads(patches, chosen, narrow, inside, heights, modulus, _layer_slope(layer, n, period), start)
     left, right = found.centre - found.half_width, found.centre + found.half_width
     error = _estimated(patches, chosen, found, wide)
     differ = np.maximum(np.abs(left - edges.left[chosen]), np.abs(right - edges.right[chosen]))

@@ -20,7 +20,9 @@ those further away as if their load were spread evenly. By the layer every load 
 
     P/pi int (2 - q/K(q)) sin(q D) dq  over q > 0,
 
-beyond two thicknesses as if the layer were the half-space that its longest waves find (none on a rigid base).
+beyond ten thicknesses as if the layer were the half-space that its longest waves find (none on a rigid base). On a base
+much softer than the layer, which only waves of many thicknesses find, beyond thirty, and with more neighbours; where
+waves that long have not found it either, loads tell nothing.
 
 Patches that are not narrow beside the layer's thickness can be estimated only: as if the layer were a half-space of the
 modulus 2K(q)/q at q = 3 pi/(4 a), which makes a parabola's load right on the half-space and on a Winkler foundation.
@@ -47,8 +49,13 @@ _POWERS = np.linalg.inv(np.vander(_STENCIL, increasing=True)).T  # to coefficien
 _NEIGHBOURS = 4  # on each side
 _BLOCK = 2**13  # patches at a time: each takes some kilobytes
 _WAVE = 3 * np.pi / 4  # q a at which the layer's modulus is taken
-_REACH = 2.0  # layer thicknesses beyond which the layer's longest waves tell the rest
-_WAVES, _SHORTEST, _PLACES = np.polynomial.legendre.leggauss(32), 12.0, 256  # how the layer's part is integrated
+_SHORTEST = 12.0  # times the thickness: the shortest wave with which the layer's part is integrated
+_USUAL = 10.0, np.polynomial.legendre.leggauss(128), 256, _NEIGHBOURS
+"""Thicknesses beyond which the longest waves tell the rest, waves and places of the layer's part, and neighbours."""
+_ON_SOFT = 30.0, np.polynomial.legendre.leggauss(192), 256, 16
+"""The same on a base much softer than the layer."""
+_SOFT = 0.5  # change of the compliance of waves of more than two thicknesses, over the half-space's
+_ALIKE, _SETTLED = 0.1, 0.2  # the same of waves of the longest reach, or over that of the longest waves, that may be
 _ACROSS = np.array([-np.sqrt(0.5), 0.0, np.sqrt(0.5)])  # places in a Hertz contact that stand for its load
 _SHARES = np.array([0.25, 0.5, 0.25])  # of the load there
 _STEPS, _STEP, _CLOSE = 6, 0.25, 1e-3  # of Newton's method: most, their length and the last one's [grid spacings]
@@ -79,6 +86,51 @@ class Heights:
 
 
 @dataclass(frozen=True, eq=False)
+class LayerSlope:
+    """w' by a unit load on a layer less that on the half-space, over the distance."""
+
+    distance: Array64
+    """From 0 to many thicknesses [grid spacings]; of size 0 for a half-space."""
+    table: Array64
+    """w' [1/E*/grid spacing]."""
+    derivative: Array64
+    """Of that [1/E*/grid spacing^2]."""
+    far: float = 0.0
+    """Share of the half-space's slope that is missing at distances of many thicknesses (dimensionless)."""
+    neighbours: int = _NEIGHBOURS
+    """On each side, that are looked at one by one."""
+
+    @classmethod
+    def of(cls, modulus: Modulus, thickness: float, num_points: int) -> "LayerSlope":
+        if not thickness < num_points:
+            return cls(np.zeros(0), np.zeros(0), np.zeros(0))
+        limit, there = _compliance(modulus, thickness, num_points, 2.0)
+        reach, (nodes, weights), places, neighbours = _USUAL if abs(there - limit) < _SOFT else _ON_SOFT
+        most, root = min(_SHORTEST / thickness, np.pi), (nodes + 1) / 2
+        q = most * root**2
+        part = most * root * weights * (2 - 2 / modulus(q)) / np.pi
+        distance = reach * thickness * np.linspace(0.0, 1.0, places) ** 2
+        phase = distance[:, None] * q
+        return cls(distance, np.sin(phase) @ part, np.cos(phase) @ (part * q), 1 - limit, neighbours)
+
+    @property
+    def reach(self) -> float:
+        """Where the table ends [grid spacings]."""
+        return float(self.distance[-1]) if self.distance.size else np.inf
+
+    def slope(self, distance: Array64) -> tuple[Array64, Array64]:
+        """w' and its derivative at distances to either side."""
+        if not self.distance.size:
+            return np.zeros_like(distance), np.zeros_like(distance)
+        away = np.abs(distance)
+        beyond = away > self.reach
+        far = 2 / np.pi * self.far / np.maximum(away, self.reach)
+        slope, bent = (np.interp(away, self.distance, known) for known in (self.table, self.derivative))
+        slope, bent = np.where(beyond, far, slope), np.where(beyond, -far / np.maximum(away, self.reach), bent)
+        return slope * np.sign(distance), bent
+
+
+@dataclass(frozen=True, eq=False)
 class FromLoads:
     """Ends of some patches."""
 
@@ -102,6 +154,24 @@ class FromLoads:
         return cls(*(np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(cls)))
 
 
+def loads_tell(modulus: Modulus, thickness: float, num_points: int) -> bool:
+    """Whether the response far from a load is known: waves of the longest reach find what the longest waves find.
+
+    thickness: the layer's [grid spacings].
+    """
+    limit, there = _compliance(modulus, thickness, num_points, _ON_SOFT[0])
+    return abs(there - limit) <= max(_ALIKE, _SETTLED * limit)
+
+
+def _compliance(modulus: Modulus, thickness: float, num_points: int, reach: float) -> tuple[float, float]:
+    """Compliance of the grid's longest wave, and of one that tells of the response so many thicknesses away, over the
+    half-space's (dimensionless).
+    """
+    longest = 2 * np.pi / num_points
+    found = 1 / modulus(np.array([longest, max(longest, 1 / (reach * thickness))]))
+    return float(found[0]), float(found[1])
+
+
 def from_loads(
     patches: Patches,
     chosen: Indices,
@@ -109,18 +179,17 @@ def from_loads(
     pressure: Array64,
     heights: Heights,
     modulus: Modulus,
-    thickness: float,
+    layer: LayerSlope,
     half_width: Array64,
 ) -> FromLoads:
     """Ends of the chosen patches. narrow: which of them are narrow beside the layer's thickness, of their shape.
 
-    pressure: over E*, on the contact nodes in compact order; thickness: the layer's [grid spacings]; half_width: of all
+    pressure: over E*, on the contact nodes in compact order; layer: its part of the response; half_width: of all
     patches, as far as known, shape (M,) [grid spacings].
     """
     loads = patches.sums(pressure)
     inside = np.arange(pressure.size) - np.repeat(patches.offset, patches.size)
     middles = patches.first + patches.sums(pressure * inside) / loads
-    layer = _LayerSlope.of(modulus, thickness, patches.num_points)
     blocks = range(0, max(1, chosen.size), _BLOCK)
     parts = [(chosen[i : i + _BLOCK], narrow[i : i + _BLOCK]) for i in blocks]
     return FromLoads.join(
@@ -131,7 +200,7 @@ def from_loads(
     )
 
 
-def _solved(others: "_Neighbours", layer: "_LayerSlope", narrow: Mask, heights: Heights, modulus: Modulus) -> FromLoads:
+def _solved(others: "_Neighbours", layer: "LayerSlope", narrow: Mask, heights: Heights, modulus: Modulus) -> FromLoads:
     """Ends of some patches, those of `others`."""
     load, middle = others.own_load, others.own[:, 0]
     m, a = middle.copy(), others.own_half_width.copy()
@@ -197,47 +266,6 @@ def _stiffness(modulus: Modulus, a: Array64, narrow: Mask) -> tuple[Array64, Arr
 
 
 @dataclass(frozen=True, eq=False)
-class _LayerSlope:
-    """w' by a unit load on a layer less that on the half-space, over the distance."""
-
-    distance: Array64
-    """From 0 to two thicknesses [grid spacings]; of size 0 for a half-space."""
-    table: Array64
-    """w' [1/E*/grid spacing]."""
-    derivative: Array64
-    """Of that [1/E*/grid spacing^2]."""
-    far: float = 0.0
-    """Share of the half-space's slope that is missing at distances of many thicknesses (dimensionless)."""
-
-    @classmethod
-    def of(cls, modulus: Modulus, thickness: float, num_points: int) -> "_LayerSlope":
-        if not thickness < num_points:
-            return cls(np.zeros(0), np.zeros(0), np.zeros(0))
-        nodes, weights = _WAVES
-        half = min(_SHORTEST / thickness, np.pi) / 2
-        q = half * (nodes + 1)
-        part = half * weights * (2 - 2 / modulus(q)) / np.pi
-        distance = np.linspace(0.0, _REACH * thickness, _PLACES)
-        phase = distance[:, None] * q
-        far = 1 - 1 / float(modulus(np.array([2 * np.pi / num_points]))[0])  # of the longest wave
-        return cls(distance, np.sin(phase) @ part, np.cos(phase) @ (part * q), far)
-
-    @property
-    def reach(self) -> float:
-        """Where the table ends [grid spacings]."""
-        return float(self.distance[-1]) if self.distance.size else np.inf
-
-    def slope(self, distance: Array64) -> tuple[Array64, Array64]:
-        """w' and its derivative at distances to either side."""
-        away = np.abs(distance)
-        beyond = away > self.reach
-        far = 2 / np.pi * self.far / np.maximum(away, self.reach)
-        slope, bent = (np.interp(away, self.distance, known) for known in (self.table, self.derivative))
-        slope, bent = np.where(beyond, far, slope), np.where(beyond, -far / np.maximum(away, self.reach), bent)
-        return slope * np.sign(distance), bent
-
-
-@dataclass(frozen=True, eq=False)
 class _Neighbours:
     """The patches on both sides of some, and what is beyond them."""
 
@@ -264,20 +292,21 @@ class _Neighbours:
         load: Array64,
         middle: Array64,
         half_width: Array64,
-        layer: _LayerSlope,
+        layer: LayerSlope,
     ) -> "_Neighbours":
-        steps = np.concatenate([np.arange(-_NEIGHBOURS - 1, 0), np.arange(1, _NEIGHBOURS + 2)])
+        count = layer.neighbours
+        steps = np.concatenate([np.arange(-count - 1, 0), np.arange(1, count + 2)])
         period, which = np.divmod(chosen[:, None] + steps, patches.count)
         place, own = middle[which] + period * patches.num_points, middle[chosen, None]
         distance = np.abs(place - own)
         # the even load begins half way to the first patch that is not looked at
         begins = (distance[:, [0, -1]] + distance[:, [1, -2]]) / 2
-        even = np.maximum(1 / begins - 1 / layer.reach, 0.0) + (1 - layer.far) / np.maximum(begins, layer.reach)
+        even = 1 / begins - np.pi / 2 * layer.slope(begins)[0]
         beyond = 2 / np.pi * load.sum() / patches.num_points * even.sum(axis=1, keepdims=True)
         near = which[:, 1:-1]
         return cls(place[:, 1:-1], load[near], half_width[near], own, load[chosen], half_width[chosen], beyond)
 
-    def slope(self, at: Array64, layer: _LayerSlope) -> tuple[Array64, Array64, Array64]:
+    def slope(self, at: Array64, layer: LayerSlope) -> tuple[Array64, Array64, Array64]:
         """w' and its derivative [1/grid spacing] at some places of each patch, shape (patches, places); and, averaged
         over the places, the sum of what the single neighbours add to that derivative, by the half-space and by the
         layer, all taken positive, shape (patches,) [1/grid spacing].
