@@ -224,3 +224,15 @@ def test_an_accuracy_on_a_base_much_softer_than_the_layer():
 def test_loads_tell_nothing_where_no_wave_of_the_reach_finds_the_base(base, tells):
     layer = CoatedHalfSpace(0.001, base, 0.25, 0.3)
     assert loads_tell(lambda q: modulus_on_grid(layer, q, 2**12, 1.0), 0.001 * 2**12, 2**12) is tells
+
+
+@pytest.mark.parametrize("points", [2, 3, 4])
+def test_a_mirror_image_has_the_same_area(points):
+    n = 32 * points
+    for seed in range(12):
+        heights = RoughIndenter(0.8, seed, 0.25, 1 / 8).profile(n, 1.0)
+        one, other = (
+            solve(Scene(indenter=MeasuredIndenter(h), pressure=0.005, num_points=n)) for h in (heights, heights[::-1])
+        )
+        assert one.observables.contact_area_subgrid == pytest.approx(other.observables.contact_area_subgrid, rel=1e-9)
+        assert one.observables.contact_area_error == pytest.approx(other.observables.contact_area_error, rel=1e-6)

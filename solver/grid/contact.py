@@ -19,6 +19,7 @@ _MOST_NODES = 32  # of a patch whose ends are looked for by its load; wider ones
 _NARROW = 0.2  # layer thicknesses; wider patches can only be estimated by their load
 _THINNEST = 1e-9  # grid spacings; as if a thinner layer were so thick
 _JAGGED = 1.9  # fourth over second difference of the heights; 2 for a wave of four grid spacings
+_BESIDE = 1e-6  # grid spacings from a node, whose cells tell two curvatures
 _FARTHEST = 0.5  # grid spacings by which the two may differ for the load to be believed
 
 # The estimated error of a width by the load [grid spacings]: fitted so that it holds in 95 of 100 patches of rough
@@ -77,7 +78,8 @@ def ends(
     narrow = wide < _NARROW
 
     # patches without ends begin with Hertz' law
-    curvature = heights.slope((patches.first + patches.last) / 2)[1]
+    sides = (patches.first + patches.last)[:, None] / 2 + np.array([-_BESIDE, _BESIDE])  # alike for the mirror image
+    curvature = heights.slope(sides)[1].mean(axis=1)
     hertz = np.sqrt(4 / math.pi * patches.sums(inside)) / np.sqrt(np.maximum(curvature, 1e-300))  # no overflow
     start = np.where(edges.counted, np.clip(hertz, 0.05, patches.size), edges.width / 2)
     found = from_loads(patches, chosen, narrow, inside, heights, modulus, _layer_slope(layer, n, period), start)
@@ -86,7 +88,8 @@ def ends(
     differ = np.maximum(np.abs(left - edges.left[chosen]), np.abs(right - edges.right[chosen]))
     better = found.solved & (error < edges.error[chosen])
     better &= differ < np.where(edges.counted[chosen], patches.size[chosen], _FARTHEST)
-    better &= ~_jagged(profile, (patches.first + patches.last)[chosen] // 2)
+    twice_middle = (patches.first + patches.last)[chosen]
+    better &= ~(_jagged(profile, twice_middle // 2) & _jagged(profile, (twice_middle + 1) // 2))
     by_load = np.zeros(patches.count, dtype=bool)
     by_load[chosen[better & narrow]] = True
     return patches, _with(edges, chosen[better], left[better], right[better], error[better], by_load, heights)

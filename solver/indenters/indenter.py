@@ -40,9 +40,12 @@ class Indenter(Kind, Protocol):
         """Flat, JSON-ready description under the command line's names; 'profile' is the indenter's name."""
 
     def slope(self, num_points: int, period: float) -> Array64:
-        """Slopes h'(x_i), shape (num_points,), dimensionless; by central differences unless there is better."""
+        """Slopes h'(x_i), shape (num_points,), dimensionless; unless there is better, by central differences of the
+        sixth order, which have a wave of eight grid spacings right to 0.2 %.
+        """
         h = self.profile(num_points, period)
-        return (np.roll(h, -1) - np.roll(h, 1)) * (num_points / 2)
+        differences = (share * (np.roll(h, -k) - np.roll(h, k)) for k, share in enumerate((45, -9, 1), start=1))
+        return sum(differences, np.zeros(num_points)) * (num_points / 60)
 
     def squared_slope_between(self, left: Array64, right: Array64, num_points: int, period: float) -> Array64 | None:
         """Integrals of h'^2 from some places to others, of their shape [grid spacings]; None, by default, where only

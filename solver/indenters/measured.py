@@ -20,7 +20,7 @@ _MOST_CURVATURE = 0.99  # of the mean square curvature, in the waves that decide
 class MeasuredIndenter(Indenter):
     """Heights given point by point, one for each grid point of the scene, periodic as they stand.
 
-    Coarser grids take the Fourier modes that they hold. The slope is the central difference. Raises `ValueError`.
+    Coarser grids take the Fourier modes that they hold. Slopes are differences, see `Indenter`. Raises `ValueError`.
     """
 
     heights: Array64
