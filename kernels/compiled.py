@@ -51,8 +51,10 @@ def recompile(names: Collection[str], chunk: int, compiled_with: str | None) -> 
     """Kernels from the same source, with `chunk` points per thread and other flags of the compiler, by name.
 
     names: of the kernels that are needed; those of their modules are compiled. chunk: a power of two; compiled_with:
-    all flags, None the program's. Raises `ValueError` like `load`.
+    all flags, None the program's. Raises `ValueError` like `load`, and for a name that there is not.
     """
+    if unknown := set(names) - set(KERNELS):
+        raise ValueError(f"names has {min(unknown)!r}; allowed: {', '.join(KERNELS)}")
     start_warp()
     with _lock:
         needed = [module for module, there in MODULES.items() if not set(there).isdisjoint(names)]

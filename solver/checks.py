@@ -67,16 +67,16 @@ def offers(name: str, value: object, kind: type[Any], allowed: str) -> None:
 
 @contextmanager
 def own_code(what: str, allowed: str) -> Iterator[None]:
-    """Raise `ValueError` with a name for whatever goes wrong within a layer or an indenter, which may be one's own.
+    """Raise `ValueError` with a name for whatever goes wrong in what may be one's own: a layer, an indenter, a variant.
 
-    What says itself what is allowed is passed on.
+    A `ValueError` that says what is allowed is passed on.
     """
     try:
         yield
     except MemoryError:
         raise
     except Exception as error:
-        if "allowed: " in str(error):
+        if isinstance(error, ValueError) and "allowed: " in str(error):
             raise
         raise ValueError(f"{what} fails ({type(error).__name__}: {error}); {allowed}") from error
 

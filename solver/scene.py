@@ -64,7 +64,7 @@ class Scene:
         )
         checks.choice("precision", self.precision, PRECISIONS)
         check_indenter(self.indenter, self.num_points)
-        check_layer(self.layer, self.num_points, self.period)
+        check_layer(self.layer, self.period)
         self._check_scales()
         check_foundation(self.layer, self.period)
 

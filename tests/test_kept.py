@@ -59,11 +59,15 @@ def test_fields_serve_one_solve_after_the_other(pressure, monkeypatch):
     first = solve(scene)
     grids, before = len(made), first.displacement.copy()
     assert grids == 1 + len(first.levels)
-    solve(replace(scene, pressure=1.1 * pressure))
+    reused = solve(replace(scene, pressure=1.1 * pressure))
     assert len(made) == grids
+    forget()
+    fresh = solve(replace(scene, pressure=1.1 * pressure))
+    np.testing.assert_array_equal(reused.contact_pressure, fresh.contact_pressure)
+    assert len(made) == 2 * grids
     np.testing.assert_array_equal(first.displacement, before)
     solve(replace(scene, precision="mixed"))
-    assert len(made) > grids
+    assert len(made) > 2 * grids
 
 
 def test_fields_that_are_in_use_are_not_lent_again():

@@ -226,6 +226,16 @@ def test_loads_tell_nothing_where_no_wave_of_the_reach_finds_the_base(base, tell
     assert loads_tell(lambda q: modulus_on_grid(layer, q, 2**12, 1.0), 0.001 * 2**12, 2**12) is tells
 
 
+@pytest.mark.parametrize("spacings", [0.1, 0.3, 0.6, 1.0, 3.0])
+@pytest.mark.parametrize("base", [0.2, 0.5, 5.0])
+def test_loads_tell_on_layers_that_the_grid_does_not_resolve(spacings, base):
+    """On two patches of one or two nodes; counting is off by one to two spacings."""
+    layer = CoatedHalfSpace(spacings / 512, base, 0.25, 0.3)
+    scene = Scene(layer, RoughIndenter(0.8, 1, 1 / 8, 1 / 16), 1e-3 * min(1.0, base), num_points=512)
+    found, exact = (solve(one).observables for one in (scene, scene.on_grid(2**14)))
+    assert abs(found.contact_area_subgrid - exact.contact_area_subgrid) < 0.3 / 512
+
+
 @pytest.mark.parametrize("points", [2, 3, 4])
 def test_a_mirror_image_has_the_same_area(points):
     n = 32 * points

@@ -362,6 +362,21 @@ def test_a_foundation_that_long_waves_do_not_find_is_refused(monkeypatch, factor
         Scene(FrictionlessLayer())
 
 
+@pytest.mark.parametrize(
+    ("thickness", "stiffness"),
+    [
+        (math.inf, lambda q: 10 + q / 2),
+        (0.1, lambda q: np.maximum(q, 2 * np.pi)),  # not known of longer waves than the scene's
+        (0.1, lambda q: np.where(q < 1, np.nan, q)),
+        (100.0, lambda q: 10 + q / 2),
+    ],
+)
+def test_a_foundation_that_may_be_right_is_believed(monkeypatch, thickness, stiffness):
+    monkeypatch.setattr(FrictionlessLayer, "foundation_modulus", lambda self, period: 10.0)
+    monkeypatch.setattr(FrictionlessLayer, "stiffness", lambda self, q, period: stiffness(q))
+    assert Scene(FrictionlessLayer(thickness)).layer.thickness == thickness
+
+
 @pytest.mark.parametrize("wave", [None, "short", -3, math.nan, 0.1])
 def test_a_shortest_wave_that_is_none_is_refused(monkeypatch, wave):
     monkeypatch.setattr(CosineIndenter, "shortest_wave", lambda self, num_points: wave)
@@ -377,7 +392,11 @@ def test_a_shortest_wave_that_is_none_is_refused(monkeypatch, wave):
         (None, "gives None; allowed: a dictionary with 'cosine' under 'profile'"),
         ({}, "gives {}; allowed: a dictionary with 'cosine' under 'profile'"),
         ({"profile": "sine"}, "gives {'profile': 'sine'}; allowed: a dictionary with 'cosine' under 'profile'"),
-        ({"profile": "cosine", "waves": None}, "has waves 'None'; allowed: a number, a text, True or False"),
+        (
+            {"profile": "cosine", "waves": [1, None]},
+            "has waves [1, None]; allowed: a number, a text, True or False, or",
+        ),
+        ({"profile": "cosine", "waves": None}, "has waves None; allowed: a number, a text, True or False"),
     ],
 )
 def test_a_description_that_cannot_be_stored_is_refused(monkeypatch, described, named):

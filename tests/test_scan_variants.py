@@ -50,6 +50,7 @@ READ = {
     "accents": ("x (microm\u00e8tres),z (nanom\u00e8tres)\n" + rows(z="nm"), {}),
     "one of several profiles": ("x [um],Profile 1 [nm]\n" + rows(z="nm"), {}),
     "one of several lines": ("x [um],Height line 12 [nm]\n" + rows(z="nm"), {}),
+    "a slope that was removed": ("x [um],Height (slope corrected) [nm]\n" + rows(z="nm"), {}),
     "a total": ("Lateral um,Total Profile um\n" + rows(), {}),
     "units with a colon": ("x (units: um),z (unit: nm)\n" + rows(z="nm"), {}),
     "slash": ("x / mm\tz / nm\n" + rows(x="mm", z="nm", sep="\t"), {}),

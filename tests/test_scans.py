@@ -183,9 +183,13 @@ def test_what_was_made_of_a_scan_is_doubted_where_it_may_be_wrong(tmp_path):
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        (lambda z: np.put(z, [40, 41, 300], -9999), "3 of 512 values, the first is -9999 nm in row 41, are far"),
-        (lambda z: np.put(z, [0], 512), "1 of 512 values, the first is 512 nm in row 1, are far"),
-        (lambda z: np.put(z, [511], 99999), "1 of 512 values, the first is 99999 nm in row 512, are far"),
+        (lambda z: np.put(z, [40, 41, 300], -9999), "3 of 512 values, the first is -9999 nm in row 41, lie far"),
+        (lambda z: np.put(z, [0], 512), "1 of 512 values, the first is 512 nm in row 1, lie far"),
+        (lambda z: np.put(z, [511], 99999), "1 of 512 values, the first is 99999 nm in row 512, lie far"),
+        (lambda z: np.copyto(z, np.arange(512) % 40 < 3), ""),  # a grating
+        (lambda z: np.copyto(z, z / 20 + 50 * (np.arange(512) % 40 < 3)), ""),  # a rough one
+        (lambda z: np.copyto(z, np.arange(512) % 20 == 7), ""),  # hardly more than one digit
+        (lambda z: np.copyto(z, np.where(np.arange(512) == 9, -9999, z + 20 * np.arange(512))), "1 of 512 values"),
         (lambda z: np.put(z, [7], 60), ""),  # a high peak
         (lambda z: np.put(z, range(100, 121), -500 * (1 - np.linspace(-1, 1, 21) ** 2)), ""),  # a deep scratch
     ],

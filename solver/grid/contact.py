@@ -70,10 +70,10 @@ def ends(
     edges = find_edges(patches, inside, layer, period)
     largest = min(_MOST_NODES, max(_NARROW * layer_thickness, COUNTED_BELOW - 1))
     chosen = np.flatnonzero(patches.size <= min(largest, n / 2))
-    heights, thickness = Heights(profile, n / period), max(layer_thickness, _THINNEST)
     modulus = partial(modulus_on_grid, layer, num_points=n, period=period)
-    if not (by_loads and chosen.size and loads_tell(modulus, thickness, n)):
+    if not (by_loads and chosen.size and loads_tell(modulus, layer.thickness / period * n, n)):
         return patches, edges
+    heights, thickness = Heights(profile, n / period), max(layer_thickness, _THINNEST)
     wide = patches.size[chosen] / thickness
     narrow = wide < _NARROW
 

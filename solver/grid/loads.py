@@ -53,9 +53,11 @@ _SHORTEST = 12.0  # times the thickness: the shortest wave with which the layer'
 _USUAL = 10.0, np.polynomial.legendre.leggauss(128), 256, _NEIGHBOURS
 """Thicknesses beyond which the longest waves tell the rest, waves and places of the layer's part, and neighbours."""
 _ON_SOFT = 30.0, np.polynomial.legendre.leggauss(192), 256, 16
-"""The same on a base much softer than the layer."""
-_SOFT = 0.5  # change of the compliance of waves of more than two thicknesses, over the half-space's
-_ALIKE, _SETTLED = 0.1, 0.2  # the same of waves of the longest reach, or over that of the longest waves, that may be
+"""The same where waves of more than two thicknesses still change, as on a base much softer than the layer."""
+_SOFT = 0.5  # change of their compliance, over the half-space's, from which that is so
+_ALIKE, _SETTLED = 0.1, 0.2
+"""By how much the compliance of waves of thirty thicknesses may differ from that of the longest waves: of the
+half-space's, or of the longest waves' own."""
 _ACROSS = np.array([-np.sqrt(0.5), 0.0, np.sqrt(0.5)])  # places in a Hertz contact that stand for its load
 _SHARES = np.array([0.25, 0.5, 0.25])  # of the load there
 _STEPS, _STEP, _CLOSE = 6, 0.25, 1e-3  # of Newton's method: most, their length and the last one's [grid spacings]
@@ -116,7 +118,7 @@ class LayerSlope:
     @property
     def reach(self) -> float:
         """Where the table ends [grid spacings]."""
-        return float(self.distance[-1]) if self.distance.size else np.inf
+        return float(self.distance[-1])
 
     def slope(self, distance: Array64) -> tuple[Array64, Array64]:
         """w' and its derivative at distances to either side."""
@@ -157,7 +159,7 @@ class FromLoads:
 def loads_tell(modulus: Modulus, thickness: float, num_points: int) -> bool:
     """Whether the response far from a load is known: waves of the longest reach find what the longest waves find.
 
-    thickness: the layer's [grid spacings].
+    thickness: the layer's own, also where the grid does not resolve it [grid spacings].
     """
     limit, there = _compliance(modulus, thickness, num_points, _ON_SOFT[0])
     return abs(there - limit) <= max(_ALIKE, _SETTLED * limit)
@@ -190,8 +192,9 @@ def from_loads(
     loads = patches.sums(pressure)
     inside = np.arange(pressure.size) - np.repeat(patches.offset, patches.size)
     middles = patches.first + patches.sums(pressure * inside) / loads
-    blocks = range(0, max(1, chosen.size), _BLOCK)
-    parts = [(chosen[i : i + _BLOCK], narrow[i : i + _BLOCK]) for i in blocks]
+    block = _BLOCK * _NEIGHBOURS // layer.neighbours
+    blocks = range(0, max(1, chosen.size), block)
+    parts = [(chosen[i : i + block], narrow[i : i + block]) for i in blocks]
     return FromLoads.join(
         [
             _solved(_Neighbours.of(patches, own, loads, middles, half_width, layer), layer, thin, heights, modulus)
@@ -200,7 +203,7 @@ def from_loads(
     )
 
 
-def _solved(others: "_Neighbours", layer: "LayerSlope", narrow: Mask, heights: Heights, modulus: Modulus) -> FromLoads:
+def _solved(others: "_Neighbours", layer: LayerSlope, narrow: Mask, heights: Heights, modulus: Modulus) -> FromLoads:
     """Ends of some patches, those of `others`."""
     load, middle = others.own_load, others.own[:, 0]
     m, a = middle.copy(), others.own_half_width.copy()

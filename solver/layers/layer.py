@@ -41,10 +41,8 @@ class ElasticLayer(Kind, Protocol):
     def to_dict(self) -> dict[str, Any]:
         """Flat, JSON-ready description under the command line's names."""
 
-    def check(self, num_points: int, period: float) -> None:
-        """Raise `ValueError` if the stiffness is not known of the waves of a grid of that many points in the period L
-        [length].
-        """
+    def check(self, period: float) -> None:
+        """Raise `ValueError` if this is no layer for the period L [length]."""
         return
 
     def ratios(self, period: float) -> dict[str, float]:

@@ -46,8 +46,8 @@ class StoredSolution:
     @property
     def warnings(self) -> dict[str, str]:
         """What to doubt of it: texts, by the kinds of `Solution.warnings`."""
-        told = {name.partition("warnings."): str(text) for name, text in self.results.items()}
-        return {kind: text for (before, found, kind), text in told.items() if found and not before}
+        told = {name: str(text) for name, text in self.results.items() if name.startswith("warnings.")}
+        return {name.removeprefix("warnings."): text for name, text in told.items()}
 
     def __repr__(self) -> str:
         names = ("status", "contact_area_subgrid", "contact_area_error", "num_patches", "scene.thickness")

@@ -153,7 +153,6 @@ _KERNELS = (
         BOUND=0.125,
     ),
 )
-"""In the order of `linecontact.kernels.KERNELS`."""
 
 _HALVES = (
     Benchmark("forward", "transforms", "source:in spectrum:out", lambda n: 2.5 * n * math.log2(n)),

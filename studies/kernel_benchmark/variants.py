@@ -129,7 +129,7 @@ def compiled_again(arrays: Arrays, chunk: int, compiled_with: str | None = None)
         for argument in arrays.benchmark.arrays:
             if argument.role == "sum":
                 arrays.arrays[argument.name] = np.zeros(arrays.num_points // chunk)
-    names = {line.kernel for line in arrays.benchmark.steps}
+    names = {line.kernel for line in arrays.benchmark.steps} & set(kernels.KERNELS)  # and no transforms
     return warp_lines(arrays, kernels.recompile(names, chunk, compiled_with))
 
 

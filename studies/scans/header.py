@@ -40,7 +40,8 @@ _PARAMETER = re.compile(
 _OF_ANOTHER = re.compile(
     r"^\W*(?:log|log10|ln|lg|sqrt)\b|\bper\s+(?!line|trace|scan|profile)"
     r"|\b(?:divided|multiplied|times|bits?|counts?|squared|logarithm\w*|wurzel|racine)\b"
-    r"|\b(?:psd|fft|db|spe[ck]tr\w*|density|slope|gradient|curvature|\w*correlation)\b"
+    r"|\b(?:psd|fft|db|spe[ck]tr\w*|density|\w*correlation)\b"
+    r"|\b(?:slope|gradient|curvature)\b(?!\W*(?:corrected|removed|compensated|subtracted|free))"
 )
 """What stands beside a unit where the numbers are not lengths in it, but something made of them."""
 _NEUTRAL = {"data", "values", "axis", "surface", "total"}

@@ -131,17 +131,24 @@ def evenly_spaced(x: Array64, z: Array64) -> Profile:
 
 
 def may_be_missing(z: Array64) -> Indices:
-    """Which heights may stand for missing values, like -9999: far from nearly all others, from one value to the next.
+    """Which heights may stand for missing values, like -9999: one or two numbers, in up to a tenth of the scan, far
+    from all others and from one value to the next; or what begins the scan, like the number of its values.
 
     z: shape (number of values,) [any unit].
     """
-    away = np.abs(z - np.median(z))
-    far = np.concatenate([[False], away > _FAR * np.quantile(away, 0.9), [False]])
+    steps = np.diff(z)
+    level = z - np.median(steps) * np.arange(z.size)
+    away = np.abs(level - np.median(level))
+    usual = max(float(np.quantile(away, 0.9)), float(np.abs(steps[steps != 0]).min(initial=np.inf)))
+    far = np.concatenate([[False], away > _FAR * usual, [False]])
     first, last = np.flatnonzero(np.diff(far.astype(int)) > 0), np.flatnonzero(np.diff(far.astype(int)) < 0) - 1
-    sudden = [_is_sudden(z, away, int(inside), -1) for inside in first]
-    sudden = [so and _is_sudden(z, away, int(inside), 1) for so, inside in zip(sudden, last, strict=True)]
-    runs = [np.arange(a, b + 1) for a, b, so in zip(first, last, sudden, strict=True) if so]
-    return np.concatenate([np.zeros(0, dtype=np.int64), *runs])
+    runs = [
+        np.arange(a, b + 1)
+        for a, b in zip(first, last, strict=True)
+        if _is_sudden(z, away, int(a), -1) and _is_sudden(z, away, int(b), 1)
+    ]
+    found = np.concatenate([np.zeros(0, dtype=np.int64), *runs])
+    return found if np.unique(z[found]).size <= 2 else found[:1][(found[:1] == 0) & (found[1:2] != 1)]
 
 
 def _is_sudden(z: Array64, away: Array64, inside: int, side: int) -> bool:

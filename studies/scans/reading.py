@@ -163,7 +163,7 @@ def read(options: Options) -> Scan:
         unit = units["profile_z_unit"].replace(SCENE, "")
         profile.doubts.append(
             f"{odd.size} of {counted(found.z.size, 'value')}, the first is {found.z[odd[0]]:g} {unit}".rstrip()
-            + f" in row {odd[0] + 1}, are far from all others: if they stand for missing values, leave them out"
+            + f" in row {odd[0] + 1}, lie far from all others; leave out what stands for missing values"
         )
     count, scan = profile.z.size, _statistics(profile)
     _turn_over(profile, found, options)

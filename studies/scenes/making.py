@@ -1,10 +1,11 @@
 """From the options of a command line to a scene."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass
 from typing import Any
 
-from linecontact.solver import INDENTERS, LAYERS, MeasuredIndenter, Scene
+from linecontact.solver import INDENTERS, LAYERS, MeasuredIndenter, Scene, TabulatedLayer
 from linecontact.solver.units import SCENE
 
 from ..scans import reading
@@ -56,7 +57,13 @@ def make_scene(options: Any, given: Given) -> Scene:
         layer = stiffness_file.read(layer, unit.unit)
     lengths = ("approach", "period")
     more |= {n: _length(n, value, unit) if n in lengths else value for n, value in own.items() if value is not None}
-    return Scene(layer=layer, indenter=indenter, precision=options.precision, **more)
+    scene = Scene(layer=layer, indenter=indenter, precision=options.precision, **more)
+    if isinstance(layer, TabulatedLayer) and layer.wave_numbers[0] > math.pi * scene.num_points / scene.period:
+        raise ValueError(
+            f"stiffnesses begin at q = {layer.wave_numbers[0]:.4g}, beyond all waves of this scene; allowed: a table "
+            "that holds some of them, in its unit of length"
+        )
+    return scene
 
 
 _SCAN = kinds.title("profile", MeasuredIndenter.name)

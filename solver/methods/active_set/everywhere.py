@@ -35,6 +35,7 @@ class Everywhere:
 
     def begin(self, height: Array64) -> None:
         """Turn to another scene. height: h, shape (N,) [u]."""
+        self.field[:] = 0  # what an earlier solve has left
         self._height = self._storage.heights(height, self.field)
         self._counts = np.zeros(self._height.size // CHUNK)
         self.__dict__.pop("_count", None)
