@@ -16,11 +16,8 @@ from .indenters import INDENTERS, Indenter
 from .layers import LAYERS, ElasticLayer
 
 _ALIKE = 0.01  # relative difference of K of long waves from the foundation's modulus
-_LONG = (
-    1e-3,
-    1e-6,
-    1e-9,
-)  # waves over those of the longer of period and thickness; rounding may spoil K of the longest
+_LONG = (1e-3, 1e-6, 1e-9)
+"""Long waves, over those of the longer of period and thickness; rounding may spoil K of the longest."""
 
 
 def check_layer(layer: ElasticLayer, period: float) -> None:

@@ -29,6 +29,7 @@ _OF_THICKNESS = 2.0  # of the fourth power of the width over the thickness, and 
 _OF_OTHERS = 0.05  # of the nodes, and of the share of the slope's change by other patches, taken as Hertz contacts
 _OVER_GAP_SQUARED = 0.3  # over the square of the nodes between neighbouring patches
 _ESTIMATED = 0.2  # of the nodes of a patch that is not narrow
+_ON_SOFT = 2.0  # times all that on a base much softer than the layer
 
 _AT, _WEIGHTS = np.polynomial.legendre.leggauss(6)  # of the integral of h'^2
 
@@ -82,9 +83,10 @@ def ends(
     curvature = heights.slope(sides)[1].mean(axis=1)
     hertz = np.sqrt(4 / math.pi * patches.sums(inside)) / np.sqrt(np.maximum(curvature, 1e-300))  # no overflow
     start = np.where(edges.counted, np.clip(hertz, 0.05, patches.size), edges.width / 2)
-    found = from_loads(patches, chosen, narrow, inside, heights, modulus, _layer_slope(layer, n, period), start)
+    response = _layer_slope(layer, n, period)
+    found = from_loads(patches, chosen, narrow, inside, heights, modulus, response, start)
     left, right = found.centre - found.half_width, found.centre + found.half_width
-    error = _estimated(patches, chosen, found, wide)
+    error = _estimated(patches, chosen, found, wide) * (_ON_SOFT if response.is_soft else 1.0)
     differ = np.maximum(np.abs(left - edges.left[chosen]), np.abs(right - edges.right[chosen]))
     better = found.solved & (error < edges.error[chosen])
     better &= differ < np.where(edges.counted[chosen], patches.size[chosen], _FARTHEST)

@@ -116,6 +116,11 @@ class LayerSlope:
         return cls(distance, np.sin(phase) @ part, np.cos(phase) @ (part * q), 1 - limit, neighbours)
 
     @property
+    def is_soft(self) -> bool:
+        """Whether the base is much softer than the layer."""
+        return self.neighbours > _NEIGHBOURS
+
+    @property
     def reach(self) -> float:
         """Where the table ends [grid spacings]."""
         return float(self.distance[-1])

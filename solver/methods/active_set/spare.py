@@ -27,9 +27,11 @@ class Loan:
     """A field with its operator, for one user at a time."""
 
     everywhere: Everywhere
+    """The field."""
     shelf: list[Everywhere]
     """Where it belongs."""
     kept: bool
+    """Whether it is given back."""
 
     def to(self, user: User) -> User:
         """Give it back when this user is gone."""
