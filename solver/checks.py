@@ -8,6 +8,9 @@ from numbers import Real
 from pathlib import Path
 from typing import Any
 
+BELOW_ZERO = -math.ulp(0.0)
+"""A bound that leaves 0 itself allowed."""
+
 
 def real(
     name: str, value: object, allowed: str, low: float = -math.inf, high: float = math.inf, *, infinite: bool = False

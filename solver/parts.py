@@ -32,7 +32,7 @@ def check_layer(layer: ElasticLayer, period: float) -> None:
 def check_foundation(layer: ElasticLayer, period: float) -> None:
     """Raise `ValueError` unless a layer's foundation modulus is one, and K of some long waves if it is one's own."""
     what, allowed = f"foundation_modulus of layer {layer.name}", "a number >= 0, inf where it is incompressible"
-    modulus = checks.real(what, layer.foundation_modulus(period), allowed, -math.ulp(0.0), infinite=True)
+    modulus = checks.real(what, layer.foundation_modulus(period), allowed, checks.BELOW_ZERO, infinite=True)
     if not 0 < modulus < math.inf or type(layer).__module__.startswith(f"{__package__}."):
         return
     periods = float(layer.thickness) / period

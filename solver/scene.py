@@ -23,7 +23,6 @@ SMALLEST, LARGEST = 1e-60, 1e60
 """Bounds on the units and on the dimensionless ratios of a scene."""
 
 _PRESSURE = float("2e-3")  # the default, an object of its own, by which it is told from a pressure that is given
-_BELOW_ZERO = -math.ulp(0.0)  # a bound that leaves 0 itself allowed
 
 
 @dataclass(frozen=True)
@@ -72,7 +71,7 @@ class Scene:
         """Of pressure and approach one must be given, or none."""
         if self.approach is None:
             allowed = "a finite pressure >= 0, or an approach instead"
-            pressure = checks.real("pressure", self.pressure, allowed, _BELOW_ZERO)
+            pressure = checks.real("pressure", self.pressure, allowed, checks.BELOW_ZERO)
             checks.assign(self, pressure=pressure)
             return
         unknown = isinstance(self.pressure, float) and math.isnan(self.pressure)

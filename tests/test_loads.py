@@ -17,7 +17,8 @@ from linecontact.solver import (
 from linecontact.solver.grid import contact
 from linecontact.solver.grid.contact import contact_edges
 from linecontact.solver.grid.layer_on_grid import modulus_on_grid
-from linecontact.solver.grid.loads import Heights, LayerSlope, _Neighbours, from_loads, loads_tell
+from linecontact.solver.grid.layer_slope import LayerSlope, loads_tell
+from linecontact.solver.grid.loads import Heights, _Neighbours, from_loads
 from linecontact.solver.grid.patches import Patches
 from linecontact.solver.reference import closed_forms, collocation
 

@@ -12,7 +12,8 @@ from ..scene import Scene
 from .edges import COUNTED_BELOW, Edges, apart, find_edges, unseen_gaps
 from .kept import kept
 from .layer_on_grid import modulus_on_grid, thickness_on_grid
-from .loads import FromLoads, Heights, LayerSlope, from_loads, loads_tell
+from .layer_slope import LayerSlope, loads_tell
+from .loads import FromLoads, Heights, from_loads
 from .patches import Patches
 
 _MOST_NODES = 32  # of a patch whose ends are looked for by its load; wider ones have ends by pressures as well known

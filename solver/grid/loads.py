@@ -20,24 +20,20 @@ those further away as if their load were spread evenly. By the layer every load 
 
     P/pi int (2 - q/K(q)) sin(q D) dq  over q > 0,
 
-beyond ten thicknesses as if the layer were the half-space that its longest waves find (none on a rigid base). On a base
-much softer than the layer, which only waves of many thicknesses find, beyond thirty, and with more neighbours; where
-waves that long have not found it either, loads tell nothing.
+which `layer_slope` has as a table.
 
 Patches that are not narrow beside the layer's thickness can be estimated only: as if the layer were a half-space of the
 modulus 2K(q)/q at q = 3 pi/(4 a), which makes a parabola's load right on the half-space and on a Winkler foundation.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
 
 from ..arrays import Array64, Indices, Mask
+from .layer_slope import NEIGHBOURS, LayerSlope, Modulus
 from .patches import Patches
-
-Modulus = Callable[[Array64], Array64]
-"""2K(q)/q over E* for waves q [1/grid spacing]: 1 on the half-space."""
 
 _SAMPLES = 8  # of the slope over a patch
 _ANGLES = np.pi * (np.arange(_SAMPLES) + 0.5) / _SAMPLES
@@ -46,18 +42,8 @@ _MOMENTS = 2 / _SAMPLES * np.stack([_T1, _T2, _T3], axis=1)
 _BENT_MOMENTS = 2 / _SAMPLES * np.stack([_T1, _T1 * _T1, _T2, _T1 * _T2], axis=1)
 _STENCIL = np.arange(-2, 4)  # nodes through which heights are interpolated
 _POWERS = np.linalg.inv(np.vander(_STENCIL, increasing=True)).T  # to coefficients of the polynomial
-_NEIGHBOURS = 4  # on each side
 _BLOCK = 2**13  # patches at a time: each takes some kilobytes
 _WAVE = 3 * np.pi / 4  # q a at which the layer's modulus is taken
-_SHORTEST = 12.0  # times the thickness: the shortest wave with which the layer's part is integrated
-_USUAL = 10.0, np.polynomial.legendre.leggauss(128), 256, _NEIGHBOURS
-"""Thicknesses beyond which the longest waves tell the rest, waves and places of the layer's part, and neighbours."""
-_ON_SOFT = 30.0, np.polynomial.legendre.leggauss(192), 256, 16
-"""The same where waves of more than two thicknesses still change, as on a base much softer than the layer."""
-_SOFT = 0.5  # change of their compliance, over the half-space's, from which that is so
-_ALIKE, _SETTLED = 0.1, 0.2
-"""By how much the compliance of waves of thirty thicknesses may differ from that of the longest waves: of the
-half-space's, or of the longest waves' own."""
 _ACROSS = np.array([-np.sqrt(0.5), 0.0, np.sqrt(0.5)])  # places in a Hertz contact that stand for its load
 _SHARES = np.array([0.25, 0.5, 0.25])  # of the load there
 _STEPS, _STEP, _CLOSE = 6, 0.25, 1e-3  # of Newton's method: most, their length and the last one's [grid spacings]
@@ -88,56 +74,6 @@ class Heights:
 
 
 @dataclass(frozen=True, eq=False)
-class LayerSlope:
-    """w' by a unit load on a layer less that on the half-space, over the distance."""
-
-    distance: Array64
-    """From 0 to many thicknesses [grid spacings]; of size 0 for a half-space."""
-    table: Array64
-    """w' [1/E*/grid spacing]."""
-    derivative: Array64
-    """Of that [1/E*/grid spacing^2]."""
-    far: float = 0.0
-    """Share of the half-space's slope that is missing at distances of many thicknesses (dimensionless)."""
-    neighbours: int = _NEIGHBOURS
-    """On each side, that are looked at one by one."""
-
-    @classmethod
-    def of(cls, modulus: Modulus, thickness: float, num_points: int) -> "LayerSlope":
-        if not thickness < num_points:
-            return cls(np.zeros(0), np.zeros(0), np.zeros(0))
-        limit, there = _compliance(modulus, thickness, num_points, 2.0)
-        reach, (nodes, weights), places, neighbours = _USUAL if abs(there - limit) < _SOFT else _ON_SOFT
-        most, root = min(_SHORTEST / thickness, np.pi), (nodes + 1) / 2
-        q = most * root**2
-        part = most * root * weights * (2 - 2 / modulus(q)) / np.pi
-        distance = reach * thickness * np.linspace(0.0, 1.0, places) ** 2
-        phase = distance[:, None] * q
-        return cls(distance, np.sin(phase) @ part, np.cos(phase) @ (part * q), 1 - limit, neighbours)
-
-    @property
-    def is_soft(self) -> bool:
-        """Whether the base is much softer than the layer."""
-        return self.neighbours > _NEIGHBOURS
-
-    @property
-    def reach(self) -> float:
-        """Where the table ends [grid spacings]."""
-        return float(self.distance[-1])
-
-    def slope(self, distance: Array64) -> tuple[Array64, Array64]:
-        """w' and its derivative at distances to either side."""
-        if not self.distance.size:
-            return np.zeros_like(distance), np.zeros_like(distance)
-        away = np.abs(distance)
-        beyond = away > self.reach
-        far = 2 / np.pi * self.far / np.maximum(away, self.reach)
-        slope, bent = (np.interp(away, self.distance, known) for known in (self.table, self.derivative))
-        slope, bent = np.where(beyond, far, slope), np.where(beyond, -far / np.maximum(away, self.reach), bent)
-        return slope * np.sign(distance), bent
-
-
-@dataclass(frozen=True, eq=False)
 class FromLoads:
     """Ends of some patches."""
 
@@ -161,24 +97,6 @@ class FromLoads:
         return cls(*(np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(cls)))
 
 
-def loads_tell(modulus: Modulus, thickness: float, num_points: int) -> bool:
-    """Whether the response far from a load is known: waves of the longest reach find what the longest waves find.
-
-    thickness: the layer's own, also where the grid does not resolve it [grid spacings].
-    """
-    limit, there = _compliance(modulus, thickness, num_points, _ON_SOFT[0])
-    return abs(there - limit) <= max(_ALIKE, _SETTLED * limit)
-
-
-def _compliance(modulus: Modulus, thickness: float, num_points: int, reach: float) -> tuple[float, float]:
-    """Compliance of the grid's longest wave, and of one that tells of the response so many thicknesses away, over the
-    half-space's (dimensionless).
-    """
-    longest = 2 * np.pi / num_points
-    found = 1 / modulus(np.array([longest, max(longest, 1 / (reach * thickness))]))
-    return float(found[0]), float(found[1])
-
-
 def from_loads(
     patches: Patches,
     chosen: Indices,
@@ -197,7 +115,7 @@ def from_loads(
     loads = patches.sums(pressure)
     inside = np.arange(pressure.size) - np.repeat(patches.offset, patches.size)
     middles = patches.first + patches.sums(pressure * inside) / loads
-    block = _BLOCK * _NEIGHBOURS // layer.neighbours
+    block = _BLOCK * NEIGHBOURS // layer.neighbours
     blocks = range(0, max(1, chosen.size), block)
     parts = [(chosen[i : i + block], narrow[i : i + block]) for i in blocks]
     return FromLoads.join(

@@ -37,7 +37,9 @@ class Indenter(Kind, Protocol):
 
     @abstractmethod
     def to_dict(self) -> dict[str, Any]:
-        """Flat, JSON-ready description under the command line's names; 'profile' is the indenter's name."""
+        """Flat, JSON-ready description under the command line's names: numbers, texts, truth values, or lists of them;
+        'profile' is the indenter's name.
+        """
 
     def slope(self, num_points: int, period: float) -> Array64:
         """Slopes h'(x_i), shape (num_points,), dimensionless; unless there is better, by central differences of the

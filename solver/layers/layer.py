@@ -39,7 +39,9 @@ class ElasticLayer(Kind, Protocol):
 
     @abstractmethod
     def to_dict(self) -> dict[str, Any]:
-        """Flat, JSON-ready description under the command line's names."""
+        """Flat, JSON-ready description under the command line's names: numbers, texts, truth values, or lists of them;
+        'layer' is the layer's name.
+        """
 
     def check(self, period: float) -> None:
         """Raise `ValueError` if this is no layer for the period L [length]."""

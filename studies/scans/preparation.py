@@ -148,7 +148,9 @@ def may_be_missing(z: Array64) -> Indices:
         if _is_sudden(z, away, int(a), -1) and _is_sudden(z, away, int(b), 1)
     ]
     found = np.concatenate([np.zeros(0, dtype=np.int64), *runs])
-    return found if np.unique(z[found]).size <= 2 else found[:1][(found[:1] == 0) & (found[1:2] != 1)]
+    if np.unique(z[found]).size <= 2:
+        return found
+    return found[: int(found[0] == 0 and found[1] != 1)]  # the first value, if it stands alone
 
 
 def _is_sudden(z: Array64, away: Array64, inside: int, side: int) -> bool:
