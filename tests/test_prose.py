@@ -11,7 +11,7 @@ import pytest
 from linecontact import read_scan
 from linecontact.solver import METHODS, Layer, MeasuredIndenter, RoughIndenter, Scene, scene, solve, warnings
 from linecontact.solver.display import rounded_up
-from linecontact.solver.grid import contact, edges, kept, loads, problem
+from linecontact.solver.grid import contact, edges, kept, layer_slope, loads, problem
 from linecontact.solver.layers import coated
 from linecontact.solver.methods.active_set import active_set, storage
 from linecontact.solver.reference import closed_forms
@@ -95,7 +95,11 @@ def patches_of_a_few_nodes():
 
 def limits_of_edges():
     yield "the polynomial through six nodes. Each of the four nearest neighbours"
-    assert (loads._STENCIL.size, loads._NEIGHBOURS) == (6, 4)
+    assert (loads._STENCIL.size, layer_slope.NEIGHBOURS) == (6, 4)
+    yield "up to ten thicknesses away from the integral over all waves"
+    yield "these are sixteen neighbours and thirty thicknesses, and such ends have twice the estimated error"
+    usual, (reach, _, _, neighbours) = layer_slope._USUAL[0], layer_slope._ON_SOFT
+    assert (usual, neighbours, reach, contact._ON_SOFT) == (10, 16, 30, 2)
     yield "patches up to a fifth of the layer's thickness"
     assert contact._NARROW == 0.2
     yield "narrower than eight thicknesses of the layer each end feels the other"
