@@ -1,6 +1,7 @@
 """The Warp kernels, compiled: as the program uses them, or with another chunk and other flags for an experiment."""
 
 import functools
+import gc
 import importlib
 import logging
 import os
@@ -100,7 +101,7 @@ def _is_compiled(module: str) -> bool:
 @functools.cache
 def start_warp() -> None:
     """Import and initialise Warp. Raises `ValueError` if its kernel cache cannot be used."""
-    with _undivided():
+    with _undivided(), _without_collection():
         import warp as wp  # takes as long as everything else together, and often is not needed
 
     wp.config.log_level = wp.LOG_WARNING
@@ -126,6 +127,18 @@ def _undivided() -> Iterator[None]:
         signal.signal(signal.SIGINT, before)
         if caught:
             signal.raise_signal(signal.SIGINT)
+
+
+@contextmanager
+def _without_collection() -> Iterator[None]:
+    """Python looks for no garbage within the block: Warp's import makes a million objects that stay."""
+    before = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if before:
+            gc.enable()
 
 
 @contextmanager

@@ -1,20 +1,21 @@
 """Draws the figures of a stored file and puts them beside it in every format."""
 
 import io
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import matplotlib
-
-matplotlib.use("Agg")
-
-from matplotlib import pyplot as plt
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from ..files.writing import StoreError, expecting, write_bytes
 from .names import FORMATS, is_ours, marked, names
 from .style import STYLE
 from .ticks import in_plain_text
+
+
+matplotlib.use("Agg")
 
 
 class ForeignFileError(StoreError):
@@ -29,7 +30,7 @@ def save(path: Path, draw: Callable[[Path], dict[str, Figure]], overwrite: bool 
     replaced.
     """
     written = []
-    with plt.rc_context(STYLE), expecting(path):
+    with matplotlib.rc_context(STYLE), expecting(path):
         drawn = draw(path)
         for file in names(path, () if overwrite else drawn):
             _check_ours(file)
@@ -41,7 +42,8 @@ def save(path: Path, draw: Callable[[Path], dict[str, Figure]], overwrite: bool 
                 figure.savefig(image, format=form[1:], metadata=marked(form))
                 write_bytes(file, [image.getvalue()])
                 written.append(file)
-            plt.close(figure)
+            if pyplot := sys.modules.get("matplotlib.pyplot"):  # then it may have made the figure, and keeps it
+                pyplot.close(figure)
     return written
 
 
@@ -53,7 +55,11 @@ def _check_ours(file: Path) -> None:
 
 
 def _lay_out(figure: Figure) -> None:
-    """Lay out the figure once; otherwise every format does it again, which is half of its time."""
+    """Lay out the figure once; otherwise every format does it again, which is half of its time.
+
+    Its canvas reads each formula once for this and for the image; that of a new figure would do so for each.
+    """
+    FigureCanvasAgg(figure)
     engine = figure.get_layout_engine()
     if engine is not None:
         figure.set_dpi(matplotlib.rcParams["savefig.dpi"])

@@ -22,12 +22,12 @@ from matplotlib.ticker import MaxNLocator
 
 from ..files import solution_files, writing
 from ..files.solution_files import Name, StoredSolution
+from . import titles
 from .names import marked
 from .scales import Scales, scales
 from .style import COLOURS, ONE_COLUMN, STYLE, typeset, typeset_error
 from .thinning import extremes, merged
 from .ticks import few_ticks
-from .titles import poisson, pressed
 
 _PLACES = 2000  # along an axis: more than a page can show
 _INDENTER, _SURFACE, _CONTACT, _ENLARGED = "k", COLOURS[0], COLOURS[3], COLOURS[4]
@@ -132,7 +132,7 @@ def figure(solution: StoredSolution) -> Figure:
             )  # over the bodies
     if enlarged:
         _enlarge(axes, units, contact, solution)
-    drawn.suptitle(_title(solution.results, units, contact.left.size), fontsize=8, wrap=True)
+    titles.put(drawn, _title(solution.results, units, contact.left.size))
     drawn.legend(
         handles=_legend(units, contact.left.size > 0, enlarged), loc="outside lower center", ncols=2, columnspacing=1.2
     )
@@ -256,5 +256,5 @@ def _title(results: dict[str, Any], units: Scales, patches: int) -> str:
     status = Status(results["status"])  # a file's text is not drawn if it is none of these
     ended = "" if status is Status.CONVERGED else f"\nNot as asked: {status}"
     below = f"\n{units.base}" * bool(units.base)  # on a line of its own
-    told = ", ".join(filter(None, (units.thickness, poisson(results), below, units.load)))
-    return "\n".join(filter(None, (pressed(results), told, found))) + ended
+    told = ", ".join(filter(None, (units.thickness, titles.poisson(results), below, units.load)))
+    return "\n".join(filter(None, (titles.pressed(results), told, found))) + ended

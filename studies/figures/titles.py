@@ -1,16 +1,23 @@
 """What the title of a figure says of a scene, from its stored numbers."""
 
+import re
 from collections.abc import Collection, Mapping
 from numbers import Real
 from typing import Any
 
 import numpy as np
 from linecontact.solver import PowerIndenter, RoughIndenter
+from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties
+from matplotlib.textpath import text_to_path
 
 from ..scans.units import axis_units
 from .scales import base, thickness_in
 from .style import kind, layer, plain, typeset
 
+_FONT = FontProperties(size=8)
+_WORD = re.compile(r"(?:\\.|\$(?:\\.|[^\\$])*\$|[^ ])+")
+"""Between spaces, and whole formulas."""
 _LONGEST_NAME = 48  # characters of a scan's name
 _NUMBERS = {"exponent": "n", "hurst": "H", "cut_off_ratio": r"\lambda_s/\lambda_r"}
 _UNUSUAL = {
@@ -22,6 +29,31 @@ _UNUSUAL = {
 _ELSEWHERE = {"seed", "thickness", "poisson_ratio", "contact_modulus", "base_modulus"}
 _ELSEWHERE |= {"base_poisson_ratio", "stiffness_rows", "pressure", "approach", "period", "num_points"}
 """Other numbers of a scene that the program knows; those that are none of all these belong to a kind of one's own."""
+
+
+def put(figure: Figure, text: str) -> None:
+    """Write the title of a figure; lines wider than it are broken between words.
+
+    Matplotlib would break them, too, in half of the time that it takes to draw the figure.
+    """
+    widest = 0.98 * 72 * figure.get_figwidth()
+    lines: list[str] = []
+    for line in text.split("\n"):
+        words = _WORD.findall(line)
+        lines += words[:1] or [""]
+        for word in words[1:]:
+            longer = f"{lines[-1]} {word}"
+            if _width(longer) < widest:
+                lines[-1] = longer
+            else:
+                lines.append(word)
+    figure.suptitle("\n".join(lines), fontproperties=_FONT)
+
+
+def _width(text: str) -> float:
+    """About the width of a line [points]: formulas count as letters in a row, and each of their commands as one."""
+    letters = re.sub(r"\\[a-z]+", "m", re.sub(r"\\mathrm|\\[^a-z]", "", text))
+    return float(text_to_path.get_text_width_height_descent(re.sub(r"[${}^_]", "", letters), _FONT, ismath=False)[0])
 
 
 def pressed(results: Mapping[str, Any], but: Collection[str] = ()) -> str:

@@ -33,7 +33,7 @@ def draw(path: Path) -> dict[str, Figure]:
     numbers = {f"scene.{name}": value for name, value in study.configuration.get("numbers", {}).items()}
     if numbers:  # not in older files
         finest = max(int(points) for points in study.column("num_points"))
-        figure.suptitle(f"{titles.scene(numbers, {'num_points'})}, up to {finest} points", fontsize=8, wrap=True)
+        titles.put(figure, f"{titles.scene(numbers, {'num_points'})}, up to {finest} points")
     return {"": figure}
 
 

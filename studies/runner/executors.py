@@ -1,6 +1,8 @@
 """Where tasks run: in this process, in processes of this machine, or on a Dask cluster."""
 
+import atexit
 import contextlib
+import gc
 import multiprocessing
 import os
 import re
@@ -162,6 +164,7 @@ def _start_worker(budget: int | None) -> None:
         os._exit(1)
 
     threading.Thread(target=watch, daemon=True).start()
+    atexit.register(gc.freeze)  # at its end nothing need be looked for
     if budget:
         with contextlib.suppress(ImportError, ValueError, OSError):  # not POSIX, or a tighter limit already
             import resource
