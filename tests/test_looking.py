@@ -248,7 +248,7 @@ def test_a_scan_is_drawn_in_its_units_with_its_mirror_image(tmp_path):
 
 def test_the_base_of_a_coating_is_named():
     figure = solve(Scene(CoatedHalfSpace(0.1, 2.5, 0.4, 0.3, contact_modulus=5.0), num_points=512)).plot()
-    assert "coated, $d=0.1\\,L$, $\\nu=0.4$, \nbase: $E_2^*=0.5\\,E^*$, $\\nu_2=0.3$, $p=" in texts(figure)
+    assert "coated, $d=0.1\\,L$, $\\nu=0.4$,\nbase: $E_2^*=0.5\\,E^*$, $\\nu_2=0.3$, $p=" in texts(figure)
     check_places(figure)
 
 

@@ -6,14 +6,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 import matplotlib
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from ..files.writing import StoreError, expecting, write_bytes
 from .names import FORMATS, is_ours, marked, names
 from .style import STYLE
 from .ticks import in_plain_text
-
 
 matplotlib.use("Agg")
 
@@ -55,11 +53,7 @@ def _check_ours(file: Path) -> None:
 
 
 def _lay_out(figure: Figure) -> None:
-    """Lay out the figure once; otherwise every format does it again, which is half of its time.
-
-    Its canvas reads each formula once for this and for the image; that of a new figure would do so for each.
-    """
-    FigureCanvasAgg(figure)
+    """Lay out the figure once; otherwise every format does it again, which is half of its time."""
     engine = figure.get_layout_engine()
     if engine is not None:
         figure.set_dpi(matplotlib.rcParams["savefig.dpi"])

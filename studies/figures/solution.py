@@ -15,6 +15,7 @@ from linecontact.solver.grid.contact import ends
 from linecontact.solver.grid.patches import Patches
 from linecontact.solver.layers import ElasticLayer
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -38,6 +39,10 @@ _WIDE = 0.4  # of the period: no patch as wide as that needs to be enlarged
 
 class Drawing(Figure):  # type: ignore[misc]  # Matplotlib has no types here
     """A figure that a notebook shows as an image, once, whether or not pyplot is used there."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options)
+        FigureCanvasAgg(self)  # reads each formula once, to lay it out and to draw it
 
     def _repr_png_(self) -> bytes:
         image = io.BytesIO()

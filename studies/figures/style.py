@@ -100,9 +100,11 @@ def panels(rows: int, columns: int, width: float, height: float, **options: Any)
     Labels, titles, and legends with `loc="outside ..."` find their places by themselves. options: of
     `Figure.subplots`.
     """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(figure)  # reads each formula once, to lay it out and to draw it
     return figure, figure.subplots(rows, columns, squeeze=False, **options)
 
 
