@@ -1,5 +1,6 @@
 """What tests share: one thread for linear algebra, where the dummies of a study log, and a folder for a study."""
 
+import gc
 import os
 from pathlib import Path
 
@@ -11,6 +12,8 @@ from linecontact.studies.one_thread import ONE_THREAD
 os.environ.update(ONE_THREAD)
 # Tests start some 150 programs. Without stored bytecode each of them compiles this package again, in half a second.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+# A tenth of the time in which figures are drawn goes by in looking for garbage.
+gc.set_threshold(100_000)
 
 
 @pytest.fixture

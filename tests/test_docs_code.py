@@ -56,9 +56,9 @@ CLUSTER = ("dask scheduler", "dask worker tcp://", "linecontact study rough --sc
 
 ELSEWHERE = {
     "python3 -m venv .venv && .venv/bin/pip install -q -e . && .venv/bin/linecontact study hertz": "test_project.py",
-    "python3 -m venv .venv && .venv/bin/pip install -q -e '.[test,docs]' && .venv/bin/python -m pytest -n logical "
-    "--dist loadfile": "these tests, by .ci/run",
-    "python3 -m venv .venv-lowest && .venv-lowest/bin/pip install -q -e '.[test]' -c tests/lowest.txt && "
+    "python3 -m venv .venv && .venv/bin/pip install -q --no-compile -e '.[test,docs]' && .venv/bin/python -m pytest "
+    "-n logical --dist loadfile": "these tests, by .ci/run",
+    "python3 -m venv .venv-lowest && .venv-lowest/bin/pip install -q --no-compile -e '.[test]' -c tests/lowest.txt && "
     ".venv-lowest/bin/python -m pytest -n logical --dist loadfile -m 'not slow and not once'": "these too, by .ci/run",
     "linecontact study kernels --variants docs/examples/kernel_variants.py --kernel restrict_to_free --size 2^18": "by "
     "test_kernel_study.py",
@@ -98,7 +98,9 @@ class MPIPoolExecutor(ProcessPoolExecutor):
 """Stands in for mpi4py.futures, whose executor has the same methods."""
 
 RUNNER = """
-import contextlib, json, shlex, subprocess, sys
+import contextlib, gc, json, shlex, subprocess, sys
+
+gc.set_threshold(100_000)
 
 from linecontact.studies.command_line import main
 
