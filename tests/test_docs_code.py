@@ -1,6 +1,7 @@
 """The code of the pages runs: blocks of Python, commands, and what they print."""
 
 import contextlib
+import functools
 import io
 import json
 import re
@@ -98,13 +99,15 @@ class MPIPoolExecutor(ProcessPoolExecutor):
 """Stands in for mpi4py.futures, whose executor has the same methods."""
 
 RUNNER = """
-import contextlib, gc, json, shlex, subprocess, sys
+import contextlib, gc, json, os, shlex, subprocess, sys
 
 gc.set_threshold(100_000)
 
+import h5py, matplotlib.figure, warp
 from linecontact.studies.command_line import main
 
-for language, text in json.load(sys.stdin):
+
+def do(language, text):
     if language == "python":
         exec(compile(text, "a block of the page", "exec"), {"__name__": "__main__"})
     elif text.startswith("linecontact "):
@@ -115,8 +118,26 @@ for language, text in json.load(sys.stdin):
             sys.exit(f"status {status}: {text}")
     else:
         subprocess.run(["bash", "-ec", text], check=True)
+
+
+def begin(folder, steps):
+    os.chdir(folder)
+    said = os.open("said", os.O_WRONLY | os.O_CREAT)
+    os.dup2(said, 1)
+    os.dup2(said, 2)
+    for step in steps:
+        do(*step)
+
+
+for request in sys.stdin:
+    child = os.fork()
+    if not child:
+        begin(*json.loads(request))
+        break
+    print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)
 """
-"""Does what it reads: blocks of Python, each by itself, and commands, all in one process."""
+"""Does what each line that it reads asks for, in a process of its own and in a folder: blocks of Python, each by itself,
+and commands. What all need is imported once."""
 
 
 def with_options(line, options):
@@ -146,10 +167,15 @@ def steps(page):
                 yield language, with_options(line, MORE[line]) if line in MORE else line
 
 
+@functools.cache
+def runner():
+    return subprocess.Popen([sys.executable, "-c", RUNNER], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+
+
 def run(steps, folder):
-    words = [sys.executable, "-c", RUNNER]
-    done = subprocess.run(words, input=json.dumps([*steps]), cwd=folder, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
+    print(json.dumps([str(folder), [*steps]]), file=runner().stdin, flush=True)
+    status = runner().stdout.readline()
+    assert status == "0\n", (folder / "said").read_text()
 
 
 @pytest.fixture
