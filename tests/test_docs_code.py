@@ -136,8 +136,8 @@ for request in sys.stdin:
         break
     print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)
 """
-"""Does what each line that it reads asks for, in a process of its own and in a folder: blocks of Python, each by itself,
-and commands. What all need is imported once."""
+"""Does what each line that it reads asks for, in a process of its own and in a folder: blocks of Python, each by
+itself, and commands. What all need is imported once."""
 
 
 def with_options(line, options):

@@ -6,6 +6,7 @@ a rigid base). On a base much softer than the layer, which only waves of many th
 and more of the neighbouring patches matter; where waves that long have not found the base either, loads tell nothing.
 """
 
+import functools
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -20,14 +21,16 @@ NEIGHBOURS = 4
 """Patches on each side of one that are looked at one by one, but on a base much softer than the layer."""
 
 _SHORTEST = 12.0  # times the thickness: the shortest wave with which the layer's part is integrated
-_USUAL = 10.0, np.polynomial.legendre.leggauss(128), 256, NEIGHBOURS
+_USUAL = 10.0, 128, 256, NEIGHBOURS
 """Thicknesses beyond which the longest waves tell the rest, waves and places of the layer's part, and neighbours."""
-_ON_SOFT = 30.0, np.polynomial.legendre.leggauss(192), 256, 16
+_ON_SOFT = 30.0, 192, 256, 16
 """The same where waves of more than two thicknesses still change, as on a base much softer than the layer."""
 _SOFT = 0.5  # change of their compliance, over the half-space's, from which that is so
 _ALIKE, _SETTLED = 0.1, 0.2
 """By how much the compliance of waves of thirty thicknesses may differ from that of the longest waves: of the
 half-space's, or of the longest waves' own."""
+
+_gauss = functools.cache(np.polynomial.legendre.leggauss)
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +54,8 @@ class LayerSlope:
         if not thickness < num_points:
             return cls(np.zeros(0), np.zeros(0), np.zeros(0))
         limit, there = _compliance(modulus, thickness, num_points, 2.0)
-        reach, (nodes, weights), places, neighbours = _USUAL if abs(there - limit) < _SOFT else _ON_SOFT
+        reach, waves, places, neighbours = _USUAL if abs(there - limit) < _SOFT else _ON_SOFT
+        nodes, weights = _gauss(waves)
         most, root = min(_SHORTEST / thickness, np.pi), (nodes + 1) / 2
         q = most * root**2
         part = most * root * weights * (2 - 2 / modulus(q)) / np.pi

@@ -51,7 +51,6 @@ def _command(words: list[str]) -> Callable[[], int]:
     if name == "study":
         name, words = study.choose(words, prog)
         prog, module = f"{prog} {name}", STUDIES[name]
-    _check_names(words, [f"{module}:Options", *(kinds.declared() if name in SCENES else ())], prog)
     if module in STUDIES.values():
         from ..runner.study import find
 
@@ -76,12 +75,3 @@ def _module(name: str) -> str:
 
 def _summary(name: str) -> str:
     return study.ABOUT if name == "study" else declarations.summary(f"{_module(name)}:Options")
-
-
-def _check_names(words: Sequence[str], asked: Sequence[str], prog: str) -> None:
-    """Refuse mistyped options before anything is imported, if the sources tell which options there are."""
-    if "linecontact.solver" in sys.modules:
-        return  # then it takes no time to ask the classes themselves
-    declared = [declarations.read(kind) for kind in asked]
-    if all(declared):
-        arguments.check_names(words, [name for one in declared if one for name in one.fields], prog)

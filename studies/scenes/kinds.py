@@ -1,18 +1,7 @@
 """Layers and profiles that `linecontact solve` knows: the solver's own lists, whose fields are options."""
 
-from ..terminal import declarations
-
-CHOICES = {"layer": "linecontact.solver.layers:LAYERS", "profile": "linecontact.solver.indenters:INDENTERS"}
-"""What there is to choose, by the name of its option, and the list that it is chosen from."""
-
-READERS = ("linecontact.studies.scans.reading:Options", "linecontact.studies.scenes.stiffness_file:Options")
-"""How heights and a layer's stiffness are read from a file; they stand for the indenter and the layer that are given
-point by point."""
-
-
-def declared() -> list[str]:
-    """All of them as "module:Class", without importing any."""
-    return [*(kind for listed in CHOICES.values() for kind in declarations.members(listed)), *READERS]
+CHOICES = ("layer", "profile")
+"""What there is to choose, by the name of its option."""
 
 
 def classes(choice: str) -> dict[str, type]:

@@ -42,7 +42,7 @@ def given(words: Sequence[str], kinds: Mapping[str, type], prog: str) -> dict[st
     if _HELP & set(words):
         print(_parser(prog, groups, required, kinds).format_help(), flush=True)  # a closed pipe is noticed here
         raise SystemExit(0)
-    check_names(words, every, prog)
+    _check_names(words, every, prog)
     try:
         found, more = _parser(prog, groups, required, {}).parse_known_args(words)
     except argparse.ArgumentError as error:
@@ -74,7 +74,7 @@ def _check_once(found: Mapping[str, Any], positional: Collection[str]) -> None:
             raise ValueError(f"{flag(name)} is given {often}{told}; allowed: once")
 
 
-def check_names(words: Sequence[str], names: Iterable[str], prog: str) -> None:
+def _check_names(words: Sequence[str], names: Iterable[str], prog: str) -> None:
     """Raise `ValueError` for an option that is none of these names."""
     known = _HELP | {flag(name) for name in names}
     words = _plain(words)

@@ -1,7 +1,7 @@
 """What a dataclass declares, read from the source of its module: the names of its fields and what is said of them.
 
-The module itself is not imported, nor are those that its base classes come from: a study's imports take half a second,
-and a mistyped option can be refused, and the studies be listed, without them.
+The module itself is not imported, nor are those that its base classes come from: all studies together take seconds, and
+can be listed without them.
 
 A class is named as "module:Class". What is said of a field stands in the string below it, or in the class's docstring
 on a line of its own: "name: text", continued on lines that are indented.
@@ -66,20 +66,6 @@ def summary(kind: str) -> str:
     """The first paragraph of a class's docstring; empty if the source does not tell."""
     declared = read(kind)
     return declared.summary if declared else ""
-
-
-def members(listed: str) -> list[str]:
-    """The classes in a list of kinds, named as "module:NAME", each as "module:Class".
-
-    In the source the list is made from a tuple of classes.
-    """
-    module, name = listed.split(":")
-    parsed = _parse(module)
-    for node in parsed[0].body if parsed else ():
-        if isinstance(node, ast.AnnAssign) and ast.unparse(node.target) == name and node.value:
-            kinds = next(part for part in ast.walk(node.value) if isinstance(part, ast.Tuple))
-            return [f"{module}:{ast.unparse(kind)}" for kind in kinds.elts]
-    return []
 
 
 def _own_fields(node: ast.ClassDef) -> dict[str, str]:
