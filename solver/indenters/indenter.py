@@ -23,7 +23,9 @@ class Indenter(Kind, Protocol):
 
     @abstractmethod
     def profile(self, num_points: int, period: float) -> Array64:
-        """Heights h(x_i) above the lowest point, shape (num_points,), in units of the period; the lowest is 0.
+        """Heights h(x_i) above the lowest point, shape (num_points,), in units of the period.
+
+        The lowest height is 0, or as much more as the lowest point between the nodes lies below it.
 
         On a grid coarser than the scene's it is the same surface without the waves that this grid cannot hold.
         """

@@ -12,6 +12,7 @@ from ..arrays import Array64, Modes
 from ..layers import ElasticLayer
 from ..transforms.plain import irfft
 from .indenter import Indenter
+from .lowest import lowest_point
 
 _KAPPA = 1.75
 """The published study's area-pressure coefficient of rough surfaces on a half-space (dimensionless)."""
@@ -71,7 +72,7 @@ class RoughIndenter(Indenter):
 
     def profile(self, num_points: int, period: float) -> Array64:
         heights = irfft(self._modes(num_points), num_points)
-        heights -= heights.min()
+        heights -= lowest_point(heights)
         return np.asarray(heights)
 
     def slope(self, num_points: int, period: float) -> Array64:

@@ -113,7 +113,11 @@ _EARLIER = 1 / 16  # share of the change before the last
 
 
 def estimated(
-    quantity: Quantity, scene: Scene, num_points: int, found: Observables | Level, coarser: Sequence[Level]
+    quantity: Quantity,
+    scene: Scene,
+    num_points: int,
+    found: Observables | Level,
+    coarser: Sequence[Observables | Level],
 ) -> float:
     """Estimated error that a grid leaves in a quantity, in its unit.
 

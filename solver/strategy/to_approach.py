@@ -8,16 +8,18 @@ pressure, so two or three solves on the scene's own grid do.
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from ..endings import Cause, Reason, Status
-from ..grid.observables import foundation_modulus
+from ..grid.observables import Observables, foundation_modulus
 from ..grid.problem import full_contact_pressure, half_spectrum
 from ..scene import Scene
 from ..solution import MEANINGLESS, Choice, Solution
+from .errors import QUANTITIES, estimated
 from .grids import grids
 from .linearised import contact_compliance
 
@@ -30,6 +32,10 @@ _OVER_FULL = 1e-7  # by which the pressure is taken higher there, so that roundi
 _MOST_SOLVES, _PATIENCE = 40, 4  # on a grid; and without a half of the error before
 _MOST_FAILED = 2  # of them that do not converge, which still tell whether the pressure is too low or too high
 _LONGEST_STEP = 30.0  # factor of the pressure
+_STEEPEST = 3.0  # power of the approach with which a quantity grows, where nothing else tells
+
+Tried = tuple[float, Observables]
+"""A pressure, and what it has brought."""
 
 
 @dataclass
@@ -81,10 +87,12 @@ def solve_to_approach(scene: Scene, solve: Callable[[Scene], Solution]) -> Solut
     for size in grids(scene.num_points)[:-1]:
         if size >= _COARSEST:
             guess = _coarse_guess(scene, size, counted, guess)
-    found, solves = _found(scene, counted, guess, _EXACT)
+    tried: list[Tried] = []
+    found, solves = _found(scene, counted, guess, _EXACT, tried)
     pressure, seconds = found.scene.pressure, found.seconds | {"total": time.perf_counter() - begin}
     seconds["solve"] += seconds["total"] - found.seconds["total"]
-    why = f"for the approach of {approach:g}; solves on this grid: {solves}"
+    found, doubt = _with_doubt(found, tried, _approach_error(found, counted))
+    why = f"for the approach of {approach:g}, its relative error about {doubt:.1g}; solves on this grid: {solves}"
     found = replace(
         found,
         iterations=iterations,
@@ -101,11 +109,13 @@ def solve_to_approach(scene: Scene, solve: Callable[[Scene], Solution]) -> Solut
     return found
 
 
-def _found(scene: Scene, solve: Callable[[Scene], Solution], pressure: float, exact: float) -> tuple[Solution, int]:
+def _found(
+    scene: Scene, solve: Callable[[Scene], Solution], pressure: float, exact: float, tried: list[Tried]
+) -> tuple[Solution, int]:
     """The solution whose approach is right but for a share `exact`, or as near as Newton's method comes to that, and
     the number of solves.
 
-    pressure: to begin with.
+    pressure: to begin with; tried: gets all that converged.
     """
     approach = scene.approach
     assert approach is not None
@@ -120,6 +130,7 @@ def _found(scene: Scene, solve: Callable[[Scene], Solution], pressure: float, ex
         if solution.status is Status.INTERRUPTED or not residual < MEANINGLESS:
             return solution, solves
         if solution.status is Status.CONVERGED:
+            tried.append((solution.scene.pressure, solution.observables))
             if off < least / 2:
                 halved = solves
             if off < least:
@@ -144,10 +155,47 @@ def _coarse_guess(scene: Scene, num_points: int, solve: Callable[[Scene], Soluti
         coarse = scene.on_grid(num_points)
     except ValueError:
         return guess
-    found = _found(coarse, solve, guess, _GUESS)[0]
+    found = _found(coarse, solve, guess, _GUESS, [])[0]
     if found.status is Status.INTERRUPTED:
         raise KeyboardInterrupt  # nothing is known on the scene's grid
     return found.scene.pressure
+
+
+def _approach_error(found: Solution, solve: Callable[[Scene], Solution]) -> float:
+    """Estimated error of the approach at the pressure that was found; without nested grids from a coarser one."""
+    error, scene = found.observables.approach_error, found.scene
+    if math.isinf(error):
+        try:
+            coarse = solve(scene.on_grid(scene.num_points // 4))
+        except ValueError:  # no such grid holds the scene
+            return error
+        if coarse.status is Status.CONVERGED:
+            return estimated(QUANTITIES["approach"], scene, scene.num_points, found.observables, [coarse.observables])
+    return error
+
+
+def _with_doubt(found: Solution, tried: Sequence[Tried], error: float) -> tuple[Solution, float]:
+    """The solution with errors that include those of its pressure, and the relative error of that, estimated.
+
+    error: of the approach at this pressure [length]. So another pressure may belong to the approach asked for; what
+    that would change is known from another one that was tried.
+    """
+    own, pressure = found.observables, found.scene.pressure
+
+    def distance(other: Tried) -> float:
+        return abs(math.log(abs(other[1].approach - own.approach) / error))
+
+    others = [one for one in tried if one[1].approach != own.approach and 0 < error < math.inf]
+    if not others:
+        share = _STEEPEST * error / own.approach if error else 0.0
+        changes = {quantity: share * abs(getattr(own, quantity.value)) for quantity in QUANTITIES.values()}
+    else:
+        at, other = min(others, key=distance)
+        rate = error / abs(other.approach - own.approach)
+        share = rate * abs(at / pressure - 1)
+        changes = {q: rate * abs(getattr(other, q.value) - getattr(own, q.value)) for q in QUANTITIES.values()}
+    errors: dict[str, Any] = {q.error: getattr(own, q.error) + change for q, change in changes.items()}
+    return replace(found, observables=replace(own, **errors)), share
 
 
 def _full_approach(scene: Scene) -> float:
