@@ -17,6 +17,7 @@ _ROUNDED = 0.9  # spacings that the last digit may be worth: one spacing is a va
 _EVEN = 0.01  # spacings by which positions may be off without that
 _LONGEST_GAP = 0.05  # share of the scan that may be without values
 _DOUBTED = 0.01  # share of the scan that may be filled without a warning
+_SPARSE = 1.5  # places for each value: not more are taken for missing ones
 _GAP = 1.8  # spacings from which values are missing
 _JUMP = 2.0  # from the last value to the first, over the largest step between neighbours
 _FAR = 10.0  # times as far from the median as nine in ten values
@@ -105,29 +106,47 @@ def mirrored(about: Mapping[str, Any]) -> bool:
 def evenly_spaced(x: Array64, z: Array64) -> Profile:
     """A profile from heights at increasing positions, shape (number of values,) each [length].
 
-    Positions that are even but for the rounding of their digits, to less than their spacing, are taken as even; others
-    are interpolated. The length of the scan is one spacing for each value. Raises `ValueError` for a gap that is too
-    long for that.
+    Positions that are even but for the rounding of their digits, to less than their spacing, are taken as even. So are
+    those of which some are missing, whose heights are filled. Others are interpolated. The length of the scan is one
+    spacing for each value. Raises `ValueError` for a gap that is too long for that.
     """
     x = x - x[0]
-    i = np.arange(x.size) - (x.size - 1) / 2
-    spacing = float(i @ x) / float(i @ i)  # least squares
-    off = float(np.abs(x - x.mean() - spacing * i).max())
+    spacing, off = _spacing(x, np.arange(x.size))
     digit = _last_digit(x)
-    if off <= max(_EVEN * spacing, _ROUNDING * digit if digit < _ROUNDED * spacing else 0.0):
-        even = f"positions even to {off / spacing:.2g} of their spacing, taken as even"
-        return Profile(z, spacing * x.size, [even])
-    gap = float(np.diff(x).max())
+
+    def even(off: float, spacing: float) -> bool:
+        return off <= max(_EVEN * spacing, _ROUNDING * digit if digit < _ROUNDED * spacing else 0.0)
+
+    if even(off, spacing):
+        return Profile(z, spacing * x.size, [f"positions even to {off / spacing:.2g} of their spacing, taken as even"])
+    steps = np.diff(x)
+    gap = float(steps.max())
     if gap > _LONGEST_GAP * x[-1] and gap > 1.5 * spacing:
         raise ValueError(f"x has a gap of {gap / x[-1]:.1%} of the scan; allowed: up to {_LONGEST_GAP:.0%}")
-    even_x = np.linspace(0, x[-1], x.size)
-    told = f"interpolated linearly to even spacing, the largest gap {gap / even_x[1]:.3g} spacings"
-    steps = np.diff(x)
-    filled = float((steps[steps > _GAP * np.median(steps)]).sum() / x[-1])
+    usual = float(np.median(steps))
+    place = np.cumsum(np.concatenate([[0], np.maximum(np.rint(steps / usual), 1)])).astype(np.int64)
+    spacing, off = _spacing(x, place)
+    count = int(place[-1]) + 1
+    if even(off, spacing) and count <= _SPARSE * x.size:
+        missing, even_x = count - x.size, np.arange(count)
+        told = f"positions even to {off / spacing:.2g} of their spacing, {missing} missing, "
+        told += "whose heights were filled by straight lines"
+        place_x, filled = place.astype(np.float64), missing / count
+    else:
+        spacing, even_x, place_x = float(x[-1]) / (x.size - 1), np.arange(x.size), x / x[-1] * (x.size - 1)
+        told = f"interpolated linearly to even spacing, the largest gap {gap / spacing:.3g} spacings"
+        filled = float((steps[steps > _GAP * usual]).sum() / x[-1])
     doubts = []
     if filled > _DOUBTED:
         doubts = [f"{filled:.1%} of the scan, where it has no values, were filled by straight lines"]
-    return Profile(np.asarray(np.interp(even_x, x, z)), float(x[-1]) * x.size / (x.size - 1), [told], doubts)
+    return Profile(np.asarray(np.interp(even_x, place_x, z)), spacing * even_x.size, [told], doubts)
+
+
+def _spacing(x: Array64, place: Indices) -> tuple[float, float]:
+    """The spacing of positions at these places of a row, by least squares, and by how much one is off at most."""
+    i = place - place.mean()
+    spacing = float(i @ x) / float(i @ i)
+    return spacing, float(np.abs(x - x.mean() - spacing * i).max())
 
 
 def may_be_missing(z: Array64) -> Indices:
