@@ -4,7 +4,7 @@ from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
-from linecontact.solver import LAYERS, MeasuredIndenter, Scene, TabulatedLayer, solve
+from linecontact.solver import LAYERS, MeasuredIndenter, Scene, Status, TabulatedLayer, solve
 
 from ..scenes import kinds, making
 from ..scenes.making import Given, make_scene
@@ -60,7 +60,9 @@ def command(options: Options, given: Given) -> int:
     with console.errors.status("Preparing the page") if console.errors.is_terminal else nullcontext():
         from ..explore import server
 
-        solve(begin.first)  # what must be compiled and planned is done before the first page
+        # what must be compiled and planned is done before the first page
+        if solve(begin.first).status is Status.INTERRUPTED:
+            raise KeyboardInterrupt
     with server.served(begin, options.port) as (address, loop):
         print(f"{address} shows the page, on this machine only, until Ctrl-C", flush=True)
         if options.browser:

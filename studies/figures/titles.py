@@ -13,12 +13,15 @@ from matplotlib.textpath import text_to_path
 
 from ..scans.units import axis_units
 from .scales import base, thickness_in
-from .style import kind, layer, plain, typeset
+from .style import ONE_COLUMN, kind, layer, plain, typeset
 
 _FONT = FontProperties(size=8)
-_WORD = re.compile(r"(?:\\.|\$(?:\\.|[^\\$])*\$|[^ ])+")
-"""Between spaces, and whole formulas."""
-_LONGEST_NAME = 48  # characters of a scan's name
+_SPECIAL = r"\\.|\$(?:\\.|[^\\$])*\$"
+"""An escaped sign, or a formula."""
+_WORD = re.compile(f"(?:{_SPECIAL}|[^ ])+")
+"""Between spaces, formulas whole."""
+_WIDEST_NAME = 0.9 * 72 * ONE_COLUMN
+"""Of a scan [points]."""
 _NUMBERS = {"exponent": "n", "hurst": "H", "cut_off_ratio": r"\lambda_s/\lambda_r"}
 _UNUSUAL = {
     "radius": ("R", PowerIndenter.radius),
@@ -52,8 +55,26 @@ def put(figure: Figure, text: str) -> None:
 
 def _width(text: str) -> float:
     """About the width of a line [points]: formulas count as letters in a row, and each of their commands as one."""
-    letters = re.sub(r"\\[a-z]+", "m", re.sub(r"\\mathrm|\\[^a-z]", "", text))
-    return float(text_to_path.get_text_width_height_descent(re.sub(r"[${}^_]", "", letters), _FONT, ismath=False)[0])
+
+    def letters(found: re.Match[str]) -> str:
+        sign = found[0]
+        if sign[0] == "\\":
+            return sign[1]
+        return re.sub(r"[${}^_]", "", re.sub(r"\\[a-z]+", "m", re.sub(r"\\mathrm|\\[^a-z]", "", sign)))
+
+    return _plain_width(re.sub(_SPECIAL, letters, text))
+
+
+def _plain_width(text: str) -> float:
+    return float(text_to_path.get_text_width_height_descent(text, _FONT, ismath=False)[0])
+
+
+def _shortened(name: str) -> str:
+    """The beginning of a name that is too wide for a title."""
+    end = len(name)
+    while _plain_width(name[:end] + "..." * (end < len(name))) > _WIDEST_NAME:
+        end -= 1
+    return name[:end] + "..." * (end < len(name))
 
 
 def pressed(results: Mapping[str, Any], but: Collection[str] = ()) -> str:
@@ -61,8 +82,8 @@ def pressed(results: Mapping[str, Any], but: Collection[str] = ()) -> str:
 
     results: with `scene.` before each name. but: numbers that are left out.
     """
-    if scan := plain(str(results.get("scene.profile_file", ""))):
-        return scan if len(scan) <= _LONGEST_NAME else f"{scan[: _LONGEST_NAME - 4]} ..."
+    if scan := str(results.get("scene.profile_file", "")):
+        return plain(_shortened(scan))
     numbers = {name.removeprefix("scene."): value for name, value in results.items() if name.startswith("scene.")}
     known = {name: value for name, value in numbers.items() if name not in but}
     told = [f"profile: {plain(str(results['scene.profile']))}"]

@@ -114,6 +114,8 @@ def save_solution(path: Path, solution: Solution) -> None:
 def load_solution(path: Path) -> tuple[dict[str, NDArray[np.float64]], dict[str, Any]]:
     """Fields, shape (N,) each, N >= 2, and attributes of a solution file. Raises like `hdf5.open_file`."""
     with open_file(path) as file:
+        if (kind := str(file.attrs["kind"])) != KIND:
+            raise StoreError(f"file {path} holds a study, {kind}; allowed: a solution's file")
         arrays = {name: column_of_numbers(file[name]) for name in _FIELDS}
         if len({values.size for values in arrays.values()}) > 1 or arrays["x"].size < 2:
             raise ValueError("its fields are of different lengths, or shorter than 2")
