@@ -30,6 +30,11 @@ ROUGH = RoughIndenter(0.8, 0, cut_off_ratio=1 / 16)
 LAYERS = [Layer(), Layer(0.1, 0.3), Layer(1e-3, 0.45), Layer(0.01, 0.5), SlidingLayer(0.03), CoatedHalfSpace(0.01, 0.1)]
 
 
+def mean_height(scene):
+    """Above the lowest point, which mostly lies between two nodes."""
+    return float(scene.profile.mean()) + scene.indenter.depth_between_nodes(scene.profile)
+
+
 def random_scene(seed):
     """Any indenter, layer and load; grids of up to 2^12 points."""
     rng = np.random.default_rng(seed)
@@ -77,7 +82,7 @@ def test_beyond_full_contact_the_foundation_yields():
 
 @pytest.mark.parametrize("layer", [Layer(), Layer(0.1, 0.5), CoatedHalfSpace(0.1, 2.0)])
 def test_no_pressure_brings_a_half_space_beyond_full_contact(layer):
-    mean = float(Scene(layer, ROUGH, num_points=2**10).profile.mean())
+    mean = mean_height(Scene(layer, ROUGH, num_points=2**10))
     with pytest.raises(ValueError, match=r"approach is .*; allowed: up to .*, the mean height on this grid"):
         solve(Scene(layer, ROUGH, num_points=2**10, approach=1.01 * mean))
     full = solve(Scene(layer, ROUGH, num_points=2**10, approach=mean))
@@ -170,7 +175,7 @@ def test_where_nothing_touches(load, indenter, tmp_path):
     measured = found.observables
     assert measured.contact_area_subgrid == measured.contact_area_error == measured.num_patches == 0
     assert measured.approach == load.get("approach", 0.0)
-    assert measured.mean_gap == pytest.approx(float(scene.profile.mean()) - measured.approach)
+    assert measured.mean_gap == pytest.approx(mean_height(scene) - measured.approach)
     assert math.isnan(measured.kappa_subgrid)
     assert found.contact_stiffness == 0
     assert found.warnings == ()
@@ -276,7 +281,7 @@ def test_full_contact_pressure(layer):
 @pytest.mark.parametrize(("method", "precision"), [("mass-weighted-fire", "float64"), ("active-set", "float32")])
 def test_full_contact_by_its_approach_with_other_methods_and_precisions(method, precision):
     scene = Scene(Layer(), ROUGH, num_points=2**10, precision=precision)
-    found = solve(replace(scene, pressure=math.nan, approach=float(scene.profile.mean())), method=method)
+    found = solve(replace(scene, pressure=math.nan, approach=mean_height(scene)), method=method)
     assert found.status is Status.CONVERGED
     assert found.observables.contact_area > 0.99
     assert "least pressure of full contact" in found.choices[0].reason
@@ -314,3 +319,30 @@ def test_with_one_node_left_without_contact_the_stiffness_is_the_grids(pressure)
     assert (~here.contact).sum() == 1
     rise = there.observables.approach - here.observables.approach
     assert here.contact_stiffness == pytest.approx(1e-6 * pressure / rise, rel=1e-4)
+
+
+@pytest.mark.parametrize("layer", [Layer(), Layer(0.01, 0.3)])
+@pytest.mark.parametrize("pressure", [0.03, 0.6])
+def test_errors_at_an_approach_include_that_of_the_pressure(layer, pressure):
+    """On a grid with a sixteenth of the points, against the solution whose approach is asked for."""
+    beyond = []
+    for seed in range(10):
+        exact = Scene(layer, RoughIndenter(0.8, seed, 1 / 4, 1 / 16), pressure, num_points=2**14)
+        fine = solve(exact).observables
+        found = solve(Scene(layer, exact.indenter, approach=fine.approach, num_points=2**10)).observables
+        for name in ("contact_area", "kappa", "peak_pressure"):
+            value = name if name == "peak_pressure" else f"{name}_subgrid"
+            beyond.append(abs(getattr(found, value) - getattr(fine, value)) / getattr(found, f"{name}_error"))
+    assert max(beyond) < 1
+    assert max(beyond) > 0.02  # nor are they meaningless
+
+
+def test_the_approach_of_full_contact_is_that_of_the_surface_between_the_nodes():
+    errors = []
+    for seed in range(40):
+        indenter = RoughIndenter(0.8, seed, 1 / 4, 1 / 16)  # 32 points to the shortest wave
+        found = solve(Scene(Layer(), indenter, pressure=3.0, num_points=2**11)).observables
+        fine = indenter.profile(2**17, 1.0)
+        errors.append(abs(found.approach - fine.mean() + fine.min()))  # the parabola between its nodes: 1e-9
+        assert errors[-1] <= found.approach_error + 2e-9
+    assert max(errors) < 2e-8

@@ -314,3 +314,9 @@ def test_a_cell_whose_coarse_matrix_rounding_spoilt():
     """297 patches, nu = 1/2 - 1e-12: a negative diagonal entry, of which the root was taken."""
     record = extremes.Task(2, 3_001_090, "middle").run(None)
     assert record["verdict"] == verdicts.REFUSED, record["why"]
+
+
+def test_a_coarse_grid_whose_contact_is_lost_by_rounding():
+    found = solve(Scene(Layer(), PowerIndenter(2, 1e16), 1.0, num_points=2**15))
+    assert found.status is Status.CONVERGED
+    assert found.observables.contact_area_subgrid == 1

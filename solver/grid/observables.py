@@ -37,7 +37,8 @@ class Observables:
     reduced_thickness: float
     """d/(a_r L)."""
     approach: float
-    """Rigid approach since first touch [length]: mean(u) + p/k_W; for a half-space mean(u), by convention."""
+    """Rigid approach since first touch [length]: mean(u) + p/k_W, for a half-space mean(u), by convention; and by how
+    much the lowest point of a rough surface lies below the lowest node."""
     mean_gap: float
     """Mean of h - u over all nodes [length]."""
     peak_pressure: float
@@ -101,7 +102,7 @@ def observe(
         kappa=kappa,
         kappa_ratio=kappa / kappa_half_space(power[0]) if power else None,
         reduced_thickness=layer.thickness / (area * scene.period) if area else math.inf,
-        approach=approach(scene, displacement),
+        approach=approach(scene, displacement, profile),
         mean_gap=float((profile - displacement).mean()),
         peak_pressure=float(contact_pressure.max(initial=0.0)),
         num_patches=patches.count,
@@ -137,10 +138,14 @@ def peak_sampling(pressure: Array64) -> float:
     return max(2 * largest - before - after, 0.0) / 8 if inside else 0.0
 
 
-def approach(scene: Scene, displacement: Array64) -> float:
-    """Rigid approach since first touch from u on any grid [length], see `Observables`."""
+def approach(scene: Scene, displacement: Array64, profile: Array64) -> float:
+    """Rigid approach since first touch [length], see `Observables`.
+
+    displacement, profile: u and h on any grid, shape (N,) [length].
+    """
     modulus = foundation_modulus(scene)
-    return float(displacement.mean()) + (scene.pressure / modulus if modulus else 0.0)
+    compression = scene.pressure / modulus if modulus else 0.0
+    return float(displacement.mean()) + compression + scene.indenter.depth_between_nodes(profile)
 
 
 def subgrid_measures(

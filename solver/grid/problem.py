@@ -23,7 +23,6 @@ import numpy as np
 from .. import checks
 from ..arrays import Array64
 from ..indenters import Indenter
-from ..indenters.lowest import possible_depth
 from ..layers import ElasticLayer
 from ..scene import Scene
 from ..transforms.plain import irfft, rfft
@@ -36,14 +35,13 @@ _FAR = 1e6  # times the reach
 def _profile(indenter: Indenter, num_points: int, period: float) -> Array64:
     """The indenter's heights on a grid, shape (num_points,) [L], read-only. Raises `ValueError` for anything else."""
     what = f"profile of indenter {indenter.name}"
-    allowed = f"allowed: {num_points} finite floating-point heights, the lowest point 0, in units of the period"
+    allowed = f"allowed: {num_points} finite floating-point heights, the lowest 0, in units of the period"
     with checks.own_code(what, allowed):
         heights = np.asarray(indenter.profile(num_points, period)).view()
     if heights.shape != (num_points,) or heights.dtype.kind != "f":
         raise ValueError(f"{what} is of type {heights.dtype} and shape {heights.shape}; {allowed}")
     lowest, highest = float(heights.min()), float(heights.max())
-    counted = abs(lowest) <= 1e-9 * highest or 0 < lowest <= 1.01 * possible_depth(heights)
-    if not (counted and highest < math.inf):
+    if not abs(lowest) <= 1e-9 * highest < math.inf:
         raise ValueError(f"{what} is from {lowest:.3g} to {highest:.3g}; {allowed}")
     heights.flags.writeable = False
     return heights

@@ -23,12 +23,17 @@ class Indenter(Kind, Protocol):
 
     @abstractmethod
     def profile(self, num_points: int, period: float) -> Array64:
-        """Heights h(x_i) above the lowest point, shape (num_points,), in units of the period.
-
-        The lowest height is 0, or as much more as the lowest point between the nodes lies below it.
+        """Heights h(x_i) above the lowest point, shape (num_points,), in units of the period; the lowest is 0.
 
         On a grid coarser than the scene's it is the same surface without the waves that this grid cannot hold.
         """
+
+    def depth_between_nodes(self, heights: Array64) -> float:
+        """How far the lowest point lies below the lowest node of a grid, in the unit of `heights`, shape (N,).
+
+        `heights`: the profile there. First touch is at that point. 0 unless more is known of the profile between nodes.
+        """
+        return 0.0
 
     @abstractmethod
     def shortest_wave(self, num_points: int) -> int:

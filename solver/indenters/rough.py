@@ -12,7 +12,7 @@ from ..arrays import Array64, Modes
 from ..layers import ElasticLayer
 from ..transforms.plain import irfft
 from .indenter import Indenter
-from .lowest import lowest_point
+from .lowest import depth_between
 
 _KAPPA = 1.75
 """The published study's area-pressure coefficient of rough surfaces on a half-space (dimensionless)."""
@@ -72,8 +72,11 @@ class RoughIndenter(Indenter):
 
     def profile(self, num_points: int, period: float) -> Array64:
         heights = irfft(self._modes(num_points), num_points)
-        heights -= lowest_point(heights)
+        heights -= heights.min()
         return np.asarray(heights)
+
+    def depth_between_nodes(self, heights: Array64) -> float:
+        return depth_between(heights)
 
     def slope(self, num_points: int, period: float) -> Array64:
         """Slopes, see `Indenter`, by the exact derivative of every mode."""

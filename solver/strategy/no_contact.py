@@ -15,8 +15,13 @@ NAME = "no contact"
 
 
 def nothing_touches(scene: Scene) -> bool:
-    """Whether the load or the approach of a scene leaves the two apart, or just brings them together."""
-    return scene.pressure == 0 if scene.approach is None else scene.approach <= 0
+    """Whether the load or the approach of a scene leaves all nodes apart, or just brings the first two together."""
+    return scene.pressure == 0 if scene.approach is None else scene.approach <= _first_node(scene)
+
+
+def _first_node(scene: Scene) -> float:
+    """The approach at which the first node touches [length]; the lowest point between the nodes touches at 0."""
+    return scene.indenter.depth_between_nodes(scene.profile)
 
 
 def without_contact(scene: Scene, means: Means) -> Solution:
@@ -24,20 +29,22 @@ def without_contact(scene: Scene, means: Means) -> Solution:
 
     Without load that distance may be any, and is 0. p* and kappa are NaN.
     """
-    approach = scene.approach or 0.0
+    approach, first = scene.approach or 0.0, _first_node(scene)
+    unseen = 1 / scene.num_points if approach > 0 else 0.0
     choices: tuple[Choice, ...] = ()
     if scene.approach is not None:
-        choices = (Choice("pressure", "0", f"for the approach of {approach:g}: up to 0 nothing touches"),)
+        choices = (Choice("pressure", "0", f"for the approach of {approach:g}: up to {first:g} no node touches"),)
         scene = replace(scene, approach=None, pressure=0.0)
-    displacement, pressure = np.full(scene.num_points, approach), np.zeros(scene.num_points)
+    displacement, pressure = np.full(scene.num_points, approach - first), np.zeros(scene.num_points)
     contact = np.zeros(scene.num_points, dtype=bool)
     found, patches = observe(scene, scene.profile, displacement, pressure, contact)
     found = replace(
         found,
-        contact_area_error=0.0,
-        contact_area_edges_error=0.0,
+        contact_area_error=unseen,
+        contact_area_edges_error=unseen,
         peak_pressure_sampling=0.0,
-        peak_pressure_error=0.0,
+        peak_pressure_error=math.inf if unseen else 0.0,
+        approach=approach,
         approach_error=0.0,
         reduced_pressure=math.nan,
         kappa=math.nan,

@@ -23,6 +23,8 @@ def prolong(scene: Scene, pressure: Array64, patches: Patches, ends: Edges, num_
 
     patches, ends: of that pressure, see `grid.contact.contact_edges`.
     """
+    if not patches.count:  # none that rounding leaves
+        return np.zeros(num_points)
     factor = num_points / pressure.size
     coarse_curve = fine_curve = half_space_curve()
     if thickness_on_grid(scene.layer, num_points, scene.period) <= _THIN:

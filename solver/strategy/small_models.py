@@ -15,7 +15,7 @@ import numpy as np
 from ..arrays import Array64, Indices, Mask
 from ..grid.edges import Edges
 from ..grid.observables import Observables, observe, subgrid_measures
-from ..grid.patch_table import PatchTable
+from ..grid.patch_table import PatchTable, patch_table
 from ..grid.patches import Patches
 from ..grid.problem import Problem, Stiffness, foundation_level, squared_slope
 from ..layers import ElasticLayer
@@ -78,9 +78,10 @@ def asperity(scene: Scene, layer: ElasticLayer, accuracy: float, of: str) -> Mod
     approach = length * found.approach
     if layer is not scene.layer:  # the mean compression of the layer that there is
         approach += length * scene.pressure / modulus / scene.layer.foundation_modulus(length)
-    observables, patches = observe(scene, profile, displacement, pressure, pressure > 0)
+    observables, _ = observe(scene, profile, displacement, pressure, pressure > 0)
     observables = _with_area(scene, observables, found.contact_area, errors["contact_area"], errors["kappa"])
     peak = modulus * found.peak_pressure
+    patches = _one_patch(scene, found.contact_area, int((pressure > 0).sum()), peak)
     observables = replace(
         observables,
         peak_pressure=peak,
@@ -90,6 +91,13 @@ def asperity(scene: Scene, layer: ElasticLayer, accuracy: float, of: str) -> Mod
         approach_error=errors["approach"] * length * abs(found.approach),
     )
     return Modelled(scene, displacement, pressure, pressure > 0, observables, patches, errors[of])
+
+
+def _one_patch(scene: Scene, area: float, nodes: int, peak: float) -> PatchTable:
+    """The patch of a power profile whose contact area is known without a grid; peak: the largest pressure."""
+    middle, half, load = scene.num_points // 2 / scene.num_points, area / 2, scene.pressure * scene.period
+    ends = ((middle + place) * scene.period for place in (-half, half))
+    return PatchTable(*(np.array([float(value)]) for value in (*ends, area * scene.period, nodes, load, peak)))
 
 
 def _field_scene(scene: Scene, area: float) -> Scene:
@@ -152,15 +160,19 @@ def winkler(scene: Scene) -> Modelled:
         pressure *= scene.pressure / pressure.mean()  # the sampled load is off by the sampling
     profile = scene.profile
     displacement = np.where(contact, profile, np.minimum(level * problem.length_unit, profile))
-    observables, patches = observe(scene, profile, displacement, pressure, contact)
+    observables, _ = observe(scene, profile, displacement, pressure, contact)
     if sampled:
         assert power
         error = _edges(scene) / area
         observables = _with_area(scene, observables, area, error, power[0] * error)
         peak, approach = modulus * level * scene.pressure, level * problem.length_unit
         observables = replace(observables, peak_pressure=peak, approach=approach)
+        patches = _one_patch(scene, area, int(contact.sum()), peak)
     else:
-        observables, change = _measured(scene, observables, height, depth, modulus)
+        runs = Patches.of(contact)
+        ends = _crossings(runs, depth)
+        patches = patch_table(runs, ends, pressure, scene.period)
+        observables, change = _measured(scene, observables, runs, ends, height, modulus)
         area = observables.contact_area_subgrid
         unknown = _edges(scene) * observables.num_patches + observables.unseen_gap_area
         error = unknown / area + change + _stiffening(scene) if area else math.inf
@@ -183,11 +195,11 @@ def _edges(scene: Scene) -> float:
 
 
 def _measured(
-    scene: Scene, observables: Observables, height: Array64, depth: Array64, modulus: float
+    scene: Scene, observables: Observables, patches: Patches, ends: Edges, height: Array64, modulus: float
 ) -> tuple[Observables, float]:
     """Area and kappa between the places where the depth is 0; the area's relative change on half of the points."""
-    patches, squared = Patches.of(depth > 0), squared_slope(scene.indenter, scene.num_points, scene.period)
-    area, gradient, kappa, _ = subgrid_measures(scene, patches, _crossings(patches, depth), squared)
+    squared = squared_slope(scene.indenter, scene.num_points, scene.period)
+    area, gradient, kappa, _ = subgrid_measures(scene, patches, ends, squared)
     change = 0.0
     for half in (height[::2], height[1::2]):
         below = foundation_level(half, modulus) - half

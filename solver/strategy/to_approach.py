@@ -181,14 +181,17 @@ def _with_doubt(found: Solution, tried: Sequence[Tried], error: float) -> tuple[
     that would change is known from another one that was tried.
     """
     own, pressure = found.observables, found.scene.pressure
+    if not error or not own.approach > 0:
+        return found, 0.0
 
     def distance(other: Tried) -> float:
         return abs(math.log(abs(other[1].approach - own.approach) / error))
 
     others = [one for one in tried if one[1].approach != own.approach and 0 < error < math.inf]
     if not others:
-        share = _STEEPEST * error / own.approach if error else 0.0
-        changes = {quantity: share * abs(getattr(own, quantity.value)) for quantity in QUANTITIES.values()}
+        share = _STEEPEST * error / own.approach
+        values = {quantity: abs(getattr(own, quantity.value)) for quantity in QUANTITIES.values()}
+        changes = {quantity: share * value if value else 0.0 for quantity, value in values.items()}
     else:
         at, other = min(others, key=distance)
         rate = error / abs(other.approach - own.approach)
@@ -200,7 +203,10 @@ def _with_doubt(found: Solution, tried: Sequence[Tried], error: float) -> tuple[
 
 def _full_approach(scene: Scene) -> float:
     """The largest approach that a pressure brings [length]; `inf` where the layer has a foundation that yields."""
-    return float(scene.profile.mean()) if foundation_modulus(scene) in (0.0, math.inf) else math.inf
+    if foundation_modulus(scene) not in (0.0, math.inf):
+        return math.inf
+    profile = scene.profile
+    return float(profile.mean()) + scene.indenter.depth_between_nodes(profile)
 
 
 def _full_contact(scene: Scene, solve: Callable[[Scene], Solution], approach: float) -> Solution:
@@ -231,4 +237,5 @@ def check_approach(scene: Scene) -> None:
 def _foundation_guess(scene: Scene, approach: float) -> float:
     """The pressure of a Winkler foundation as stiff as the layer's longest wave."""
     modulus = float(half_spectrum(scene.layer, 2, scene.period)[1]) * scene.layer.contact_modulus / scene.period
-    return modulus * float(np.maximum(approach - scene.profile, 0.0).mean())
+    profile = scene.profile
+    return modulus * float(np.maximum(approach - scene.indenter.depth_between_nodes(profile) - profile, 0.0).mean())
