@@ -401,3 +401,12 @@ def test_real_scans(name, units, length, values, area):
     assert not solution.handed_over
     assert solution.observables.contact_area_subgrid == pytest.approx(area[0], abs=area[1])
     assert solution.observables.contact_area_error < 2e-2
+
+
+def test_decimal_commas_in_quotes_between_commas_are_refused(tmp_path):
+    rows = [f'"{x:.3f}","{x * x / 1000:.4f}"'.replace(".", ",") for x in range(40)]
+    (tmp_path / "quoted.csv").write_text('"x [um]","z [nm]"\n' + "\n".join(rows))
+    with pytest.raises(
+        ValueError, match=r"quoted.csv, line 2: .* has decimal commas in quotes .*; allowed: semicolons"
+    ):
+        read_options(Options(tmp_path / "quoted.csv"))

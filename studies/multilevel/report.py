@@ -15,6 +15,8 @@ from .estimator import Estimate, Term
 from .samples import FOUNDATION, name_of, on_grids, unit_of
 from .tasks import found
 
+_ROUNDING = 1e-9  # of the mean: scatter that rounding and the tolerance of the solves leave
+
 
 def reached(wanted: Wanted, state: State) -> bool:
     """Whether every mean has the standard error that was asked for, and the finest grid is fine enough for it."""
@@ -63,8 +65,8 @@ def _sentences(observable: str, estimate: Estimate, wanted: Wanted, spent: float
     error = rounded_up(estimate.standard_error)
     said = f"{observable} = {estimate.mean:.6g} +- {error} (standard error) [{number}]. {off}. "
     said += f"Solving took {spent:.3g} s in all processes, with the first surfaces on other grids"
-    if not estimate.standard_error > 0:
-        return f"{said}; all surfaces have the same value."
+    if estimate.standard_error <= _ROUNDING * abs(estimate.mean):
+        return f"{said}; all surfaces have the same value, so the standard error says nothing of how far it is off."
     if math.isnan(bias):
         return f"{said}."
     plain = estimate.plain_cost(estimate.standard_error)
