@@ -15,6 +15,7 @@ others say beside what was measured by the study paper or pressure, `compare` a 
 
 import dataclasses
 import enum
+import functools
 import importlib
 import inspect
 import io
@@ -50,16 +51,26 @@ WIDTH = 80
 def report(words: str) -> str:
     """A study's report on its stored results, or the parts of it that were asked for."""
     name, _, wanted = words.partition(" ")
+    parts = [part for part in _parts(name) if _chosen(part, wanted)]
+    if not parts:
+        raise ValueError(f"report is {words!r}; allowed: a study with stored results, and titles of its tables")
+    return "```\n" + "\n\n".join(_text(part) for part in parts) + "\n```\n"
+
+
+@functools.cache
+def _parts(name: str) -> list[object]:
+    """All parts of a study's report, or with "study=other" of that on another one's results."""
     name, _, other = name.partition("=")
     found = study.find(name)
     kinds = [other] if other else [name, *(plan.kind for plan in found.planned(found.options()))]
     kinds += [areas.KIND] if name == "peers" else []  # which is planned only where ASPHER is installed
     paths = {kind: RESULTS / f"{kind}.h5" for kind in kinds}
-    files = {kind: study_files.load_study(path) for kind, path in paths.items() if path.exists()}
-    parts = [part for part in found.report(files, RESULTS) if _chosen(part, wanted)]
-    if not parts:
-        raise ValueError(f"report is {words!r}; allowed: a study with stored results, and titles of its tables")
-    return "```\n" + "\n\n".join(_text(part) for part in parts) + "\n```\n"
+    return list(found.report({kind: _stored(kind) for kind, path in paths.items() if path.exists()}, RESULTS))
+
+
+@functools.cache
+def _stored(kind: str) -> study_files.StudyFile:
+    return study_files.load_study(RESULTS / f"{kind}.h5")
 
 
 def _chosen(part: object, wanted: str) -> bool:
@@ -136,7 +147,7 @@ def _cell(text: str | None) -> str:
 def statements(study_name: str) -> str:
     """The table of what others say beside what was measured, by the study paper or the study pressure."""
     kinds = {"paper": ("sharp", "hertz", "blunt", "rough"), "pressure": ("pressure",)}[study_name]
-    files = {kind: study_files.load_study(RESULTS / f"{kind}.h5") for kind in kinds}
+    files = {kind: _stored(kind) for kind in kinds}
     found = findings(files["pressure"]) if study_name == "pressure" else paper.statements(files)
     rows = [(s.text, s.published, s.measured, s.verdict) for s in found]
     return markdown.table(("statement", "published", "measured", "verdict"), rows) + "\n"
@@ -144,7 +155,7 @@ def statements(study_name: str) -> str:
 
 def compare(_: str) -> str:
     """A small table of times and errors beside other programs."""
-    lines = peers.comparisons(study_files.load_study(RESULTS / "peers.h5"))
+    lines = peers.comparisons(_stored("peers"))
     n = max(c.ours["scene.num_points"] for c in lines)
     solvers = dict.fromkeys(name for c in lines for name in c.solvers)
     rows = []
@@ -164,8 +175,8 @@ def compare(_: str) -> str:
 
 
 def _time_of_a_point(others: int) -> list[list[str]]:
-    path = RESULTS / f"{areas.KIND}.h5"
-    found = peers.times_of_a_point(study_files.load_study(path)) if path.exists() else {}
+    known = (RESULTS / f"{areas.KIND}.h5").exists()
+    found = peers.times_of_a_point(_stored(areas.KIND)) if known else {}
     for n, times in found.items():
         theirs = [times[name] for name in areas.PRECISIONS if name in times]
         if theirs and OURS in times:

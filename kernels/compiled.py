@@ -131,7 +131,7 @@ def _undivided() -> Iterator[None]:
 
 @contextmanager
 def _without_collection() -> Iterator[None]:
-    """Python looks for no garbage within the block: Warp's import makes a million objects that stay."""
+    """Python looks for no garbage within the block: Warp's import makes a hundred thousand objects that stay."""
     before = gc.isenabled()
     gc.disable()
     try:

@@ -383,15 +383,15 @@ def test_random_scenes_get_the_accuracy_they_asked_for(count):
     "scene",
     [
         Scene(Layer(1.86e-5, 0.25), PowerIndenter(1.2), pressure=1e-3, num_points=2**14),
-        Scene(Layer(1e-6, 0.25), PowerIndenter(), pressure=1e-3, num_points=2**18),
+        Scene(Layer(1e-6, 0.25), PowerIndenter(), pressure=1e-3, period=2.0, num_points=2**18),
         Scene(Layer(1e-4), RoughIndenter(0.8, 1, 1 / 4, 1 / 16), pressure=1e-3, num_points=2**12),
     ],
 )
 def test_patches_of_smaller_models_are_those_of_the_area(scene):
     found = solve(scene, accuracy=0.05)
     assert found.method != DEFAULT.name
-    assert found.patches.width.sum() == pytest.approx(found.observables.contact_area_subgrid, rel=1e-9)
-    assert found.patches.load.sum() == pytest.approx(scene.pressure, rel=1e-9)
+    assert found.patches.width.sum() == pytest.approx(found.observables.contact_area_subgrid * scene.period, rel=1e-9)
+    assert found.patches.load.sum() == pytest.approx(scene.pressure * scene.period, rel=1e-9)
     np.testing.assert_allclose(found.patches.right - found.patches.left, found.patches.width, rtol=1e-9)
     if scene.indenter.power_law:
         assert found.patches.peak_pressure == found.observables.peak_pressure

@@ -122,7 +122,7 @@ def do(language, text):
 
 def begin(folder, steps):
     os.chdir(folder)
-    said = os.open("said", os.O_WRONLY | os.O_CREAT)
+    said = os.open("said", os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
     os.dup2(said, 1)
     os.dup2(said, 2)
     for step in steps:

@@ -150,6 +150,9 @@ def check_places(figure):
         assert not any(one.overlaps(other) for other in outside[:k])
         assert one.x0 >= 0
         assert one.x1 <= figure.bbox.x1
+    if title := figure._suptitle:
+        width = title.get_window_extent()
+        assert 0 <= width.x0 <= width.x1 <= figure.bbox.x1
 
 
 def test_the_figure_holds_the_solution(solution, tmp_path):
@@ -358,6 +361,30 @@ def test_a_title_names_what_its_points_share_of_the_base(but, said):
     numbers = {f"scene.{name}": value for name, value in scene.to_dict().items()}
     assert titles.base(numbers, but) == said
     assert said in titles.scene(numbers, but)
+
+
+def test_no_title_is_wider_than_its_figure():
+    rng = np.random.default_rng(0)
+    names = [
+        "2024-03-12_probe_07_walze_3_links.csv",
+        "PROBE_WALZE_NR_07_OBERFLAECHE.CSV",
+        "W" * 60,
+        "a" * 5000,
+        "$a  b$",
+    ]
+    for k in range(100):
+        small = dict(zip(("exponent", "radius", "thickness"), 10 ** rng.uniform(-6, 2, 3), strict=True))
+        scene = Scene(SlidingLayer(small["thickness"]), PowerIndenter(1.1 + small["exponent"] % 9, small["radius"]))
+        numbers = {f"scene.{name}": value for name, value in scene.to_dict().items()}
+        if k < len(names):
+            numbers["scene.profile_file"] = names[k]
+        figure, _ = panels(1, 1, ONE_COLUMN, 3.0)
+        titles.put(figure, titles.scene(numbers, ()))
+        width = figure._suptitle.get_window_extent()
+        assert 0 <= width.x0 <= width.x1 <= figure.bbox.x1, figure.get_suptitle()
+    figure, _ = panels(1, 1, ONE_COLUMN, 3.0)
+    titles.put(figure, titles.pressed({"scene.profile_file": "a  b.txt"}))
+    assert figure.get_suptitle() == "a  b.txt"
 
 
 def test_a_figure_says_that_a_solve_has_not_ended_well():

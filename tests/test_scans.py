@@ -7,6 +7,7 @@ import h5py
 import numpy as np
 import pytest
 from linecontact.solver import Layer, Scene, Status, solve
+from linecontact.studies.scans import preparation
 from linecontact.studies.scans.reading import Options, read_scan
 from linecontact.studies.scans.reading import read as read_options
 
@@ -173,7 +174,7 @@ def test_what_was_made_of_a_scan_is_doubted_where_it_may_be_wrong(tmp_path):
     assert text == "2.8% of the scan, where it has no values, were filled by straight lines"
     many = x % 20 > 1
     (text,) = doubts(write(tmp_path, ".txt", [x[many], z[many]]))
-    assert text.startswith("9.5% of the scan")
+    assert text.startswith("14.4% of the scan")
     jittered = np.cumsum(np.random.default_rng(5).uniform(0.5, 1.5, 100))
     assert doubts(write(tmp_path, ".txt", [jittered, np.sin(jittered)])) == []
     single = x != 200
@@ -403,10 +404,24 @@ def test_real_scans(name, units, length, values, area):
     assert solution.observables.contact_area_error < 2e-2
 
 
-def test_decimal_commas_in_quotes_between_commas_are_refused(tmp_path):
-    rows = [f'"{x:.3f}","{x * x / 1000:.4f}"'.replace(".", ",") for x in range(40)]
-    (tmp_path / "quoted.csv").write_text('"x [um]","z [nm]"\n' + "\n".join(rows))
-    with pytest.raises(
-        ValueError, match=r"quoted.csv, line 2: .* has decimal commas in quotes .*; allowed: semicolons"
-    ):
-        read_options(Options(tmp_path / "quoted.csv"))
+@pytest.mark.parametrize("spacing", [1.1, 1.3, 1.4, 2.3, 2.4, 3.4, 33.37])
+def test_places_of_rounded_positions_of_which_some_are_missing(spacing):
+    """Rounded to whole numbers."""
+    x, z = np.rint(spacing * np.arange(400)), np.random.default_rng(7).standard_normal(400)
+    there = np.delete(np.arange(400), [150, 151, 250])
+    found = preparation.evenly_spaced(x[there], z[there])
+    if spacing < 3:  # a step of 2 may be one place or two
+        assert "interpolated linearly" in found.steps[0]
+        return
+    assert found.z.size == 400
+    assert " 3 missing" in found.steps[0]
+    np.testing.assert_array_equal(found.z[there], z[there])
+
+
+def test_positions_that_are_not_even_are_interpolated():
+    rng = np.random.default_rng(8)
+    clustered = np.cumsum(np.tile([1e-300, 1.0], 200))
+    for x in (np.cumsum(rng.uniform(0.5, 1.5, 400)), np.sort(rng.uniform(0, 1, 400)), clustered):
+        found = preparation.evenly_spaced(x, rng.standard_normal(x.size))
+        assert found.z.size == x.size
+        assert "interpolated linearly" in found.steps[0]

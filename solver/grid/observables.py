@@ -37,8 +37,8 @@ class Observables:
     reduced_thickness: float
     """d/(a_r L)."""
     approach: float
-    """Rigid approach since first touch [length]: mean(u) + p/k_W, for a half-space mean(u), by convention; and by how
-    much the lowest point of a rough surface lies below the lowest node."""
+    """Rigid approach since first touch [length]: mean(u) + p/k_W, for a half-space mean(u), by convention. Under a
+    rough surface the depth of its lowest point below its lowest node is added."""
     mean_gap: float
     """Mean of h - u over all nodes [length]."""
     peak_pressure: float

@@ -1,7 +1,7 @@
 """The contact patches of a solution as a table: where each one is, and what it carries.
 
-The fields of a smaller model (an answer to an accuracy without a grid) are sampled: its patches are those of the
-samples, and its own area is more accurate.
+A smaller model (an answer to an accuracy without a grid) knows the ends of its patches itself; what the nodes carry is
+sampled.
 """
 
 from dataclasses import dataclass

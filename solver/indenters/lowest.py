@@ -11,7 +11,8 @@ def depth_between(heights: Array64) -> float:
     """How far the lowest point of a smooth profile lies below its lowest node, in the unit of `heights`, shape (N,).
 
     Between the nodes it is the polynomial of fourth order through the five nearest ones. With 32 points to the shortest
-    wave this leaves 1/2000 of what the lowest node is off by, with 4 points an eighth. Not for kinks and plateaus.
+    wave this leaves some 1/3000 of what the lowest node is off by, with 4 points about an eighth. Not for kinks and
+    plateaus.
     """
     at, count = int(np.argmin(heights)), heights.size
     lowest = float(heights[at])

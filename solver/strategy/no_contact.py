@@ -1,4 +1,4 @@
-"""Where nothing touches there is nothing to solve: without load, and up to an approach of 0."""
+"""Where no node touches there is nothing to solve: without load, and up to the approach of the first node."""
 
 import math
 from dataclasses import replace

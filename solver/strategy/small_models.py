@@ -49,7 +49,7 @@ class Modelled:
     observables: Observables
     """What is measured, with the errors of the model."""
     patches: PatchTable
-    """The contact patches of these fields."""
+    """The contact patches."""
     error: float
     """Estimated relative error: by collocation of what the accuracy is asked of, of a foundation that of a_r."""
     problem: Problem | None = None

@@ -89,10 +89,15 @@ def solve_to_approach(scene: Scene, solve: Callable[[Scene], Solution]) -> Solut
             guess = _coarse_guess(scene, size, counted, guess)
     tried: list[Tried] = []
     found, solves = _found(scene, counted, guess, _EXACT, tried)
+    try:
+        error = _approach_error(found, counted)
+    except KeyboardInterrupt:
+        error, found = found.observables.approach_error, replace(found, status=Status.INTERRUPTED)
+    found, doubt = _with_doubt(found, tried, error)
     pressure, seconds = found.scene.pressure, found.seconds | {"total": time.perf_counter() - begin}
     seconds["solve"] += seconds["total"] - found.seconds["total"]
-    found, doubt = _with_doubt(found, tried, _approach_error(found, counted))
-    why = f"for the approach of {approach:g}, its relative error about {doubt:.1g}; solves on this grid: {solves}"
+    known = f"is about {doubt:.1g}" if math.isfinite(doubt) else "is not known"
+    why = f"for the approach of {approach:g}; the pressure's relative error {known}; solves on this grid: {solves}"
     found = replace(
         found,
         iterations=iterations,
@@ -162,13 +167,18 @@ def _coarse_guess(scene: Scene, num_points: int, solve: Callable[[Scene], Soluti
 
 
 def _approach_error(found: Solution, solve: Callable[[Scene], Solution]) -> float:
-    """Estimated error of the approach at the pressure that was found; without nested grids from a coarser one."""
+    """Estimated error of the approach at the pressure that was found; where there is one grid alone by a coarser one.
+
+    Raises `KeyboardInterrupt` where that is interrupted.
+    """
     error, scene = found.observables.approach_error, found.scene
-    if math.isinf(error):
+    if math.isinf(error) and found.status is Status.CONVERGED:
         try:
             coarse = solve(scene.on_grid(scene.num_points // 4))
         except ValueError:  # no such grid holds the scene
             return error
+        if coarse.status is Status.INTERRUPTED:
+            raise KeyboardInterrupt
         if coarse.status is Status.CONVERGED:
             return estimated(QUANTITIES["approach"], scene, scene.num_points, found.observables, [coarse.observables])
     return error
@@ -230,7 +240,7 @@ def check_approach(scene: Scene) -> None:
     """Raise `ValueError` for a scene whose approach no pressure brings."""
     full, approach = _full_approach(scene), scene.approach
     if approach is not None and approach > full * (1 + _FULL):
-        allowed = f"up to {full:.12g}, the mean height on this grid: there the contact is full, and nothing yields"
+        allowed = f"up to {full:.12g}, the mean height on this grid above the lowest point: there the contact is full"
         raise ValueError(f"approach is {approach:.12g}; allowed: {allowed}")
 
 

@@ -15,11 +15,13 @@ from ..scans.units import axis_units
 from .scales import base, thickness_in
 from .style import ONE_COLUMN, kind, layer, plain, typeset
 
-_FONT = FontProperties(size=8)
+_SIZE = 8  # points
+_MOST_LETTERS = 100  # of a name that are looked at
+_SHARE = 0.92  # of the figure's width: how wide a line may be, as far as widths are known
 _SPECIAL = r"\\.|\$(?:\\.|[^\\$])*\$"
 """An escaped sign, or a formula."""
-_WORD = re.compile(f"(?:{_SPECIAL}|[^ ])+")
-"""Between spaces, formulas whole."""
+_WORD = re.compile(f" *(?:{_SPECIAL}|[^ ])+")
+"""And the spaces before it; formulas whole."""
 _WIDEST_NAME = 0.9 * 72 * ONE_COLUMN
 """Of a scan [points]."""
 _NUMBERS = {"exponent": "n", "hurst": "H", "cut_off_ratio": r"\lambda_s/\lambda_r"}
@@ -39,18 +41,17 @@ def put(figure: Figure, text: str) -> None:
 
     Matplotlib would break them, too, in half of the time that it takes to draw the figure.
     """
-    widest = 0.98 * 72 * figure.get_figwidth()
+    widest = _SHARE * 72 * figure.get_figwidth()
     lines: list[str] = []
     for line in text.split("\n"):
         words = _WORD.findall(line)
         lines += words[:1] or [""]
         for word in words[1:]:
-            longer = f"{lines[-1]} {word}"
-            if _width(longer) < widest:
-                lines[-1] = longer
+            if _width(lines[-1] + word) < widest:
+                lines[-1] += word
             else:
-                lines.append(word)
-    figure.suptitle("\n".join(lines), fontproperties=_FONT)
+                lines.append(word.lstrip())
+    figure.suptitle("\n".join(lines), fontsize=_SIZE)
 
 
 def _width(text: str) -> float:
@@ -66,12 +67,12 @@ def _width(text: str) -> float:
 
 
 def _plain_width(text: str) -> float:
-    return float(text_to_path.get_text_width_height_descent(text, _FONT, ismath=False)[0])
+    return float(text_to_path.get_text_width_height_descent(text, FontProperties(size=_SIZE), ismath=False)[0])
 
 
 def _shortened(name: str) -> str:
     """The beginning of a name that is too wide for a title."""
-    end = len(name)
+    end = min(len(name), _MOST_LETTERS)
     while _plain_width(name[:end] + "..." * (end < len(name))) > _WIDEST_NAME:
         end -= 1
     return name[:end] + "..." * (end < len(name))

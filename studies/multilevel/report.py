@@ -65,7 +65,7 @@ def _sentences(observable: str, estimate: Estimate, wanted: Wanted, spent: float
     error = rounded_up(estimate.standard_error)
     said = f"{observable} = {estimate.mean:.6g} +- {error} (standard error) [{number}]. {off}. "
     said += f"Solving took {spent:.3g} s in all processes, with the first surfaces on other grids"
-    if estimate.standard_error <= _ROUNDING * abs(estimate.mean):
+    if not estimate.standard_error > _ROUNDING * abs(estimate.mean):
         return f"{said}; all surfaces have the same value, so the standard error says nothing of how far it is off."
     if math.isnan(bias):
         return f"{said}."

@@ -17,7 +17,9 @@ _ROUNDED = 0.9  # spacings that the last digit may be worth: one spacing is a va
 _EVEN = 0.01  # spacings by which positions may be off without that
 _LONGEST_GAP = 0.05  # share of the scan that may be without values
 _DOUBTED = 0.01  # share of the scan that may be filled without a warning
-_SPARSE = 1.5  # places for each value: not more are taken for missing ones
+_SPARSE = 1.1  # places for each value, up to which the others are taken for missing ones
+_COARSE = 0.3  # spacings: with a last digit worth more, single steps do not tell how many places they are
+_TIMES = 5  # that the spacing is made better
 _GAP = 1.8  # spacings from which values are missing
 _JUMP = 2.0  # from the last value to the first, over the largest step between neighbours
 _FAR = 10.0  # times as far from the median as nine in ten values
@@ -108,7 +110,7 @@ def evenly_spaced(x: Array64, z: Array64) -> Profile:
 
     Positions that are even but for the rounding of their digits, to less than their spacing, are taken as even. So are
     those of which some are missing, whose heights are filled. Others are interpolated. The length of the scan is one
-    spacing for each value. Raises `ValueError` for a gap that is too long for that.
+    spacing for each place. Raises `ValueError` for a gap that is too long for that.
     """
     x = x - x[0]
     spacing, off = _spacing(x, np.arange(x.size))
@@ -123,11 +125,10 @@ def evenly_spaced(x: Array64, z: Array64) -> Profile:
     gap = float(steps.max())
     if gap > _LONGEST_GAP * x[-1] and gap > 1.5 * spacing:
         raise ValueError(f"x has a gap of {gap / x[-1]:.1%} of the scan; allowed: up to {_LONGEST_GAP:.0%}")
-    usual = float(np.median(steps))
-    place = np.cumsum(np.concatenate([[0], np.maximum(np.rint(steps / usual), 1)])).astype(np.int64)
+    place = _places(steps)
     spacing, off = _spacing(x, place)
     count = int(place[-1]) + 1
-    if even(off, spacing) and count <= _SPARSE * x.size:
+    if even(off, spacing) and count <= _SPARSE * x.size and not _COARSE * spacing < digit < spacing * _ROUNDED:
         missing, even_x = count - x.size, np.arange(count)
         told = f"positions even to {off / spacing:.2g} of their spacing, {missing} missing, "
         told += "whose heights were filled by straight lines"
@@ -135,11 +136,23 @@ def evenly_spaced(x: Array64, z: Array64) -> Profile:
     else:
         spacing, even_x, place_x = float(x[-1]) / (x.size - 1), np.arange(x.size), x / x[-1] * (x.size - 1)
         told = f"interpolated linearly to even spacing, the largest gap {gap / spacing:.3g} spacings"
-        filled = float((steps[steps > _GAP * usual]).sum() / x[-1])
+        filled = float((steps[steps > _GAP * np.median(steps)]).sum() / x[-1])
     doubts = []
     if filled > _DOUBTED:
         doubts = [f"{filled:.1%} of the scan, where it has no values, were filled by straight lines"]
     return Profile(np.asarray(np.interp(even_x, place_x, z)), spacing * even_x.size, [told], doubts)
+
+
+def _places(steps: Array64) -> Indices:
+    """The places of positions in a row of even ones of which few are missing, shape (number of values,).
+
+    steps: from one position to the next, rounded like them, shape (number of values - 1,) [length].
+    """
+    spacing = float(steps.mean())  # too large by the share of those that are missing
+    for _ in range(_TIMES):
+        away = np.maximum(np.rint(steps / spacing), 1.0)
+        spacing = float(steps.sum() / away.sum())
+    return np.cumsum(np.concatenate([[0.0], away])).astype(np.int64)
 
 
 def _spacing(x: Array64, place: Indices) -> tuple[float, float]:

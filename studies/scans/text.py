@@ -25,8 +25,6 @@ _SAMPLE = 200  # lines of the table, that tell how it is written
 _AROUND = ' \t"'  # what may stand around a number
 _COMMA = re.compile(r"[-+]?(?:\d+,?\d*|,\d+)(?:[eE][-+]?\d+)?")
 _THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}(?:,\d{3})+")
-_QUOTED_COMMAS = re.compile(r'\s*("[-+]?\d+,\d+"\s*,\s*)+"[-+]?\d+,\d+"\s*')
-"""A line of numbers with decimal commas in quotes, and commas between them."""
 _NAMES = {";": "semicolons", "\t": "tabs", ",": "commas", None: "spaces"}
 
 
@@ -96,12 +94,6 @@ def read_text(path: Path, name: str, decimal: Decimal | None) -> Table:
     lines = _decoded(path).replace("\r\r\n", "\n").splitlines()
     while lines and not lines[-1].strip(" \t,;"):
         lines.pop()
-    for i, line in enumerate(lines):
-        if _QUOTED_COMMAS.fullmatch(line):
-            what = f"{line.strip()[:40]!r} has decimal commas in quotes and commas between columns"
-            raise ValueError(
-                f"profile_file {path}, line {i + 1}: {what}; allowed: semicolons, tabs or spaces between columns"
-            )
     found = _find(path, lines, decimal)
     writing, first, count = found.writing, found.first, found.count
     for i in range(first, len(lines)):
