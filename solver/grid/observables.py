@@ -126,6 +126,11 @@ def foundation_modulus(scene: Scene) -> float:
     return scene.layer.foundation_modulus(1.0) * scene.layer.contact_modulus
 
 
+def first_node(scene: Scene) -> float:
+    """The approach at which the first node touches [length]; the lowest point between the nodes touches at 0."""
+    return scene.indenter.depth_between_nodes(scene.profile)
+
+
 def peak_sampling(pressure: Array64) -> float:
     """By how much the pressure between the nodes may pass the largest one, in the pressure's unit.
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..endings import Status
-from ..grid.observables import observe
+from ..grid.observables import first_node, observe
 from ..scene import Scene
 from ..solution import Choice, Solution
 from .effort import Means
@@ -16,12 +16,7 @@ NAME = "no contact"
 
 def nothing_touches(scene: Scene) -> bool:
     """Whether the load or the approach of a scene leaves all nodes apart, or just brings the first two together."""
-    return scene.pressure == 0 if scene.approach is None else scene.approach <= _first_node(scene)
-
-
-def _first_node(scene: Scene) -> float:
-    """The approach at which the first node touches [length]; the lowest point between the nodes touches at 0."""
-    return scene.indenter.depth_between_nodes(scene.profile)
+    return scene.pressure == 0 if scene.approach is None else scene.approach <= first_node(scene)
 
 
 def without_contact(scene: Scene, means: Means) -> Solution:
@@ -29,7 +24,7 @@ def without_contact(scene: Scene, means: Means) -> Solution:
 
     Without load that distance may be any, and is 0. p* and kappa are NaN.
     """
-    approach, first = scene.approach or 0.0, _first_node(scene)
+    approach, first = scene.approach or 0.0, first_node(scene)
     unseen = 1 / scene.num_points if approach > 0 else 0.0
     choices: tuple[Choice, ...] = ()
     if scene.approach is not None:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from ..endings import Cause, Reason, Status
-from ..grid.observables import Observables, foundation_modulus
+from ..grid.observables import Observables, first_node, foundation_modulus
 from ..grid.problem import full_contact_pressure, half_spectrum
 from ..scene import Scene
 from ..solution import MEANINGLESS, Choice, Solution
@@ -93,10 +93,10 @@ def solve_to_approach(scene: Scene, solve: Callable[[Scene], Solution]) -> Solut
         error = _approach_error(found, counted)
     except KeyboardInterrupt:
         error, found = found.observables.approach_error, replace(found, status=Status.INTERRUPTED)
-    found, doubt = _with_doubt(found, tried, error)
+    found, off_by = _with_error_of_pressure(found, tried, error)
     pressure, seconds = found.scene.pressure, found.seconds | {"total": time.perf_counter() - begin}
     seconds["solve"] += seconds["total"] - found.seconds["total"]
-    known = f"is about {doubt:.1g}" if math.isfinite(doubt) else "is not known"
+    known = f"is about {off_by:.1g}" if math.isfinite(off_by) else "is not known"
     why = f"for the approach of {approach:g}; the pressure's relative error {known}; solves on this grid: {solves}"
     found = replace(
         found,
@@ -184,7 +184,7 @@ def _approach_error(found: Solution, solve: Callable[[Scene], Solution]) -> floa
     return error
 
 
-def _with_doubt(found: Solution, tried: Sequence[Tried], error: float) -> tuple[Solution, float]:
+def _with_error_of_pressure(found: Solution, tried: Sequence[Tried], error: float) -> tuple[Solution, float]:
     """The solution with errors that include those of its pressure, and the relative error of that, estimated.
 
     error: of the approach at this pressure [length]. So another pressure may belong to the approach asked for; what
@@ -215,8 +215,7 @@ def _full_approach(scene: Scene) -> float:
     """The largest approach that a pressure brings [length]; `inf` where the layer has a foundation that yields."""
     if foundation_modulus(scene) not in (0.0, math.inf):
         return math.inf
-    profile = scene.profile
-    return float(profile.mean()) + scene.indenter.depth_between_nodes(profile)
+    return float(scene.profile.mean()) + first_node(scene)
 
 
 def _full_contact(scene: Scene, solve: Callable[[Scene], Solution], approach: float) -> Solution:
@@ -247,5 +246,4 @@ def check_approach(scene: Scene) -> None:
 def _foundation_guess(scene: Scene, approach: float) -> float:
     """The pressure of a Winkler foundation as stiff as the layer's longest wave."""
     modulus = float(half_spectrum(scene.layer, 2, scene.period)[1]) * scene.layer.contact_modulus / scene.period
-    profile = scene.profile
-    return modulus * float(np.maximum(approach - scene.indenter.depth_between_nodes(profile) - profile, 0.0).mean())
+    return modulus * float(np.maximum(approach - first_node(scene) - scene.profile, 0.0).mean())

@@ -42,7 +42,7 @@ class Drawing(Figure):  # type: ignore[misc]  # Matplotlib has no types here
 
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)
-        FigureCanvasAgg(self)  # reads each formula once, to lay it out and to draw it
+        FigureCanvasAgg(self)  # one renderer for layout and image, so that each formula is read once
 
     def _repr_png_(self) -> bytes:
         image = io.BytesIO()

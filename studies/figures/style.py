@@ -104,7 +104,7 @@ def panels(rows: int, columns: int, width: float, height: float, **options: Any)
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(width, height), layout="constrained")
-    FigureCanvasAgg(figure)  # reads each formula once, to lay it out and to draw it
+    FigureCanvasAgg(figure)  # one renderer for layout and image, so that each formula is read once
     return figure, figure.subplots(rows, columns, squeeze=False, **options)
 
 

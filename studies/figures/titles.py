@@ -1,4 +1,4 @@
-"""What the title of a figure says of a scene, from its stored numbers."""
+"""Titles of figures: what they say of a scene, from its stored numbers, on lines that are not too wide."""
 
 import re
 from collections.abc import Collection, Mapping
@@ -39,7 +39,7 @@ _ELSEWHERE |= {"base_poisson_ratio", "stiffness_rows", "pressure", "approach", "
 def put(figure: Figure, text: str) -> None:
     """Write the title of a figure; lines wider than it are broken between words.
 
-    Matplotlib would break them, too, in half of the time that it takes to draw the figure.
+    Matplotlib can break them, too, but takes about as long for that as for the rest of the figure.
     """
     widest = _SHARE * 72 * figure.get_figwidth()
     lines: list[str] = []

@@ -128,7 +128,8 @@ def evenly_spaced(x: Array64, z: Array64) -> Profile:
     place = _places(steps)
     spacing, off = _spacing(x, place)
     count = int(place[-1]) + 1
-    if even(off, spacing) and count <= _SPARSE * x.size and not _COARSE * spacing < digit < spacing * _ROUNDED:
+    coarse = _COARSE < digit / spacing < _ROUNDED
+    if even(off, spacing) and count <= _SPARSE * x.size and not coarse:
         missing, even_x = count - x.size, np.arange(count)
         told = f"positions even to {off / spacing:.2g} of their spacing, {missing} missing, "
         told += "whose heights were filled by straight lines"
