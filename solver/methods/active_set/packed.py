@@ -112,6 +112,14 @@ def _transformed_window(frequency: Array64) -> Array64:
     return np.asarray(_WIDTH * np.sinh(root) / root)
 
 
+def _length(least: int) -> int:
+    """The least of few lengths, 4, 5, 6 or 7 times a power of two: FFTW's plan for one takes as long as ten transforms,
+    and serves again.
+    """
+    unit = 2 ** max(0, (least - 1).bit_length() - 3)
+    return -(-least // unit) * unit
+
+
 class Packed:
     """G between the nodes of some blocks, which must leave a gap wider than the split's range somewhere.
 
@@ -126,16 +134,17 @@ class Packed:
         steps = np.minimum(np.roll(gaps, -start)[:-1], reach + 1)
         position = np.append(0, np.cumsum(steps))
         self._position = np.roll(position, start)
-        self.length = split.block * fast_length(
-            -(-((int(position[-1]) + 1) * split.block + split.range) // split.block)
-        )
+        self.length = split.block * _length(-(-((int(position[-1]) + 1) * split.block + split.range) // split.block))
 
     @cached_property
     def _near(self) -> Array64:
         kernel = np.zeros(self.length)
         kernel[: self.split.near.size] = self.split.near
         kernel[1 - self.split.near.size :] = self.split.near[:0:-1]
-        return rfft(kernel).real / self.length
+        pair = self._pair
+        pair.real[:] = kernel
+        pair.forward()
+        return pair.modes.real / self.length
 
     @cached_property
     def _pair(self) -> Pair:
@@ -152,12 +161,12 @@ class Packed:
 
     def __call__(self, values: Array64) -> Array64:
         """G values, up to a constant; both on the nodes of the blocks, shape (B, block)."""
-        split, pair, coarse = self.split, self._pair, self._coarse
+        split, near, pair, coarse = self.split, self._near, self._pair, self._coarse
         packed = pair.real.reshape(-1, split.block)
         packed[:] = 0
         packed[self._position] = values
         pair.forward()
-        pair.modes *= self._near
+        pair.modes *= near
         pair.inverse()
         shares, coarse.real[:] = values @ split.window, 0
         for column, share in zip(self._spread_to.T, shares.T, strict=True):
