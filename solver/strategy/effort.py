@@ -11,7 +11,7 @@ from ..solution import MEANINGLESS
 SMALLEST_WARP = 2**13
 """Points; on smaller coarse grids recording Warp's launches takes longer than a few passes of the twins."""
 
-COARSE_TOLERANCE, COARSE_WRONG_NODES, COARSE_REDUCTION = 1e-5, 0.1, 0.01
+COARSE_TOLERANCE, COARSE_WRONG_NODES, COARSE_REDUCTION = 1e-6, 0.1, 0.01
 """On coarse grids: the residual to stop at, the nodes per patch that may still be wrong, and the part of the residual
 at the start beyond which nothing is gained, because the next grid starts no better (dimensionless)."""
 
