@@ -3,11 +3,14 @@
 Made anew for every solve they take a twentieth of its time.
 """
 
+import math
 import weakref
 from collections import defaultdict
 from dataclasses import dataclass
 from functools import partial
 from typing import TypeVar
+
+import numpy as np
 
 from ...arrays import Array64
 from ...transforms.planned import Transforms
@@ -18,6 +21,10 @@ from .storage import Whole
 
 _MOST_POINTS = 2**18
 """Of a grid whose fields are kept: they take 40 bytes a point."""
+
+_TIMES_ROUNDING = 50
+"""Tolerance over what rounding leaves of the weakest mode, down to which transforms may be of half the length: these
+take less time, but mix the rounding of long and short waves."""
 
 User = TypeVar("User")
 
@@ -52,21 +59,27 @@ class Spare:
         symbol: of the operator, shape (N//2 + 1,), always the same by that name.
         """
         kept = storage.num_points <= _MOST_POINTS
+        halved = storage.length == storage.num_points and setting.tolerance > _TIMES_ROUNDING * _rounding_of(symbol)
         means = setting.precision, setting.threads, setting.planning, setting.backend
-        shelf = self._shelves[name, storage.length, *means]
+        shelf = self._shelves[name, storage.length, halved, *means]
         try:
             return Loan(shelf.pop(), shelf, kept)
         except IndexError:  # all are in use
-            make = partial(_operators, symbol, storage, setting)
+            make = partial(_operators, symbol, storage, setting, half_length=None if halved else False)
             return Loan(Everywhere(storage, make, setting.backend, large=not kept), shelf, kept)
 
 
-def _operators(symbol: Array64, storage: Whole, setting: Setting) -> Operators:
+def _rounding_of(symbol: Array64) -> float:
+    """What float64 leaves of the weakest mode of an operator beside the strongest one, over the weakest."""
+    weakest = float(symbol[1:].min())
+    return float(np.finfo(np.float64).eps) * float(symbol.max()) / weakest if weakest > 0 else math.inf
+
+
+def _operators(symbol: Array64, storage: Whole, setting: Setting, half_length: bool | None) -> Operators:
     """For search directions and for the field itself."""
 
     def operator(precision: str) -> Compliance:
-        # of half the length they take less time, but what rounding leaves of the gap's shortest waves is twice as large
-        transforms = Transforms(storage.length, precision, setting.threads, setting.planning, half_length=False)
+        transforms = Transforms(storage.length, precision, setting.threads, setting.planning, half_length)
         return Compliance(symbol, storage, transforms, setting.backend)
 
     directions = operator(setting.working_precision)
