@@ -32,6 +32,9 @@ _WIDTH = 6
 """Of the window [blocks]; with `_SHAPE`, and far waves no shorter than four blocks, it errs by some 1e-6."""
 _SHAPE = 0.75 * math.pi * _WIDTH
 
+_LONG = 2**12
+"""Blocks beyond which transforms take longer than their plans: there are eight lengths to an octave instead of four."""
+
 _RING = 2**13  # nodes, at least, of the ring on which the near part is made, unless the grid is smaller
 
 
@@ -112,12 +115,13 @@ def _transformed_window(frequency: Array64) -> Array64:
     return np.asarray(_WIDTH * np.sinh(root) / root)
 
 
-def _length(least: int) -> int:
-    """The least of few lengths, 4, 5, 6 or 7 times a power of two: FFTW's plan for one takes as long as ten transforms,
-    and serves again.
+def _length(blocks: int) -> int:
+    """The least of few lengths from so many blocks on: FFTW takes as long to plan one as for ten transforms, and the
+    plan serves again.
     """
-    unit = 2 ** max(0, (least - 1).bit_length() - 3)
-    return -(-least // unit) * unit
+    steps = 8 if blocks > _LONG else 4
+    unit = max(1, 2 ** (blocks - 1).bit_length() // (2 * steps))
+    return -(-blocks // unit) * unit
 
 
 class Packed:
