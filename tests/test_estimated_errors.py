@@ -1,6 +1,8 @@
 """The estimated errors of area, kappa, peak pressure and approach, and an accuracy asked of each of them."""
 
 import math
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -8,6 +10,7 @@ from linecontact import curve
 from linecontact.solver import (
     QUANTITIES,
     CoatedHalfSpace,
+    Indenter,
     Layer,
     MeasuredIndenter,
     PowerIndenter,
@@ -317,6 +320,48 @@ def test_kappa_at_sharp_tips(exponent):
         scene = Scene(layer, PowerIndenter(exponent), 0.01, num_points=2**12)
         coarse, fine = (solve(scene.on_grid(n)).observables for n in (2**12, 2**18))
         assert abs(coarse.kappa_subgrid - fine.kappa_subgrid) < coarse.kappa_error < 0.01 * fine.kappa_subgrid
+
+
+@dataclass(frozen=True)
+class Wedge(Indenter):
+    """h = s |x - c|, periodic: the tip stands a share of a spacing of the finest grid beside a node."""
+
+    beside: float = 0.0
+
+    name: ClassVar[str] = "wedge"
+
+    def profile(self, num_points, period):
+        h = 0.1 * np.abs(np.arange(num_points) / num_points - 0.5 + self.beside / 2**14)
+        return h - h.min()
+
+    def shortest_wave(self, num_points):
+        return 0
+
+    def to_dict(self):
+        return {"profile": self.name, "beside": self.beside}
+
+
+@pytest.mark.parametrize("num_points", [2**12, 2**14])
+@pytest.mark.parametrize("pressure", [0.002, 0.01, 0.04])
+@pytest.mark.parametrize("beside", [0.0, 0.3, 0.5, 1.5, 2.0])
+def test_kappa_where_slopes_are_differences_across_a_kink(beside, pressure, num_points):
+    """Half-space: p/E* = (s/pi) arsinh(tan(pi a/L)), the integral of `closed_forms` for h' = s; kappa = a_r s E*/p."""
+    found = solve(Scene(Layer(), Wedge(beside), pressure, num_points=num_points)).observables
+    area = 2 * math.atan(math.sinh(10 * math.pi * pressure)) / math.pi
+    assert found.contact_area_subgrid == pytest.approx(area, rel=1e-3)
+    error = abs(found.kappa_subgrid - area * 0.1 / pressure)
+    assert error < found.kappa_error < 0.1 * found.kappa_subgrid
+
+
+def test_kappa_of_a_step_is_not_known():
+    """The pressure's edges stand where the profile jumps, and its slope there grows with the grid."""
+
+    class Step(Wedge):
+        def profile(self, num_points, period):
+            return np.where(np.abs(np.arange(num_points) / num_points - 0.5) < 0.1, 0.0, 0.3)
+
+    found = solve(Scene(Layer(), Step(), 0.01, num_points=2**14)).observables
+    assert found.kappa_error > 0.4 * found.kappa_subgrid
 
 
 @pytest.mark.parametrize("exponent", [1.2, 2.0, 4.0, 20.0])

@@ -11,7 +11,7 @@ from linecontact.solver.grid.patches import Patches
 from linecontact.solver.grid.problem import Problem, half_spectrum
 from linecontact.solver.methods import Setting, active_set, relax
 from linecontact.solver.methods.active_set import nearby
-from linecontact.solver.methods.active_set.packed import Packed, Split
+from linecontact.solver.methods.active_set.packed import Packed, Split, transformed_blocks
 
 LAYERS = [(math.inf, 0.25)] + [
     (d, nu) for d in (1, 0.1, 0.01, 1e-3, 1e-4, 1e-5) for nu in (-0.9, 0.25, 0.45, 0.499, 0.5)
@@ -51,6 +51,15 @@ def test_packed_against_whole_transforms(num_points, block, thickness, nu):
     other = rng.standard_normal(pressure.shape)
     forth, back = float(np.sum(other * packed(pressure))), float(np.sum(pressure * packed(other)))
     assert forth == pytest.approx(back, rel=0, abs=1e-12 * float(np.sum(np.abs(other * packed(pressure)))))
+
+
+def test_packed_lengths_are_few():
+    """So plans serve again: at most four of them to an octave of blocks, eight from 2^12 on, and little longer."""
+    lengths = np.array([transformed_blocks(blocks) for blocks in range(1, 2**14)])
+    needed = np.arange(1, 2**14)
+    assert (lengths >= needed).all()
+    assert (lengths <= np.ceil(np.where(needed > 2**12, 1.125, 1.25) * needed)).all()
+    assert np.unique(lengths[needed > 16]).size <= 8 * 4 + 2 * 8
 
 
 def rough(num_points, hurst=0.8, thickness=math.inf, nu=0.25, pressure=1e-2, seed=0):

@@ -13,7 +13,7 @@ from .contact import contact_edges
 from .edges import Edges
 from .patch_table import PatchTable, patch_table
 from .patches import Patches
-from .problem import squared_slope
+from .problem import squared_slope, squared_slope_doubt
 
 
 @dataclass(frozen=True)
@@ -92,9 +92,8 @@ def observe(
     kappa = area / reduced
     layer, power = scene.layer, scene.indenter.power_law
     patches, edges = contact_edges(scene, contact_pressure, profile)
-    area_subgrid, gradient_subgrid, kappa_subgrid, sensitivity = subgrid_measures(scene, patches, edges, squared)
+    area_subgrid, gradient_subgrid, kappa_subgrid, kappa_error = subgrid_measures(scene, patches, edges, squared)
     area_error = edges.total_error / scene.num_points if area else 1.0
-    kappa_error = sensitivity * area_error if area_error else 0.0
     found = Observables(
         contact_area=area,
         rms_gradient_contact=gradient,
@@ -156,7 +155,7 @@ def approach(scene: Scene, displacement: Array64, profile: Array64) -> float:
 def subgrid_measures(
     scene: Scene, patches: Patches, edges: Edges, squared: Array64
 ) -> tuple[float, float, float, float]:
-    """a_r, g_c and kappa between the sub-grid edges, and |d kappa/d a_r| where the edges move (dimensionless).
+    """a_r, g_c and kappa between the sub-grid edges, and kappa's error by edges and slopes alone (dimensionless).
 
     squared: h'^2 on the grid of `patches` and `edges`, shape (N,).
     """
@@ -184,6 +183,11 @@ def subgrid_measures(
         return width / num_points, 0.0, 0.0, math.inf
     gradient = math.sqrt(mean_square)
     per_area = gradient * scene.layer.contact_modulus / scene.pressure
+    kappa = per_area * width / num_points
     # d(a g) = g da + da (s_e^2 - g^2)/(2 g), s_e the slope at the edge
     sensitivity = per_area * (1 + abs(float(at.mean()) / mean_square - 1) / 2)
-    return width / num_points, gradient, per_area * width / num_points, sensitivity
+    by_edges = sensitivity * edges.total_error / num_points if edges.total_error else 0.0
+    doubt = squared_slope_doubt(scene.indenter, num_points, scene.period)
+    # twice what it is in kappa: half of this is left beside a coarser grid, but not less of the slopes
+    by_slopes = 0.0 if doubt is None else float(np.abs(patches.sums(doubt[patches.nodes])).sum()) / width / mean_square
+    return width / num_points, gradient, kappa, math.hypot(by_edges, by_slopes * kappa)

@@ -56,6 +56,15 @@ def squared_slope(indenter: Indenter, num_points: int, period: float) -> Array64
     return squared
 
 
+@kept
+def squared_slope_doubt(indenter: Indenter, num_points: int, period: float) -> Array64 | None:
+    """What h'^2 may be off by at the nodes, shape (num_points,), read-only; None where nothing."""
+    doubt = indenter.squared_slope_doubt(num_points, period)
+    if doubt is not None:
+        doubt.flags.writeable = False
+    return doubt
+
+
 def half_spectrum(layer: ElasticLayer, num_points: int, period: float) -> Array64:
     """K(q_k) of a layer for k = 0 ... N/2, shape (N//2 + 1,), in units of E*/L; 0 for the mean mode.
 

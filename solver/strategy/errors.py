@@ -22,6 +22,7 @@ patches are independent but for a part that they have in common, b: a grid with 
 between its nodes. That is up to 0.03 (16/w)^2.5 grid spacings for the area of each patch whose pressures tell where it
 ends (0.04 for kappa), and up to 0.004 (16/w)^2.5 (0.008) if its load does. Gaps that lie between two contact nodes all
 make the area too large: the sum of their widths over the period, g, is added as it is, and in kappa the same share.
+Where slopes are differences of heights, e of kappa holds what these may be off by (`Indenter.squared_slope_doubt`).
 
 Under a stiff coating thinner than a grid spacing the nodes may miss anything of the peak pressure (`inf`).
 

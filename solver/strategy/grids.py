@@ -76,7 +76,7 @@ class Reached:
         """What this grid gives."""
         scene, state, edges, unit = self.scene, self.state, self.contact[1], self.state.problem.length_unit
         squared = squared_slope(scene.indenter, self.num_points, scene.period)
-        area, _, kappa, sensitivity = subgrid_measures(scene, *self.contact, squared)
+        area, _, kappa, kappa_error = subgrid_measures(scene, *self.contact, squared)
         error = edges.total_error / self.num_points
         return Level(
             num_points=self.num_points,
@@ -88,7 +88,7 @@ class Reached:
             num_patches=self.contact[0].count,
             num_patches_by_load=edges.num_by_load,
             contact_area_edges_error=error,
-            kappa_edges_error=sensitivity * error if error else 0.0,
+            kappa_edges_error=kappa_error,
             unseen_gap_area=edges.unseen / self.num_points,
             iterations=state.iteration,
             transform_pairs=round(state.transform_pairs, 3),

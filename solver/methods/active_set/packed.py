@@ -115,12 +115,12 @@ def _transformed_window(frequency: Array64) -> Array64:
     return np.asarray(_WIDTH * np.sinh(root) / root)
 
 
-def _length(blocks: int) -> int:
+def transformed_blocks(blocks: int) -> int:
     """The least of few lengths from so many blocks on: FFTW takes as long to plan one as for ten transforms, and the
     plan serves again.
     """
     steps = 8 if blocks > _LONG else 4
-    unit = max(1, 2 ** (blocks - 1).bit_length() // (2 * steps))
+    unit = max(1, (1 << (blocks - 1).bit_length()) // (2 * steps))
     return -(-blocks // unit) * unit
 
 
@@ -138,7 +138,9 @@ class Packed:
         steps = np.minimum(np.roll(gaps, -start)[:-1], reach + 1)
         position = np.append(0, np.cumsum(steps))
         self._position = np.roll(position, start)
-        self.length = split.block * _length(-(-((int(position[-1]) + 1) * split.block + split.range) // split.block))
+        self.length = split.block * transformed_blocks(
+            -(-((int(position[-1]) + 1) * split.block + split.range) // split.block)
+        )
 
     @cached_property
     def _near(self) -> Array64:
