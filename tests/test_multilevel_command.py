@@ -16,6 +16,7 @@ from linecontact.studies.command_line import main
 from linecontact.studies.files.study_files import load_study
 from linecontact.studies.multilevel import study, tasks
 from linecontact.studies.multilevel.allocation import PILOT
+from linecontact.studies.multilevel.samples import on_finest
 from linecontact.studies.scenes import kinds
 from made_up_ensembles import SCENE, SIZES, solved
 
@@ -40,6 +41,22 @@ def test_one_grid_is_plain_sampling(tmp_path, capsys):
     said = " ".join(capsys.readouterr().out.split())
     assert "this is plain sampling" in said
     assert "cheaper" not in said
+
+
+def test_warnings_of_the_surfaces_are_counted(tmp_path, capsys):
+    """Of those on the finest grid, as their solutions have them; small slopes and strains have none."""
+    words = ("--standard-error", "0.05", "--relative")
+    assert ensemble(tmp_path / "steep", *SMALL, *words) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    finest = on_finest(load_study(tmp_path / "steep" / "ensemble.h5").runs)
+    assert {run["warnings"] for run in finest} == {"strain, slope"}
+    surfaces = f"{len(finest)} surfaces on {finest[0]['num_points']} points"
+    assert f"Warnings of the {surfaces}, and how many have them: strain ({len(finest)}), slope ({len(finest)});" in said
+    flat = ("--rms-gradient", "0.01", "--pressure", "0.0002")
+    assert ensemble(tmp_path / "flat", *SMALL, *words, *flat) == 0
+    assert "Warnings" not in capsys.readouterr().out
+    scene = Scene(indenter=RoughIndenter(cut_off_ratio=1 / 8), pressure=0.02, num_points=2**10)
+    assert "; warnings: strain (" in repr(ensemble_mean(scene, 0.05, relative=True))
 
 
 def test_too_coarse_a_grid_is_said(tmp_path, capsys):

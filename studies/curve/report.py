@@ -12,6 +12,7 @@ from linecontact.solver.display import counted, rounded_up
 from rich.console import Console, ConsoleOptions, RenderableType, RenderResult
 from rich.table import Table
 
+from ..files.records import warnings_in
 from ..files.study_files import StudyFile
 from ..scans.preparation import mirrored
 from ..terminal import console
@@ -39,8 +40,7 @@ def short(file: StudyFile) -> list[str]:
 
 def warned(file: StudyFile) -> list[str]:
     """A sentence on the values whose solutions have warnings; none where there are none."""
-    found = [kind for run in file.runs for kind in str(run.get("warnings", "")).split(", ") if kind]
-    told = ", ".join(f"{kind} ({found.count(kind)})" for kind in dict.fromkeys(found))
+    told = warnings_in(file.runs)
     return [f"Warnings, and the number of values: {told}; `linecontact solve` says why."] if told else []
 
 

@@ -7,7 +7,7 @@ from linecontact.solver import Scene, Status, solve
 from linecontact.solver.methods import Progress
 from linecontact.solver.units import length_unit, unit
 
-from ..files.records import run_record
+from ..files.records import run_record, warnings
 from ..files.study_files import StudyFile
 from ..runner.tasks import Record
 from ..scenes.described import base_scene
@@ -57,5 +57,5 @@ def point(scene: Scene, accuracy: float | None, accuracy_of: str, report: Progre
     solution = solve(scene, accuracy=accuracy, accuracy_of=accuracy_of, progress=report)
     if solution.status is Status.INTERRUPTED:
         raise KeyboardInterrupt
-    warned = ", ".join(str(warning.kind) for warning in solution.warnings)
-    return run_record(solution) | {"contact_stiffness": solution.contact_stiffness, "warnings": warned}
+    told = {"contact_stiffness": solution.contact_stiffness, "warnings": warnings(solution)}
+    return run_record(solution) | told

@@ -4,14 +4,14 @@ JSON has no infinity and no NaN. In a record they are the texts 'inf', '-inf' an
 `is_text` tells them from other texts.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from linecontact.solver import Solution
 from linecontact.solver.checks import NOT_FINITE, plain
 from linecontact.solver.units import unit
 
-__all__ = ["RESULTS_VERSION", "flatten", "is_text", "plain", "renamed", "run_record", "unit"]
+__all__ = ["RESULTS_VERSION", "flatten", "is_text", "plain", "renamed", "run_record", "unit", "warnings", "warnings_in"]
 
 RESULTS_VERSION = 2
 """To be raised whenever the same task gives other results: they must not be mixed."""
@@ -44,3 +44,14 @@ def is_text(value: Any) -> bool:
 def run_record(solution: Solution) -> dict[str, Any]:
     """The flat record of a solution in a study, see `Solution.to_record`."""
     return flatten(solution.to_record())
+
+
+def warnings(solution: Solution) -> str:
+    """The kinds of a solution's warnings, separated by commas, for a record of it."""
+    return ", ".join(str(warning.kind) for warning in solution.warnings)
+
+
+def warnings_in(runs: Iterable[Mapping[str, Any]]) -> str:
+    """The kinds of warnings in some records, and in how many of them; empty where there are none."""
+    kinds = [kind for run in runs for kind in str(run.get("warnings", "")).split(", ") if kind]
+    return ", ".join(f"{kind} ({kinds.count(kind)})" for kind in dict.fromkeys(kinds))

@@ -68,11 +68,14 @@ class Estimate:
     """Of a single surface on the finest grid."""
     plain_seconds: float
     """Time of a single surface on the finest grid [s]."""
+    warnings: str = ""
+    """The kinds of `Solution.warnings` on the finest grid, each with the number of surfaces that have it."""
 
     def __repr__(self) -> str:
         numbers = "".join(f", {name} {getattr(self, name):.3g}" for name in ("standard_error", "bias"))
         grids = ", ".join(f"{term.count} on {name_of(term.num_points)}" for term in self.terms)
-        return f"{type(self).__name__}: mean {self.mean:.6g}{numbers} [as the observable]; surfaces: {grids} points"
+        told = f"{type(self).__name__}: mean {self.mean:.6g}{numbers} [as the observable]; surfaces: {grids} points"
+        return f"{told}; warnings: {self.warnings}" if self.warnings else told
 
     def plain_cost(self, standard_error: float) -> float:
         """Time that sampling on the finest grid alone would take for a standard error > 0 [s]."""

@@ -1,10 +1,12 @@
 """A mean over random surfaces in Python."""
 
 import math
+from dataclasses import replace
 from typing import Any
 
 from linecontact.solver import Scene, checks
 
+from ..files.records import warnings_in
 from . import samples
 from .allocation import FIRST_GRIDS, PILOT, Wanted, levels, state
 from .estimator import Estimate
@@ -46,7 +48,7 @@ def ensemble_mean(
         rows += [row for batch in now.batches for row in samples.rows(scene, batch)]
     if now.out_of_reach:
         raise ValueError(f"standard_error is {standard_error:g}: {now.out_of_reach}")
-    return now.estimates[wanted.observables[0]]
+    return replace(now.estimates[wanted.observables[0]], warnings=warnings_in(samples.on_finest(rows)))
 
 
 def check_wanted(

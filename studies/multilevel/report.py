@@ -4,15 +4,16 @@ import math
 from collections.abc import Sequence
 from pathlib import Path
 
-from linecontact.solver.display import rounded_up
+from linecontact.solver.display import counted, rounded_up
 from rich.console import RenderableType
 from rich.table import Table
 
+from ..files.records import warnings_in
 from ..files.study_files import StudyFile
 from ..terminal import console
 from .allocation import State, Wanted
 from .estimator import Estimate, Term
-from .samples import FOUNDATION, name_of, on_grids, unit_of
+from .samples import FOUNDATION, Row, name_of, on_finest, on_grids, unit_of
 from .tasks import found
 
 _ROUNDING = 1e-9  # of the mean: scatter that rounding and the tolerance of the solves leave
@@ -85,10 +86,21 @@ def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
         for observable, estimate in state.estimates.items():
             parts += [summary(observable, estimate), _sentences(observable, estimate, wanted, spent)]
         solves = on_grids(file.runs)
+        parts += _warned(solves)
         lost = sum(run["status"] != "converged" for run in solves)
         if lost:
             parts.append(f"Left out: {lost} of {len(solves)} solves that did not converge.")
     return parts
+
+
+def _warned(solves: Sequence[Row]) -> list[str]:
+    """A sentence on what there is to doubt of the surfaces on the finest grid; none where there is nothing."""
+    there = on_finest(solves)
+    told = warnings_in(there)
+    if not told:
+        return []
+    surfaces = f"the {counted(len(there), 'surface')} on {there[0]['num_points']} points"
+    return [f"Warnings of {surfaces}, and how many have them: {told}; `linecontact solve` with a seed says why."]
 
 
 def missed(file: StudyFile) -> list[str]:

@@ -11,6 +11,7 @@ from linecontact.solver import Scene, Status, provenance, solve
 from linecontact.solver.methods import Progress
 from linecontact.solver.units import unit
 
+from ..files.records import warnings
 from . import foundation
 
 OBSERVABLES = {
@@ -64,6 +65,13 @@ def on_grids(rows: Iterable[Row]) -> list[Row]:
     return [row for row in rows if row["num_points"] != FOUNDATION]
 
 
+def on_finest(rows: Iterable[Row]) -> list[Row]:
+    """The rows of solves on the finest grid that any is on."""
+    known = on_grids(rows)
+    finest = max((row["num_points"] for row in known), default=0)
+    return [row for row in known if row["num_points"] == finest]
+
+
 def fewest_points(scene: Scene) -> int:
     """Points that a grid has to have to hold the surface."""
     return max(_FEWEST, _WAVE_POINTS * scene.indenter.shortest_wave(scene.num_points))
@@ -88,6 +96,7 @@ def rows(scene: Scene, batch: Batch, report: Progress | None = None) -> Iterator
                 "num_points": size,
                 "seconds.total": solution.seconds["total"],
                 **kept,
+                "warnings": warnings(solution),
                 "version": found["version"],
                 "commit": found["provenance"]["commit"],
             }
