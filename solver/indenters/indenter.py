@@ -22,6 +22,9 @@ class Indenter(Kind, Protocol):
     name: ClassVar[str]
     """The indenter's name on the command line and in stored results."""
 
+    knows_lowest: ClassVar[bool] = False
+    """Whether `depth_between_nodes` tells the lowest point between the nodes, and not 0."""
+
     @abstractmethod
     def profile(self, num_points: int, period: float) -> Array64:
         """Heights h(x_i) above the lowest point, shape (num_points,), in units of the period; the lowest is 0.

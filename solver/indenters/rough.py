@@ -42,6 +42,7 @@ class RoughIndenter(Indenter):
     """Rms gradient of h over the period, > 0 (dimensionless)."""
 
     name: ClassVar[str] = "rough"
+    knows_lowest: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         checks.assign(self, hurst=checks.real("hurst", self.hurst, "0 < H <= 1", 0, 1))

@@ -6,10 +6,11 @@ of the patches alone is e. On a surface with w points to its shortest wave its e
     contact area     sqrt((0.55 e)^2 + (c/48)^2 + b^2) + g
     kappa            sqrt((0.6 e)^2 + (c/48)^2 + b^2) + g
     peak pressure    sqrt((c/3)^2 + (c'/32)^2 + s^2)
-    approach         sqrt((c/2)^2 + (c'/16)^2)
+    approach         sqrt((c/4)^2 + (c'/32)^2)
 
 with c' the change before c and s what the nodes may miss of a peak between them; with one coarser grid alone they are
-c and 4 c.
+c and 2 c. Of scans and own indenters, which do not tell the lowest point between the nodes, the approach's is twice as
+much.
 
 On smooth profiles b = 0, the shares of area and kappa are 0.36 and 0.5 of e, c/13 and c/8. The order of pressure and
 approach is measured there, and at best the first is believed: sqrt((m c)^2 + (c'/16)^2), m = 1/(c'/c - 1) between 1/3
@@ -66,6 +67,8 @@ class Quantity:
     of_changes: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Of what does not depend on edges, the shares of the last change and the one before that are left under rough
     profiles, and of the only one where there is no other (dimensionless)."""
+    of_lowest: bool = False
+    """Whether it counts from the profile's lowest point, so that more is left where only the nodes tell that."""
     sampling: str | None = None
     """The name, in both, of what nodes may miss of it; None where that is no matter."""
     sensitivity: float = 1.0
@@ -98,7 +101,7 @@ QUANTITIES = {
     "peak-pressure": Quantity(
         "peak_pressure", "peak_pressure_error", of_changes=(1 / 3, 1 / 32, 1.0), sampling="peak_pressure_sampling"
     ),
-    "approach": Quantity("approach", "approach_error", of_changes=(1 / 2, 1 / 16, 4.0)),
+    "approach": Quantity("approach", "approach_error", of_changes=(1 / 4, 1 / 32, 2.0), of_lowest=True),
 }
 """By the name under which an accuracy of it is asked for."""
 
@@ -110,6 +113,7 @@ _KNOWN = 0.001  # error of a layer's edge up to which that is so [grid spacings]
 _COMMON, _COMMON_POWER = 16.0, 2.5  # points to the shortest wave, and the power with which their share falls
 _LEAST, _MOST = 1.25, 4.0  # factor by which changes fall from grid to grid, as far as that is believed
 _STIFF = 0.9  # 2K/(E* q) of the shortest wave, below which shorter ones find the layer stiffer
+_LOWEST_NODE = 2.0  # error of the approach over what it is where the lowest point between the nodes is known
 _EARLIER = 1 / 16  # share of the change before the last
 
 
@@ -132,6 +136,8 @@ def estimated(
             return math.inf
         sampling = float(getattr(found, quantity.sampling)) if quantity.sampling else 0.0
         left = _by_shares(values, quantity.of_changes) if waves else _by_order(values)
+        if waves and quantity.of_lowest and not scene.indenter.knows_lowest:
+            left *= _LOWEST_NODE
         return math.hypot(left, sampling)
     edges, area = float(getattr(found, quantity.edges)), found.contact_area_subgrid
     if not area:
