@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from linecontact.solver import METHODS, Layer, RoughIndenter, Scene, Status, certify, solve
+from linecontact.solver import METHODS, Layer, PowerIndenter, RoughIndenter, Scene, Status, certify, solve
 from linecontact.solver.display import rounded_up
 from linecontact.solver.grid.problem import Problem
 from linecontact.solver.methods import relax
@@ -73,3 +73,18 @@ def test_mixed_reaches_what_float32_cannot():
     hopeless = solve(scene, method="mass-weighted-fire", tolerance=2e-14)
     assert hopeless.status is Status.STAGNATED
     assert hopeless.certificate.free_residual < 1e-10
+
+
+@pytest.mark.parametrize(
+    ("exponent", "thickness", "pressure", "num_points"),
+    [(4, 0.001, 0.057, 2**14), (8, 0.001, 0.027, 2**14), (8, 0.01, 0.0079, 2**12), (3, 0.001, 0.0006, 2**14)],
+)
+def test_rounding_to_float32_is_in_the_estimated_errors(exponent, thickness, pressure, num_points):
+    scene = Scene(Layer(thickness, 0.3), PowerIndenter(exponent), pressure, num_points=num_points)
+    single, double = (
+        solve(replace(scene, precision=precision, num_points=points)).observables
+        for precision, points in (("float32", num_points), ("float64", 4 * num_points))
+    )
+    assert abs(single.contact_area_subgrid - double.contact_area_subgrid) < single.contact_area_error
+    assert abs(single.kappa_subgrid - double.kappa_subgrid) < single.kappa_error
+    assert single.kappa_error < 1e-3 * single.kappa_subgrid
