@@ -204,9 +204,18 @@ def with_errors(scene: Scene, observables: Observables, levels: Sequence[Level],
     share = iteration_share(free_residual, rounded=scene.precision == "float32")
     for quantity in QUANTITIES.values():
         value = abs(getattr(observables, quantity.value))
-        unfinished = quantity.sensitivity * share * value if math.isfinite(share) else math.inf
+        unfinished = _sensitivity(quantity, observables) * share * value if math.isfinite(share) else math.inf
         errors[quantity.error] = estimated(quantity, scene, scene.num_points, observables, levels) + unfinished
     return replace(observables, **errors)
+
+
+def _sensitivity(quantity: Quantity, found: Observables) -> float:
+    """`Quantity.sensitivity`, or what the edges say if that is more: kappa of blunt profiles depends on their ends."""
+    edges = found.contact_area_edges_error / (found.contact_area_subgrid or math.inf)
+    if quantity.edges is None or not 0 < edges < math.inf:
+        return quantity.sensitivity
+    relative = getattr(found, quantity.edges) / (getattr(found, quantity.value) or math.inf)
+    return max(quantity.sensitivity, relative / edges)
 
 
 def iteration_share(free_residual: float, rounded: bool = False) -> float:
