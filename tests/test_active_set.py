@@ -4,6 +4,7 @@ import itertools
 import json
 import math
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from linecontact.solver import (
     METHODS,
+    CoatedHalfSpace,
     Layer,
     MeasuredIndenter,
     PowerIndenter,
@@ -26,6 +28,7 @@ from linecontact.solver.methods import Setting, active_set, relax
 from linecontact.solver.methods.active_set import greens_function
 from linecontact.solver.methods.active_set import preconditioner as deflation
 from linecontact.solver.methods.active_set.greens_function import GreensFunction
+from linecontact.solver.methods.active_set.search import Search
 from linecontact.solver.transforms import plain, planned
 
 
@@ -87,7 +90,7 @@ def test_all_methods_agree(scene):
 @pytest.mark.parametrize("small", [0, 384])
 def test_few_pairs_without_help(d, nu, indenter, small, monkeypatch):
     """Nested, to 1e-8, not handed over, in a number of pairs that FIRE needs hundreds for; with elimination or not."""
-    monkeypatch.setattr("linecontact.solver.methods.active_set.active_set._SMALL_SET", small)
+    monkeypatch.setattr("linecontact.solver.methods.active_set.elimination._SMALL", small)
     solution = solve(Scene(Layer(d, nu), indenter, 1e-2, num_points=2**12))
     assert solution.status is Status.CONVERGED
     assert not solution.handed_over
@@ -107,6 +110,33 @@ def test_where_elimination_fails_conjugate_gradients_go_on(error, monkeypatch):
     solution = solve(scene)
     assert solution.status is Status.CONVERGED
     np.testing.assert_array_equal(solution.contact, expected.contact)
+
+
+@pytest.mark.parametrize("even", [False, True])
+@pytest.mark.parametrize(
+    ("thickness", "base", "pressure"), [(3e-3, 1e-3, 1e-4), (3e-3, 1e-5, 1e-2), (1e-3, 1e-4, 1e-3)]
+)
+@pytest.mark.parametrize("num_points", [2**9, 2**11, 2**13])
+def test_noise_under_a_stiff_coating(num_points, thickness, base, pressure, even):
+    """Every node's pressure is felt by all others, and sets on the way are too ill-conditioned to be iterated on."""
+    heights = 1e-3 * np.random.default_rng(num_points).standard_normal(num_points)
+    if even:
+        heights[num_points // 2 :] = heights[: num_points // 2][::-1]
+    scene = Scene(CoatedHalfSpace(thickness, base), MeasuredIndenter(heights), pressure, num_points=num_points)
+    solution = solve(scene)
+    assert solution.status is Status.CONVERGED
+    assert solution.certificate.free_residual < 3e-8  # of which rounding leaves 1e-8
+    assert solution.certificate.energy_error_bound < 1e-9
+
+
+def test_one_by_one_is_the_same_contact(monkeypatch):
+    """Where the usual search has no difficulty, either."""
+    scenes = [Scene(Layer(d), RoughIndenter(0.8, 1, 1 / 8, 1 / 8), 0.02, num_points=2**10) for d in (math.inf, 1e-3)]
+    usual = [solve(scene).contact_pressure for scene in scenes]
+    monkeypatch.setattr("linecontact.solver.methods.active_set.active_set.Search", partial(Search, one_by_one=True))
+    for scene, pressure in zip(scenes, usual, strict=True):
+        found = solve(scene, nested=False).contact_pressure
+        assert np.abs(found - pressure).max() < 1e-6 * pressure.max()
 
 
 def test_pairs_do_not_grow():

@@ -24,6 +24,7 @@ import numpy as np
 from ...arrays import Array64, Indices, Mask
 from ...grid.problem import Problem, foundation_pressure, typical_stiffness
 from ..method import Method
+from . import elimination
 from .contact_set import ContactSet
 from .ends import moved_ends
 from .greens_function import GreensFunction
@@ -34,7 +35,6 @@ from .storage import Whole
 
 _OVER_FLOOR = 0.3  # error of the pressure over the free residual, both as rounding leaves them
 _OVER_DRIFT = 3.0  # residual over the rounding of float32 images, below which the response has to be made anew
-_SMALL_SET = 256  # nodes up to which elimination takes less time than the iterations
 _FEW_PATCHES = 8  # largest number of patches whose ends are predicted on a cold start; more disturb each other
 _MOVES = 6  # updates of a cold start in which they are
 
@@ -114,7 +114,7 @@ class ActiveSet(Method):
         if self._set is None:
             self.start_cold()
         now, drift = self._now, self._response.drift
-        if now.nodes.size <= _SMALL_SET and not now.eliminated and self._response.plain and not now.patches.full:
+        if self._response.plain and elimination.suits(now, self._search):
             self._eliminate()
             return
         if now.preconditioner is None:
@@ -139,15 +139,10 @@ class ActiveSet(Method):
 
     def _eliminate(self) -> None:
         """Solve on a small set by elimination, as well as rounding allows, and update it."""
-        now = self._now
-        now.eliminated = True
-        try:
-            pressure = self._green.solve(now.nodes, self.problem.height[now.nodes])
-        except (np.linalg.LinAlgError, ZeroDivisionError):  # rounding has made it singular: iterate
+        now = elimination.solve(self._now, self._green, self._storage, self.problem.height, self._search)
+        if now is None:  # iterate
             return
-        if not np.isfinite(pressure).all():
-            return
-        now.pressure = pressure if now.mirrored is None else (pressure + pressure[now.mirrored]) / 2
+        self._set = now
         self._response.renew(now)
         touching = self._response.touching(now)
         r = float(touching.mean()) - touching
@@ -184,9 +179,21 @@ class ActiveSet(Method):
             if self._response.leave_nearby(now):  # it was the packed operator's error
                 now.begin_anew()
                 return
+            if self._begun_anew():
+                return
             # rounding does not let this set be solved any further; it may be the wrong one, unless it was examined
             # before: now what rounding has made of the pressure would decide
             self.stopped = now.settled or not self._update_set()
+
+    def _begun_anew(self) -> bool:
+        """Begin anew, with few nodes at a time, where the search has failed and that may help; whether it does."""
+        plain, search = self._response.plain, self._search
+        first = elimination.anew(self.problem, self._storage, search, self.residual) if plain else None
+        if first is None:
+            return False
+        self._search, self._set = Search(one_by_one=True), first
+        self._response.renew(first)
+        return True
 
     @property
     def _now(self) -> ContactSet:
@@ -207,7 +214,11 @@ class ActiveSet(Method):
         new = self._response.penetrating(now, self._smallest_gap)
         if now.pulling.size + new.size <= self._wrong_nodes_per_patch * now.patches.count:
             return False
+        if self._search.one_by_one and new.size:
+            new = self._storage.with_images(elimination.deepest(new, self._response.gap(new), now))
         self._search.note(now.pulling.size + new.size)
+        if self._search.too_long and self._begun_anew():
+            return True
         nodes, kept = _change(now, new, self._search.may_move_ends())
         self._take_set(nodes, now.nodes[kept], now.pressure[kept])
         self.stopped = self._search.in_circles(self._now.key)
