@@ -13,7 +13,7 @@ from linecontact.solver import METHODS, Layer, MeasuredIndenter, RoughIndenter, 
 from linecontact.solver.display import rounded_up
 from linecontact.solver.grid import contact, edges, kept, layer_slope, loads, problem
 from linecontact.solver.layers import coated
-from linecontact.solver.methods.active_set import active_set, elimination, storage
+from linecontact.solver.methods.active_set import elimination, storage
 from linecontact.solver.reference import closed_forms
 from linecontact.solver.strategy import certification, precision
 from linecontact.solver.transforms import planned

@@ -214,7 +214,7 @@ def _sensitivity(quantity: Quantity, found: Observables) -> float:
     edges = found.contact_area_edges_error / (found.contact_area_subgrid or math.inf)
     if quantity.edges is None or not 0 < edges < math.inf:
         return quantity.sensitivity
-    relative = getattr(found, quantity.edges) / (getattr(found, quantity.value) or math.inf)
+    relative = float(getattr(found, quantity.edges)) / (getattr(found, quantity.value) or math.inf)
     return max(quantity.sensitivity, relative / edges)
 
 
