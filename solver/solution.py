@@ -40,6 +40,8 @@ class Level:
     """By how much the pressure between the nodes may pass that [pressure]."""
     approach: float
     """Rigid approach since first touch [length]."""
+    approach_sampling: float
+    """By how much it may be larger, because the lowest point may lie between the nodes [length]."""
     num_patches: int
     """Contact patches."""
     num_patches_by_load: int

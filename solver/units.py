@@ -20,6 +20,7 @@ _UNITS = {
     "peak_pressure_error": "pressure",
     "peak_pressure_sampling": "pressure",
     "approach_error": "length",
+    "approach_sampling": "length",
     "pressure": "pressure",
     "contact_modulus": "pressure",
     "youngs_modulus": "pressure",

@@ -1,7 +1,7 @@
 """The estimated errors of area, kappa, peak pressure and approach, and an accuracy asked of each of them."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -351,6 +351,61 @@ def test_kappa_where_slopes_are_differences_across_a_kink(beside, pressure, num_
     assert found.contact_area_subgrid == pytest.approx(area, rel=1e-3)
     error = abs(found.kappa_subgrid - area * 0.1 / pressure)
     assert error < found.kappa_error < 0.1 * found.kappa_subgrid
+
+
+@pytest.mark.parametrize("beside", [0.3, 0.5, 1.5])
+@pytest.mark.parametrize("thickness", [0.05, math.inf])
+def test_a_tip_between_the_nodes_is_in_the_approach_s_error(beside, thickness):
+    """Nested grids share the lowest node, so that no change tells of it; nor does a given approach."""
+    scene = Scene(Layer(thickness), Wedge(beside), 0.002, num_points=2**12)
+    truth = solve(replace(scene, indenter=Wedge(0.0), num_points=2**16)).observables
+    found = solve(scene).observables
+    assert abs(found.approach - truth.approach) < found.approach_error < 0.02 * found.approach
+    bought = solve(scene.on_grid(2**16), accuracy=1e-3, accuracy_of="approach").observables
+    assert abs(bought.approach - truth.approach) < 1e-3 * truth.approach
+    pressed = solve(Scene(scene.layer, scene.indenter, approach=truth.approach, num_points=2**12))
+    assert abs(pressed.scene.pressure / 0.002 - 1) < pressed.choices[0].error < 0.1
+
+
+@pytest.mark.parametrize("num_points", [2**10, 2**14])
+def test_kappa_of_smooth_own_indenters_is_well_known(num_points):
+    class Parabola(Wedge):
+        def profile(self, num_points, period):
+            return (np.arange(num_points) / num_points - 0.5) ** 2 / 2
+
+    own, known = (
+        solve(Scene(Layer(), indenter, 0.002, num_points=num_points)).observables
+        for indenter in (Parabola(), PowerIndenter())
+    )
+    assert abs(own.kappa_subgrid - known.kappa_subgrid) < own.kappa_error < 4 * known.kappa_error
+
+
+@pytest.mark.parametrize("exponent", [1.02, 1.1, 1.2, 1.35])
+def test_peak_pressure_at_sharp_tips(exponent):
+    """Half-space: a contact of half-width b spreads what it adds to the load F as dF/(L sqrt(sin^2 b - sin^2 x)/cos b)
+    does, b and x in units of L/pi (Westergaard), so that p(0) = int_0^a dF(b)/sin(pi b/L)/L.
+    """
+
+    def load(half_width):
+        return closed_forms.periodic_line_load(half_width, lambda x: x ** (exponent - 1))
+
+    half_width = closed_forms.periodic_half_space_area(exponent, 1.0, 0.003) / 2
+    nodes, weights = np.polynomial.legendre.leggauss(60)
+    s, power = (nodes + 1) / 2, 2 / (exponent - 1)  # b = a s^power makes the integrand smooth at the tip
+    peak = 0.0
+    for at, weight in zip(s, weights / 2, strict=True):
+        b = half_width * at**power
+        if b > 1e-200:
+            rate = (load(1.0001 * b) - load(0.9999 * b)) / (2e-4 * b)
+            peak += weight * rate / math.sin(math.pi * b) * b * power / at
+    for num_points in (2**12, 2**14, 2**16):
+        found = solve(Scene(Layer(), PowerIndenter(exponent), 0.003, num_points=num_points)).observables
+        assert abs(found.peak_pressure - peak) < found.peak_pressure_error < 5 * abs(found.peak_pressure - peak)
+
+
+def test_a_peak_below_a_kink_has_no_limit():
+    found = solve(Scene(Layer(), Wedge(), 0.01, num_points=2**14)).observables
+    assert found.peak_pressure_error == math.inf
 
 
 def test_kappa_of_a_step_is_not_known():

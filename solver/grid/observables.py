@@ -66,6 +66,8 @@ class Observables:
     """The same for kappa."""
     peak_pressure_sampling: float
     """By how much the pressure between the nodes may pass the largest one, see `peak_sampling` [pressure]."""
+    approach_sampling: float
+    """By how much the approach may be larger, because the lowest point may lie between the nodes [length]."""
     unseen_gap_area: float
     """Estimated share of the period in gaps that lie between two contact nodes; part of `contact_area_error`."""
     peak_pressure_error: float = math.inf
@@ -115,6 +117,7 @@ def observe(
         contact_area_edges_error=area_error,
         kappa_edges_error=kappa_error,
         peak_pressure_sampling=peak_sampling(contact_pressure),
+        approach_sampling=scene.indenter.hidden_depth(profile),
         unseen_gap_area=edges.unseen / scene.num_points,
     )
     return found, patch_table(patches, edges, contact_pressure, scene.period)
@@ -189,5 +192,7 @@ def subgrid_measures(
     by_edges = sensitivity * edges.total_error / num_points if edges.total_error else 0.0
     doubt = squared_slope_doubt(scene.indenter, num_points, scene.period)
     # twice what it is in kappa: half of this is left beside a coarser grid, but not less of the slopes
-    by_slopes = 0.0 if doubt is None else float(np.abs(patches.sums(doubt[patches.nodes])).sum()) / width / mean_square
+    by_slopes = 0.0
+    if doubt is not None:
+        by_slopes = float(np.abs(patches.sums(doubt[patches.nodes]))[unknown].sum()) / width / mean_square
     return width / num_points, gradient, kappa, math.hypot(by_edges, by_slopes * kappa)

@@ -23,7 +23,7 @@ class Indenter(Kind, Protocol):
     """The indenter's name on the command line and in stored results."""
 
     knows_lowest: ClassVar[bool] = False
-    """Whether `depth_between_nodes` tells the lowest point between the nodes, and not 0."""
+    """Whether `depth_between_nodes` tells the lowest point between the nodes."""
 
     @abstractmethod
     def profile(self, num_points: int, period: float) -> Array64:
@@ -38,6 +38,18 @@ class Indenter(Kind, Protocol):
         `heights`: the profile there. First touch is at that point. 0 unless more is known of the profile between nodes.
         """
         return 0.0
+
+    def hidden_depth(self, heights: Array64) -> float:
+        """By how much more the lowest point may lie below the lowest node, in the unit of `heights`, shape (N,).
+
+        Between straight flanks it is up to half of the second difference there, of a wave an eighth. 0 where it is
+        known, or where changes from grid to grid tell.
+        """
+        if self.knows_lowest:
+            return 0.0
+        at = int(np.argmin(heights))
+        bend = float(heights[at - 1] - 2 * heights[at] + heights[(at + 1) % heights.size])
+        return bend / (8 if self.shortest_wave(heights.size) else 2)
 
     @abstractmethod
     def shortest_wave(self, num_points: int) -> int:
@@ -62,13 +74,15 @@ class Indenter(Kind, Protocol):
         """What `slope` may be off by, as h'^2 at the nodes, shape (num_points,); None where it is the profile's own.
 
         A profile without a shortest wave may have kinks, each of which may stand anywhere between two nodes and spoil
-        half of the square of its jump over one of them. Waves that are too short differ from order to order.
+        half of the square of its jump over one of them; a second difference unlike that two nodes away tells of one.
+        Waves that are too short differ from order to order.
         """
         if type(self).slope is not Indenter.slope:
             return None
         h = self.profile(num_points, period)
         if not self.shortest_wave(num_points):
-            return (num_points * (np.roll(h, -1) - 2 * h + np.roll(h, 1))) ** 2 / 2
+            bend = num_points * (np.roll(h, -1) - 2 * h + np.roll(h, 1))
+            return (bend - (np.roll(bend, 2) + np.roll(bend, -2)) / 2) ** 2 / 2
         eighth = _central_differences(h, (4 / 5, -1 / 5, 4 / 105, -1 / 280))
         return self.slope(num_points, period) ** 2 - eighth**2
 

@@ -28,6 +28,7 @@ class PowerIndenter(Indenter):
     """R > 0 [length]; for n = 2 the radius of curvature."""
 
     name: ClassVar[str] = "power"
+    knows_lowest: ClassVar[bool] = True  # a node stands there
 
     def __post_init__(self) -> None:
         checks.assign(

@@ -6,15 +6,18 @@ of the patches alone is e. On a surface with w points to its shortest wave its e
     contact area     sqrt((0.55 e)^2 + (c/48)^2 + b^2) + g
     kappa            sqrt((0.6 e)^2 + (c/48)^2 + b^2) + g
     peak pressure    sqrt((c/3)^2 + (c'/32)^2 + s^2)
-    approach         sqrt((c/4)^2 + (c'/32)^2)
+    approach         sqrt((c/4)^2 + (c'/32)^2 + s^2)
 
-with c' the change before c and s what the nodes may miss of a peak between them; with one coarser grid alone they are
-c and 2 c. Of scans and own indenters, which do not tell the lowest point between the nodes, the approach's is twice as
-much.
+with c' the change before c and s what the nodes may miss of a peak, or of the lowest point, between them; with one
+coarser grid alone they are c and 2 c. Of scans and own indenters, which do not tell the lowest point between the nodes,
+the approach's is twice as much.
 
 On smooth profiles b = 0, the shares of area and kappa are 0.36 and 0.5 of e, c/13 and c/8. The order of pressure and
 approach is measured there, and at best the first is believed: sqrt((m c)^2 + (c'/16)^2), m = 1/(c'/c - 1) between 1/3
 and 4, which also keeps a change that is small by accident from being believed; with one coarser grid the whole change.
+Below the tip of a power profile with n < 2 the pressure is known to be of the order n - 1: m = 1/(4^(n-1) - 1). Of
+other profiles whose changes fall by less than m = 4 allows the pressure may have no limit, as below a kink or at a
+step: `inf`.
 
 The area between sub-grid edges converges with the second or third power of the spacing, which would leave c/15 or c/63,
 and e alone is mostly too large: it has to hold without a coarser grid. (Not so under smooth profiles for patches of
@@ -70,7 +73,7 @@ class Quantity:
     of_lowest: bool = False
     """Whether it counts from the profile's lowest point, so that more is left where only the nodes tell that."""
     sampling: str | None = None
-    """The name, in both, of what nodes may miss of it; None where that is no matter."""
+    """The name, in both, of what nodes may miss of it; None where it depends on edges."""
     sensitivity: float = 1.0
     """Its relative error over that of a_r where a model or an unfinished iteration causes both (dimensionless)."""
 
@@ -101,7 +104,9 @@ QUANTITIES = {
     "peak-pressure": Quantity(
         "peak_pressure", "peak_pressure_error", of_changes=(1 / 3, 1 / 32, 1.0), sampling="peak_pressure_sampling"
     ),
-    "approach": Quantity("approach", "approach_error", of_changes=(1 / 4, 1 / 32, 2.0), of_lowest=True),
+    "approach": Quantity(
+        "approach", "approach_error", of_changes=(1 / 4, 1 / 32, 2.0), of_lowest=True, sampling="approach_sampling"
+    ),
 }
 """By the name under which an accuracy of it is asked for."""
 
@@ -132,13 +137,7 @@ def estimated(
     waves = scene.indenter.effective_wave(num_points) / num_points  # 1/w
     values = [float(getattr(level, quantity.value)) for level in (*coarser[-2:], found)]
     if not quantity.edges:
-        if quantity.sampling and _hides_peaks(scene, num_points):
-            return math.inf
-        sampling = float(getattr(found, quantity.sampling)) if quantity.sampling else 0.0
-        left = _by_shares(values, quantity.of_changes) if waves else _by_order(values)
-        if waves and quantity.of_lowest and not scene.indenter.knows_lowest:
-            left *= _LOWEST_NODE
-        return math.hypot(left, sampling)
+        return _of_nodes(quantity, scene, num_points, found, values, bool(waves))
     edges, area = float(getattr(found, quantity.edges)), found.contact_area_subgrid
     if not area:
         return edges
@@ -155,6 +154,31 @@ def estimated(
     of_edges = quantity.of_edges[1 if rough else 0] if careful else 1.0
     change = quantity.of_change[1 if rough else 0] * abs(values[-1] - values[-2])
     return math.hypot(of_edges * edges, change, common) + gaps
+
+
+def _of_nodes(
+    quantity: Quantity, scene: Scene, num_points: int, found: Observables | Level, values: Sequence[float], rough: bool
+) -> float:
+    """`estimated` for what does not depend on edges. values: as in `_by_order`; rough: whether there is a shortest
+    wave.
+    """
+    assert quantity.sampling
+    left = _by_shares(values, quantity.of_changes) if rough else _by_order(values)
+    if quantity.of_lowest:
+        left *= _LOWEST_NODE if rough and not scene.indenter.knows_lowest else 1.0
+    elif _hides_peaks(scene, num_points):
+        left = math.inf
+    elif not rough:
+        power = scene.indenter.power_law
+        falls = _MOST ** (power[0] - 1) if power and power[0] < 2 else None
+        left = _by_order(values, falls) if power else _with_limit(values, left)
+    return math.hypot(left, float(getattr(found, quantity.sampling)))
+
+
+def _with_limit(values: Sequence[float], left: float) -> float:
+    """What is left, `inf` where the changes hardly fall."""
+    changes = [abs(after - before) for before, after in pairwise(values)]
+    return math.inf if len(changes) == 2 and changes[0] < _LEAST * changes[1] else left
 
 
 def _hides_peaks(scene: Scene, num_points: int) -> bool:
@@ -174,14 +198,17 @@ def _by_shares(values: Sequence[float], shares: tuple[float, float, float]) -> f
     return math.hypot(shares[0] * changes[1], shares[1] * changes[0])
 
 
-def _by_order(values: Sequence[float]) -> float:
+def _by_order(values: Sequence[float], falls: float | None = None) -> float:
     """What the changes of a quantity from grid to grid leave by the order that they have.
 
-    values: on up to three grids, from coarse to fine; of one grid nothing is known (`inf`).
+    values: on up to three grids, from coarse to fine; of one grid nothing is known (`inf`). falls: the factor by which
+    changes fall, if it is known.
     """
     if len(values) == 1:
         return math.inf
     change = abs(values[-1] - values[-2])
+    if falls:
+        return change / (falls - 1)
     if len(values) == 2:
         return change
     before = abs(values[-2] - values[-3])
@@ -221,8 +248,9 @@ def _sensitivity(quantity: Quantity, found: Observables) -> float:
 def iteration_share(free_residual: float, rounded: bool = False) -> float:
     """Estimated relative error of a_r that a free residual leaves; `inf` where the area may be anything.
 
-    Measured: up to 0.12 of residuals below 1e-3; 0.8 of one of 0.03, and of no meaning beyond. rounded: whether it may
+    Measured: up to 0.12 of residuals below 1e-3, 0.3 below blunt indenters on thin layers; 0.8 of one of 0.03, and of
+    no meaning beyond. rounded: whether it may
     be the rounding of float32, which stays at the edges; of that up to 1.2.
     """
-    share = ((1.5 if rounded else 0.25) + 30 * free_residual) * free_residual
+    share = ((1.5 if rounded else 0.4) + 30 * free_residual) * free_residual
     return share if share < 1 else math.inf

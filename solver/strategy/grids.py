@@ -75,6 +75,7 @@ class Reached:
     def level(self) -> Level:
         """What this grid gives."""
         scene, state, edges, unit = self.scene, self.state, self.contact[1], self.state.problem.length_unit
+        profile = state.problem.height * unit
         squared = squared_slope(scene.indenter, self.num_points, scene.period)
         area, _, kappa, kappa_error = subgrid_measures(scene, *self.contact, squared)
         error = edges.total_error / self.num_points
@@ -84,7 +85,8 @@ class Reached:
             kappa_subgrid=kappa,
             peak_pressure=scene.pressure * float(self.pressure.max(initial=0.0)),
             peak_pressure_sampling=scene.pressure * peak_sampling(self.pressure),
-            approach=approach(scene, state.displacement * unit, state.problem.height * unit),
+            approach=approach(scene, state.displacement * unit, profile),
+            approach_sampling=scene.indenter.hidden_depth(profile),
             num_patches=self.contact[0].count,
             num_patches_by_load=edges.num_by_load,
             contact_area_edges_error=error,
