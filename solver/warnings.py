@@ -85,9 +85,9 @@ def find_warnings(
     if not (area > 0 and patches.nodes.size):
         yield SolutionWarning(WarningKind.GRID, "nothing is in contact; more num_points, or another start")
         return
-    yield from _of_grid(scene, found, patches)
-    if doubts := scene.indenter.doubts:
+    if doubts := scene.indenter.doubts:  # first: others may follow from it
         yield SolutionWarning(WarningKind.PROFILE, doubts)
+    yield from _of_grid(scene, found, patches)
     yield from _of_estimates(found)
     yield from _of_elasticity(scene, found, _strain(scene, found, patches, displacement))
     if area > NEARLY_FULL:

@@ -238,8 +238,22 @@ REFUSED = {
         {},
         "line 3: '1' is not 2 numbers",
     ),
-    "a word for a value": ("x [um],z [um]\n" + rows() + "32,BAD\n", {}, "line 202: '32,BAD' is not 2 numbers"),
-    "an empty cell": ("x [um],z [um]\n" + rows() + "32,\n", {}, "line 202: '32,' is not 2 numbers"),
+    "a word for a value": (
+        "x [um],z [um]\n" + rows() + "32,BAD\n",
+        {},
+        "line 202: '32,BAD' is not 2 numbers.* left out",
+    ),
+    "an empty cell": ("x [um],z [um]\n" + rows() + "32,\n", {}, "line 202: '32,' is not 2 numbers.* may be left out"),
+    "commas for all": (
+        "".join(f"{i / 2:.2f},{i * 7 % 11 / 100:.2f}\n" for i in range(60)).replace(".", ","),
+        UNITS,
+        "line 1: commas seem to be decimal signs in '0,00,0,00', and to part columns, too",
+    ),
+    "labels for half": (
+        "x [um],z [um]\n" + "".join(f"{i},5,{i * 7 % 11},1\n" for i in range(60)),
+        {},
+        "commas seem to be",
+    ),
     "a period": ("x [um],z [um]\n" + rows(), {"period": 1e-3}, "period is 0.001; allowed: none"),
 }
 

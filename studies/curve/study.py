@@ -86,7 +86,8 @@ def plan(options: Options, given: Given) -> Plan:
     for what in ("layer", "profile"):
         kind = told[what]
         option = options_of(kinds.classes(what)[kind]).get(over) if kind in kinds.classes(what) else None
-        if option and option.default is MISSING and option.type is not Path:
+        needed = option and (option.default is MISSING or (over == "contact_modulus" and own.unit))
+        if option and needed and option.type is not Path:
             every[kinds.title(what, kind)][over] = any_number if option.length else 1.0
     description = described(told, every)
     scene = base_scene(description)
@@ -110,6 +111,10 @@ def _check_over(over: str, numbers: Collection[str]) -> None:
     """Raise `ValueError` for a number that the scene does not have, with the option that gives it one."""
     if over in numbers:
         return
+    if over == "youngs_modulus":
+        raise ValueError(
+            "over is 'youngs_modulus'; allowed: contact_modulus, E/(1 - nu^2), which is proportional to it"
+        )
     takers = [
         f"with --{what} {name}, or "
         for what in kinds.CHOICES
@@ -127,9 +132,10 @@ def _check_options(options: Options, given: Given, told: Mapping[str, Any]) -> N
     for name in fixed:
         if known.get(name) is not None:
             raise ValueError(f"{name} is {known[name]}; allowed: none with --over {over}")
-    if over == "poisson_ratio" and known.get("youngs_modulus") is not None:
-        allowed = "contact_modulus with --over poisson_ratio, which is kept"
-        raise ValueError(f"youngs_modulus is {known['youngs_modulus']:g}; allowed: {allowed}")
+    keeps = {"poisson_ratio": "contact_modulus with --over poisson_ratio, which is kept"}
+    keeps["contact_modulus"] = "none with --over contact_modulus"
+    if over in keeps and known.get("youngs_modulus") is not None:
+        raise ValueError(f"youngs_modulus is {known['youngs_modulus']:g}; allowed: {keeps[over]}")
     check_accuracy(options.accuracy, options.accuracy_of)
     if options.accuracy is not None and (over in ("approach", "num_points") or options.approach is not None):
         what = "an approach" if over != "num_points" else "--over num_points"

@@ -20,6 +20,7 @@ _DOUBTED = 0.01  # share of the scan that may be filled without a warning
 _SPARSE = 1.1  # places for each value, up to which the others are taken for missing ones
 _COARSE = 0.3  # spacings: with a last digit worth more, single steps do not tell how many places they are
 _TIMES = 5  # that the spacing is made better
+_UNEVEN = 0.05  # of a step, from which that is warned of
 _GAP = 1.8  # spacings from which values are missing
 _JUMP = 2.0  # from the last value to the first, over the largest step between neighbours
 _FAR = 10.0  # times as far from the median as nine in ten values
@@ -129,6 +130,7 @@ def evenly_spaced(x: Array64, z: Array64) -> Profile:
     spacing, off = _spacing(x, place)
     count = int(place[-1]) + 1
     coarse = _COARSE < digit / spacing < _ROUNDED
+    doubts = []
     if even(off, spacing) and count <= _SPARSE * x.size and not coarse:
         missing, even_x = count - x.size, np.arange(count)
         told = f"positions even to {off / spacing:.2g} of their spacing, {missing} missing, "
@@ -138,9 +140,13 @@ def evenly_spaced(x: Array64, z: Array64) -> Profile:
         spacing, even_x, place_x = float(x[-1]) / (x.size - 1), np.arange(x.size), x / x[-1] * (x.size - 1)
         told = f"interpolated linearly to even spacing, the largest gap {gap / spacing:.3g} spacings"
         filled = float((steps[steps > _GAP * np.median(steps)]).sum() / x[-1])
-    doubts = []
+        usual = steps[steps <= _GAP * np.median(steps)]
+        uneven = float(np.abs(usual / usual.mean() - 1).max())
+        if uneven > _UNEVEN and digit < _ROUNDED * spacing:
+            told_of = f"steps between positions are up to {uneven:.0%} off even ones"
+            doubts = [f"{told_of}; heights between them are from straight lines, which flatten short waves"]
     if filled > _DOUBTED:
-        doubts = [f"{filled:.1%} of the scan, where it has no values, were filled by straight lines"]
+        doubts.append(f"{filled:.1%} of the scan, where it has no values, were filled by straight lines")
     return Profile(np.asarray(np.interp(even_x, place_x, z)), spacing * even_x.size, [told], doubts)
 
 

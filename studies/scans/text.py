@@ -96,6 +96,11 @@ def read_text(path: Path, name: str, decimal: Decimal | None) -> Table:
         lines.pop()
     found = _find(path, lines, decimal)
     writing, first, count = found.writing, found.first, found.count
+    if writing.delimiter == "," and _are_decimal_too(lines, found):
+        raise ValueError(
+            f"profile_file {path}, line {first + 1}: commas seem to be decimal signs in {lines[first].strip()[:40]!r}, "
+            "and to part columns, too; allowed: semicolons or tabs between columns, or decimal points"
+        )
     for i in range(first, len(lines)):
         if not lines[i].strip():  # what is before may be a header of numbers
             after = next((line.strip() for line in lines[i:] if line.strip()), "")
@@ -190,6 +195,22 @@ def _find(path: Path, lines: Sequence[str], decimal: Decimal | None) -> _Found:
     return best
 
 
+def _are_decimal_too(lines: Sequence[str], table: _Found) -> bool:
+    """Whether the commas between the cells of a table may be decimal signs, too: every other cell begins with zeros,
+    as no integer does, or there is one label for two cells.
+    """
+    rows = [table.writing.cells(line) for line in lines[table.first : table.first + _SAMPLE]]
+    pairs = [row for row in rows if len(row) == table.count]
+    if table.count % 2 or not all(re.fullmatch(r"[-+]?\d+", cell) for row in pairs for cell in row):
+        return False
+    fractions = [cell for row in pairs for cell in row[1::2]]
+    head = table.writing.cells(lines[table.first - 1]) if table.first else []
+    labelled = 2 * len(head) == table.count and not any(map(table.writing.numbers, head))
+    return not any(cell[0] in "+-" for cell in fractions) and (
+        labelled or any(len(cell) > 1 and cell[0] == "0" for cell in fractions)
+    )
+
+
 def _after_labels(lines: Sequence[str], table: _Found) -> int:
     """The line after the last one above a table that labels its columns with units; 0 without one."""
     for end in range(table.first, 0, -1):
@@ -206,10 +227,12 @@ def _check_rows(path: Path, lines: Sequence[str], table: _Found) -> None:
 
 
 def _not_a_row(path: Path, lines: Sequence[str], i: int, writing: Writing, count: int) -> str:
-    numbers = counted(count, "number")
+    numbers, cells = counted(count, "number"), lines[i].split(writing.delimiter)
+    lacking = len(cells) == count and any(map(writing.numbers, cells))
+    without = "; a line whose value is missing may be left out" * lacking
     return (
         f"profile_file {path}, line {i + 1}: {lines[i].strip()[:40]!r} is not {numbers}; allowed: {numbers} in every "
-        f"line ({writing})"
+        f"line ({writing}){without}"
     )
 
 

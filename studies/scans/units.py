@@ -34,6 +34,8 @@ _SPELLINGS = {
     **dict.fromkeys(("\u00e5", "angstroms", "\u00e5ngstr\u00f6m", "\u00e5ngstrom", "angstr\u00f6m"), "angstrom"),
     **dict.fromkeys(("in", "inches", '"'), "inch"),
 }
+_LARGE = {"Mm", "Pm"}
+"""Not millimetres and picometres: the large letter makes them 10^6 and 10^15 m."""
 _SHORT = {"m", "in", '"', "\u03bc", "\u00e5"}
 """Units only where a unit is expected: elsewhere they are words, or letters."""
 
@@ -109,7 +111,10 @@ def unit_of(word: str, *, expected: bool = True) -> str | None:
 
     expected: whether a unit must stand there, as in brackets; elsewhere `m` and `in` are no units.
     """
-    word = plain(word).strip(".").lower()
+    word = plain(word).strip(".")
+    if word in _LARGE:
+        return None
+    word = word.lower()
     if not expected and word in _SHORT:
         return None
     bare = "".join(c for c in unicodedata.normalize("NFKD", word) if not unicodedata.combining(c))  # "nanomètre"
