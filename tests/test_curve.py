@@ -224,6 +224,12 @@ def test_a_scan_with_lengths_in_units(tmp_path, capsys):
         ("--accuracy 0.01 --over num_points --values 64", "accuracy is 0.01; allowed: none with --over num_points"),
         ("--over thickness --thickness 0.5 --values 0.1", "thickness is 0.5; allowed: none with --over thickness"),
         ("--youngs-modulus 3 --over poisson_ratio --values 0.1", "youngs_modulus is 3; allowed: contact_modulus"),
+        (
+            "--youngs-modulus 3 --over contact_modulus --from 1 --to 10",
+            "youngs_modulus is 3; allowed: none with --over c",
+        ),
+        ("--over youngs_modulus --from 1 --to 10", "over is 'youngs_modulus'; allowed: contact_modulus, E/(1 - nu^2)"),
+        ("--from 1kPa --to 2kPa", "from is '1kPa'; allowed: a number alone, all pressures and moduli in one unit"),
         ("--values 1e-3,2e-3 --points 3", "points is 3; allowed: none with --values"),
         ("--values 1e-3,2e-3 --points 30", "points is 30; allowed: none with --values"),
         (

@@ -115,6 +115,7 @@ def test_nothing_is_replaced_unasked(study, tmp_path, capsys):
         ([__file__], "not one of linecontact's"),
         (["{empty}"], "holds no finished run yet"),
         (["{study}", "--csv", "{folder}/no/out.csv"], "does not exist"),
+        (["{study}", "--csv", "{folder}/run.xlsx"], "run.xlsx; allowed: a name for comma-separated values, like "),
         (["{study}", "--tsv"], "option --tsv is unknown, perhaps meant as --csv"),
     ],
 )

@@ -141,6 +141,11 @@ def test_what_is_out_of_reach(tmp_path, capsys):
         ensemble_mean(coarse, 1e-4, max_samples=100)
 
 
+def test_one_observable_at_a_time_in_python():
+    with pytest.raises(ValueError, match=r"observable is \['kappa'\]; allowed: one of kappa, contact-area"):
+        ensemble_mean(SCENE, 0.1, observable=["kappa"])
+
+
 def test_a_killed_ensemble_goes_on(tmp_path):
     """With what is solved, and without anything solved twice; killed when it has begun to decide."""
     words = [*SMALL, "--standard-error", "0.03", "--profile", "rough", "--pressure", "0.02", "--workers", "1"]

@@ -261,6 +261,15 @@ def test_a_new_method_is_certified_like_any_other(indenter):
         solve(Scene(num_points=64, precision="float32"), method="projected-gradient", tolerance=0.4)
 
 
+def test_a_profile_may_be_a_list():
+    class Listed(CosineIndenter):
+        def profile(self, num_points, period):
+            return super().profile(num_points, period).tolist()
+
+    found, expected = (solve(Scene(indenter=one(), num_points=2**10)).observables for one in (Listed, CosineIndenter))
+    assert found.kappa_subgrid == expected.kappa_subgrid
+
+
 def test_what_is_missing_is_named():
     class Half:
         name = "half"

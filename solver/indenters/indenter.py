@@ -68,7 +68,7 @@ class Indenter(Kind, Protocol):
         """Slopes h'(x_i), shape (num_points,), dimensionless; unless there is better, by central differences of the
         sixth order, which have a wave of eight grid spacings right to 0.2 %.
         """
-        return _central_differences(self.profile(num_points, period), (45 / 60, -9 / 60, 1 / 60))
+        return _central_differences(np.asarray(self.profile(num_points, period)), (45 / 60, -9 / 60, 1 / 60))
 
     def squared_slope_doubt(self, num_points: int, period: float) -> Array64 | None:
         """What `slope` may be off by, as h'^2 at the nodes, shape (num_points,); None where it is the profile's own.
@@ -79,7 +79,7 @@ class Indenter(Kind, Protocol):
         """
         if type(self).slope is not Indenter.slope:
             return None
-        h = self.profile(num_points, period)
+        h = np.asarray(self.profile(num_points, period))
         if not self.shortest_wave(num_points):
             bend = num_points * (np.roll(h, -1) - 2 * h + np.roll(h, 1))
             return (bend - (np.roll(bend, 2) + np.roll(bend, -2)) / 2) ** 2 / 2

@@ -9,6 +9,8 @@ from ..files import csv_tables, writing
 OUTPUT = Path("-")
 """What stands for standard output."""
 
+_OTHER = (".xlsx", ".xls", ".ods", ".h5", ".hdf5", ".npy", ".json", ".png", ".pdf")  # of files that are no such text
+
 
 @dataclass(frozen=True)
 class Options:
@@ -32,6 +34,9 @@ def command(options: Options) -> int:
         for part in csv_tables.table(options.file):
             sys.stdout.buffer.write(part)
         return 0
+    if options.csv.suffix.lower() in _OTHER:
+        other = options.csv.with_suffix(".csv")
+        raise ValueError(f"csv is {options.csv}; allowed: a name for comma-separated values, like {other}")
     writing.check_targets([("file", options.file)], [("csv", options.csv)], options.overwrite)
     writing.write_bytes(options.csv, csv_tables.table(options.file))
     return 0

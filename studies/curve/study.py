@@ -21,7 +21,7 @@ from ..scenes import kinds, making
 from ..scenes.described import base_scene, described, shown
 from ..scenes.making import Given
 from ..terminal import console
-from ..terminal.options import one_of, options_of, text
+from ..terminal.options import PRESSURE, one_of, options_of, text
 from . import even_areas, number
 from .report import report
 from .tasks import Task
@@ -209,7 +209,13 @@ def _check_ends(over: str, scene: Scene, found: Mapping[str, float], given: Mapp
 
 
 def _read(options: Options, own: Own, option: str, text: str) -> float:
-    return read(option, text, unit(options.over) == "length", own)
+    length = unit(options.over) == "length"
+    try:
+        return read(option, text, length, own)
+    except ValueError as error:
+        if unit(options.over) != "pressure" or not str(error).endswith("a number"):
+            raise
+        raise ValueError(f"{option} is {text!r}; allowed: {PRESSURE}") from None
 
 
 def draw(path: Path) -> "dict[str, Figure]":

@@ -38,6 +38,8 @@ def ensemble_mean(
     Operations Research 56, 607 (2008). Raises `ValueError`, also where the standard error is out of reach, which is
     known from the first surfaces.
     """
+    if not isinstance(observable, str):
+        raise ValueError(f"observable is {observable!r}; allowed: one of {', '.join(samples.OBSERVABLES)}")
     wanted = check_wanted([observable], standard_error, relative, max_seconds, max_samples)
     if not isinstance(scene, Scene):
         raise ValueError(f"scene is {scene!r}; allowed: a Scene")

@@ -16,6 +16,7 @@ from .estimator import Estimate, Term
 from .samples import FOUNDATION, Row, name_of, on_finest, on_grids, unit_of
 from .tasks import found
 
+_ABOUT = 1.05  # ratio of times that are about equal
 _ROUNDING = 1e-9  # of the mean: scatter that rounding and the tolerance of the solves leave
 
 
@@ -72,6 +73,8 @@ def _sentences(observable: str, estimate: Estimate, wanted: Wanted, spent: float
         return f"{said}."
     plain = estimate.plain_cost(estimate.standard_error)
     said += f". Plain sampling on {finest} points takes about {plain:.3g} s to this standard error, "
+    if 1 / _ABOUT < plain / spent < _ABOUT:
+        return f"{said}about as long, but does not tell the bias."
     if plain > spent:
         return f"{said}{plain / spent:.2g} times as long."
     return f"{said}and is the cheaper way here, by a factor of {spent / plain:.2g}, but does not tell the bias."

@@ -15,7 +15,7 @@ from .text import IN_RANGE, number
 _TYPES = {int: "an integer, in digits or like 2^10 or 1e6", float: "a number", str: "some text", Path: "a path"}
 """What a value of each type is called."""
 
-_PRESSURE = "a number alone, all pressures and moduli in one unit, for instance Pa"
+PRESSURE = "a number alone, all pressures and moduli in one unit, for instance Pa"
 _EXACT = 2.0**53  # up to here a float holds every integer
 
 
@@ -155,6 +155,6 @@ def _option(entry: Field[Any], hint: Any) -> Option:
         raise TypeError(f"field {entry.name} is of type {hint}; allowed for an option: {allowed}")
     count = 0 if value is bool else len(values)
     length = value is float and "length" in (unit(entry.name), unit(f"profile_{entry.name}"))
-    called = _PRESSURE if value is float and unit(entry.name) == "pressure" else _TYPES.get(value, "")
+    called = PRESSURE if value is float and unit(entry.name) == "pressure" else _TYPES.get(value, "")
     said, no = entry.metadata.get("said", called), entry.metadata.get("refused", False)
     return Option(entry.name, value, count, choices, default, length, said, no)
