@@ -85,7 +85,7 @@ def find_warnings(
     if not (area > 0 and patches.nodes.size):
         yield SolutionWarning(WarningKind.GRID, "nothing is in contact; more num_points, or another start")
         return
-    if doubts := scene.indenter.doubts:  # first: others may follow from it
+    if doubts := scene.indenter.doubts:  # first, because it may be the cause of the others
         yield SolutionWarning(WarningKind.PROFILE, doubts)
     yield from _of_grid(scene, found, patches)
     yield from _of_estimates(found)

@@ -25,10 +25,12 @@ from linecontact.solver import (
 from linecontact.solver.grid.kept import forget
 from linecontact.solver.grid.problem import Problem, foundation_pressure, typical_stiffness
 from linecontact.solver.methods import Setting, active_set, relax
-from linecontact.solver.methods.active_set import greens_function
+from linecontact.solver.methods.active_set import elimination, greens_function
 from linecontact.solver.methods.active_set import preconditioner as deflation
+from linecontact.solver.methods.active_set.contact_set import ContactSet
 from linecontact.solver.methods.active_set.greens_function import GreensFunction
 from linecontact.solver.methods.active_set.search import Search
+from linecontact.solver.methods.active_set.storage import Whole
 from linecontact.solver.transforms import plain, planned
 
 
@@ -129,11 +131,47 @@ def test_noise_under_a_stiff_coating(num_points, thickness, base, pressure, even
     assert solution.certificate.energy_error_bound < 1e-9
 
 
-def test_one_by_one_is_the_same_contact(monkeypatch):
+def test_when_a_search_begins_anew():
+    """Once, on small grids: where it ends far from a solution, after many updates, and where sets come back."""
+    problem = Problem.from_scene(Scene(Layer(0.1), RoughIndenter(0.8, 1, 1 / 8, 1 / 8), 0.02, num_points=2**10))
+    storage = Whole(problem.num_points)
+    for updates, residual, ended, failed in (
+        (3, 1.0, True, True),
+        (3, 1.0, False, False),
+        (3, 1e-6, True, False),
+        (3, math.nan, True, True),
+        (21, 1.0, False, True),
+        (21, 1e-6, False, False),
+        (41, 1e-6, False, True),
+        (math.inf, 1e-12, True, True),
+    ):
+        search = Search(updates=updates)
+        lost = elimination.has_failed(search, residual, 1e-8, ended)
+        assert lost is failed
+        first = elimination.anew(problem, storage, search, lost)
+        assert (first is not None) is failed
+        if first:
+            assert problem.height[first.nodes].tolist() == [problem.height.min()]
+    assert elimination.anew(problem, storage, Search(few_at_a_time=True), lost=True) is None
+    assert not elimination.has_failed(Search(), 0.01, tolerance=0.1, ended=True)
+
+
+def test_sets_that_are_hard_to_iterate_on_are_eliminated():
+    nodes = np.arange(0, 1200, 2)
+    now = ContactSet.of(nodes, np.ones(nodes.size), Whole(2**12))
+    assert not elimination.suits(now, Search())
+    now.iterations = 41
+    assert elimination.suits(now, Search())
+    assert not elimination.suits(now, Search(work=1e12))
+    now.eliminated = True
+    assert not elimination.suits(now, Search())
+
+
+def test_few_nodes_at_a_time_find_the_same_contact(monkeypatch):
     """Where the usual search has no difficulty, either."""
     scenes = [Scene(Layer(d), RoughIndenter(0.8, 1, 1 / 8, 1 / 8), 0.02, num_points=2**10) for d in (math.inf, 1e-3)]
     usual = [solve(scene).contact_pressure for scene in scenes]
-    monkeypatch.setattr("linecontact.solver.methods.active_set.active_set.Search", partial(Search, one_by_one=True))
+    monkeypatch.setattr("linecontact.solver.methods.active_set.active_set.Search", partial(Search, few_at_a_time=True))
     for scene, pressure in zip(scenes, usual, strict=True):
         found = solve(scene, nested=False).contact_pressure
         assert np.abs(found - pressure).max() < 1e-6 * pressure.max()

@@ -241,18 +241,22 @@ REFUSED = {
     "a word for a value": (
         "x [um],z [um]\n" + rows() + "32,BAD\n",
         {},
-        "line 202: '32,BAD' is not 2 numbers.* left out",
+        "line 202: '32,BAD' is not 2 numbers.* you may delete lines",
     ),
-    "an empty cell": ("x [um],z [um]\n" + rows() + "32,\n", {}, "line 202: '32,' is not 2 numbers.* may be left out"),
+    "an empty cell": (
+        "x [um],z [um]\n" + rows() + "32,\n",
+        {},
+        "line 202: '32,' is not 2 numbers.* you may delete lines",
+    ),
     "commas for all": (
         "".join(f"{i / 2:.2f},{i * 7 % 11 / 100:.2f}\n" for i in range(60)).replace(".", ","),
         UNITS,
-        "line 1: commas seem to be decimal signs in '0,00,0,00', and to part columns, too",
+        "line 1: commas seem to stand for decimal points and between columns, too, in '0,00,0,00'",
     ),
     "labels for half": (
         "x [um],z [um]\n" + "".join(f"{i},5,{i * 7 % 11},1\n" for i in range(60)),
         {},
-        "commas seem to be",
+        "commas seem to stand for",
     ),
     "a period": ("x [um],z [um]\n" + rows(), {"period": 1e-3}, "period is 0.001; allowed: none"),
 }
@@ -262,6 +266,24 @@ def write(folder, content):
     path = folder / "scan.csv"
     path.write_bytes(content if isinstance(content, bytes) else content.encode())
     return path
+
+
+INTEGERS = "".join(f"{i},{i * 7 % 11}\n" for i in range(60))
+PADDED = "".join(f"{i:04},{i * 7 % 11:04}\n" for i in range(60))
+
+
+@pytest.mark.parametrize(
+    ("content", "options"),
+    [
+        ("Profile of sample A\n" + INTEGERS, {**UNITS, "decimal": "point"}),
+        ("Sample A, 2024 May\n" + INTEGERS.replace("\n", ",1,2\n"), {**UNITS, "columns": "1,2"}),
+        ("x [um],z [nm]\n" + PADDED, {}),
+        (PADDED, {**UNITS, "decimal": "point"}),
+    ],
+)
+def test_integers_between_commas_are_integers(tmp_path, content, options):
+    scan = read_scan(write(tmp_path, content), num_points=60, detrend="none", window="none", **options)
+    assert scan.indenter.heights.size == 60
 
 
 @pytest.mark.parametrize("name", READ)

@@ -177,7 +177,10 @@ def test_what_was_made_of_a_scan_is_doubted_where_it_may_be_wrong(tmp_path):
     assert text.startswith("14.4% of the scan")
     jittered = np.cumsum(np.random.default_rng(5).uniform(0.5, 1.5, 100))
     (text,) = doubts(write(tmp_path, ".txt", [jittered, np.sin(jittered)]))
-    assert "steps between positions are up to 51% off even ones; heights between them are from straight lines" in text
+    assert (
+        "steps between positions differ from their mean by up to 51%; heights were interpolated by straight lines"
+        in text
+    )
     hardly = x + 0.01 * np.random.default_rng(5).uniform(-1, 1, 400)
     assert doubts(write(tmp_path, ".txt", [hardly, z])) == []
     single = x != 200

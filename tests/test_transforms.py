@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from linecontact.kernels import record
 from linecontact.solver.transforms import plain, planned
-from linecontact.solver.transforms.planned import Pair, Transforms, fast_length
+from linecontact.solver.transforms.planned import Pair, Transforms
 
 
 @pytest.mark.parametrize("precision", ["float32", "float64"])
@@ -160,7 +160,3 @@ def test_plain_transforms_on_several_threads():
         for _ in range(20):
             back = pool.map(lambda row: plain.irfft(plain.rfft(row), row.size), values)
             np.testing.assert_allclose(np.array(list(back)), values, rtol=0, atol=1e-14)
-
-
-def test_fast_lengths_are_the_least_with_small_factors():
-    assert [fast_length(n) for n in (1, 7, 17, 97, 1009)] == [1, 7, 18, 98, 1024]  # 1014 = 2 x 3 x 13^2 is not

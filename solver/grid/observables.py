@@ -158,7 +158,8 @@ def approach(scene: Scene, displacement: Array64, profile: Array64) -> float:
 def subgrid_measures(
     scene: Scene, patches: Patches, edges: Edges, squared: Array64
 ) -> tuple[float, float, float, float]:
-    """a_r, g_c and kappa between the sub-grid edges, and kappa's error by edges and slopes alone (dimensionless).
+    """a_r, g_c and kappa between the sub-grid edges, and kappa's error as far as edges and slopes tell it, without a
+    coarser grid (dimensionless).
 
     squared: h'^2 on the grid of `patches` and `edges`, shape (N,).
     """
@@ -191,7 +192,7 @@ def subgrid_measures(
     sensitivity = per_area * (1 + abs(float(at.mean()) / mean_square - 1) / 2)
     by_edges = sensitivity * edges.total_error / num_points if edges.total_error else 0.0
     doubt = squared_slope_doubt(scene.indenter, num_points, scene.period)
-    # twice what it is in kappa: half of this is left beside a coarser grid, but not less of the slopes
+    # of h'^2, twice that of its root: `estimated` takes about half of what is returned, but slopes keep theirs
     by_slopes = 0.0
     if doubt is not None:
         by_slopes = float(np.abs(patches.sums(doubt[patches.nodes]))[unknown].sum()) / width / mean_square

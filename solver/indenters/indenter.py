@@ -42,14 +42,14 @@ class Indenter(Kind, Protocol):
     def hidden_depth(self, heights: Array64) -> float:
         """By how much more the lowest point may lie below the lowest node, in the unit of `heights`, shape (N,).
 
-        Between straight flanks it is up to half of the second difference there, of a wave an eighth. 0 where it is
-        known, or where changes from grid to grid tell.
+        Between straight flanks that is up to the second difference there, in a wave an eighth of it. 0 where the lowest
+        point is known, or part of a plateau.
         """
-        if self.knows_lowest:
-            return 0.0
         at = int(np.argmin(heights))
-        bend = float(heights[at - 1] - 2 * heights[at] + heights[(at + 1) % heights.size])
-        return bend / (8 if self.shortest_wave(heights.size) else 2)
+        left, lowest, right, next_one = (float(heights[(at + i) % heights.size]) for i in (-1, 0, 1, 2))
+        if self.knows_lowest or lowest == right == next_one:
+            return 0.0
+        return (left - 2 * lowest + right) / (8 if self.shortest_wave(heights.size) else 1)
 
     @abstractmethod
     def shortest_wave(self, num_points: int) -> int:
@@ -73,9 +73,9 @@ class Indenter(Kind, Protocol):
     def squared_slope_doubt(self, num_points: int, period: float) -> Array64 | None:
         """What `slope` may be off by, as h'^2 at the nodes, shape (num_points,); None where it is the profile's own.
 
-        A profile without a shortest wave may have kinks, each of which may stand anywhere between two nodes and spoil
-        half of the square of its jump over one of them; a second difference unlike that two nodes away tells of one.
-        Waves that are too short differ from order to order.
+        A profile without a shortest wave may have kinks, which may stand anywhere between two nodes: there h'^2 is off
+        by up to half of the square of the slope's jump, which second differences unlike those two nodes away tell. For
+        short waves the differences of sixth and eighth order differ by about the error of the former.
         """
         if type(self).slope is not Indenter.slope:
             return None

@@ -73,7 +73,7 @@ class MeasuredIndenter(Indenter):
         return np.asarray(heights - heights.min()) / period
 
     def hidden_depth(self, heights: Array64) -> float:
-        """0: on coarser grids the lowest value is another one, and that tells."""
+        """0: coarser grids have another lowest value, so that changes from grid to grid contain this error."""
         return 0.0
 
     def shortest_wave(self, num_points: int) -> int:

@@ -15,9 +15,9 @@ the approach's is twice as much.
 On smooth profiles b = 0, the shares of area and kappa are 0.36 and 0.5 of e, c/13 and c/8. The order of pressure and
 approach is measured there, and at best the first is believed: sqrt((m c)^2 + (c'/16)^2), m = 1/(c'/c - 1) between 1/3
 and 4, which also keeps a change that is small by accident from being believed; with one coarser grid the whole change.
-Below the tip of a power profile with n < 2 the pressure is known to be of the order n - 1: m = 1/(4^(n-1) - 1). Of
-other profiles whose changes fall by less than m = 4 allows the pressure may have no limit, as below a kink or at a
-step: `inf`.
+Below the tip of a power profile with n < 2 the pressure is known to be of the order n - 1: m = 1/(4^(n-1) - 1). Where
+the changes of another profile's peak fall by less than a factor of 1.25, and are above 1e-3 of it, the pressure may
+have no limit, as below a kink or at a step: `inf`.
 
 The area between sub-grid edges converges with the second or third power of the spacing, which would leave c/15 or c/63,
 and e alone is mostly too large: it has to hold without a coarser grid. (Not so under smooth profiles for patches of
@@ -74,8 +74,10 @@ class Quantity:
     """Whether it counts from the profile's lowest point, so that more is left where only the nodes tell that."""
     sampling: str | None = None
     """The name, in both, of what nodes may miss of it; None where it depends on edges."""
+    of_slopes: bool = False
+    """Whether slopes matter, too."""
     sensitivity: float = 1.0
-    """Its relative error over that of a_r where a model or an unfinished iteration causes both (dimensionless)."""
+    """See the function `sensitivity` (dimensionless)."""
 
     @property
     def of_area(self) -> bool:
@@ -99,6 +101,7 @@ QUANTITIES = {
         of_edges=(0.5, 0.6),
         of_change=(1 / 8, 1 / 48),
         per_patch=(0.04, 0.008),
+        of_slopes=True,
         sensitivity=2.0,
     ),
     "peak-pressure": Quantity(
@@ -118,7 +121,8 @@ _KNOWN = 0.001  # error of a layer's edge up to which that is so [grid spacings]
 _COMMON, _COMMON_POWER = 16.0, 2.5  # points to the shortest wave, and the power with which their share falls
 _LEAST, _MOST = 1.25, 4.0  # factor by which changes fall from grid to grid, as far as that is believed
 _STIFF = 0.9  # 2K/(E* q) of the shortest wave, below which shorter ones find the layer stiffer
-_LOWEST_NODE = 2.0  # error of the approach over what it is where the lowest point between the nodes is known
+_LOWEST_NODE = 2.0  # factor of the approach's error where only the nodes tell the lowest point
+_HARDLY = 1e-3  # relative change that is no matter of the tolerance, or of chance
 _EARLIER = 1 / 16  # share of the change before the last
 
 
@@ -178,7 +182,8 @@ def _of_nodes(
 def _with_limit(values: Sequence[float], left: float) -> float:
     """What is left, `inf` where the changes hardly fall."""
     changes = [abs(after - before) for before, after in pairwise(values)]
-    return math.inf if len(changes) == 2 and changes[0] < _LEAST * changes[1] else left
+    grows = len(changes) == 2 and changes[1] > max(changes[0] / _LEAST, _HARDLY * abs(values[-1]))
+    return math.inf if grows else left
 
 
 def _hides_peaks(scene: Scene, num_points: int) -> bool:
@@ -231,26 +236,26 @@ def with_errors(scene: Scene, observables: Observables, levels: Sequence[Level],
     share = iteration_share(free_residual, rounded=scene.precision == "float32")
     for quantity in QUANTITIES.values():
         value = abs(getattr(observables, quantity.value))
-        unfinished = _sensitivity(quantity, observables) * share * value if math.isfinite(share) else math.inf
+        unfinished = sensitivity(quantity, scene) * share * value if math.isfinite(share) else math.inf
         errors[quantity.error] = estimated(quantity, scene, scene.num_points, observables, levels) + unfinished
     return replace(observables, **errors)
 
 
-def _sensitivity(quantity: Quantity, found: Observables) -> float:
-    """`Quantity.sensitivity`, or what the edges say if that is more: kappa of blunt profiles depends on their ends."""
-    edges = found.contact_area_edges_error / (found.contact_area_subgrid or math.inf)
-    if quantity.edges is None or not 0 < edges < math.inf:
-        return quantity.sensitivity
-    relative = float(getattr(found, quantity.edges)) / (getattr(found, quantity.value) or math.inf)
-    return max(quantity.sensitivity, relative / edges)
+def sensitivity(quantity: Quantity, scene: Scene) -> float:
+    """The relative error of a quantity over that of a_r where a model or an unfinished iteration causes both.
+
+    Kappa of a power profile goes like a_r^n.
+    """
+    power = scene.indenter.power_law if quantity.of_slopes else None
+    return max(quantity.sensitivity, power[0]) if power else quantity.sensitivity
 
 
 def iteration_share(free_residual: float, rounded: bool = False) -> float:
     """Estimated relative error of a_r that a free residual leaves; `inf` where the area may be anything.
 
     Measured: up to 0.12 of residuals below 1e-3, 0.3 below blunt indenters on thin layers; 0.8 of one of 0.03, and of
-    no meaning beyond. rounded: whether it may
-    be the rounding of float32, which stays at the edges; of that up to 1.2.
+    no meaning beyond. rounded: whether the residual may be rounding to float32, which acts at the edges; measured up to
+    1.2 of it.
     """
     share = ((1.5 if rounded else 0.4) + 30 * free_residual) * free_residual
     return share if share < 1 else math.inf

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from ..layers import ElasticLayer
 from ..scene import Scene
 from ..solution import Choice
-from .errors import DEFAULT_QUANTITY, QUANTITIES
+from .errors import DEFAULT_QUANTITY, QUANTITIES, sensitivity
 from .small_models import LEAST_EDGE
 
 _LONG_ASPERITY = 100.0  # half-width over thickness above which collocation takes longer than a grid
@@ -47,7 +47,7 @@ class Plan:
 def decide(scene: Scene, accuracy: float, of: str = DEFAULT_QUANTITY) -> Plan:
     """The models worth trying for an accuracy of one of `QUANTITIES`, from what is known without solving anything."""
     quantity = QUANTITIES[of]
-    most = min((_MODEL_SHARE * accuracy / quantity.sensitivity) ** 2, 0.1 * residual(accuracy))
+    most = min((_MODEL_SHARE * accuracy / sensitivity(quantity, scene)) ** 2, 0.1 * residual(accuracy))
     replacement, choices = _half_space(scene, most) if quantity.of_area else (scene.layer, ())
     layer, thickness, models = scene.layer, scene.layer.thickness / scene.period, []
     half_width = scene.indenter.guessed_half_width(scene.reduced_load, layer, scene.period)

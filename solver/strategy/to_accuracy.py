@@ -16,7 +16,7 @@ from ..scene import Scene
 from ..solution import Choice, Level, Solution
 from .certification import certify_or_fall_back
 from .effort import CAUTION, COARSE_WRONG_NODES, Effort, Means
-from .errors import DEFAULT_QUANTITY, QUANTITIES, Quantity, grid_error, iteration_share
+from .errors import DEFAULT_QUANTITY, QUANTITIES, Quantity, grid_error, iteration_share, sensitivity
 from .grids import FACTOR, Reached, coarser, grids, over_grids
 from .memory import check_memory
 from .plan import Plan, decide, residual
@@ -101,7 +101,7 @@ class _Task:
         """
         o, status, reason = solution.observables, solution.status, solution.reason
         area = min(o.contact_area_error + model_error * o.contact_area_subgrid, 1.0)
-        kappa = o.kappa_error + QUANTITIES["kappa"].sensitivity * model_error * o.kappa_subgrid
+        kappa = o.kappa_error + sensitivity(QUANTITIES["kappa"], self.scene) * model_error * o.kappa_subgrid
         o = replace(o, contact_area_error=area, kappa_error=kappa)
         if self.plan.layer is not self.scene.layer:  # what that leaves out of them is not known
             o = replace(o, peak_pressure_error=math.inf, approach_error=math.inf)
@@ -146,7 +146,12 @@ def _winkler(task: _Task) -> Solution | None:
         share = error / value if value else math.inf
         task.chose("Winkler foundation", "no", f"its {what} would be off by a share of {share:.1g}")
         return None
-    task.chose("model", "Winkler foundation", "the layer's edges are narrow", task.quantity.sensitivity * found.error)
+    task.chose(
+        "model",
+        "Winkler foundation",
+        "the layer's edges are narrow",
+        sensitivity(task.quantity, task.scene) * found.error,
+    )
     task.chose("grid", f"{found.scene.num_points} points", "no transform is needed")
     return _modelled(task, "winkler-foundation", found)
 
@@ -193,7 +198,7 @@ def _on_grids(task: _Task) -> Solution:
     effort = Effort(scene, DEFAULT, task.means)
     model_error = task.model_error
     memory = checks.available_memory()
-    budget = task.accuracy - task.quantity.sensitivity * (model_error + iteration_share(tolerance))
+    budget = task.accuracy - sensitivity(task.quantity, task.scene) * (model_error + iteration_share(tolerance))
 
     def begin(size: int, contact_share: float) -> Method:
         check_memory(size, effort.kind, contact_share, memory)
@@ -243,7 +248,7 @@ def _finish(
     task.chose("precision", "float64", "mixed saves next to nothing where transforms are few")
     even = state.even
     task.chose("symmetry", "even" if even else "none", f"h_i {'=' if even else '!='} h_(N-1-i) on this grid")
-    share = task.quantity.sensitivity * iteration_share(tolerance)
+    share = sensitivity(task.quantity, task.scene) * iteration_share(tolerance)
     task.chose("tolerance", f"{tolerance:g}", "small beside the accuracy", share)
     solution = make_solution(scene, problem, certified, levels, effort)
     if not levels:  # without a coarser grid nothing is known, and edges alone are not believed

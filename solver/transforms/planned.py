@@ -201,11 +201,6 @@ def _keep_tables(length: int) -> Pair:
     return Pair(length)
 
 
-def fast_length(length: int) -> int:
-    """The least length from this one on that FFTW transforms quickly: factors up to 7, and 11 or 13 once."""
-    return int(pyfftw.next_fast_len(length))
-
-
 def library() -> str:
     """The library that plans, with its version."""
     return str(pyfftw.fftw_version)

@@ -9,7 +9,17 @@ from ..files import csv_tables, writing
 OUTPUT = Path("-")
 """What stands for standard output."""
 
-_OTHER = (".xlsx", ".xls", ".ods", ".h5", ".hdf5", ".npy", ".json", ".png", ".pdf")  # of files that are no such text
+_OTHER = (
+    ".xlsx",
+    ".xls",
+    ".ods",
+    ".h5",
+    ".hdf5",
+    ".npy",
+    ".json",
+    ".png",
+    ".pdf",
+)  # endings of files that are not comma-separated text
 
 
 @dataclass(frozen=True)

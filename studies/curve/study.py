@@ -86,8 +86,9 @@ def plan(options: Options, given: Given) -> Plan:
     for what in ("layer", "profile"):
         kind = told[what]
         option = options_of(kinds.classes(what)[kind]).get(over) if kind in kinds.classes(what) else None
-        needed = option and (option.default is MISSING or (over == "contact_modulus" and own.unit))
-        if option and needed and option.type is not Path:
+        if not option or option.type is Path:
+            continue
+        if option.default is MISSING or (over == "contact_modulus" and own.unit):
             every[kinds.title(what, kind)][over] = any_number if option.length else 1.0
     description = described(told, every)
     scene = base_scene(description)
@@ -132,10 +133,10 @@ def _check_options(options: Options, given: Given, told: Mapping[str, Any]) -> N
     for name in fixed:
         if known.get(name) is not None:
             raise ValueError(f"{name} is {known[name]}; allowed: none with --over {over}")
-    keeps = {"poisson_ratio": "contact_modulus with --over poisson_ratio, which is kept"}
-    keeps["contact_modulus"] = "none with --over contact_modulus"
-    if over in keeps and known.get("youngs_modulus") is not None:
-        raise ValueError(f"youngs_modulus is {known['youngs_modulus']:g}; allowed: {keeps[over]}")
+    if over in ("poisson_ratio", "contact_modulus") and known.get("youngs_modulus") is not None:
+        kept = "contact_modulus with --over poisson_ratio, which is kept"
+        allowed = kept if over == "poisson_ratio" else "none with --over contact_modulus"
+        raise ValueError(f"youngs_modulus is {known['youngs_modulus']:g}; allowed: {allowed}")
     check_accuracy(options.accuracy, options.accuracy_of)
     if options.accuracy is not None and (over in ("approach", "num_points") or options.approach is not None):
         what = "an approach" if over != "num_points" else "--over num_points"

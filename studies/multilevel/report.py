@@ -103,7 +103,8 @@ def _warned(solves: Sequence[Row]) -> list[str]:
     if not told:
         return []
     surfaces = f"the {counted(len(there), 'surface')} on {there[0]['num_points']} points"
-    return [f"Warnings of {surfaces}, and how many have them: {told}; `linecontact solve` with a seed says why."]
+    why = "`linecontact solve --seed N` with one of them says why"
+    return [f"Warnings of {surfaces}, and how many have them: {told}; {why}."]
 
 
 def missed(file: StudyFile) -> list[str]:

@@ -20,7 +20,7 @@ _DOUBTED = 0.01  # share of the scan that may be filled without a warning
 _SPARSE = 1.1  # places for each value, up to which the others are taken for missing ones
 _COARSE = 0.3  # spacings: with a last digit worth more, single steps do not tell how many places they are
 _TIMES = 5  # that the spacing is made better
-_UNEVEN = 0.05  # of a step, from which that is warned of
+_UNEVEN = 0.05  # relative difference of a step from the mean, from which there is a warning
 _GAP = 1.8  # spacings from which values are missing
 _JUMP = 2.0  # from the last value to the first, over the largest step between neighbours
 _FAR = 10.0  # times as far from the median as nine in ten values
@@ -143,8 +143,8 @@ def evenly_spaced(x: Array64, z: Array64) -> Profile:
         usual = steps[steps <= _GAP * np.median(steps)]
         uneven = float(np.abs(usual / usual.mean() - 1).max())
         if uneven > _UNEVEN and digit < _ROUNDED * spacing:
-            told_of = f"steps between positions are up to {uneven:.0%} off even ones"
-            doubts = [f"{told_of}; heights between them are from straight lines, which flatten short waves"]
+            apart = f"steps between positions differ from their mean by up to {uneven:.0%}"
+            doubts = [f"{apart}; heights were interpolated by straight lines, which flattens short waves"]
     if filled > _DOUBTED:
         doubts.append(f"{filled:.1%} of the scan, where it has no values, were filled by straight lines")
     return Profile(np.asarray(np.interp(even_x, place_x, z)), spacing * even_x.size, [told], doubts)

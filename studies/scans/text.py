@@ -96,10 +96,11 @@ def read_text(path: Path, name: str, decimal: Decimal | None) -> Table:
         lines.pop()
     found = _find(path, lines, decimal)
     writing, first, count = found.writing, found.first, found.count
-    if writing.delimiter == "," and _are_decimal_too(lines, found):
+    if writing.delimiter == "," and decimal is None and _are_decimal_too(lines, found):
+        row = lines[first].strip()[:40]
         raise ValueError(
-            f"profile_file {path}, line {first + 1}: commas seem to be decimal signs in {lines[first].strip()[:40]!r}, "
-            "and to part columns, too; allowed: semicolons or tabs between columns, or decimal points"
+            f"profile_file {path}, line {first + 1}: commas seem to stand for decimal points and between columns, too, "
+            f"in {row!r}; allowed: semicolons or tabs between columns, or, for integers, --decimal point"
         )
     for i in range(first, len(lines)):
         if not lines[i].strip():  # what is before may be a header of numbers
@@ -196,19 +197,21 @@ def _find(path: Path, lines: Sequence[str], decimal: Decimal | None) -> _Found:
 
 
 def _are_decimal_too(lines: Sequence[str], table: _Found) -> bool:
-    """Whether the commas between the cells of a table may be decimal signs, too: every other cell begins with zeros,
-    as no integer does, or there is one label for two cells.
+    """Whether the commas between the cells of a table of integers may be decimal signs, too: every other cell begins
+    with zeros and its neighbours do not, or there is one label with a unit for two cells.
     """
     rows = [table.writing.cells(line) for line in lines[table.first : table.first + _SAMPLE]]
-    pairs = [row for row in rows if len(row) == table.count]
-    if table.count % 2 or not all(re.fullmatch(r"[-+]?\d+", cell) for row in pairs for cell in row):
+    rows = [row for row in rows if len(row) == table.count]
+    if table.count % 2 or not all(re.fullmatch(r"[-+]?\d+", cell) for row in rows for cell in row):
         return False
-    fractions = [cell for row in pairs for cell in row[1::2]]
-    head = table.writing.cells(lines[table.first - 1]) if table.first else []
-    labelled = 2 * len(head) == table.count and not any(map(table.writing.numbers, head))
-    return not any(cell[0] in "+-" for cell in fractions) and (
-        labelled or any(len(cell) > 1 and cell[0] == "0" for cell in fractions)
-    )
+    if _after_labels(lines, table):
+        return False
+    whole, fractions = ([cell for row in rows for cell in row[i::2]] for i in (0, 1))
+    head = lines[: table.first]
+    labelled = table.count > 2 and any(label.names_unit for label in labels(head, ",", table.count // 2))
+    zeros = any(re.fullmatch(r"0\d+", cell) for cell in fractions)
+    zeros &= not any(re.fullmatch(r"[-+]?0\d+", cell) for cell in whole)
+    return (labelled or zeros) and not any(cell[0] in "+-" for cell in fractions)
 
 
 def _after_labels(lines: Sequence[str], table: _Found) -> int:
@@ -229,7 +232,7 @@ def _check_rows(path: Path, lines: Sequence[str], table: _Found) -> None:
 def _not_a_row(path: Path, lines: Sequence[str], i: int, writing: Writing, count: int) -> str:
     numbers, cells = counted(count, "number"), lines[i].split(writing.delimiter)
     lacking = len(cells) == count and any(map(writing.numbers, cells))
-    without = "; a line whose value is missing may be left out" * lacking
+    without = "; you may delete lines whose value is missing" * lacking
     return (
         f"profile_file {path}, line {i + 1}: {lines[i].strip()[:40]!r} is not {numbers}; allowed: {numbers} in every "
         f"line ({writing}){without}"

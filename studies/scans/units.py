@@ -35,7 +35,7 @@ _SPELLINGS = {
     **dict.fromkeys(("in", "inches", '"'), "inch"),
 }
 _LARGE = {"Mm", "Pm"}
-"""Not millimetres and picometres: the large letter makes them 10^6 and 10^15 m."""
+"""Not millimetres and picometres: the capital letter makes them 10^6 and 10^15 m."""
 _SHORT = {"m", "in", '"', "\u03bc", "\u00e5"}
 """Units only where a unit is expected: elsewhere they are words, or letters."""
 

@@ -36,6 +36,7 @@ from .storage import Whole
 _OVER_FLOOR = 0.3  # error of the pressure over the free residual, both as rounding leaves them
 _OVER_DRIFT = 3.0  # residual over the rounding of float32 images, below which the response has to be made anew
 _FEW_PATCHES = 8  # largest number of patches whose ends are predicted on a cold start; more disturb each other
+_BY_ROUNDING = 4  # nodes that rounding may let join and leave a set again and again
 _MOVES = 6  # updates of a cold start in which they are
 
 
@@ -170,7 +171,7 @@ class ActiveSet(Method):
         now = self._now
         useful = now.iterate(self.residual)
         if not math.isfinite(self.residual):
-            self.stopped = True
+            self.stopped = not self._begun_anew()
             return
         if self.stopped and useful:
             return
@@ -185,13 +186,17 @@ class ActiveSet(Method):
             # before: now what rounding has made of the pressure would decide
             self.stopped = now.settled or not self._update_set()
 
-    def _begun_anew(self) -> bool:
-        """Begin anew, with few nodes at a time, where the search has failed and that may help; whether it does."""
-        plain, search = self._response.plain, self._search
-        first = elimination.anew(self.problem, self._storage, search, self.residual) if plain else None
+    def _begun_anew(self, ended: bool = True) -> bool:
+        """Begin anew, with few nodes at a time, where the search has failed and that may help; whether it does.
+
+        ended: whether it would end here.
+        """
+        search = self._search
+        lost = self._response.plain and elimination.has_failed(search, self.residual, self.tolerance, ended)
+        first = elimination.anew(self.problem, self._storage, search, lost)
         if first is None:
             return False
-        self._search, self._set = Search(one_by_one=True), first
+        self.stopped, self._search, self._set = False, Search(few_at_a_time=True), first
         self._response.renew(first)
         return True
 
@@ -214,14 +219,18 @@ class ActiveSet(Method):
         new = self._response.penetrating(now, self._smallest_gap)
         if now.pulling.size + new.size <= self._wrong_nodes_per_patch * now.patches.count:
             return False
-        if self._search.one_by_one and new.size:
+        if self._search.few_at_a_time and new.size:
             new = self._storage.with_images(elimination.deepest(new, self._response.gap(new), now))
         self._search.note(now.pulling.size + new.size)
-        if self._search.too_long and self._begun_anew():
+        if self._begun_anew(ended=False):
             return True
         nodes, kept = _change(now, new, self._search.may_move_ends())
         self._take_set(nodes, now.nodes[kept], now.pressure[kept])
         self.stopped = self._search.in_circles(self._now.key)
+        if self.stopped and now.pulling.size + new.size > _BY_ROUNDING:
+            self._search.updates = math.inf  # it has failed, however small the residual is
+            if self._begun_anew():
+                return True
         self._response.follow(now, self._now, changed=not kept.all())
         return True
 

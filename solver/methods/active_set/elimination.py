@@ -2,9 +2,9 @@
 
 Large sets of a stiff coating on a soft base are too ill-conditioned to be iterated on, and as every node's pressure is
 felt by all others the primal-dual active set, which changes all nodes at once that pull or penetrate, may not settle.
-On small grids the search then begins anew, one by one: with the lowest node, and few new ones at a time. No pressure is
-ever negative, and the energy falls with every set, so none comes back (C. L. Lawson and R. J. Hanson, Solving Least
-Squares Problems (1974), ch. 23, with the load fixed).
+On small grids the search then begins anew with the lowest node, and adds few nodes at a time. As long as the sets are
+eliminated, up to 1024 nodes, no pressure is ever negative and the energy falls with every set, so none comes back
+(C. L. Lawson and R. J. Hanson, Solving Least Squares Problems (1974), ch. 23, with the load fixed).
 """
 
 import numpy as np
@@ -17,29 +17,30 @@ from .search import Search
 from .storage import Whole
 
 _SMALL = 256  # nodes up to which elimination takes less time than the iterations
-_MANY, _MOST = (
-    40,
-    1024,
-)  # iterations on one set, of which most take a dozen, after which sets of so many nodes are small
-_LOST, _POINTS = 1e-3, 2**14  # residual over p with which a search has failed; points of grids on which it begins anew
+_MOST = 1024  # nodes up to which a set is eliminated, too, that is hard to iterate on
+_MANY = 40  # iterations on one set, of which a dozen are usual, after which it is hard
+_LOST = 1e-3  # residual over p with which a search that ends has failed
+_UPDATES, _TOO_MANY = 20, 40  # of which a dozen are usual: after so many a search has failed, with any residual
+_POINTS = 2**14  # of the largest grid on which a search begins anew
+_WORK = 1e11  # sum of the cubes of the numbers of nodes that one search may eliminate: a few seconds
 _NOTHING = 1e-14  # pressure over the largest
 
 
 def suits(now: ContactSet, search: Search) -> bool:
-    """Whether a set is to be solved by elimination, which has not been tried yet."""
-    hard = search.one_by_one or now.iterations > _MANY
+    """Whether to solve this set by elimination: it is small enough, and that was not tried."""
+    hard = (search.few_at_a_time or now.iterations > _MANY) and search.work < _WORK
     return now.nodes.size <= (_MOST if hard else _SMALL) and not now.eliminated and not now.patches.full
 
 
 def solve(now: ContactSet, green: GreensFunction, storage: Whole, height: Array64, search: Search) -> ContactSet | None:
     """The set with the pressure at which all of its nodes touch; None where rounding has made that impossible.
 
-    height: h of all nodes, shape (N,) [u]. Of a search one by one the nodes that would pull are left out.
+    height: h of all nodes, shape (N,) [u]. Where few nodes are added at a time, those that would pull are left out.
     """
     now.eliminated, nodes = True, now.nodes
     try:
-        if search.one_by_one:
-            nodes, pressure = _without_pull(green, nodes, height[nodes], now.pressure)
+        if search.few_at_a_time:
+            nodes, pressure = _without_pull(green, nodes, height[nodes], now.pressure, search)
         else:
             pressure = green.solve(nodes, height[nodes])
     except (np.linalg.LinAlgError, ZeroDivisionError):
@@ -52,38 +53,54 @@ def solve(now: ContactSet, green: GreensFunction, storage: Whole, height: Array6
         nodes = storage.with_images(np.sort(nodes))
         now = ContactSet.of(nodes, everywhere[nodes], storage)
         now.eliminated, pressure = True, now.pressure
+    now.begin_anew()  # the search direction belongs to another pressure
     now.pressure = pressure if now.mirrored is None else (pressure + pressure[now.mirrored]) / 2
     return now
 
 
-def _without_pull(green: GreensFunction, nodes: Indices, height: Array64, pressure: Array64) -> tuple[Indices, Array64]:
+def _without_pull(
+    green: GreensFunction, nodes: Indices, height: Array64, pressure: Array64, search: Search
+) -> tuple[Indices, Array64]:
     """From a pressure >= 0 on some nodes to the least energy on those that need not pull: these, and their pressure.
 
-    All of shape (M,), height and pressure as `GreensFunction.solve` has them, which may raise.
+    All of shape (M,), height and pressure as `GreensFunction.solve` has them. Raises what that raises, and
+    `numpy.linalg.LinAlgError` where rounding or too much work leaves no way on.
     """
-    while True:
+    while search.work < _WORK:
+        search.work += float(nodes.size) ** 3
         wanted = green.solve(nodes, height)
         pulling = wanted < 0
-        if not pulling.any():
+        if not (pulling.any() and np.isfinite(wanted).all()):
             return nodes, wanted
         step = float((pressure[pulling] / (pressure - wanted)[pulling]).min())  # until the first bears nothing
         pressure = pressure + step * (wanted - pressure)
         left = ~(pulling & (pressure <= _NOTHING * float(pressure.max())))
+        if left.all():
+            break
         nodes, height, pressure = nodes[left], height[left], pressure[left]
+    raise np.linalg.LinAlgError
 
 
 def deepest(nodes: Indices, gap: Array64, now: ContactSet) -> Indices:
-    """Which nodes are added next to a set, one by one: those that penetrate most, up to a quarter of what it holds.
+    """Which nodes are added next to a set, few at a time: those that penetrate most, up to a quarter of what it holds.
 
     nodes, gap: of those that penetrate, shape (M,) [u].
     """
     return np.sort(nodes[np.argsort(gap, kind="stable")[: 1 + now.nodes.size // 4]])
 
 
-def anew(problem: Problem, storage: Whole, search: Search, residual: float) -> ContactSet | None:
-    """The set that a search one by one begins with, where this one has failed; None where it may still succeed."""
-    lost = residual > _LOST and problem.num_points <= _POINTS and not search.one_by_one
-    if not lost:
+def anew(problem: Problem, storage: Whole, search: Search, lost: bool) -> ContactSet | None:
+    """The set with which a search begins anew: the lowest node, on up to 2^14 points. None where it does not.
+
+    lost: whether the search has failed; one that has begun anew does not do so again.
+    """
+    if not lost or problem.num_points > _POINTS or search.few_at_a_time:
         return None
     lowest = storage.with_images(np.array([np.argmin(problem.height)]))
     return ContactSet.of(lowest, np.ones(lowest.size), storage)
+
+
+def has_failed(search: Search, residual: float, tolerance: float, ended: bool) -> bool:
+    """Whether a search has failed, by the residual that it ended with, or by how many updates it has taken."""
+    lost = not residual <= max(_LOST, tolerance)
+    return (lost and (ended or search.updates > _UPDATES)) or search.updates > _TOO_MANY

@@ -33,7 +33,8 @@ _WIDTH = 6
 _SHAPE = 0.75 * math.pi * _WIDTH
 
 _LONG = 2**12
-"""Blocks beyond which transforms take longer than their plans: there are eight lengths to an octave instead of four."""
+"""Blocks beyond which the transforms of a solve take longer than their plan: there are eight allowed lengths to an
+octave instead of four."""
 
 _RING = 2**13  # nodes, at least, of the ring on which the near part is made, unless the grid is smaller
 
@@ -116,8 +117,9 @@ def _transformed_window(frequency: Array64) -> Array64:
 
 
 def transformed_blocks(blocks: int) -> int:
-    """The least of few lengths from so many blocks on: FFTW takes as long to plan one as for ten transforms, and the
-    plan serves again.
+    """The shortest length, of a few allowed ones, that holds so many blocks.
+
+    FFTW plans a short one for as long as ten transforms take, and the plan serves again.
     """
     steps = 8 if blocks > _LONG else 4
     unit = max(1, (1 << (blocks - 1).bit_length()) // (2 * steps))

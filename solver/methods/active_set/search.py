@@ -13,7 +13,6 @@ MOST_ITERATIONS = 150
 """On one set; where it takes more, rounding keeps the residual up."""
 
 _FORCING_TERM = 0.05  # residual of a set over that when it was new, at which it is updated
-_MOST_UPDATES = 20  # a dozen are usual
 _PROGRESS = 0.8  # an update that changes fewer nodes than this share of the fewest so far counts as progress
 _PATIENCE, _TIGHT = 8, 1e-3  # updates without progress before the forcing term falls, and its lowest value then
 _TIGHTER, _TIGHTEST = 0.1, 1e-7  # factor of the forcing term when a set comes back, and where the search gives up
@@ -31,17 +30,14 @@ class Search:
     """Keys of the sets so far."""
     fewest: float = math.inf
     """Nodes that an update has dropped and added at the least."""
-    one_by_one: bool = False
+    few_at_a_time: bool = False
     """Whether few nodes at a time are added, see `elimination`."""
-    updates: int = 0
-    """So far."""
+    work: float = 0.0
+    """Of elimination: the sum of the cubes of the numbers of nodes."""
+    updates: float = 0
+    """So far; `inf` where sets go round in circles."""
     in_vain: int = 0
     """Updates since that became much less."""
-
-    @property
-    def too_long(self) -> bool:
-        """Whether it has taken so many updates that it may have failed."""
-        return self.updates > _MOST_UPDATES
 
     def may_move_ends(self) -> bool:
         """Whether this update may; one less may after it."""

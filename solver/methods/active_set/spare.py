@@ -23,8 +23,8 @@ _MOST_POINTS = 2**18
 """Of a grid whose fields are kept: they take 40 bytes a point."""
 
 _TIMES_ROUNDING = 50
-"""Tolerance over what rounding leaves of the weakest mode, down to which transforms may be of half the length: these
-take less time, but mix the rounding of long and short waves."""
+"""Tolerance over the relative error that rounding of the strongest mode puts into the weakest, down to which transforms
+may be of half the length: these take less time, but mix the rounding of long and short waves."""
 
 User = TypeVar("User")
 
@@ -70,7 +70,7 @@ class Spare:
 
 
 def _rounding_of(symbol: Array64) -> float:
-    """What float64 leaves of the weakest mode of an operator beside the strongest one, over the weakest."""
+    """Relative error that rounding of an operator's strongest mode to float64 puts into its weakest."""
     weakest = float(symbol[1:].min())
     return float(np.finfo(np.float64).eps) * float(symbol.max()) / weakest if weakest > 0 else math.inf
 
