@@ -14,8 +14,8 @@ from linecontact import curve as curve_of
 from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, Status, solve
 from linecontact.solver.display import rounded_up
 from linecontact.studies.command_line import main
-from linecontact.studies.curve import number, study, tasks
-from linecontact.studies.files.study_files import load_study
+from linecontact.studies.curve import figures, number, study, tasks
+from linecontact.studies.files.study_files import load_study, save_study
 
 
 def curve(folder, *words):
@@ -309,6 +309,20 @@ def test_what_must_be_given_may_be_what_varies(tmp_path):
         == 0
     )
     assert [run["scene.thickness"] for run in runs(tmp_path)] == [0.1, math.inf]
+
+
+def test_the_figure_of_a_curve_that_is_not_finished_says_so(tmp_path):
+    assert main.main(["curve", "--values", "1e-3,2e-3,4e-3", "--num-points", "256", "--folder", str(tmp_path)]) == 0
+    path = tmp_path / "curve.h5"
+    study = load_study(path)
+
+    def title():
+        (figure,) = figures.draw(path).values()
+        return figure.get_suptitle()
+
+    assert "Not finished" not in title()
+    save_study(path, replace(study, runs=study.runs[:2], complete=False))
+    assert "Not finished: 2 of 3 values." in title()
 
 
 def test_ctrl_c_ends_a_curve(monkeypatch):

@@ -51,6 +51,8 @@ def draw(path: Path) -> dict[str, Figure]:
     grid[-1, 0].set_xlabel(f"{over.replace('_', ' ').replace('poisson ', 'Poisson ')} ({along})")
     note = f"\nError bars not known, or too long for their panels: {hidden}." if hidden else ""
     note += "\nTriangle at the top: infinite, in full contact." if infinite else ""
+    values = len(study.configuration["values"])
+    note += f"\nNot finished: {len(study.runs)} of {values} values." if len(study.runs) < values else ""
     titles.put(figure, titles.scene(study.runs[0], {over}) + note)
     if not shown.all():
         figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside lower center")
