@@ -15,6 +15,9 @@ from ..arrays import Array64
 from ..kind import Kind
 from ..layers import ElasticLayer
 
+_SIXTH, _EIGHTH = (45 / 60, -9 / 60, 1 / 60), (4 / 5, -1 / 5, 4 / 105, -1 / 280)
+"""Shares of the nodes on either side in central differences of that order."""
+
 
 class Indenter(Kind, Protocol):
     """A rigid, periodic indenter, as the program needs to know it."""
@@ -68,7 +71,7 @@ class Indenter(Kind, Protocol):
         """Slopes h'(x_i), shape (num_points,), dimensionless; unless there is better, by central differences of the
         sixth order, which have a wave of eight grid spacings right to 0.2 %.
         """
-        return _central_differences(np.asarray(self.profile(num_points, period)), (45 / 60, -9 / 60, 1 / 60))
+        return _central_differences(np.asarray(self.profile(num_points, period)), _SIXTH)
 
     def squared_slope_doubt(self, num_points: int, period: float) -> Array64 | None:
         """What `slope` may be off by, as h'^2 at the nodes, shape (num_points,); None where it is the profile's own.
@@ -83,8 +86,7 @@ class Indenter(Kind, Protocol):
         if not self.shortest_wave(num_points):
             bend = num_points * (np.roll(h, -1) - 2 * h + np.roll(h, 1))
             return (bend - (np.roll(bend, 2) + np.roll(bend, -2)) / 2) ** 2 / 2
-        eighth = _central_differences(h, (4 / 5, -1 / 5, 4 / 105, -1 / 280))
-        return self.slope(num_points, period) ** 2 - eighth**2
+        return _central_differences(h, _SIXTH) ** 2 - _central_differences(h, _EIGHTH) ** 2
 
     def squared_slope_between(self, left: Array64, right: Array64, num_points: int, period: float) -> Array64 | None:
         """Integrals of h'^2 from some places to others, of their shape [grid spacings]; None, by default, where only

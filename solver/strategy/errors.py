@@ -167,15 +167,18 @@ def _of_nodes(
     wave.
     """
     assert quantity.sampling
-    left = _by_shares(values, quantity.of_changes) if rough else _by_order(values)
-    if quantity.of_lowest:
-        left *= _LOWEST_NODE if rough and not scene.indenter.knows_lowest else 1.0
-    elif _hides_peaks(scene, num_points):
-        left = math.inf
-    elif not rough:
-        power = scene.indenter.power_law
-        falls = _MOST ** (power[0] - 1) if power and power[0] < 2 else None
-        left = _by_order(values, falls) if power else _with_limit(values, left)
+    power = scene.indenter.power_law
+    if not quantity.of_lowest and _hides_peaks(scene, num_points):
+        return math.inf
+    if rough:
+        left = _by_shares(values, quantity.of_changes)
+        left *= _LOWEST_NODE if quantity.of_lowest and not scene.indenter.knows_lowest else 1.0
+    elif quantity.of_lowest:
+        left = _by_order(values)
+    elif power:
+        left = _by_order(values, _MOST ** (power[0] - 1) if power[0] < 2 else None)
+    else:
+        left = _with_limit(values, _by_order(values))
     return math.hypot(left, float(getattr(found, quantity.sampling)))
 
 

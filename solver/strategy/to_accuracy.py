@@ -94,6 +94,11 @@ class _Task:
         """Relative error of the contact area by the choices made."""
         return sum(choice.error for choice in self.choices)
 
+    @property
+    def sensitivity(self) -> float:
+        """Of the quantity, see the function of that name."""
+        return sensitivity(self.quantity, self.scene)
+
     def judged(self, solution: Solution, model_error: float) -> Solution:
         """With the model's share in the errors, and whether they are what was asked for.
 
@@ -146,12 +151,7 @@ def _winkler(task: _Task) -> Solution | None:
         share = error / value if value else math.inf
         task.chose("Winkler foundation", "no", f"its {what} would be off by a share of {share:.1g}")
         return None
-    task.chose(
-        "model",
-        "Winkler foundation",
-        "the layer's edges are narrow",
-        sensitivity(task.quantity, task.scene) * found.error,
-    )
+    task.chose("model", "Winkler foundation", "the layer's edges are narrow", task.sensitivity * found.error)
     task.chose("grid", f"{found.scene.num_points} points", "no transform is needed")
     return _modelled(task, "winkler-foundation", found)
 
@@ -198,7 +198,7 @@ def _on_grids(task: _Task) -> Solution:
     effort = Effort(scene, DEFAULT, task.means)
     model_error = task.model_error
     memory = checks.available_memory()
-    budget = task.accuracy - sensitivity(task.quantity, task.scene) * (model_error + iteration_share(tolerance))
+    budget = task.accuracy - task.sensitivity * (model_error + iteration_share(tolerance))
 
     def begin(size: int, contact_share: float) -> Method:
         check_memory(size, effort.kind, contact_share, memory)
@@ -248,7 +248,7 @@ def _finish(
     task.chose("precision", "float64", "mixed saves next to nothing where transforms are few")
     even = state.even
     task.chose("symmetry", "even" if even else "none", f"h_i {'=' if even else '!='} h_(N-1-i) on this grid")
-    share = sensitivity(task.quantity, task.scene) * iteration_share(tolerance)
+    share = task.sensitivity * iteration_share(tolerance)
     task.chose("tolerance", f"{tolerance:g}", "small beside the accuracy", share)
     solution = make_solution(scene, problem, certified, levels, effort)
     if not levels:  # without a coarser grid nothing is known, and edges alone are not believed

@@ -9,17 +9,8 @@ from ..files import csv_tables, writing
 OUTPUT = Path("-")
 """What stands for standard output."""
 
-_OTHER = (
-    ".xlsx",
-    ".xls",
-    ".ods",
-    ".h5",
-    ".hdf5",
-    ".npy",
-    ".json",
-    ".png",
-    ".pdf",
-)  # endings of files that are not comma-separated text
+_OTHER = {".xlsx", ".xls", ".ods", ".h5", ".hdf5", ".npy", ".json", ".png", ".pdf"}
+"""Endings of files that are not comma-separated text."""
 
 
 @dataclass(frozen=True)

@@ -210,13 +210,8 @@ def _check_ends(over: str, scene: Scene, found: Mapping[str, float], given: Mapp
 
 
 def _read(options: Options, own: Own, option: str, text: str) -> float:
-    length = unit(options.over) == "length"
-    try:
-        return read(option, text, length, own)
-    except ValueError as error:
-        if unit(options.over) != "pressure" or not str(error).endswith("a number"):
-            raise
-        raise ValueError(f"{option} is {text!r}; allowed: {PRESSURE}") from None
+    kind = unit(options.over)
+    return read(option, text, kind == "length", own, PRESSURE if kind == "pressure" else "a number")
 
 
 def draw(path: Path) -> "dict[str, Figure]":

@@ -52,11 +52,11 @@ class Own(NamedTuple):
     """Whether the user chose it, so that lengths may be numbers alone."""
 
 
-def read(name: str, text: str, length: bool, own: Own) -> float:
+def read(name: str, text: str, length: bool, own: Own, allowed: str = "a number") -> float:
     """A number as it is written on the command line, like 0.1 or 2^18, or a length with its unit, like 50um.
 
-    name: of the option, for messages. length: whether it is one. own: the unit of the scene's lengths. Raises
-        `ValueError`.
+    name: of the option, for messages. length: whether it is one. own: the unit of the scene's lengths. allowed:
+        what is said of a text that is no number. Raises `ValueError`.
     """
     text = text.strip()
     parted = _NUMBER_AND_UNIT.fullmatch(text)
@@ -70,7 +70,7 @@ def read(name: str, text: str, length: bool, own: Own) -> float:
         raise ValueError(f"{name} is {text!r}; allowed: {IN_RANGE}") from None
     except ValueError:
         more = ", or a length with its unit, like 50um" * (length and own.unit in UNITS)
-        raise ValueError(f"{name} is {text!r}; allowed: a number{more}") from None
+        raise ValueError(f"{name} is {text!r}; allowed: {allowed}{more}") from None
     if known and own.unit not in UNITS:
         hint = ", unless --length-unit names one" * (own.unit == SCENE)
         raise ValueError(f"{name} is {text!r}; allowed: a number alone, the lengths of this scene have no unit{hint}")
