@@ -170,6 +170,29 @@ def test_few_points_to_the_shortest_wave_are_told():
     assert rough.effective_wave(2**12) == pytest.approx(256, rel=0.02)
 
 
+KINKED = {
+    "at the period's end": lambda x: x**2 / 2,
+    "between two patches": lambda x: (np.abs(x) - 0.2) ** 2 / 2,
+    "in the contact": lambda x: 0.02 * np.abs(x) + x**2 / 2,
+    "of a cusp in the contact": lambda x: np.abs(x) ** 1.5 / 1.5,
+}
+
+
+@pytest.mark.parametrize("kink", KINKED)
+@pytest.mark.parametrize("thickness", [math.inf, 0.02])
+def test_heights_with_a_kink_are_as_smooth_as_between_kinks(kink, thickness):
+    n = 2**11
+    coarse, fine = (
+        solve(Scene(Layer(thickness), MeasuredIndenter(KINKED[kink](np.arange(m) / m - 0.5)), 2e-3, num_points=m))
+        for m in (n, 16 * n)
+    )
+    assert coarse.scene.indenter.kinked
+    for name, largest in (("contact-area", 0.01), ("kappa", 0.05)):
+        value, error = measured(coarse, QUANTITIES[name])
+        assert abs(value - measured(fine, QUANTITIES[name])[0]) < error < largest * value
+    assert not MeasuredIndenter(QUICK_ROUGH.profile(n, 1.0)).kinked
+
+
 @pytest.mark.parametrize("name", QUANTITIES)
 @pytest.mark.parametrize("scene", [Scene(Layer(0.1), num_points=2**14), Scene(Layer(0.1), QUICK_ROUGH, 2e-2)])
 def test_an_accuracy_is_that_of_what_was_asked(name, scene):

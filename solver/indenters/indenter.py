@@ -76,14 +76,15 @@ class Indenter(Kind, Protocol):
     def squared_slope_doubt(self, num_points: int, period: float) -> Array64 | None:
         """What `slope` may be off by, as h'^2 at the nodes, shape (num_points,); None where it is the profile's own.
 
-        A profile without a shortest wave may have kinks, which may stand anywhere between two nodes: there h'^2 is off
-        by up to half of the square of the slope's jump, which second differences unlike those two nodes away tell. For
-        short waves the differences of sixth and eighth order differ by about the error of the former.
+        A profile without a shortest wave, or with a few kinks, may have one in the contact, anywhere between two nodes:
+        there h'^2 is off by up to half of the square of the slope's jump, which second differences unlike those two
+        nodes away tell. For short waves the differences of sixth and eighth order differ by about the error of the
+        former.
         """
         if type(self).slope is not Indenter.slope:
             return None
         h = np.asarray(self.profile(num_points, period))
-        if not self.shortest_wave(num_points):
+        if self.kinked or not self.shortest_wave(num_points):
             bend = num_points * (np.roll(h, -1) - 2 * h + np.roll(h, 1))
             return (bend - (np.roll(bend, 2) + np.roll(bend, -2)) / 2) ** 2 / 2
         return _central_differences(h, _SIXTH) ** 2 - _central_differences(h, _EIGHTH) ** 2
@@ -122,6 +123,11 @@ class Indenter(Kind, Protocol):
         By default the shortest; less where the shortest ones hardly matter.
         """
         return self.shortest_wave(num_points)
+
+    @property
+    def kinked(self) -> bool:
+        """Whether it has a few kinks, which `effective_wave` leaves out."""
+        return False
 
     def omitted(self, num_points: int) -> float:
         """Share of the mean square slope in waves that a grid of that many points leaves out (dimensionless)."""

@@ -14,6 +14,9 @@ from ..units import length_unit
 from .indenter import Indenter
 
 _MOST_CURVATURE = 0.99  # of the mean square curvature, in the waves that decide how fine a grid has to be
+_KINKS, _KINKS_OVER_NODES = 16, 1 / 32  # most nodes that kinks are looked for at
+_ROUNDING = 1e-15  # of the largest height, in second differences
+_SMOOTHER = 4  # factor by which the wave becomes longer without kinks, from which on they are told apart
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,14 +84,31 @@ class MeasuredIndenter(Indenter):
         return min(num_points, self.heights.size, self.measured_points or self.heights.size) // 2
 
     def effective_wave(self, num_points: int) -> int:
-        """The wave up to which nearly all of the mean square curvature lies."""
+        """The wave up to which nearly all of the mean square curvature lies, but for that of a few kinks."""
         return min(self._curved_to, self.shortest_wave(num_points))
 
-    @cached_property
+    @property
+    def kinked(self) -> bool:
+        return _SMOOTHER * self._curved_between_kinks <= self._curved_everywhere
+
+    @property
     def _curved_to(self) -> int:
         """Number of that wave, of those that the heights hold."""
-        curvature = np.cumsum((np.arange(self._modes.size) ** 2 * np.abs(self._modes)) ** 2)
-        return int(np.searchsorted(curvature, _MOST_CURVATURE * curvature[-1]))
+        return self._curved_between_kinks if self.kinked else self._curved_everywhere
+
+    @cached_property
+    def _curved_everywhere(self) -> int:
+        return _most_of(np.arange(self._modes.size) ** 2 * self._modes)
+
+    @cached_property
+    def _curved_between_kinks(self) -> int:
+        """The same without the nodes whose second differences are most unlike those around them."""
+        bend = np.roll(self.heights, -1) - 2 * self.heights + np.roll(self.heights, 1)
+        around = np.median([np.roll(bend, step) for step in range(-3, 4)], axis=0)
+        kinks = np.argsort(np.abs(bend - around))[-min(_KINKS, int(_KINKS_OVER_NODES * bend.size)) :]
+        bend[kinks] = around[kinks]
+        bend[np.abs(bend) <= _ROUNDING * float(self.heights.max())] = 0.0  # between kinks it may be straight
+        return max(_most_of(rfft(bend)), 1)
 
     def omitted(self, num_points: int) -> float:
         if num_points >= max(self.heights.size, self.measured_points or 0):
@@ -126,3 +146,9 @@ class MeasuredIndenter(Indenter):
 
     def to_dict(self) -> dict[str, Any]:
         return {"profile": self.name} | self.description
+
+
+def _most_of(curvature: Modes) -> int:
+    """Number of the wave up to which nearly all of the mean square of a curvature lies, from its half spectrum."""
+    upto = np.cumsum(np.abs(curvature) ** 2)
+    return int(np.searchsorted(upto, _MOST_CURVATURE * upto[-1]))

@@ -24,8 +24,10 @@ and e alone is mostly too large: it has to hold without a coarser grid. (Not so 
 fewer than 20 nodes, and where a table ends with the grid's shortest wave: there e is taken whole.) The errors of many
 patches are independent but for a part that they have in common, b: a grid with few points to a wave misses what bends
 between its nodes. That is up to 0.03 (16/w)^2.5 grid spacings for the area of each patch whose pressures tell where it
-ends (0.04 for kappa), and up to 0.004 (16/w)^2.5 (0.008) if its load does. Gaps that lie between two contact nodes all
-make the area too large: the sum of their widths over the period, g, is added as it is, and in kappa the same share.
+ends (0.04 for kappa), and up to 0.004 (16/w)^2.5 (0.008) if its load does. Heights that are smooth but for a few kinks,
+like a parabola's in a period, have the w of what lies between these; as one may be in the contact, up to 2/m comes to
+the width of a patch of m nodes (6/m for kappa), and the whole of c is believed. Gaps that lie between two contact nodes
+all make the area too large: the sum of their widths over the period, g, is added as it is, and in kappa the same share.
 Where slopes are differences of heights, e of kappa holds what these may be off by (`Indenter.squared_slope_doubt`).
 
 Under a stiff coating thinner than a grid spacing the nodes may miss anything of the peak pressure (`inf`).
@@ -67,6 +69,8 @@ class Quantity:
     per_patch: tuple[float, float] = (0.0, 0.0)
     """Error that patches have in common at 16 points to the shortest wave, in the width of each, where pressures and
     where loads tell their ends [grid spacings]."""
+    of_kinks: float = 0.0
+    """Error in the width of a patch, times that width, where the profile has a few kinks [grid spacings squared]."""
     of_changes: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Of what does not depend on edges, the shares of the last change and the one before that are left under rough
     profiles, and of the only one where there is no other (dimensionless)."""
@@ -93,6 +97,7 @@ QUANTITIES = {
         of_edges=(0.36, 0.55),
         of_change=(1 / 13, 1 / 48),
         per_patch=(0.03, 0.004),
+        of_kinks=2.0,
     ),
     "kappa": Quantity(
         "kappa_subgrid",
@@ -101,6 +106,7 @@ QUANTITIES = {
         of_edges=(0.5, 0.6),
         of_change=(1 / 8, 1 / 48),
         per_patch=(0.04, 0.008),
+        of_kinks=6.0,
         of_slopes=True,
         sensitivity=2.0,
     ),
@@ -149,6 +155,8 @@ def estimated(
     gaps = found.unseen_gap_area / area * abs(values[-1])
     each = [share * of for share, of in zip(quantity.per_patch, (found.num_patches - by_load, by_load), strict=True)]
     spacings = sum(each) * math.pow(_COMMON * waves, _COMMON_POWER)
+    if scene.indenter.kinked:
+        spacings += quantity.of_kinks * found.num_patches**2 / (area * num_points)
     common = spacings / num_points / area * abs(values[-1])
     if not coarser:
         return math.hypot(edges, common) + gaps
@@ -156,7 +164,8 @@ def estimated(
     careful = rough or area * num_points >= _CAREFUL_FROM_IF_SMOOTH * found.num_patches
     careful &= edge_curve(scene.layer, num_points, scene.period).error < _KNOWN
     of_edges = quantity.of_edges[1 if rough else 0] if careful else 1.0
-    change = quantity.of_change[1 if rough else 0] * abs(values[-1] - values[-2])
+    of_change = 1.0 if scene.indenter.kinked else quantity.of_change[1 if rough else 0]
+    change = of_change * abs(values[-1] - values[-2])
     return math.hypot(of_edges * edges, change, common) + gaps
 
 
