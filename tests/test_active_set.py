@@ -143,7 +143,6 @@ def test_when_a_search_begins_anew():
         (21, 1.0, False, True),
         (21, 1e-6, False, False),
         (41, 1e-6, False, True),
-        (math.inf, 1e-12, True, True),
     ):
         search = Search(updates=updates)
         lost = elimination.has_failed(search, residual, 1e-8, ended)
@@ -154,6 +153,7 @@ def test_when_a_search_begins_anew():
             assert problem.height[first.nodes].tolist() == [problem.height.min()]
     assert elimination.anew(problem, storage, Search(few_at_a_time=True), lost=True) is None
     assert not elimination.has_failed(Search(), 0.01, tolerance=0.1, ended=True)
+    assert elimination.has_failed(Search(circling=True), 1e-12, tolerance=1e-8, ended=True)
 
 
 def test_sets_that_are_hard_to_iterate_on_are_eliminated():

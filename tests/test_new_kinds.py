@@ -277,7 +277,9 @@ def test_what_is_missing_is_named():
         def profile(self, num_points, period):
             return np.zeros(num_points)
 
-    with pytest.raises(ValueError, match=r"indenter is .*, which lacks check, .*shortest_wave.*; allowed: a PowerInd"):
+    with pytest.raises(
+        ValueError, match=r"is .*, which lacks shortest_wave, to_dict, check and \d+ more; allowed: a PowerInd"
+    ):
         Scene(indenter=Half())
     with pytest.raises(ValueError, match="layer is 3; allowed: a Layer"):
         Scene(layer=3)

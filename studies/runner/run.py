@@ -160,9 +160,10 @@ def _begin(plans: Sequence[Plan], options: Options, folder: Path) -> Ensemble:
         results.forget(tasks)
     ensemble = Ensemble(tasks, results)
     if ensemble.found:
-        of_all = "" if any(plan.more for plan in plans) else f"{ensemble.found} of "
-        tasks_done = counted(len(ensemble.tasks) if of_all else ensemble.found, "task")
-        console.errors.print(f"continuing: {of_all}{tasks_done} {'is' if ensemble.found == 1 else 'are'} done")
+        growing = any(plan.more for plan in plans)  # then others may be found later
+        count = "at least " * growing + f"{ensemble.found} of " * (not growing)
+        tasks_done = counted(ensemble.found if growing else len(ensemble.tasks), "task")
+        console.errors.print(f"continuing: {count}{tasks_done} {'is' if ensemble.found == 1 else 'are'} done")
     return ensemble
 
 

@@ -228,7 +228,7 @@ class ActiveSet(Method):
         self._take_set(nodes, now.nodes[kept], now.pressure[kept])
         self.stopped = self._search.in_circles(self._now.key)
         if self.stopped and now.pulling.size + new.size > _BY_ROUNDING:
-            self._search.updates = math.inf  # it has failed, however small the residual is
+            self._search.circling = True
             if self._begun_anew():
                 return True
         self._response.follow(now, self._now, changed=not kept.all())

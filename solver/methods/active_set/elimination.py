@@ -102,6 +102,8 @@ def anew(problem: Problem, storage: Whole, search: Search, lost: bool) -> Contac
 
 
 def has_failed(search: Search, residual: float, tolerance: float, ended: bool) -> bool:
-    """Whether a search has failed, by the residual that it ended with, or by how many updates it has taken."""
+    """Whether a search has failed: by the residual that it ended with, by how many updates it has taken, or because it
+    goes round in circles.
+    """
     lost = not residual <= max(_LOST, tolerance)
-    return (lost and (ended or search.updates > _UPDATES)) or search.updates > _TOO_MANY
+    return (lost and (ended or search.updates > _UPDATES)) or search.updates > _TOO_MANY or search.circling

@@ -34,8 +34,10 @@ class Search:
     """Whether few nodes at a time are added, see `elimination`."""
     work: float = 0.0
     """Of elimination: the sum of the cubes of the numbers of nodes."""
-    updates: float = 0
-    """So far; `inf` where sets go round in circles."""
+    updates: int = 0
+    """So far."""
+    circling: bool = False
+    """Whether sets go round in circles."""
     in_vain: int = 0
     """Updates since that became much less."""
 
