@@ -25,11 +25,9 @@ from .. import checks
 from ..arrays import Array64
 from .edge_shift import wiener_hopf_shift
 from .exponentials import sinh_minus_argument
-from .layer import ElasticLayer
+from .layer import DEFAULT_MODULUS, ElasticLayer
 
 _HALF_SPACE_FROM = 25.0  # q d from which f differs from 1 by less than rounding: by 2000 exp(-50), nu = 1/2
-
-_MODULUS = float(1)  # the default E*, an object of its own: a modulus that is given is another one
 
 
 def layer_factor(y: Array64, poisson_ratio: float) -> Array64:
@@ -95,7 +93,7 @@ class Layer(ElasticLayer):
     """Layer thickness d > 0 [length]; inf is the half-space."""
     poisson_ratio: float = 0.25
     """Poisson's ratio, -1 < nu <= 0.5 (dimensionless)."""
-    contact_modulus: float = _MODULUS
+    contact_modulus: float = DEFAULT_MODULUS
     """E* = E/(1-nu^2) > 0 [pressure]."""
     youngs_modulus: float | None = None
     """E > 0 [pressure], to give instead of E*, which is computed from it (and is what the layer then keeps)."""
@@ -109,7 +107,7 @@ class Layer(ElasticLayer):
             poisson_ratio=checks.real("poisson_ratio", self.poisson_ratio, "-1 < nu <= 0.5", -1, 0.5),
         )
         if self.youngs_modulus is not None:
-            if self.contact_modulus is not _MODULUS:
+            if not self.has_default_modulus:
                 allowed = "one of the two, E* = E/(1-nu^2)"
                 given = f"youngs_modulus is {self.youngs_modulus!r}, and contact_modulus {self.contact_modulus!r}"
                 raise ValueError(f"{given}; allowed: {allowed}")

@@ -23,7 +23,7 @@ import numpy as np
 from .. import checks
 from ..arrays import Array64
 from .exponentials import sinh_minus_argument
-from .layer import ElasticLayer
+from .layer import DEFAULT_MODULUS, ElasticLayer
 
 _HALF_SPACE_FROM = 25.0  # q d from which f differs from 1 by less than rounding
 _LEAST_RATIO, _MOST_RATIO = 1e-6, 1e6
@@ -70,7 +70,7 @@ class CoatedHalfSpace(ElasticLayer):
     """Poisson's ratio of the layer, -1 < nu <= 0.5 (dimensionless)."""
     base_poisson_ratio: float = 0.25
     """Poisson's ratio of the half-space below, -1 < nu <= 0.5 (dimensionless)."""
-    contact_modulus: float = 1.0
+    contact_modulus: float = DEFAULT_MODULUS
     """E* = E/(1-nu^2) > 0 of the layer [pressure]."""
 
     name: ClassVar[str] = "coated"

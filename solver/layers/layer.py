@@ -10,6 +10,9 @@ from typing import Any, ClassVar, Protocol, Self
 from ..arrays import Array64
 from ..kind import Kind
 
+DEFAULT_MODULUS = float(1)
+"""The default E* [pressure], an object of its own: a modulus that is given is another one."""
+
 
 class ElasticLayer(Kind, Protocol):
     """An elastic layer and what it rests on, as the program needs to know them."""
@@ -42,6 +45,11 @@ class ElasticLayer(Kind, Protocol):
         """Flat, JSON-ready description under the command line's names: numbers, texts, truth values, or lists of them;
         'layer' is the layer's name.
         """
+
+    @property
+    def has_default_modulus(self) -> bool:
+        """Whether nobody has given E*, so that pressures are in units of it."""
+        return self.contact_modulus is DEFAULT_MODULUS
 
     def check(self, period: float) -> None:
         """Raise `ValueError` if this is no layer for the period L [length]."""

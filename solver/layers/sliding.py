@@ -19,7 +19,7 @@ import numpy as np
 
 from .. import checks
 from ..arrays import Array64
-from .layer import ElasticLayer
+from .layer import DEFAULT_MODULUS, ElasticLayer
 
 _HALF_SPACE_FROM = 25.0  # q d from which f differs from 1 by less than rounding
 
@@ -43,7 +43,7 @@ class SlidingLayer(ElasticLayer):
 
     thickness: float
     """Layer thickness d > 0 [length]; inf is the half-space."""
-    contact_modulus: float = 1.0
+    contact_modulus: float = DEFAULT_MODULUS
     """E* = E/(1-nu^2) > 0 [pressure]."""
 
     name: ClassVar[str] = "sliding"
