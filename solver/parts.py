@@ -15,6 +15,7 @@ from . import checks
 from .indenters import INDENTERS, Indenter
 from .layers import LAYERS, ElasticLayer
 
+_ROUNDED = 1e-9  # relative difference of periods that are the same
 _ALIKE = 0.01  # relative difference of K of long waves from the foundation's modulus
 _LONG = (1e-3, 1e-6, 1e-9)
 """Long waves, over those of the longer of period and thickness; rounding may spoil K of the longest."""
@@ -33,7 +34,7 @@ def check_foundation(layer: ElasticLayer, period: float) -> None:
     """Raise `ValueError` unless a layer's foundation modulus is one, and K of some long waves if it is one's own."""
     what, allowed = f"foundation_modulus of layer {layer.name}", "a number >= 0, inf where it is incompressible"
     modulus = checks.real(what, layer.foundation_modulus(period), allowed, checks.BELOW_ZERO, infinite=True)
-    if not 0 < modulus < math.inf or type(layer).__module__.startswith(f"{__package__}."):
+    if type(layer).__module__.startswith(f"{__package__}."):
         return
     periods = float(layer.thickness) / period
     waves = 2 * np.pi * np.array([1.0, *(one / max(periods if periods < math.inf else 1.0, 1.0) for one in _LONG)])
@@ -42,20 +43,27 @@ def check_foundation(layer: ElasticLayer, period: float) -> None:
         found[:] = layer.stiffness(waves, period)
     longest, *long_waves = found.tolist()
     known = [value for value in long_waves if math.isfinite(value) and value != longest]  # a layer may cut off there
-    if known and all(abs(value / modulus - 1) > _ALIKE for value in known):
+    if 0 < modulus < math.inf:
+        wrong = bool(known) and all(abs(value / modulus - 1) > _ALIKE for value in known)
+    else:  # there is no limit to compare with, but a stiffness that hardly changes has a finite one
+        wrong = len(known) > 1 and all(abs(value / known[0] - 1) <= _ALIKE for value in known)
+    if wrong:
         at = ", ".join(f"{wave:.3g}" for wave in waves[1:])
         told = ", ".join(f"{value:.4g}" for value in long_waves)
         allowed = "the limit of its stiffness for long waves, in units of E*/L"
         raise ValueError(f"{what} is {modulus:.6g}, and its stiffness at q L = {at} is {told}; allowed: {allowed}")
 
 
-def check_indenter(indenter: Indenter, num_points: int) -> None:
-    """Raise `ValueError` unless this is an indenter for a grid of so many points."""
+def check_indenter(indenter: Indenter, num_points: int, period: float) -> None:
+    """Raise `ValueError` unless this is an indenter for a grid of so many points, and for the period L [length]."""
     allowed = "a PowerIndenter, RoughIndenter or MeasuredIndenter, or what `Indenter` describes"
     checks.offers("indenter", indenter, Indenter, allowed)
     _check_description("indenter", indenter, INDENTERS)
     wave, allowed = indenter.shortest_wave(num_points), "an integer >= 0, 0 for a smooth profile"
     checks.integer(f"shortest_wave of indenter {indenter.name}", wave, allowed, 0, 2**53)
+    own = indenter.given_period
+    if own is not None and abs(period / own - 1) > _ROUNDED:
+        raise ValueError(f"period is {period:.10g}; allowed: {own:.10g}, that of the heights, as `Scan.scene` has it")
     indenter.check(num_points)
 
 

@@ -62,7 +62,7 @@ class Scene:
             num_points=checks.integer("num_points", self.num_points, points, MIN_POINTS, MAX_POINTS),
         )
         checks.choice("precision", self.precision, PRECISIONS)
-        check_indenter(self.indenter, self.num_points)
+        check_indenter(self.indenter, self.num_points, self.period)
         check_layer(self.layer, self.period)
         self._check_scales()
         check_foundation(self.layer, self.period)

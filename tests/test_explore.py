@@ -154,7 +154,9 @@ def test_the_command_line_reads_the_scan_on_the_screen(tmp_path, monkeypatch, ca
 def test_the_command_line_leaves_a_scene_without_a_unit_as_it_is(tmp_path, monkeypatch, capsys):
     np.savetxt(tmp_path / "scan.csv", np.random.default_rng(0).random((40, 1)))
     given = {"profile_file": tmp_path / "scan.csv", "scene_units": True, "scan_length": "2"}
-    scene = read_scan(given["profile_file"], scene_units=True, scan_length=2.0).scene(Layer(3.0), 1e-3)
+    scene = read_scan(given["profile_file"], scene_units=True, scan_length=2.0).scene(
+        Layer(3.0, contact_modulus=1.0), 1e-3
+    )
     again = scene_of(Start(scene, Scan.of(given["profile_file"], given)).command(scene), monkeypatch)
     assert again.to_dict() == scene.to_dict()
 
@@ -238,7 +240,7 @@ def test_legends_lie_on_no_curve(screen):
 
 def test_the_mirror_image_of_a_scan_is_marked(tmp_path):
     for window, halves in (("mirror", 2), ("tukey", 0)):
-        scene = read_scan(write_scan(tmp_path), window=window).scene(Layer(1e-5), 1e-3)
+        scene = read_scan(write_scan(tmp_path), window=window).scene(Layer(1e-5, contact_modulus=1.0), 1e-3)
         made = Screen(scene)
         fields = made.page._fields
         drawn = [one.glyph for panel in (fields.shape, fields.pressure) for one in panel.renderers]

@@ -101,7 +101,7 @@ def test_what_comes_of_a_scan_is_printed_with_its_unit(tmp_path):
     scan = read_scan(tmp_path / "scan.csv", scan_length=1 / 3, length_unit="mm")
     assert repr(scan).startswith("Scan: period 0.666667 [mm], num_points 512; MeasuredIndenter: 512 heights, 0 to ")
     assert repr(scan).endswith(" [mm], from scan.csv")
-    solve(scan.scene(Layer(1 / 3), 1e-6)).save(tmp_path / "run.h5")
+    solve(scan.scene(Layer(1 / 3, contact_modulus=1.0), 1e-6)).save(tmp_path / "run.h5")
     assert "scene.thickness 0.333333 [mm]" in repr(load(tmp_path / "run.h5"))
 
 

@@ -362,7 +362,7 @@ def test_numbers_of_a_layer_that_are_none_are_refused(monkeypatch, modulus):
         Scene(FrictionlessLayer())
 
 
-@pytest.mark.parametrize("factor", [1e-4, 0.5, 20.0])
+@pytest.mark.parametrize("factor", [0.0, 1e-4, 0.5, 20.0, math.inf])
 def test_a_foundation_that_long_waves_do_not_find_is_refused(monkeypatch, factor):
     right = FrictionlessLayer().foundation_modulus(1.0)
     monkeypatch.setattr(FrictionlessLayer, "foundation_modulus", lambda self, period: factor * right)

@@ -6,7 +6,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from linecontact.solver import Layer, Scene, Status, solve
+from linecontact.solver import CoatedHalfSpace, Layer, MeasuredIndenter, Scene, SlidingLayer, Status, solve
 from linecontact.studies.scans import preparation
 from linecontact.studies.scans.reading import Options, read_scan
 from linecontact.studies.scans.reading import read as read_options
@@ -155,7 +155,7 @@ def test_uneven_positions_are_interpolated(tmp_path):
 
 def doubts(path, **options):
     scan = read_scan(path, **{"scene_units": True, **options})
-    warnings = solve(scan.scene(Layer(), pressure=1e-3)).warnings
+    warnings = solve(scan.scene(Layer(contact_modulus=1.0), pressure=1e-3)).warnings
     return [warning.text for warning in warnings if warning.kind == "profile"]
 
 
@@ -371,14 +371,23 @@ def test_wrong_options_are_named_in_python(tmp_path, options, named):
 def test_the_scene_of_a_scan(tmp_path):
     path = write(tmp_path, ".csv", [np.random.default_rng(0).random(32)])
     scan = read_scan(path, scan_length=1e-3, z_unit="nm")
-    scene = scan.scene(Layer(1e-3), 1e-6)
+    layer = Layer(1e-3, contact_modulus=1.0)
+    scene = scan.scene(layer, 1e-6)
     assert (scene.period, scene.num_points) == (scan.period, scan.num_points) == (2e-3, 256)
     assert scene.pressure == 1e-6
-    assert scan.scene(Layer(1e-3), approach=1e-9).approach == 1e-9
+    assert scan.scene(layer, approach=1e-9).approach == 1e-9
     with pytest.raises(ValueError, match=r"^pressure \(or approach\) is missing; allowed: one of the two"):
-        scan.scene(Layer(1e-3))
+        scan.scene(layer)
     with pytest.raises(ValueError, match=r"^pressure is nan; allowed: a finite pressure"):
-        scan.scene(Layer(1e-3), math.nan)
+        scan.scene(layer, math.nan)
+    for own in (Layer(1e-3), SlidingLayer(1e-3), CoatedHalfSpace(1e-3, 2.0)):
+        with pytest.raises(ValueError, match=r"^contact_modulus of the layer is missing; allowed: its E\* must be"):
+            scan.scene(own, 1e-6)
+    with pytest.raises(ValueError, match=r"^period is 1; allowed: 0.002, that of the heights, as `Scan.scene` has it"):
+        Scene(layer, scan.indenter, 1e-6, num_points=256)
+    with pytest.raises(ValueError, match=r"^given_period is -1"):
+        MeasuredIndenter(scan.indenter.heights, given_period=-1)
+    assert scan.indenter.in_units(1e3).given_period == pytest.approx(2.0)
 
 
 LAYER = Layer(thickness=2e-3, poisson_ratio=0.49, contact_modulus=3e6 / (1 - 0.49**2))

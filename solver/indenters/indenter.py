@@ -139,6 +139,11 @@ class Indenter(Kind, Protocol):
         return None
 
     @property
+    def given_period(self) -> float | None:
+        """The period that the heights belong to [length]; None if they may have any."""
+        return None
+
+    @property
     def power_law(self) -> tuple[float, float] | None:
         """Exponent n and radius R [length] if this is one power profile h = (R/n) |x/R|^n, the shape of the closed
         forms and the collocation (`linecontact.solver.reference`); None for any other shape.

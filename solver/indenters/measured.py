@@ -32,6 +32,8 @@ class MeasuredIndenter(Indenter):
     """Values in the period that were measured, where the heights were made from fewer or more; None: all heights."""
     description: dict[str, Any] = field(default_factory=dict)
     """What is known of their origin, flat and JSON-ready; it travels with every result."""
+    given_period: float | None = None
+    """The period that they belong to [length], and no other; None: any."""
 
     name: ClassVar[str] = "file"
 
@@ -53,6 +55,8 @@ class MeasuredIndenter(Indenter):
             raise ValueError(f"heights are constant or too far apart; {allowed}")
         if self.measured_points is not None:
             checks.integer("measured_points", self.measured_points, "an integer from 4 to 2^60", 4, 2**60)
+        if self.given_period is not None:
+            checks.real("given_period", self.given_period, "a finite length > 0, or None", 0)
         heights.flags.writeable = False
         checks.assign(self, heights=heights)
 
@@ -132,10 +136,11 @@ class MeasuredIndenter(Indenter):
         if num_points == self.heights.size:
             return self
         measured = self.measured_points or self.heights.size
-        return type(self)(self.profile(num_points, period) * period, measured, self.description)
+        return replace(self, heights=self.profile(num_points, period) * period, measured_points=measured)
 
     def in_units(self, length: float) -> Self:
-        return replace(self, heights=self.heights * length)
+        period = None if self.given_period is None else self.given_period * length
+        return replace(self, heights=self.heights * length, given_period=period)
 
     def ratios(self, period: float) -> dict[str, float]:
         return {"largest height/period": float(self.heights.max()) / period}

@@ -124,6 +124,9 @@ class Scan(NamedTuple):
         """
         if pressure is None and approach is None:
             raise ValueError("pressure (or approach) is missing; allowed: one of the two, in the units of the layer")
+        if getattr(layer, "has_default_modulus", False):  # else `Scene` says that it is no layer
+            allowed = "its E* must be given, in one unit with the pressure, because lengths have units"
+            raise ValueError(f"contact_modulus of the layer is missing; allowed: {allowed}")
         load = math.nan if pressure is None else pressure
         return Scene(layer, self.indenter, load, self.period, self.num_points, approach=approach)
 
@@ -186,7 +189,7 @@ def read(options: Options) -> Scan:
         **({"profile_doubts": "; ".join(profile.doubts)} if profile.doubts else {}),
         "profile_steps": "; ".join([found.origin, *profile.steps, "shifted to h >= 0"]),
     }
-    return Scan(MeasuredIndenter(profile.z, measured, description), profile.length, n)
+    return Scan(MeasuredIndenter(profile.z, measured, description, profile.length), profile.length, n)
 
 
 def _measured(found: columns.Columns, options: Options) -> tuple[Profile, dict[str, str]]:
