@@ -13,40 +13,52 @@ from .edges import COUNTED_BELOW, Edges, apart, find_edges, unseen_gaps
 from .kept import kept
 from .layer_on_grid import modulus_on_grid, thickness_on_grid
 from .layer_slope import LayerSlope, loads_tell
-from .loads import FromLoads, Heights, from_loads
+from .loads import SIDES, FromLoads, Heights, from_loads
 from .patches import Patches
 
 _MOST_NODES = 32  # of a patch whose ends are looked for by its load; wider ones have ends by pressures as well known
 _NARROW = 0.2  # layer thicknesses; wider patches can only be estimated by their load
 _THINNEST = 1e-9  # grid spacings; as if a thinner layer were so thick
 _JAGGED = 1.9  # fourth over second difference of the heights; 2 for a wave of four grid spacings
-_BESIDE = 1e-6  # grid spacings from a node, whose cells tell two curvatures
 _FARTHEST = 0.5  # grid spacings by which the two may differ for the load to be believed
 
 # The estimated error of a width by the load [grid spacings]: fitted so that it holds in 95 of 100 patches of rough
 # surfaces with 4 to 32 points to the shortest wave, on half-spaces and layers.
-_OVER_SIZE, _OF_SKEW, _OF_BEND = 0.065, 0.65, 0.25  # over the nodes; of the squared skew; of the bend
+_OVER_SIZE_SQUARED, _OF_SKEW, _OF_BEND = 0.13, 0.4, 0.15  # over the squared nodes; of the squared skew; of the bend
 _OF_THICKNESS = 2.0  # of the fourth power of the width over the thickness, and of the width
-_OF_OTHERS = 0.05  # of the nodes, and of the share of the slope's change by other patches, taken as Hertz contacts
-_OVER_GAP_SQUARED = 0.3  # over the square of the nodes between neighbouring patches
+_OF_OTHERS = 0.12  # of the nodes, and of the share of the slope's change by other patches, taken as Hertz contacts
+_OVER_GAP_SQUARED = 0.15  # over the square of the nodes between neighbouring patches
 _ESTIMATED = 0.2  # of the nodes of a patch that is not narrow
 _ON_SOFT = 2.0  # times all that on a base much softer than the layer
 
 _AT, _WEIGHTS = np.polynomial.legendre.leggauss(6)  # of the integral of h'^2
 
 
+def _response(most: int) -> Array64:
+    """G_j - G_1 of a half-space's grid for j = 1, 2, ..., most: 2/pi int (cos j t - cos t)/t dt over 0 < t < pi."""
+    nodes, weights = np.polynomial.legendre.leggauss(128)
+    t = np.pi / 2 * (1 + nodes)
+    return np.asarray((np.cos(np.arange(1, most + 1)[:, None] * t) - np.cos(t)) / t @ weights)
+
+
+_RESPONSE = _response(_MOST_NODES + 1)
+
+
 def contact_edges(
-    scene: Scene, pressure: Array64, profile: Array64 | None = None, by_loads: bool = True
+    scene: Scene,
+    pressure: Array64,
+    profile: Array64 | None = None,
+    displacement: Array64 | None = None,
 ) -> tuple[Patches, Edges]:
     """Patches and their sub-grid edges, from the contact pressure [any unit], 0 off the contact, shape (N,), any N.
 
-    profile: h, shape (N,) [length], if it is at hand. by_loads: whether loads may tell where patches end; without, it
-    takes half of the time.
+    profile: h, shape (N,) [length], if it is at hand. displacement: u, shape (N,) [length], with which loads tell where
+    narrow patches end; without, it takes half of the time.
     """
     if profile is None:
         profile = scene.period * scene.indenter.profile(pressure.size, scene.period)
     scale = scene.reduced_load / (float(pressure.mean()) or 1.0)
-    patches, edges = ends(scene.layer, scene.period, profile, pressure, scale, by_loads)
+    patches, edges = ends(scene.layer, scene.period, profile, pressure, scale, displacement)
     # both ends, the same way; no width is known worse than by counting; patches beside each other have left the tip
     tip = min(2 * scene.indenter.tip_error(float(edges.width[0])), 1.0) if patches.count == 1 else 0.0
     unseen = unseen_gaps(patches, pressure[patches.nodes])
@@ -61,10 +73,15 @@ def _layer_slope(layer: ElasticLayer, num_points: int, period: float) -> LayerSl
 
 
 def ends(
-    layer: ElasticLayer, period: float, profile: Array64, pressure: Array64, scale: float, by_loads: bool = True
+    layer: ElasticLayer,
+    period: float,
+    profile: Array64,
+    pressure: Array64,
+    scale: float,
+    displacement: Array64 | None = None,
 ) -> tuple[Patches, Edges]:
     """Patches and their sub-grid edges. profile: h [length], pressure: 0 off the contact, both shape (N,); scale: what
-    makes of that pressure the one over E*; by_loads: as in `contact_edges`.
+    makes of that pressure the one over E*; displacement: as in `contact_edges`.
     """
     n = pressure.size
     patches, layer_thickness = Patches.of(pressure > 0), thickness_on_grid(layer, n, period)
@@ -73,19 +90,21 @@ def ends(
     largest = min(_MOST_NODES, max(_NARROW * layer_thickness, COUNTED_BELOW - 1))
     chosen = np.flatnonzero(patches.size <= min(largest, n / 2))
     modulus = partial(modulus_on_grid, layer, num_points=n, period=period)
-    if not (by_loads and chosen.size and loads_tell(modulus, layer.thickness / period * n, n)):
+    tell = chosen.size and loads_tell(modulus, layer.thickness / period * n, n)
+    if displacement is None or not tell:
         return patches, edges
     heights, thickness = Heights(profile, n / period), max(layer_thickness, _THINNEST)
     wide = patches.size[chosen] / thickness
     narrow = wide < _NARROW
 
     # patches without ends begin with Hertz' law
-    sides = (patches.first + patches.last)[:, None] / 2 + np.array([-_BESIDE, _BESIDE])  # alike for the mirror image
+    sides = (patches.first + patches.last)[:, None] / 2 + SIDES
     curvature = heights.slope(sides)[1].mean(axis=1)
     hertz = np.sqrt(4 / math.pi * patches.sums(inside)) / np.sqrt(np.maximum(curvature, 1e-300))  # no overflow
     start = np.where(edges.counted, np.clip(hertz, 0.05, patches.size), edges.width / 2)
     response = _layer_slope(layer, n, period)
-    found = from_loads(patches, chosen, narrow, inside, heights, modulus, response, start)
+    by_others = _by_others(patches, inside, displacement, n / period)[chosen]
+    found = from_loads(patches, chosen, narrow, inside, heights, modulus, response, start, by_others)
     left, right = found.centre - found.half_width, found.centre + found.half_width
     error = _estimated(patches, chosen, found, wide) * (_ON_SOFT if response.is_soft else 1.0)
     differ = np.maximum(np.abs(left - edges.left[chosen]), np.abs(right - edges.right[chosen]))
@@ -98,12 +117,27 @@ def ends(
     return patches, _with(edges, chosen[better], left[better], right[better], error[better], by_load, heights)
 
 
+def _by_others(patches: Patches, pressure: Array64, displacement: Array64, scale: float) -> Array64:
+    """The slope that all other patches add to the displacement into the layer, from the node before a patch to that
+    behind it, shape (M,) (dimensionless); of no meaning for patches of more than `_MOST_NODES`.
+
+    scale: what makes grid spacings of the displacement's unit. The patch's own pressure, which a half-space's grid
+    feels G_j/E* times j nodes away, is taken off.
+    """
+    before, after = displacement[patches.first - 1], displacement[(patches.last + 1) % displacement.size]
+    from_first = np.arange(pressure.size) - np.repeat(patches.offset, patches.size)
+    to_last = patches.size[patches.label] - 1 - from_first
+    to_before, to_after = (_RESPONSE[np.minimum(steps, _MOST_NODES)] for steps in (from_first, to_last))
+    own = patches.sums(pressure * (to_after - to_before))
+    return np.asarray(-((after - before) * scale + own) / (patches.size + 1))
+
+
 def _estimated(patches: Patches, chosen: Indices, found: FromLoads, wide: Array64) -> Array64:
     """Estimated errors of the widths of the chosen patches, shape (patches,) [grid spacings]. wide: their nodes over
     the layer's thickness.
     """
     size = patches.size[chosen]
-    error = _OVER_SIZE / size + _OF_SKEW * found.skew**2 + _OF_BEND * found.bend
+    error = _OVER_SIZE_SQUARED / size**2 + _OF_SKEW * found.skew**2 + _OF_BEND * found.bend
     error += _OF_OTHERS * size * found.by_others
     error += np.where(wide < _NARROW, _OF_THICKNESS * size * wide**4, _ESTIMATED * size)
     before, after = patches.to_neighbours[:, chosen] - 1

@@ -4,13 +4,12 @@ Beside the half-space's own singular response everything varies slowly over a pa
 thickness. Let g = h' + w' be the slope over it, w the displacement into the layer by all other patches, and b_k = 2/pi
 int g(m + a t) T_k(t) (1 - t^2)^-1/2 dt over -1 < t < 1. A patch from m - a to m + a then has
 
-    the load P = pi/4 E* a b_1, and its centre of pressure at m + a b_2/(2 b_1)
+    the load P = pi/4 E* a b_1, and b_0 = 0
 
 (inversion of the finite Hilbert transform, K. L. Johnson, Contact Mechanics (1985), section 2.7, with pressures that
-are 0 at both ends). Loads and centres of pressure are sums over the nodes, and these two equations give m and a, by
-Newton's method. A grid has the loads of patches of three nodes and more right to about a hundredth; that of one or two
-nodes is off by about a tenth, but the width goes like the root of that, and hardly depends on m. A constant slope, as
-loads far away to one side add it, enters b_0 alone: that the pressure is 0 at both ends, b_0 = 0, is not used.
+are 0 at both ends). These two equations give m and a, by Newton's method. The load is a sum over the nodes. b_0 takes a
+constant slope, to which loads far away to one side add: the displacements of the nodes before and behind the patch,
+without what the grid's response to the patch's own pressure is there, tell the mean of w' between them.
 
 A neighbour at the distance D with the load P and the half-width a adds the slope of a Hertz contact, in units of E*,
 
@@ -23,7 +22,8 @@ those further away as if their load were spread evenly. By the layer every load 
 which `layer_slope` has as a table.
 
 Patches that are not narrow beside the layer's thickness can be estimated only: as if the layer were a half-space of the
-modulus 2K(q)/q at q = 3 pi/(4 a), which makes a parabola's load right on the half-space and on a Winkler foundation.
+modulus 2K(q)/q at q = 3 pi/(4 a), which makes a parabola's load right on the half-space and on a Winkler foundation,
+and with the centre of pressure, m + a b_2/(2 b_1), in the place of b_0.
 """
 
 from collections.abc import Sequence
@@ -40,13 +40,18 @@ _ANGLES = np.pi * (np.arange(_SAMPLES) + 0.5) / _SAMPLES
 _T1, _T2, _T3 = (np.cos(k * _ANGLES) for k in (1, 2, 3))
 _MOMENTS = 2 / _SAMPLES * np.stack([_T1, _T2, _T3], axis=1)
 _BENT_MOMENTS = 2 / _SAMPLES * np.stack([_T1, _T1 * _T1, _T2, _T1 * _T2], axis=1)
+SIDES = np.array([-1e-6, 1e-6])
+"""Places beside a node, whose cells tell two slopes and curvatures: their mean is alike for the mirror image [grid
+spacings]."""
 _STENCIL = np.arange(-2, 4)  # nodes through which heights are interpolated
 _POWERS = np.linalg.inv(np.vander(_STENCIL, increasing=True)).T  # to coefficients of the polynomial
 _BLOCK = 2**13  # patches at a time: each takes some kilobytes
 _WAVE = 3 * np.pi / 4  # q a at which the layer's modulus is taken
 _ACROSS = np.array([-np.sqrt(0.5), 0.0, np.sqrt(0.5)])  # places in a Hertz contact that stand for its load
 _SHARES = np.array([0.25, 0.5, 0.25])  # of the load there
-_STEPS, _STEP, _CLOSE = 6, 0.25, 1e-3  # of Newton's method: most, their length and the last one's [grid spacings]
+_ACROSS_PATCH, _OF_MEAN = np.polynomial.legendre.leggauss(5) * np.array([[1.0], [0.5]])  # of the mean from -1 to 1
+_STEPS, _STEP, _CLOSE = 10, 0.25, 1e-3  # of Newton's method: most, their length and the last one's [grid spacings]
+_FARTHEST = 0.75  # from the middle between the ends of a patch to its middle, at first [grid spacings]
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,37 +111,56 @@ def from_loads(
     modulus: Modulus,
     layer: LayerSlope,
     half_width: Array64,
+    by_others: Array64,
 ) -> FromLoads:
     """Ends of the chosen patches. narrow: which of them are narrow beside the layer's thickness, of their shape.
 
     pressure: over E*, on the contact nodes in compact order; layer: its part of the response; half_width: of all
-    patches, as far as known, shape (M,) [grid spacings].
+    patches, as far as known, shape (M,) [grid spacings]; by_others: mean of w' between the nodes before and behind the
+    chosen patches, of their shape (dimensionless), of no meaning where they are not narrow.
     """
     loads = patches.sums(pressure)
     inside = np.arange(pressure.size) - np.repeat(patches.offset, patches.size)
     middles = patches.first + patches.sums(pressure * inside) / loads
     block = _BLOCK * NEIGHBOURS // layer.neighbours
     blocks = range(0, max(1, chosen.size), block)
-    parts = [(chosen[i : i + block], narrow[i : i + block]) for i in blocks]
-    return FromLoads.join(
-        [
-            _solved(_Neighbours.of(patches, own, loads, middles, half_width, layer), layer, thin, heights, modulus)
-            for own, thin in parts
-        ]
-    )
+    found, between = [], (patches.first + patches.last) / 2
+    for i in blocks:
+        own, thin = chosen[i : i + block], narrow[i : i + block]
+        others = _Neighbours.of(patches, own, loads, middles, half_width, layer)
+        across = between[own, None] + (patches.size[own, None] + 1) / 2 * _ACROSS_PATCH
+        missing = by_others[i : i + block] - others.slope(across, layer)[0] @ _OF_MEAN
+        found.append(_solved(others, layer, thin, heights, modulus, np.where(thin, missing, 0.0), between[own]))
+    return FromLoads.join(found)
 
 
-def _solved(others: "_Neighbours", layer: LayerSlope, narrow: Mask, heights: Heights, modulus: Modulus) -> FromLoads:
-    """Ends of some patches, those of `others`."""
+def _solved(
+    others: "_Neighbours",
+    layer: LayerSlope,
+    narrow: Mask,
+    heights: Heights,
+    modulus: Modulus,
+    missing: Array64,
+    between: Array64,
+) -> FromLoads:
+    """Ends of some patches, those of `others`.
+
+    missing: of w' without what `others` and the layer add; between: middle between the end nodes [grid spacings]; both
+    of shape (patches,).
+    """
     load, middle = others.own_load, others.own[:, 0]
-    m, a = middle.copy(), others.own_half_width.copy()
+    here, bent = (both.mean(axis=1) for both in heights.slope(between[:, None] + SIDES))
+    here += others.slope(between[:, None], layer)[0][:, 0] + missing
+    lowest = between - np.clip(here / np.maximum(bent, 1e-300), -_FARTHEST, _FARTHEST)
+    m, a = np.where(narrow, lowest, middle), others.own_half_width.copy()
     # everything but the indenter changes little while m and a do
     start = m[:, None] + a[:, None] * _T1
     far, far_bent, of_others = others.slope(start, layer)
     if layer.distance.size:
         own, own_bent = (part * (load * narrow)[:, None] for part in layer.slope(start - others.own))
         far, far_bent = far + own, far_bent + own_bent
-    (skew, bend, by_others), solved = np.zeros((3, a.size)), np.zeros(a.size, dtype=bool)
+    far += missing[:, None]
+    (skew, bend, share), solved = np.zeros((3, a.size)), np.zeros(a.size, dtype=bool)
     left = np.arange(a.size)
     for _ in range(_STEPS):
         p, x, c = load[left], m[left], a[left]
@@ -146,28 +170,38 @@ def _solved(others: "_Neighbours", layer: LayerSlope, narrow: Mask, heights: Hei
         bent += far_bent[left]
         b = g @ _MOMENTS
         stiffness = (1.0, 0.0) if narrow.all() else _stiffness(modulus, c, narrow[left])
-        step, usable = _newton(p, x - middle[left], c, b, bent @ _BENT_MOMENTS, *stiffness)
+        level = np.stack([g.mean(axis=1), bent @ _T1 / _SAMPLES, bent.mean(axis=1)])
+        level[:, ~narrow[left]] = np.nan
+        step, usable = _newton(p, x - middle[left], c, b, bent @ _BENT_MOMENTS, level, *stiffness)
         most = np.minimum(_STEP, 0.5 * c)
         step = np.minimum(np.maximum(step, -most), most)
         a[left], m[left] = c - step[0], x - step[1]
         with np.errstate(divide="ignore", invalid="ignore"):
             skew[left], bend[left] = np.abs(b[:, 1:].T / b[:, 0])
-            by_others[left] = of_others[left] * c / np.abs(b[:, 0])
+            share[left] = of_others[left] * c / np.abs(b[:, 0])
         moved = np.abs(step).max(axis=0)
         solved[left] = usable & (moved < _CLOSE) & (b[:, 0] > 0)
         left = left[usable & (moved >= _CLOSE)]
         if not left.size:
             break
-    return FromLoads(m, a, skew, bend, by_others, solved)
+    return FromLoads(m, a, skew, bend, share, solved)
 
 
 def _newton(
-    load: Array64, away: Array64, a: Array64, b: Array64, bent: Array64, stiff: Array64 | float, rise: Array64 | float
+    load: Array64,
+    away: Array64,
+    a: Array64,
+    b: Array64,
+    bent: Array64,
+    level: Array64,
+    stiff: Array64 | float,
+    rise: Array64 | float,
 ) -> tuple[Array64, Mask]:
     """The step in a and m, shape (2, patches), of Newton's method for load and moment; and where there is one.
 
-    away: m less the centre of pressure; b, bent: moments of the slope and of its derivative; stiff, rise: modulus over
-    E* and its logarithmic derivative with respect to a.
+    away: m less the centre of pressure; b, bent: moments of the slope and of its derivative; level: b_0/2 and its
+    derivatives with respect to a and m, shape (3, patches), NaN where the moment is taken instead; stiff,
+    rise: modulus over E* and its logarithmic derivative with respect to a.
     """
     b1, b2, (of_one, of_t1_t1, of_t2, of_t1_t2) = b[:, 0], b[:, 1], bent.T
     f = np.pi / 4 * stiff * a * b1 - load
@@ -176,6 +210,7 @@ def _newton(
     k = np.pi / 8 * stiff * a * a * b2 + load * away
     k_a = np.pi / 8 * stiff * ((2 + rise) * a * b2 + a * a * of_t1_t2)
     k_m = np.pi / 8 * stiff * a * a * of_t2 + load
+    k, k_a, k_m = np.where(np.isnan(level), np.stack([k, k_a, k_m]), level)
     determinant = f_a * k_m - f_m * k_a
     usable = determinant > 0
     step = np.stack([f * k_m - k * f_m, k * f_a - f * k_a]) / np.where(usable, determinant, 1.0)

@@ -93,7 +93,7 @@ def observe(
     reduced = scene.reduced_load / gradient if gradient else math.inf
     kappa = area / reduced
     layer, power = scene.layer, scene.indenter.power_law
-    patches, edges = contact_edges(scene, contact_pressure, profile)
+    patches, edges = contact_edges(scene, contact_pressure, profile, displacement)
     area_subgrid, gradient_subgrid, kappa_subgrid, kappa_error = subgrid_measures(scene, patches, edges, squared)
     area_error = edges.total_error / scene.num_points if area else 1.0
     found = Observables(

@@ -61,10 +61,17 @@ class Reached:
         return self.state.contact_pressure
 
     @cached_property
+    def displacement(self) -> Array64:
+        """u, shape (num_points,) [u]."""
+        return self.state.displacement
+
+    @cached_property
     def contact(self) -> tuple[Patches, Edges]:
         """Its patches and their ends."""
         problem = self.state.problem
-        return contact_edges(self.scene, self.pressure, problem.height * problem.length_unit, self.by_loads)
+        unit = problem.length_unit
+        displacement = self.displacement * unit if self.by_loads else None
+        return contact_edges(self.scene, self.pressure, problem.height * unit, displacement)
 
     @property
     def contact_share(self) -> float:
@@ -85,7 +92,7 @@ class Reached:
             kappa_subgrid=kappa,
             peak_pressure=scene.pressure * float(self.pressure.max(initial=0.0)),
             peak_pressure_sampling=scene.pressure * peak_sampling(self.pressure),
-            approach=approach(scene, state.displacement * unit, profile),
+            approach=approach(scene, self.displacement * unit, profile),
             approach_sampling=scene.indenter.hidden_depth(profile),
             num_patches=self.contact[0].count,
             num_patches_by_load=edges.num_by_load,

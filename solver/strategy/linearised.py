@@ -57,7 +57,7 @@ def contact_stiffness(solution: Solution) -> float:
         return 0.0
     compliance, punch = _punch(scene, contact)
     if not contact.all():
-        compliance -= _beyond_nodes(scene, np.where(contact, solution.contact_pressure, 0.0), punch)
+        compliance -= _beyond_nodes(solution, punch)
     return 1 / compliance if compliance else math.inf
 
 
@@ -84,13 +84,14 @@ def _punch(scene: Scene, contact: Mask) -> tuple[float, Array64]:
     return found if method.residual < _WORTHLESS else math.nan, method.contact_pressure
 
 
-def _beyond_nodes(scene: Scene, pressure: Array64, punch: Array64) -> float:
+def _beyond_nodes(solution: Solution, punch: Array64) -> float:
     """What d(approach)/dp is less because the contact ends beyond the ends of a punch on its nodes [length/pressure].
 
-    pressure: contact pressure [any unit]; punch: d sigma/dp; both shape (N,). It is not known, and 0, for patches of
-    one or two nodes, and at gaps of one or two.
+    punch: d sigma/dp, shape (N,). It is not known, and 0, for patches of one or two nodes, and at gaps of one or two.
     """
-    patches, edges = contact_edges(scene, pressure, Problem.from_scene(scene).profile * scene.period)
+    scene, pressure = solution.scene, np.where(solution.contact, solution.contact_pressure, 0.0)
+    profile = Problem.from_scene(scene).profile * scene.period
+    patches, edges = contact_edges(scene, pressure, profile, solution.displacement)
     curve = edge_curve(scene.layer, pressure.size, scene.period)
     total = 0.0
     before, after = patches.to_neighbours - 1  # nodes of the gaps

@@ -81,7 +81,7 @@ class Surface:
         def solved(points: int) -> dict[str, float | str]:
             scene = Scene(layer, indenter, self.pressure, num_points=points * waves)
             solution = solve(scene, progress=report)
-            _, alone = contact_edges(scene, solution.contact_pressure, by_loads=False)
+            _, alone = contact_edges(scene, solution.contact_pressure)
             return {
                 "num_points": scene.num_points,
                 "points_to_wave": points,

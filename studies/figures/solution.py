@@ -155,7 +155,7 @@ def _contact(solution: StoredSolution) -> Contact:
     if layer is None:
         return Contact(*(np.asarray(end * spacing) for end in (patches.first - 0.5, patches.last + 0.5)))
     scale = float(results["scene.pressure"]) / layer.contact_modulus / float(pressure.mean())
-    patches, edges = ends(layer, spacing * pressure.size, solution.profile, pressure, scale)
+    patches, edges = ends(layer, spacing * pressure.size, solution.profile, pressure, scale, solution.displacement)
     return Contact(edges.left * spacing, (edges.left + edges.width) * spacing)
 
 
