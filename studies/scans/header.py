@@ -31,8 +31,10 @@ _SAID_DOWNWARDS = re.compile(
 )
 _VALUE = re.compile(r"(?:^|[\s:=<>~\u00b1\u2212\u2013-])[-+]?[\d.,]*\d(?:[eE][-+]?\d+)?\s*(?:$|[\[({<]|[^\W\d]+$)")
 """A number at the end of a cell, or one with a unit: the value of a parameter, and no label."""
-_COUNTED = re.compile(r"\b(profile|line|channel|ch|trace|curve)[\s_#]*\d+\b", re.I)
-"""One of several columns of a kind: its number is no value."""
+_COUNTED = re.compile(
+    rf"\b(profile|line|channel|ch|trace|curve)[\s_#]*\d+\b|^(\W*(?:{_WORDS['x']}|{_WORDS['z']}))\d(?=[\W_]*$)", re.I
+)
+"""One of several columns of a kind, `Profile 12` or `z2`: its number is no value."""
 _PARAMETER = re.compile(
     r"\b(?:range|resolution|spacing|size|cut-?off|filter|radius|speed|force|pitch|limits?|tolerance|stage|offset|width)\b"
 )
@@ -131,7 +133,7 @@ def _cells(line: str, delimiter: str | None, count: int) -> list[str]:
     """The cells of a line if they are as many as the table has columns, else nothing."""
     if len(line) > _LONGEST:
         return []
-    line = plain(line).lstrip("#%").strip()
+    line = plain(line.replace("\u00b2", "^2").replace("\u00b3", "^3")).lstrip("#%").strip()
     if count == 1:
         ways = [[line]]
     elif delimiter:
@@ -181,7 +183,7 @@ def _label(text: str) -> Label:
             name, unit = " ".join(words), alone
     others = {unit_of(found[1]) for found in brackets} | {unit_of(word, expected=False) for word in name.split()}
     over = stated and re.match(r"/\s*\w", text[stated.end() :])  # "Height (nm)/bit"
-    changed = re.search(r"[\d\u00b2\u00b3^]", _uncounted(name)) or _OF_ANOTHER.search(name.lower()) or over
+    changed = re.search(r"[\d^]", _uncounted(name)) or _OF_ANOTHER.search(name.lower()) or over
     if unit and (changed or others - {None, unit}):
         unit, unknown = "", text  # a factor, "x10 nm", or two units
     return Label(text, _role(name), unit, unknown, bool(unit) and not stated)
@@ -189,14 +191,14 @@ def _label(text: str) -> Label:
 
 def _uncounted(text: str) -> str:
     """The same without the numbers of columns."""
-    return _COUNTED.sub(r"\1", text)
+    return _COUNTED.sub(r"\1\2", text)
 
 
 def _role(name: str) -> Role:
     """What the words of a label say that its column holds; empty if they say two things, or none."""
     if _DOWNWARDS.search(name.lower()):
         return "depth"
-    words = re.findall(r"[^\s_,:.()\[\]{}<>\-]+", name.lower())
+    words = re.findall(r"[^\s_,:.()\[\]{}<>\-]+", _uncounted(name).lower())
     said = {role for role, pattern in _WORDS.items() if any(re.fullmatch(pattern, word) for word in words)}
     if len(said) > 1:
         said -= {"index"}  # "sample position"
