@@ -128,6 +128,7 @@ READ = {
     "an index and heights": ("Point,Height [nm]\n" + rows(z="nm", order="nz"), {"scan_length": COUNT * SPACING}),
     # positions
     "reversed": ("x [um],z [um]\n" + rows(reverse=True), {}),
+    "printed minus signs": ("x [um],z [um]\n" + rows(offset=-1e-5).replace("-", "\u2212"), {}),
     "a kilometre away": ("x [um],z [um]\n" + rows(offset=1000.0, digits=16), {}),
     "a metre before zero": ("x [um],z [um]\n" + rows(offset=-1.0, digits=14), {}),
     "mm and nm": ("x [mm],z [nm]\n" + rows(x="mm", z="nm"), {}),
@@ -225,6 +226,7 @@ REFUSED = {
         {"columns": "2,1"},
         "columns is '2,1', but",
     ),
+    "a printed minus": ("x [um],\u2212z [nm]\n" + rows(z="nm"), {}, "profile_convention is missing"),
     "heights with a minus": ("x [um],-height [nm]\n" + rows(z="nm"), {}, "profile_convention is missing"),
     "downwards": ("Z axis points down\nx [um],z [um]\n" + rows(), {}, "profile_convention is missing"),
     "a count backwards": ("Units: nm\nx,z\n" + rows(order="nz", reverse=True), {}, "x_unit is missing: .* may count"),

@@ -22,14 +22,14 @@ _WORDS: dict[Role, str] = {
 }
 _DOWNWARDS = re.compile(
     r"depth|tiefe|invert|_inv\b|flipped|down|gap|separation|clearance|profond|into|minus|negative"
-    r"|(?:^|\()\s*[-\u2212\u2013]\s*\(?(?:z|h)|\bz\s*-\s*(?:$|[\[(])|\*\s*\(?-\s*1"
+    r"|(?:^|\()\s*[-\u2013]\s*\(?(?:z|h)|\bz\s*-\s*(?:$|[\[(])|\*\s*\(?-\s*1"
 )
 """Heights under such a name may grow into the valleys."""
 _SAID_DOWNWARDS = re.compile(
     r"\b(?:values|heights|data|z|profile)\b\s*(?:are|is|axis)?\s*:?\s*(?:points\s+)?(?:depths?|inverted|down)"
     r"|positive\s+(?:down|into)|\binverted\s*[:=]\s*[yt1]|\bgap\s+between"
 )
-_VALUE = re.compile(r"(?:^|[\s:=<>~\u00b1\u2212\u2013-])[-+]?[\d.,]*\d(?:[eE][-+]?\d+)?\s*(?:$|[\[({<]|[^\W\d]+$)")
+_VALUE = re.compile(r"(?:^|[\s:=<>~\u00b1\u2013-])[-+]?[\d.,]*\d(?:[eE][-+]?\d+)?\s*(?:$|[\[({<]|[^\W\d]+$)")
 """A number at the end of a cell, or one with a unit: the value of a parameter, and no label."""
 _COUNTED = re.compile(
     rf"\b(profile|line|channel|ch|trace|curve)[\s_#]*\d+\b|^(\W*(?:{_WORDS['x']}|{_WORDS['z']}))\d(?=[\W_]*$)", re.I

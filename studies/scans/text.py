@@ -91,7 +91,7 @@ def read_text(path: Path, name: str, decimal: Decimal | None) -> Table:
 
     name: of the file, for records; decimal: the decimal sign, None for the one that is found. Raises `ValueError`.
     """
-    lines = _decoded(path).replace("\r\r\n", "\n").splitlines()
+    lines = _decoded(path).replace("\r\r\n", "\n").replace("\u2212", "-").splitlines()  # a minus as it is printed
     while lines and not lines[-1].strip(" \t,;"):
         lines.pop()
     found = _find(path, lines, decimal)
