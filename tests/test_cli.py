@@ -118,7 +118,7 @@ def test_a_scan_from_file_to_figure_in_one_command(tmp_path):
     assert attributes["scene.period"] == pytest.approx(300)
     assert attributes["scene.num_points"] == 4096
     assert "mirror" in attributes["scene.profile_steps"]
-    assert "Profile: columns of scan.csv" in result.stdout
+    assert "Profile: numbers of scan.csv" in result.stdout
     assert "Read: x in um, z in nm, values taken as heights" in result.stdout
     (width,) = [line for line in result.stdout.splitlines() if "contact width" in line]
     assert width.split()[-2] == "um"

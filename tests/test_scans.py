@@ -1,6 +1,7 @@
 """Profiles from files: every format and convention, what is done to them, and what is refused."""
 
 import math
+import re
 from pathlib import Path
 
 import h5py
@@ -233,6 +234,21 @@ def test_headers_and_line_ends(tmp_path):
     assert "4 lines of header" in indenter.description["profile_steps"]
 
 
+@pytest.mark.parametrize(
+    ("rows", "options", "said"),
+    [
+        ("{}\n", {}, "numbers of scan.txt, one column, 0 lines of header;"),
+        ("{},5\n", {"decimal": "comma"}, "numbers of scan.txt, one column, decimal commas, 0 lines of header;"),
+        ("1 {}\n", {"columns": "2"}, "spaces between columns, 0 lines of header, no positions, z from column 2;"),
+        ("{0};{1};{0}\n", {"columns": "1,2"}, "semicolons between columns, .*, x from column 1, z from column 2;"),
+    ],
+)
+def test_how_a_text_was_read_is_recorded(tmp_path, rows, options, said):
+    (tmp_path / "scan.txt").write_text("".join(rows.format(i, i % 7) for i in range(10, 50)))
+    description = read(tmp_path / "scan.txt", window="none", **options)[0].description
+    assert re.search(said, description["profile_steps"])
+
+
 def text(content):
     def make(folder):
         path = folder / "profile.txt"
@@ -268,6 +284,7 @@ ROWS = "".join(f"{i} {i % 7}\n" for i in range(40))
         (text("1 2 3\n" * 40), {"columns": "height"}, "columns is 'height'"),
         (text(ROWS + "41 high\n"), {}, "line 41: '41 high' is not 2 numbers"),
         (text(ROWS + "41\n"), {}, "line 41"),
+        (text("1\n2\n" * 20 + "3 4\n"), {}, r"line 41: '3 4' is not 1 number; allowed: .* \(one column\)"),
         (text("1\n2\n"), {}, "holds 2 values; allowed: at least 16"),
         (text("1_0 2\n2_0 3\n" * 20), {}, "allowed: plain numbers"),
         (text("1 5\n2 5\n" * 20), {}, "every height is 5.0"),

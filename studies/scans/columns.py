@@ -131,7 +131,8 @@ def _choose(path: Path, table: Table, columns: str | None) -> Columns:
     x, z = _places(path, values, table.labels) if columns is None else _asked(columns, count, table.labels)
     labels = dict(enumerate(table.labels))
     usual = (x, z) == ((None, 0) if count == 1 else (0, 1)) and count < 3
-    shown = "" if usual else f", x from column {_number(x)}, z from column {_number(z)}"
+    positions = "no positions" if x is None else f"x from column {x + 1}"
+    shown = "" if usual else f", {positions}, z from column {z + 1}"
     return Columns(
         None if x is None else values[:, x],
         values[:, z],
@@ -141,10 +142,6 @@ def _choose(path: Path, table: Table, columns: str | None) -> Columns:
         table.is_downwards or (bool(table.labels) and table.labels[z].role == "depth"),
         table.unread,
     )
-
-
-def _number(place: int | None) -> str:
-    return "none" if place is None else str(place + 1)
 
 
 def _asked(columns: str, count: int, labels: Sequence[Label]) -> tuple[int | None, int]:

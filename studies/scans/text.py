@@ -63,9 +63,10 @@ class Writing:
         line = line.replace('"', " ").rstrip(f"{self.delimiter or ''}{_AROUND}")
         return line.replace(",", ".") if self.decimal == "comma" else line
 
-    def __str__(self) -> str:
-        sign = ", decimal commas" if self.decimal == "comma" else ""
-        return f"{_NAMES[self.delimiter]} between columns{sign}"
+    def told(self, count: int) -> str:
+        """The same in words, for that many columns."""
+        between = f"{_NAMES[self.delimiter]} between columns" if count > 1 else "one column"
+        return f"{between}, decimal commas" if self.decimal == "comma" else between
 
 
 @dataclass(frozen=True)
@@ -128,7 +129,7 @@ def read_text(path: Path, name: str, decimal: Decimal | None) -> Table:
             f"profile_file {path}, line {first}: {head[-1].strip()[:40]!r} looks like a row of the table below; "
             f"allowed: {counted(count, 'number')} there, or an empty line between header and table"
         )
-    origin = f"columns of {name}, {writing}, {counted(first, 'line')} of header"
+    origin = f"numbers of {name}, {writing.told(count)}, {counted(first, 'line')} of header"
     labelled = labels(head, writing.delimiter, count)
     unread = "" if labelled else like_labels(head, writing.delimiter, count)
     return Table(values, origin, labelled, tuple(stated_units(head)), is_downwards(head), unread)
@@ -235,7 +236,7 @@ def _not_a_row(path: Path, lines: Sequence[str], i: int, writing: Writing, count
     without = "; you may delete lines whose value is missing" * lacking
     return (
         f"profile_file {path}, line {i + 1}: {lines[i].strip()[:40]!r} is not {numbers}; allowed: {numbers} in every "
-        f"line ({writing}){without}"
+        f"line ({writing.told(count)}){without}"
     )
 
 
