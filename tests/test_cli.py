@@ -226,14 +226,14 @@ def test_a_scene_without_a_unit_takes_no_lengths_with_one(words, said, capsys):
     [
         (
             "--thickness 200",
-            "thickness is '200'; allowed: with its unit, like 200um, or --length-unit, that of all lengths of th",
+            "thickness is '200'; allowed: with its unit, like 200m, or --length-unit, that of all lengths of th",
         ),
-        ("--thickness 2^3", "thickness is '8'; allowed: with its unit, like 8um, or"),
+        ("--thickness 2^3", "thickness is '8'; allowed: with its unit, like 8m, or"),
         (
             "--scene-units --thickness 3",
             "length_unit is missing; allowed: the unit of the scene, where one of the file is known",
         ),
-        ("--approach 2e-4", "approach is '0.0002'; allowed: with its unit, like 0.0002um"),
+        ("--approach 2e-4", "approach is '0.0002'; allowed: with its unit, like 0.0002m"),
         ("--layer file --stiffness-file {table}", "table.txt; allowed: with --length-unit, the unit of 1/q\n"),
     ],
 )

@@ -175,7 +175,7 @@ def test_a_scan_with_lengths_in_units(tmp_path, capsys):
         told = json.loads(json.loads(file.attrs["configuration"])["scene"])
     assert list(told["files"]) == ["scan.csv"]
     assert curve(tmp_path / "no", *words, "--from", "1", "--to", "0.1mm") == 2
-    assert "from is '1'; allowed: with its unit, like 1um, or --length-unit" in capsys.readouterr().err
+    assert "from is '1'; allowed: with its unit, like 1m, or --length-unit" in capsys.readouterr().err
     approach = [*words[:4], *words[6:-1], "approach", "--values", "10nm,20nm"]
     assert curve(tmp_path / "approach", *approach) == 0
     assert [run["approach"] for run in runs(tmp_path / "approach")] == pytest.approx([1e-8, 2e-8], rel=1e-6)

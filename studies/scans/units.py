@@ -75,7 +75,7 @@ def read(name: str, text: str, length: bool, own: Own, allowed: str = "a number"
         hint = ", unless --length-unit names one" * (own.unit == SCENE)
         raise ValueError(f"{name} is {text!r}; allowed: a number alone, the lengths of this scene have no unit{hint}")
     if length and not (own.said or known or value == 0 or not math.isfinite(value)):
-        hint = f"with its unit, like {text}um, or --length-unit, that of all lengths of this scene"
+        hint = f"with its unit, like {text}{own.unit}, or --length-unit, that of all lengths of this scene"
         raise ValueError(f"{name} is {text!r}; allowed: {hint}")
     found = _converted(value, known, own.unit) if known else value
     if (math.isinf(found) and not math.isinf(value)) or (found == 0 and value != 0):
