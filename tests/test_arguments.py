@@ -110,6 +110,8 @@ def test_values_of_every_type():
         ("--word three", "word is 'three'; allowed: one, two"),
         ("--limit", "limit has no value; allowed: an integer, in digits or like 2^10 or 1e6"),
         ("--limit --quick", "limit has no value; allowed: an integer, in digits or like 2^10 or 1e6"),
+        ("--ratio 0,002", "ratio is '0,002'; allowed: a number with a decimal point, like 0.002"),
+        ("--ratio 1,5,2", "ratio is '1,5,2'; allowed: a number"),
         ("--ratio 1e400", "ratio is '1e400'; allowed: a number of 4.9e-324 to 1.8e+308 in size"),
         ("--ratio 1e-400", "ratio is '1e-400'; allowed: a number of 4.9e-324 to 1.8e+308 in size"),
         ("--ratio -1e400", "ratio is '-1e400'; allowed: a number of 4.9e-324 to 1.8e+308 in size"),

@@ -214,6 +214,8 @@ def test_a_length_in_another_unit_is_the_number_with_its_digits(text, unit, valu
         ("--thickness 2furlongs", "thickness is '2furlongs'; allowed: a number\n"),
         ("--thickness thin", "thickness is 'thin'; allowed: a number\n"),
         ("--pressure 2mm", "pressure is '2mm'; allowed: a number"),
+        ("--pressure 0,002", "pressure is '0,002'; allowed: a number with a decimal point, like 0.002\n"),
+        ("--thickness 0,1", "thickness is '0,1'; allowed: a number with a decimal point, like 0.1\n"),
     ],
 )
 def test_a_scene_without_a_unit_takes_no_lengths_with_one(words, said, capsys):
@@ -281,6 +283,9 @@ def test_a_length_of_a_scan_s_scene_is_a_number_or_has_a_unit_and_is_not_too_lar
     words = ["solve", "--profile", "file", "--profile-file", str(tmp_path / "scan.csv"), "--contact-modulus", "1e9"]
     words += ["--pressure", "1", "--length-unit", "nm", "--thickness"]
     for thickness, allowed in (
+        ("0,1", "a number with a decimal point, like 0.1"),
+        ("0,1mm", "a number with a decimal point, like 0.1mm"),
+        ("0,1furlongs", "a number, or a length with its unit, like 50um"),
         ("2furlongs", "a number, or a length with its unit, like 50um"),
         ("1e305m", "a number of 4.9e-324 to 1.8e+308 in size, in nm"),
         ("1e400m", "a number of 4.9e-324 to 1.8e+308 in size"),

@@ -197,6 +197,7 @@ def test_a_scan_with_lengths_in_units(tmp_path, capsys):
         ("--approach 0.1", "approach is 0.1; allowed: none with --over pressure"),
         ("--over approach --pressure 1 --values 1e-3", "pressure is 1.0; allowed: none with --over approach"),
         ("--over thickness --from 0.1 --to 1mm", "to is '1mm'; allowed: a number alone, the lengths"),
+        ("--over exponent --from 1,5 --to 2", "from is '1,5'; allowed: a number with a decimal point, like 1.5"),
         ("--over exponent --from 1.5 --to 2um", "to is '2um'; allowed: a number"),
         ("--from first --to 1", "from is 'first'; allowed: a number"),
         ("--from 0 --to 1 --spacing area", "from is 0, and to 1; allowed: 0 < from < to, with --spacing area"),

@@ -9,7 +9,7 @@ from typing import Any, Literal, NamedTuple
 
 from linecontact.solver.units import SCENE
 
-from ..terminal.text import IN_RANGE, number
+from ..terminal.text import IN_RANGE, number, pointed
 
 Unit = Literal["m", "cm", "mm", "um", "nm", "pm", "angstrom", "inch"]
 
@@ -70,7 +70,8 @@ def read(name: str, text: str, length: bool, own: Own, allowed: str = "a number"
         raise ValueError(f"{name} is {text!r}; allowed: {IN_RANGE}") from None
     except ValueError:
         more = ", or a length with its unit, like 50um" * (length and own.unit in UNITS)
-        raise ValueError(f"{name} is {text!r}; allowed: {allowed}{more}") from None
+        better = pointed(digits, written) if known or not written else ""
+        raise ValueError(f"{name} is {text!r}; allowed: {better or allowed + more}") from None
     if known and own.unit not in UNITS:
         hint = ", unless --length-unit names one" * (own.unit == SCENE)
         raise ValueError(f"{name} is {text!r}; allowed: a number alone, the lengths of this scene have no unit{hint}")

@@ -10,7 +10,7 @@ from pathlib import Path
 from types import NoneType, UnionType
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
-from .text import IN_RANGE, number
+from .text import IN_RANGE, number, pointed
 
 _TYPES = {int: "an integer, in digits or like 2^10 or 1e6", float: "a number", str: "some text", Path: "a path"}
 """What a value of each type is called."""
@@ -89,6 +89,7 @@ class Option:
             except ValueError:
                 if self.length:
                     return words
+                allowed = (pointed(words) if self.type is float else "") or allowed
         raise ValueError(f"{self.name} is {words!r}; allowed: {allowed}")
 
 

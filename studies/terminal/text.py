@@ -32,6 +32,19 @@ def _power(base: float, exponent: int) -> float:
     return found
 
 
+def pointed(words: str, unit: str = "") -> str:
+    """What is allowed in the place of a number with a decimal comma; empty for all other words.
+
+    unit: what stands behind it.
+    """
+    better = words.replace(",", ".")
+    try:
+        number(better)
+    except (ValueError, OverflowError):
+        return ""
+    return f"a number with a decimal point, like {better}{unit}" if better != words else ""
+
+
 def printable(text: str) -> str:
     """The same without control characters and halves of characters: names and files may hold any."""
     if text.isprintable():
