@@ -68,10 +68,10 @@ def npz(array):
         (npy(np.zeros(40, [("x", "f8"), ("z", "f8")])), "real numbers"),
         (npy(np.array(1.0)), r"shape \(\)"),
         (npy(np.zeros((0, 2))), "damaged|shape"),
-        (npy(1e308 * np.sign(HEIGHTS)), "too large; allowed: finite numbers up to 1e\\+100"),
+        (npy(1e308 * np.sign(HEIGHTS)), r"e\+308; allowed: finite numbers up to 1e\+100"),
         (npy(5e-324 * np.arange(40.0) % 1e-322), "height ranges over"),
-        (npy(np.stack([np.append(np.arange(39.0), np.inf), HEIGHTS], 1)), "x number"),
-        (npy(np.stack([np.append(-1e308, np.linspace(1, 1e308, 39)), HEIGHTS], 1)), "x number 1 is too large"),
+        (npy(np.stack([np.append(np.arange(39.0), np.inf), HEIGHTS], 1)), "row 40: x is inf; .* you may delete rows"),
+        (npy(np.stack([np.append(-1e308, np.linspace(1, 1e308, 39)), HEIGHTS], 1)), r"row 1: x is -1e\+308"),
     ],
 )
 def test_arrays_that_are_none(tmp_path, content, named):

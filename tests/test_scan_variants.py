@@ -243,7 +243,11 @@ REFUSED = {
     "depths": ("x [um],Depth [um]\n" + rows(), {}, "profile_convention is missing"),
     "a long gap": ("x [um],z [um]\n" + rows(keep=np.r_[:60, 100:COUNT]), {}, "x has a gap of .* of the scan"),
     "too few digits": ("x [um],z [um]\n" + rows(digits=2), {}, "x goes from"),
-    "not measured": ("x [um],z [um]\n" + rows().replace("\n", "\n0.1,nan\n", 1), {}, "height number 2 is not finite"),
+    "not measured": (
+        "x [um],z [um]\n" + rows().replace("\n", "\n0.1,nan\n", 1),
+        {},
+        "line 3: height is nan; .* delete lines",
+    ),
     "a short row of integers": (
         "x [um],z [nm]\n0,1\n1\n" + "".join(f"{i},{i * 7 % 11}\n" for i in range(2, 60)),
         {},

@@ -41,6 +41,8 @@ class Columns:
     """Whether the file calls the heights depths."""
     unread: str = ""
     """A line that may be labels but is not taken for them, see `header.like_labels`."""
+    line: int = 0
+    """Line of the first value in a text; 0 elsewhere."""
 
 
 def load(path: Path, dataset: str | None, columns: str | None, decimal: Decimal | None) -> Columns:
@@ -62,8 +64,8 @@ def load(path: Path, dataset: str | None, columns: str | None, decimal: Decimal 
     elif suffix == ".npy":
         table = _read_npy(path)
     else:
-        return _read_scan(path, columns)
-    return _choose(path, table, columns)
+        return _finite(path, _read_scan(path, columns))
+    return _finite(path, _choose(path, table, columns))
 
 
 def shown_name(path: Path) -> str:
@@ -141,6 +143,7 @@ def _choose(path: Path, table: Table, columns: str | None) -> Columns:
         _named(labels.get(z), table, "z"),
         table.is_downwards or (bool(table.labels) and table.labels[z].role == "depth"),
         table.unread,
+        table.line,
     )
 
 
@@ -227,19 +230,28 @@ def units(
     return found
 
 
+def _finite(path: Path, found: Columns) -> Columns:
+    """The same. Raises `ValueError` for numbers that are not finite, or too large."""
+    for name, values in (("x", found.x), ("height", found.z)):
+        bad = np.flatnonzero(~(np.abs(values) <= LARGEST)) if values is not None else np.zeros(0, int)
+        if bad.size:
+            row = f"line {found.line + bad[0]}" if found.line else f"row {bad[0] + 1}"
+            missing = "fill values that are missing"  # without them a scan without positions would be shorter
+            if found.x is not None:
+                missing = f"you may delete {row.split()[0]}s whose value is missing"
+            raise ValueError(
+                f"profile_file {path}, {row}: {name} is {values[bad[0]]}; allowed: finite numbers up to {LARGEST:g} in "
+                f"size; {missing} ({bad.size} of {values.size})"
+            )
+    return found
+
+
 def check_values(path: Path, x: Array64 | None, z: Array64) -> None:
-    """Raise `ValueError` for columns that are no profile: too short, too large, constant, or going back in x."""
+    """Raise `ValueError` for columns that are no profile: too short, constant, or going back in x."""
     if z.size < 16:
         raise ValueError(f"profile_file {path} holds {counted(z.size, 'value')}; allowed: at least 16")
     for name, values in (("x", x), ("height", z)):
-        if values is None:
-            continue
-        bad = np.flatnonzero(~(np.abs(values) <= LARGEST))
-        if bad.size:
-            what = "too large" if np.isfinite(values[bad[0]]) else "not finite"
-            allowed = f"finite numbers up to {LARGEST:g}; cut or fill what was not measured ({bad.size} of {z.size})"
-            raise ValueError(f"profile_file {path}: {name} number {bad[0] + 1} is {what}; allowed: {allowed}")
-        if 0 < np.ptp(values) < 1 / LARGEST:
+        if values is not None and 0 < np.ptp(values) < 1 / LARGEST:
             reason = f"{name} ranges over {np.ptp(values)}; allowed: {1 / LARGEST:g} and more"
             raise ValueError(f"profile_file {path}: {reason}")
     if np.ptp(z) == 0:

@@ -85,6 +85,8 @@ class Table:
     """Whether the header says that heights may grow into the valleys."""
     unread: str = ""
     """A line that may be labels but is not taken for them, see `header.like_labels`."""
+    line: int = 0
+    """That of the first row in a text; 0 elsewhere."""
 
 
 def read_text(path: Path, name: str, decimal: Decimal | None) -> Table:
@@ -132,7 +134,7 @@ def read_text(path: Path, name: str, decimal: Decimal | None) -> Table:
     origin = f"numbers of {name}, {writing.told(count)}, {counted(first, 'line')} of header"
     labelled = labels(head, writing.delimiter, count)
     unread = "" if labelled else like_labels(head, writing.delimiter, count)
-    return Table(values, origin, labelled, tuple(stated_units(head)), is_downwards(head), unread)
+    return Table(values, origin, labelled, tuple(stated_units(head)), is_downwards(head), unread, first + 1)
 
 
 def _decoded(path: Path) -> str:
