@@ -472,7 +472,8 @@ def test_ctrl_c_is_status_130_with_the_partial_result(tmp_path, sign, ctrl_c):
 
 @pytest.mark.skipif(os.name != "posix", reason="limits of POSIX")
 def test_a_full_disk_keeps_the_result_and_leaves_no_file(tmp_path):
-    program = ["/bin/sh", "-c", 'ulimit -f 8; exec "$@"', "sh", *CLI]
+    own = "export PYTHONDONTWRITEBYTECODE=1 GIT_OPTIONAL_LOCKS=0"  # files that would be cut off and stay
+    program = ["/bin/sh", "-c", f'{own}; ulimit -f 8; exec "$@"', "sh", *CLI]
     result = run("solve", "--num-points", 4096, "--json", "--save", tmp_path / "run.h5", program=program)
     assert result.returncode == 2
     assert json.loads(result.stdout)["status"] == "converged"
@@ -543,7 +544,7 @@ def test_a_full_disk_behind_the_output_is_one_line():
         with open("/dev/full", "w") as full:
             result = subprocess.run([*CLI, *arguments], stdout=full, stderr=subprocess.PIPE, text=True, timeout=60)
         assert result.returncode == 2
-        assert result.stderr.count("\n") == 1
+        assert result.stderr == "linecontact: standard output could not be written (No space left on device)\n"
 
 
 def test_an_unusable_cache_is_one_line(tmp_path):

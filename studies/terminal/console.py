@@ -1,6 +1,7 @@
 """What the terminal shows: progress with residual and remaining time, and the exit statuses."""
 
 import contextlib
+import errno
 import math
 import os
 import sys
@@ -27,6 +28,9 @@ EXIT_NOT_CONVERGED = 3
 EXIT_FAILED = 4
 EXIT_INTERRUPTED = 130
 EXIT_BROKEN_PIPE = 141
+
+_FULL = {errno.ENOSPC, errno.EFBIG, errno.EIO}
+"""What a disk says on which nothing can be written."""
 
 
 class Plain(Console):
@@ -166,8 +170,11 @@ def guard(command: Callable[[], int], kept: str = "") -> int:
     except MemoryError as error:
         errors.print(f"linecontact: not enough memory ({' '.join(str(error).split())}); allowed: fewer points")
         return EXIT_BAD_INPUT
-    except OSError as error:  # standard output, for instance, on a full disk
-        errors.print(f"linecontact: {error}")
+    except OSError as error:
+        of_output = error.filename is None and error.errno in _FULL  # of a file it would be a `StoreError`
+        errors.print(
+            f"linecontact: {f'standard output could not be written ({error.strerror})' if of_output else error}"
+        )
         try:
             sys.stdout.flush()
         except OSError:
