@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 from concurrent.futures import BrokenExecutor, Executor, Future
 
 import dummy_tasks
@@ -99,10 +100,8 @@ def test_tasks_that_kill_their_workers_fail_alone(folder):
     result = finish(program(todo, folder, "--workers", "2"))
     assert result.returncode == 4, result.stderr
     for task in (Kills(1), Kills(3)):
-        line = (
-            f"linecontact: dummy: task {tasks.identity(task)} failed: its worker process died, killed or out of memory"
-        )
-        assert line in result.stderr.splitlines()
+        why = f"its worker process died, killed or out of memory ({task})"
+        assert f"linecontact: dummy: task {tasks.identity(task)} failed: {why}" in result.stderr.splitlines()
     file = study_files.load_study(folder / "dummy.h5")
     assert [run["number"] for run in file.runs] == [0, 2, 4, 5, 6, 7, 8]
     assert file.failures.keys() == {tasks.identity(Kills(1)), tasks.identity(Kills(3))}
@@ -125,6 +124,27 @@ def test_a_run_whose_every_worker_dies_gives_up(folder):
     assert not list(folder.iterdir())
 
 
+@pytest.mark.parametrize(
+    ("given", "why"),
+    [
+        (None, "None (not flat)"),
+        ([{"a": 1}], "[{'a': 1}] (not flat)"),
+        ({"a": {"b": 1}}, "{'a': {'b': 1}} (not flat)"),
+        ({"a": 1j}, "{'a': 1j} (Object of type complex is not JSON serializable)"),
+        ({"rows": [{"a": None}]}, "{'rows': [{'a': None}]} (not flat)"),
+    ],
+)
+def test_what_is_no_record_is_named(folder, capsys, monkeypatch, given, why):
+    monkeypatch.setattr(Square, "run", lambda *_: given)
+    assert command([Square(1, gate="g" * 1000)], folder) == 4
+    line = capsys.readouterr().err
+    assert (
+        f" failed: ValueError: run of the task gave {why}; allowed: a flat record of numbers, texts and lists" in line
+    )
+    assert re.search(r"\(Square\(number=1, pause=0.0, gate='g+\.\.\.g+'\)\)\n$", line)
+    assert len(line) < 600
+
+
 @pytest.mark.parametrize("workers", [1, 2])
 def test_a_task_that_raises_fails_alone_and_is_tried_again(folder, capsys, workers):
     todo = [Square(0), Raises(1), Square(2)]
@@ -132,12 +152,14 @@ def test_a_task_that_raises_fails_alone_and_is_tried_again(folder, capsys, worke
     for attempt in (1, 2):
         assert command(todo, folder, workers=workers) == 4
         stderr = capsys.readouterr().err
-        assert f"linecontact: dummy: task {name} failed: ArithmeticError: no square of 1 today\n" in stderr
+        line = re.search(rf"(?m)^linecontact: dummy: task {name} failed: (.*)$", stderr)
+        why = r"ArithmeticError: no square of 1 today, in line \d+ of .*dummy_tasks.py \(Raises\(number=1, .*\)\)"
+        assert re.fullmatch(why, line[1])
         assert "Traceback" not in stderr
         assert begun() == {0: 1, 1: attempt, 2: 1}
         file = study_files.load_study(folder / "dummy.h5")
         assert not file.complete
-        assert file.failures == {name: "ArithmeticError: no square of 1 today"}
+        assert file.failures == {name: line[1]}
         assert [run["number"] for run in file.runs] == [0, 2]
         (failed,) = (folder / "tasks").glob("*.failed")
         assert json.loads(failed.read_text())["reason"] == file.failures[name]

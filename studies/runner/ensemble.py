@@ -11,11 +11,12 @@ when, but for rounding.
 """
 
 import contextlib
-import json
 import math
+import reprlib
 import signal
 import threading
 import time
+import traceback
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
@@ -23,10 +24,9 @@ from dataclasses import dataclass
 
 from linecontact.solver.methods import Progress
 
-from ..files.records import plain
 from ..terminal import console
 from . import executors
-from .tasks import Record, Task, TaskFolder, identity
+from .tasks import Record, Task, TaskFolder, check_record, identity
 
 
 class TaskError(Exception):
@@ -37,9 +37,11 @@ def perform(task: Task, report: Progress | None = None) -> Record:
     """What a worker does. A solve that was interrupted raises `KeyboardInterrupt`, anything else `TaskError`."""
     try:
         record = task.run(report)
-        json.dumps(plain(record))
+        check_record(record)
     except Exception as error:
-        raise TaskError(" ".join(f"{type(error).__name__}: {error}".split())) from None
+        place = traceback.extract_tb(error.__traceback__)[-1]
+        where = "" if isinstance(error, ValueError) else f", in line {place.lineno} of {place.filename}"
+        raise TaskError(" ".join(f"{type(error).__name__}: {error}{where}".split())) from None
     if record.get("status") == "interrupted":
         raise KeyboardInterrupt
     return record
@@ -194,8 +196,14 @@ class Ensemble:
             )
 
     def _fail(self, task: Task, reason: str) -> None:
+        reason = f"{reason} ({_SHORT.repr(task)})"
         self.folder.save_failure(task, reason)
         self.failures[task] = reason
+
+
+_SHORT = reprlib.Repr()
+"""Shows a task, without the middle of a long one."""
+_SHORT.maxother = 200
 
 
 def _residual(record: Record) -> float:

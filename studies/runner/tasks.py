@@ -7,6 +7,7 @@ it is there whole or not at all; one that does not fit its checksum is set aside
 import contextlib
 import hashlib
 import json
+import reprlib
 from collections.abc import Iterable, Iterator
 from dataclasses import asdict
 from pathlib import Path
@@ -72,6 +73,18 @@ def _record(body: bytes) -> Record | None:
     if isinstance(rows, list):
         return {ROWS: [records.renamed(row) for row in rows]} if all(map(_is_flat, rows)) else None
     return records.renamed(record) if _is_flat(record) else None
+
+
+def check_record(found: object) -> None:
+    """Raise `ValueError` for what a task gave, if it is neither a flat record nor several."""
+    try:
+        kept = _record(json.dumps({"record": records.plain(found)}).encode())
+        why = "not flat" if kept is None else ""
+    except (TypeError, ValueError, RecursionError) as error:
+        why = str(error)
+    if why:
+        allowed = f"a flat record of numbers, texts and lists of numbers, or under {ROWS!r} a list of such records"
+        raise ValueError(f"run of the task gave {reprlib.repr(found)} ({why}); allowed: {allowed}")
 
 
 def _is_flat(record: object) -> bool:
