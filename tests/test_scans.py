@@ -347,6 +347,16 @@ def test_damaged_files_are_named(tmp_path, suffix):
         read(path)
 
 
+def test_a_file_of_another_kind_is_told_which_are_read(tmp_path, monkeypatch):
+    monkeypatch.setattr("importlib.util.find_spec", lambda _: None)
+    (tmp_path / "wrong.xlsx").touch()
+    kinds = (
+        "allowed: .csv, .txt, .dat, .asc, .tsv, .npy, .h5, .hdf5, and with `pip install SurfaceTopography` the formats"
+    )
+    with pytest.raises(ValueError, match=re.escape(f"wrong.xlsx; {kinds}")):
+        read(tmp_path / "wrong.xlsx")
+
+
 def test_a_scan_that_names_its_unit(tmp_path, monkeypatch):
     """Converted once, to the scene's unit of length; a second unit is refused."""
     heights = np.sin(np.arange(64.0))

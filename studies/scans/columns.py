@@ -22,6 +22,9 @@ MAX_REFINEMENT = 16  # grid points over values in the file
 MAX_VALUES = MAX_POINTS // MAX_REFINEMENT  # numbers in a file: enough for the largest grid
 LARGEST = 1e100  # number in a file, and its inverse the smallest range: squares are taken
 
+_TEXT, _HDF5 = (".csv", ".txt", ".dat", ".asc", ".tsv"), (".h5", ".hdf5")
+"""How the names of such files end."""
+
 
 @dataclass(frozen=True)
 class Columns:
@@ -52,14 +55,14 @@ def load(path: Path, dataset: str | None, columns: str | None, decimal: Decimal 
     of z alone, from 1; None for those that the file makes clear. decimal: the decimal sign of a text.
     """
     suffix = path.suffix.lower()
-    if dataset is not None and suffix not in (".h5", ".hdf5"):
+    if dataset is not None and suffix not in _HDF5:
         raise ValueError(f"profile_dataset is {dataset}; allowed: none, {path} is not .h5")
-    is_text = suffix in (".csv", ".txt", ".dat", ".asc", ".tsv")
+    is_text = suffix in _TEXT
     if decimal is not None and not is_text:
-        raise ValueError(f"decimal is {decimal}; allowed: none, {path} is not .csv, .txt, .dat, .asc or .tsv")
+        raise ValueError(f"decimal is {decimal}; allowed: none, {path} is not {', '.join(_TEXT[:-1])} or {_TEXT[-1]}")
     if is_text:
         table = read_text(path, shown_name(path), decimal)
-    elif suffix in (".h5", ".hdf5"):
+    elif suffix in _HDF5:
         table = _read_hdf5(path, dataset)
     elif suffix == ".npy":
         table = _read_npy(path)
@@ -97,8 +100,8 @@ def _read_scan(path: Path, columns: str | None) -> Columns:
     """An instrument's format, through SurfaceTopography."""
     if importlib.util.find_spec("SurfaceTopography") is None:
         raise ValueError(
-            f"profile_file is {path}; allowed: .npy, .csv, .txt, .h5, and with `pip install SurfaceTopography` the "
-            "formats that SurfaceTopography reads"
+            f"profile_file is {path}; allowed: {', '.join((*_TEXT, '.npy', *_HDF5))}, and with `pip install "
+            "SurfaceTopography` the formats that SurfaceTopography reads"
         )
     if columns is not None:
         raise ValueError(f"columns is {columns}; allowed: none, {path} is an instrument's format")
