@@ -246,7 +246,7 @@ def test_a_wrong_variant_is_told_and_not_timed(own, monkeypatch, tmp_path, capsy
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (None, "variants is"),
+        (None, "mine.py, which is not a file; allowed: an existing Python file that registers variants"),
         ("def", "SyntaxError"),
         ("1/0", "mine.py: line 2: ZeroDivisionError"),
         ("import sys; sys.exit(0)", "mine.py: line 2: SystemExit"),

@@ -157,7 +157,9 @@ def _register(benchmark: str, new: Variant) -> None:
 def load_file(path: Path) -> None:
     """Run a user's file of variants, once. Raises `ValueError` for one that is missing, or fails."""
     if not os.path.isfile(path):
-        raise ValueError(f"variants is {path}; allowed: a Python file that registers variants")
+        raise ValueError(
+            f"variants is {path}, which is not a file; allowed: an existing Python file that registers variants"
+        )
     _run_file(path.resolve())
 
 
