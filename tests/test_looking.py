@@ -24,6 +24,7 @@ from linecontact import (
     studies,
 )
 from linecontact.solver import CoatedHalfSpace, SlidingLayer
+from linecontact.solver.display import rounded_up
 from linecontact.studies.command_line import main
 from linecontact.studies.curve import figures as curve_figures
 from linecontact.studies.curve import report as curve_report
@@ -488,8 +489,9 @@ def test_an_ensemble_says_which_way_is_cheaper_and_by_what_factor():
     wanted, state = ensemble_tasks.found(file)
     ((observable, estimate),) = state.estimates.items()
     plain = estimate.plain_cost(estimate.standard_error)
+    error = rounded_up(estimate.standard_error)
     for spent, said in (
-        (plain / 4, f"takes about {plain:.3g} s to this standard error, 4 times as long."),
+        (plain / 4, f"takes about {plain:.3g} s to a standard error of {error}, 4 times as long."),
         (plain * 4, "is the cheaper way here, by a factor of 4, but does not tell the bias."),
     ):
         assert ensemble_report._sentences(observable, estimate, wanted, spent).endswith(said)

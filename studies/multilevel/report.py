@@ -72,7 +72,7 @@ def _sentences(observable: str, estimate: Estimate, wanted: Wanted, spent: float
     if math.isnan(bias):
         return f"{said}."
     plain = estimate.plain_cost(estimate.standard_error)
-    said += f". Plain sampling on {finest} points takes about {plain:.3g} s to this standard error, "
+    said += f". Plain sampling on {finest} points takes about {plain:.3g} s to a standard error of {error}, "
     if 1 / _ABOUT < plain / spent < _ABOUT:
         return f"{said}about as long, but does not tell the bias."
     if plain > spent:
