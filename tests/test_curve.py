@@ -224,7 +224,10 @@ def test_a_scan_with_lengths_in_units(tmp_path, capsys):
         ("--accuracy 0.01 --over approach --values 1e-3", "accuracy is 0.01; allowed: none with an approach"),
         ("--accuracy 0.01 --over num_points --values 64", "accuracy is 0.01; allowed: none with --over num_points"),
         ("--over thickness --thickness 0.5 --values 0.1", "thickness is 0.5; allowed: none with --over thickness"),
-        ("--youngs-modulus 3 --over poisson_ratio --values 0.1", "youngs_modulus is 3; allowed: contact_modulus"),
+        (
+            "--youngs-modulus 3 --over poisson_ratio --values 0.1",
+            "youngs_modulus is 3; allowed: none with --over poisson_ratio, over which E* = E/(1 - nu^2) is kept",
+        ),
         (
             "--youngs-modulus 3 --over contact_modulus --from 1 --to 10",
             "youngs_modulus is 3; allowed: none with --over c",

@@ -134,8 +134,9 @@ def _check_options(options: Options, given: Given, told: Mapping[str, Any]) -> N
         if known.get(name) is not None:
             raise ValueError(f"{name} is {known[name]}; allowed: none with --over {over}")
     if over in ("poisson_ratio", "contact_modulus") and known.get("youngs_modulus") is not None:
-        kept = "contact_modulus with --over poisson_ratio, which is kept"
-        allowed = kept if over == "poisson_ratio" else "none with --over contact_modulus"
+        allowed = f"none with --over {over}"
+        if over == "poisson_ratio":
+            allowed += ", over which E* = E/(1 - nu^2) is kept and not E; contact_modulus says E*"
         raise ValueError(f"youngs_modulus is {known['youngs_modulus']:g}; allowed: {allowed}")
     check_accuracy(options.accuracy, options.accuracy_of)
     if options.accuracy is not None and (over in ("approach", "num_points") or options.approach is not None):
