@@ -108,9 +108,9 @@ def test_what_comes_of_a_scan_is_printed_with_its_unit(tmp_path):
 
 def test_a_mean_over_surfaces_is_printed_short():
     terms = (Term(256, None, 32, 1 / 3, 0.1, 0.01), Term(512, 256, 8, 0.01, 0.001, 0.03))
-    text = repr(Estimate(4 / 3, 0.01 / 3, math.nan, terms, 0.1, 0.02))
+    text = repr(Estimate("mean-gap", 4 / 3, 0.01 / 3, math.nan, terms, 0.1, 0.02))
     assert text == (
-        "Estimate: mean 1.33333, standard_error 0.00333, bias nan [as the observable]; "
+        "Estimate: mean of mean-gap 1.33333, standard_error 0.00333, bias nan [length]; "
         "surfaces: 32 on 256, 8 on 512 points"
     )
 

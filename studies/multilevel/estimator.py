@@ -16,7 +16,7 @@ from functools import cache
 
 import numpy as np
 
-from .samples import FOUNDATION, Samples, name_of
+from .samples import FOUNDATION, Samples, name_of, unit_of
 
 FEWEST_SURFACES = 32
 """Of the mean on the coarsest grid, or of its change from the foundation: their variances count most."""
@@ -56,6 +56,8 @@ class Term:
 class Estimate:
     """A mean over random surfaces, and how wrong it can be; in the unit of the observable."""
 
+    observable: str
+    """What it is the mean of."""
     mean: float
     """The mean on the finest grid."""
     standard_error: float
@@ -74,7 +76,8 @@ class Estimate:
     def __repr__(self) -> str:
         numbers = "".join(f", {name} {getattr(self, name):.3g}" for name in ("standard_error", "bias"))
         grids = ", ".join(f"{term.count} on {name_of(term.num_points)}" for term in self.terms)
-        told = f"{type(self).__name__}: mean {self.mean:.6g}{numbers} [as the observable]; surfaces: {grids} points"
+        mean = f"mean of {self.observable} {self.mean:.6g}{numbers} [{unit_of(self.observable)}]"
+        told = f"{type(self).__name__}: {mean}; surfaces: {grids} points"
         return f"{told}; warnings: {self.warnings}" if self.warnings else told
 
     def plain_cost(self, standard_error: float) -> float:
@@ -121,6 +124,7 @@ def estimate(samples: Samples, ladder: Sequence[int], sizes: Sequence[int]) -> E
             variance += 2 * len(shared) * covariance / len(first) / len(second)
     alone = term(samples, ladder[-1], None)
     return Estimate(
+        observable=samples.observable,
         mean=sum(t.mean for t in found),
         standard_error=math.sqrt(max(variance, 0.0)),
         bias=bias(samples, sizes),

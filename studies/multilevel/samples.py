@@ -118,6 +118,7 @@ class Samples:
     """
 
     def __init__(self, rows: Iterable[Row], observable: str) -> None:
+        self.observable = observable
         self.values: dict[int, dict[int, float]] = defaultdict(dict)
         """By the number of grid points, and by seed."""
         self._seconds: dict[int, list[float]] = defaultdict(list)
