@@ -1,6 +1,7 @@
 """Approach instead of pressure, mean gap and contact stiffness."""
 
 import math
+import re
 import sys
 from dataclasses import replace
 
@@ -201,7 +202,9 @@ def test_the_command_takes_an_approach(capsys):
     assert main.main(["solve", "--approach", "0.001", "--num-points", "2^10"]) == 0
     shown = capsys.readouterr().out
     assert "pressure" in shown
+    assert re.search(r"pressure +\W +0\.000\d+ \[pressure\]", shown)
     assert "for the approach of" in shown.replace("\n", " ")
+    assert "[length]; the" in shown
     assert main.main(["solve", "--approach", "1", "--num-points", "2^10"]) == 2
     assert capsys.readouterr().err.startswith("linecontact: approach is 1; allowed: up to 0.041666")
 

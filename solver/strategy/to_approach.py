@@ -97,7 +97,8 @@ def solve_to_approach(scene: Scene, solve: Callable[[Scene], Solution]) -> Solut
     pressure, seconds = found.scene.pressure, found.seconds | {"total": time.perf_counter() - begin}
     seconds["solve"] += seconds["total"] - found.seconds["total"]
     known = f"is about {off_by:.1g}" if math.isfinite(off_by) else "is not known"
-    why = f"for the approach of {approach:g}; the pressure's relative error {known}; solves on this grid: {solves}"
+    wanted = f"for the approach of {approach:g} [{scene.length_unit}]"
+    why = f"{wanted}; the pressure's relative error {known}; solves on this grid: {solves}"
     found = replace(
         found,
         iterations=iterations,
