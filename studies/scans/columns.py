@@ -236,7 +236,9 @@ def units(
 def _finite(path: Path, found: Columns) -> Columns:
     """The same. Raises `ValueError` for numbers that are not finite, or too large."""
     for name, values in (("x", found.x), ("height", found.z)):
-        bad = np.flatnonzero(~(np.abs(values) <= LARGEST)) if values is not None else np.zeros(0, int)
+        if values is None:
+            continue
+        bad = np.flatnonzero(~(np.abs(values) <= LARGEST))
         if bad.size:
             row = f"line {found.line + bad[0]}" if found.line else f"row {bad[0] + 1}"
             missing = "fill values that are missing"  # without them a scan without positions would be shorter
