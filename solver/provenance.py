@@ -25,7 +25,7 @@ def _commit() -> str:
     if not (folder / ".git").exists():
         return "none"
 
-    command = ["git", "-C", str(folder), "status", "--porcelain=v2", "--branch"]
+    command = ["git", "--no-optional-locks", "-C", str(folder), "status", "--porcelain=v2", "--branch"]
     try:
         said = subprocess.run(command, capture_output=True, text=True, check=True, timeout=10).stdout.splitlines()
         commit = next(line.split()[-1][:12] for line in said if line.startswith("# branch.oid"))

@@ -442,6 +442,30 @@ def test_kappa_of_a_step_is_not_known():
     assert found.kappa_error > 0.4 * found.kappa_subgrid
 
 
+def test_a_contact_that_may_split_below_a_tip_between_the_nodes_is_not_known():
+    """On 2^10 points and more there are three patches."""
+    scene = Scene(CoatedHalfSpace(3.38e-4, 1.48e-4, 0.268, 0.226), PowerIndenter(1.2), 3.669e-5, num_points=2**8)
+    found, finer = (solve(one).observables for one in (scene, scene.on_grid(2**14)))
+    assert (found.num_patches, finer.num_patches) == (1, 3)
+    assert found.contact_area_error == found.kappa_error == found.peak_pressure_error == math.inf
+    assert finer.contact_area_error < 1e-4
+
+
+@pytest.mark.parametrize(
+    ("layer", "exponent", "pressure", "name", "true"),
+    [
+        (SlidingLayer(0.119914), 2, 2.75e-5, "approach", 6.74252460e-05),
+        (SlidingLayer(0.00487228), 4, 8.09e-4, "peak-pressure", 0.0050709990),
+        (Layer(0.00495509, 0.100701), 3, 1.101e-4, "approach", 1.113439945e-05),
+    ],
+)
+def test_a_change_that_is_small_by_chance_is_not_believed(layer, exponent, pressure, name, true):
+    """True values by collocation; each change between the only two grids is 20 to 140 times smaller than the error."""
+    scene = Scene(layer, PowerIndenter(exponent), pressure, num_points=2**11)
+    value, error = measured(solve(scene), QUANTITIES[name])
+    assert abs(value - true) < error < 5e-3 * true
+
+
 @pytest.mark.parametrize("exponent", [1.2, 2.0, 4.0, 20.0])
 @pytest.mark.parametrize("num_points", [2**10, 2**14])
 def test_kappa_in_full_contact(exponent, num_points):

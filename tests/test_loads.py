@@ -114,6 +114,25 @@ def test_a_base_bends_the_slope(ratio):
     assert abs(found.contact_area_subgrid - exact) * 2**12 < 1e-3
 
 
+@pytest.mark.parametrize("num_points", [256, 257, 4096])
+@pytest.mark.parametrize("width", [0.3, 0.8, 1.4, 2.3, 3.1, 4.2])
+def test_a_lone_patch_of_few_nodes_anywhere_between_them(num_points, width):
+    """Westergaard's: a_r, its middle, and kappa = a_r g_c E*/p with g_c^2 = (2 pi D)^2 (1/2 - sin(2 pi a)/(4 pi a))."""
+    depth, area = 0.01, width / num_points
+    pressure = math.pi * depth * math.sin(math.pi * area / 2) ** 2
+    kappa = area / pressure * 2 * math.pi * depth * math.sqrt(0.5 - math.sin(2 * math.pi * area) / (4 * math.pi * area))
+    for beside in np.linspace(-0.5, 0.45, 7):
+        x = (np.arange(num_points) - num_points // 2 - beside) / num_points
+        heights = MeasuredIndenter(depth * (1 - np.cos(2 * np.pi * x)))
+        solution = solve(Scene(indenter=heights, pressure=pressure, num_points=num_points))
+        found, patches = solution.observables, solution.patches
+        assert patches.left.size == 1
+        assert found.contact_area_subgrid == pytest.approx(area, rel=2e-5)
+        assert found.kappa_subgrid == pytest.approx(kappa, rel=2e-5)
+        middle = (patches.left[0] + patches.right[0]) / 2 * num_points - num_points // 2
+        assert middle == pytest.approx(beside, abs=1e-4)
+
+
 def area_errors(indenter, layer, num_points, seeds):
     """Relative errors of the area, by load and by pressure and counting, against the grid of 2^15 points."""
     errors = []

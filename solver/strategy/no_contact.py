@@ -28,7 +28,12 @@ def without_contact(scene: Scene, means: Means) -> Solution:
     unseen = 1 / scene.num_points if approach > 0 else 0.0
     choices: tuple[Choice, ...] = ()
     if scene.approach is not None:
-        choices = (Choice("pressure", "0", f"for the approach of {approach:g}: up to {first:g} no node touches"),)
+        unit = scene.length_unit
+        choices = (
+            Choice(
+                "pressure", "0", f"for the approach of {approach:g} [{unit}]: up to {first:g} [{unit}] no node touches"
+            ),
+        )
         scene = replace(scene, approach=None, pressure=0.0)
     displacement, pressure = np.full(scene.num_points, approach - first), np.zeros(scene.num_points)
     contact = np.zeros(scene.num_points, dtype=bool)
