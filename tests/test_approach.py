@@ -224,6 +224,19 @@ def test_compliance_is_the_derivative_on_the_grid(layer, indenter):
     assert contact_compliance(scene, middle.contact) == pytest.approx(rise / (2 * step * 0.01), rel=bound)
 
 
+@pytest.mark.parametrize("num_points", [2**8, 2**12])
+@pytest.mark.parametrize("width", [0.4, 0.9, 1.7, 2.6, 5.2, 11.3])
+def test_contact_stiffness_of_few_nodes(width, num_points):
+    """Westergaard, as below, with the tip anywhere between the nodes."""
+    load = math.pi * 0.01 * math.sin(math.pi * width / num_points / 2) ** 2
+    exact = -math.pi / (2 * math.log(math.sin(math.pi * width / num_points / 2)))
+    for beside in np.linspace(-0.5, 0.45, 7):
+        x = (np.arange(num_points) - num_points // 2 - beside) / num_points
+        indenter = MeasuredIndenter(0.01 * (1 - np.cos(2 * np.pi * x)))
+        solution = solve(Scene(Layer(), indenter, load, num_points=num_points))
+        assert solution.contact_stiffness == pytest.approx(exact, rel=1e-5 if num_points > 256 else 1e-4)
+
+
 @pytest.mark.parametrize("num_points", [2**8, 2**10, 2**14])
 @pytest.mark.parametrize("share", [0.1, 0.317, 0.5, 0.8])
 def test_contact_stiffness_under_a_sine_wave(num_points, share):

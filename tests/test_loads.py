@@ -140,7 +140,7 @@ def area_errors(indenter, layer, num_points, seeds):
         scene = Scene(layer, RoughIndenter(indenter.hurst, seed, 1 / 8, 1 / 64), 0.01, num_points=2**15)
         coarse, true = solve(scene.on_grid(num_points)), solve(scene).observables.contact_area_subgrid
         with pytest.MonkeyPatch.context() as patched:
-            patched.setattr(contact, "_MOST_NODES", 0)
+            patched.setattr(contact, "MOST_NODES", 0)
             counted = contact_edges(coarse.scene, coarse.contact_pressure)[1]
         errors.append((coarse.observables.contact_area_subgrid / true - 1, counted.width.sum() / num_points / true - 1))
     return np.sqrt(np.mean(np.square(errors), axis=0))

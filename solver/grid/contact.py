@@ -10,13 +10,16 @@ from ..arrays import Array64, Indices, Mask
 from ..layers import ElasticLayer
 from ..scene import Scene
 from .edges import COUNTED_BELOW, Edges, apart, find_edges, unseen_gaps
+from .few_nodes import response
 from .kept import kept
 from .layer_on_grid import modulus_on_grid, thickness_on_grid
 from .layer_slope import LayerSlope, loads_tell
 from .loads import SIDES, FromLoads, Heights, from_loads
 from .patches import Patches
 
-_MOST_NODES = 32  # of a patch whose ends are looked for by its load; wider ones have ends by pressures as well known
+MOST_NODES = 32
+"""Nodes of a patch whose ends are looked for by its load; wider ones have ends by pressures as well known."""
+
 _NARROW = 0.2  # layer thicknesses; wider patches can only be estimated by their load
 _THINNEST = 1e-9  # grid spacings; as if a thinner layer were so thick
 _JAGGED = 1.9  # fourth over second difference of the heights; 2 for a wave of four grid spacings
@@ -32,16 +35,6 @@ _ESTIMATED = 0.2  # of the nodes of a patch that is not narrow
 _ON_SOFT = 2.0  # times all that on a base much softer than the layer
 
 _AT, _WEIGHTS = np.polynomial.legendre.leggauss(6)  # of the integral of h'^2
-
-
-def _response(most: int) -> Array64:
-    """G_j - G_1 of a half-space's grid for j = 1, 2, ..., most: 2/pi int (cos j t - cos t)/t dt over 0 < t < pi."""
-    nodes, weights = np.polynomial.legendre.leggauss(128)
-    t = np.pi / 2 * (1 + nodes)
-    return np.asarray((np.cos(np.arange(1, most + 1)[:, None] * t) - np.cos(t)) / t @ weights)
-
-
-_RESPONSE = _response(_MOST_NODES + 1)
 
 
 def contact_edges(
@@ -87,7 +80,7 @@ def ends(
     patches, layer_thickness = Patches.of(pressure > 0), thickness_on_grid(layer, n, period)
     inside = pressure[patches.nodes] * scale
     edges = find_edges(patches, inside, layer, period)
-    largest = min(_MOST_NODES, max(_NARROW * layer_thickness, COUNTED_BELOW - 1))
+    largest = min(MOST_NODES, max(_NARROW * layer_thickness, COUNTED_BELOW - 1))
     chosen = np.flatnonzero(patches.size <= min(largest, n / 2))
     modulus = partial(modulus_on_grid, layer, num_points=n, period=period)
     tell = chosen.size and loads_tell(modulus, layer.thickness / period * n, n)
@@ -102,11 +95,11 @@ def ends(
     curvature = heights.slope(sides)[1].mean(axis=1)
     hertz = np.sqrt(4 / math.pi * patches.sums(inside)) / np.sqrt(np.maximum(curvature, 1e-300))  # no overflow
     start = np.where(edges.counted, np.clip(hertz, 0.05, patches.size), edges.width / 2)
-    response = _layer_slope(layer, n, period)
+    layer_slope = _layer_slope(layer, n, period)
     by_others = _by_others(patches, inside, displacement, n / period)[chosen]
-    found = from_loads(patches, chosen, narrow, inside, heights, modulus, response, start, by_others)
+    found = from_loads(patches, chosen, narrow, inside, heights, modulus, layer_slope, start, by_others)
     left, right = found.centre - found.half_width, found.centre + found.half_width
-    error = _estimated(patches, chosen, found, wide) * (_ON_SOFT if response.is_soft else 1.0)
+    error = _estimated(patches, chosen, found, wide) * (_ON_SOFT if layer_slope.is_soft else 1.0)
     differ = np.maximum(np.abs(left - edges.left[chosen]), np.abs(right - edges.right[chosen]))
     better = found.solved & (error < edges.error[chosen])
     better &= differ < np.where(edges.counted[chosen], patches.size[chosen], _FARTHEST)
@@ -119,15 +112,16 @@ def ends(
 
 def _by_others(patches: Patches, pressure: Array64, displacement: Array64, scale: float) -> Array64:
     """The slope that all other patches add to the displacement into the layer, from the node before a patch to that
-    behind it, shape (M,) (dimensionless); of no meaning for patches of more than `_MOST_NODES`.
+    behind it, shape (M,) (dimensionless); of no meaning for patches of more than `MOST_NODES`.
 
     scale: what makes grid spacings of the displacement's unit. The patch's own pressure, which a half-space's grid
-    feels G_j/E* times j nodes away, is taken off.
+    feels `few_nodes.response`/E* some nodes away, is taken off.
     """
     before, after = displacement[patches.first - 1], displacement[(patches.last + 1) % displacement.size]
     from_first = np.arange(pressure.size) - np.repeat(patches.offset, patches.size)
     to_last = patches.size[patches.label] - 1 - from_first
-    to_before, to_after = (_RESPONSE[np.minimum(steps, _MOST_NODES)] for steps in (from_first, to_last))
+    felt = response(MOST_NODES + 1)[1:]
+    to_before, to_after = (felt[np.minimum(steps, MOST_NODES)] for steps in (from_first, to_last))
     own = patches.sums(pressure * (to_after - to_before))
     return np.asarray(-((after - before) * scale + own) / (patches.size + 1))
 

@@ -9,6 +9,9 @@ goes like k/sqrt(r) with the distance r from an end. Moving an end outwards by x
 d(approach)/dp (for one patch on a half-space, -(2 L/(pi E*)) ln sin(pi a/L) with k^2 = L cot(pi a/L)/(2 pi), it is the
 derivative). A punch on nodes ends at a known place outside of its last node, and that node's pressure tells k: both are
 the edge's curve (`grid.edge_curves`). With that the error falls from first to second order.
+
+For a patch whose load tells its width 2a that is exact: a flat punch under the load P takes 2 P^2/(pi E* L) ln(a/c) off
+if it becomes as wide, c being the half-width of the punch that is as compliant as the patch's nodes (`grid.few_nodes`).
 """
 
 import math
@@ -18,9 +21,10 @@ import numpy as np
 
 from ..arrays import Array64, Mask
 from ..endings import Status
-from ..grid.contact import contact_edges
+from ..grid.contact import MOST_NODES, contact_edges
 from ..grid.edge_curves import edge_curve
 from ..grid.edges import COUNTED_BELOW
+from ..grid.few_nodes import punch_half_widths
 from ..grid.observables import foundation_modulus
 from ..grid.problem import Problem
 from ..methods import active_set, relax
@@ -87,18 +91,24 @@ def _punch(scene: Scene, contact: Mask) -> tuple[float, Array64]:
 def _beyond_nodes(solution: Solution, punch: Array64) -> float:
     """What d(approach)/dp is less because the contact ends beyond the ends of a punch on its nodes [length/pressure].
 
-    punch: d sigma/dp, shape (N,). It is not known, and 0, for patches of one or two nodes, and at gaps of one or two.
+    punch: d sigma/dp, shape (N,). Where loads tell the ends of a patch, it is compared with the flat punch that is as
+    compliant without a grid as its nodes are with it. Not known, and 0, for other patches of one or two nodes, and at
+    gaps of one or two.
     """
     scene, pressure = solution.scene, np.where(solution.contact, solution.contact_pressure, 0.0)
     profile = Problem.from_scene(scene).profile * scene.period
     patches, edges = contact_edges(scene, pressure, profile, solution.displacement)
     curve = edge_curve(scene.layer, pressure.size, scene.period)
+    narrow = np.zeros(patches.count, dtype=bool) if edges.by_load is None else edges.by_load
     total = 0.0
     before, after = patches.to_neighbours - 1  # nodes of the gaps
     left = patches.first, patches.first - edges.left, before
     for node, beyond, gap in (left, (patches.last, edges.right - patches.last, after)):
         squared = (punch[node % pressure.size] / curve.strength) ** 2  # k^2 over the grid spacing
-        known = (patches.size >= COUNTED_BELOW) & (gap >= COUNTED_BELOW)
+        known = (patches.size >= COUNTED_BELOW) & (gap >= COUNTED_BELOW) & ~narrow
         total += float(np.sum(np.where(known, squared * (beyond - curve.punch_end), 0.0)))
+    as_punch = punch_half_widths(MOST_NODES)[patches.size[narrow] - 1]
+    wider = np.log(edges.width[narrow] / (2 * as_punch))
+    total += float(np.sum((patches.sums(punch[patches.nodes])[narrow] / math.pi) ** 2 * wider))
     spacing = scene.period / pressure.size
     return 2 * math.pi / scene.layer.contact_modulus * total * spacing**2 / scene.period
