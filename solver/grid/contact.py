@@ -27,10 +27,10 @@ _FARTHEST = 0.5  # grid spacings by which the two may differ for the load to be 
 
 # The estimated error of a width by the load [grid spacings]: fitted so that it holds in 95 of 100 patches of rough
 # surfaces with 4 to 32 points to the shortest wave, on half-spaces and layers.
-_OVER_SIZE_SQUARED, _OF_SKEW, _OF_BEND = 0.13, 0.4, 0.15  # over the squared nodes; of the squared skew; of the bend
+_OVER_SIZE_SQUARED, _OF_SKEW, _OF_BEND = 0.14, 0.5, 0.2  # over the squared nodes; of the squared skew; of the bend
 _OF_THICKNESS = 2.0  # of the fourth power of the width over the thickness, and of the width
-_OF_OTHERS = 0.12  # of the nodes, and of the share of the slope's change by other patches, taken as Hertz contacts
-_OVER_GAP_SQUARED = 0.15  # over the square of the nodes between neighbouring patches
+_OF_OTHERS = 0.05  # of the nodes, and of the share of the slope's change by other patches, taken as Hertz contacts
+_OVER_GAP_SQUARED = 0.2  # over the square of the nodes between neighbouring patches
 _ESTIMATED = 0.2  # of the nodes of a patch that is not narrow
 _ON_SOFT = 2.0  # times all that on a base much softer than the layer
 
