@@ -49,6 +49,7 @@ _BLOCK = 2**13  # patches at a time: each takes some kilobytes
 _WAVE = 3 * np.pi / 4  # q a at which the layer's modulus is taken
 _ACROSS = np.array([-np.sqrt(0.5), 0.0, np.sqrt(0.5)])  # places in a Hertz contact that stand for its load
 _SHARES = np.array([0.25, 0.5, 0.25])  # of the load there
+_MIDDLE = 2  # of the following places
 _ACROSS_PATCH, _OF_MEAN = np.polynomial.legendre.leggauss(5) * np.array([[1.0], [0.5]])  # of the mean from -1 to 1
 _STEPS, _STEP, _CLOSE = 10, 0.25, 1e-3  # of Newton's method: most, their length and the last one's [grid spacings]
 _FARTHEST = 0.75  # from the middle between the ends of a patch to its middle, at first [grid spacings]
@@ -129,8 +130,11 @@ def from_loads(
         own, thin = chosen[i : i + block], narrow[i : i + block]
         others = _Neighbours.of(patches, own, loads, middles, half_width, layer)
         across = between[own, None] + (patches.size[own, None] + 1) / 2 * _ACROSS_PATCH
-        missing = by_others[i : i + block] - others.slope(across, layer)[0] @ _OF_MEAN
-        found.append(_solved(others, layer, thin, heights, modulus, np.where(thin, missing, 0.0), between[own]))
+        slope = others.slope(across, layer)[0]
+        missing = np.where(thin, by_others[i : i + block] - slope @ _OF_MEAN, 0.0)
+        lowest = _lowest(heights, between[own], slope[:, _MIDDLE] + missing)
+        start = np.where(thin, lowest, middles[own])
+        found.append(_solved(others, layer, thin, heights, modulus, missing, start))
     return FromLoads.join(found)
 
 
@@ -141,18 +145,15 @@ def _solved(
     heights: Heights,
     modulus: Modulus,
     missing: Array64,
-    between: Array64,
+    centre: Array64,
 ) -> FromLoads:
     """Ends of some patches, those of `others`.
 
-    missing: of w' without what `others` and the layer add; between: middle between the end nodes [grid spacings]; both
-    of shape (patches,).
+    missing: what w' is more than `others` and the layer add; centre: where to begin [grid spacings]; both of shape
+    (patches,).
     """
     load, middle = others.own_load, others.own[:, 0]
-    here, bent = (both.mean(axis=1) for both in heights.slope(between[:, None] + SIDES))
-    here += others.slope(between[:, None], layer)[0][:, 0] + missing
-    lowest = between - np.clip(here / np.maximum(bent, 1e-300), -_FARTHEST, _FARTHEST)
-    m, a = np.where(narrow, lowest, middle), others.own_half_width.copy()
+    m, a = centre, others.own_half_width.copy()
     # everything but the indenter changes little while m and a do
     start = m[:, None] + a[:, None] * _T1
     far, far_bent, of_others = others.slope(start, layer)
@@ -185,6 +186,12 @@ def _solved(
         if not left.size:
             break
     return FromLoads(m, a, skew, bend, share, solved)
+
+
+def _lowest(heights: Heights, at: Array64, slope: Array64) -> Array64:
+    """About where heights are lowest to which a slope is added, near some places; shape (patches,) [grid spacings]."""
+    own, bent = (both.mean(axis=1) for both in heights.slope(at[:, None] + SIDES))
+    return np.asarray(at - np.clip((own + slope) / np.maximum(bent, 1e-300), -_FARTHEST, _FARTHEST))
 
 
 def _newton(
