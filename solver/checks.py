@@ -8,7 +8,7 @@ from numbers import Real
 from pathlib import Path
 from typing import Any
 
-_NAMED = 3  # members that are missing
+_MOST_NAMED = 3  # of the members that are missing
 
 BELOW_ZERO = -math.ulp(0.0)
 """A bound that leaves 0 itself allowed."""
@@ -67,8 +67,10 @@ def offers(name: str, value: object, kind: type[Any], allowed: str) -> None:
     if isinstance(value, type) or len(missing) == len(wanted):
         raise ValueError(f"{name} is {value!r}; allowed: {allowed}")
     if missing:
-        missing.sort(key=lambda member: member not in kind.__abstractmethods__)  # that it must offer
-        lacks = ", ".join(missing[:_NAMED]) + f" and {len(missing) - _NAMED} more" * (len(missing) > _NAMED)
+        missing.sort(key=lambda member: member not in kind.__abstractmethods__)  # those without a default first
+        lacks = ", ".join(missing[:_MOST_NAMED]) + f" and {len(missing) - _MOST_NAMED} more" * (
+            len(missing) > _MOST_NAMED
+        )
         raise ValueError(f"{name} is {value!r}, which lacks {lacks}; allowed: {allowed}")
 
 

@@ -46,7 +46,8 @@ def check_foundation(layer: ElasticLayer, period: float) -> None:
     if 0 < modulus < math.inf:
         wrong = bool(known) and all(abs(value / modulus - 1) > _ALIKE for value in known)
     else:  # there is no limit to compare with, but a stiffness that hardly changes has a finite one
-        wrong = len(known) > 1 and all(abs(value / known[0] - 1) <= _ALIKE for value in known)
+        alike = all(abs(value - known[0]) <= _ALIKE * known[0] for value in known)
+        wrong = len(known) > 1 and known[0] > 0 and alike
     if wrong:
         at = ", ".join(f"{wave:.3g}" for wave in waves[1:])
         told = ", ".join(f"{value:.4g}" for value in long_waves)
@@ -62,8 +63,10 @@ def check_indenter(indenter: Indenter, num_points: int, period: float) -> None:
     wave, allowed = indenter.shortest_wave(num_points), "an integer >= 0, 0 for a smooth profile"
     checks.integer(f"shortest_wave of indenter {indenter.name}", wave, allowed, 0, 2**53)
     own = indenter.given_period
-    if own is not None and abs(period / own - 1) > _ROUNDED:
-        raise ValueError(f"period is {period:.10g}; allowed: {own:.10g}, that of the heights, as `Scan.scene` has it")
+    if own is not None:
+        own = checks.real(f"given_period of indenter {indenter.name}", own, "a finite length > 0, or None", 0)
+        if abs(period / own - 1) > _ROUNDED:
+            raise ValueError(f"period is {period:.10g}; allowed: {own:.10g}, for which the heights were given")
     indenter.check(num_points)
 
 

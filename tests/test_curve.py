@@ -226,7 +226,7 @@ def test_a_scan_with_lengths_in_units(tmp_path, capsys):
         ("--over thickness --thickness 0.5 --values 0.1", "thickness is 0.5; allowed: none with --over thickness"),
         (
             "--youngs-modulus 3 --over poisson_ratio --values 0.1",
-            "youngs_modulus is 3; allowed: none with --over poisson_ratio, over which E* = E/(1 - nu^2) is kept",
+            "youngs_modulus is 3; allowed: none with --over poisson_ratio, which keeps E* = E/(1 - nu^2), not E",
         ),
         (
             "--youngs-modulus 3 --over contact_modulus --from 1 --to 10",

@@ -11,10 +11,10 @@ from linecontact.solver import (
     PowerIndenter,
     RoughIndenter,
     Scene,
+    SlidingLayer,
     TabulatedLayer,
     solve,
 )
-from linecontact.solver.grid import contact
 from linecontact.solver.grid.contact import contact_edges
 from linecontact.solver.grid.layer_on_grid import modulus_on_grid
 from linecontact.solver.grid.layer_slope import LayerSlope, loads_tell
@@ -133,15 +133,31 @@ def test_a_lone_patch_of_few_nodes_anywhere_between_them(num_points, width):
         assert middle == pytest.approx(beside, abs=1e-4)
 
 
+@pytest.mark.parametrize("beside", [-0.45, -0.2, 0.3])
+@pytest.mark.parametrize("width", [1.4, 2.2, 5.2])
+@pytest.mark.parametrize(
+    "layer",
+    [Layer(50 / 1024), Layer(60 / 1024, 0.5), SlidingLayer(40 / 1024), CoatedHalfSpace(40 / 1024, 0.1, 0.25, 0.3)],
+)
+def test_a_lone_patch_on_a_layer_lies_below_the_tip(layer, width, beside):
+    """By symmetry, wherever the tip is: also where the period ends."""
+    n, depth = 1024, 0.01
+    load = math.pi * depth * math.sin(math.pi * width / n / 2) ** 2
+    for tip in (n // 2 + beside, beside):
+        heights = MeasuredIndenter(depth * (1 - np.cos(2 * np.pi * (np.arange(n) - tip) / n)))
+        patches = solve(Scene(layer, heights, load, num_points=n)).patches
+        middle = (patches.left[0] + patches.right[0]) / 2 * n
+        assert patches.left.size == 1
+        assert (middle - tip + n / 2) % n - n / 2 == pytest.approx(0, abs=1e-3)
+
+
 def area_errors(indenter, layer, num_points, seeds):
     """Relative errors of the area, by load and by pressure and counting, against the grid of 2^15 points."""
     errors = []
     for seed in seeds:
         scene = Scene(layer, RoughIndenter(indenter.hurst, seed, 1 / 8, 1 / 64), 0.01, num_points=2**15)
         coarse, true = solve(scene.on_grid(num_points)), solve(scene).observables.contact_area_subgrid
-        with pytest.MonkeyPatch.context() as patched:
-            patched.setattr(contact, "MOST_NODES", 0)
-            counted = contact_edges(coarse.scene, coarse.contact_pressure)[1]
+        counted = contact_edges(coarse.scene, coarse.contact_pressure)[1]
         errors.append((coarse.observables.contact_area_subgrid / true - 1, counted.width.sum() / num_points / true - 1))
     return np.sqrt(np.mean(np.square(errors), axis=0))
 

@@ -60,7 +60,7 @@ def areas_of_hertz_contacts():
     assert off[0] < 1e-8
     assert off[1] < 2e-10
     yield "Hertz contacts on 2^12 points are right to 1e-8 of themselves, on 2^14 points to 2e-10."
-    assert (edges._ON_THICK, edges._NARROW, edges._NARROW_GAP, contact._MOST_NODES) == (2, 8, 0.5, 32)
+    assert (edges._ON_THICK, edges._NARROW, edges._NARROW_GAP, contact.MOST_NODES) == (2, 8, 0.5, 32)
     yield "The row is taken for patches of up to eight thicknesses of the layer,"
     yield ", and beside gaps of up to half a thickness,"
     yield "the last term for those of up to two."

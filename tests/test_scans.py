@@ -424,7 +424,7 @@ def test_the_scene_of_a_scan(tmp_path):
     for own in (Layer(1e-3), SlidingLayer(1e-3), CoatedHalfSpace(1e-3, 2.0)):
         with pytest.raises(ValueError, match=r"^contact_modulus of the layer is missing; allowed: its E\* must be"):
             scan.scene(own, 1e-6)
-    with pytest.raises(ValueError, match=r"^period is 1; allowed: 0.002, that of the heights, as `Scan.scene` has it"):
+    with pytest.raises(ValueError, match=r"^period is 1; allowed: 0.002, for which the heights were given"):
         Scene(layer, scan.indenter, 1e-6, num_points=256)
     with pytest.raises(ValueError, match=r"^given_period is -1"):
         MeasuredIndenter(scan.indenter.heights, given_period=-1)

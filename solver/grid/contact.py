@@ -10,15 +10,12 @@ from ..arrays import Array64, Indices, Mask
 from ..layers import ElasticLayer
 from ..scene import Scene
 from .edges import COUNTED_BELOW, Edges, apart, find_edges, unseen_gaps
-from .few_nodes import response
+from .few_nodes import MOST_NODES, response
 from .kept import kept
 from .layer_on_grid import modulus_on_grid, thickness_on_grid
 from .layer_slope import LayerSlope, loads_tell
 from .loads import SIDES, FromLoads, Heights, from_loads
 from .patches import Patches
-
-MOST_NODES = 32
-"""Nodes of a patch whose ends are looked for by its load; wider ones have ends by pressures as well known."""
 
 _NARROW = 0.2  # layer thicknesses; wider patches can only be estimated by their load
 _THINNEST = 1e-9  # grid spacings; as if a thinner layer were so thick
@@ -46,7 +43,7 @@ def contact_edges(
     """Patches and their sub-grid edges, from the contact pressure [any unit], 0 off the contact, shape (N,), any N.
 
     profile: h, shape (N,) [length], if it is at hand. displacement: u, shape (N,) [length], with which loads tell where
-    narrow patches end; without, it takes half of the time.
+    narrow patches end; None: pressures alone tell the ends, in half of the time.
     """
     if profile is None:
         profile = scene.period * scene.indenter.profile(pressure.size, scene.period)
@@ -96,8 +93,8 @@ def ends(
     hertz = np.sqrt(4 / math.pi * patches.sums(inside)) / np.sqrt(np.maximum(curvature, 1e-300))  # no overflow
     start = np.where(edges.counted, np.clip(hertz, 0.05, patches.size), edges.width / 2)
     layer_slope = _layer_slope(layer, n, period)
-    by_others = _by_others(patches, inside, displacement, n / period)[chosen]
-    found = from_loads(patches, chosen, narrow, inside, heights, modulus, layer_slope, start, by_others)
+    slope = _slope_by_others(patches, chosen, inside, displacement, n / period)
+    found = from_loads(patches, chosen, narrow, inside, heights, modulus, layer_slope, start, slope)
     left, right = found.centre - found.half_width, found.centre + found.half_width
     error = _estimated(patches, chosen, found, wide) * (_ON_SOFT if layer_slope.is_soft else 1.0)
     differ = np.maximum(np.abs(left - edges.left[chosen]), np.abs(right - edges.right[chosen]))
@@ -110,20 +107,22 @@ def ends(
     return patches, _with(edges, chosen[better], left[better], right[better], error[better], by_load, heights)
 
 
-def _by_others(patches: Patches, pressure: Array64, displacement: Array64, scale: float) -> Array64:
-    """The slope that all other patches add to the displacement into the layer, from the node before a patch to that
-    behind it, shape (M,) (dimensionless); of no meaning for patches of more than `MOST_NODES`.
+def _slope_by_others(
+    patches: Patches, chosen: Indices, pressure: Array64, displacement: Array64, scale: float
+) -> Array64:
+    """Mean slope that all other patches add to the displacement into the layer, from the node before each chosen patch
+    to that behind it, shape (patches,) (dimensionless).
 
-    scale: what makes grid spacings of the displacement's unit. The patch's own pressure, which a half-space's grid
-    feels `few_nodes.response`/E* some nodes away, is taken off.
+    scale: what makes grid spacings of the displacement's unit. What the patch's own pressure adds on a half-space's
+    grid is taken off.
     """
-    before, after = displacement[patches.first - 1], displacement[(patches.last + 1) % displacement.size]
-    from_first = np.arange(pressure.size) - np.repeat(patches.offset, patches.size)
-    to_last = patches.size[patches.label] - 1 - from_first
-    felt = response(MOST_NODES + 1)[1:]
-    to_before, to_after = (felt[np.minimum(steps, MOST_NODES)] for steps in (from_first, to_last))
-    own = patches.sums(pressure * (to_after - to_before))
-    return np.asarray(-((after - before) * scale + own) / (patches.size + 1))
+    first, last, size = patches.first[chosen], patches.last[chosen], patches.size[chosen, None]
+    before, after = displacement[first - 1], displacement[(last + 1) % displacement.size]
+    steps = np.arange(int(size.max()))
+    node = np.minimum(patches.offset[chosen, None] + steps, pressure.size - 1)
+    own, near = np.where(steps < size, pressure[node], 0.0), response()[1:]
+    rise = (own * (near[np.abs(size - 1 - steps)] - near[steps])).sum(axis=1)
+    return np.asarray(-((after - before) * scale + rise) / (size[:, 0] + 1))
 
 
 def _estimated(patches: Patches, chosen: Indices, found: FromLoads, wide: Array64) -> Array64:

@@ -1,4 +1,5 @@
-"""What the grid of a half-space makes of patches of a few nodes: it has no waves shorter than two spacings.
+"""Patches of a few nodes on the grid of a half-space, which has no waves shorter than two spacings: what they do around
+them, and the flat punches that are as compliant.
 
 Units: E* = 1 and the grid spacing.
 """
@@ -9,34 +10,36 @@ import numpy as np
 
 from ..arrays import Array64
 
+MOST_NODES = 32
+"""Nodes of a patch whose ends are looked for by its load; wider ones have ends by pressures as well known."""
+
 
 @functools.cache
-def response(most: int) -> Array64:
-    """Displacement g_j beside a node of unit load, j = 0, 1, ..., most nodes away, shape (most + 1,).
+def response() -> Array64:
+    """Displacement g_j by a unit load on one node, j = 0, 1, ..., `MOST_NODES` nodes away, shape (MOST_NODES + 1,).
 
     g_j = 2/pi (gamma + ln pi - int (1 - cos j t)/t dt over 0 < t < pi): far away -2/pi ln j, as without a grid.
     """
-    nodes, weights = np.polynomial.legendre.leggauss(64 + 4 * most)
+    nodes, weights = np.polynomial.legendre.leggauss(128)
     t = np.pi / 2 * (1 + nodes)
-    rest = (1 - np.cos(np.arange(most + 1)[:, None] * t)) / t @ weights * (np.pi / 2)
+    rest = (1 - np.cos(np.arange(MOST_NODES + 1)[:, None] * t)) / t @ weights * (np.pi / 2)
     found = 2 / np.pi * (np.euler_gamma + np.log(np.pi) - rest)
     found.flags.writeable = False
     return np.asarray(found)
 
 
 @functools.cache
-def punch_half_widths(most: int) -> Array64:
-    """Half-widths of the flat punches that are as compliant without a grid as 1, 2, ..., most nodes are with it, shape
-    (most,).
+def equivalent_half_widths() -> Array64:
+    """Half-widths of the flat punches that are as compliant without a grid as 1, 2, ... nodes are with it, shape
+    (MOST_NODES,).
 
     A punch of the half-width a under the load P is displaced by -2/pi P ln(a/2) (K. L. Johnson, Contact Mechanics
     (1985), section 2.8).
     """
-    near = response(most - 1)
-    found = np.empty(most)
-    for size in range(1, most + 1):
+    found = np.empty(MOST_NODES)
+    for size in range(1, MOST_NODES + 1):
         steps = np.arange(size)
-        pressure = np.linalg.solve(near[np.abs(steps[:, None] - steps)], np.ones(size))
+        pressure = np.linalg.solve(response()[np.abs(steps[:, None] - steps)], np.ones(size))
         found[size - 1] = 2 * np.exp(-np.pi / 2 / pressure.sum())
     found.flags.writeable = False
     return found

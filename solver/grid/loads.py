@@ -1,4 +1,5 @@
-"""Where narrow patches end, from their loads: to some hundredths of a grid spacing, also for patches of a few nodes.
+"""Where narrow patches end, from their loads, also patches of a few nodes: to some thousandths of a grid spacing where
+several share the load, and to a millionth where there is one.
 
 Beside the half-space's own singular response everything varies slowly over a patch that is narrow beside the layer's
 thickness. Let g = h' + w' be the slope over it, w the displacement into the layer by all other patches, and b_k = 2/pi
@@ -7,9 +8,9 @@ int g(m + a t) T_k(t) (1 - t^2)^-1/2 dt over -1 < t < 1. A patch from m - a to m
     the load P = pi/4 E* a b_1, and b_0 = 0
 
 (inversion of the finite Hilbert transform, K. L. Johnson, Contact Mechanics (1985), section 2.7, with pressures that
-are 0 at both ends). These two equations give m and a, by Newton's method. The load is a sum over the nodes. b_0 takes a
-constant slope, to which loads far away to one side add: the displacements of the nodes before and behind the patch,
-without what the grid's response to the patch's own pressure is there, tell the mean of w' between them.
+are 0 at both ends: for that b_0 has to be 0). These two equations give m and a, by Newton's method. The load is a sum
+over the nodes. To b_0 distant loads to one side add a constant slope. It follows from the displacements of the nodes
+before and behind the patch, less what the patch's own pressure causes there on the grid.
 
 A neighbour at the distance D with the load P and the half-width a adds the slope of a Hertz contact, in units of E*,
 
@@ -49,10 +50,9 @@ _BLOCK = 2**13  # patches at a time: each takes some kilobytes
 _WAVE = 3 * np.pi / 4  # q a at which the layer's modulus is taken
 _ACROSS = np.array([-np.sqrt(0.5), 0.0, np.sqrt(0.5)])  # places in a Hertz contact that stand for its load
 _SHARES = np.array([0.25, 0.5, 0.25])  # of the load there
-_MIDDLE = 2  # of the following places
-_ACROSS_PATCH, _OF_MEAN = np.polynomial.legendre.leggauss(5) * np.array([[1.0], [0.5]])  # of the mean from -1 to 1
+_PLACES, _OF_PLACES = np.polynomial.legendre.leggauss(5)  # from the node before a patch to that behind it
 _STEPS, _STEP, _CLOSE = 10, 0.25, 1e-3  # of Newton's method: most, their length and the last one's [grid spacings]
-_FARTHEST = 0.75  # from the middle between the ends of a patch to its middle, at first [grid spacings]
+_GUESSED = 0.75  # distance of the first guess of a middle from halfway between the end nodes, at most [grid spacings]
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,13 +112,13 @@ def from_loads(
     modulus: Modulus,
     layer: LayerSlope,
     half_width: Array64,
-    by_others: Array64,
+    slope_by_others: Array64,
 ) -> FromLoads:
     """Ends of the chosen patches. narrow: which of them are narrow beside the layer's thickness, of their shape.
 
     pressure: over E*, on the contact nodes in compact order; layer: its part of the response; half_width: of all
-    patches, as far as known, shape (M,) [grid spacings]; by_others: mean of w' between the nodes before and behind the
-    chosen patches, of their shape (dimensionless), of no meaning where they are not narrow.
+    patches, as far as known, shape (M,) [grid spacings]; slope_by_others: mean of w' from the node before each chosen
+    patch to that behind it, of their shape (dimensionless), of no meaning where they are not narrow.
     """
     loads = patches.sums(pressure)
     inside = np.arange(pressure.size) - np.repeat(patches.offset, patches.size)
@@ -129,12 +129,12 @@ def from_loads(
     for i in blocks:
         own, thin = chosen[i : i + block], narrow[i : i + block]
         others = _Neighbours.of(patches, own, loads, middles, half_width, layer)
-        across = between[own, None] + (patches.size[own, None] + 1) / 2 * _ACROSS_PATCH
-        slope = others.slope(across, layer)[0]
-        missing = np.where(thin, by_others[i : i + block] - slope @ _OF_MEAN, 0.0)
-        lowest = _lowest(heights, between[own], slope[:, _MIDDLE] + missing)
-        start = np.where(thin, lowest, middles[own])
-        found.append(_solved(others, layer, thin, heights, modulus, missing, start))
+        across = between[own, None] + (patches.size[own, None] + 1) / 2 * _PLACES
+        known = others.slope(across, layer)[0] + others.own_load[:, None] * layer.slope(across - others.own)[0]
+        missing = np.where(thin, slope_by_others[i : i + block] - known @ _OF_PLACES / 2, 0.0)
+        lowest = _lowest(heights, between[own], known[:, _PLACES.size // 2] + missing)
+        centre = np.where(thin, lowest, middles[own])
+        found.append(_solved(others, layer, thin, heights, modulus, missing, centre))
     return FromLoads.join(found)
 
 
@@ -149,11 +149,11 @@ def _solved(
 ) -> FromLoads:
     """Ends of some patches, those of `others`.
 
-    missing: what w' is more than `others` and the layer add; centre: where to begin [grid spacings]; both of shape
-    (patches,).
+    missing: the constant part of w' that neither `others` nor the layer account for; centre: where to begin [grid
+    spacings]; both of shape (patches,).
     """
     load, middle = others.own_load, others.own[:, 0]
-    m, a = centre, others.own_half_width.copy()
+    m, a = centre.copy(), others.own_half_width.copy()
     # everything but the indenter changes little while m and a do
     start = m[:, None] + a[:, None] * _T1
     far, far_bent, of_others = others.slope(start, layer)
@@ -171,9 +171,9 @@ def _solved(
         bent += far_bent[left]
         b = g @ _MOMENTS
         stiffness = (1.0, 0.0) if narrow.all() else _stiffness(modulus, c, narrow[left])
-        level = np.stack([g.mean(axis=1), bent @ _T1 / _SAMPLES, bent.mean(axis=1)])
-        level[:, ~narrow[left]] = np.nan
-        step, usable = _newton(p, x - middle[left], c, b, bent @ _BENT_MOMENTS, level, *stiffness)
+        mean = np.stack([g.mean(axis=1), bent @ _T1 / _SAMPLES, bent.mean(axis=1)])
+        second = np.where(narrow[left], mean, _moment(p, x - middle[left], c, b, bent @ _BENT_MOMENTS, *stiffness))
+        step, usable = _newton(p, c, b, bent @ _BENT_MOMENTS, second, *stiffness)
         most = np.minimum(_STEP, 0.5 * c)
         step = np.minimum(np.maximum(step, -most), most)
         a[left], m[left] = c - step[0], x - step[1]
@@ -189,35 +189,44 @@ def _solved(
 
 
 def _lowest(heights: Heights, at: Array64, slope: Array64) -> Array64:
-    """About where heights are lowest to which a slope is added, near some places; shape (patches,) [grid spacings]."""
+    """Estimated lowest points of heights plus a constant slope, near some places, shape (patches,) [grid spacings]."""
     own, bent = (both.mean(axis=1) for both in heights.slope(at[:, None] + SIDES))
-    return np.asarray(at - np.clip((own + slope) / np.maximum(bent, 1e-300), -_FARTHEST, _FARTHEST))
+    return np.asarray(at - np.clip((own + slope) / np.maximum(bent, 1e-300), -_GUESSED, _GUESSED))
+
+
+def _moment(
+    load: Array64, away: Array64, a: Array64, b: Array64, bent: Array64, stiff: Array64 | float, rise: Array64 | float
+) -> Array64:
+    """What the centre of pressure leaves, and its derivatives with respect to a and m, shape (3, patches).
+
+    away: m less the centre of pressure; the others as in `_newton`.
+    """
+    b2, (_, _, of_t2, of_t1_t2) = b[:, 1], bent.T
+    k = np.pi / 8 * stiff * a * a * b2 + load * away
+    k_a = np.pi / 8 * stiff * ((2 + rise) * a * b2 + a * a * of_t1_t2)
+    return np.stack([k, k_a, np.pi / 8 * stiff * a * a * of_t2 + load])
 
 
 def _newton(
     load: Array64,
-    away: Array64,
     a: Array64,
     b: Array64,
     bent: Array64,
-    level: Array64,
+    second: Array64,
     stiff: Array64 | float,
     rise: Array64 | float,
 ) -> tuple[Array64, Mask]:
-    """The step in a and m, shape (2, patches), of Newton's method for load and moment; and where there is one.
+    """The step in a and m, shape (2, patches), of Newton's method for the load and a second equation; and where there
+    is one.
 
-    away: m less the centre of pressure; b, bent: moments of the slope and of its derivative; level: b_0/2 and its
-    derivatives with respect to a and m, shape (3, patches), NaN where the moment is taken instead; stiff,
-    rise: modulus over E* and its logarithmic derivative with respect to a.
+    b, bent: moments of the slope and of its derivative; second: what is to be 0, b_0/2 or of the moment, and its
+    derivatives with respect to a and m, shape (3, patches); stiff, rise: modulus over E* and its logarithmic derivative
+    with respect to a.
     """
-    b1, b2, (of_one, of_t1_t1, of_t2, of_t1_t2) = b[:, 0], b[:, 1], bent.T
+    b1, (of_one, of_t1_t1, _, _), (k, k_a, k_m) = b[:, 0], bent.T, second
     f = np.pi / 4 * stiff * a * b1 - load
     f_a = np.pi / 4 * stiff * ((1 + rise) * b1 + a * of_t1_t1)
     f_m = np.pi / 4 * stiff * a * of_one
-    k = np.pi / 8 * stiff * a * a * b2 + load * away
-    k_a = np.pi / 8 * stiff * ((2 + rise) * a * b2 + a * a * of_t1_t2)
-    k_m = np.pi / 8 * stiff * a * a * of_t2 + load
-    k, k_a, k_m = np.where(np.isnan(level), np.stack([k, k_a, k_m]), level)
     determinant = f_a * k_m - f_m * k_a
     usable = determinant > 0
     step = np.stack([f * k_m - k * f_m, k * f_a - f * k_a]) / np.where(usable, determinant, 1.0)

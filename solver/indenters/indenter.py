@@ -76,7 +76,7 @@ class Indenter(Kind, Protocol):
     def squared_slope_doubt(self, num_points: int, period: float) -> Array64 | None:
         """What `slope` may be off by, as h'^2 at the nodes, shape (num_points,); None where it is the profile's own.
 
-        A profile without a shortest wave, or with a few kinks, may have one in the contact, anywhere between two nodes:
+        A profile without a shortest wave, or with a few kinks, may have a kink in the contact, between any two nodes:
         there h'^2 is off by up to half of the square of the slope's jump, which second differences unlike those two
         nodes away tell. For short waves the differences of sixth and eighth order differ by about the error of the
         former.

@@ -14,9 +14,9 @@ from ..units import length_unit
 from .indenter import Indenter
 
 _MOST_CURVATURE = 0.99  # of the mean square curvature, in the waves that decide how fine a grid has to be
-_KINKS, _KINKS_OVER_NODES = 16, 1 / 32  # most nodes that kinks are looked for at
+_KINKS, _KINKS_OVER_NODES = 32, 1 / 32  # most nodes that kinks are looked for at
 _ROUNDING = 1e-15  # of the largest height, in second differences
-_SMOOTHER = 4  # factor by which the wave becomes longer without kinks, from which on they are told apart
+_SMOOTHER = 4  # times longer without its kinks: from then on a profile counts as kinked
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +56,8 @@ class MeasuredIndenter(Indenter):
         if self.measured_points is not None:
             checks.integer("measured_points", self.measured_points, "an integer from 4 to 2^60", 4, 2**60)
         if self.given_period is not None:
-            checks.real("given_period", self.given_period, "a finite length > 0, or None", 0)
+            allowed = "a finite length > 0, or None"
+            checks.assign(self, given_period=checks.real("given_period", self.given_period, allowed, 0))
         heights.flags.writeable = False
         checks.assign(self, heights=heights)
 
@@ -97,7 +98,7 @@ class MeasuredIndenter(Indenter):
 
     @property
     def _curved_to(self) -> int:
-        """Number of that wave, of those that the heights hold."""
+        """Number of `effective_wave` without a grid."""
         return self._curved_between_kinks if self.kinked else self._curved_everywhere
 
     @cached_property
@@ -108,9 +109,12 @@ class MeasuredIndenter(Indenter):
     def _curved_between_kinks(self) -> int:
         """The same without the nodes whose second differences are most unlike those around them."""
         bend = np.roll(self.heights, -1) - 2 * self.heights + np.roll(self.heights, 1)
-        around = np.median([np.roll(bend, step) for step in range(-3, 4)], axis=0)
-        kinks = np.argsort(np.abs(bend - around))[-min(_KINKS, int(_KINKS_OVER_NODES * bend.size)) :]
-        bend[kinks] = around[kinks]
+        number = min(_KINKS, int(_KINKS_OVER_NODES * bend.size))
+        if not number:
+            return self._curved_everywhere
+        unlike = np.abs(bend - (np.roll(bend, 2) + np.roll(bend, -2)) / 2)
+        kinks = np.argpartition(unlike, -number)[-number:]
+        bend[kinks] = np.median(bend[(kinks[:, None] + np.arange(-3, 4)) % bend.size], axis=1)
         bend[np.abs(bend) <= _ROUNDING * float(self.heights.max())] = 0.0  # between kinks it may be straight
         return max(_most_of(rfft(bend)), 1)
 

@@ -48,7 +48,7 @@ class ElasticLayer(Kind, Protocol):
 
     @property
     def has_default_modulus(self) -> bool:
-        """Whether nobody has given E*, so that pressures are in units of it."""
+        """Whether nobody gave E* when this was made, so that pressures are in units of it. Copies do not know."""
         return self.contact_modulus is DEFAULT_MODULUS
 
     def check(self, period: float) -> None:

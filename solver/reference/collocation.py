@@ -56,8 +56,8 @@ def solve_load(
 ) -> Asperity:
     """The asperity under the mean pressure `load` (units of E*), lengths in units of L.
 
-    num_nodes: Gauss-Chebyshev nodes, even; 160 reach 12 digits for even exponents, but of the approach 4 for n = 1.5,
-    and 6 for n = 3. Thin layers need about sqrt(a/d) times more and get them, see `RESOLUTION`. Raises `ValueError`,
+    num_nodes: Gauss-Chebyshev nodes, even; 160 reach 12 digits for even exponents; for n = 1.5 and 3 the approach has 4
+    and 6. Thin layers need about sqrt(a/d) times more and get them, see `RESOLUTION`. Raises `ValueError`,
     also beyond 0.98 of full contact.
     """
     layer = Layer(thickness, poisson_ratio)

@@ -25,15 +25,16 @@ fewer than 20 nodes, and where a table ends with the grid's shortest wave: there
 patches are independent but for a part that they have in common, b: a grid with few points to a wave misses what bends
 between its nodes. That is up to 0.03 (16/w)^2.5 grid spacings for the area of each patch whose pressures tell where it
 ends (0.04 for kappa), and up to 0.004 (16/w)^2.5 (0.008) if its load does. Heights that are smooth but for a few kinks,
-like a parabola's in a period, have the w of what lies between these; as one may be in the contact, up to 2/m comes to
-the width of a patch of m nodes (6/m for kappa), and the whole of c is believed. Gaps that lie between two contact nodes
-all make the area too large: the sum of their widths over the period, g, is added as it is, and in kappa the same share.
-Where slopes are differences of heights, e of kappa holds what these may be off by (`Indenter.squared_slope_doubt`).
+like a parabola's in a period, have the w of what lies between these; as a kink may be in the contact, the width of each
+patch of m nodes on the average may be off by a further 2/m (6/m for kappa), and c counts in full. Gaps that lie between
+two contact nodes all make the area too large: the sum of their widths over the period, g, is added as it is, and in
+kappa the same share. Where slopes are differences of heights, e of kappa holds what these may be off by
+(`Indenter.squared_slope_doubt`).
 
 Under a stiff coating thinner than a grid spacing the nodes may miss anything of the peak pressure (`inf`), and under
-one of a few spacings the contact of a sharp tip (n < 2) may split between them: then nothing is known. With one coarser
-grid alone a value under a smooth profile is at least off by 1/m^2 of itself, with m nodes to a patch, because the only
-change may be small by chance.
+one of a few spacings the contact of a sharp tip (n < 2) may split between them: then nothing but the approach has an
+error that is known. With one coarser grid alone the estimated errors of peak pressure and approach are at least 1/m^2
+of the value, with m nodes to a patch, because the only change may be small by chance.
 
 The numbers were fitted to random scenes (power profiles on layers and half-spaces against collocation; 700 rough
 surfaces, four or five grids of each, against grids of 8 times as many points and more), so that each estimate holds in
@@ -129,7 +130,7 @@ _CAREFUL_FROM_IF_SMOOTH = 20.0
 _KNOWN = 0.001  # error of a layer's edge up to which that is so [grid spacings]
 _COMMON, _COMMON_POWER = 16.0, 2.5  # points to the shortest wave, and the power with which their share falls
 _LEAST, _MOST = 1.25, 4.0  # factor by which changes fall from grid to grid, as far as that is believed
-_TIP = 8.0  # wave that a sharp tip brings with it [grid spacings]
+_WAVE_OF_TIP = 8.0  # that a sharp tip brings with it [grid spacings]
 _STIFF = 0.9  # 2K/(E* q) of the shortest wave, below which shorter ones find the layer stiffer
 _LOWEST_NODE = 2.0  # factor of the approach's error where only the nodes tell the lowest point
 _HARDLY = 1e-3  # relative change that is no matter of the tolerance, or of chance
@@ -155,7 +156,7 @@ def estimated(
     edges, area = float(getattr(found, quantity.edges)), found.contact_area_subgrid
     if not area:
         return edges
-    if _splits(scene, num_points):
+    if area < 1 and _splits(scene, num_points):
         return math.inf
     by_load = found.num_patches_by_load
     gaps = found.unseen_gap_area / area * abs(values[-1])
@@ -195,11 +196,11 @@ def _of_nodes(
     else:
         left = _with_limit(values, _by_order(values))
     if len(values) == 2 and not rough:
-        left = math.hypot(left, _by_chance(values[-1], num_points, found))
+        left = math.hypot(left, _least_error(values[-1], num_points, found))
     return math.hypot(left, float(getattr(found, quantity.sampling)))
 
 
-def _by_chance(value: float, num_points: int, found: Observables | Level) -> float:
+def _least_error(value: float, num_points: int, found: Observables | Level) -> float:
     """What is left of a second-order error at least, however small the only change between grids is by chance."""
     nodes = found.contact_area_subgrid * num_points / max(found.num_patches, 1)
     return abs(value) / nodes**2 if nodes else 0.0
@@ -212,19 +213,23 @@ def _with_limit(values: Sequence[float], left: float) -> float:
     return math.inf if grows else left
 
 
-def _hides_peaks(scene: Scene, num_points: int, wave: float = 2.0) -> bool:
+def _hides_peaks(scene: Scene, num_points: int) -> bool:
     """Whether waves that the grid has not find the layer stiffer, as on a coating thinner than a spacing on a softer
     base: then the pressure may have peaks between the nodes, at edges and tips.
-
-    wave: the longest of them [grid spacings].
     """
-    return bool(modulus_on_grid(scene.layer, np.array([2 * np.pi / wave]), num_points, scene.period)[0] < _STIFF)
+    return bool(modulus_on_grid(scene.layer, np.array([np.pi]), num_points, scene.period)[0] < _STIFF)
 
 
 def _splits(scene: Scene, num_points: int) -> bool:
-    """Whether the contact may split below a sharp tip (n < 2), which presses such a coating down beside itself."""
+    """Whether the contact may split between the nodes: a sharp tip (n < 2) presses a coating of a few spacings on a
+    softer base down beside itself.
+    """
     power = scene.indenter.power_law
-    return power is not None and power[0] < 2 and _hides_peaks(scene, num_points, _TIP)
+    if power is None or power[0] >= 2:
+        return False
+    waves = np.array([2 * np.pi / _WAVE_OF_TIP, np.pi])
+    of_tip, shortest = modulus_on_grid(scene.layer, waves, num_points, scene.period)
+    return bool(of_tip < min(_STIFF, shortest))
 
 
 def _by_shares(values: Sequence[float], shares: tuple[float, float, float]) -> float:

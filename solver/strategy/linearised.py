@@ -10,8 +10,9 @@ d(approach)/dp (for one patch on a half-space, -(2 L/(pi E*)) ln sin(pi a/L) wit
 derivative). A punch on nodes ends at a known place outside of its last node, and that node's pressure tells k: both are
 the edge's curve (`grid.edge_curves`). With that the error falls from first to second order.
 
-For a patch whose load tells its width 2a that is exact: a flat punch under the load P takes 2 P^2/(pi E* L) ln(a/c) off
-if it becomes as wide, c being the half-width of the punch that is as compliant as the patch's nodes (`grid.few_nodes`).
+A patch whose load tells its width 2a is compared with a flat punch: widening one from the half-width c to a under the
+load P takes 2 P^2/(pi E* L) ln(a/c) off d(approach)/dp, and c is that of the punch which is as compliant as the patch's
+nodes (`grid.few_nodes`).
 """
 
 import math
@@ -21,10 +22,10 @@ import numpy as np
 
 from ..arrays import Array64, Mask
 from ..endings import Status
-from ..grid.contact import MOST_NODES, contact_edges
+from ..grid.contact import contact_edges
 from ..grid.edge_curves import edge_curve
 from ..grid.edges import COUNTED_BELOW
-from ..grid.few_nodes import punch_half_widths
+from ..grid.few_nodes import equivalent_half_widths
 from ..grid.observables import foundation_modulus
 from ..grid.problem import Problem
 from ..methods import active_set, relax
@@ -36,6 +37,7 @@ from .effort import SMALLEST_WARP
 
 _TOLERANCE = 1e-5  # on the punch's pressure or free force; the stiffness has eight digits: of second order
 _MOST_ITERATIONS = 500
+_LEAST_WIDTH = 1e-3  # of a patch between neighbours that nearly touch it [grid spacings]
 _WORTHLESS = 1e-4  # residual beyond which nothing is said
 
 
@@ -99,16 +101,16 @@ def _beyond_nodes(solution: Solution, punch: Array64) -> float:
     profile = Problem.from_scene(scene).profile * scene.period
     patches, edges = contact_edges(scene, pressure, profile, solution.displacement)
     curve = edge_curve(scene.layer, pressure.size, scene.period)
-    narrow = np.zeros(patches.count, dtype=bool) if edges.by_load is None else edges.by_load
+    by_load = np.zeros(patches.count, dtype=bool) if edges.by_load is None else edges.by_load
     total = 0.0
     before, after = patches.to_neighbours - 1  # nodes of the gaps
     left = patches.first, patches.first - edges.left, before
     for node, beyond, gap in (left, (patches.last, edges.right - patches.last, after)):
         squared = (punch[node % pressure.size] / curve.strength) ** 2  # k^2 over the grid spacing
-        known = (patches.size >= COUNTED_BELOW) & (gap >= COUNTED_BELOW) & ~narrow
+        known = (patches.size >= COUNTED_BELOW) & (gap >= COUNTED_BELOW) & ~by_load
         total += float(np.sum(np.where(known, squared * (beyond - curve.punch_end), 0.0)))
-    as_punch = punch_half_widths(MOST_NODES)[patches.size[narrow] - 1]
-    wider = np.log(edges.width[narrow] / (2 * as_punch))
-    total += float(np.sum((patches.sums(punch[patches.nodes])[narrow] / math.pi) ** 2 * wider))
+    of_nodes = equivalent_half_widths()[patches.size[by_load] - 1]
+    wider = np.log(np.maximum(edges.width[by_load], _LEAST_WIDTH) / (2 * of_nodes))
+    total += float(np.sum((patches.sums(punch[patches.nodes])[by_load] / math.pi) ** 2 * wider))
     spacing = scene.period / pressure.size
     return 2 * math.pi / scene.layer.contact_modulus * total * spacing**2 / scene.period

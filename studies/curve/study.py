@@ -136,7 +136,7 @@ def _check_options(options: Options, given: Given, told: Mapping[str, Any]) -> N
     if over in ("poisson_ratio", "contact_modulus") and known.get("youngs_modulus") is not None:
         allowed = f"none with --over {over}"
         if over == "poisson_ratio":
-            allowed += ", over which E* = E/(1 - nu^2) is kept and not E; contact_modulus says E*"
+            allowed += ", which keeps E* = E/(1 - nu^2), not E; give contact_modulus"
         raise ValueError(f"youngs_modulus is {known['youngs_modulus']:g}; allowed: {allowed}")
     check_accuracy(options.accuracy, options.accuracy_of)
     if options.accuracy is not None and (over in ("approach", "num_points") or options.approach is not None):

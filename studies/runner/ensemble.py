@@ -21,6 +21,7 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
 from dataclasses import dataclass
+from pathlib import Path
 
 from linecontact.solver.methods import Progress
 
@@ -40,7 +41,7 @@ def perform(task: Task, report: Progress | None = None) -> Record:
         check_record(record)
     except Exception as error:
         place = traceback.extract_tb(error.__traceback__)[-1]
-        where = "" if isinstance(error, ValueError) else f", in line {place.lineno} of {place.filename}"
+        where = "" if isinstance(error, ValueError) else f", in line {place.lineno} of {Path(place.filename).name}"
         raise TaskError(" ".join(f"{type(error).__name__}: {error}{where}".split())) from None
     if record.get("status") == "interrupted":
         raise KeyboardInterrupt

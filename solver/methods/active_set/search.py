@@ -35,7 +35,7 @@ class Search:
     work: float = 0.0
     """Of elimination: the sum of the cubes of the numbers of nodes."""
     updates: int = 0
-    """So far."""
+    """Updates of the set so far."""
     circling: bool = False
     """Whether sets go round in circles."""
     in_vain: int = 0
