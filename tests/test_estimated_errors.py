@@ -449,6 +449,8 @@ def test_a_contact_that_may_split_below_a_tip_between_the_nodes_is_not_known():
     assert (found.num_patches, finer.num_patches) == (1, 3)
     assert found.contact_area_error == found.kappa_error == found.peak_pressure_error == math.inf
     assert finer.contact_area_error < 1e-4
+    full = Scene(CoatedHalfSpace(2 / 2**13, 0.1), PowerIndenter(1.8), 300.0, num_points=2**13)
+    assert max(measured(solve(full), quantity)[1] for quantity in QUANTITIES.values()) < math.inf
 
 
 @pytest.mark.parametrize(

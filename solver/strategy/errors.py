@@ -184,7 +184,8 @@ def _of_nodes(
     """
     assert quantity.sampling
     power = scene.indenter.power_law
-    if not quantity.of_lowest and (_hides_peaks(scene, num_points) or _splits(scene, num_points)):
+    splits = found.contact_area_subgrid < 1 and _splits(scene, num_points)
+    if not quantity.of_lowest and (splits or _hides_peaks(scene, num_points)):
         return math.inf
     if rough:
         left = _by_shares(values, quantity.of_changes)
