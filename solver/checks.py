@@ -68,9 +68,9 @@ def offers(name: str, value: object, kind: type[Any], allowed: str) -> None:
         raise ValueError(f"{name} is {value!r}; allowed: {allowed}")
     if missing:
         missing.sort(key=lambda member: member not in kind.__abstractmethods__)  # those without a default first
-        lacks = ", ".join(missing[:_MOST_NAMED]) + f" and {len(missing) - _MOST_NAMED} more" * (
-            len(missing) > _MOST_NAMED
-        )
+        lacks, others = ", ".join(missing[:_MOST_NAMED]), len(missing) - _MOST_NAMED
+        if others > 0:
+            lacks += f" and {others} more"
         raise ValueError(f"{name} is {value!r}, which lacks {lacks}; allowed: {allowed}")
 
 

@@ -16,9 +16,10 @@ from linecontact.solver import (
     solve,
 )
 from linecontact.solver.grid.contact import contact_edges
+from linecontact.solver.grid.heights import Heights
 from linecontact.solver.grid.layer_on_grid import modulus_on_grid
 from linecontact.solver.grid.layer_slope import LayerSlope, loads_tell
-from linecontact.solver.grid.loads import Heights, _Neighbours, from_loads
+from linecontact.solver.grid.loads import _Neighbours, from_loads
 from linecontact.solver.grid.patches import Patches
 from linecontact.solver.reference import closed_forms, collocation
 

@@ -11,7 +11,7 @@ import pytest
 from linecontact import read_scan
 from linecontact.solver import METHODS, Layer, MeasuredIndenter, RoughIndenter, Scene, scene, solve, warnings
 from linecontact.solver.display import rounded_up
-from linecontact.solver.grid import contact, edges, kept, layer_slope, loads, problem
+from linecontact.solver.grid import contact, edges, heights, kept, layer_slope, problem
 from linecontact.solver.layers import coated
 from linecontact.solver.methods.active_set import elimination, storage
 from linecontact.solver.reference import closed_forms
@@ -71,16 +71,16 @@ def patches_of_a_few_nodes():
     """A parabola, pressed to an approach that is known from a fine grid."""
     coarse, fine, forces, widths = 2**8, 2**12, defaultdict(list), defaultdict(list)
 
-    def heights(num_points, beside):
+    def parabola(num_points, beside):
         return ((np.arange(num_points) / num_points - beside / coarse + 0.5) % 1 - 0.5) ** 2 / 2
 
     for width in np.linspace(0.5, 4, 15):
         pressure = math.pi * (width / coarse / 2) ** 2 / 4
         exact = solve(
-            Scene(indenter=MeasuredIndenter(heights(fine, 0)), pressure=pressure, num_points=fine)
+            Scene(indenter=MeasuredIndenter(parabola(fine, 0)), pressure=pressure, num_points=fine)
         ).observables
         for beside in np.linspace(0, 0.5, 5):
-            h = heights(coarse, beside)
+            h = parabola(coarse, beside)
             if exact.approach > h.min():
                 scene = Scene(indenter=MeasuredIndenter(h), approach=exact.approach - h.min(), num_points=coarse)
                 found = solve(scene)
@@ -95,7 +95,7 @@ def patches_of_a_few_nodes():
 
 def limits_of_edges():
     yield "the polynomial through six nodes. Each of the four nearest neighbours"
-    assert (loads._STENCIL.size, layer_slope.NEIGHBOURS) == (6, 4)
+    assert (heights._STENCIL.size, layer_slope.NEIGHBOURS) == (6, 4)
     yield "up to ten thicknesses away from the integral over all waves"
     yield "these are sixteen neighbours and thirty thicknesses, and such ends have twice the estimated error"
     usual, (reach, _, _, neighbours) = layer_slope._USUAL[0], layer_slope._ON_SOFT

@@ -11,10 +11,11 @@ from ..layers import ElasticLayer
 from ..scene import Scene
 from .edges import COUNTED_BELOW, Edges, apart, find_edges, unseen_gaps
 from .few_nodes import MOST_NODES, response
+from .heights import Heights
 from .kept import kept
 from .layer_on_grid import modulus_on_grid, thickness_on_grid
 from .layer_slope import LayerSlope, loads_tell
-from .loads import SIDES, FromLoads, Heights, from_loads
+from .loads import FromLoads, from_loads
 from .patches import Patches
 
 _NARROW = 0.2  # layer thicknesses; wider patches can only be estimated by their load
@@ -88,8 +89,7 @@ def ends(
     narrow = wide < _NARROW
 
     # patches without ends begin with Hertz' law
-    sides = (patches.first + patches.last)[:, None] / 2 + SIDES
-    curvature = heights.slope(sides)[1].mean(axis=1)
+    _, curvature = heights.slope_in_the_middle((patches.first + patches.last) / 2)
     hertz = np.sqrt(4 / math.pi * patches.sums(inside)) / np.sqrt(np.maximum(curvature, 1e-300))  # no overflow
     start = np.where(edges.counted, np.clip(hertz, 0.05, patches.size), edges.width / 2)
     layer_slope = _layer_slope(layer, n, period)

@@ -33,6 +33,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from ..arrays import Array64, Indices, Mask
+from .heights import Heights
 from .layer_slope import NEIGHBOURS, LayerSlope, Modulus
 from .patches import Patches
 
@@ -41,11 +42,6 @@ _ANGLES = np.pi * (np.arange(_SAMPLES) + 0.5) / _SAMPLES
 _T1, _T2, _T3 = (np.cos(k * _ANGLES) for k in (1, 2, 3))
 _MOMENTS = 2 / _SAMPLES * np.stack([_T1, _T2, _T3], axis=1)
 _BENT_MOMENTS = 2 / _SAMPLES * np.stack([_T1, _T1 * _T1, _T2, _T1 * _T2], axis=1)
-SIDES = np.array([-1e-6, 1e-6])
-"""Places beside a node, whose cells tell two slopes and curvatures: their mean is alike for the mirror image [grid
-spacings]."""
-_STENCIL = np.arange(-2, 4)  # nodes through which heights are interpolated
-_POWERS = np.linalg.inv(np.vander(_STENCIL, increasing=True)).T  # to coefficients of the polynomial
 _BLOCK = 2**13  # patches at a time: each takes some kilobytes
 _WAVE = 3 * np.pi / 4  # q a at which the layer's modulus is taken
 _ACROSS = np.array([-np.sqrt(0.5), 0.0, np.sqrt(0.5)])  # places in a Hertz contact that stand for its load
@@ -53,30 +49,6 @@ _SHARES = np.array([0.25, 0.5, 0.25])  # of the load there
 _PLACES, _OF_PLACES = np.polynomial.legendre.leggauss(5)  # from the node before a patch to that behind it
 _STEPS, _STEP, _CLOSE = 10, 0.25, 1e-3  # of Newton's method: most, their length and the last one's [grid spacings]
 _GUESSED = 0.75  # distance of the first guess of a middle from halfway between the end nodes, at most [grid spacings]
-
-
-@dataclass(frozen=True, eq=False)
-class Heights:
-    """The indenter's heights, and the slope between them."""
-
-    profile: Array64
-    """h on the grid, shape (N,) [any length]."""
-    scale: float
-    """What makes grid spacings of that length."""
-
-    def slope(self, at: Array64) -> tuple[Array64, Array64]:
-        """h' and h'' [1/grid spacing] at places between the nodes [grid spacings], from six of them."""
-        node = np.floor(at).astype(np.int64)
-        part = at - node
-        nodes = node[..., None] + _STENCIL
-        if nodes.size and (nodes.min() < 0 or nodes.max() >= self.profile.size):
-            nodes %= self.profile.size
-        powers = self.profile[nodes] @ (_POWERS * self.scale)
-        first, second = np.zeros_like(part), np.zeros_like(part)
-        for k in range(_STENCIL.size - 1, 0, -1):
-            second = second * part + first
-            first = first * part + k * powers[..., k]
-        return first, second
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,7 +162,7 @@ def _solved(
 
 def _lowest(heights: Heights, at: Array64, slope: Array64) -> Array64:
     """Estimated lowest points of heights plus a constant slope, near some places, shape (patches,) [grid spacings]."""
-    own, bent = (both.mean(axis=1) for both in heights.slope(at[:, None] + SIDES))
+    own, bent = heights.slope_in_the_middle(at)
     return np.asarray(at - np.clip((own + slope) / np.maximum(bent, 1e-300), -_GUESSED, _GUESSED))
 
 

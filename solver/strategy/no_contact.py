@@ -29,11 +29,8 @@ def without_contact(scene: Scene, means: Means) -> Solution:
     choices: tuple[Choice, ...] = ()
     if scene.approach is not None:
         unit = scene.length_unit
-        choices = (
-            Choice(
-                "pressure", "0", f"for the approach of {approach:g} [{unit}]: up to {first:g} [{unit}] no node touches"
-            ),
-        )
+        why = f"for the approach of {approach:g} [{unit}]: up to {first:g} [{unit}] no node touches"
+        choices = (Choice("pressure", "0", why),)
         scene = replace(scene, approach=None, pressure=0.0)
     displacement, pressure = np.full(scene.num_points, approach - first), np.zeros(scene.num_points)
     contact = np.zeros(scene.num_points, dtype=bool)

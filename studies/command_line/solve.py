@@ -241,6 +241,6 @@ def choices_table(solution: Solution) -> Whole:
         table.add_column(heading, no_wrap=heading == "error")
     for choice in solution.choices:
         error = rounded_up(choice.error) if choice.error else ""
-        unit = " [pressure]" * (choice.what == "pressure")
-        table.add_row(choice.what, f"{choice.chosen}{unit}", error, choice.reason)
+        chosen = f"{choice.chosen} [pressure]" if choice.what == "pressure" else choice.chosen
+        table.add_row(choice.what, chosen, error, choice.reason)
     return table

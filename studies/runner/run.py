@@ -160,10 +160,10 @@ def _begin(plans: Sequence[Plan], options: Options, folder: Path) -> Ensemble:
         results.forget(tasks)
     ensemble = Ensemble(tasks, results)
     if ensemble.found:
-        growing = any(plan.more for plan in plans)  # then others may be found later
-        count = "at least " * growing + f"{ensemble.found} of " * (not growing)
-        tasks_done = counted(ensemble.found if growing else len(ensemble.tasks), "task")
-        console.errors.print(f"continuing: {count}{tasks_done} {'is' if ensemble.found == 1 else 'are'} done")
+        told = f"{ensemble.found} of {counted(len(ensemble.tasks), 'task')}"
+        if any(plan.more for plan in plans):  # others may be found later
+            told = f"at least {counted(ensemble.found, 'task')}"
+        console.errors.print(f"continuing: {told} {'is' if ensemble.found == 1 else 'are'} done")
     return ensemble
 
 

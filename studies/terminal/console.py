@@ -30,7 +30,7 @@ EXIT_INTERRUPTED = 130
 EXIT_BROKEN_PIPE = 141
 
 _FULL = {errno.ENOSPC, errno.EFBIG, errno.EIO}
-"""What a disk says on which nothing can be written."""
+"""Error numbers of a disk that cannot be written to."""
 
 
 class Plain(Console):
@@ -172,9 +172,8 @@ def guard(command: Callable[[], int], kept: str = "") -> int:
         return EXIT_BAD_INPUT
     except OSError as error:
         of_output = error.filename is None and error.errno in _FULL  # of a file it would be a `StoreError`
-        errors.print(
-            f"linecontact: {f'standard output could not be written ({error.strerror})' if of_output else error}"
-        )
+        said = f"standard output could not be written ({error.strerror})" if of_output else str(error)
+        errors.print(f"linecontact: {said}")
         try:
             sys.stdout.flush()
         except OSError:
