@@ -7,7 +7,6 @@ import contextlib
 import itertools
 import os
 import tempfile
-import traceback
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
@@ -141,7 +140,6 @@ def expecting(where: Path) -> Iterator[None]:
     except (StoreError, OSError):
         raise
     except Exception as error:
-        place = traceback.extract_tb(error.__traceback__)[-1]
-        reason = f"{type(error).__name__}: {error}, in line {place.lineno} of {Path(place.filename).name}"
+        reason = f"{type(error).__name__}: {error}, {console.place(error)}"
         what = f"{where} does not hold what linecontact writes there, or what reads it is wrong"
         raise StoreError(f"{what} ({reason}); allowed: another one, or to make it anew") from error

@@ -16,18 +16,19 @@ import reprlib
 import signal
 import threading
 import time
-import traceback
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
 from dataclasses import dataclass
-from pathlib import Path
 
 from linecontact.solver.methods import Progress
 
 from ..terminal import console
 from . import executors
 from .tasks import Record, Task, TaskFolder, check_record, identity
+
+_SHORT = reprlib.Repr()  # shows a task, without the middle of a long one
+_SHORT.maxother = 200
 
 
 class TaskError(Exception):
@@ -40,8 +41,7 @@ def perform(task: Task, report: Progress | None = None) -> Record:
         record = task.run(report)
         check_record(record)
     except Exception as error:
-        place = traceback.extract_tb(error.__traceback__)[-1]
-        where = "" if isinstance(error, ValueError) else f", in line {place.lineno} of {Path(place.filename).name}"
+        where = "" if isinstance(error, ValueError) else f", {console.place(error)}"
         raise TaskError(" ".join(f"{type(error).__name__}: {error}{where}".split())) from None
     if record.get("status") == "interrupted":
         raise KeyboardInterrupt
@@ -200,11 +200,6 @@ class Ensemble:
         reason = f"{reason} ({_SHORT.repr(task)})"
         self.folder.save_failure(task, reason)
         self.failures[task] = reason
-
-
-_SHORT = reprlib.Repr()
-"""Shows a task, without the middle of a long one."""
-_SHORT.maxother = 200
 
 
 def _residual(record: Record) -> float:

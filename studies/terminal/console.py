@@ -6,7 +6,9 @@ import math
 import os
 import sys
 import time
+import traceback
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any, TypeVar
 
 from linecontact.solver import Status
@@ -147,6 +149,12 @@ def solve_progress(tolerance: float) -> Iterator[Report]:
             progress.show(done, f"iteration {iteration}, residual {residual:.1e}")
 
         yield report
+
+
+def place(error: BaseException) -> str:
+    """Where an exception was raised, like 'in line 12 of tasks.py'."""
+    last = traceback.extract_tb(error.__traceback__)[-1]
+    return f"in line {last.lineno} of {Path(last.filename).name}"
 
 
 def guard(command: Callable[[], int], kept: str = "") -> int:
