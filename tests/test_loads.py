@@ -16,58 +16,61 @@ from linecontact.solver import (
     solve,
 )
 from linecontact.solver.grid.contact import contact_edges
+from linecontact.solver.grid.few_nodes import response
 from linecontact.solver.grid.heights import Heights
-from linecontact.solver.grid.layer_on_grid import modulus_on_grid
-from linecontact.solver.grid.layer_slope import LayerSlope, loads_tell
-from linecontact.solver.grid.loads import _Neighbours, from_loads
+from linecontact.solver.grid.loads import from_loads, level_error
 from linecontact.solver.grid.patches import Patches
+from linecontact.solver.grid.surroundings import Surroundings
 from linecontact.solver.reference import closed_forms, collocation
 
 FEW_POINTS = RoughIndenter(hurst=0.3, roll_off_ratio=1 / 8, cut_off_ratio=1 / 64)
 """Shortest wave L/512."""
 
 
-def half_space(q):
-    return np.ones_like(q)
-
-
-def alone(curvature, cubic, quartic, half_width, nodes):
-    """A patch under h' = curvature x + cubic x^2 + quartic x^3 about 0, with its exact nodal load and centre.
-
-    The load is put on the nodes evenly but for a slope that puts the centre where it belongs.
-    """
-    b1 = curvature * half_width + 0.75 * quartic * half_width**3
-    b2 = 0.5 * cubic * half_width**2
-    load, centre = math.pi / 4 * half_width * b1, half_width * b2 / (2 * b1)
-    n = 4096
-    x = np.arange(n) - n // 2
-    height = curvature * x**2 / 2 + cubic * x**3 / 3.0 + quartic * x**4 / 4.0
-    first = n // 2 - nodes // 2
-    patches = Patches(n, np.array([first]), np.array([first + nodes - 1]))
-    at = x[patches.nodes]
-    second = float(((at - at.mean()) ** 2).sum())
-    share = 1 / nodes + ((centre - at.mean()) * (at - at.mean()) / second if nodes > 1 else 0.0)
-    return patches, load * share, height
-
-
 @pytest.mark.parametrize(("cubic", "quartic"), [(0.0, 0.0), (0.0, 4e-5), (2e-4, 0.0), (-2e-4, 3e-5)])
 def test_a_patch_whose_load_is_known_in_closed_form(cubic, quartic):
-    """Exact but for its images in the other periods, a^2/24 (2 pi/N)^2 of the curvature."""
-    half_width, nodes = 5.3, 11
-    patches, pressure, height = alone(0.01, cubic, quartic, half_width, nodes)
-    one, known = (
-        (np.array([0]), np.array([True])),
-        (half_space, LayerSlope.of(half_space, math.inf, 4096), np.array([5.0])),
-    )
-    by_others = np.array([-cubic * half_width**2 / 2])  # so that b_0 is 0
-    found = from_loads(patches, *one, pressure, Heights(height, 1.0), *known, by_others)
+    """h' = curvature x + cubic x^2 + quartic x^3 about 0, in a surface that slopes so that the patch ends at +-a."""
+    curvature, a, n = 0.01, 5.3, 4096
+    x = np.arange(n) - n // 2
+    heights = Heights(curvature * x**2 / 2 + cubic * x**3 / 3 + quartic * x**4 / 4, 1.0)
+    b1, b2 = curvature * a + 0.75 * quartic * a**3, 0.5 * cubic * a**2
+    load = np.array([math.pi / 4 * a * b1])
+    mean_height = curvature * a**2 / 4 + 3 / 32 * quartic * a**4
+    terms = np.zeros((1, 7))
+    terms[0, :2] = 0.1 + 2 / math.pi * load[0] * math.log(2 / a) + mean_height, 8 * cubic * a**2 / 2
+    around = Surroundings(np.array([n / 2]), np.array([8.0]), terms)
+    found = from_loads(around, heights, load, np.array([5.0]), None)
     assert found.solved[0]
-    assert found.half_width[0] == pytest.approx(half_width, rel=1e-5)
-    assert found.centre[0] == pytest.approx(2048, abs=1e-4)
-    if not cubic:
-        assert found.skew[0] < 1e-5
-    if not (cubic or quartic):
-        assert found.bend[0] < 1e-5
+    assert found.half_width[0] == pytest.approx(a, rel=1e-5)
+    assert found.centre[0] == pytest.approx(n / 2, abs=1e-4)
+    assert found.centre_of_load[0] == pytest.approx(n / 2 + a * b2 / b1 / 2, abs=1e-4)
+    assert level_error(found, around, heights, load)[0] == pytest.approx(0.1, abs=1e-6)
+
+
+@pytest.mark.parametrize("shift", [0, 500, 1010])
+@pytest.mark.parametrize("nodes", [1, 2, 5, 12])
+def test_what_a_patch_does_to_itself_is_taken_off(nodes, shift):
+    """Also where the period ends; with polynomials of the degree that so many nodes can have."""
+    n, degree = 1024, min(6, nodes + 4)
+    patches = Patches.of(np.roll(np.arange(n) < nodes, shift))
+    x = np.minimum(np.arange(n), n - np.arange(n)) * np.where(np.arange(n) > n / 2, -1, 1)
+    own = np.random.default_rng(nodes).uniform(1, 2, nodes)
+    near = np.abs(x) < nodes + 8
+    caused = np.zeros(n)
+    for node, load in enumerate(own):
+        away = np.abs(x - node)
+        caused += load * np.where(near, response()[np.minimum(away, response().size - 1)], 0.0)
+    smooth = 0.3 + 0.01 * x - (x / 20.0) ** degree
+    at = np.linspace(-1, nodes, 9)
+    displacement = np.roll(np.where(near, smooth - caused, np.nan), shift)
+    around = Surroundings.of_patches(
+        patches, np.array([0]), own[np.argsort(patches.nodes != patches.first[0])], displacement
+    )
+    which, places = np.array([0]), (at + patches.first[0])[None]
+    np.testing.assert_allclose(around.values(which, places)[0], 0.3 + 0.01 * at - (at / 20) ** degree, atol=1e-10)
+    slope, bent = around.slope(which, places)
+    np.testing.assert_allclose(slope[0], 0.01 - degree / 20 * (at / 20) ** (degree - 1), atol=1e-9)
+    np.testing.assert_allclose(bent[0], -degree * (degree - 1) / 400 * (at / 20) ** (degree - 2), atol=1e-9)
 
 
 def test_a_slope_between_nodes_is_that_of_the_polynomial_through_six():
@@ -216,26 +219,6 @@ def test_a_coating_like_its_base_is_a_half_space():
     assert widths[0] == pytest.approx(widths[1], rel=1e-3)
 
 
-def test_the_slope_beside_a_neighbour_is_that_of_its_displacement():
-    """Hertz' displacement beside a contact, by the sum over its pressure; the layer's part by its waves."""
-    patches = Patches(2**16, np.array([1000, 1040]), np.array([1010, 1044]))
-    loads, middles, widths = np.array([0.5, 0.1]), np.array([1005.0, 1042.0]), np.array([5.5, 2.5])
-    thin = LayerSlope.of(lambda q: 1 / np.tanh(40 * q), 40.0, 2**16)
-    for layer in (LayerSlope.of(half_space, math.inf, 2**16), thin):
-        others = _Neighbours.of(patches, np.array([1]), loads, middles, widths, layer)
-        at = np.array([[1039.0, 1042.0, 1045.0]])
-        slope = others.slope(at, layer)[0]
-        t = np.cos((np.arange(4000) + 0.5) / 4000 * np.pi)
-        share = np.sin((np.arange(4000) + 0.5) / 4000 * np.pi) ** 2 * 2 / 4000
-        distance = at.T - middles[0] - widths[0] * t
-        expected = -2 / np.pi * loads[0] * (share / distance).sum(axis=1)
-        if layer is thin:
-            q = np.linspace(1e-4, 12 / 40, 4000)
-            part = np.sin(distance[:, ::40, None] * q) @ (2 - 2 * np.tanh(40 * q)) * (q[1] - q[0]) / np.pi
-            expected += loads[0] * (part * share[::40] * 40).sum(axis=1)
-        np.testing.assert_allclose(slope[0], expected, rtol=0.02)
-
-
 def bumps(layer, pressure, num_points):
     """Twenty bumps of different height in the period."""
     x = np.arange(num_points) / num_points - 0.5
@@ -259,12 +242,6 @@ def test_an_accuracy_on_a_base_much_softer_than_the_layer():
     """Collocation of all patches together gives 0.0352448."""
     found = solve(bumps(CoatedHalfSpace(0.05, 0.01, 0.25, 0.3), 2e-4, 2**17), accuracy=1e-3)
     assert found.observables.contact_area_subgrid == pytest.approx(0.0352448, rel=1e-3)
-
-
-@pytest.mark.parametrize(("base", "tells"), [(1e3, True), (1.0, True), (1e-2, True), (1e-5, False)])
-def test_loads_tell_nothing_where_no_wave_of_the_reach_finds_the_base(base, tells):
-    layer = CoatedHalfSpace(0.001, base, 0.25, 0.3)
-    assert loads_tell(lambda q: modulus_on_grid(layer, q, 2**12, 1.0), 0.001 * 2**12, 2**12) is tells
 
 
 @pytest.mark.parametrize("spacings", [0.1, 0.3, 0.6, 1.0, 3.0])

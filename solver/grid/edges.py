@@ -103,8 +103,9 @@ class Edges:
     """Left ends, shape (M,) [grid spacings]."""
     right: Array64
     """Right ends, shape (M,) [grid spacings]."""
-    error: Array64
-    """Estimated errors of the patches' widths, shape (M,) [grid spacings]."""
+    end_errors: Array64
+    """Estimated errors of left and right ends, shape (2, M) [grid spacings]; together, as the root of the sum of their
+    squares, they are that of the width."""
     counted: Mask
     """Which patches have as many spacings as nodes because nothing better is known, shape (M,)."""
     by_load: Mask | None = None
@@ -120,6 +121,11 @@ class Edges:
     def width(self) -> Array64:
         """Widths, shape (M,) [grid spacings]."""
         return self.right - self.left
+
+    @property
+    def error(self) -> Array64:
+        """Estimated errors of the widths, shape (M,) [grid spacings]."""
+        return np.hypot(*self.end_errors)
 
     @property
     def num_by_load(self) -> int:
@@ -144,7 +150,9 @@ def find_edges(patches: Patches, pressure: Array64, layer: ElasticLayer, period:
     """
     if patches.full:
         half = np.array([0.5])  # error: a gap between two nodes that not even `unseen_gaps` finds
-        return Edges(patches.first - half, patches.last + half, np.ones(1), np.zeros(1, dtype=bool))
+        return Edges(
+            patches.first - half, patches.last + half, np.full((2, 1), math.sqrt(0.5)), np.zeros(1, dtype=bool)
+        )
     thickness = thickness_on_grid(layer, patches.num_points, period)
     theta, spread = _in_row(patches, pressure)
     narrow = (patches.size < _NARROW * thickness) | (patches.to_neighbours - 1 < _NARROW_GAP * thickness)
@@ -162,8 +170,8 @@ def find_edges(patches: Patches, pressure: Array64, layer: ElasticLayer, period:
     outside = np.where(counted, 0.5, -theta)
     left, right = apart(patches.first - outside[0], patches.last + outside[1], patches.num_points)
     error = np.where(counted, math.sqrt(0.5), _estimated(patches, spread, by_layer, on_thick))
-    alike = on_thick & (patches.count == 1)  # under a blunt profile for instance
-    return Edges(left, right, np.where(alike, error.sum(axis=0), np.hypot(*error)), counted)
+    alike = on_thick & (patches.count == 1)  # both err the same way, under a blunt profile for instance
+    return Edges(left, right, np.where(alike, error.sum(axis=0) * math.sqrt(0.5), error), counted)
 
 
 def unseen_gaps(patches: Patches, pressure: Array64) -> float:

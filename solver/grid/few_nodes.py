@@ -1,5 +1,5 @@
-"""Patches of a few nodes on the grid of a half-space, which has no waves shorter than two spacings: what they do around
-them, and the flat punches that are as compliant.
+"""Patches and gaps of a few nodes on the grid of a half-space, which has no waves shorter than two spacings: what they
+do around them, and the flat punches that are as compliant.
 
 Units: E* = 1 and the grid spacing.
 """
@@ -11,21 +11,35 @@ import numpy as np
 from ..arrays import Array64
 
 MOST_NODES = 32
-"""Nodes of a patch whose ends are looked for by its load; wider ones have ends by pressures as well known."""
+"""Nodes of patches and gaps whose ends are looked for by all of them; the ends of wider ones are as well known by the
+last pressures."""
+MARGIN = 3
+"""Nodes to each side of such a patch or gap that are looked at, too."""
 
 
 @functools.cache
 def response() -> Array64:
-    """Displacement g_j by a unit load on one node, j = 0, 1, ..., `MOST_NODES` nodes away, shape (MOST_NODES + 1,).
+    """Displacement g_j by a unit load on one node, j = 0, 1, ... nodes away, shape (MOST_NODES + MARGIN,).
 
     g_j = 2/pi (gamma + ln pi - int (1 - cos j t)/t dt over 0 < t < pi): far away -2/pi ln j, as without a grid.
     """
     nodes, weights = np.polynomial.legendre.leggauss(128)
     t = np.pi / 2 * (1 + nodes)
-    rest = (1 - np.cos(np.arange(MOST_NODES + 1)[:, None] * t)) / t @ weights * (np.pi / 2)
+    rest = (1 - np.cos(np.arange(MOST_NODES + MARGIN)[:, None] * t)) / t @ weights * (np.pi / 2)
     found = 2 / np.pi * (np.euler_gamma + np.log(np.pi) - rest)
     found.flags.writeable = False
     return np.asarray(found)
+
+
+@functools.cache
+def stiffness() -> Array64:
+    """Pressure K_j where the surface is displaced by 1 at one node, j = 0, 1, ... nodes away, shape (MOST_NODES +
+    MARGIN,): 1/(2 pi) int t cos j t dt over 0 < t < pi.
+    """
+    nodes = np.arange(1, MOST_NODES + MARGIN)
+    found = np.append(np.pi / 4, np.where(nodes % 2, -1 / (np.pi * nodes**2), 0.0))
+    found.flags.writeable = False
+    return found
 
 
 @functools.cache

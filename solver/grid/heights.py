@@ -34,6 +34,15 @@ class Heights:
             first = first * part + k * powers[..., k]
         return first, second
 
+    def values(self, at: Array64) -> Array64:
+        """h at places between the nodes [grid spacings], from six of them [grid spacings]."""
+        node = np.floor(at).astype(np.int64)
+        powers = self.profile[(node[..., None] + _STENCIL) % self.profile.size] @ (_POWERS * self.scale)
+        part, found = at - node, np.zeros_like(at)
+        for k in range(_STENCIL.size - 1, -1, -1):
+            found = found * part + powers[..., k]
+        return found
+
     def slope_in_the_middle(self, at: Array64) -> tuple[Array64, Array64]:
         """h' and h'' [1/grid spacing] at nodes, or halfway between two of them, shape (places,) [grid spacings]; at a
         node the mean of what its two cells tell, so that the mirror image has the same.

@@ -1,10 +1,15 @@
 """A layer on the scale of a grid: its thickness in grid spacings, and its stiffness over the half-space's."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from ..arrays import Array64
 from ..layers import ElasticLayer
 from .kept import kept
+
+Modulus = Callable[[Array64], Array64]
+"""2K(q)/q over E* for waves q [1/grid spacing]: 1 on the half-space."""
 
 _ALIKE = 0.01
 """Of the shortest wave's stiffness, by which it may differ from the half-space's."""

@@ -226,16 +226,16 @@ def _foundation(scene: Scene) -> Problem:
 
 def _crossings(patches: Patches, depth: Array64) -> Edges:
     """Where the depth, positive on the patches' nodes, crosses 0, between the last node and the next."""
-    none = np.zeros(patches.count)
+    none = np.zeros((2, patches.count))
     if patches.full:
         half = np.full(1, 0.5)
-        return Edges(patches.first - half, patches.last + half, none, none > 0)
+        return Edges(patches.first - half, patches.last + half, none, none[0] > 0)
 
     def beyond(node: Indices, step: int) -> Array64:
         here, there = depth[node % depth.size], depth[(node + step) % depth.size]
         return np.asarray(here / (here - there))
 
-    return Edges(patches.first - beyond(patches.first, -1), patches.last + beyond(patches.last, 1), none, none > 0)
+    return Edges(patches.first - beyond(patches.first, -1), patches.last + beyond(patches.last, 1), none, none[0] > 0)
 
 
 def _stiffening(scene: Scene) -> float:

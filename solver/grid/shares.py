@@ -1,0 +1,73 @@
+"""How several patches share a load, put right.
+
+A grid on which patches have few nodes has the compliance of each patch slightly wrong, and with it the load that the
+patch takes: from a few percent where it has three nodes to a tenth where it has one. All patches are pressed by the
+same approach. If patch k would have to lie deeper by r_k for its load (`loads.level_error`), then the loads are to
+change by D_k, of sum 0, such that
+
+    c_k D_k + sum over j != k of G_kj D_j = r_k + one constant,
+
+with c_k the compliance of a flat punch in its place and G_kj the displacement at one patch by a unit load at another.
+The load of a patch also acts where its centre is, which is not where the nodes have it.
+"""
+
+import numpy as np
+
+from ..arrays import Array64, Indices
+from ..layers import ElasticLayer
+from ..transforms.plain import irfft
+from .few_nodes import response
+from .kept import kept
+from .loads import FromLoads, punch_compliance
+from .patches import Patches
+from .problem import half_spectrum
+
+MOST_PATCHES = 400
+"""Above, the dense matrix would take longer than it is worth."""
+
+
+@kept
+def layer_response(layer: ElasticLayer, num_points: int, period: float) -> Array64:
+    """Displacement around a node by a unit load on it, without its mean, shape (N,), read-only (E* = 1)."""
+    modes = np.zeros(num_points // 2 + 1, dtype=np.complex128)
+    np.divide(num_points, half_spectrum(layer, num_points, period)[1:], out=modes[1:])
+    found = irfft(modes, num_points, overwrite=True)
+    found.flags.writeable = False
+    return found
+
+
+def shared_loads(
+    patches: Patches, chosen: Indices, pressure: Array64, found: FromLoads, level: Array64, green: Array64
+) -> Array64:
+    """The loads of all patches, shape (M,) [grid spacings], over E*, after some of them were put right.
+
+    pressure: over E*, on the contact nodes in compact order; found: ends of the chosen patches with the loads that the
+    grid has; level: r_k of these, see `loads.level_error` [grid spacings]; green: see `layer_response`.
+    """
+    load = patches.sums(pressure)
+    inside = np.arange(pressure.size) - np.repeat(patches.offset, patches.size)
+    centre = patches.first + patches.sums(pressure * inside) / load
+    # a load that lies elsewhere than the grid has it presses the other patches, too
+    moment, compliance, error = np.zeros(patches.count), _of_nodes(patches.size, green), np.zeros(patches.count)
+    known = chosen[found.solved]
+    moved = found.centre_of_load[found.solved] - centre[known]
+    centre[known] += moved
+    moment[known] = moved * load[known]
+    compliance[known] += punch_compliance(found.half_width[found.solved]) - _of_nodes(patches.size[known], response())
+    error[chosen] = level
+    across = centre[:, None] - centre
+    away = np.abs(across)
+    node = away.astype(np.int64)
+    here = green[node % green.size]
+    slope = green[(node + 1) % green.size] - here
+    matrix = np.ones((patches.count + 1, patches.count + 1))
+    matrix[:-1, :-1] = here + (away - node) * slope
+    np.fill_diagonal(matrix, np.append(compliance, 0.0))
+    error += (slope * np.sign(across)) @ moment
+    return np.asarray(load + np.linalg.solve(matrix, np.append(error, 0.0))[:-1])
+
+
+def _of_nodes(size: Indices, response: Array64) -> Array64:
+    """Mean displacement of patches of so many nodes by a unit load that is spread evenly over them, of their shape."""
+    sums = np.cumsum(np.cumsum(response[: int(size.max())]))
+    return np.asarray((2 * sums[size - 1] - size * response[0]) / size.astype(np.float64) ** 2)

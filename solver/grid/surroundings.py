@@ -1,0 +1,116 @@
+"""What everything else does where a patch or a gap of a few nodes is.
+
+The displacement around a patch has two parts. What the patch's own pressure causes bends within a grid spacing where
+the patch ends, and no grid resolves that. What all other patches and the layer's base cause is smooth. At the nodes it
+is the displacement plus what the patch's own pressure causes on the grid of a half-space (`few_nodes.response`);
+between them it is the polynomial through these values (least squares).
+
+For a gap it is the same with the pressure in the place of the displacement: the pressure less what the gap's own
+opening causes (`few_nodes.stiffness`), which is the one that closing this gap alone would leave.
+
+Units: grid spacings, and E* = 1.
+"""
+
+import functools
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from ..arrays import Array64, Indices
+from .few_nodes import MARGIN, response, stiffness
+from .patches import Patches
+
+_DEGREE = 6  # of the polynomials, at most
+_TERMS = np.arange(_DEGREE + 1)
+
+
+@dataclass(frozen=True, eq=False)
+class Surroundings:
+    """A smooth field around some runs of nodes, as polynomials in t = (x - middle)/half."""
+
+    middle: Array64
+    """Halfway between the end nodes, shape (runs,) [grid spacings]."""
+    half: Array64
+    """From there to the last node that was looked at, shape (runs,) [grid spacings]."""
+    coefficients: Array64
+    """From the constant to the highest power, shape (runs, 7) [unit of the field]."""
+
+    @classmethod
+    def of_patches(cls, patches: Patches, chosen: Indices, pressure: Array64, displacement: Array64) -> "Surroundings":
+        """The displacement [grid spacings] that is not caused by the chosen patches' own pressures, of each alone.
+
+        pressure: over E*, on the contact nodes in compact order; displacement: shape (N,) [grid spacings].
+        """
+        return cls._of(patches, chosen, pressure, displacement, _fit_of_patch)
+
+    @classmethod
+    def of_gaps(cls, gaps: Patches, chosen: Indices, opening: Array64, pressure: Array64) -> "Surroundings":
+        """The pressure over E* that is not caused by the chosen gaps' own openings, of each alone.
+
+        opening: h - u on the open nodes in compact order [grid spacings]; pressure: shape (N,), 0 on the open nodes.
+        """
+        return cls._of(gaps, chosen, opening, pressure, _fit_of_gap)
+
+    @classmethod
+    def _of(cls, runs: Patches, chosen: Indices, own: Array64, field: Array64, fit: "_Fit") -> "Surroundings":
+        """own: on the runs' nodes in compact order; runs of up to `few_nodes.MOST_NODES` nodes."""
+        first, size = runs.first[chosen], runs.size[chosen]
+        between = runs.to_neighbours[:, chosen].min(axis=0).astype(np.int64) - 1
+        margin = np.clip(between // 2, 1, MARGIN)
+        coefficients = np.zeros((chosen.size, _TERMS.size))
+        kinds = size * (MARGIN + 1) + margin
+        for kind in np.unique(kinds):
+            (which,) = np.nonzero(kinds == kind)
+            nodes, beyond = divmod(int(kind), MARGIN + 1)
+            of_field, of_own = fit(nodes, beyond)
+            at = first[which, None] + np.arange(-beyond, nodes + beyond)
+            inside = runs.offset[chosen[which], None] + np.arange(nodes)
+            coefficients[which] = field[at % field.size] @ of_field + own[inside] @ of_own
+        return cls(first + (size - 1) / 2, (size - 1) / 2 + margin, coefficients)
+
+    def slope(self, which: Indices, at: Array64) -> tuple[Array64, Array64]:
+        """First and second derivative around some of the runs at places, shape (which, places)."""
+        half = self.half[which, None]
+        t, c = (at - self.middle[which, None]) / half, self.coefficients[which]
+        first, second = np.zeros_like(t), np.zeros_like(t)
+        for k in _TERMS[:0:-1]:
+            second = second * t + first
+            first = first * t + k * c[:, k, None]
+        return first / half, second / half**2
+
+    def values(self, which: Indices, at: Array64) -> Array64:
+        """The field around some of the runs at places, shape (which, places)."""
+        t, c = (at - self.middle[which, None]) / self.half[which, None], self.coefficients[which]
+        found = np.zeros_like(t)
+        for k in _TERMS[::-1]:
+            found = found * t + c[:, k, None]
+        return found
+
+
+class _Fit(Protocol):
+    """Makes coefficients of a run of `size` nodes from the field there and on `margin` nodes to each side, by a matrix
+    of shape (size + 2 margin, 7), and from the run's own values, by one of shape (size, 7).
+    """
+
+    def __call__(self, size: int, margin: int) -> tuple[Array64, Array64]: ...
+
+
+def _fit(size: int, margin: int, caused: Array64) -> tuple[Array64, Array64]:
+    """See `_Fit`. caused: what a unit value takes off the field so many nodes away."""
+    nodes = np.arange(-margin, size + margin)
+    degree = max(2, min(_DEGREE, nodes.size - 2))
+    t = (nodes - (size - 1) / 2) / ((size - 1) / 2 + margin)
+    fitted = np.zeros((nodes.size, _TERMS.size))
+    fitted[:, : degree + 1] = np.linalg.pinv(np.vander(t, degree + 1, increasing=True)).T
+    return fitted, caused[np.abs(nodes[:, None] - np.arange(size))].T @ fitted
+
+
+@functools.cache
+def _fit_of_patch(size: int, margin: int) -> tuple[Array64, Array64]:
+    return _fit(size, margin, response())
+
+
+@functools.cache
+def _fit_of_gap(size: int, margin: int) -> tuple[Array64, Array64]:
+    return _fit(size, margin, -stiffness())
