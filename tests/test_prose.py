@@ -11,7 +11,7 @@ import pytest
 from linecontact import read_scan
 from linecontact.solver import METHODS, Layer, MeasuredIndenter, RoughIndenter, Scene, scene, solve, warnings
 from linecontact.solver.display import rounded_up
-from linecontact.solver.grid import contact, edges, heights, kept, layer_slope, problem
+from linecontact.solver.grid import contact, edges, heights, kept, problem, shares, surroundings
 from linecontact.solver.layers import coated
 from linecontact.solver.methods.active_set import elimination, storage
 from linecontact.solver.reference import closed_forms
@@ -69,7 +69,7 @@ def areas_of_hertz_contacts():
 
 def patches_of_a_few_nodes():
     """A parabola, pressed to an approach that is known from a fine grid."""
-    coarse, fine, forces, widths = 2**8, 2**12, defaultdict(list), defaultdict(list)
+    coarse, fine, forces = 2**8, 2**12, defaultdict(list)
 
     def parabola(num_points, beside):
         return ((np.arange(num_points) / num_points - beside / coarse + 0.5) % 1 - 0.5) ** 2 / 2
@@ -86,22 +86,18 @@ def patches_of_a_few_nodes():
                 found = solve(scene)
                 nodes = int(found.contact.sum())
                 forces[nodes].append(100 * (found.scene.pressure / pressure - 1))
-                widths[nodes].append(coarse * (found.observables.contact_area_subgrid - exact.contact_area_subgrid))
     one, two, three = (digits(np.sqrt(np.mean(np.square(forces[k])))) for k in (1, 2, 3))
     yield f"off by {one} % where it touches one node, by {two} % with two and {three} % with three (root mean squares)"
-    one, two, three = (digits(np.sqrt(np.mean(np.square(widths[k])))) for k in (1, 2, 3))
-    yield f"known to {one}, {two} and {three} spacings."
 
 
 def limits_of_edges():
-    yield "the polynomial through six nodes. Each of the four nearest neighbours"
-    assert (heights._STENCIL.size, layer_slope.NEIGHBOURS) == (6, 4)
-    yield "up to ten thicknesses away from the integral over all waves"
-    yield "these are sixteen neighbours and thirty thicknesses, and such ends have twice the estimated error"
-    usual, (reach, _, _, neighbours) = layer_slope._USUAL[0], layer_slope._ON_SOFT
-    assert (usual, neighbours, reach, contact._ON_SOFT) == (10, 16, 30, 2)
-    yield "patches up to a fifth of the layer's thickness"
-    assert contact._NARROW == 0.2
+    yield "from the polynomial through six nodes"
+    yield "polynomial of up to the sixth degree through its values on the patch and on up to three nodes to each side"
+    assert (heights._STENCIL.size, surroundings._DEGREE, surroundings.MARGIN) == (6, 6, 3)
+    yield "Contacts of more than 400 patches do without."
+    assert shares.MOST_PATCHES == 400
+    yield "where its shortest wave finds the half-space to within a fifth"
+    assert contact._RESOLVED == 0.2
     yield "narrower than eight thicknesses of the layer each end feels the other"
     yield "on layers thicker than 2.5 grid spacings they have the half-space's edge"
     assert (edges._NARROW, edges._THINNEST) == (8, 2.5)

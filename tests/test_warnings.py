@@ -168,7 +168,7 @@ def test_layers_without_youngs_modulus_say_so(capsys, layer):
 
 
 def test_a_file_keeps_the_warnings(tmp_path):
-    solution = solve(Scene(num_points=2**8, pressure=1e-7))
+    solution = solve(Scene(indenter=PowerIndenter(1.5), num_points=2**8, pressure=1e-4))
     solution.save(tmp_path / "run.h5")
     found = linecontact.load(tmp_path / "run.h5")
     assert found.warnings.keys() == {"grid", "error"}
@@ -178,7 +178,7 @@ def test_a_file_keeps_the_warnings(tmp_path):
 
 
 def test_warnings_on_the_command_line(tmp_path, capsys):
-    words = ("--num-points", "2^8", "--pressure", "1e-7")
+    words = ("--exponent", "1.5", "--num-points", "2^8", "--pressure", "1e-4")
     status, shown = run(capsys, *words)
     assert status == 0
     assert "converged on its grid, a_r = " in " ".join(shown.out.split())

@@ -28,7 +28,7 @@ _FARTHEST = 0.5  # grid spacings by which the two may differ for the load to be 
 _ALWAYS = 0.0013
 _OF_SIXTH, _MOST_SIXTH = 0.045, 2.0  # of the sixth over the second difference of the heights, up to so much of that
 _OVER_GAP_SQUARED = 0.1  # over the square of the nodes between neighbouring patches
-_OF_THICKNESS = 0.7  # of r^2/(1 + r) d^-1.5, d the thickness [grid spacings] and r the nodes over that
+_OF_THICKNESS = 1.0  # of s/(1 + s), s = r^2/(1 + r) d^-1.5, d the thickness [grid spacings] and r the nodes over that
 _ESTIMATED = 0.2  # of the nodes of a patch on a layer that the grid does not resolve
 # The same of a gap, of 95 of 100 under loads of 0.1 to 0.95 of full contact.
 _ALWAYS_OF_GAP = 0.0005
@@ -37,7 +37,9 @@ _OF_FOURTH, _MOST_FOURTH = 0.15, 2.0  # of the fourth over the second difference
 _OVER_THICKNESS_SQUARED = 0.8  # [grid spacings]
 
 _SECOND_FOURTH_SIXTH = np.array([[0, 0, 1, -2, 1, 0, 0], [0, 1, -4, 6, -4, 1, 0], [1, -6, 15, -20, 15, -6, 1]]).T
-_AT, _WEIGHTS = np.polynomial.legendre.leggauss(6)  # of the integral of h'^2
+_SHORT = 8  # nodes
+_FEW, _MANY = (np.polynomial.legendre.leggauss(points) for points in (8, 32))
+"""Places and weights of the integral of h'^2 over patches of up to so many nodes, and over others."""
 
 
 def contact_edges(
@@ -192,7 +194,8 @@ def _estimated(patches: Patches, chosen: Indices, sixth: Array64, thickness: flo
     """
     before, after = patches.to_neighbours[:, chosen] - 1
     wide = patches.size[chosen] / thickness
-    error = _ALWAYS + _OF_SIXTH * np.minimum(sixth, _MOST_SIXTH) + _OF_THICKNESS * wide**2 / (1 + wide) / thickness**1.5
+    of_layer = wide**2 / (1 + wide) / thickness**1.5
+    error = _ALWAYS + _OF_SIXTH * np.minimum(sixth, _MOST_SIXTH) + _OF_THICKNESS * of_layer / (1 + of_layer)
     return np.asarray(error + _OVER_GAP_SQUARED * (1 / before**2 + 1 / after**2))
 
 
@@ -216,9 +219,10 @@ def _with_slopes(edges: Edges, heights: Heights) -> Edges:
     """Edges with the integral of h'^2 over the patches whose ends their loads tell."""
     if edges.by_load is None or not edges.by_load.any():
         return edges
-    left, right = edges.left[edges.by_load], edges.right[edges.by_load]
-    half = (right - left)[:, None] / 2
-    slope = heights.slope((left + right)[:, None] / 2 + half * _AT)[0]
     squared = np.full(edges.left.size, np.nan)
-    squared[edges.by_load] = (slope**2 * half) @ _WEIGHTS
+    for (places, weights), wide in ((_FEW, edges.width <= _SHORT), (_MANY, edges.width > _SHORT)):
+        which = edges.by_load & wide
+        half = edges.width[which, None] / 2
+        slope = heights.slope((edges.left + edges.right)[which, None] / 2 + half * places)[0]
+        squared[which] = (slope**2 * half) @ weights
     return replace(edges, squared_slope=squared)

@@ -125,7 +125,7 @@ class Edges:
     @property
     def error(self) -> Array64:
         """Estimated errors of the widths, shape (M,) [grid spacings]."""
-        return np.hypot(*self.end_errors)
+        return np.asarray(np.hypot(*self.end_errors))
 
     @property
     def num_by_load(self) -> int:

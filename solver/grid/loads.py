@@ -36,7 +36,8 @@ _T1, _T2 = np.cos(_ANGLES), np.cos(2 * _ANGLES)
 _MOMENTS = 2 / _SAMPLES * np.stack([np.ones(_SAMPLES), _T1, _T2], axis=1)
 _BENT_MOMENTS = 2 / _SAMPLES * np.stack([np.ones(_SAMPLES), _T1, _T1 * _T1], axis=1)
 _WAVE = 3 * np.pi / 4  # q a at which the layer's modulus is taken
-_STEPS, _STEP, _CLOSE = 12, 0.25, 1e-3  # of Newton's method: most, their length and the last one's [grid spacings]
+_STEPS, _STEP, _CLOSE = 16, 0.25, 1e-3  # of Newton's method: most, their length and the last one's [grid spacings]
+_HALVED_FROM = 8  # steps: then it may go to and fro about a node, where the polynomials of the heights change
 _GUESSED = 0.75  # distance of the first guess of a middle from halfway between the end nodes, at most [grid spacings]
 
 
@@ -67,7 +68,7 @@ def from_loads(
     m = around.middle - np.clip(slope / np.maximum(bent, 1e-300), -_GUESSED, _GUESSED)
     a, moments, solved = half_width.copy(), np.ones((load.size, 3)), np.zeros(load.size, dtype=bool)
     left = every
-    for _ in range(_STEPS):
+    for turn in range(_STEPS):
         at = m[left, None] + a[left, None] * _T1
         g, bent = heights.slope(at)
         if modulus is None:
@@ -77,7 +78,7 @@ def from_loads(
         stiffness = _stiffness(modulus, a[left]) if modulus else (1.0, 0.0)
         step, usable = _newton(load[left], a[left], b, bent @ _BENT_MOMENTS, *stiffness)
         most = np.minimum(_STEP, 0.5 * a[left])
-        step = np.minimum(np.maximum(step, -most), most)
+        step = np.minimum(np.maximum(step, -most), most) * (0.5 if turn >= _HALVED_FROM else 1.0)
         a[left], m[left] = a[left] - step[0], m[left] - step[1]
         moved = np.abs(step).max(axis=0)
         solved[left] = usable & (moved < _CLOSE) & (b[:, 1] > 0)

@@ -3,31 +3,31 @@
 From a grid with a quarter of the points to the present one a quantity changes by c; its error estimated from the edges
 of the patches alone is e. On a surface with w points to its shortest wave its error is estimated as
 
-    contact area     sqrt((0.55 e)^2 + (c/48)^2 + b^2) + g
-    kappa            sqrt((0.6 e)^2 + (c/48)^2 + b^2) + g
+    contact area     sqrt(e^2 + b^2) + g
+    kappa            sqrt(e^2 + b^2) + g
     peak pressure    sqrt((c/3)^2 + (c'/32)^2 + s^2)
     approach         sqrt((c/4)^2 + (c'/32)^2 + s^2)
 
 with c' the change before c and s what the nodes may miss of a peak, or of the lowest point, between them; with one
 coarser grid alone they are c and 2 c. Of scans and own indenters, which do not tell the lowest point between the nodes,
-the approach's is twice as much.
+the approach's is twice as much, and area and kappa have a further c/48 under the root.
 
-On smooth profiles b = 0, the shares of area and kappa are 0.36 and 0.5 of e, c/13 and c/8. The order of pressure and
-approach is measured there, and at best the first is believed: sqrt((m c)^2 + (c'/16)^2), m = 1/(c'/c - 1) between 1/3
-and 4, which also keeps a change that is small by accident from being believed; with one coarser grid the whole change.
-Below the tip of a power profile with n < 2 the pressure is known to be of the order n - 1: m = 1/(4^(n-1) - 1). Where
-the changes of another profile's peak fall by less than a factor of 1.25, and are above 1e-3 of it, the pressure may
-have no limit, as below a kink or at a step: `inf`.
+On smooth profiles b = 0, and area and kappa have 0.36 and 0.5 of e, and c/13 and c/8 beside it. The order of pressure
+and approach is measured there, and at best the first is believed: sqrt((m c)^2 + (c'/16)^2), m = 1/(c'/c - 1) between
+1/3 and 4, which also keeps a change that is small by accident from being believed; with one coarser grid the whole
+change. Below the tip of a power profile with n < 2 the pressure is known to be of the order n - 1: m = 1/(4^(n-1) - 1).
+Where the changes of another profile's peak fall by less than a factor of 1.25, and are above 1e-3 of it, the pressure
+may have no limit, as below a kink or at a step: `inf`.
 
 The area between sub-grid edges converges with the second or third power of the spacing, which would leave c/15 or c/63,
-and e alone is mostly too large: it has to hold without a coarser grid. (Not so under smooth profiles for patches of
+and under smooth profiles e alone is mostly too large: it has to hold without a coarser grid. (Not so for patches of
 fewer than 20 nodes, and where a table ends with the grid's shortest wave: there e is taken whole.) The errors of many
 patches are independent but for a part that they have in common, b: a grid with few points to a wave misses what bends
-between its nodes. That is up to 0.03 (16/w)^2.5 grid spacings for the area of each patch whose pressures tell where it
-ends (0.04 for kappa), and up to 0.004 (16/w)^2.5 (0.008) if its load does. Heights that are smooth but for a few kinks,
+between its nodes. That is up to 0.02 (16/w)^2.5 grid spacings for the area of each patch whose pressures tell where it
+ends (0.03 for kappa), and up to 0.002 (16/w)^2.5 (0.003) if its load does. Heights that are smooth but for a few kinks,
 like a parabola's in a period, have the w of what lies between these; as a kink may be in the contact, the width of each
 patch of m nodes on the average may be off by a further 2/m (6/m for kappa), and c counts in full. Gaps that lie between
-two contact nodes all make the area too large: the sum of their widths over the period, g, is added as it is, and in
+two contact nodes all make the area too large: g is one and a half times the sum of their widths over the period, in
 kappa the same share. Where slopes are differences of heights, e of kappa holds what these may be off by
 (`Indenter.squared_slope_doubt`).
 
@@ -36,9 +36,9 @@ one of a few spacings the contact of a sharp tip (n < 2) may split between them:
 error that is known. With one coarser grid alone the estimated errors of peak pressure and approach are at least 1/m^2
 of the value, with m nodes to a patch, because the only change may be small by chance.
 
-The numbers were fitted to random scenes (power profiles on layers and half-spaces against collocation; 700 rough
-surfaces, four or five grids of each, against grids of 8 times as many points and more), so that each estimate holds in
-97 of 100. On scenes that nothing was fitted to, see `linecontact study tradeoff`.
+The numbers were fitted to random scenes (power profiles on layers and half-spaces against collocation; 1900 rough
+surfaces with 4 to 128 points to the shortest wave against grids of 8 times as many points and more), so that each
+estimate holds in 97 of 100. On scenes that nothing was fitted to, see `linecontact study tradeoff`.
 """
 
 import math
@@ -66,10 +66,11 @@ class Quantity:
     """The name of its error in `Observables`."""
     edges: str | None = None
     """The name, in both, of what its error would be by the edges alone; None where they do not matter."""
-    of_edges: tuple[float, float] = (0.0, 0.0)
-    """Share of that which is left beside a coarser grid, under smooth and rough profiles (dimensionless)."""
+    of_edges: float = 0.0
+    """Share of that which is left beside a coarser grid under smooth profiles (dimensionless)."""
     of_change: tuple[float, float] = (0.0, 0.0)
-    """Share of the last change between grids that is left, likewise (dimensionless)."""
+    """Share of the last change between grids that is left under smooth profiles, and under rough ones that are not
+    known between the nodes (dimensionless)."""
     per_patch: tuple[float, float] = (0.0, 0.0)
     """Error that patches have in common at 16 points to the shortest wave, in the width of each, where pressures and
     where loads tell their ends [grid spacings]."""
@@ -98,18 +99,18 @@ QUANTITIES = {
         "contact_area_subgrid",
         "contact_area_error",
         "contact_area_edges_error",
-        of_edges=(0.36, 0.55),
+        of_edges=0.36,
         of_change=(1 / 13, 1 / 48),
-        per_patch=(0.03, 0.004),
+        per_patch=(0.02, 0.002),
         of_kinks=2.0,
     ),
     "kappa": Quantity(
         "kappa_subgrid",
         "kappa_error",
         "kappa_edges_error",
-        of_edges=(0.5, 0.6),
+        of_edges=0.5,
         of_change=(1 / 8, 1 / 48),
-        per_patch=(0.04, 0.008),
+        per_patch=(0.03, 0.003),
         of_kinks=6.0,
         of_slopes=True,
         sensitivity=2.0,
@@ -128,6 +129,7 @@ DEFAULT_QUANTITY = "contact-area"
 _CAREFUL_FROM_IF_SMOOTH = 20.0
 """Nodes of a patch under a smooth profile, on the average, from which on its edges are known better than estimated."""
 _KNOWN = 0.001  # error of a layer's edge up to which that is so [grid spacings]
+_OF_GAPS = 1.5  # of the widths of gaps between two contact nodes
 _COMMON, _COMMON_POWER = 16.0, 2.5  # points to the shortest wave, and the power with which their share falls
 _LEAST, _MOST = 1.25, 4.0  # factor by which changes fall from grid to grid, as far as that is believed
 _WAVE_OF_TIP = 8.0  # that a sharp tip brings with it [grid spacings]
@@ -159,7 +161,7 @@ def estimated(
     if area < 1 and _splits(scene, num_points):
         return math.inf
     by_load = found.num_patches_by_load
-    gaps = found.unseen_gap_area / area * abs(values[-1])
+    gaps = _OF_GAPS * found.unseen_gap_area / area * abs(values[-1])
     each = [share * of for share, of in zip(quantity.per_patch, (found.num_patches - by_load, by_load), strict=True)]
     spacings = sum(each) * math.pow(_COMMON * waves, _COMMON_POWER)
     if scene.indenter.kinked:
@@ -168,10 +170,15 @@ def estimated(
     if not coarser:
         return math.hypot(edges, common) + gaps
     rough = waves > 0
-    careful = rough or area * num_points >= _CAREFUL_FROM_IF_SMOOTH * found.num_patches
+    careful = not rough and area * num_points >= _CAREFUL_FROM_IF_SMOOTH * found.num_patches
     careful &= edge_curve(scene.layer, num_points, scene.period).error < _KNOWN
-    of_edges = quantity.of_edges[1 if rough else 0] if careful else 1.0
-    of_change = 1.0 if scene.indenter.kinked else quantity.of_change[1 if rough else 0]
+    of_edges = quantity.of_edges if careful else 1.0
+    if scene.indenter.kinked:
+        of_change = 1.0
+    elif rough:
+        of_change = 0.0 if scene.indenter.knows_lowest else quantity.of_change[1]
+    else:
+        of_change = quantity.of_change[0]
     change = of_change * abs(values[-1] - values[-2])
     return math.hypot(of_edges * edges, change, common) + gaps
 
