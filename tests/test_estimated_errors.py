@@ -148,7 +148,7 @@ def test_what_many_patches_have_in_common_is_estimated():
 
 
 def test_few_points_to_the_shortest_wave_are_told():
-    """What patches have in common there: at 16 points 0.03 spacings each where pressures tell their ends, 0.004 where
+    """What patches have in common there: at 16 points 0.02 spacings each where pressures tell their ends, 0.002 where
     loads do."""
     quantity = QUANTITIES["contact-area"]
     coarse, fine = (
@@ -159,7 +159,7 @@ def test_few_points_to_the_shortest_wave_are_told():
     estimates = [estimated(quantity, scene, 2**12, found.observables, found.levels) for scene in (coarse, fine)]
     by_load = found.observables.num_patches_by_load
     assert 0 < by_load < found.observables.num_patches
-    spacings = 0.03 * (found.observables.num_patches - by_load) + 0.004 * by_load
+    spacings = 0.02 * (found.observables.num_patches - by_load) + 0.002 * by_load
     common = [spacings / 2**12 * (16 / w) ** 2.5 for w in (16, 64)]
     assert common[0] > 0.1 * estimates[0]
     random = [math.sqrt(e**2 - c**2) for e, c in zip(estimates, common, strict=True)]

@@ -98,9 +98,10 @@ def errors_of_the_hertz_study():
     yield f"known to {digits(max(off for thickness, off in edges if thickness > 5))} grid spacings, as long as"
     area, kappa = errors.QUANTITIES["contact-area"], errors.QUANTITIES["kappa"]
     for name, of in (("area", area), ("kappa", kappa)):
-        for place, profile in enumerate(("smooth", "rough")):
-            shares = (of.of_edges[place], f"1/{1 / of.of_change[place]:.0f}", *(of.per_patch if place else (0, 0)))
-            yield f"| {name} | {profile} | {' | '.join(map(str, shares))} |"
+        smooth, rough = (f"1/{1 / change:.0f}" for change in of.of_change)
+        pressures, loads = of.per_patch
+        yield f"| {name} | smooth | {of.of_edges} | {smooth} | 0 | 0 |"
+        yield f"| {name} | rough | 1 | 0 or {rough} | {pressures} | {loads} |"
     for name, formula in (
         ("peak-pressure", r"\sqrt{{(c/{})^2 + (c'/{})^2 + s^2}}"),
         ("approach", r"\sqrt{{(c/{})^2 + (c'/{})^2}}"),

@@ -29,7 +29,7 @@ _ALWAYS = 0.0013
 _OF_SIXTH, _MOST_SIXTH = 0.045, 2.0  # of the sixth over the second difference of the heights, up to so much of that
 _OVER_GAP_SQUARED = 0.1  # over the square of the nodes between neighbouring patches
 _OF_THICKNESS = 1.0  # of s/(1 + s), s = r^2/(1 + r) d^-1.5, d the thickness [grid spacings] and r the nodes over that
-_ESTIMATED = 0.2  # of the nodes of a patch on a layer that the grid does not resolve
+_ESTIMATED = 0.3  # of the nodes of a patch on a layer that the grid does not resolve; half of how far from them it ends
 # The same of a gap, of 95 of 100 under loads of 0.1 to 0.95 of full contact.
 _ALWAYS_OF_GAP = 0.0005
 _OF_FOURTH, _MOST_FOURTH = 0.15, 2.0  # of the fourth over the second difference of the heights, up to so much of
@@ -118,7 +118,8 @@ def _by_loads(
     if resolved:
         error = _estimated(patches, chosen, sixth.max(axis=0), layer.thickness / period * n)
     else:
-        error = _ESTIMATED * patches.size[chosen]
+        nodes = patches.size[chosen]
+        error = np.asarray(np.maximum(_ESTIMATED * nodes, np.abs(nodes - 2 * found.half_width) / 2), np.float64)
     differ = np.maximum(np.abs(left - edges.left[chosen]), np.abs(right - edges.right[chosen]))
     better = found.solved & (error < edges.error[chosen])
     better &= differ < np.where(edges.counted[chosen], patches.size[chosen], _FARTHEST)
