@@ -19,7 +19,6 @@ from linecontact.solver.grid.contact import contact_edges
 from linecontact.solver.grid.few_nodes import response
 from linecontact.solver.grid.heights import Heights
 from linecontact.solver.grid.loads import from_loads, level_error
-from linecontact.solver.grid.patches import Patches
 from linecontact.solver.grid.surroundings import Surroundings
 from linecontact.solver.reference import closed_forms, collocation
 
@@ -51,23 +50,24 @@ def test_a_patch_whose_load_is_known_in_closed_form(cubic, quartic):
 @pytest.mark.parametrize("nodes", [1, 2, 5, 12])
 def test_what_a_patch_does_to_itself_is_taken_off(nodes, shift):
     """Also where the period ends; with polynomials of the degree that so many nodes can have."""
-    n, degree = 1024, min(6, nodes + 4)
-    patches = Patches.of(np.roll(np.arange(n) < nodes, shift))
-    x = np.minimum(np.arange(n), n - np.arange(n)) * np.where(np.arange(n) > n / 2, -1, 1)
+    n, degree, most = 1024, min(6, nodes + 4), response().size
     own = np.random.default_rng(nodes).uniform(1, 2, nodes)
-    near = np.abs(x) < nodes + 8
-    caused = np.zeros(n)
-    for node, load in enumerate(own):
-        away = np.abs(x - node)
-        caused += load * np.where(near, response()[np.minimum(away, response().size - 1)], 0.0)
-    smooth = 0.3 + 0.01 * x - (x / 20.0) ** degree
+
+    def smooth(x):
+        return 0.3 + 0.01 * x - (x / 20.0) ** degree
+
+    def pressure(node):
+        return own[(node - shift) % n]
+
+    def displacement(node):
+        x = (node - shift + n // 2) % n - n // 2
+        return smooth(x) - sum(load * response()[np.minimum(np.abs(x - j), most - 1)] for j, load in enumerate(own))
+
+    patch = (np.array([value]) for value in (shift, nodes, 50))
+    around = Surroundings.of_patches(*patch, pressure, displacement)
     at = np.linspace(-1, nodes, 9)
-    displacement = np.roll(np.where(near, smooth - caused, np.nan), shift)
-    around = Surroundings.of_patches(
-        patches, np.array([0]), own[np.argsort(patches.nodes != patches.first[0])], displacement
-    )
-    which, places = np.array([0]), (at + patches.first[0])[None]
-    np.testing.assert_allclose(around.values(which, places)[0], 0.3 + 0.01 * at - (at / 20) ** degree, atol=1e-10)
+    which, places = np.array([0]), (at + shift)[None]
+    np.testing.assert_allclose(around.values(which, places)[0], smooth(at), atol=1e-10)
     slope, bent = around.slope(which, places)
     np.testing.assert_allclose(slope[0], 0.01 - degree / 20 * (at / 20) ** (degree - 1), atol=1e-9)
     np.testing.assert_allclose(bent[0], -degree * (degree - 1) / 400 * (at / 20) ** (degree - 2), atol=1e-9)

@@ -1,7 +1,7 @@
 """Where a contact ends: by the pressures at its ends or by the loads of its patches, whichever knows it better."""
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -13,11 +13,11 @@ from .edges import COUNTED_BELOW, Edges, apart, find_edges, unseen_gaps
 from .few_nodes import MOST_NODES
 from .gaps import gap_ends
 from .heights import Heights
-from .layer_on_grid import modulus_on_grid
+from .layer_on_grid import Modulus, modulus_on_grid
 from .loads import from_loads, level_error
 from .patches import Patches
 from .shares import MOST_PATCHES, layer_response, shared_loads
-from .surroundings import Surroundings
+from .surroundings import Field, Surroundings
 
 _RESOLVED = 0.2  # logarithm of the shortest wave's modulus over the half-space's, up to which a grid resolves a layer
 _JAGGED = 1.9  # fourth over second difference of the heights; 2 for a wave of four grid spacings
@@ -36,7 +36,7 @@ _OF_FOURTH, _MOST_FOURTH = 0.15, 2.0  # of the fourth over the second difference
 # that; twice as much of a gap of one node, half more of one of two, and so on
 _OVER_THICKNESS_SQUARED = 0.8  # [grid spacings]
 
-_SECOND_FOURTH_SIXTH = np.array([[0, 0, 1, -2, 1, 0, 0], [0, 1, -4, 6, -4, 1, 0], [1, -6, 15, -20, 15, -6, 1]]).T
+_DIFFERENCES = np.array([[0, 0, 1, -2, 1, 0, 0], [0, 1, -4, 6, -4, 1, 0], [1, -6, 15, -20, 15, -6, 1]]).T
 _SHORT = 8  # nodes
 _FEW, _MANY = (np.polynomial.legendre.leggauss(points) for points in (8, 32))
 """Places and weights of the integral of h'^2 over patches of up to so many nodes, and over others."""
@@ -79,51 +79,84 @@ def ends(
     edges = find_edges(patches, inside, layer, period)
     if displacement is None or patches.full or not patches.count:
         return patches, edges
-    spacings = pressure.size / period
-    heights, surface = Heights(profile, spacings), displacement * spacings
-    edges = _by_loads(layer, period, patches, edges, inside, surface, heights)
-    edges = _by_gaps(layer, period, patches, edges, pressure * scale, surface, heights)
-    return patches, _with_slopes(edges, heights)
+    n, spacings = pressure.size, pressure.size / period
+    surface = _Surface(
+        layer=layer,
+        period=period,
+        heights=Heights(profile, spacings),
+        pressure=lambda nodes: pressure[nodes % n] * scale,
+        displacement=lambda nodes: displacement[nodes % n] * spacings,
+    )
+    edges = _by_loads(surface, patches, edges, inside)
+    edges = _by_gaps(surface, patches, edges)
+    return patches, _with_slopes(edges, surface.heights)
 
 
-def _by_loads(
-    layer: ElasticLayer,
-    period: float,
-    patches: Patches,
-    edges: Edges,
-    pressure: Array64,
-    displacement: Array64,
-    heights: Heights,
-) -> Edges:
+@dataclass(frozen=True)
+class _Surface:
+    """What is known of the surface on a grid."""
+
+    layer: ElasticLayer
+    """Below it."""
+    period: float
+    """L [length]."""
+    heights: Heights
+    """Of the indenter."""
+    pressure: Field
+    """Over E*."""
+    displacement: Field
+    """u [grid spacings]."""
+
+    @property
+    def num_points(self) -> int:
+        """N."""
+        return self.heights.profile.size
+
+    @property
+    def thickness(self) -> float:
+        """Of the layer [grid spacings]."""
+        return self.layer.thickness / self.period * self.num_points
+
+    @property
+    def modulus(self) -> Modulus:
+        """2K(q)/q over E*."""
+        return partial(modulus_on_grid, self.layer, num_points=self.num_points, period=self.period)
+
+    @property
+    def resolved(self) -> bool:
+        """Whether the grid's shortest wave finds a half-space."""
+        return abs(math.log(self.modulus(np.array([np.pi]))[0])) < _RESOLVED
+
+
+def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array64) -> Edges:
     """Edges with those ends of narrow patches that their loads tell better than their pressures.
 
-    pressure: over E*, on the contact nodes in compact order; displacement: shape (N,) [grid spacings].
+    pressure: over E*, on the contact nodes in compact order.
     """
-    n = displacement.size
-    unlike = _unlike(layer, n, period)
-    resolved = unlike < _RESOLVED
+    n, heights, resolved = surface.num_points, surface.heights, surface.resolved
     chosen = np.flatnonzero(patches.size <= min(MOST_NODES if resolved else COUNTED_BELOW - 1, n / 2))
     if not chosen.size:
         return edges
-    around = Surroundings.of_patches(patches, chosen, pressure, displacement)
+    gap = patches.to_neighbours[:, chosen].min(axis=0).astype(np.int64) - 1
+    first, size = patches.first[chosen], patches.size[chosen]
+    around = Surroundings.of_patches(first, size, gap, surface.pressure, surface.displacement)
     loads, start = patches.sums(pressure), _start(patches, edges, pressure, heights)[chosen]
-    modulus = None if resolved else partial(modulus_on_grid, layer, num_points=n, period=period)
-    found = from_loads(around, heights, loads[chosen], start, modulus)
+    found = from_loads(around, heights, loads[chosen], start, None if resolved else surface.modulus)
     if resolved and found.solved.any() and 1 < patches.count <= MOST_PATCHES:
         level = level_error(found, around, heights, loads[chosen])
-        loads = shared_loads(patches, chosen, pressure, found, level, layer_response(layer, n, period))
+        green = layer_response(surface.layer, n, surface.period)
+        loads = shared_loads(patches, chosen, pressure, found, level, green)
         found = from_loads(around, heights, loads[chosen], found.half_width, None)
     left, right = found.centre - found.half_width, found.centre + found.half_width
-    fourth, sixth = _differences(heights.profile, _middles(patches, chosen))
+    fourth, sixth = _differences(heights.profile, first, size)
     if resolved:
-        error = _estimated(patches, chosen, sixth.max(axis=0), layer.thickness / period * n)
+        error = _estimated(patches, chosen, sixth.max(axis=1), surface.thickness)
     else:
-        nodes = patches.size[chosen]
-        error = np.asarray(np.maximum(_ESTIMATED * nodes, np.abs(nodes - 2 * found.half_width) / 2), np.float64)
+        error = np.asarray(np.maximum(_ESTIMATED * size, np.abs(size - 2 * found.half_width) / 2), np.float64)
     differ = np.maximum(np.abs(left - edges.left[chosen]), np.abs(right - edges.right[chosen]))
     better = found.solved & (error < edges.error[chosen])
-    better &= differ < np.where(edges.counted[chosen], patches.size[chosen], _FARTHEST)
-    better &= ~(fourth.min(axis=0) > _JAGGED)
+    better &= differ < np.where(edges.counted[chosen], size, _FARTHEST)
+    better &= ~(fourth.min(axis=1) > _JAGGED)
     lefts, rights, errors = edges.left.copy(), edges.right.copy(), edges.end_errors.copy()
     counted, by_load, which = edges.counted.copy(), np.zeros(patches.count, dtype=bool), chosen[better]
     lefts[which], rights[which], errors[:, which] = left[better], right[better], error[better] * math.sqrt(0.5)
@@ -132,53 +165,36 @@ def _by_loads(
     return Edges(lefts, rights, errors, counted, by_load)
 
 
-def _by_gaps(
-    layer: ElasticLayer,
-    period: float,
-    patches: Patches,
-    edges: Edges,
-    pressure: Array64,
-    displacement: Array64,
-    heights: Heights,
-) -> Edges:
-    """Edges with those ends of patches on both sides of a narrow gap that the gap tells better than they do.
-
-    pressure: over E*; displacement: [grid spacings]; both of shape (N,).
-    """
-    n = pressure.size
-    after = (np.arange(patches.count) + 1) % patches.count
-    size = patches.to_neighbours[1] - 1
-    narrow = size <= np.minimum(np.minimum(patches.size, patches.size[after]), MOST_NODES)
-    narrow &= np.minimum(patches.size, patches.size[after]) >= COUNTED_BELOW
-    if not narrow.any() or _unlike(layer, n, period) >= _RESOLVED:
+def _by_gaps(surface: _Surface, patches: Patches, edges: Edges) -> Edges:
+    """Edges with those ends of patches on both sides of a narrow gap that the gap tells better than they do."""
+    n = surface.num_points
+    gap, narrower = patches.to_neighbours[1].astype(np.int64) - 1, np.minimum(patches.size, np.roll(patches.size, -1))
+    before = np.flatnonzero((gap <= np.minimum(narrower, MOST_NODES)) & (narrower >= COUNTED_BELOW))
+    if not before.size or not surface.resolved:
         return edges
-    before = np.flatnonzero(narrow)
-    gaps = Patches.of(pressure == 0)
-    chosen = np.searchsorted(gaps.first, (patches.last[before] + 1) % n)
-    opening = heights.profile[gaps.nodes] * heights.scale - displacement[gaps.nodes]
-    closed = Surroundings.of_gaps(gaps, chosen, opening, pressure)
-    behind = after[before]
-    moved = (patches.last[before] + 1) - gaps.first[chosen]  # whole periods
+    behind, heights = (before + 1) % patches.count, surface.heights
+    first, size = patches.last[before] + 1, gap[before]
+
+    def opening(nodes: Indices) -> Array64:
+        height: Array64 = heights.profile[nodes % n] * heights.scale
+        return height - surface.displacement(nodes)
+
+    closed = Surroundings.of_gaps(first, size, narrower[before], opening, surface.pressure)
     left, right = edges.right[before], edges.left[behind]
     right = right + np.where(right < left, n, 0)
-    found = gap_ends(closed, left - moved, right - moved)
-    fourth, _ = _differences(heights.profile, _middles(gaps, chosen))
-    error = _ALWAYS_OF_GAP + _OF_FOURTH * np.minimum(fourth.max(axis=0), _MOST_FOURTH) * (1 + 1 / size[before])
-    error += _OVER_THICKNESS_SQUARED / (layer.thickness / period * n) ** 2
+    found = gap_ends(closed, left, right)
+    fourth, _ = _differences(heights.profile, first, size)
+    error = _ALWAYS_OF_GAP + _OF_FOURTH * np.minimum(fourth.max(axis=1), _MOST_FOURTH) * (1 + 1 / size)
+    error += _OVER_THICKNESS_SQUARED / surface.thickness**2
     known = np.hypot(edges.end_errors[1, before], edges.end_errors[0, behind])
-    differ = np.maximum(np.abs(found.left + moved - left), np.abs(found.right + moved - right))
-    better = found.solved & (error < known) & (differ < _FARTHEST)
+    inwards, outwards = found.left - left, found.right - right
+    better = found.solved & (error < known) & (np.maximum(np.abs(inwards), np.abs(outwards)) < _FARTHEST)
     lefts, rights, errors = edges.left.copy(), edges.right.copy(), edges.end_errors.copy()
     one, other = before[better], behind[better]
-    rights[one] += (found.left + moved - left)[better]
-    lefts[other] += (found.right + moved - right)[better]
+    rights[one] += inwards[better]
+    lefts[other] += outwards[better]
     errors[1, one] = errors[0, other] = error[better] * math.sqrt(0.5)
     return replace(edges, left=lefts, right=rights, end_errors=errors)
-
-
-def _unlike(layer: ElasticLayer, num_points: int, period: float) -> float:
-    """Logarithm of the stiffness for the grid's shortest wave over the half-space's, taken positive (dimensionless)."""
-    return abs(math.log(modulus_on_grid(layer, np.array([np.pi]), num_points, period)[0]))
 
 
 def _start(patches: Patches, edges: Edges, pressure: Array64, heights: Heights) -> Array64:
@@ -200,20 +216,15 @@ def _estimated(patches: Patches, chosen: Indices, sixth: Array64, thickness: flo
     return np.asarray(error + _OVER_GAP_SQUARED * (1 / before**2 + 1 / after**2))
 
 
-def _middles(runs: Patches, chosen: Indices) -> Indices:
-    """The middle nodes of runs of nodes, twice the same where their number is odd, shape (2, runs)."""
-    twice = (runs.first + runs.last)[chosen]
-    return np.stack([twice // 2, (twice + 1) // 2])
-
-
-def _differences(profile: Array64, nodes: Indices) -> tuple[Array64, Array64]:
-    """Fourth and sixth over second differences of the profile at nodes, taken positive, of their shape: how little the
-    nodes tell of the heights between them.
+def _differences(profile: Array64, first: Indices, size: Indices) -> tuple[Array64, Array64]:
+    """Fourth and sixth over second differences of the profile, taken positive, at the two nodes in the middle of each
+    run of nodes, or twice at one, shape (runs, 2): how little the nodes tell of the heights between them.
     """
-    at = profile[(nodes[..., None] + np.arange(-3, 4)) % profile.size]
-    second, fourth, sixth = np.abs(at @ _SECOND_FOURTH_SIXTH).T
+    twice = 2 * first + size - 1
+    nodes = np.stack([twice // 2, (twice + 1) // 2])
+    second, fourth, sixth = np.abs(profile[(nodes[..., None] + np.arange(-3, 4)) % profile.size] @ _DIFFERENCES).T
     with np.errstate(divide="ignore", invalid="ignore"):
-        return fourth.T / second.T, sixth.T / second.T
+        return fourth / second, sixth / second
 
 
 def _with_slopes(edges: Edges, heights: Heights) -> Edges:

@@ -98,8 +98,8 @@ class Stiffness:
 
 
 @kept
-def _stiffness(layer: ElasticLayer, num_points: int, period: float) -> Stiffness:
-    """Raises `ValueError` like `half_spectrum`."""
+def stiffness_on_grid(layer: ElasticLayer, num_points: int, period: float) -> Stiffness:
+    """K(q_k) of a layer on a grid. Raises `ValueError` like `half_spectrum`."""
     values = half_spectrum(layer, num_points, period)
     unit = 2.0 ** math.floor(math.log2(values.max()))
     values /= unit
@@ -131,7 +131,7 @@ class Problem:
     def from_scene(cls, scene: Scene, num_points: int | None = None) -> "Problem":
         """Discretise a scene on its own grid, or on another one of `num_points`."""
         n = num_points or scene.num_points
-        rigidity = _stiffness(scene.layer, n, scene.period)
+        rigidity = stiffness_on_grid(scene.layer, n, scene.period)
         unit = scene.reduced_load / rigidity.unit
         profile = _profile(scene.indenter, n, scene.period)
         with np.errstate(over="ignore"):

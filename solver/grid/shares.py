@@ -20,7 +20,7 @@ from .few_nodes import response
 from .kept import kept
 from .loads import FromLoads, punch_compliance
 from .patches import Patches
-from .problem import half_spectrum
+from .problem import stiffness_on_grid
 
 MOST_PATCHES = 400
 """Above, the dense matrix would take longer than it is worth."""
@@ -30,7 +30,8 @@ MOST_PATCHES = 400
 def layer_response(layer: ElasticLayer, num_points: int, period: float) -> Array64:
     """Displacement around a node by a unit load on it, without its mean, shape (N,), read-only (E* = 1)."""
     modes = np.zeros(num_points // 2 + 1, dtype=np.complex128)
-    np.divide(num_points, half_spectrum(layer, num_points, period)[1:], out=modes[1:])
+    stiffness = stiffness_on_grid(layer, num_points, period)
+    np.divide(num_points / stiffness.unit, stiffness.values[1:], out=modes[1:])
     found = irfft(modes, num_points, overwrite=True)
     found.flags.writeable = False
     return found

@@ -12,14 +12,17 @@ Units: grid spacings, and E* = 1.
 """
 
 import functools
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, Self
 
 import numpy as np
 
 from ..arrays import Array64, Indices
 from .few_nodes import MARGIN, response, stiffness
-from .patches import Patches
+
+Field = Callable[[Indices], Array64]
+"""Values at nodes, of any shape, which may lie beyond the ends of the period."""
 
 _DEGREE = 6  # of the polynomials, at most
 _TERMS = np.arange(_DEGREE + 1)
@@ -37,36 +40,34 @@ class Surroundings:
     """From the constant to the highest power, shape (runs, 7) [unit of the field]."""
 
     @classmethod
-    def of_patches(cls, patches: Patches, chosen: Indices, pressure: Array64, displacement: Array64) -> "Surroundings":
-        """The displacement [grid spacings] that is not caused by the chosen patches' own pressures, of each alone.
+    def of_patches(cls, first: Indices, size: Indices, gap: Indices, pressure: Field, displacement: Field) -> Self:
+        """The displacement [grid spacings] that is not caused by some patches' own pressures, of each alone.
 
-        pressure: over E*, on the contact nodes in compact order; displacement: shape (N,) [grid spacings].
+        first, size: first nodes and numbers of nodes of the patches, up to `few_nodes.MOST_NODES`; gap: nodes of the
+        narrower one of the gaps beside each; all of shape (runs,). pressure: over E*.
         """
-        return cls._of(patches, chosen, pressure, displacement, _fit_of_patch)
+        return cls._of(first, size, gap, pressure, displacement, _fit_of_patch)
 
     @classmethod
-    def of_gaps(cls, gaps: Patches, chosen: Indices, opening: Array64, pressure: Array64) -> "Surroundings":
-        """The pressure over E* that is not caused by the chosen gaps' own openings, of each alone.
+    def of_gaps(cls, first: Indices, size: Indices, patch: Indices, opening: Field, pressure: Field) -> Self:
+        """The pressure over E* that is not caused by some gaps' own openings, of each alone.
 
-        opening: h - u on the open nodes in compact order [grid spacings]; pressure: shape (N,), 0 on the open nodes.
+        The arguments are those of `of_patches`, with patches and gaps in each other's place. opening: h - u [grid
+        spacings]; pressure: 0 on the open nodes.
         """
-        return cls._of(gaps, chosen, opening, pressure, _fit_of_gap)
+        return cls._of(first, size, patch, opening, pressure, _fit_of_gap)
 
     @classmethod
-    def _of(cls, runs: Patches, chosen: Indices, own: Array64, field: Array64, fit: "_Fit") -> "Surroundings":
-        """own: on the runs' nodes in compact order; runs of up to `few_nodes.MOST_NODES` nodes."""
-        first, size = runs.first[chosen], runs.size[chosen]
-        between = runs.to_neighbours[:, chosen].min(axis=0).astype(np.int64) - 1
-        margin = np.clip(between // 2, 1, MARGIN)
-        coefficients = np.zeros((chosen.size, _TERMS.size))
+    def _of(cls, first: Indices, size: Indices, beside: Indices, own: Field, field: Field, fit: "_Fit") -> Self:
+        margin = np.clip(beside // 2, 1, MARGIN)
+        coefficients = np.zeros((size.size, _TERMS.size))
         kinds = size * (MARGIN + 1) + margin
         for kind in np.unique(kinds):
             (which,) = np.nonzero(kinds == kind)
             nodes, beyond = divmod(int(kind), MARGIN + 1)
             of_field, of_own = fit(nodes, beyond)
             at = first[which, None] + np.arange(-beyond, nodes + beyond)
-            inside = runs.offset[chosen[which], None] + np.arange(nodes)
-            coefficients[which] = field[at % field.size] @ of_field + own[inside] @ of_own
+            coefficients[which] = field(at) @ of_field + own(at[:, beyond : beyond + nodes]) @ of_own
         return cls(first + (size - 1) / 2, (size - 1) / 2 + margin, coefficients)
 
     def slope(self, which: Indices, at: Array64) -> tuple[Array64, Array64]:
