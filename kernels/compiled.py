@@ -22,6 +22,8 @@ MODULES = {
     "warp_sums": ("net_force", "plain_sums"),
 }
 """The kernels, by the modules that they are in."""
+GPU_BLOCK = 256
+"""Threads of a block on a GPU; Warp compiles a module anew for another number."""
 KERNELS = tuple(name for names in MODULES.values() for name in names)
 
 _lock = threading.RLock()  # of several threads one compiles
@@ -45,7 +47,7 @@ def _load() -> dict[str, Any]:
     modules = [importlib.import_module(f"{__package__}.{name}") for name in MODULES]
     for module in modules:
         wp.set_module_options({"cpu_compiler_flags": flags()[module.__name__.rpartition(".")[2]]}, module)
-    return _compile(modules)
+    return compile_modules(modules)
 
 
 def recompile(names: Collection[str], chunk: int, compiled_with: str | None) -> dict[str, Any]:
@@ -65,14 +67,15 @@ def recompile(names: Collection[str], chunk: int, compiled_with: str | None) -> 
 
 @functools.cache
 def _recompile(module: str, chunk: int, compiled_with: str | None) -> dict[str, Any]:
-    return _compile([copy_module(module, chunk, flags()[module] if compiled_with is None else compiled_with)])
+    return compile_modules([copy_module(module, chunk, flags()[module] if compiled_with is None else compiled_with)])
 
 
-def _compile(modules: list[ModuleType]) -> dict[str, Any]:
-    """Warp's kernels by name, in both precisions, of `MODULES` or of copies of them."""
+def compile_modules(modules: list[ModuleType], device: str = "cpu") -> dict[str, Any]:
+    """Warp's kernels by name, in both precisions, of `MODULES` or of copies of them; device: Warp's name of it."""
     import warp as wp
 
-    kernels = {name: vars(module)[name] for module in modules for name in KERNELS if name in vars(module)}
+    names = (*KERNELS, "fold_sums")
+    kernels = {name: vars(module)[name] for module in modules for name in names if name in vars(module)}
     for kernel in kernels.values():
         if kernel.is_generic:
             arguments = {a.label: a.type for a in kernel.adj.args}
@@ -82,20 +85,20 @@ def _compile(modules: list[ModuleType]) -> dict[str, Any]:
     if "advance_response" in kernels:
         single, double, state = wp.array(dtype=wp.float32), wp.array(dtype=wp.float64), wp.array(dtype=wp.float64)
         wp.overload(kernels["advance_response"], {"change": single, "state": state, "response": double})
-    cold = [module for module in modules if not _is_compiled(module.__name__)]
-    if cold:
+    if not all(_is_compiled(module.__name__, device) for module in modules):
         _logger.warning("linecontact: compiling kernels for this processor, once; this takes some seconds")
     for module in modules:
-        wp.load_module(module, device="cpu")
+        wp.load_module(module, device=device)
     return kernels
 
 
-def _is_compiled(module: str) -> bool:
-    """Whether Warp's cache holds this module for the CPU, where blocks are of one thread."""
+def _is_compiled(module: str, device: str) -> bool:
+    """Whether Warp's cache holds this module for a device; for the CPU, where blocks are of one thread."""
     import warp as wp
 
-    folder = Path(str(wp.config.kernel_cache_dir)) / wp.get_module(module).get_module_identifier(1)
-    return any(folder.glob("*.o"))
+    block, ending = (1, "o") if device == "cpu" else (GPU_BLOCK, "[cp][ut]*")  # .cubin or .ptx
+    folder = Path(str(wp.config.kernel_cache_dir)) / wp.get_module(module).get_module_identifier(block)
+    return any(folder.glob(f"*.{ending}"))
 
 
 @functools.cache

@@ -14,15 +14,18 @@ from .layout import BOUND, CHUNK, STEP
 wp.set_module_options({"enable_backward": False})
 
 CHUNK_LENGTH = wp.constant(CHUNK)
+LANES = wp.constant(1)
+SPAN = wp.constant(CHUNK)
 HALF_CHUNK = wp.constant(CHUNK // 2)
 
 
 @wp.kernel
 def spectral_multiply(coefficient: wp.array[Any], spectrum: wp.array[Any]):
     """spectrum *= coefficient on the flat real view; the coefficient of a mode stands there twice (re, im)."""
-    start = wp.tid() * CHUNK_LENGTH
+    tid = wp.tid()
+    start = tid // LANES * SPAN + tid % LANES
     for j in range(CHUNK_LENGTH):
-        i = start + j
+        i = start + j * LANES
         spectrum[i] = coefficient[i] * spectrum[i]
 
 
@@ -56,10 +59,11 @@ def advance_response(change: wp.array[Any], state: wp.array[wp.float64], respons
 
     In mixed precision the change is float32 and the response float64.
     """
-    start = wp.tid() * CHUNK_LENGTH
+    tid = wp.tid()
+    start = tid // LANES * SPAN + tid % LANES
     step = response.dtype(state[STEP])
     for j in range(CHUNK_LENGTH):
-        i = start + j
+        i = start + j * LANES
         response[i] = response[i] + step * response.dtype(change[i])
 
 
@@ -67,10 +71,10 @@ def advance_response(change: wp.array[Any], state: wp.array[wp.float64], respons
 def count_below(response: wp.array[Any], h: wp.array[Any], state: wp.array[wp.float64], counts: wp.array[wp.float64]):
     """Nodes of the chunk where h + w is below the bound."""
     tid = wp.tid()
-    start = tid * CHUNK_LENGTH
+    start = tid // LANES * SPAN + tid % LANES
     bound = h.dtype(state[BOUND])
     count = h.dtype(0.0)
     for j in range(CHUNK_LENGTH):
-        i = start + j
+        i = start + j * LANES
         count += wp.where(h[i] + response[i] < bound, h.dtype(1.0), h.dtype(0.0))
     counts[tid] = wp.float64(count)

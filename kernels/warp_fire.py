@@ -37,6 +37,8 @@ from .layout import (
 wp.set_module_options({"enable_backward": False})
 
 CHUNK_LENGTH = wp.constant(CHUNK)
+LANES = wp.constant(1)
+SPAN = wp.constant(CHUNK)
 ON_WALL = wp.constant(TOUCHING)
 BLOCK = wp.constant(32)
 
@@ -69,10 +71,10 @@ def restrict_to_free(force: wp.array[Any], field: wp.array[Any], squares: wp.arr
     slower on some processors. An infinite value on a held node becomes NaN.
     """
     tid = wp.tid()
-    start = tid * CHUNK_LENGTH
+    start = tid // LANES * SPAN + tid % LANES
     sum_of_squares = field.dtype(0.0)
     for j in range(CHUNK_LENGTH):
-        i = start + j
+        i = start + j * LANES
         x = field[i] * wp.where(force[i] == field.dtype(0.0), field.dtype(0.0), field.dtype(1.0))
         field[i] = x
         sum_of_squares += x * x
@@ -150,12 +152,13 @@ def fire_step(
     v: wp.array[Any],
 ):
     """v = mix v + gain a, u += dt v, then the hard wall: FIRE's fused update and projection in one pass."""
-    start = wp.tid() * CHUNK_LENGTH
+    tid = wp.tid()
+    start = tid // LANES * SPAN + tid % LANES
     mix = u.dtype(state[MIX])
     gain = u.dtype(state[GAIN])
     dt = u.dtype(state[DT])
     for j in range(CHUNK_LENGTH):
-        i = start + j
+        i = start + j * LANES
         ui, vi = advance(u[i], v[i], acceleration[i], h[i], mix, gain, dt)
         u[i] = ui
         v[i] = vi
@@ -170,12 +173,13 @@ def plain_step(
     v: wp.array[Any],
 ):
     """`fire_step` with the free force, made from K u, as the acceleration."""
-    start = wp.tid() * CHUNK_LENGTH
+    tid = wp.tid()
+    start = tid // LANES * SPAN + tid % LANES
     mix = u.dtype(state[MIX])
     gain = u.dtype(state[GAIN])
     dt = u.dtype(state[DT])
     for j in range(CHUNK_LENGTH):
-        i = start + j
+        i = start + j * LANES
         r = u.dtype(1.0) - elastic[i]
         f = wp.where(held(r, v[i]), u.dtype(0.0), r)
         ui, vi = advance(u[i], v[i], f, h[i], mix, gain, dt)

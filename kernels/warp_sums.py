@@ -13,6 +13,8 @@ from .warp_fire import held
 wp.set_module_options({"enable_backward": False})
 
 CHUNK_LENGTH = wp.constant(CHUNK)
+LANES = wp.constant(1)
+SPAN = wp.constant(CHUNK)
 
 
 @wp.kernel
@@ -28,13 +30,13 @@ def net_force(
 ):
     """Free part f of r = load - K u, with the chunk's sums f.f, v.f and v.v and its number of held nodes."""
     tid = wp.tid()
-    start = tid * CHUNK_LENGTH
+    start = tid // LANES * SPAN + tid % LANES
     squares = elastic.dtype(0.0)
     count = elastic.dtype(0.0)
     power = elastic.dtype(0.0)
     vv = elastic.dtype(0.0)
     for j in range(CHUNK_LENGTH):
-        i = start + j
+        i = start + j * LANES
         r = load[i] - elastic[i]
         v = velocity[i]
         on_wall = held(r, v)
@@ -61,13 +63,13 @@ def plain_sums(
 ):
     """Plain FIRE's sums f.f, v.f, v.v and the number of held nodes; the force is made again in `plain_step`."""
     tid = wp.tid()
-    start = tid * CHUNK_LENGTH
+    start = tid // LANES * SPAN + tid % LANES
     squares = elastic.dtype(0.0)
     count = elastic.dtype(0.0)
     power = elastic.dtype(0.0)
     vv = elastic.dtype(0.0)
     for j in range(CHUNK_LENGTH):
-        i = start + j
+        i = start + j * LANES
         r = elastic.dtype(1.0) - elastic[i]
         v = velocity[i]
         on_wall = held(r, v)

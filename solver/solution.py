@@ -131,6 +131,8 @@ class Solution:
     """Of what: one of `QUANTITIES`."""
     choices: tuple[Choice, ...] = field(default_factory=tuple)
     """What was chosen for the user, and why."""
+    device: str = "cpu"
+    """Where the method worked: 'cpu', or the name of the GPU."""
 
     def __repr__(self) -> str:
         """What was found, in a few lines with units, and the scene; arrays are left out."""
@@ -235,6 +237,7 @@ class Solution:
             "threads": self.threads,
             "planning": self.planning,
             "backend": self.backend,
+            **({"device": self.device} if self.device != "cpu" else {}),
             "scene": self.scene.to_dict(),
             "version": __version__,
             "provenance": provenance(),

@@ -15,6 +15,7 @@ from .strategy.no_contact import nothing_touches, without_contact
 from .strategy.to_accuracy import check_accuracy, solve_to_accuracy
 from .strategy.to_approach import solve_to_approach
 from .strategy.to_tolerance import solve_to_tolerance
+from .transforms.device import DEVICES, borrowed, check_device
 from .transforms.planned import check_settings
 
 
@@ -32,6 +33,7 @@ def solve(
     threads: int = 1,
     planning: str = "estimate",
     backend: str = "warp",
+    device: str = "cpu",
     progress: Progress | None = None,
 ) -> Solution:
     """Solve a scene.
@@ -52,6 +54,8 @@ def solve(
     threads: of FFTW; where other programs keep the cores busy, two take many times as long as one.
     planning: FFTW's effort, 'estimate', 'measure' or 'patient'; what it finds is kept at once.
     backend: 'warp', or 'numpy' for the twins.
+    device: where the method works: 'cpu', or 'cuda' for a GPU, with a method whose `MethodKind.devices` names it. There
+        threads and planning, which are FFTW's, concern the certificate alone, which is computed on the CPU.
     progress: called about ten times a second with (iteration, residual).
 
     A solve that fails to converge returns, too: see `Solution.status` and `Solution.reason`. So does one that Ctrl-C
@@ -64,14 +68,16 @@ def solve(
     if not (progress is None or callable(progress)):
         raise ValueError(f"progress is {progress!r}; allowed: a function of an iteration and a residual, or None")
     threads, planning = check_settings(threads, planning)
-    means = Means(threads, planning, checks.choice("backend", backend, BACKENDS), progress)
+    backend, device = checks.choice("backend", backend, BACKENDS), checks.choice("device", device, DEVICES)
+    means = Means(threads, planning, backend, device, progress)
     if scene.approach is not None and not (accuracy is None and initial is None):
         given = f"accuracy is {accuracy!r}" if initial is None else "initial is given"
         raise ValueError(f"{given}; allowed: none for a scene with an approach")
     accuracy = check_accuracy(accuracy, accuracy_of)
     if accuracy is not None:
         chosen = {"method": method, "nested": nested, "tolerance": tolerance, "initial": initial}
-        for name, value in (chosen | {"max_iterations": max_iterations}).items():
+        chosen |= {"max_iterations": max_iterations, "device": None if device == "cpu" else device}
+        for name, value in chosen.items():
             if value is not None:
                 raise ValueError(f"{name} is {value!r}; allowed: without accuracy only, which chooses it")
         if nothing_touches(scene):
@@ -80,6 +86,7 @@ def solve(
     kind = METHODS[checks.choice("method", DEFAULT.name if method is None else method, tuple(METHODS))]
     if not isinstance(kind, MethodKind):
         raise ValueError(f"method {method} is {kind!r} in METHODS; allowed: a MethodKind")
+    _check_device(means, kind)
     if max_iterations is not None:
         max_iterations = checks.integer("max_iterations", max_iterations, "an integer from 1 to 2^53", 1, 2**53)
 
@@ -89,4 +96,16 @@ def solve(
     def under_load(scene: Scene) -> Solution:
         return solve_to_tolerance(Effort(scene, kind, means, max_iterations), nested, tolerance, initial)
 
-    return under_load(scene) if scene.approach is None else solve_to_approach(scene, under_load)
+    with borrowed(device):
+        return under_load(scene) if scene.approach is None else solve_to_approach(scene, under_load)
+
+
+def _check_device(means: Means, kind: MethodKind) -> None:
+    """Raise `ValueError` for a device that the method cannot work on, or that is not there."""
+    if means.device not in kind.devices:
+        able = ", ".join(other.name for other in METHODS.values() if means.device in other.devices)
+        allowed = f"{', '.join(kind.devices)} for method {kind.name}, or one of the methods {able}"
+        raise ValueError(f"device is {means.device!r}; allowed: {allowed}")
+    if means.device != "cpu" and means.backend != "warp":
+        raise ValueError(f"backend is {means.backend!r}; allowed: warp, on device {means.device}")
+    check_device(means.device)

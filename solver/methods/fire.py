@@ -10,6 +10,7 @@ KIND = MethodKind(
     begin=lambda problem, setting: begin_fire(Fire, problem, setting),
     max_iterations=200_000,
     precisions=("float64", "float32", "mixed"),
+    devices=("cpu", "cuda"),
     grows=True,
     starts_again=True,
     share=0.15,

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...kernels import CHUNK, Call, layout, record, sequence
+from ...kernels import Call, layout, sequence
 from ..arrays import Array, Array64
 from ..grid.problem import Problem
 from ..transforms.planned import Transforms
@@ -47,6 +47,11 @@ class Fire(Method):
     """State of a relaxation by plain FIRE: u, v and work, each of shape (padded N,) in the problem's units."""
 
     parameters = FireParameters()
+    repeat: Callable[["Fire", int], None] | None = None
+    """Where iterations can be repeated without a look at the control state: does so, at most so many times."""
+    pairs_per_iteration = 1
+    buffers = 6
+    """How many arrays of N values it has, those of the transforms included."""
 
     def __init__(
         self, problem: Problem, transforms: Transforms, tolerance: float, backend: str, own_load: bool = False
@@ -65,12 +70,12 @@ class Fire(Method):
         self._apply_stiffness = self._operator(self.u, problem.stiffness)
         self._start_state()
         self._prepare(own_load)
-        self.height[:n] = problem.height
+        transforms.put(self.height, problem.height)
         self.start(np.zeros(n))
 
     def start(self, displacement: Array64) -> None:
         """Begin at rest from u, shape (N,) [u], put below the wall."""
-        self.u[: self.num_points] = displacement
+        self.transforms.put(self.u, displacement)
         self.v[:] = 0
         self.stop_at_wall()
 
@@ -84,7 +89,7 @@ class Fire(Method):
         return self.transforms.forward(source), multiply, self._inverse
 
     def _replay(self, *calls: Call) -> Callable[[], None]:
-        return record(self.backend, calls)
+        return self.transforms.record(self.backend, calls)
 
     def _start_state(self) -> None:
         s, p = np.zeros(layout.STATE_LENGTH), self.parameters
@@ -93,7 +98,7 @@ class Fire(Method):
         s[layout.F_ALPHA] = p.f_alpha
         s[layout.TOLERANCE], s[layout.NUM_POINTS] = self.tolerance, self.u.size
         s[layout.RESIDUAL] = np.inf
-        self.state = s
+        self.state = self.transforms.take(s)
 
     def _limit_step(self, stiffest: float, longest: float = math.inf) -> None:
         """Limit dt by the stiffest mode, and by a longest step."""
@@ -106,7 +111,7 @@ class Fire(Method):
     def _arrays(self, **more: Array) -> dict[str, Array]:
         """The arrays of a step by the names that the sequences of kernels have for them."""
         sums = (f"{name}_sums" for name in ("force", "held", "power", "velocity", "acceleration"))
-        found: dict[str, Array] = {name: np.zeros(self.u.size // CHUNK) for name in sums}
+        found: dict[str, Array] = {name: self.transforms.sums(self.u.size) for name in sums}
         return found | {"elastic": self.work, "h": self.height, "state": self.state, "u": self.u, "v": self.v} | more
 
     def _prepare(self, own_load: bool) -> None:
@@ -124,7 +129,8 @@ class Fire(Method):
     def displacement(self) -> Array64:
         """u, shape (N,) [u], in float64; nodes on the wall of this precision stand on the exact wall."""
         n, height = self.num_points, self.problem.height
-        return np.where(self.u[:n] >= self.height[:n], height, np.minimum(self.u[:n].astype(np.float64), height))
+        u, wall = self.transforms.fetch(self.u[:n]), self.transforms.fetch(self.height[:n])
+        return np.where(u >= wall, height, np.minimum(u.astype(np.float64), height))
 
     @property
     def contact_pressure(self) -> Array64:
@@ -154,18 +160,30 @@ class Fire(Method):
         """Iterations without a new minimum of the residual after which there is no hope; sqrt(N) is FIRE's own pace."""
         return 1000 + 20 * math.isqrt(self.num_points)
 
-    def parts(self) -> tuple[tuple[str, Callable[[], None]], ...]:
-        """One iteration in order: ('FFTs' or 'rest', function)."""
-        forward, multiply, inverse = self._apply_stiffness
-        return ("FFTs", forward), ("rest", multiply), ("FFTs", inverse), ("rest", self._move)
+    @property
+    def parts(self) -> Operator:
+        """What one iteration does, in order."""
+        return *self._apply_stiffness, self._move
+
+    @property
+    def alike(self) -> int:
+        """How many iterations from here on do nothing but their parts."""
+        return self.patience or 1
+
+    def steps(self, most: int) -> None:
+        """One iteration, or up to `most` where they are repeated without a look at the control state."""
+        if self.repeat is None:
+            self.step()
+        else:
+            self.repeat(self, most)
 
     def step(self) -> None:
         """One FIRE iteration, one transform pair."""
         self._apply(self._apply_stiffness)
         self._move()
-        self._after_step()
+        self.after_step()
 
-    def _after_step(self) -> None:
+    def after_step(self) -> None:
         """After a lift-off: a rigid shift back to first touch, which costs no elastic energy (K = 0 there)."""
         if self.state[layout.HELD] > self.padding:
             return
@@ -179,9 +197,13 @@ class Fire(Method):
     def stop_at_wall(self) -> None:
         """Put u below the wall and mark the nodes that touch it, as a step does."""
         hit = self.u >= self.height
-        self.u[hit], self.v[hit] = self.height[hit], layout.TOUCHING
+        self.u[:], self.v[hit] = np.where(hit, self.height, self.u), layout.TOUCHING
 
     def _apply(self, operator: Operator) -> None:
         for part in operator:
             part()
-        self._pairs += 1
+        self.add_pairs(1)
+
+    def add_pairs(self, count: float) -> None:
+        """Add pairs of transforms to those that were done."""
+        self._pairs += count

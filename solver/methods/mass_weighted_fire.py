@@ -19,7 +19,7 @@ import math
 import numpy as np
 
 from ...kernels import Call, sequence
-from .fire_state import Fire, FireParameters
+from .fire_state import Fire, FireParameters, Operator
 from .method import MethodKind
 from .rebased_fire import begin_fire
 
@@ -33,6 +33,8 @@ class MassWeightedFire(Fire):
     """
 
     parameters = FireParameters(n_min=1, f_dec=0.8)
+    pairs_per_iteration = 2
+    buffers = 10
     probe_every, probe_steps = 100, 6  # iterations between estimates of lambda_max, power iterations in each
 
     @property
@@ -46,14 +48,27 @@ class MassWeightedFire(Fire):
         mass = self.problem.stiffness.copy()
         mass[0] = mass[1:].min()
         self._apply_inverse_mass = self._operator(self.force, 1 / mass)
-        forward = self.transforms.forward(self.probe)
-        self._probe_stiffness = forward, *self._apply_stiffness[1:], self._keep_probe
-        self._probe_inverse_mass = forward, *self._apply_inverse_mass[1:], self._keep_probe
+        forward, probe, free = self.transforms.forward(self.probe), self.probe, self.work
+
+        def keep() -> None:
+            probe[:] = free  # it is free once the force is known
+
+        self._probe_stiffness = forward, *self._apply_stiffness[1:], keep
+        self._probe_inverse_mass = forward, *self._apply_inverse_mass[1:], keep
         arrays = self._arrays(force=self.force, load=self.load, acceleration=self.work)
         self._squares = arrays["acceleration_sums"]  # free for the probe, between two steps
         self._find_force = self._replay(*sequence("find_force", arrays))
         self._move = self._replay(*sequence("mass_weighted_move", arrays))
         self._restrict = self._replay(Call("restrict_to_free", (self.force,), (self.probe, self._squares)))
+
+    @property
+    def parts(self) -> Operator:
+        return *self._apply_stiffness, self._find_force, *self._apply_inverse_mass, self._move
+
+    @property
+    def alike(self) -> int:
+        """Up to the next estimate of lambda_max, which is part of an iteration."""
+        return -self.iteration % self.probe_every
 
     def step(self) -> None:
         """One FIRE iteration, two transform pairs."""
@@ -63,12 +78,12 @@ class MassWeightedFire(Fire):
             self._measure_stiffest()
         self._apply(self._apply_inverse_mass)
         self._move()
-        self._after_step()
+        self.after_step()
 
     def _measure_stiffest(self) -> None:
         """lambda_max of P M^-1 P K P on the present free nodes by power iterations on `probe`, kept for next time."""
         if not self.probe.any():
-            self.probe[: self.num_points] = np.random.default_rng(0).standard_normal(self.num_points)
+            self.transforms.put(self.probe, np.random.default_rng(0).standard_normal(self.num_points))
             self._apply(self._probe_inverse_mass)  # white noise is mostly stiff modes: smooth it
             self._project_probe()
         growth = 1.0
@@ -79,9 +94,6 @@ class MassWeightedFire(Fire):
             growth = self._project_probe()
         if math.isfinite(growth):
             self._limit_step(max(growth, 1.0), 1.0)  # no mode is softer than its mass: a longer step gains nothing
-
-    def _keep_probe(self) -> None:
-        self.probe[:] = self.work  # which is free once the force is known
 
     def _project_probe(self) -> float:
         """Restrict `probe` to the free nodes and scale it to norm 1; the norm before scaling."""
@@ -98,6 +110,7 @@ KIND = MethodKind(
     begin=lambda problem, setting: begin_fire(MassWeightedFire, problem, setting),
     max_iterations=20_000,
     precisions=("float64", "float32", "mixed"),
+    devices=("cpu", "cuda"),
     starts_again=True,
     share=0.25,
 )

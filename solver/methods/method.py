@@ -29,6 +29,10 @@ class Method(Protocol):
     def step(self) -> None:
         """One iteration."""
 
+    def steps(self, most: int) -> None:
+        """One iteration, or some up to `most` where it takes longer to look at each than to do it."""
+        self.step()
+
     @property
     @abstractmethod
     def iteration(self) -> int:
@@ -115,6 +119,8 @@ class Setting:
     """FFTW's planning effort."""
     backend: str = "warp"
     """What runs the kernels: 'warp', or 'numpy' for the twins."""
+    device: str = "cpu"
+    """Where: 'cpu', or 'cuda' for a GPU, to which threads, planning and backend are nothing."""
 
     @property
     def working_precision(self) -> str:
@@ -152,6 +158,8 @@ class MethodKind:
     """Limit of iterations where none is given."""
     precisions: tuple[str, ...] = ("float64",)
     """Precisions that it can work in."""
+    devices: tuple[str, ...] = ("cpu",)
+    """Where it can work, see `Setting.device`."""
     nested: bool = False
     """Whether it starts from the solution on coarser grids unless told otherwise."""
     grows: bool = False

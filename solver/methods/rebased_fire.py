@@ -11,6 +11,7 @@ Algebraic Processes (1963), chap. 3); velocity and step control go on undisturbe
 """
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
@@ -33,16 +34,22 @@ class RebasedFire(Method):
 
     mixed = True
 
-    def __init__(self, fire: Fire) -> None:
-        """fire: works in float32, with a load of its own; its u, v, height and load become those of the change."""
+    def __init__(self, fire: Fire, net_force: Callable[[Array64], Array64]) -> None:
+        """fire: works in float32, with a load of its own; its u, v, height and load become those of the change.
+
+        net_force: `Problem.net_force` where FIRE works.
+        """
         self.problem, self.tolerance, self.fire = fire.problem, fire.tolerance, fire
+        self._net_force = net_force
+        self._height = fire.transforms.take(fire.problem.height)
         self._rebasing_pairs = 0
         self.start(np.zeros(fire.num_points))
 
     def start(self, displacement: Array64) -> None:
         """Begin at rest from u, shape (N,) [u], put below the wall."""
         self._scale = 1.0
-        self._base, self._in_vain, self._best = np.minimum(displacement, self.problem.height), 0, math.inf
+        self._base = np.minimum(self.fire.transforms.take(displacement), self._height)
+        self._in_vain, self._best = 0, math.inf
         self.fire.v[:] = 0
         self._rebase()
 
@@ -53,7 +60,11 @@ class RebasedFire(Method):
     @property
     def displacement(self) -> Array64:
         """u, shape (N,) [u], in float64; nodes on the wall stand on it exactly."""
-        n, height = self.fire.num_points, self.problem.height
+        return self.fire.transforms.fetch(self._displacement())
+
+    def _displacement(self) -> Array64:
+        """The same where FIRE works."""
+        n, height = self.fire.num_points, self._height
         u = self.fire.u[:n]
         with np.errstate(over="ignore", invalid="ignore"):
             whole = self._base + self._scale * u
@@ -88,12 +99,16 @@ class RebasedFire(Method):
 
     def step(self) -> None:
         """One iteration; now and then the change joins the base, which is another transform pair."""
+        self.steps(1)
+
+    def steps(self, most: int) -> None:
+        """The same, or some iterations at once, see `Method`."""
         fire = self.fire
-        fire.step()
+        fire.steps(min(most, self._since + _JOINS_AFTER - fire.iteration))
         if not fire.residual < OVERFLOWING:  # diverged
             fire.state[layout.STOPPED] = 1.0
         elif fire.stopped or fire.residual < _JOINS_BELOW or fire.iteration - self._since >= _JOINS_AFTER:
-            self._base = self.displacement
+            self._base = self._displacement()
             self._rebase()
 
     def _rebase(self) -> None:
@@ -103,8 +118,8 @@ class RebasedFire(Method):
         if not np.isfinite(self._base).all():  # the last step went beyond all numbers
             s[layout.STOPPED], s[layout.RESIDUAL] = 1.0, math.inf
             return
-        gap = self.problem.height - self._base
-        force = self.problem.net_force(self._base)
+        gap = self._height - self._base
+        force = self._net_force(self._base)
         free = force[(gap > 0) | (force <= 0)]
         residual = math.sqrt(float(free @ free) / max(1, free.size))
         self._rebasing_pairs += 1
@@ -131,7 +146,12 @@ class RebasedFire(Method):
 
 def begin_fire(kind: type[Fire], problem: Problem, setting: Setting) -> Method:
     """FIRE of a kind on a grid; in mixed precision on the change of a displacement in float64."""
-    mixed = setting.precision == "mixed"
-    transforms = Transforms(problem.num_points, setting.working_precision, setting.threads, setting.planning)
-    state = kind(problem, transforms, setting.tolerance, setting.backend, own_load=mixed)
-    return RebasedFire(state) if mixed else state
+    if setting.device != "cpu":
+        from .fire_on_gpu import begin  # imports what only a GPU needs
+
+        state, net_force = begin(kind, problem, setting)
+    else:
+        means = setting.working_precision, setting.threads, setting.planning
+        transforms, net_force = Transforms(problem.num_points, *means), problem.net_force
+        state = kind(problem, transforms, setting.tolerance, setting.backend, own_load=setting.precision == "mixed")
+    return RebasedFire(state, net_force) if setting.precision == "mixed" else state

@@ -27,7 +27,7 @@ def relax(state: Method, max_iterations: int, progress: Progress | None = None) 
     counted, idle = state.iteration, 0
     try:
         while state.iteration < max_iterations:
-            state.step()
+            state.steps(max_iterations - state.iteration)
             idle = idle + 1 if state.iteration == counted else 0
             counted = state.iteration
             if idle > _IDLE:

@@ -31,6 +31,8 @@ class Means:
     """FFTW's planning effort."""
     backend: str = "warp"
     """What runs the kernels: 'warp', or 'numpy' for the twins."""
+    device: str = "cpu"
+    """Where the method works: 'cpu' or 'cuda'."""
     progress: Progress | None = None
     """Called about ten times a second with (iteration, residual)."""
 
@@ -85,8 +87,8 @@ class Effort:
         size, means = problem.num_points, self.means
         precision = precision or (self.scene.precision if size == self.scene.num_points else "float64")
         backend, few = self.backend_on(size), wrong_nodes_per_patch
-        setting = Setting(tolerance, precision, few, reduction, contact_share, means.threads, means.planning, backend)
-        return (kind or self.kind).begin(problem, setting)
+        how = means.threads, means.planning, backend, means.device
+        return (kind or self.kind).begin(problem, Setting(tolerance, precision, few, reduction, contact_share, *how))
 
     def backend_on(self, num_points: int) -> str:
         """What runs the kernels on a grid: the twins on small ones, but for the scene's own."""

@@ -7,7 +7,8 @@ import numpy as np
 from ..grid.observables import observe
 from ..grid.problem import Problem
 from ..scene import Scene
-from ..solution import Level, Solution
+from ..solution import Choice, Level, Solution
+from ..transforms.device import device_name, gpu_libraries
 from .certification import Certified
 from .effort import Effort
 from .errors import with_errors
@@ -49,8 +50,18 @@ def make_solution(
         reason=certified.reason,
         handed_over=certified.handed_over,
         levels=tuple(levels),
-        choices=certified.choices,
+        choices=certified.choices + _device(effort),
+        device=device_name(effort.means.device),
     )
+
+
+def _device(effort: Effort) -> tuple[Choice, ...]:
+    """That a GPU was used; nothing of the CPU, which every solve uses."""
+    device = effort.means.device
+    if device == "cpu":
+        return ()
+    reason = f"as asked, with {gpu_libraries()}; the certificate is computed on the CPU, in float64"
+    return (Choice("device", device_name(device), reason),)
 
 
 def stages(begin: float, ready: float, relaxed: float, end: float) -> dict[str, float]:

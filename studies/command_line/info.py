@@ -10,6 +10,7 @@ from linecontact import kernels
 from linecontact.kernels import tuning
 from linecontact.solver import provenance
 from linecontact.solver.transforms import planned, wisdom
+from linecontact.solver.transforms.device import check_device, gpu_libraries
 
 from ..terminal import console
 from ..terminal.tables import Whole
@@ -18,6 +19,18 @@ from ..terminal.tables import Whole
 @dataclass(frozen=True)
 class Options:
     """Versions, threads, caches and devices."""
+
+
+def _gpus() -> list[str]:
+    """Each GPU that Warp finds; of the one that --device cuda takes whether it can be used, or what is missing."""
+    found = [f"{device} {device.name}" for device in wp.get_cuda_devices()]
+    if found:
+        try:
+            check_device("cuda")
+            found[0] += f" (--device cuda, {gpu_libraries()})"
+        except ValueError as error:
+            found[0] += f" ({error})"
+    return found
 
 
 def command(_: Options) -> int:
@@ -34,7 +47,7 @@ def command(_: Options) -> int:
         "flags of the kernels": ", ".join(f"{module} {name}" for module, name in tuning.chosen().items()),
         "Warp kernel cache": str(wp.config.kernel_cache_dir),
         "FFTW wisdom": f"{wisdom.wisdom_file()} ({'present' if wisdom.wisdom_file().exists() else 'none yet'})",
-        "devices": ", ".join(str(device) for device in wp.get_devices()) + " (only cpu is used)",
+        "devices": ", ".join(["cpu (by default)", *_gpus()]),
         "interpreter": f"{sys.executable}, {platform.machine()}",
     }
     for name, value in rows.items():

@@ -11,6 +11,7 @@ from typing import Literal
 from linecontact.solver import METHODS, QUANTITIES, MeasuredIndenter, Scene, Solution, Status, solve
 from linecontact.solver.display import rounded_up
 from linecontact.solver.scene import PRECISIONS
+from linecontact.solver.transforms.device import DEVICES
 from linecontact.solver.transforms.planned import PLANNING
 
 from ..figures.names import names
@@ -61,6 +62,9 @@ class Options(making.Options):
     """Threads of the transforms. Where other programs keep the cores busy, two take many times as long as one."""
     planning: str = one_of(PLANNING, _DEFAULTS["planning"])
     """FFTW's planning effort; what it finds is kept for later runs."""
+    device: str = one_of(DEVICES, _DEFAULTS["device"])
+    """Where the method works; cuda: on a GPU, with --method mass-weighted-fire or fire. The certificate stays on the
+    CPU."""
     json: bool = False
     """One JSON object on standard output instead of a table."""
     save: Path | None = None
@@ -98,6 +102,7 @@ def command(options: Options, given: Given) -> int:
                 max_iterations=options.max_iterations,
                 threads=options.threads,
                 planning=options.planning,
+                device=options.device,
                 progress=report,
             )
     except KeyboardInterrupt:

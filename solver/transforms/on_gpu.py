@@ -1,0 +1,108 @@
+"""Real transforms by cuFFT on a GPU, between arrays that the kernels share; `planned` has the convention.
+
+CuPy holds the arrays and calls cuFFT; all of it goes into the queue of Warp's stream, so that transforms and kernels
+are recorded as one graph. What CuPy does by itself it does in the default stream, which waits for Warp's stream, and
+for which that waits. Nothing here is imported unless a GPU is asked for.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import cupy
+import numpy as np
+import warp as wp
+from cupy.cuda import cufft
+
+from ...kernels import Call, on_gpu
+from ..arrays import Array, Array64
+
+OutOfMemory: type[Exception] = cupy.cuda.memory.OutOfMemoryError
+
+_KINDS = {"float64": (cufft.CUFFT_D2Z, cufft.CUFFT_Z2D), "float32": (cufft.CUFFT_R2C, cufft.CUFFT_C2R)}
+
+
+class Transforms:
+    """Plans between real buffers of `num_points` values and one shared spectrum, all in the GPU's memory.
+
+    num_points: N; precision: 'float64' or 'float32'. The names are those of `planned.Transforms`, and the arrays are
+    CuPy's, which do what NumPy's do.
+    """
+
+    def __init__(self, num_points: int, precision: str) -> None:
+        self.num_points, self.real = num_points, np.dtype(precision)
+        self.complex = np.result_type(self.real, np.complex64)
+        self.stream = cupy.cuda.Stream.from_external(wp.get_stream("cuda"))
+        self._forward, self._inverse = (cufft.Plan1d(num_points, kind, 1) for kind in _KINDS[self.real.name])
+        self.spectrum = self.buffer(2 * (num_points // 2 + 1))
+
+    def buffer(self, length: int | None = None) -> Array:
+        """A padded array for `length` (default N) values: zeros."""
+        found: Array = cupy.zeros(on_gpu.padded_length(length or self.num_points), dtype=self.real)
+        return found
+
+    def put(self, target: Array, values: Array64) -> None:
+        """Copy values of NumPy's, or of CuPy's, into the first places of a buffer."""
+        target[: values.size] = cupy.asarray(values)
+
+    def take(self, values: Array64) -> Array64:
+        """The values as an array where the kernels work."""
+        found: Array64 = cupy.asarray(values)
+        return found
+
+    def fetch(self, values: Array) -> Array:
+        """An array of the kernels' as one of NumPy's."""
+        found: Array = cupy.asnumpy(values)
+        return found
+
+    def sums(self, length: int) -> Array64:
+        """Zeros, one for each chunk of a buffer of that length."""
+        found: Array64 = cupy.zeros(length // on_gpu.CHUNK)
+        return found
+
+    def record(self, _: str, calls: Sequence[Call]) -> Callable[[], None]:
+        """A function without arguments that puts kernels into the queue, in order."""
+        return on_gpu.prepare(calls)
+
+    def multiply(self, symbol: Array64, _: Array) -> Call:
+        """The kernel between `forward` and `inverse` that multiplies by a symbol, shape (N//2 + 1,), over N."""
+        coefficient = self.buffer(2 * symbol.size)
+        for part in range(2):
+            coefficient[part : 2 * symbol.size : 2] = cupy.asarray(symbol / self.num_points)
+        return Call("spectral_multiply", (coefficient,), (self.spectrum,))
+
+    def forward(self, source: Array) -> Callable[[], None]:
+        """source[:N] -> spectrum; keeps the source."""
+        return self._execute(self._forward, source[: self.num_points], self._modes(), cufft.CUFFT_FORWARD)
+
+    def inverse(self, target: Array) -> Callable[[], None]:
+        """spectrum -> target[:N], times N, which may destroy the spectrum."""
+        return self._execute(self._inverse, self._modes(), target[: self.num_points], cufft.CUFFT_INVERSE)
+
+    def _modes(self) -> Array:
+        modes: Array = self.spectrum[: 2 * (self.num_points // 2 + 1)].view(self.complex)
+        return modes
+
+    def _execute(self, plan: Any, source: Array, target: Array, direction: int) -> Callable[[], None]:
+        def run() -> None:
+            with self.stream:
+                plan.fft(source, target, direction)
+
+        return run
+
+
+def capture(functions: Sequence[Callable[[], None]]) -> Callable[[], None]:
+    """A function without arguments that puts all that functions put into the queue there at once, as one graph."""
+    with wp.ScopedCapture(device="cuda", force_module_load=False) as captured:
+        for function in functions:
+            function()
+
+    def replay() -> None:
+        wp.capture_launch(captured.graph)
+
+    return replay
+
+
+def free_memory() -> int:
+    """Give back what CuPy keeps for later arrays; the GPU's memory that is free then [bytes]."""
+    cupy.get_default_memory_pool().free_all_blocks()
+    return int(cupy.cuda.runtime.memGetInfo()[0])
