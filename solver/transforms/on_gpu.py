@@ -15,13 +15,14 @@ from cupy.cuda import cufft
 
 from ...kernels import Call, on_gpu
 from ..arrays import Array, Array64
+from .place import Place
 
 OutOfMemory: type[Exception] = cupy.cuda.memory.OutOfMemoryError
 
 _KINDS = {"float64": (cufft.CUFFT_D2Z, cufft.CUFFT_Z2D), "float32": (cufft.CUFFT_R2C, cufft.CUFFT_C2R)}
 
 
-class Transforms:
+class Transforms(Place):
     """Plans between real buffers of `num_points` values and one shared spectrum, all in the GPU's memory.
 
     num_points: N; precision: 'float64' or 'float32'. The names are those of `planned.Transforms`, and the arrays are
@@ -36,46 +37,38 @@ class Transforms:
         self.spectrum = self.buffer(2 * (num_points // 2 + 1))
 
     def buffer(self, length: int | None = None) -> Array:
-        """A padded array for `length` (default N) values: zeros."""
         found: Array = cupy.zeros(on_gpu.padded_length(length or self.num_points), dtype=self.real)
         return found
 
     def put(self, target: Array, values: Array64) -> None:
-        """Copy values of NumPy's, or of CuPy's, into the first places of a buffer."""
         target[: values.size] = cupy.asarray(values)
 
     def take(self, values: Array64) -> Array64:
-        """The values as an array where the kernels work."""
         found: Array64 = cupy.asarray(values)
         return found
 
     def fetch(self, values: Array) -> Array:
-        """An array of the kernels' as one of NumPy's."""
         found: Array = cupy.asnumpy(values)
         return found
 
     def sums(self, length: int) -> Array64:
-        """Zeros, one for each chunk of a buffer of that length."""
         found: Array64 = cupy.zeros(length // on_gpu.CHUNK)
         return found
 
-    def record(self, _: str, calls: Sequence[Call]) -> Callable[[], None]:
-        """A function without arguments that puts kernels into the queue, in order."""
+    def record(self, backend: str, calls: Sequence[Call]) -> Callable[[], None]:
+        """A function without arguments that puts kernels into the queue, in order; Warp runs them all."""
         return on_gpu.prepare(calls)
 
-    def multiply(self, symbol: Array64, _: Array) -> Call:
-        """The kernel between `forward` and `inverse` that multiplies by a symbol, shape (N//2 + 1,), over N."""
+    def multiply(self, symbol: Array64, target: Array) -> Call:
         coefficient = self.buffer(2 * symbol.size)
         for part in range(2):
             coefficient[part : 2 * symbol.size : 2] = cupy.asarray(symbol / self.num_points)
         return Call("spectral_multiply", (coefficient,), (self.spectrum,))
 
     def forward(self, source: Array) -> Callable[[], None]:
-        """source[:N] -> spectrum; keeps the source."""
         return self._execute(self._forward, source[: self.num_points], self._modes(), cufft.CUFFT_FORWARD)
 
     def inverse(self, target: Array) -> Callable[[], None]:
-        """spectrum -> target[:N], times N, which may destroy the spectrum."""
         return self._execute(self._inverse, self._modes(), target[: self.num_points], cufft.CUFFT_INVERSE)
 
     def _modes(self) -> Array:

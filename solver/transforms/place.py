@@ -1,6 +1,8 @@
-"""Where a method's arrays are, and what runs its kernels: the machine's own memory, and the CPU."""
+"""Where a method's arrays are, what transforms them and what runs its kernels: what a method asks of that place."""
 
+from abc import abstractmethod
 from collections.abc import Callable, Sequence
+from typing import Protocol
 
 import numpy as np
 
@@ -8,25 +10,67 @@ from ...kernels import CHUNK, Call, record
 from ..arrays import Array, Array64
 
 
-class OnCpu:
-    """The few things that a method asks of the place where it works; `on_gpu.Transforms` has the same for a GPU."""
+class Place(Protocol):
+    """Transforms of N values, with the arrays and the kernels between them: `planned.Transforms` on the CPU,
+    `on_gpu.Transforms` on a GPU.
+    """
 
+    num_points: int
+    """N."""
+
+    @abstractmethod
+    def buffer(self, length: int | None = None) -> Array:
+        """A padded array of the place's precision for `length` (default N) values: zeros."""
+
+    @abstractmethod
     def put(self, target: Array, values: Array64) -> None:
         """Copy values into the first places of a buffer."""
+
+    @abstractmethod
+    def take(self, values: Array64) -> Array64:
+        """NumPy's values as an array where the kernels work."""
+
+    @abstractmethod
+    def fetch(self, values: Array) -> Array:
+        """An array of that place as one of NumPy's."""
+
+    @abstractmethod
+    def sums(self, length: int) -> Array64:
+        """Zeros, one for each chunk of a buffer of that length."""
+
+    @abstractmethod
+    def record(self, backend: str, calls: Sequence[Call]) -> Callable[[], None]:
+        """A function without arguments that runs kernels in order; backend: see `Setting.backend`."""
+
+    @abstractmethod
+    def multiply(self, symbol: Array64, target: Array) -> Call:
+        """The kernel between `forward` and `inverse` to this target that multiplies by a symbol, shape (N//2 + 1,),
+        and by what normalises the inverse.
+        """
+
+    @abstractmethod
+    def forward(self, source: Array) -> Callable[[], None]:
+        """A function without arguments that transforms source[:N], which it keeps, into the spectrum."""
+
+    @abstractmethod
+    def inverse(self, target: Array) -> Callable[[], None]:
+        """A function without arguments that transforms the spectrum, which it may destroy, into target[:N]."""
+
+
+class OnCpu:
+    """What of a place needs no transforms, for the machine's own memory."""
+
+    def put(self, target: Array, values: Array64) -> None:
         target[: values.size] = values
 
     def take(self, values: Array64) -> Array64:
-        """The values as an array where the kernels work."""
         return values
 
     def fetch(self, values: Array) -> Array:
-        """An array of the kernels' as one of NumPy's."""
         return values
 
     def sums(self, length: int) -> Array64:
-        """Zeros, one for each chunk of a buffer of that length."""
         return np.zeros(length // CHUNK)
 
     def record(self, backend: str, calls: Sequence[Call]) -> Callable[[], None]:
-        """A function without arguments that runs kernels in order; backend: 'warp', or 'numpy' for the twins."""
         return record(backend, calls)

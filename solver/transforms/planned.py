@@ -23,7 +23,7 @@ from .. import checks
 from ..arrays import Array, Array64, Modes
 from . import wisdom
 from .fftw import pyfftw
-from .on_cpu import OnCpu
+from .place import OnCpu, Place
 
 PLANNING = ("estimate", "measure", "patient")
 """Planning effort. 'estimate' plans at once, and takes what wisdom holds of an earlier, greater effort."""
@@ -41,7 +41,7 @@ _IN_PLACE = 2**22
 """Values beyond which a field that is transformed there and back shares the memory of its spectrum."""
 
 
-class Transforms(OnCpu):
+class Transforms(OnCpu, Place):
     """Plans between real buffers of `num_points` values and one shared spectrum.
 
     num_points: N; precision: 'float64' or 'float32'; threads: of FFTW, >= 1; planning: one of `PLANNING`; half_length:
