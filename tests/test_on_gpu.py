@@ -1,0 +1,336 @@
+"""FIRE on a GPU against the CPU, where there is one; and without one all that needs none."""
+
+import importlib
+import math
+import sys
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from linecontact.kernels import compiled, layout, module_copies, numpy_twin, on_gpu, tuning
+from linecontact.kernels.sequences import SEQUENCES, parse
+from linecontact.solver import METHODS, Layer, PowerIndenter, RoughIndenter, Scene, Status, solve
+from linecontact.solver import solve as solve_function
+from linecontact.solver.methods import MethodKind
+from linecontact.solver.strategy import report
+from linecontact.solver.transforms import device
+from linecontact.solver.transforms.planned import Transforms
+from linecontact.studies.command_line import main
+
+FIRES = ("fire", "mass-weighted-fire")
+SCENE = Scene(Layer(0.1, 0.25), PowerIndenter(), pressure=5e-3, num_points=2**12)
+
+
+def missing_gpu():
+    """Why there is no GPU to test with; empty where there is one."""
+    try:
+        device.check_device("cuda")
+    except ValueError as error:
+        return str(error)
+    return ""
+
+
+MISSING = missing_gpu()
+needs_gpu = pytest.mark.skipif(bool(MISSING), reason=f"needs a GPU: {MISSING}")
+
+
+def random_scene(seed):
+    """A scene of some 2^8 to 2^16 points: a parabola or a rough surface on a layer or on the half-space."""
+    rng = np.random.default_rng(seed)
+    thickness = math.inf if rng.random() < 0.2 else float(10 ** rng.uniform(-2.5, 0))
+    n = round(2 ** rng.uniform(8, 16))
+    if rng.random() < 0.5:
+        indenter = PowerIndenter(float(rng.choice([1.5, 2, 4])))
+    else:
+        indenter = RoughIndenter(0.8, seed, 1 / 4, 1 / 16, 0.1)
+    return Scene(
+        Layer(thickness, float(rng.uniform(0, 0.49))), indenter, float(10 ** rng.uniform(-4, -2)), num_points=n
+    )
+
+
+# without a GPU
+
+
+@pytest.fixture(scope="module")
+def gpu_form():
+    """The kernels in the form that a GPU has, compiled for the CPU."""
+    copies = [module_copies.copy_module(m, on_gpu.CHUNK, tuning.flags()[m], on_gpu.LANES) for m in compiled.MODULES]
+    return compiled.compile_modules([*copies, importlib.import_module("linecontact.kernels.warp_folds")])
+
+
+ONE_PASS = sorted(
+    {text for lines in SEQUENCES.values() for text in lines if parse(text).kernel != "fire_control"}
+    | {"spectral_multiply: coefficient -> spectrum"}
+)
+
+
+def make_arrays(line, precision):
+    """Arguments of a kernel by their names, and those for its twin, whose sums are over longer chunks."""
+    rng, length = np.random.default_rng(0), 2 * on_gpu.padded_length(1)
+    arrays, twins = {}, {}
+    for name in (*line.inputs, *line.outputs):
+        if name.endswith("_sums"):
+            arrays[name], twins[name] = np.full(length // on_gpu.CHUNK, np.nan), np.full(length // 1024, np.nan)
+            continue
+        values = rng.standard_normal(length).astype(precision)
+        if name == "v":
+            values[rng.random(length) < 0.3] = layout.TOUCHING
+        if name == "state":
+            values = np.zeros(layout.STATE_LENGTH)
+            values[[layout.MIX, layout.GAIN, layout.DT]] = 0.9, 0.7, 0.3
+        arrays[name], twins[name] = values, values.copy()
+    return arrays, twins
+
+
+def check_against_twins(line, arrays, twins, precision):
+    getattr(numpy_twin, line.kernel)(*(twins[name] for name in (*line.inputs, *line.outputs)))
+    scale = np.finfo(precision).eps
+    for name in line.outputs:
+        if name.endswith("_sums"):
+            exact, found = twins[name].sum(), arrays[name].sum()
+            assert found == pytest.approx(exact, abs=4 * scale * arrays[line.inputs[0]].size)
+        else:
+            np.testing.assert_allclose(arrays[name], twins[name], rtol=0, atol=8 * scale)
+
+
+@pytest.mark.parametrize("precision", ["float32", "float64"])
+@pytest.mark.parametrize("text", ONE_PASS)
+def test_the_form_for_a_gpu_does_what_the_twins_do(text, precision, gpu_form):
+    import warp as wp
+
+    line = parse(text)
+    arrays, twins = make_arrays(line, precision)
+    given = [
+        [wp.array(arrays[name], copy=False, device="cpu") for name in names] for names in (line.inputs, line.outputs)
+    ]
+    length = next(a.size for name, a in arrays.items() if name != "state")
+    threads = arrays[line.inputs[0]].size // on_gpu.CHUNK
+    assert length == arrays[line.inputs[0]].size
+    wp.launch(gpu_form[line.kernel], dim=threads, inputs=given[0], outputs=given[1], device="cpu")
+    check_against_twins(line, arrays, twins, precision)
+
+
+@pytest.mark.parametrize("count", [1, 31, 1000])
+def test_sums_are_folded_whole(count, gpu_form):
+    import warp as wp
+
+    sums = [np.random.default_rng(k).random(count) for k in range(5)]
+    folded = np.full(5 * on_gpu.FOLDED, np.nan)
+    inputs = [wp.array(array, copy=False, device="cpu") for array in sums]
+    outputs = [wp.array(folded, copy=False, device="cpu")]
+    wp.launch(gpu_form["fold_sums"], dim=folded.size, inputs=inputs, outputs=outputs, device="cpu", block_dim=1)
+    np.testing.assert_allclose(folded.reshape(5, -1).sum(axis=1), [array.sum() for array in sums], rtol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({}, r"device is 'cuda'; allowed: cpu for method active-set, or one of the methods mass-weighted-fire, fire"),
+        ({"accuracy": 1e-3}, "device is 'cuda'; allowed: without accuracy only"),
+        ({"method": "fire", "backend": "numpy"}, "backend is 'numpy'; allowed: warp, on device cuda"),
+    ],
+)
+def test_what_a_gpu_cannot_do_is_refused(given, message):
+    with pytest.raises(ValueError, match=message):
+        solve(SCENE, device="cuda", **given)
+
+
+def test_an_unknown_device_is_refused():
+    with pytest.raises(ValueError, match="device is 'tpu'; allowed: cpu, cuda"):
+        solve(SCENE, device="tpu")
+
+
+def test_where_cupy_is_missing_one_line_says_how_to_get_it(monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "cupy", None)
+    assert main.main(["solve", "--device", "cuda", "--method", "fire"]) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err.count("\n") == 1
+    assert "device is 'cuda', for which CuPy or a library of CUDA is missing" in said.err
+    assert "pip install 'linecontact[cuda]'" in said.err
+
+
+def test_where_there_is_no_gpu_one_line_says_so(monkeypatch):
+    runtime = SimpleNamespace(getDeviceCount=lambda: 0, CUDARuntimeError=RuntimeError)
+    cuda = SimpleNamespace(runtime=runtime, cufft=SimpleNamespace())
+    for name, module in {"cupy": SimpleNamespace(cuda=cuda), "cupy.cuda": cuda, "cupy.cuda.cufft": cuda.cufft}.items():
+        monkeypatch.setitem(sys.modules, name, module)
+    with pytest.raises(ValueError, match="device is 'cuda', but there is no GPU with a driver for it; allowed: cpu"):
+        solve(SCENE, device="cuda", method="fire")
+
+
+@pytest.fixture
+def pretended(monkeypatch):
+    """A GPU that is none: the CPU's arrays and transforms in place of it, iterations repeated as there."""
+    repeated = []
+
+    def capture(functions):
+        def replay():
+            repeated.append(1)
+            for function in functions:
+                function()
+
+        return replay
+
+    class OutOfMemoryError(Exception):
+        pass
+
+    fake = SimpleNamespace(
+        Transforms=Transforms,
+        capture=capture,
+        free_memory=lambda: 2**40,
+        OutOfMemory=OutOfMemoryError,
+        repeated=repeated,
+    )
+    import linecontact.solver.transforms as package
+
+    monkeypatch.setitem(sys.modules, "linecontact.solver.transforms.on_gpu", fake)
+    monkeypatch.setattr(package, "on_gpu", fake, raising=False)
+    monkeypatch.delitem(sys.modules, "linecontact.solver.methods.fire_on_gpu", raising=False)
+    monkeypatch.setattr(sys.modules[solve_function.__module__], "check_device", lambda device: None)
+    monkeypatch.setattr(report, "device_name", lambda device: "pretended" if device == "cuda" else device)
+    monkeypatch.setattr(report, "gpu_libraries", lambda: "no libraries")
+    yield fake
+    sys.modules.pop("linecontact.solver.methods.fire_on_gpu", None)
+
+
+@pytest.mark.parametrize("precision", ["float64", "mixed"])
+@pytest.mark.parametrize("method", FIRES)
+def test_repeated_iterations_find_what_single_ones_find(method, precision, pretended):
+    scene = Scene(SCENE.layer, SCENE.indenter, SCENE.pressure, num_points=2**11, precision=precision)
+    one, many = solve(scene, method=method), solve(scene, method=method, device="cuda")
+    assert pretended.repeated
+    assert one.status is many.status is Status.CONVERGED
+    assert (one.contact == many.contact).all()
+    assert abs(one.displacement - many.displacement).max() < 1e-6 * abs(one.displacement).max()
+    assert many.device == "pretended"
+    assert many.to_dict()["device"] == "pretended"
+    assert "device" not in one.to_dict()
+    assert [choice.chosen for choice in many.choices if choice.what == "device"] == ["pretended"]
+
+
+@pytest.mark.parametrize("limit", [1, 2, 7, 40])
+@pytest.mark.parametrize("method", FIRES)
+def test_the_limit_of_iterations_holds_for_repeated_ones(method, limit, pretended):
+    solution = solve(SCENE, method=method, device="cuda", max_iterations=limit)
+    assert solution.status is Status.ITERATION_LIMIT
+    assert solution.iterations == limit
+
+
+def test_a_grid_too_large_for_the_gpu_is_refused(pretended):
+    pretended.free_memory = lambda: 2**18
+    with pytest.raises(
+        ValueError, match=r"num_points is 4096, needing about .* GiB of the GPU's memory; allowed: what"
+    ):
+        solve(SCENE, method="fire", device="cuda")
+
+
+def test_memory_that_ends_on_the_gpu_is_told(pretended):
+    def fail(*_):
+        raise pretended.OutOfMemory("out of memory allocating 8 bytes")
+
+    pretended.Transforms = fail
+    with pytest.raises(ValueError, match=r"num_points is 4096, too many for the GPU's memory \(out of memory"):
+        solve(SCENE, method="fire", device="cuda")
+
+
+def test_methods_say_where_they_work():
+    assert {name for name, kind in METHODS.items() if "cuda" in kind.devices} == set(FIRES)
+    assert MethodKind("own", "own", lambda *_: None, 1).devices == ("cpu",)
+
+
+# on a GPU
+
+
+@needs_gpu
+@pytest.mark.parametrize("precision", ["float32", "float64"])
+@pytest.mark.parametrize("text", ONE_PASS)
+def test_kernels_on_the_gpu_do_what_the_twins_do(text, precision):
+    import cupy
+    from linecontact.kernels import Call
+
+    line = parse(text)
+    arrays, twins = make_arrays(line, precision)
+    there = {name: cupy.asarray(array) for name, array in arrays.items()}
+    launch = on_gpu.prepare(
+        [Call(line.kernel, *(tuple(there[n] for n in names) for names in (line.inputs, line.outputs)))]
+    )
+    launch()
+    arrays = {name: cupy.asnumpy(array) for name, array in there.items()}
+    check_against_twins(line, arrays, twins, precision)
+
+
+@needs_gpu
+@pytest.mark.parametrize("precision", ["float32", "float64"])
+@pytest.mark.parametrize("n", [16, 729, 1009, 2**12])
+def test_transforms_on_the_gpu_against_numpy(n, precision):
+    from linecontact.solver.transforms import on_gpu as transforms
+
+    plan, rng = transforms.Transforms(n, precision), np.random.default_rng(0)
+    values, symbol = rng.standard_normal(n), rng.standard_normal(n // 2 + 1)
+    source, target = plan.buffer(), plan.buffer()
+    plan.put(source, values)
+    multiply = plan.record("warp", [plan.multiply(symbol, target)])
+    for part in (plan.forward(source), multiply, plan.inverse(target)):
+        part()
+    tolerance = 4 * np.finfo(precision).eps * math.log2(n)
+    np.testing.assert_allclose(plan.fetch(target)[:n], np.fft.irfft(np.fft.rfft(values) * symbol, n), atol=tolerance)
+    np.testing.assert_array_equal(plan.fetch(source)[:n], values.astype(precision))
+    assert not plan.fetch(target)[n:].any()
+
+
+@needs_gpu
+@pytest.mark.parametrize("precision", ["float64", "float32", "mixed"])
+@pytest.mark.parametrize("method", FIRES)
+def test_a_solve_on_the_gpu_is_certified_like_one_on_the_cpu(method, precision):
+    scene = Scene(SCENE.layer, SCENE.indenter, SCENE.pressure, num_points=2**12, precision=precision)
+    here, there = solve(scene, method=method), solve(scene, method=method, device="cuda")
+    assert here.status is there.status is Status.CONVERGED
+    assert there.certificate.free_residual <= there.tolerance == here.tolerance
+    assert (here.contact == there.contact).all()
+    assert there.device == device.device_name("cuda")
+
+
+@needs_gpu
+@pytest.mark.parametrize("seed", range(100))
+def test_the_gpu_finds_the_contact_nodes_of_the_cpu(seed):
+    scene = random_scene(seed)
+    here, there = (solve(scene, method="mass-weighted-fire", device=device) for device in ("cpu", "cuda"))
+    assert here.status is there.status
+    if here.status is Status.CONVERGED:
+        assert (here.contact == there.contact).all()
+        assert there.certificate.free_residual <= there.tolerance
+
+
+@needs_gpu
+@pytest.mark.parametrize("method", FIRES)
+def test_a_solve_on_the_gpu_repeats_bit_for_bit(method):
+    one, two = (solve(SCENE, method=method, device="cuda") for _ in range(2))
+    np.testing.assert_array_equal(one.displacement, two.displacement)
+    assert one.iterations == two.iterations
+
+
+@needs_gpu
+def test_the_gpu_gets_its_memory_back():
+    import cupy
+
+    for precision in ("float64", "mixed"):
+        scene = Scene(SCENE.layer, SCENE.indenter, SCENE.pressure, num_points=2**16, precision=precision)
+        solve(scene, method="mass-weighted-fire", device="cuda")
+        assert cupy.get_default_memory_pool().used_bytes() == 0
+        assert cupy.get_default_memory_pool().total_bytes() == 0
+
+
+@needs_gpu
+def test_a_grid_beyond_the_gpus_memory_is_refused(monkeypatch):
+    from linecontact.solver.transforms import on_gpu as transforms
+
+    monkeypatch.setattr(transforms, "free_memory", lambda: 2**18)
+    with pytest.raises(ValueError, match=r"num_points is 4096, needing about .* of the GPU's memory"):
+        solve(SCENE, method="fire", device="cuda")
+
+
+@needs_gpu
+def test_the_gpu_is_shown(capsys):
+    assert main.main(["info"]) == 0
+    assert "cuFFT" in capsys.readouterr().out
