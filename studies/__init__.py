@@ -20,6 +20,7 @@ STUDIES = {
     "iterations": "linecontact.studies.iterations.study",
     "edge-curve": "linecontact.studies.edge_curve.study",
     "kernels": "linecontact.studies.kernel_benchmark.study",
+    "gpu": "linecontact.studies.gpu.study",
     "peers": "linecontact.studies.peers.study",
     "tradeoff": "linecontact.studies.tradeoff.study",
     "extremes": "linecontact.studies.extremes.study",

@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 from linecontact.kernels import compiled, layout, module_copies, numpy_twin, on_gpu, tuning
 from linecontact.kernels.sequences import SEQUENCES, parse
-from linecontact.solver import METHODS, Layer, PowerIndenter, RoughIndenter, Scene, Status, solve
+from linecontact.solver import METHODS, Layer, PowerIndenter, Scene, Status, solve
 from linecontact.solver import solve as solve_function
 from linecontact.solver.methods import MethodKind
 from linecontact.solver.strategy import report
 from linecontact.solver.transforms import device
 from linecontact.solver.transforms.planned import Transforms
 from linecontact.studies.command_line import main
+from linecontact.studies.gpu.scenes import random_scene
 
 FIRES = ("fire", "mass-weighted-fire")
 SCENE = Scene(Layer(0.1, 0.25), PowerIndenter(), pressure=5e-3, num_points=2**12)
@@ -32,20 +33,6 @@ def missing_gpu():
 
 MISSING = missing_gpu()
 needs_gpu = pytest.mark.skipif(bool(MISSING), reason=f"needs a GPU: {MISSING}")
-
-
-def random_scene(seed):
-    """A scene of some 2^8 to 2^16 points: a parabola or a rough surface on a layer or on the half-space."""
-    rng = np.random.default_rng(seed)
-    thickness = math.inf if rng.random() < 0.2 else float(10 ** rng.uniform(-2.5, 0))
-    n = round(2 ** rng.uniform(8, 16))
-    if rng.random() < 0.5:
-        indenter = PowerIndenter(float(rng.choice([1.5, 2, 4])))
-    else:
-        indenter = RoughIndenter(0.8, seed, 1 / 4, 1 / 16, 0.1)
-    return Scene(
-        Layer(thickness, float(rng.uniform(0, 0.49))), indenter, float(10 ** rng.uniform(-4, -2)), num_points=n
-    )
 
 
 # without a GPU
@@ -88,7 +75,7 @@ def check_against_twins(line, arrays, twins, precision):
     for name in line.outputs:
         if name.endswith("_sums"):
             exact, found = twins[name].sum(), arrays[name].sum()
-            assert found == pytest.approx(exact, abs=4 * scale * arrays[line.inputs[0]].size)
+            assert found == pytest.approx(exact, abs=float(4 * scale * arrays[line.inputs[0]].size))
         else:
             np.testing.assert_allclose(arrays[name], twins[name], rtol=0, atol=8 * scale)
 

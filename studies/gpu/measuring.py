@@ -1,0 +1,89 @@
+"""Times of iterations and of kernels, on the CPU and on the GPU."""
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from linecontact.kernels import Call, layout
+from linecontact.kernels.sequences import parse
+from linecontact.solver.grid.problem import Problem
+from linecontact.solver.methods import METHODS, Setting
+
+KERNELS = {
+    "spectral_multiply: coefficient -> spectrum": 3,
+    "plain_sums: elastic v -> force_sums held_sums power_sums velocity_sums": 2,
+    "plain_step: elastic h state -> u v": 6,
+    "net_force: load elastic v -> force force_sums held_sums power_sums velocity_sums": 4,
+    "restrict_to_free: force -> acceleration acceleration_sums": 3,
+    "fire_step: acceleration h state -> u v": 6,
+}
+"""The kernels of an iteration on arrays of N values, and how many such arrays each of them reads and writes."""
+
+_SECONDS, _FEWEST, _WARM = 0.5, 3, {"cpu": 1, "cuda": 70}
+_ROUNDS, _REPEATED = 5, 20
+
+
+def seconds_per_iteration(problem: Problem, method: str, precision: str, device: str, threads: int = 1) -> float:
+    """Mean time of an iteration [s], over half a second or more, or over three iterations if these take longer.
+
+    What mass-weighted FIRE does every hundred iterations is in the mean where there are as many.
+    """
+    state = METHODS[method].begin(problem, Setting(1e-14, precision, threads=threads, device=device))
+    while state.iteration < _WARM[device]:
+        state.steps(_WARM[device])
+    first, begin = state.iteration, time.perf_counter()
+    while time.perf_counter() - begin < _SECONDS or state.iteration < first + _FEWEST:
+        state.steps(2**20)
+        if state.stopped:
+            raise ValueError(f"tolerance of {method} is met too early; allowed: a scene that takes longer")
+    return (time.perf_counter() - begin) / (state.iteration - first)
+
+
+def shares_of_the_copy_bandwidth(precision: str, num_points: int) -> dict[str, float]:
+    """The bandwidth of every kernel over that of a copy on the GPU, and under 'copy' that [bytes a second]."""
+    import cupy
+    from linecontact.solver.transforms import on_gpu
+
+    place, rng = on_gpu.Transforms(num_points, precision), np.random.default_rng(0)
+
+    def array(name: str) -> Any:
+        if name.endswith("_sums"):
+            return place.sums(num_points)
+        if name == "state":
+            return place.take(np.zeros(layout.STATE_LENGTH))
+        found = place.buffer()
+        place.put(found, rng.standard_normal(num_points))
+        if name == "v":
+            found[::3] = layout.TOUCHING
+        return found
+
+    source, target = place.buffer(), place.buffer()
+
+    def copy() -> None:
+        with place.stream:
+            cupy.copyto(target, source)
+
+    size = source.nbytes
+    found = {"copy": 2 * size / _seconds(copy)}
+    for text, arrays in KERNELS.items():
+        line = parse(text)
+        call = Call(line.kernel, tuple(map(array, line.inputs)), tuple(map(array, line.outputs)))
+        found[line.kernel] = arrays * size / _seconds(place.record("warp", [call])) / found["copy"]
+    return found
+
+
+def _seconds(run: Callable[[], None]) -> float:
+    """Least mean time of what is put into the GPU's queue, many times as one graph [s]."""
+    import warp as wp
+    from linecontact.solver.transforms import on_gpu
+
+    run()
+    graph, times = on_gpu.capture([run] * _REPEATED), []
+    for _ in range(_ROUNDS):
+        wp.synchronize_device("cuda")
+        begin = time.perf_counter()
+        graph()
+        wp.synchronize_device("cuda")
+        times.append(time.perf_counter() - begin)
+    return min(times) / _REPEATED
