@@ -32,10 +32,12 @@ class Configuration:
 
     iterations: tuple[int, ...] = (14, 16, 18, 20, 22, 24)
     """log2 of the numbers of points of iterations on both."""
-    large: tuple[int, ...] = (26, 28)
+    large: tuple[int, ...] = (26, 28, 29)
     """The same on the GPU alone, in float64."""
     kernels: int = 26
     """log2 of the length of the kernels' arrays."""
+    large_solves: tuple[int, ...] = (28,)
+    """log2 of the numbers of points of whole solves by FIRE on the GPU alone."""
     solves: tuple[int, ...] = (14, 16, 18, 20, 22, 24, 26)
     """log2 of the numbers of points of whole solves, by the default method on the CPU and by FIRE on the GPU."""
     on_cpu: tuple[int, ...] = (14, 16, 18, 20)
@@ -48,14 +50,15 @@ class Configuration:
         able = [name for name, kind in METHODS.items() if "cuda" in kind.devices]
         runs: list[Task] = [Kernels(precision, self.kernels) for precision in ("float64", "float32")]
         runs += [Iteration(m, p, k) for m in able for p in ("float64", "float32") for k in self.iterations]
-        runs += [Iteration(m, "float64", k, on_cpu=False) for k in self.large for m in able]
         sizes = {(DEFAULT.name, "cpu"): self.solves, (METHOD, "cuda"): self.solves, (METHOD, "cpu"): self.on_cpu}
         runs += [Solve(method, where, k) for (method, where), ks in sizes.items() for k in ks]
         runs += [Agreement(seed) for seed in range(self.scenes)]
+        runs += [Solve(METHOD, "cuda", k) for k in self.large_solves]
+        runs += [Iteration(m, "float64", k, on_cpu=False) for k in self.large for m in able]
         return Plan(NAME, asdict(self), runs)
 
 
-QUICK = Configuration((14, 16), (), 20, (14, 16), (14,), 5)
+QUICK = Configuration((14, 16), (), 20, (), (14, 16), (14,), 5)
 
 
 @dataclass(frozen=True)
