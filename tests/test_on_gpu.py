@@ -3,10 +3,12 @@
 import importlib
 import math
 import sys
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from linecontact import load
 from linecontact.kernels import compiled, layout, module_copies, numpy_twin, on_gpu, tuning
 from linecontact.kernels.sequences import SEQUENCES, parse
 from linecontact.solver import METHODS, Layer, PowerIndenter, Scene, Status, solve
@@ -283,7 +285,7 @@ def test_a_solve_on_the_gpu_is_certified_like_one_on_the_cpu(method, precision):
 @pytest.mark.parametrize("seed", range(100))
 def test_the_gpu_finds_the_contact_nodes_of_the_cpu(seed):
     scene = random_scene(seed)
-    here, there = (solve(scene, method="mass-weighted-fire", device=device) for device in ("cpu", "cuda"))
+    here, there = (solve(scene, method="mass-weighted-fire", device=where) for where in ("cpu", "cuda"))
     assert here.status is there.status
     if here.status is Status.CONVERGED:
         assert (here.contact == there.contact).all()
@@ -322,3 +324,52 @@ def test_a_grid_beyond_the_gpus_memory_is_refused(monkeypatch):
 def test_the_gpu_is_shown(capsys):
     assert main.main(["info"]) == 0
     assert "cuFFT" in capsys.readouterr().out
+
+
+@needs_gpu
+@pytest.mark.parametrize(
+    ("scene", "given"),
+    [
+        (SCENE, {"nested": True}),
+        (Scene(SCENE.layer, SCENE.indenter, approach=1e-3, num_points=2**12), {}),
+        (replace(SCENE, num_points=4), {}),
+        (replace(SCENE, layer=Layer(1e-3, 0.5)), {}),
+        (replace(SCENE, layer=Layer(0.03, 0.4999)), {}),
+        (replace(SCENE, layer=Layer(0.03, 0.4999), precision="mixed"), {}),
+    ],
+)
+@pytest.mark.parametrize("method", FIRES)
+def test_every_way_through_a_solve_leads_over_the_gpu(method, scene, given):
+    here, there = (solve(scene, method=method, device=where, **given) for where in ("cpu", "cuda"))
+    assert here.status is there.status
+    assert there.device == device.device_name("cuda")
+    if here.status is Status.CONVERGED:
+        assert (here.contact == there.contact).all()
+
+
+@needs_gpu
+@pytest.mark.parametrize("method", FIRES)
+def test_a_solve_on_the_gpu_starts_where_it_is_told_to(method):
+    found = solve(SCENE, method=method)
+    again = solve(SCENE, method=method, device="cuda", initial=found.displacement)
+    assert again.status is Status.CONVERGED
+    assert again.iterations < found.iterations / 2
+    assert (again.contact == found.contact).all()
+
+
+@needs_gpu
+def test_the_command_line_solves_on_the_gpu(tmp_path, capsys):
+    words = [
+        "solve",
+        "--method",
+        "fire",
+        "--num-points",
+        "2^10",
+        "--device",
+        "cuda",
+        "--save",
+        str(tmp_path / "run.h5"),
+    ]
+    assert main.main(words) == 0
+    assert "device" in capsys.readouterr().out
+    assert load(tmp_path / "run.h5").results["device"] == device.device_name("cuda")
