@@ -312,6 +312,23 @@ def test_the_gpu_gets_its_memory_back():
 
 
 @needs_gpu
+@pytest.mark.parametrize("precision", ["float64", "float32", "mixed"])
+@pytest.mark.parametrize("method", FIRES)
+def test_the_memory_that_a_solve_takes_is_foreseen(method, precision, monkeypatch):
+    import cupy
+    from linecontact.solver.methods import fire, fire_on_gpu, fire_state, mass_weighted_fire
+    from linecontact.solver.transforms import on_gpu as transforms
+
+    pool, taken, n = cupy.get_default_memory_pool(), [], 2**22
+    monkeypatch.setattr(transforms, "free_memory", lambda: taken.append(pool.total_bytes()) or 2**40)
+    pool.free_all_blocks()
+    solve(replace(SCENE, num_points=n, precision=precision), method=method, device="cuda", max_iterations=120)
+    kinds = {fire.KIND.name: fire_state.Fire, mass_weighted_fire.KIND.name: mass_weighted_fire.MassWeightedFire}
+    needed = fire_on_gpu.needed_memory(kinds[method], n, precision)
+    assert 0.6 < taken[-1] / needed <= 1
+
+
+@needs_gpu
 def test_a_grid_beyond_the_gpus_memory_is_refused(monkeypatch):
     from linecontact.solver.transforms import on_gpu as transforms
 

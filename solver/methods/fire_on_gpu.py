@@ -16,9 +16,9 @@ NetForce = Callable[[Array64], Array64]
 _MOST = 32
 """Iterations between two looks; a state that has converged, or diverged, is not changed by those that follow."""
 
-_WORKSPACE = 3
+_WORKSPACE = 4
 """Arrays of N values that cuFFT takes for its own use, and that a start takes for a while."""
-_MIXED = 88
+_MIXED = 96
 """Memory that mixed precision takes for the base displacement and its force [bytes a point]."""
 
 
@@ -53,7 +53,7 @@ def begin(kind: type[Fire], problem: Problem, setting: Setting) -> tuple[Fire, N
     Raises `ValueError` for a grid that the GPU's free memory cannot hold.
     """
     mixed, num_points = setting.precision == "mixed", problem.num_points
-    _check_memory(kind, num_points, setting)
+    _check_memory(kind, num_points, setting.precision)
     try:
         transforms = on_gpu.Transforms(num_points, setting.working_precision)
         fire = kind(problem, transforms, setting.tolerance, setting.backend, own_load=mixed)
@@ -81,11 +81,15 @@ def _net_force(problem: Problem) -> NetForce:
     return net_force
 
 
-def _check_memory(kind: type[Fire], num_points: int, setting: Setting) -> None:
+def needed_memory(kind: type[Fire], num_points: int, precision: str) -> int:
+    """What a solve takes of the GPU's memory, about [bytes]; transforms of large prime factors take more."""
+    size = np.dtype("float64" if precision == "float64" else "float32").itemsize
+    return num_points * (size * (kind.buffers + _WORKSPACE) + (_MIXED if precision == "mixed" else 0))
+
+
+def _check_memory(kind: type[Fire], num_points: int, precision: str) -> None:
     """Raise `ValueError` for a grid that the GPU's free memory cannot hold."""
-    size = np.dtype(setting.working_precision).itemsize
-    needed = num_points * (size * (kind.buffers + _WORKSPACE) + (setting.precision == "mixed") * _MIXED)
-    free = on_gpu.free_memory()
+    needed, free = needed_memory(kind, num_points, precision), on_gpu.free_memory()
     if needed > free:
         raise ValueError(
             f"num_points is {num_points}, needing about {needed / 2**30:.1f} GiB of the GPU's memory; allowed: what "

@@ -41,20 +41,21 @@ def machine(runs: Sequence[Record]) -> str:
 
 def iterations(runs: Sequence[Record]) -> Table:
     """A row for every method, precision and number of points."""
+    both = [run for run in runs if _known(run.get("seconds.cpu"))]
+    cores = sorted(run["seconds.cores"] / run["seconds.cpu"] for run in both)
+    all_cores = f"; on all cores it takes {cores[0]:.2g} to {cores[-1]:.2g} times as long" if cores else ""
     table = console.table(
         title="An iteration on the GPU and on the CPU",
-        caption=f"Milliseconds an iteration on {machine(runs)}; 1 thread and all: FFTW on one thread, which is the "
-        "default, and on all cores; ratio: one thread's time over the GPU's (dimensionless). Where the CPU's time is "
-        "missing it was not measured.",
+        caption=f"Milliseconds an iteration on {machine(runs)}. CPU: FFTW on one thread, the default{all_cores}; "
+        "ratio: CPU over GPU (dimensionless). Where the CPU's time is missing it was not measured.",
     )
-    for heading in ("method", "precision", "N", "1 thread\n(ms)", "all\n(ms)", "GPU\n(ms)", "ratio"):
+    for heading in ("method", "precision", "N", "CPU (ms)", "GPU (ms)", "ratio"):
         table.add_column(heading, justify="right", no_wrap=True)
     for run in sorted(runs, key=lambda run: (run["method"], run["precision"] == "float32", run["num_points"])):
         gpu, cpu = run["seconds.gpu"], run.get("seconds.cpu", math.nan)
-        known = [f"{1e3 * v:.3g}" if _known(v) else "-" for v in (cpu, run.get("seconds.cores", math.nan), gpu)]
-        ratio = f"{cpu / gpu:.3g}" if _known(cpu) else "-"
+        here, ratio = (f"{1e3 * cpu:.3g}", f"{cpu / gpu:.3g}") if _known(cpu) else ("-", "-")
         n = f"2^{round(math.log2(run['num_points']))}"
-        table.add_row(run["method"], run["precision"], n, *known, ratio)
+        table.add_row(run["method"], run["precision"], n, here, f"{1e3 * gpu:.3g}", ratio)
     return table
 
 
