@@ -64,6 +64,9 @@ ELSEWHERE = {
     "linecontact study kernels --variants docs/examples/kernel_variants.py --kernel restrict_to_free --size 2^18": "by "
     "test_kernel_study.py",
     "pip install -e '.[explore]'": "by the extra named test",
+    "pip install -e '.[cuda]'": "where there is a GPU",
+    "linecontact solve --method mass-weighted-fire --device cuda --num-points 2^22": "by test_on_gpu.py",
+    "linecontact study gpu": "the same",
     "python docs/fill_in.py": "test_what_a_page_shows_is_what_is_stored",
     ".venv/bin/sphinx-build -W docs docs/build": "the last test of test_docs.py",
 }

@@ -319,13 +319,14 @@ def test_the_memory_that_a_solve_takes_is_foreseen(method, precision, monkeypatc
     from linecontact.solver.methods import fire, fire_on_gpu, fire_state, mass_weighted_fire
     from linecontact.solver.transforms import on_gpu as transforms
 
-    pool, taken, n = cupy.get_default_memory_pool(), [], 2**22
+    pool, taken, n = cupy.get_default_memory_pool(), [], 2**20
     monkeypatch.setattr(transforms, "free_memory", lambda: taken.append(pool.total_bytes()) or 2**40)
     pool.free_all_blocks()
-    solve(replace(SCENE, num_points=n, precision=precision), method=method, device="cuda", max_iterations=120)
+    scene = replace(SCENE, num_points=n, precision=precision)
+    solve(scene, method=method, device="cuda", max_iterations=120, tolerance=0.49)
     kinds = {fire.KIND.name: fire_state.Fire, mass_weighted_fire.KIND.name: mass_weighted_fire.MassWeightedFire}
     needed = fire_on_gpu.needed_memory(kinds[method], n, precision)
-    assert 0.6 < taken[-1] / needed <= 1
+    assert 0.6 < taken[1] / needed <= 1  # by the first state; another one may follow
 
 
 @needs_gpu

@@ -222,6 +222,40 @@ def pairs_over_the_load():
     yield f"up to {pairs.max():.0f} of them, most where a_r = {digits(area[pairs.argmax()])}."
 
 
+def what_a_gpu_brings():
+    runs = stored("gpu").runs
+    by_size = defaultdict(dict)
+    for run in runs:
+        if run["what"] == "iteration" and run["precision"] == "float64" and run["seconds.cpu"] > 0:
+            by_size[run["num_points"]][run["method"]] = run["seconds.cpu"] / run["seconds.gpu"]
+    plain, weighted = (by_size[2**22][name] for name in ("fire", "mass-weighted-fire"))
+    yield (
+        f"At 2^22 points in float64 plain FIRE's iteration takes 1/{plain:.0f} of its time on the CPU, mass-weighted "
+        f"FIRE's 1/{weighted:.0f}"
+    )
+    assert max(by_size[2**14].values()) < 4
+    yield "on 2^14 points little is gained."
+    shares = [run["share"] for run in runs if run["what"] == "kernel"]
+    yield f"The kernels move {span(shares)} times as many bytes a second"
+    solved = {(run["method"], run["where"], run["num_points"]): run for run in runs if run["what"] == "solve"}
+    active, there = (
+        {n: run for (method, where, n), run in solved.items() if (method, where) == key}
+        for key in (("active-set", "cpu"), ("mass-weighted-fire", "cuda"))
+    )
+    ratios = [active[n]["seconds.total"] / there[n]["seconds.total"] for n in (2**22, 2**24)]
+    yield f"at 2^22 points it takes {ratios[0]:.1f} times as long, at 2^24 points {ratios[1]:.1f} times."
+    rest = 1 - there[2**22]["seconds.solve"] / there[2**22]["seconds.total"]
+    yield f"is most of the time then: {100 * rest:.0f} % at 2^22 points."
+    slower = [n for n in there.keys() & active.keys() if active[n]["seconds.total"] < there[n]["seconds.total"]]
+    yield f"Up to 2^{math.log2(max(slower)):.0f} points the active set on the CPU is faster."
+    most = max(run["num_points"] for run in runs if run["what"] == "iteration")
+    yield f"With 80 GB both methods fit 2^{math.log2(most):.0f} points"
+    assert {run["method"] for run in runs if run["what"] == "iteration" and run["num_points"] == most} == {
+        "fire",
+        "mass-weighted-fire",
+    }
+
+
 def what_the_machine_gains():
     runs = stored("transforms").runs
     whole, rows = (
@@ -255,6 +289,7 @@ def what_the_machine_gains():
         ("docs/curves", curve_of_a_rough_surface),
         ("docs/ensembles", scatter_of_rough_surfaces),
         ("docs/extremes", the_map_of_extremes),
+        ("docs/gpu", what_a_gpu_brings),
         ("docs/kernels", share_of_the_step_control),
         ("docs/paper", roughness_of_the_published_study),
         ("docs/peers", times_of_a_point),

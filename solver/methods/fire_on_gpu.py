@@ -1,5 +1,6 @@
 """Iterations of FIRE on a GPU: each is one graph, and some are in the queue before the control state is looked at."""
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -16,10 +17,11 @@ NetForce = Callable[[Array64], Array64]
 _MOST = 32
 """Iterations between two looks; a state that has converged, or diverged, is not changed by those that follow."""
 
-_WORKSPACE = 4
+_WORKSPACE = 3
 """Arrays of N values that cuFFT takes for its own use, and that a start takes for a while."""
-_MIXED = 96
-"""Memory that mixed precision takes for the base displacement and its force [bytes a point]."""
+_START, _MIXED = 8, 101
+"""Memory that a displacement to start from takes, and in mixed precision the base with its force [bytes a point]."""
+_MARGIN = 1.02
 
 
 class Repetition:
@@ -84,7 +86,8 @@ def _net_force(problem: Problem) -> NetForce:
 def needed_memory(kind: type[Fire], num_points: int, precision: str) -> int:
     """What a solve takes of the GPU's memory, about [bytes]; transforms of large prime factors take more."""
     size = np.dtype("float64" if precision == "float64" else "float32").itemsize
-    return num_points * (size * (kind.buffers + _WORKSPACE) + (_MIXED if precision == "mixed" else 0))
+    bytes_per_point = size * (kind.buffers + _WORKSPACE) + _START + (_MIXED if precision == "mixed" else 0)
+    return math.ceil(_MARGIN * num_points * bytes_per_point)
 
 
 def _check_memory(kind: type[Fire], num_points: int, precision: str) -> None:
