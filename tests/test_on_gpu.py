@@ -2,6 +2,7 @@
 
 import importlib
 import math
+import subprocess
 import sys
 from dataclasses import replace
 from types import SimpleNamespace
@@ -137,6 +138,25 @@ def test_where_cupy_is_missing_one_line_says_how_to_get_it(monkeypatch, capsys):
     assert said.err.count("\n") == 1
     assert "device is 'cuda', for which CuPy or a library of CUDA is missing" in said.err
     assert "pip install 'linecontact[cuda]'" in said.err
+
+
+def test_the_study_of_the_gpu_needs_one(monkeypatch, capsys, tmp_path):
+    monkeypatch.setitem(sys.modules, "cupy", None)
+    assert main.main(["study", "gpu", "--folder", str(tmp_path / "new")]) == 2
+    assert "device is 'cuda', for which CuPy" in capsys.readouterr().err
+    assert not (tmp_path / "new").exists()
+
+
+def test_on_the_cpu_nothing_of_a_gpu_is_imported():
+    code = (
+        "import sys\n"
+        "from linecontact import Scene, solve\n"
+        "for method in ('fire', 'mass-weighted-fire', 'active-set'):\n"
+        "    solve(Scene(num_points=2**10), method=method)\n"
+        "names = ('cupy', 'linecontact.kernels.on_gpu', 'linecontact.solver.transforms.on_gpu')\n"
+        "print([name for name in (*names, 'linecontact.solver.methods.fire_on_gpu') if name in sys.modules])\n"
+    )
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"
 
 
 def test_where_there_is_no_gpu_one_line_says_so(monkeypatch):
