@@ -1,5 +1,6 @@
-"""Warp kernels on the CPU and their NumPy twins; in `on_gpu` the same kernels on a GPU. Knows arrays and numbers: no scene,
-no file, no transform.
+"""Warp kernels on the CPU, their NumPy twins, and in `on_gpu` the same kernels on a GPU.
+
+Knows arrays and numbers: no scene, no file, no transform.
 """
 
 from . import layout

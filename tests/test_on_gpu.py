@@ -137,7 +137,7 @@ def test_where_cupy_is_missing_one_line_says_how_to_get_it(monkeypatch, capsys):
     assert said.out == ""
     assert said.err.count("\n") == 1
     assert "device is 'cuda', for which CuPy or a library of CUDA is missing" in said.err
-    assert "pip install 'linecontact[cuda]'" in said.err
+    assert "pip install 'cupy-cuda13x[ctk]'" in said.err
 
 
 def test_the_study_of_the_gpu_needs_one(monkeypatch, capsys, tmp_path):

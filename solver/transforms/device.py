@@ -20,7 +20,7 @@ def check_device(device: str) -> None:
         import cupy.cuda.cufft
     except ImportError as error:
         what = f"device is {device!r}, for which CuPy or a library of CUDA is missing ({error})"
-        raise ValueError(f"{what}; allowed: cpu, or cuda after pip install 'linecontact[cuda]'") from error
+        raise ValueError(f"{what}; allowed: cpu, or cuda with `pip install 'cupy-cuda13x[ctk]'`") from error
     start_warp()
     import warp as wp
 
