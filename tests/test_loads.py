@@ -38,7 +38,7 @@ def test_a_patch_whose_load_is_known_in_closed_form(cubic, quartic):
     terms = np.zeros((1, 7))
     terms[0, :2] = 0.1 + 2 / math.pi * load[0] * math.log(2 / a) + mean_height, 8 * cubic * a**2 / 2
     around = Surroundings(np.array([n / 2]), np.array([8.0]), terms)
-    found = from_loads(around, heights, load, np.array([5.0]), None)
+    found = from_loads(around, heights, load, np.array([n / 2 - 0.3]), np.array([5.0]))
     assert found.solved[0]
     assert found.half_width[0] == pytest.approx(a, rel=1e-5)
     assert found.centre[0] == pytest.approx(n / 2, abs=1e-4)

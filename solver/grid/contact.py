@@ -14,7 +14,7 @@ from .few_nodes import MOST_NODES
 from .gaps import gap_ends
 from .heights import Heights
 from .layer_on_grid import Modulus, modulus_on_grid
-from .loads import from_loads, level_error
+from .loads import first_centre, from_loads, level_error
 from .patches import Patches
 from .shares import MOST_PATCHES, layer_response, shared_loads
 from .surroundings import Field, Surroundings
@@ -138,17 +138,20 @@ def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array
     if not chosen.size:
         return edges
     gap = patches.to_neighbours[:, chosen].min(axis=0).astype(np.int64) - 1
-    first, size = patches.first[chosen], patches.size[chosen]
-    around = Surroundings.of_patches(first, size, gap, surface.pressure, surface.displacement)
-    loads, start = patches.sums(pressure), _start(patches, edges, pressure, heights)[chosen]
-    found = from_loads(around, heights, loads[chosen], start, None if resolved else surface.modulus)
-    if resolved and found.solved.any() and 1 < patches.count <= MOST_PATCHES:
+    ends = patches.first[chosen], patches.size[chosen], gap
+    around = Surroundings.of_patches(*ends, surface.pressure, surface.displacement)
+    loads, half_width = patches.sums(pressure), _start(patches, edges, pressure, heights)[chosen]
+    begin = first_centre(around, heights, resolved), half_width
+    found = from_loads(around, heights, loads[chosen], *begin, None if resolved else surface.modulus)
+    chosen, around, found = chosen[found.solved], around.part(found.solved), found.part(found.solved)
+    if resolved and chosen.size and 1 < patches.count <= MOST_PATCHES:
         level = level_error(found, around, heights, loads[chosen])
         green = layer_response(surface.layer, n, surface.period)
         loads = shared_loads(patches, chosen, pressure, found, level, green)
-        found = from_loads(around, heights, loads[chosen], found.half_width, None)
+        found = from_loads(around, heights, loads[chosen], found.centre, found.half_width)
     left, right = found.centre - found.half_width, found.centre + found.half_width
-    fourth, sixth = _differences(heights.profile, first, size)
+    size = patches.size[chosen]
+    fourth, sixth = _differences(heights.profile, patches.first[chosen], size)
     if resolved:
         error = _estimated(patches, chosen, sixth.max(axis=1), surface.thickness)
     else:

@@ -21,7 +21,7 @@ it and the layer were a half-space of the modulus 2K(q)/q at q = 3 pi/(4 a), whi
 half-space and on a Winkler foundation.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -36,8 +36,8 @@ _T1, _T2 = np.cos(_ANGLES), np.cos(2 * _ANGLES)
 _MOMENTS = 2 / _SAMPLES * np.stack([np.ones(_SAMPLES), _T1, _T2], axis=1)
 _BENT_MOMENTS = 2 / _SAMPLES * np.stack([np.ones(_SAMPLES), _T1, _T1 * _T1], axis=1)
 _WAVE = 3 * np.pi / 4  # q a at which the layer's modulus is taken
-_STEPS, _STEP, _CLOSE = 16, 0.25, 1e-3  # of Newton's method: most, their length and the last one's [grid spacings]
-_HALVED_FROM = 8  # steps: then it may go to and fro about a node, where the polynomials of the heights change
+_STEPS, _STEP, _CLOSE = 12, 0.25, 1e-3  # of Newton's method: most, their length and the last one's [grid spacings]
+_HALVED_FROM = 6  # steps: then it may go to and fro about a node, where the polynomials of the heights change
 _GUESSED = 0.75  # distance of the first guess of a middle from halfway between the end nodes, at most [grid spacings]
 
 
@@ -54,20 +54,24 @@ class FromLoads:
     solved: Mask
     """For which the equations were solved, shape (patches,)."""
 
+    def part(self, which: Mask) -> "FromLoads":
+        """Those of some of the patches, shape (patches,)."""
+        return FromLoads(*(getattr(self, each.name)[which] for each in fields(self)))
+
 
 def from_loads(
-    around: Surroundings, heights: Heights, load: Array64, half_width: Array64, modulus: Modulus | None
+    around: Surroundings,
+    heights: Heights,
+    load: Array64,
+    centre: Array64,
+    half_width: Array64,
+    modulus: Modulus | None = None,
 ) -> FromLoads:
-    """Ends of some patches. load: over E* [grid spacings]; half_width: where to begin [grid spacings]; both of shape
-    (patches,). modulus: of a layer that the grid does not resolve.
+    """Ends of some patches. load: over E* [grid spacings]; centre, half_width: where to begin [grid spacings]; all of
+    shape (patches,). modulus: of a layer that the grid does not resolve.
     """
-    every = np.arange(load.size)
-    own, bent = heights.slope_in_the_middle(around.middle)
-    beside, _ = around.slope(every, around.middle[:, None])
-    slope = own if modulus else own - beside[:, 0]
-    m = around.middle - np.clip(slope / np.maximum(bent, 1e-300), -_GUESSED, _GUESSED)
-    a, moments, solved = half_width.copy(), np.ones((load.size, 3)), np.zeros(load.size, dtype=bool)
-    left = every
+    m, a, left = centre.copy(), half_width.copy(), np.arange(load.size)
+    moments, solved = np.ones((load.size, 3)), np.zeros(load.size, dtype=bool)
     for turn in range(_STEPS):
         at = m[left, None] + a[left, None] * _T1
         g, bent = heights.slope(at)
@@ -90,17 +94,24 @@ def from_loads(
     return FromLoads(m, a, m + a * skew / 2, solved)
 
 
+def first_centre(around: Surroundings, heights: Heights, resolved: bool) -> Array64:
+    """Where the gap is narrowest, estimated from halfway between the end nodes of each patch, shape (patches,) [grid
+    spacings]. resolved: whether what is around the patches counts.
+    """
+    slope, bent = heights.slope_in_the_middle(around.middle)
+    if resolved:
+        slope = slope - around.slope(np.arange(slope.size), around.middle[:, None])[0][:, 0]
+    return np.asarray(around.middle - np.clip(slope / np.maximum(bent, 1e-300), -_GUESSED, _GUESSED))
+
+
 def level_error(found: FromLoads, around: Surroundings, heights: Heights, load: Array64) -> Array64:
-    """By how much the patches would have to lie deeper for their loads, shape (patches,) [grid spacings]; 0 where the
-    ends are not known.
+    """By how much the patches would have to lie deeper for their loads, shape (patches,) [grid spacings].
 
     load: as in `from_loads`.
     """
     at = found.centre[:, None] + found.half_width[:, None] * _T1
     pressed = (around.values(np.arange(load.size), at) - heights.values(at)).mean(axis=1)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        error = pressed - punch_compliance(found.half_width) * load
-    return np.where(found.solved, error, 0.0)
+    return np.asarray(pressed - punch_compliance(found.half_width) * load)
 
 
 def punch_compliance(half_width: Array64) -> Array64:

@@ -50,11 +50,10 @@ def shared_loads(
     centre = patches.first + patches.sums(pressure * inside) / load
     # a load that lies elsewhere than the grid has it presses the other patches, too
     moment, compliance, error = np.zeros(patches.count), _of_nodes(patches.size, green), np.zeros(patches.count)
-    known = chosen[found.solved]
-    moved = found.centre_of_load[found.solved] - centre[known]
-    centre[known] += moved
-    moment[known] = moved * load[known]
-    compliance[known] += punch_compliance(found.half_width[found.solved]) - _of_nodes(patches.size[known], response())
+    moved = found.centre_of_load - centre[chosen]
+    centre[chosen] += moved
+    moment[chosen] = moved * load[chosen]
+    compliance[chosen] += punch_compliance(found.half_width) - _of_nodes(patches.size[chosen], response())
     error[chosen] = level
     across = centre[:, None] - centre
     away = np.abs(across)

@@ -18,7 +18,7 @@ from typing import Protocol, Self
 
 import numpy as np
 
-from ..arrays import Array64, Indices
+from ..arrays import Array64, Indices, Mask
 from .few_nodes import MARGIN, response, stiffness
 
 Field = Callable[[Indices], Array64]
@@ -69,6 +69,10 @@ class Surroundings:
             at = first[which, None] + np.arange(-beyond, nodes + beyond)
             coefficients[which] = field(at) @ of_field + own(at[:, beyond : beyond + nodes]) @ of_own
         return cls(first + (size - 1) / 2, (size - 1) / 2 + margin, coefficients)
+
+    def part(self, which: Mask) -> Self:
+        """That around some of the runs, shape (runs,)."""
+        return type(self)(self.middle[which], self.half[which], self.coefficients[which])
 
     def slope(self, which: Indices, at: Array64) -> tuple[Array64, Array64]:
         """First and second derivative around some of the runs at places, shape (which, places)."""
