@@ -86,7 +86,8 @@ def compile_modules(modules: list[ModuleType], device: str = "cpu") -> dict[str,
         single, double, state = wp.array(dtype=wp.float32), wp.array(dtype=wp.float64), wp.array(dtype=wp.float64)
         wp.overload(kernels["advance_response"], {"change": single, "state": state, "response": double})
     if not all(_is_compiled(module.__name__, device) for module in modules):
-        _logger.warning("linecontact: compiling kernels for this processor, once; this takes some seconds")
+        what = "this processor" if device == "cpu" else "the GPU"
+        _logger.warning("linecontact: compiling kernels for %s, once; this takes some seconds", what)
     for module in modules:
         wp.load_module(module, device=device)
     return kernels
@@ -96,9 +97,9 @@ def _is_compiled(module: str, device: str) -> bool:
     """Whether Warp's cache holds this module for a device; for the CPU, where blocks are of one thread."""
     import warp as wp
 
-    block, ending = (1, "o") if device == "cpu" else (GPU_BLOCK, "[cp][ut]*")  # .cubin or .ptx
+    block, endings = (1, ("o",)) if device == "cpu" else (GPU_BLOCK, ("cubin", "ptx"))
     folder = Path(str(wp.config.kernel_cache_dir)) / wp.get_module(module).get_module_identifier(block)
-    return any(folder.glob(f"*.{ending}"))
+    return any(file for ending in endings for file in folder.glob(f"*.{ending}"))
 
 
 @functools.cache

@@ -8,6 +8,9 @@ pressure are 1).
 CHUNK = 1024
 """Points per kernel thread: a power of two above Warp's unroll limit (16), else LLVM leaves the loop scalar."""
 
+FOLDED = 32
+"""Sums that a GPU leaves of each array of sums for FIRE's control step."""
+
 TOUCHING = 2.0**-60
 """Velocity that marks a node on the wall. As good as 0 (its square is the smallest that float32 holds well), positive,
 so that the next step finds the node on the wall again, and read instead of u and h by the passes that need the

@@ -9,15 +9,13 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from .compiled import GPU_BLOCK, MODULES, compile_modules, start_warp
+from .layout import FOLDED
 from .module_copies import copy_module
 from .record import Call
 
 CHUNK, LANES = 64, 256
 """Points of a thread, and threads whose points take turns: of six pairs from 8 to 64 and from 32 to 256, measured on
 one H100, the one with which every kernel reaches 0.9 of the copy bandwidth or more, in float32, too."""
-
-FOLDED = 32
-"""Sums that are left of each array of sums for FIRE's control step, `warp_folds.FOLDED_LENGTH`."""
 
 
 def padded_length(length: int) -> int:
@@ -47,7 +45,8 @@ def prepare(calls: Sequence[Call]) -> Callable[[], None]:
     def add(name: str, threads: int, inputs: Sequence[Any], outputs: Sequence[Any]) -> None:
         given = [[wp.array(array, copy=False) for array in arrays] for arrays in (inputs, outputs)]
         how = {"inputs": given[0], "outputs": given[1], "device": "cuda", "block_dim": GPU_BLOCK}
-        commands.append(wp.launch(kernels[name], dim=threads, record_cmd=True, **how))
+        command = wp.launch(kernels[name], dim=threads, record_cmd=True, **how)
+        commands.append((command, given))  # the queue holds the arrays' addresses only
 
     for call in calls:
         if call.kernel == "fire_control":
@@ -58,7 +57,7 @@ def prepare(calls: Sequence[Call]) -> Callable[[], None]:
             add(call.kernel, call.inputs[0].size // CHUNK, call.inputs, call.outputs)
 
     def launch() -> None:
-        for command in commands:
+        for command, _ in commands:
             command.launch()
 
     return launch

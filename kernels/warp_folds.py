@@ -4,9 +4,11 @@ and one thread alone would take longer with their sums than all others with the 
 
 import warp as wp
 
+from .layout import FOLDED
+
 wp.set_module_options({"enable_backward": False})
 
-FOLDED_LENGTH = wp.constant(32)
+FOLDED_LENGTH = wp.constant(FOLDED)
 
 
 @wp.func

@@ -76,10 +76,12 @@ def solve(
     accuracy = check_accuracy(accuracy, accuracy_of)
     if accuracy is not None:
         chosen = {"method": method, "nested": nested, "tolerance": tolerance, "initial": initial}
-        chosen |= {"max_iterations": max_iterations, "device": None if device == "cpu" else device}
+        chosen |= {"max_iterations": max_iterations}
         for name, value in chosen.items():
             if value is not None:
                 raise ValueError(f"{name} is {value!r}; allowed: without accuracy only, which chooses it")
+        if device != "cpu":
+            raise ValueError(f"device is {device!r}; allowed: cpu with an accuracy, whose methods work there")
         if nothing_touches(scene):
             return without_contact(scene, means)
         return solve_to_accuracy(scene, accuracy, accuracy_of, means)

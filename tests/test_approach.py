@@ -237,6 +237,17 @@ def test_contact_stiffness_of_few_nodes(width, num_points):
         assert solution.contact_stiffness == pytest.approx(exact, rel=1e-5 if num_points > 256 else 1e-4)
 
 
+@pytest.mark.parametrize(("spacings", "most"), [(0.01, 0.05), (0.1, 0.05), (0.5, 0.2), (1.0, 0.25), (2.0, 0.05)])
+@pytest.mark.parametrize("width", [1, 5])
+def test_contact_stiffness_of_few_nodes_on_thin_layers(spacings, most, width):
+    """Under a parabola, beside a grid of 64 times as many points."""
+    layer, indenter = Layer(spacings / 512), PowerIndenter(2.0)
+    fine = solve(Scene(layer, indenter, approach=(width / 1024) ** 2 / 2, num_points=2**15))
+    assert fine.observables.contact_area_subgrid * 512 == pytest.approx(width, rel=0.5)
+    coarse = solve(Scene(layer, indenter, fine.scene.pressure, num_points=512))
+    assert coarse.contact_stiffness == pytest.approx(fine.contact_stiffness, rel=most)
+
+
 @pytest.mark.parametrize("num_points", [2**8, 2**10, 2**14])
 @pytest.mark.parametrize("share", [0.1, 0.317, 0.5, 0.8])
 def test_contact_stiffness_under_a_sine_wave(num_points, share):
@@ -349,7 +360,7 @@ def test_errors_at_an_approach_include_that_of_the_pressure(layer, pressure):
         for name in ("contact_area", "kappa", "peak_pressure"):
             value = name if name == "peak_pressure" else f"{name}_subgrid"
             beyond.append(abs(getattr(found, value) - getattr(fine, value)) / getattr(found, f"{name}_error"))
-    assert sum(ratio > 1 for ratio in beyond) <= 1  # a patch between two nodes
+    assert sum(ratio > 1 for ratio in beyond) <= 1  # one surface touches between two nodes, which no estimate knows
     assert 0.02 < max(beyond) < 1.1  # nor are they meaningless
 
 

@@ -66,7 +66,7 @@ ELSEWHERE = {
     "pip install -e '.[explore]'": "by the extra named test",
     "pip install -e '.[cuda]'": "where there is a GPU",
     "linecontact solve --method mass-weighted-fire --device cuda --num-points 2^22": "by test_on_gpu.py",
-    "linecontact study gpu": "the same",
+    "linecontact study gpu": "where there is a GPU",
     "python docs/fill_in.py": "test_what_a_page_shows_is_what_is_stored",
     ".venv/bin/sphinx-build -W docs docs/build": "the last test of test_docs.py",
 }

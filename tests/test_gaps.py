@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from linecontact.solver import CoatedHalfSpace, Layer, MeasuredIndenter, Scene, SlidingLayer, solve
+from linecontact.solver.grid.contact import contact_edges
 
 DEPTH = 0.01
 
@@ -48,3 +49,29 @@ def test_gaps_on_layers(layer):
         assert fine.contact_area_subgrid < 1
         error = abs(coarse.contact_area_subgrid - fine.contact_area_subgrid)
         assert error < 5 * 1e-3 / n
+
+
+@pytest.mark.parametrize("share", [1e-4, 0.01, 0.3, 0.9, 0.99, 0.999, 1 - 1e-4, 1 - 1e-5, 1 - 3e-6, 1 - 1e-6])
+def test_the_curve_of_a_wave_from_first_touch_to_full_contact(share):
+    n, load = 2**14, share * math.pi * DEPTH
+    found = solve(Scene(indenter=wave(n, n // 2), pressure=load, num_points=n)).observables
+    assert found.contact_area_subgrid == pytest.approx(1 - open_share(load), abs=1e-8)
+
+
+def test_gaps_tell_nothing_where_the_profile_is_not_known_between_the_nodes():
+    """Noise from node to node: the ends are those that the pressures tell."""
+    n = 2**10
+    noisy = MeasuredIndenter(wave(n, 0.3, 5).heights + np.random.default_rng(2).uniform(0, 3e-4, n))
+    solution = solve(Scene(indenter=noisy, pressure=0.6 * math.pi * 5 * DEPTH, num_points=n))
+    patches, edges = contact_edges(solution.scene, solution.contact_pressure, displacement=solution.displacement)
+    _, by_pressures = contact_edges(solution.scene, solution.contact_pressure)
+    h = solution.scene.profile
+    jagged = np.zeros(n, dtype=bool)
+    for node in range(n):
+        around = h[(node + np.arange(-2, 3)) % n]
+        jagged[node] = abs(around @ [1, -4, 6, -4, 1]) > 1.9 * abs(around @ [0, 1, -2, 1, 0])
+    middle = patches.last + (np.roll(patches.first, -1) - patches.last) // 2
+    narrow = np.flatnonzero((patches.size >= 3) & (np.roll(patches.size, -1) >= 3) & (patches.to_neighbours[1] == 2))
+    narrow = narrow[jagged[middle[narrow] % n] & ~edges.by_load[narrow]]
+    assert narrow.size > 2
+    np.testing.assert_array_equal(edges.right[narrow], by_pressures.right[narrow])

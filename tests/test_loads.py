@@ -1,4 +1,4 @@
-"""Ends of narrow patches from their loads: closed forms, neighbours, layers, and rough surfaces with few points."""
+"""Ends of narrow patches from their loads: closed forms, layers, and rough surfaces with few points."""
 
 import math
 
@@ -44,6 +44,23 @@ def test_a_patch_whose_load_is_known_in_closed_form(cubic, quartic):
     assert found.centre[0] == pytest.approx(n / 2, abs=1e-4)
     assert found.centre_of_load[0] == pytest.approx(n / 2 + a * b2 / b1 / 2, abs=1e-4)
     assert level_error(found, around, heights, load)[0] == pytest.approx(0.1, abs=1e-6)
+
+
+@pytest.mark.parametrize("load", [0.0, -1e-5, -1e-3])
+def test_a_patch_without_a_load_has_no_ends(load):
+    x = np.arange(64) - 32
+    around = Surroundings(np.array([32.0]), np.array([2.0]), np.zeros((1, 7)))
+    found = from_loads(around, Heights(0.01 * x**2, 1.0), np.array([load]), np.array([32.2]), np.array([0.5]))
+    assert not found.solved[0]
+
+
+@pytest.mark.parametrize("spacings", [1e-12, 1e-3, 0.3, 0.7])
+def test_a_coating_like_its_base_of_any_thickness(spacings):
+    layer = CoatedHalfSpace(spacings / 256, 1.0, 0.25, 0.25)
+    found, exact = (
+        solve(Scene(each, PowerIndenter(2.0), 1e-6, num_points=256)).observables for each in (layer, Layer())
+    )
+    assert found.contact_area_subgrid == pytest.approx(exact.contact_area_subgrid, rel=1e-3)
 
 
 @pytest.mark.parametrize("shift", [0, 500, 1010])
@@ -96,7 +113,7 @@ def test_a_parabola_of_few_nodes(num_points):
 @pytest.mark.parametrize("poisson_ratio", [0.0, 0.25, 0.45, 0.5])
 @pytest.mark.parametrize("thickness", [0.3, 0.08, 0.03])
 def test_a_layer_bends_the_slope(thickness, poisson_ratio):
-    """Patches up to a fifth of the thickness, against collocation; without the layer's part they are off by 0.026."""
+    """A patch of some ten nodes on layers of different thickness, against collocation."""
     pressure = 0.004 * thickness**2
     exact = collocation.solve_load(pressure, 2.0, 1.0, thickness, poisson_ratio).contact_area
     num_points = 2 * round(0.5 * 10 / exact)
@@ -208,7 +225,7 @@ def test_a_table_that_ends_where_the_grid_does():
 
 
 def test_a_coating_like_its_base_is_a_half_space():
-    """Neighbours count at any distance where the base is elastic."""
+    """The same pressures and displacements give the same ends."""
     scene = Scene(indenter=FEW_POINTS, pressure=0.01, num_points=2**12)
     solution = solve(scene)
     coated = Scene(CoatedHalfSpace(0.02, base_modulus=1.0, base_poisson_ratio=0.25), FEW_POINTS, 0.01)

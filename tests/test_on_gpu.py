@@ -116,7 +116,7 @@ def test_sums_are_folded_whole(count, gpu_form):
     ("given", "message"),
     [
         ({}, r"device is 'cuda'; allowed: cpu for method active-set, or one of the methods mass-weighted-fire, fire"),
-        ({"accuracy": 1e-3}, "device is 'cuda'; allowed: without accuracy only"),
+        ({"accuracy": 1e-3}, "device is 'cuda'; allowed: cpu with an accuracy"),
         ({"method": "fire", "backend": "numpy"}, "backend is 'numpy'; allowed: warp, on device cuda"),
     ],
 )

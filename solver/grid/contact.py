@@ -16,25 +16,32 @@ from .heights import Heights
 from .layer_on_grid import Modulus, modulus_on_grid
 from .loads import first_centre, from_loads, level_error
 from .patches import Patches
-from .shares import MOST_PATCHES, layer_response, shared_loads
+from .shares import MOST_PATCHES, MOST_POINTS, layer_response, shared_loads
 from .surroundings import Field, Surroundings
 
-_RESOLVED = 0.2  # logarithm of the shortest wave's modulus over the half-space's, up to which a grid resolves a layer
-_JAGGED = 1.9  # fourth over second difference of the heights; 2 for a wave of four grid spacings
-_FARTHEST = 0.5  # grid spacings by which the two may differ for the load to be believed
+_RESOLVED, _THINNEST = 0.2, 0.5
+"""Logarithm of the shortest wave's modulus over the half-space's, up to which a grid resolves a layer, and the layer's
+thickness from which on it does [grid spacings]."""
+_JAGGED = 1.9
+"""Fourth over second difference of the heights from which the nodes do not tell what lies between them; 2 for a wave of
+four grid spacings."""
+_FARTHEST = 0.5
+"""By how much the ends may differ from those by pressures to be believed [grid spacings]."""
 
-# The estimated error of a width by the load [grid spacings]: fitted so that it holds in 97 of 100 patches of rough
-# surfaces with 4 to 32 points to the shortest wave, on half-spaces, layers of one spacing and more, and coatings.
+# The estimated error of a patch's width by its load [grid spacings]: fitted so that it holds in 97 of 100 patches of
+# rough surfaces with 4 to 32 points to the shortest wave, on half-spaces, layers of one spacing and more, and coatings.
 _ALWAYS = 0.0013
-_OF_SIXTH, _MOST_SIXTH = 0.045, 2.0  # of the sixth over the second difference of the heights, up to so much of that
+_OF_SIXTH, _MOST_SIXTH = 0.045, 2.0  # share of the sixth over the second difference of the heights, and its most
 _OVER_GAP_SQUARED = 0.1  # over the square of the nodes between neighbouring patches
-_OF_THICKNESS = 1.0  # of s/(1 + s), s = r^2/(1 + r) d^-1.5, d the thickness [grid spacings] and r the nodes over that
-_ESTIMATED = 0.3  # of the nodes of a patch on a layer that the grid does not resolve; half of how far from them it ends
-# The same of a gap, of 95 of 100 under loads of 0.1 to 0.95 of full contact.
+_OF_THICKNESS = 1.0  # share of s/(1 + s), s = r^2/(1 + r) d^-1.5, d the thickness [grid spacings], r the nodes over d
+_ESTIMATED = 0.3
+"""Share of the nodes of a patch on a layer that the grid does not resolve; at least half the difference between its
+nodes and its width is taken."""
+
+# That of a gap's width: fitted so that it holds in 95 of 100 under loads of 0.1 to 0.95 of full contact.
 _ALWAYS_OF_GAP = 0.0005
-_OF_FOURTH, _MOST_FOURTH = 0.15, 2.0  # of the fourth over the second difference of the heights, up to so much of
-# that; twice as much of a gap of one node, half more of one of two, and so on
-_OVER_THICKNESS_SQUARED = 0.8  # [grid spacings]
+_OF_FOURTH, _MOST_FOURTH = 0.15, 2.0  # share of the fourth over the second difference of the heights, and its most
+_OVER_THICKNESS_SQUARED = 0.8  # over the square of the layer's thickness [grid spacings]
 
 _DIFFERENCES = np.array([[0, 0, 1, -2, 1, 0, 0], [0, 1, -4, 6, -4, 1, 0], [1, -6, 15, -20, 15, -6, 1]]).T
 _SHORT = 8  # nodes
@@ -89,7 +96,7 @@ def ends(
     )
     edges = _by_loads(surface, patches, edges, inside)
     edges = _by_gaps(surface, patches, edges)
-    return patches, _with_slopes(edges, surface.heights)
+    return patches, _with_slopes(patches, edges, surface.heights)
 
 
 @dataclass(frozen=True)
@@ -124,8 +131,8 @@ class _Surface:
 
     @property
     def resolved(self) -> bool:
-        """Whether the grid's shortest wave finds a half-space."""
-        return abs(math.log(self.modulus(np.array([np.pi]))[0])) < _RESOLVED
+        """Whether the layer is half a grid spacing thick, and the shortest wave finds the half-space's stiffness."""
+        return self.thickness >= _THINNEST and abs(math.log(self.modulus(np.array([np.pi]))[0])) < _RESOLVED
 
 
 def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array64) -> Edges:
@@ -144,7 +151,7 @@ def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array
     begin = first_centre(around, heights, resolved), half_width
     found = from_loads(around, heights, loads[chosen], *begin, None if resolved else surface.modulus)
     chosen, around, found = chosen[found.solved], around.part(found.solved), found.part(found.solved)
-    if resolved and chosen.size and 1 < patches.count <= MOST_PATCHES:
+    if resolved and chosen.size and 1 < patches.count <= MOST_PATCHES and n <= MOST_POINTS:
         level = level_error(found, around, heights, loads[chosen])
         green = layer_response(surface.layer, n, surface.period)
         loads = shared_loads(patches, chosen, pressure, found, level, green)
@@ -163,7 +170,7 @@ def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array
     lefts, rights, errors = edges.left.copy(), edges.right.copy(), edges.end_errors.copy()
     counted, by_load, which = edges.counted.copy(), np.zeros(patches.count, dtype=bool), chosen[better]
     lefts[which], rights[which], errors[:, which] = left[better], right[better], error[better] * math.sqrt(0.5)
-    counted[which], by_load[which] = False, True
+    counted[which], by_load[which] = False, resolved
     lefts, rights = apart(lefts, rights, n)
     return Edges(lefts, rights, errors, counted, by_load)
 
@@ -184,14 +191,16 @@ def _by_gaps(surface: _Surface, patches: Patches, edges: Edges) -> Edges:
 
     closed = Surroundings.of_gaps(first, size, narrower[before], opening, surface.pressure)
     left, right = edges.right[before], edges.left[behind]
-    right = right + np.where(right < left, n, 0)
+    right = right + np.where(behind == 0, n, 0)
     found = gap_ends(closed, left, right)
     fourth, _ = _differences(heights.profile, first, size)
+    # the fewer nodes there are in a gap, the more it matters what lies between them
     error = _ALWAYS_OF_GAP + _OF_FOURTH * np.minimum(fourth.max(axis=1), _MOST_FOURTH) * (1 + 1 / size)
     error += _OVER_THICKNESS_SQUARED / surface.thickness**2
     known = np.hypot(edges.end_errors[1, before], edges.end_errors[0, behind])
     inwards, outwards = found.left - left, found.right - right
     better = found.solved & (error < known) & (np.maximum(np.abs(inwards), np.abs(outwards)) < _FARTHEST)
+    better &= ~(fourth.min(axis=1) > _JAGGED)
     lefts, rights, errors = edges.left.copy(), edges.right.copy(), edges.end_errors.copy()
     one, other = before[better], behind[better]
     rights[one] += inwards[better]
@@ -230,13 +239,14 @@ def _differences(profile: Array64, first: Indices, size: Indices) -> tuple[Array
         return fourth / second, sixth / second
 
 
-def _with_slopes(edges: Edges, heights: Heights) -> Edges:
-    """Edges with the integral of h'^2 over the patches whose ends their loads tell."""
-    if edges.by_load is None or not edges.by_load.any():
+def _with_slopes(patches: Patches, edges: Edges, heights: Heights) -> Edges:
+    """Edges with the integral of h'^2 over the patches whose ends their loads tell, or let estimate."""
+    if edges.by_load is None:
         return edges
-    squared = np.full(edges.left.size, np.nan)
+    known = edges.by_load | (patches.size < COUNTED_BELOW) & ~edges.counted
+    squared = np.full(patches.count, np.nan)
     for (places, weights), wide in ((_FEW, edges.width <= _SHORT), (_MANY, edges.width > _SHORT)):
-        which = edges.by_load & wide
+        which = known & wide
         half = edges.width[which, None] / 2
         slope = heights.slope((edges.left + edges.right)[which, None] / 2 + half * places)[0]
         squared[which] = (slope**2 * half) @ weights

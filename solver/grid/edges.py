@@ -109,7 +109,8 @@ class Edges:
     counted: Mask
     """Which patches have as many spacings as nodes because nothing better is known, shape (M,)."""
     by_load: Mask | None = None
-    """Which narrow patches have ends that their loads have told, see `loads`, shape (M,); None for none."""
+    """Which narrow patches have ends that their loads have told, see `loads`, shape (M,), without those on a layer that
+    the grid does not resolve; None for none."""
     squared_slope: Array64 | None = None
     """Integral of h'^2 over each patch, shape (M,) [grid spacings]; NaN, or None for all, where it is to be had from
     the nodes."""

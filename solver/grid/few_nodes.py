@@ -11,8 +11,8 @@ import numpy as np
 from ..arrays import Array64
 
 MOST_NODES = 32
-"""Nodes of patches and gaps whose ends are looked for by all of them; the ends of wider ones are as well known by the
-last pressures."""
+"""Nodes of patches and gaps whose ends are found from all of these; the last pressures know the ends of wider ones as
+well."""
 MARGIN = 3
 """Nodes to each side of such a patch or gap that are looked at, too."""
 

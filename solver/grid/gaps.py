@@ -25,7 +25,7 @@ _STEPS, _STEP, _CLOSE = 12, 0.25, 1e-6  # of Newton's method: most, their length
 
 @dataclass(frozen=True, eq=False)
 class GapEnds:
-    """Ends of some gaps."""
+    """Where some gaps end."""
 
     left: Array64
     """Left ends, shape (gaps,) [grid spacings]."""
@@ -50,11 +50,11 @@ def gap_ends(closed: Surroundings, left: Array64, right: Array64) -> GapEnds:
         usable = determinant < 0
         step = np.stack([f * of_t1_t1 - f_1 * of_t1, f_1 * of_one - f * of_t1])
         step = np.where(usable, step / np.where(usable, determinant, 1.0), 0.0)
-        step = np.clip(step, -np.minimum(_STEP, half / 2), np.minimum(_STEP, half / 2))
+        wanted, most = np.abs(step).max(axis=0), np.minimum(_STEP, half / 2)
+        step = np.clip(step, -most, most)
         m[now], b[now] = m[now] - step[0], half - step[1]
-        moved = np.abs(step).max(axis=0)
-        solved[now] = usable & (moved < _CLOSE) & (second.mean(axis=1) > 0)
-        going_on = now[usable & (moved >= _CLOSE)]
+        solved[now] = usable & (wanted < _CLOSE) & (second.mean(axis=1) > 0)
+        going_on = now[usable & (wanted >= _CLOSE)]
         if not going_on.size:
             break
     return GapEnds(m - b, m + b, solved)

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 Made = TypeVar("Made")
 
 _GRIDS = 7  # whose results are kept, which is those of one scene on nested grids
-_MOST_POINTS = 2**20  # of a grid whose results are kept: they take up to 50 bytes a point
+_MOST_POINTS = 2**20  # of a grid whose results are kept: they take up to 60 bytes a point
 _clearing: list[Callable[[], None]] = []  # of every function: forgets what it has kept
 
 

@@ -37,13 +37,15 @@ _MOMENTS = 2 / _SAMPLES * np.stack([np.ones(_SAMPLES), _T1, _T2], axis=1)
 _BENT_MOMENTS = 2 / _SAMPLES * np.stack([np.ones(_SAMPLES), _T1, _T1 * _T1], axis=1)
 _WAVE = 3 * np.pi / 4  # q a at which the layer's modulus is taken
 _STEPS, _STEP, _CLOSE = 12, 0.25, 1e-3  # of Newton's method: most, their length and the last one's [grid spacings]
-_HALVED_FROM = 6  # steps: then it may go to and fro about a node, where the polynomials of the heights change
+_HALVED_FROM, _NEARLY = 6, 0.02
+"""Steps after which they are halved, as they may go to and fro about a node, where the polynomials of the heights
+change; and what the last one may be then [grid spacings]."""
 _GUESSED = 0.75  # distance of the first guess of a middle from halfway between the end nodes, at most [grid spacings]
 
 
 @dataclass(frozen=True, eq=False)
 class FromLoads:
-    """Ends of some patches."""
+    """Where some patches end, by their loads."""
 
     centre: Array64
     """m, shape (patches,) [grid spacings]."""
@@ -70,24 +72,24 @@ def from_loads(
     """Ends of some patches. load: over E* [grid spacings]; centre, half_width: where to begin [grid spacings]; all of
     shape (patches,). modulus: of a layer that the grid does not resolve.
     """
-    m, a, left = centre.copy(), half_width.copy(), np.arange(load.size)
+    m, a, going_on = centre.copy(), half_width.copy(), np.arange(load.size)
     moments, solved = np.ones((load.size, 3)), np.zeros(load.size, dtype=bool)
     for turn in range(_STEPS):
-        at = m[left, None] + a[left, None] * _T1
+        at = m[going_on, None] + a[going_on, None] * _T1
         g, bent = heights.slope(at)
         if modulus is None:
-            by_others = around.slope(left, at)
+            by_others = around.slope(going_on, at)
             g, bent = g - by_others[0], bent - by_others[1]
-        moments[left] = b = g @ _MOMENTS
-        stiffness = _stiffness(modulus, a[left]) if modulus else (1.0, 0.0)
-        step, usable = _newton(load[left], a[left], b, bent @ _BENT_MOMENTS, *stiffness)
-        most = np.minimum(_STEP, 0.5 * a[left])
+        moments[going_on] = b = g @ _MOMENTS
+        stiffness = _stiffness(modulus, a[going_on]) if modulus else (1.0, 0.0)
+        step, usable = _newton(load[going_on], a[going_on], b, bent @ _BENT_MOMENTS, *stiffness)
+        wanted, most = np.abs(step).max(axis=0), np.minimum(_STEP, 0.5 * a[going_on])
         step = np.minimum(np.maximum(step, -most), most) * (0.5 if turn >= _HALVED_FROM else 1.0)
-        a[left], m[left] = a[left] - step[0], m[left] - step[1]
-        moved = np.abs(step).max(axis=0)
-        solved[left] = usable & (moved < _CLOSE) & (b[:, 1] > 0)
-        left = left[usable & (moved >= _CLOSE)]
-        if not left.size:
+        a[going_on], m[going_on] = a[going_on] - step[0], m[going_on] - step[1]
+        close = wanted < (_CLOSE if turn < _STEPS - 1 else _NEARLY)
+        solved[going_on] = usable & close & (b[:, 1] > 0) & (load[going_on] > 0)
+        going_on = going_on[usable & (wanted >= _CLOSE)]
+        if not going_on.size:
             break
     with np.errstate(divide="ignore", invalid="ignore"):
         skew = moments[:, 2] / moments[:, 1]

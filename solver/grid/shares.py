@@ -11,6 +11,8 @@ with c_k the compliance of a flat punch in its place and G_kj the displacement a
 The load of a patch also acts where its centre is, which is not where the nodes have it.
 """
 
+from contextlib import suppress
+
 import numpy as np
 
 from ..arrays import Array64, Indices
@@ -22,8 +24,9 @@ from .loads import FromLoads, punch_compliance
 from .patches import Patches
 from .problem import stiffness_on_grid
 
-MOST_PATCHES = 400
-"""Above, the dense matrix would take longer than it is worth."""
+MOST_PATCHES, MOST_POINTS = 400, 2**20
+"""Patches and grid points up to which this is done: a larger matrix takes longer than it is worth, and on finer grids
+patches of few nodes carry little."""
 
 
 @kept
@@ -43,7 +46,8 @@ def shared_loads(
     """The loads of all patches, shape (M,) [grid spacings], over E*, after some of them were put right.
 
     pressure: over E*, on the contact nodes in compact order; found: ends of the chosen patches with the loads that the
-    grid has; level: r_k of these, see `loads.level_error` [grid spacings]; green: see `layer_response`.
+    grid has; level: r_k of these, see `loads.level_error` [grid spacings]; green: see `layer_response`. A load that
+    would not stay positive is left as it is, and all are where rounding makes the matrix singular.
     """
     load = patches.sums(pressure)
     inside = np.arange(pressure.size) - np.repeat(patches.offset, patches.size)
@@ -64,7 +68,10 @@ def shared_loads(
     matrix[:-1, :-1] = here + (away - node) * slope
     np.fill_diagonal(matrix, np.append(compliance, 0.0))
     error += (slope * np.sign(across)) @ moment
-    return np.asarray(load + np.linalg.solve(matrix, np.append(error, 0.0))[:-1])
+    with suppress(np.linalg.LinAlgError):
+        shared = load + np.linalg.solve(matrix, np.append(error, 0.0))[:-1]
+        return np.where(shared > 0, shared, load)
+    return load
 
 
 def _of_nodes(size: Indices, response: Array64) -> Array64:

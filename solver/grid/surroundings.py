@@ -52,8 +52,9 @@ class Surroundings:
     def of_gaps(cls, first: Indices, size: Indices, patch: Indices, opening: Field, pressure: Field) -> Self:
         """The pressure over E* that is not caused by some gaps' own openings, of each alone.
 
-        The arguments are those of `of_patches`, with patches and gaps in each other's place. opening: h - u [grid
-        spacings]; pressure: 0 on the open nodes.
+        first, size: first nodes and numbers of nodes of the gaps, up to `few_nodes.MOST_NODES`; patch: nodes of the
+        narrower one of the patches beside each; all of shape (runs,). opening: h - u [grid spacings]; pressure: over
+        E*, 0 on the open nodes.
         """
         return cls._of(first, size, patch, opening, pressure, _fit_of_gap)
 
@@ -108,7 +109,9 @@ def _fit(size: int, margin: int, caused: Array64) -> tuple[Array64, Array64]:
     t = (nodes - (size - 1) / 2) / ((size - 1) / 2 + margin)
     fitted = np.zeros((nodes.size, _TERMS.size))
     fitted[:, : degree + 1] = np.linalg.pinv(np.vander(t, degree + 1, increasing=True)).T
-    return fitted, caused[np.abs(nodes[:, None] - np.arange(size))].T @ fitted
+    of_own = caused[np.abs(nodes[:, None] - np.arange(size))].T @ fitted
+    fitted.flags.writeable = of_own.flags.writeable = False
+    return fitted, of_own
 
 
 @functools.cache

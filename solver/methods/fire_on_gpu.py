@@ -21,7 +21,7 @@ _WORKSPACE = 3
 """Arrays of N values that cuFFT takes for its own use, and that a start takes for a while."""
 _START, _MIXED = 8, 101
 """Memory that a displacement to start from takes, and in mixed precision the base with its force [bytes a point]."""
-_MARGIN = 1.02
+_MARGIN = 1.02  # of all that, for what CuPy rounds up
 
 
 class Repetition:

@@ -9,6 +9,7 @@ sqrt(N).
 """
 
 import math
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -168,7 +169,7 @@ class Fire(Method):
     @property
     def alike(self) -> int:
         """How many iterations from here on do nothing but their parts."""
-        return self.patience or 1
+        return sys.maxsize
 
     def steps(self, most: int) -> None:
         """One iteration, or up to `most` where they are repeated without a look at the control state."""

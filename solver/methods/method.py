@@ -120,7 +120,7 @@ class Setting:
     backend: str = "warp"
     """What runs the kernels: 'warp', or 'numpy' for the twins."""
     device: str = "cpu"
-    """Where: 'cpu', or 'cuda' for a GPU, to which threads, planning and backend are nothing."""
+    """Where: 'cpu', or 'cuda' for a GPU, on which threads, planning and backend have no effect."""
 
     @property
     def working_precision(self) -> str:

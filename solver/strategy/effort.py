@@ -124,6 +124,8 @@ class Effort:
                 start_on_foundation(again)
             except KeyboardInterrupt:
                 return state, Status.INTERRUPTED
+            except ValueError:  # a GPU has no memory for a second state
+                return state, status
             return again, self.relax(again)
         return state, status
 

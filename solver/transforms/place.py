@@ -28,7 +28,7 @@ class Place(Protocol):
 
     @abstractmethod
     def take(self, values: Array64) -> Array64:
-        """NumPy's values as an array where the kernels work."""
+        """NumPy's values as an array where the kernels work; on the CPU the same array."""
 
     @abstractmethod
     def fetch(self, values: Array) -> Array:
