@@ -96,8 +96,8 @@ def limits_of_edges():
     assert (heights._STENCIL.size, surroundings._DEGREE, surroundings.MARGIN) == (6, 6, 3)
     yield "Contacts of more than 400 patches do without."
     assert shares.MOST_PATCHES == 400
-    yield "where its shortest wave finds the half-space to within a fifth"
-    assert contact._RESOLVED == 0.2
+    yield "of half a spacing and more, on which its shortest wave finds the half-space's stiffness to within a fifth"
+    assert (contact._THINNEST, contact._RESOLVED) == (0.5, 0.2)
     yield "narrower than eight thicknesses of the layer each end feels the other"
     yield "on layers thicker than 2.5 grid spacings they have the half-space's edge"
     assert (edges._NARROW, edges._THINNEST) == (8, 2.5)

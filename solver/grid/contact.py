@@ -34,9 +34,9 @@ _ALWAYS = 0.0013
 _OF_SIXTH, _MOST_SIXTH = 0.045, 2.0  # share of the sixth over the second difference of the heights, and its most
 _OVER_GAP_SQUARED = 0.1  # over the square of the nodes between neighbouring patches
 _OF_THICKNESS = 1.0  # share of s/(1 + s), s = r^2/(1 + r) d^-1.5, d the thickness [grid spacings], r the nodes over d
-_ESTIMATED = 0.3
+_ESTIMATED, _LEAST = 0.3, 0.25
 """Share of the nodes of a patch on a layer that the grid does not resolve; at least half the difference between its
-nodes and its width is taken."""
+nodes and its width is taken. And the share of its nodes below which the width is not believed."""
 
 # That of a gap's width: fitted so that it holds in 95 of 100 under loads of 0.1 to 0.95 of full contact.
 _ALWAYS_OF_GAP = 0.0005
@@ -162,7 +162,9 @@ def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array
     if resolved:
         error = _estimated(patches, chosen, sixth.max(axis=1), surface.thickness)
     else:
-        error = np.asarray(np.maximum(_ESTIMATED * size, np.abs(size - 2 * found.half_width) / 2), np.float64)
+        width = 2 * found.half_width
+        error = np.maximum(_ESTIMATED * size, np.abs(size - width) / 2)
+        error[width < _LEAST * size] = math.inf
     differ = np.maximum(np.abs(left - edges.left[chosen]), np.abs(right - edges.right[chosen]))
     better = found.solved & (error < edges.error[chosen])
     better &= differ < np.where(edges.counted[chosen], size, _FARTHEST)
