@@ -20,8 +20,8 @@ from linecontact.solver import (
     Status,
     solve,
 )
-from linecontact.solver.grid.edges import unseen_gaps
 from linecontact.solver.grid.patches import Patches
+from linecontact.solver.grid.unseen import unseen_gaps
 from linecontact.solver.reference import closed_forms, collocation
 from linecontact.solver.strategy.errors import estimated
 from linecontact.studies.command_line import main
@@ -132,6 +132,22 @@ def test_a_gap_between_two_nodes_is_seen(gap, beside):
         assert unseen_gaps(Patches.of_nodes(np.arange(16), 16), np.roll(pressure, shift)) == pytest.approx(gap)
     two = Patches.of_nodes(np.delete(np.arange(17), 7), 32)  # a gap with a node in it is seen already
     assert not unseen_gaps(two, pressure)
+
+
+def test_patches_between_two_nodes_are_in_the_estimated_error():
+    """Equal waves under small loads, of which some touch no node; a_r by Westergaard."""
+    rng, held = np.random.default_rng(1), {True: [], False: []}
+    for _ in range(150):
+        waves, share = int(rng.integers(2, 12)), 10 ** rng.uniform(-4.5, -2.5)
+        n, depth = round(waves * rng.uniform(6, 40)), 0.01 / waves
+        x = (np.arange(n) - rng.uniform()) / n
+        indenter = MeasuredIndenter(depth * (1 - np.cos(2 * np.pi * waves * x)))
+        found = solve(Scene(Layer(), indenter, share * math.pi * depth * waves, num_points=n)).observables
+        off = abs(found.contact_area_subgrid - 2 / math.pi * math.asin(math.sqrt(share)))
+        held[found.num_patches < waves].append(off <= found.contact_area_error)
+    assert min(map(len, held.values())) > 30
+    assert np.mean(held[True]) > 0.85
+    assert all(held[False])
 
 
 def test_what_many_patches_have_in_common_is_estimated():

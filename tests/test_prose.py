@@ -92,10 +92,10 @@ def patches_of_a_few_nodes():
 
 def limits_of_edges():
     yield "from the polynomial through six nodes"
-    yield "polynomial of up to the sixth degree through its values on the patch and on up to three nodes to each side"
+    yield "of up to the sixth degree, fitted to its values on the patch and on up to three nodes to each side"
     assert (heights._STENCIL.size, surroundings._DEGREE, surroundings.MARGIN) == (6, 6, 3)
-    yield "Contacts of more than 400 patches do without."
-    assert shares.MOST_PATCHES == 400
+    yield "Of many patches 128 that follow each other share their load at a time."
+    assert shares._TOGETHER == 128
     yield "of half a spacing and more, on which its shortest wave finds the half-space's stiffness to within a fifth"
     assert (contact._THINNEST, contact._RESOLVED) == (0.5, 0.2)
     yield "narrower than eight thicknesses of the layer each end feels the other"

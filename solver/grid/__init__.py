@@ -2,7 +2,7 @@
 
 `problem` is what the methods solve, `kept` what serves the next solve on the same grid, `certificate` says how wrong a
 displacement is, `patches`, `layer_on_grid`, `edge_curves`, `edges`, `heights`, `few_nodes`, `surroundings`, `loads`,
-`shares`, `gaps`, `contact` and `observables` say how large the contact is.
+`shares`, `gaps`, `unseen`, `contact` and `observables` say how large the contact is.
 
 May import: arrays, checks, display, quadrature, transforms, layers, indenters, reference, scene,
 linecontact.kernels.

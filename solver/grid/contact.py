@@ -9,15 +9,16 @@ import numpy as np
 from ..arrays import Array64, Indices
 from ..layers import ElasticLayer
 from ..scene import Scene
-from .edges import COUNTED_BELOW, Edges, apart, find_edges, unseen_gaps
+from .edges import COUNTED_BELOW, Edges, apart, find_edges
 from .few_nodes import MOST_NODES
 from .gaps import gap_ends
 from .heights import Heights
 from .layer_on_grid import Modulus, modulus_on_grid
 from .loads import first_centre, from_loads, level_error
 from .patches import Patches
-from .shares import MOST_PATCHES, MOST_POINTS, layer_response, shared_loads
+from .shares import MOST_POINTS, layer_response, shared_loads
 from .surroundings import Field, Surroundings
+from .unseen import unseen_gaps, unseen_patches
 
 _RESOLVED, _THINNEST = 0.2, 0.5
 """Logarithm of the shortest wave's modulus over the half-space's, up to which a grid resolves a layer, and the layer's
@@ -32,7 +33,7 @@ _FARTHEST = 0.5
 # rough surfaces with 4 to 32 points to the shortest wave, on half-spaces, layers of one spacing and more, and coatings.
 _ALWAYS = 0.0013
 _OF_SIXTH, _MOST_SIXTH = 0.045, 2.0  # share of the sixth over the second difference of the heights, and its most
-_OVER_GAP_SQUARED = 0.1  # over the square of the nodes between neighbouring patches
+_OVER_GAP_SQUARED = 0.12  # over the square of the nodes between neighbouring patches
 _OF_THICKNESS = 1.0  # share of s/(1 + s), s = r^2/(1 + r) d^-1.5, d the thickness [grid spacings], r the nodes over d
 _ESTIMATED, _LEAST = 0.3, 0.25
 """Share of the nodes of a patch on a layer that the grid does not resolve; at least half the difference between its
@@ -66,8 +67,7 @@ def contact_edges(
     patches, edges = ends(scene.layer, scene.period, profile, pressure, scale, displacement)
     # both ends, the same way; no width is known worse than by counting; patches beside each other have left the tip
     tip = min(2 * scene.indenter.tip_error(float(edges.width[0])), 1.0) if patches.count == 1 else 0.0
-    unseen = unseen_gaps(patches, pressure[patches.nodes])
-    return patches, replace(edges, end_errors=np.hypot(edges.end_errors, tip * math.sqrt(0.5)), unseen=unseen)
+    return patches, replace(edges, end_errors=np.hypot(edges.end_errors, tip * math.sqrt(0.5)))
 
 
 def ends(
@@ -83,7 +83,7 @@ def ends(
     """
     patches = Patches.of(pressure > 0)
     inside = pressure[patches.nodes] * scale
-    edges = find_edges(patches, inside, layer, period)
+    edges = replace(find_edges(patches, inside, layer, period), unseen=unseen_gaps(patches, inside))
     if displacement is None or patches.full or not patches.count:
         return patches, edges
     n, spacings = pressure.size, pressure.size / period
@@ -96,7 +96,8 @@ def ends(
     )
     edges = _by_loads(surface, patches, edges, inside)
     edges = _by_gaps(surface, patches, edges)
-    return patches, _with_slopes(patches, edges, surface.heights)
+    unseen = edges.unseen + unseen_patches((profile - displacement) * spacings, surface.resolved)
+    return patches, _with_slopes(patches, replace(edges, unseen=unseen), surface.heights)
 
 
 @dataclass(frozen=True)
@@ -151,7 +152,7 @@ def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array
     begin = first_centre(around, heights, resolved), half_width
     found = from_loads(around, heights, loads[chosen], *begin, None if resolved else surface.modulus)
     chosen, around, found = chosen[found.solved], around.part(found.solved), found.part(found.solved)
-    if resolved and chosen.size and 1 < patches.count <= MOST_PATCHES and n <= MOST_POINTS:
+    if resolved and chosen.size and patches.count > 1 and n <= MOST_POINTS:
         level = level_error(found, around, heights, loads[chosen])
         green = layer_response(surface.layer, n, surface.period)
         loads = shared_loads(patches, chosen, pressure, found, level, green)
@@ -174,7 +175,7 @@ def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array
     lefts[which], rights[which], errors[:, which] = left[better], right[better], error[better] * math.sqrt(0.5)
     counted[which], by_load[which] = False, resolved
     lefts, rights = apart(lefts, rights, n)
-    return Edges(lefts, rights, errors, counted, by_load)
+    return replace(edges, left=lefts, right=rights, end_errors=errors, counted=counted, by_load=by_load)
 
 
 def _by_gaps(surface: _Surface, patches: Patches, edges: Edges) -> Edges:

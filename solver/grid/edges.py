@@ -115,8 +115,8 @@ class Edges:
     """Integral of h'^2 over each patch, shape (M,) [grid spacings]; NaN, or None for all, where it is to be had from
     the nodes."""
     unseen: float = 0.0
-    """Widths of gaps that lie between two contact nodes, see `unseen_gaps`, their sum [grid spacings]; by so much the
-    widths are too large together."""
+    """Widths of gaps between two contact nodes and of patches between two open ones, see `unseen`, their sum [grid
+    spacings]."""
 
     @property
     def width(self) -> Array64:
@@ -135,7 +135,7 @@ class Edges:
 
     @property
     def total_error(self) -> float:
-        """Estimated error of the sum of the widths, without unseen gaps [grid spacings]."""
+        """Estimated error of the sum of the widths, without what is unseen [grid spacings]."""
         return math.sqrt(float(self.error @ self.error))
 
 
@@ -150,7 +150,7 @@ def find_edges(patches: Patches, pressure: Array64, layer: ElasticLayer, period:
     half a spacing, as by counting, to one.
     """
     if patches.full:
-        half = np.array([0.5])  # error: a gap between two nodes that not even `unseen_gaps` finds
+        half = np.array([0.5])  # error: a gap between two nodes that not even `unseen` finds
         return Edges(
             patches.first - half, patches.last + half, np.full((2, 1), math.sqrt(0.5)), np.zeros(1, dtype=bool)
         )
@@ -173,28 +173,6 @@ def find_edges(patches: Patches, pressure: Array64, layer: ElasticLayer, period:
     error = np.where(counted, math.sqrt(0.5), _estimated(patches, spread, by_layer, on_thick))
     alike = on_thick & (patches.count == 1)  # both err the same way, under a blunt profile for instance
     return Edges(left, right, np.where(alike, error.sum(axis=0) * math.sqrt(0.5), error), counted)
-
-
-def unseen_gaps(patches: Patches, pressure: Array64) -> float:
-    """Widths of gaps that lie between two contact nodes, their sum [grid spacings].
-
-    pressure: as for `find_edges`. In full contact the pressure beside the middle of a narrow gap of the width g would
-    be proportional to y^2 - g^2/8, with y the distance from it (H. M. Westergaard, J. Appl. Mech. 6, 49 (1939)), and a
-    grid on which no node lies in the gap has just that. So there is a gap where the parabola through four pressures
-    (least squares) is negative somewhere between the middle ones. On thin compressible layers the widths come out up to
-    1.4 times too large, on thin incompressible ones many times. Where the pressure is no parabola, a gap near a node
-    may be missed.
-    """
-    four = np.flatnonzero(patches.label[3:] == patches.label[:-3])
-    if patches.full:
-        four = np.arange(pressure.size)
-    a, b, c, d = (pressure[(four + k) % pressure.size] for k in range(4))
-    slope, bend, inner = 3 * (a - d) + b - c, a + d - b - c, b + c
-    inside = np.abs(slope) < 2.5 * bend  # the middle of the gap lies between the middle nodes
-    slope, bend, inner = slope[inside], bend[inside], inner[inside]
-    beside = slope / (5 * bend)  # [grid spacings] from halfway between them
-    squared = 2 - 16 * inner / bend + 8 * beside**2
-    return float(np.sqrt(np.maximum(squared, 0.0)).sum())
 
 
 def apart(left: Array64, right: Array64, num_points: int) -> tuple[Array64, Array64]:

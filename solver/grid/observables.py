@@ -69,7 +69,8 @@ class Observables:
     approach_sampling: float
     """By how much the approach may be larger, because the lowest point may lie between the nodes [length]."""
     unseen_gap_area: float
-    """Estimated share of the period in gaps that lie between two contact nodes; part of `contact_area_error`."""
+    """Estimated share of the period in gaps between two contact nodes, and in patches between two open ones; part of
+    `contact_area_error`."""
     peak_pressure_error: float = math.inf
     """Estimated error of the largest contact pressure [pressure]; `inf` where no coarser grid tells."""
     approach_error: float = math.inf

@@ -1,13 +1,14 @@
 """How several patches share a load, put right.
 
 A grid on which patches have few nodes has the compliance of each patch slightly wrong, and with it the load that the
-patch takes: from a few percent where it has three nodes to a tenth where it has one. All patches are pressed by the
-same approach. If patch k would have to lie deeper by r_k for its load (`loads.level_error`), then the loads are to
+patch takes, by a percent where it has three nodes and by a tenth where it has one. All patches are pressed by the same
+approach. If patch k would have to lie deeper by r_k for its load (`loads.level_error`), then the loads are to
 change by D_k, of sum 0, such that
 
     c_k D_k + sum over j != k of G_kj D_j = r_k + one constant,
 
 with c_k the compliance of a flat punch in its place and G_kj the displacement at one patch by a unit load at another.
+Of many patches those that follow each other share their load; what they do to the others hardly changes by that.
 The load of a patch also acts where its centre is, which is not where the nodes have it.
 """
 
@@ -24,9 +25,9 @@ from .loads import FromLoads, punch_compliance
 from .patches import Patches
 from .problem import stiffness_on_grid
 
-MOST_PATCHES, MOST_POINTS = 400, 2**20
-"""Patches and grid points up to which this is done: a larger matrix takes longer than it is worth, and on finer grids
-patches of few nodes carry little."""
+MOST_POINTS = 2**20
+"""Grid points up to which this is done: on finer grids patches of few nodes carry little."""
+_TOGETHER = 128  # patches that share their load with each other, those that follow each other
 
 
 @kept
@@ -59,19 +60,26 @@ def shared_loads(
     moment[chosen] = moved * load[chosen]
     compliance[chosen] += punch_compliance(found.half_width) - _of_nodes(patches.size[chosen], response())
     error[chosen] = level
+    shared = load.copy()
+    for begin in range(0, patches.count, _TOGETHER):
+        some = slice(begin, begin + _TOGETHER)
+        with suppress(np.linalg.LinAlgError):
+            shared[some] += _changes(centre[some], moment[some], compliance[some], error[some], green)
+    return np.where(shared > 0, shared, load)
+
+
+def _changes(centre: Array64, moment: Array64, compliance: Array64, error: Array64, green: Array64) -> Array64:
+    """D_k of some patches, of their shape."""
     across = centre[:, None] - centre
     away = np.abs(across)
     node = away.astype(np.int64)
     here = green[node % green.size]
     slope = green[(node + 1) % green.size] - here
-    matrix = np.ones((patches.count + 1, patches.count + 1))
+    matrix = np.ones((centre.size + 1, centre.size + 1))
     matrix[:-1, :-1] = here + (away - node) * slope
     np.fill_diagonal(matrix, np.append(compliance, 0.0))
-    error += (slope * np.sign(across)) @ moment
-    with suppress(np.linalg.LinAlgError):
-        shared = load + np.linalg.solve(matrix, np.append(error, 0.0))[:-1]
-        return np.where(shared > 0, shared, load)
-    return load
+    moved = (slope * np.sign(across)) @ moment
+    return np.asarray(np.linalg.solve(matrix, np.append(error + moved, 0.0))[:-1])
 
 
 def _of_nodes(size: Indices, response: Array64) -> Array64:

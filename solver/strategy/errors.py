@@ -19,17 +19,12 @@ change. Below the tip of a power profile with n < 2 the pressure is known to be 
 Where the changes of another profile's peak fall by less than a factor of 1.25, and are above 1e-3 of it, the pressure
 may have no limit, as below a kink or at a step: `inf`.
 
-The area between sub-grid edges converges with the second or third power of the spacing, which would leave c/15 or c/63,
-and under smooth profiles e alone is mostly too large: it has to hold without a coarser grid. (Not so for patches of
-fewer than 20 nodes, and where a table ends with the grid's shortest wave: there e is taken whole.) The errors of many
-patches are independent but for a part that they have in common, b: a grid with few points to a wave misses what bends
-between its nodes. That is up to 0.02 (16/w)^2.5 grid spacings for the area of each patch whose pressures tell where it
-ends (0.03 for kappa), and up to 0.002 (16/w)^2.5 (0.003) if its load does. Heights that are smooth but for a few kinks,
-like a parabola's in a period, have the w of what lies between these; as a kink may be in the contact, the width of each
-patch of m nodes on the average may be off by a further 2/m (6/m for kappa), and c counts in full. Gaps that lie between
-two contact nodes all make the area too large: g is one and a half times the sum of their widths over the period, in
-kappa the same share. Where slopes are differences of heights, e of kappa holds what these may be off by
-(`Indenter.squared_slope_doubt`).
+Under smooth profiles e is taken whole for patches of fewer than 20 nodes, and where a table ends with the grid's
+shortest wave. b is what the errors of many patches have in common: up to 0.02 (16/w)^2.5 grid spacings for the area of
+each patch whose pressures tell where it ends (0.03 for kappa), and 0.002 (16/w)^2.5 (0.003) if its load does. g is one
+and a half times the widths of gaps and patches that lie between two nodes, over the period; in kappa it is the same
+share. Under heights with a few kinks each patch of m nodes on the average has a further 2/m (6/m for kappa), and c
+counts in full. What these numbers stand for is said in docs/accuracy.md.
 
 Under a stiff coating thinner than a grid spacing the nodes may miss anything of the peak pressure (`inf`), and under
 one of a few spacings the contact of a sharp tip (n < 2) may split between them: then nothing but the approach has an
@@ -129,7 +124,7 @@ DEFAULT_QUANTITY = "contact-area"
 _CAREFUL_FROM_IF_SMOOTH = 20.0
 """Nodes of a patch under a smooth profile, on the average, from which on its edges are known better than estimated."""
 _KNOWN = 0.001  # error of a layer's edge up to which that is so [grid spacings]
-_OF_GAPS = 1.5  # of the widths of gaps between two contact nodes
+_OF_UNSEEN = 1.5  # of the widths of gaps and patches between two nodes
 _COMMON, _COMMON_POWER = 16.0, 2.5  # points to the shortest wave, and the power with which their share falls
 _LEAST, _MOST = 1.25, 4.0  # factor by which changes fall from grid to grid, as far as that is believed
 _WAVE_OF_TIP = 8.0  # that a sharp tip brings with it [grid spacings]
@@ -161,7 +156,7 @@ def estimated(
     if area < 1 and _splits(scene, num_points):
         return math.inf
     by_load = found.num_patches_by_load
-    gaps = _OF_GAPS * found.unseen_gap_area / area * abs(values[-1])
+    gaps = _OF_UNSEEN * found.unseen_gap_area / area * abs(values[-1])
     each = [share * of for share, of in zip(quantity.per_patch, (found.num_patches - by_load, by_load), strict=True)]
     spacings = sum(each) * math.pow(_COMMON * waves, _COMMON_POWER)
     if scene.indenter.kinked:

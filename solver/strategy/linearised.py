@@ -94,19 +94,20 @@ def _punch(scene: Scene, contact: Mask) -> tuple[float, Array64]:
 def _beyond_nodes(solution: Solution, punch: Array64) -> float:
     """What d(approach)/dp is less because the contact ends beyond the ends of a punch on its nodes [length/pressure].
 
-    punch: d sigma/dp, shape (N,). Where loads tell the ends of a patch, and the layer is thicker than it is wide, it is
-    compared with the flat punch that is as compliant without a grid as its nodes are with it. Not known, and 0, for
-    other patches of one or two nodes, and at gaps of one or two.
+    punch: d sigma/dp, shape (N,). Where loads tell the ends of a patch that is narrower than the gaps beside it, and
+    than the layer is thick, it is compared with the flat punch that is as compliant without a grid as its nodes are
+    with it. Not known, and 0, for other patches of one or two nodes, and at gaps of one or two.
     """
     scene, pressure = solution.scene, np.where(solution.contact, solution.contact_pressure, 0.0)
     profile = Problem.from_scene(scene).profile * scene.period
     patches, edges = contact_edges(scene, pressure, profile, solution.displacement)
     curve = edge_curve(scene.layer, pressure.size, scene.period)
     by_load = np.zeros(patches.count, dtype=bool) if edges.by_load is None else edges.by_load
-    # beside a layer that is thinner than a patch is wide the half-space's punch says nothing of it
-    by_load = by_load & (patches.size < thickness_on_grid(scene.layer, pressure.size, scene.period))
-    total = 0.0
     before, after = patches.to_neighbours - 1  # nodes of the gaps
+    # where the layer, or a gap, is narrower than a patch, a lone punch on a half-space says nothing of that
+    alone = (patches.size < np.minimum(before, after)) | (patches.size < COUNTED_BELOW)
+    by_load = by_load & alone & (patches.size < thickness_on_grid(scene.layer, pressure.size, scene.period))
+    total = 0.0
     left = patches.first, patches.first - edges.left, before
     for node, beyond, gap in (left, (patches.last, edges.right - patches.last, after)):
         squared = (punch[node % pressure.size] / curve.strength) ** 2  # k^2 over the grid spacing
