@@ -1,4 +1,6 @@
-"""Where a contact ends: by the pressures at its ends or by the loads of its patches, whichever knows it better."""
+"""Where a contact ends: by the pressures at its ends, the loads of its patches or the gaps between them, whichever
+knows it better.
+"""
 
 import math
 from dataclasses import dataclass, replace
@@ -132,7 +134,7 @@ class _Surface:
 
     @property
     def resolved(self) -> bool:
-        """Whether the layer is half a grid spacing thick, and the shortest wave finds the half-space's stiffness."""
+        """Whether the layer is at least half a spacing thick, and the shortest wave finds a half-space's stiffness."""
         return self.thickness >= _THINNEST and abs(math.log(self.modulus(np.array([np.pi]))[0])) < _RESOLVED
 
 
