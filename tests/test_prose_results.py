@@ -245,7 +245,7 @@ def what_a_gpu_brings():
     ratios = [active[n]["seconds.total"] / there[n]["seconds.total"] for n in (2**22, 2**24)]
     yield f"at 2^22 points the active set takes {ratios[0]:.1f} times as long, at 2^24 points {ratios[1]:.1f} times."
     rest = 1 - there[2**22]["seconds.solve"] / there[2**22]["seconds.total"]
-    yield f"is most of the time then: {100 * rest:.0f} % at 2^22 points."
+    yield f"is most of the GPU's solve: {100 * rest:.0f} % at 2^22 points."
     slower = [n for n in there.keys() & active.keys() if active[n]["seconds.total"] < there[n]["seconds.total"]]
     yield f"Up to 2^{math.log2(max(slower)):.0f} points the active set on the CPU is faster."
     most = max(run["num_points"] for run in runs if run["what"] == "iteration")
