@@ -16,7 +16,15 @@ from ..scene import Scene
 from ..solution import Choice, Level, Solution
 from .certification import certify_or_fall_back
 from .effort import CAUTION, COARSE_WRONG_NODES, Effort, Means
-from .errors import DEFAULT_QUANTITY, QUANTITIES, Quantity, grid_error, iteration_share, sensitivity
+from .errors import (
+    DEFAULT_QUANTITY,
+    QUANTITIES,
+    Quantity,
+    grid_error,
+    iteration_share,
+    near_full_contact,
+    sensitivity,
+)
 from .grids import FACTOR, Reached, coarser, grids, over_grids
 from .memory import check_memory
 from .plan import Plan, decide, residual
@@ -28,6 +36,8 @@ MOST_ACCURACY = 0.1
 
 _FEWEST_POINTS = 16
 """Points of the smallest coarser grid."""
+_SMALLEST = 1e-12
+"""Tolerance to which a nearly full contact may be solved (dimensionless)."""
 
 
 def check_accuracy(accuracy: float | None, of: str) -> float | None:
@@ -225,7 +235,8 @@ def _on_grids(task: _Task) -> Solution:
             task.chose("model", "grid", "no smaller model will do")
             why = "the coarsest that is good enough" if error <= budget else "the finest allowed, and not fine enough"
             task.chose("grid", f"{reached.num_points} points", why, error)
-            solution = task.judged(_finish(task, effort, reached, levels, tolerance, ready), model_error)
+            smaller = max(tolerance / near_full_contact(reached.level.contact_area_subgrid), _SMALLEST)
+            solution = task.judged(_finish(task, effort, reached, levels, smaller, ready), model_error)
             if last or solution.status is not Status.INACCURATE:
                 return solution
         levels.append(reached.level)
@@ -238,6 +249,9 @@ def _finish(
     """Relax until no node is wrong any more, certify, and say what was chosen."""
     scene, state, status = task.scene.on_grid(reached.num_points), reached.state, reached.status
     if status is not Status.INTERRUPTED:
+        if CAUTION * tolerance < state.tolerance:
+            state, before = effort.begin(state.problem, CAUTION * tolerance), state
+            state.start_from_pressure(before.contact_pressure)
         state.demand_every_node()
         status = effort.relax(state)
     relaxed = time.perf_counter()
@@ -248,7 +262,7 @@ def _finish(
     task.chose("precision", "float64", "mixed saves next to nothing where transforms are few")
     even = state.even
     task.chose("symmetry", "even" if even else "none", f"h_i {'=' if even else '!='} h_(N-1-i) on this grid")
-    share = task.sensitivity * iteration_share(tolerance)
+    share = task.sensitivity * iteration_share(tolerance, reached.level.contact_area_subgrid)
     task.chose("tolerance", f"{tolerance:g}", "small beside the accuracy", share)
     solution = make_solution(scene, problem, certified, levels, effort)
     if not levels:  # without a coarser grid nothing is known, and edges alone are not believed
