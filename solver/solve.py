@@ -81,7 +81,7 @@ def solve(
             if value is not None:
                 raise ValueError(f"{name} is {value!r}; allowed: without accuracy only, which chooses it")
         if device != "cpu":
-            raise ValueError(f"device is {device!r}; allowed: cpu with an accuracy, whose methods work there")
+            raise ValueError(f"device is {device!r}; allowed with an accuracy: cpu alone, for the active set")
         if nothing_touches(scene):
             return without_contact(scene, means)
         return solve_to_accuracy(scene, accuracy, accuracy_of, means)

@@ -572,8 +572,8 @@ def test_info():
 
 def test_gaps_between_two_nodes_are_in_the_table():
     words = ("--profile", "rough", "--cut-off-ratio", 0.125, "--num-points", "2^9", "--thickness", 0.05, "--pressure")
-    assert "of it gaps between two nodes" in here("solve", *words, 1.6).stdout
-    assert "of it gaps between two nodes" not in here("solve", *words, 0.1).stdout
+    assert "gaps and patches that no node shows" in here("solve", *words, 1.6).stdout
+    assert "gaps and patches that no node shows" not in here("solve", *words, 0.1).stdout
 
 
 def test_iterations_study(tmp_path):

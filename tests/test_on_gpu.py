@@ -116,7 +116,7 @@ def test_sums_are_folded_whole(count, gpu_form):
     ("given", "message"),
     [
         ({}, r"device is 'cuda'; allowed: cpu for method active-set, or one of the methods mass-weighted-fire, fire"),
-        ({"accuracy": 1e-3}, "device is 'cuda'; allowed: cpu with an accuracy"),
+        ({"accuracy": 1e-3}, "device is 'cuda'; allowed with an accuracy: cpu alone"),
         ({"method": "fire", "backend": "numpy"}, "backend is 'numpy'; allowed: warp, on device cuda"),
     ],
 )
@@ -132,6 +132,7 @@ def test_an_unknown_device_is_refused():
 
 def test_where_cupy_is_missing_one_line_says_how_to_get_it(monkeypatch, capsys):
     monkeypatch.setitem(sys.modules, "cupy", None)
+    monkeypatch.setattr("warp.is_cuda_available", lambda: True)
     assert main.main(["solve", "--device", "cuda", "--method", "fire"]) == 2
     said = capsys.readouterr()
     assert said.out == ""
@@ -142,6 +143,7 @@ def test_where_cupy_is_missing_one_line_says_how_to_get_it(monkeypatch, capsys):
 
 def test_the_study_of_the_gpu_needs_one(monkeypatch, capsys, tmp_path):
     monkeypatch.setitem(sys.modules, "cupy", None)
+    monkeypatch.setattr("warp.is_cuda_available", lambda: True)
     assert main.main(["study", "gpu", "--folder", str(tmp_path / "new")]) == 2
     assert "device is 'cuda', for which CuPy" in capsys.readouterr().err
     assert not (tmp_path / "new").exists()

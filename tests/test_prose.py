@@ -94,7 +94,7 @@ def limits_of_edges():
     yield "from the polynomial through six nodes"
     yield "of up to the sixth degree, fitted to its values on the patch and on up to three nodes to each side"
     assert (heights._STENCIL.size, surroundings._DEGREE, surroundings.MARGIN) == (6, 6, 3)
-    yield "Of many patches 128 that follow each other share their load at a time."
+    yield "More than 128 patches are corrected in groups of 128 that follow each other."
     assert shares._TOGETHER == 128
     yield "of half a spacing and more, on which its shortest wave finds the half-space's stiffness to within a fifth"
     assert (contact._THINNEST, contact._RESOLVED) == (0.5, 0.2)

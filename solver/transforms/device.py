@@ -16,20 +16,23 @@ def check_device(device: str) -> None:
     """Raise `ValueError` for a device that is not there, or lacks a library."""
     if device == "cpu":
         return
+    start_warp()
+    import warp as wp
+
+    none = f"device is {device!r}, but there is no GPU with a driver for it; allowed: cpu"
+    if not wp.is_cuda_available():
+        raise ValueError(none)
     try:
         import cupy.cuda.cufft
     except ImportError as error:
         what = f"device is {device!r}, for which CuPy or a library of CUDA is missing ({error})"
         raise ValueError(f"{what}; allowed: cpu, or cuda with `pip install 'cupy-cuda13x[ctk]'`") from error
-    start_warp()
-    import warp as wp
-
     try:
-        found = wp.is_cuda_available() and cupy.cuda.runtime.getDeviceCount() > 0
+        found = cupy.cuda.runtime.getDeviceCount() > 0
     except cupy.cuda.runtime.CUDARuntimeError:
         found = False
     if not found:
-        raise ValueError(f"device is {device!r}, but there is no GPU with a driver for it; allowed: cpu")
+        raise ValueError(none)
 
 
 @contextmanager

@@ -30,7 +30,7 @@ def _gpus() -> list[str]:
             found[0] += f" (--device cuda, {gpu_libraries()})"
         except ValueError as error:
             found[0] += f" ({error})"
-    return found
+    return found or ["no GPU with a driver for --device cuda"]
 
 
 def command(_: Options) -> int:

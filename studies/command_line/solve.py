@@ -189,19 +189,19 @@ def solution_table(solution: Solution) -> Whole:
     rows = [
         ("contact area a_r (sub-grid edges)", f"{record['contact_area_subgrid']:.10g}", "-"),
         (f"  its absolute error, estimated{own}", rounded_up(error), "-"),
-        *([("  of it gaps between two nodes", rounded_up(gaps), "-")] if gaps else []),
+        *([("  gaps and patches that no node shows", rounded_up(gaps), "-")] if gaps else []),
         ("contact width a_r L", record["contact_width"], "length"),
         *(
             [
                 ("contact area a_r (nodes counted)", f"{record['contact_area']:.8g}", "-"),
-                ("  of one node", f"{1 / solution.scene.num_points:.1e}", "-"),
+                ("  one node more or less", f"{1 / solution.scene.num_points:.1e}", "-"),
             ]
             if solution.certificate
             else []
         ),
         ("mean pressure p", solution.scene.pressure, "pressure"),
         (f"contact patches{image}", record["num_patches"], "-"),
-        ("  counted by nodes", record["num_counted_patches"], "-"),
+        ("  with ends not known, nodes counted", record["num_counted_patches"], "-"),
         ("rms gradient in contact g_c", record["rms_gradient_contact"], "-"),
         ("reduced pressure p* = p/(E* g_c)", record["reduced_pressure"], "-"),
         ("kappa = a_r/p*", record["kappa"], "-"),
