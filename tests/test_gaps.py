@@ -75,3 +75,14 @@ def test_gaps_tell_nothing_where_the_profile_is_not_known_between_the_nodes():
     narrow = narrow[jagged[middle[narrow] % n] & ~edges.by_load[narrow]]
     assert narrow.size > 2
     np.testing.assert_array_equal(edges.right[narrow], by_pressures.right[narrow])
+
+
+@pytest.mark.parametrize("nodes", [1.8, 3.1, 5.4, 16.2])
+def test_contact_stiffness_beside_a_gap_of_few_nodes(nodes):
+    """Westergaard: d(approach)/dp = -(2 L/(pi E*)) ln sin(pi a/L)."""
+    n = 2**12
+    load = math.pi * DEPTH * math.cos(math.pi * nodes / n / 2) ** 2
+    exact = -math.pi / (2 * math.log(math.cos(math.pi * nodes / n / 2)))
+    for beside in (0.0, 0.3, 0.45):
+        solution = solve(Scene(indenter=wave(n, beside), pressure=load, num_points=n), tolerance=1e-11)
+        assert solution.contact_stiffness == pytest.approx(exact, rel=1e-4)

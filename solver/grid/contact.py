@@ -207,11 +207,12 @@ def _by_gaps(surface: _Surface, patches: Patches, edges: Edges) -> Edges:
     better = found.solved & (error < known) & (np.maximum(np.abs(inwards), np.abs(outwards)) < _FARTHEST)
     better &= ~(fourth.min(axis=1) > _JAGGED)
     lefts, rights, errors = edges.left.copy(), edges.right.copy(), edges.end_errors.copy()
-    one, other = before[better], behind[better]
+    one, other, by_gap = before[better], behind[better], np.zeros(patches.count, dtype=bool)
+    by_gap[one] = True
     rights[one] += inwards[better]
     lefts[other] += outwards[better]
     errors[1, one] = errors[0, other] = error[better] * math.sqrt(0.5)
-    return replace(edges, left=lefts, right=rights, end_errors=errors)
+    return replace(edges, left=lefts, right=rights, end_errors=errors, by_gap=by_gap)
 
 
 def _start(patches: Patches, edges: Edges, pressure: Array64, heights: Heights) -> Array64:

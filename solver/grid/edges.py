@@ -111,6 +111,8 @@ class Edges:
     by_load: Mask | None = None
     """Which narrow patches have ends that their loads have told, see `loads`, shape (M,), without those on a layer that
     the grid does not resolve; None for none."""
+    by_gap: Mask | None = None
+    """Behind which patches there is a narrow gap that has told its ends, see `gaps`, shape (M,); None for none."""
     squared_slope: Array64 | None = None
     """Integral of h'^2 over each patch, shape (M,) [grid spacings]; NaN, or None for all, where it is to be had from
     the nodes."""

@@ -43,6 +43,22 @@ def stiffness() -> Array64:
 
 
 @functools.cache
+def equivalent_gaps() -> Array64:
+    """Half-widths of the gaps that open as far without a grid as 1, 2, ... nodes do with it, shape (MOST_NODES,).
+
+    A gap of the half-width b opens over the area pi b^2 p where the pressure p is taken away (H. Tada, P. C. Paris and
+    G. R. Irwin, The Stress Analysis of Cracks Handbook (1973), of one side of the crack).
+    """
+    found = np.empty(MOST_NODES)
+    for size in range(1, MOST_NODES + 1):
+        steps = np.arange(size)
+        opening = np.linalg.solve(stiffness()[np.abs(steps[:, None] - steps)], np.ones(size))
+        found[size - 1] = np.sqrt(opening.sum() / np.pi)
+    found.flags.writeable = False
+    return found
+
+
+@functools.cache
 def equivalent_half_widths() -> Array64:
     """Half-widths of the flat punches that are as compliant without a grid as 1, 2, ... nodes are with it, shape
     (MOST_NODES,).

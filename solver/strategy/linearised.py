@@ -12,7 +12,8 @@ the edge's curve (`grid.edge_curves`). With that the error falls from first to s
 
 A patch whose load tells its width 2a is compared with a flat punch: widening one from the half-width c to a under the
 load P takes 2 P^2/(pi E* L) ln(a/c) off d(approach)/dp, and c is that of the punch which is as compliant as the patch's
-nodes (`grid.few_nodes`).
+nodes (`grid.few_nodes`). A gap of the width 2b that tells its own ends opens over an area that goes like b^2: so it is
+compared with the gap that opens as far as its nodes.
 """
 
 import math
@@ -20,14 +21,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..arrays import Array64, Mask
+from ..arrays import Array64, Indices, Mask
 from ..endings import Status
 from ..grid.contact import contact_edges
 from ..grid.edge_curves import edge_curve
-from ..grid.edges import COUNTED_BELOW
-from ..grid.few_nodes import equivalent_half_widths
+from ..grid.edges import COUNTED_BELOW, Edges
+from ..grid.few_nodes import MOST_NODES, equivalent_gaps, equivalent_half_widths
 from ..grid.layer_on_grid import thickness_on_grid
 from ..grid.observables import foundation_modulus
+from ..grid.patches import Patches
 from ..grid.problem import Problem
 from ..methods import active_set, relax
 from ..methods.method import Setting
@@ -62,18 +64,20 @@ def contact_stiffness(solution: Solution) -> float:
     scene, contact = solution.scene, solution.contact
     if not contact.any():
         return 0.0
-    compliance, punch = _punch(scene, contact)
+    compliance, punch, surface = _punch(scene, contact)
     if not contact.all():
-        compliance -= _beyond_nodes(solution, punch)
+        compliance -= _beyond_nodes(solution, punch, surface)
     return 1 / compliance if compliance else math.inf
 
 
-def _punch(scene: Scene, contact: Mask) -> tuple[float, Array64]:
-    """d(approach)/dp on the grid [length/pressure], and d sigma/dp, shape (N,) (dimensionless)."""
+def _punch(scene: Scene, contact: Mask) -> tuple[float, Array64, Array64]:
+    """d(approach)/dp on the grid [length/pressure], and, shape (N,), d sigma/dp (dimensionless) and du/dp
+    [length/pressure].
+    """
     modulus = foundation_modulus(scene)
     compression = 1 / modulus if modulus else 0.0
     if contact.all():  # the surface stays where it is, and the layer below is compressed
-        return compression, np.ones(contact.size)
+        return compression, np.ones(contact.size), np.zeros(contact.size)
     problem = Problem.from_scene(scene)
     punch = replace(problem, height=np.where(contact, 0.0, problem.reach))
     backend = "warp" if problem.num_points >= SMALLEST_WARP else "numpy"
@@ -88,15 +92,17 @@ def _punch(scene: Scene, contact: Mask) -> tuple[float, Array64]:
     # what is left of the free force takes its share of the mean, so that an error of second order is left
     left = np.where(contact, 0.0, punch.net_force(u))
     found = (float(u.mean()) + float(u @ left) / u.size) * problem.length_unit / scene.pressure + compression
-    return found if method.residual < _WORTHLESS else math.nan, method.contact_pressure
+    compliance = found if method.residual < _WORTHLESS else math.nan
+    return compliance, method.contact_pressure, u * (problem.length_unit / scene.pressure)
 
 
-def _beyond_nodes(solution: Solution, punch: Array64) -> float:
+def _beyond_nodes(solution: Solution, punch: Array64, surface: Array64) -> float:
     """What d(approach)/dp is less because the contact ends beyond the ends of a punch on its nodes [length/pressure].
 
-    punch: d sigma/dp, shape (N,). Where loads tell the ends of a patch that is narrower than the gaps beside it, and
-    than the layer is thick, it is compared with the flat punch that is as compliant without a grid as its nodes are
-    with it. Not known, and 0, for other patches of one or two nodes, and at gaps of one or two.
+    punch: d sigma/dp; surface: du/dp [length/pressure]; both of shape (N,). Where loads tell the ends of a patch that
+    is narrower than the gaps beside it, and than the layer is thick, it is compared with the flat punch that is as
+    compliant without a grid as its nodes are with it, and a gap that tells its own ends with the one that opens as far
+    as its nodes. Not known, and 0, for other patches of one or two nodes.
     """
     scene, pressure = solution.scene, np.where(solution.contact, solution.contact_pressure, 0.0)
     profile = Problem.from_scene(scene).profile * scene.period
@@ -107,14 +113,36 @@ def _beyond_nodes(solution: Solution, punch: Array64) -> float:
     # where the layer, or a gap, is narrower than a patch, a lone punch on a half-space says nothing of that
     alone = (patches.size < np.minimum(before, after)) | (patches.size < COUNTED_BELOW)
     by_load = by_load & alone & (patches.size < thickness_on_grid(scene.layer, pressure.size, scene.period))
+    by_gap = np.zeros(patches.count, dtype=bool) if edges.by_gap is None else edges.by_gap
     total = 0.0
     left = patches.first, patches.first - edges.left, before
-    for node, beyond, gap in (left, (patches.last, edges.right - patches.last, after)):
+    for node, beyond, gap, told in (
+        (*left, np.roll(by_gap, 1)),
+        (patches.last, edges.right - patches.last, after, by_gap),
+    ):
         squared = (punch[node % pressure.size] / curve.strength) ** 2  # k^2 over the grid spacing
-        known = (patches.size >= COUNTED_BELOW) & (gap >= COUNTED_BELOW) & ~by_load
+        known = (patches.size >= COUNTED_BELOW) & (gap >= COUNTED_BELOW) & ~by_load & ~told
         total += float(np.sum(np.where(known, squared * (beyond - curve.punch_end), 0.0)))
     of_nodes = equivalent_half_widths()[patches.size[by_load] - 1]
     wider = np.log(np.maximum(edges.width[by_load], _LEAST_WIDTH) / (2 * of_nodes))
     total += float(np.sum((patches.sums(punch[patches.nodes])[by_load] / math.pi) ** 2 * wider))
     spacing = scene.period / pressure.size
-    return 2 * math.pi / scene.layer.contact_modulus * total * spacing**2 / scene.period
+    edges_part = 2 * math.pi / scene.layer.contact_modulus * total * spacing**2 / scene.period
+    return edges_part - _by_gaps(patches, edges, np.flatnonzero(by_gap), surface)
+
+
+def _by_gaps(patches: Patches, edges: Edges, before: Indices, surface: Array64) -> float:
+    """What d(approach)/dp is more because gaps are wider than those that open as far as their nodes [length/pressure].
+
+    before: patches with such a gap behind them; surface: as in `_beyond_nodes`.
+    """
+    if not before.size:
+        return 0.0
+    n, behind = patches.num_points, (before + 1) % patches.count
+    size = patches.to_neighbours[1, before].astype(np.int64) - 1
+    width = edges.left[behind] + np.where(behind == 0, n, 0) - edges.right[before]
+    wider = (width / (2 * equivalent_gaps()[size - 1])) ** 2 - 1
+    steps = np.arange(MOST_NODES)
+    nodes = (patches.last[before, None] + 1 + steps) % n
+    opened = np.where(steps < size[:, None], surface[nodes], 0.0).sum(axis=1)
+    return float(opened @ wider) / n
