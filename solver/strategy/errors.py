@@ -49,6 +49,7 @@ from ..grid.layer_on_grid import modulus_on_grid
 from ..grid.observables import Observables
 from ..scene import Scene
 from ..solution import Level
+from .unfinished import iteration_share
 
 
 @dataclass(frozen=True)
@@ -291,23 +292,3 @@ def sensitivity(quantity: Quantity, scene: Scene) -> float:
     """
     power = scene.indenter.power_law if quantity.of_slopes else None
     return max(quantity.sensitivity, power[0]) if power else quantity.sensitivity
-
-
-def iteration_share(free_residual: float, area: float = 0.0, rounded: bool = False) -> float:
-    """Estimated relative error of a_r that a free residual leaves; `inf` where the area may be anything.
-
-    Measured: up to 0.12 of residuals below 1e-3, 0.3 below blunt indenters on thin layers; 0.8 of one of 0.03, and of
-    no meaning beyond. area: a_r; see `near_full_contact`. rounded: whether the residual may be rounding to float32,
-    which acts at the edges; measured up to 1.2 of it.
-    """
-    share = ((1.5 if rounded else 0.4) * near_full_contact(area) + 30 * free_residual) * free_residual
-    return share if share < 1 else math.inf
-
-
-def near_full_contact(area: float) -> float:
-    """How many times more of a residual is left in an area that is nearly the whole period; at least 1.
-
-    The load of the last gap is that of full contact but for a share of the square of its width: under H. M.
-    Westergaard's wave p da_r/dp = tan(pi a_r/2)/pi.
-    """
-    return max(1.0, math.tan(math.pi / 2 * area) / (0.4 * math.pi)) if area < 1 else 1.0

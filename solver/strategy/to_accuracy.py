@@ -16,20 +16,13 @@ from ..scene import Scene
 from ..solution import Choice, Level, Solution
 from .certification import certify_or_fall_back
 from .effort import CAUTION, COARSE_WRONG_NODES, Effort, Means
-from .errors import (
-    DEFAULT_QUANTITY,
-    QUANTITIES,
-    Quantity,
-    grid_error,
-    iteration_share,
-    near_full_contact,
-    sensitivity,
-)
+from .errors import DEFAULT_QUANTITY, QUANTITIES, Quantity, grid_error, sensitivity
 from .grids import FACTOR, Reached, coarser, grids, over_grids
 from .memory import check_memory
 from .plan import Plan, decide, residual
 from .report import make_solution, stages
 from .small_models import Modelled, asperity, winkler
+from .unfinished import iteration_share, near_full_contact
 
 MOST_ACCURACY = 0.1
 """Coarsest relative error that may be asked for (dimensionless)."""
