@@ -152,7 +152,7 @@ def test_a_rough_choice():
 @pytest.mark.skipif(not STORED.exists(), reason="no stored study")
 @pytest.mark.parametrize("family", families.FAMILIES)
 def test_the_stored_front_again(family):
-    """Twice what the unfinished iteration may leave in the area, 0.25 of the residual (`unfinished.iteration_share`)."""
+    """Within twice what the unfinished iteration may leave in the area, 0.25 of the residual (`unfinished`)."""
     study = study_files.load_study(STORED)
     best = front.front(front.points(front.runs_of(study, "choice", family), "a_r"))
     cheap = [point.run for point in best if point.run["log2_points"] <= 14]
