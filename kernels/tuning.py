@@ -2,7 +2,8 @@
 
 Every array is one-dimensional and padded to a multiple of `CHUNK`; one thread works on one chunk. An inner loop whose
 length is a compile-time power of two is what LLVM turns into vector code; a thread per element, a run-time bound or a
-tail test stays scalar. The reassociation flags let it vectorise the sums as well.
+tail test stays scalar. The reassociation flags let it vectorise the sums as well. On a GPU the points of `LANES`
+threads take turns instead (`on_gpu`); on the CPU that is one thread.
 
 How wide vectors and how much interleaving are best depends on the kernel and on the processor: on an AMD Zen 3, with
 16 vector registers, `plain_sums` takes 0.65 of the time without interleaving, and all other kernels are best left

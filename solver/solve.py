@@ -76,7 +76,7 @@ def solve(
     accuracy = check_accuracy(accuracy, accuracy_of)
     if accuracy is not None:
         chosen = {"method": method, "nested": nested, "tolerance": tolerance, "initial": initial}
-        chosen |= {"max_iterations": max_iterations}
+        chosen["max_iterations"] = max_iterations
         for name, value in chosen.items():
             if value is not None:
                 raise ValueError(f"{name} is {value!r}; allowed: without accuracy only, which chooses it")

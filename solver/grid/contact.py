@@ -60,8 +60,8 @@ def contact_edges(
 ) -> tuple[Patches, Edges]:
     """Patches and their sub-grid edges, from the contact pressure [any unit], 0 off the contact, shape (N,), any N.
 
-    profile: h, shape (N,) [length], if it is at hand. displacement: u, shape (N,) [length], with which loads tell where
-    narrow patches end; None: pressures alone tell the ends, in half of the time.
+    profile: h, shape (N,) [length], if it is at hand. displacement: u, shape (N,) [length], with which loads and gaps
+    tell where narrow patches end; None: pressures alone tell the ends, in half of the time.
     """
     if profile is None:
         profile = scene.period * scene.indenter.profile(pressure.size, scene.period)
@@ -98,7 +98,7 @@ def ends(
     )
     edges = _by_loads(surface, patches, edges, inside)
     edges = _by_gaps(surface, patches, edges)
-    unseen = edges.unseen + unseen_patches((profile - displacement) * spacings, surface.resolved)
+    unseen = edges.unseen + unseen_patches(profile - displacement, surface.resolved)
     return patches, _with_slopes(patches, replace(edges, unseen=unseen), surface.heights)
 
 
@@ -148,8 +148,8 @@ def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array
     if not chosen.size:
         return edges
     gap = patches.to_neighbours[:, chosen].min(axis=0).astype(np.int64) - 1
-    ends = patches.first[chosen], patches.size[chosen], gap
-    around = Surroundings.of_patches(*ends, surface.pressure, surface.displacement)
+    runs = patches.first[chosen], patches.size[chosen], gap
+    around = Surroundings.of_patches(*runs, surface.pressure, surface.displacement)
     loads, half_width = patches.sums(pressure), _start(patches, edges, pressure, heights)[chosen]
     begin = first_centre(around, heights, resolved), half_width
     found = from_loads(around, heights, loads[chosen], *begin, None if resolved else surface.modulus)
@@ -173,7 +173,7 @@ def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array
     better &= differ < np.where(edges.counted[chosen], size, _FARTHEST)
     better &= ~(fourth.min(axis=1) > _JAGGED)
     lefts, rights, errors = edges.left.copy(), edges.right.copy(), edges.end_errors.copy()
-    counted, by_load, which = edges.counted.copy(), np.zeros(patches.count, dtype=bool), chosen[better]
+    counted, by_load, which = edges.counted.copy(), edges.by_load.copy(), chosen[better]
     lefts[which], rights[which], errors[:, which] = left[better], right[better], error[better] * math.sqrt(0.5)
     counted[which], by_load[which] = False, resolved
     lefts, rights = apart(lefts, rights, n)
@@ -207,7 +207,7 @@ def _by_gaps(surface: _Surface, patches: Patches, edges: Edges) -> Edges:
     better = found.solved & (error < known) & (np.maximum(np.abs(inwards), np.abs(outwards)) < _FARTHEST)
     better &= ~(fourth.min(axis=1) > _JAGGED)
     lefts, rights, errors = edges.left.copy(), edges.right.copy(), edges.end_errors.copy()
-    one, other, by_gap = before[better], behind[better], np.zeros(patches.count, dtype=bool)
+    one, other, by_gap = before[better], behind[better], edges.by_gap.copy()
     by_gap[one] = True
     rights[one] += inwards[better]
     lefts[other] += outwards[better]
@@ -247,8 +247,6 @@ def _differences(profile: Array64, first: Indices, size: Indices) -> tuple[Array
 
 def _with_slopes(patches: Patches, edges: Edges, heights: Heights) -> Edges:
     """Edges with the integral of h'^2 over the patches whose ends their loads tell, or let estimate."""
-    if edges.by_load is None:
-        return edges
     known = edges.by_load | (patches.size < COUNTED_BELOW) & ~edges.counted
     squared = np.full(patches.count, np.nan)
     for (places, weights), wide in ((_FEW, edges.width <= _SHORT), (_MANY, edges.width > _SHORT)):

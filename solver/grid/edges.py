@@ -108,11 +108,11 @@ class Edges:
     squares, they are that of the width."""
     counted: Mask
     """Which patches have as many spacings as nodes because nothing better is known, shape (M,)."""
-    by_load: Mask | None = None
+    by_load: Mask
     """Which narrow patches have ends that their loads have told, see `loads`, shape (M,), without those on a layer that
-    the grid does not resolve; None for none."""
-    by_gap: Mask | None = None
-    """Behind which patches there is a narrow gap that has told its ends, see `gaps`, shape (M,); None for none."""
+    the grid does not resolve."""
+    by_gap: Mask
+    """Behind which patches there is a narrow gap that has told its ends, see `gaps`, shape (M,)."""
     squared_slope: Array64 | None = None
     """Integral of h'^2 over each patch, shape (M,) [grid spacings]; NaN, or None for all, where it is to be had from
     the nodes."""
@@ -133,7 +133,7 @@ class Edges:
     @property
     def num_by_load(self) -> int:
         """Number of narrow patches whose ends their loads have told."""
-        return 0 if self.by_load is None else int(self.by_load.sum())
+        return int(self.by_load.sum())
 
     @property
     def total_error(self) -> float:
@@ -151,11 +151,10 @@ def find_edges(patches: Patches, pressure: Array64, layer: ElasticLayer, period:
     an edge, because the profile bends within a few spacings, it is as large as two estimates of the edge differ, from
     half a spacing, as by counting, to one.
     """
+    none = np.zeros(patches.count, dtype=bool)
     if patches.full:
-        half = np.array([0.5])  # error: a gap between two nodes that not even `unseen` finds
-        return Edges(
-            patches.first - half, patches.last + half, np.full((2, 1), math.sqrt(0.5)), np.zeros(1, dtype=bool)
-        )
+        half, error = np.array([0.5]), np.full((2, 1), math.sqrt(0.5))  # a gap that not even `unseen` finds
+        return Edges(patches.first - half, patches.last + half, error, none, none, none)
     thickness = thickness_on_grid(layer, patches.num_points, period)
     theta, spread = _in_row(patches, pressure)
     narrow = (patches.size < _NARROW * thickness) | (patches.to_neighbours - 1 < _NARROW_GAP * thickness)
@@ -174,7 +173,7 @@ def find_edges(patches: Patches, pressure: Array64, layer: ElasticLayer, period:
     left, right = apart(patches.first - outside[0], patches.last + outside[1], patches.num_points)
     error = np.where(counted, math.sqrt(0.5), _estimated(patches, spread, by_layer, on_thick))
     alike = on_thick & (patches.count == 1)  # both err the same way, under a blunt profile for instance
-    return Edges(left, right, np.where(alike, error.sum(axis=0) * math.sqrt(0.5), error), counted)
+    return Edges(left, right, np.where(alike, error.sum(axis=0) * math.sqrt(0.5), error), counted, none, none)
 
 
 def apart(left: Array64, right: Array64, num_points: int) -> tuple[Array64, Array64]:

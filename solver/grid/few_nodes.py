@@ -1,5 +1,5 @@
 """Patches and gaps of a few nodes on the grid of a half-space, which has no waves shorter than two spacings: what they
-do around them, and the flat punches that are as compliant.
+do around them, and the punches and gaps that do the same without a grid.
 
 Units: E* = 1 and the grid spacing.
 """
@@ -49,13 +49,7 @@ def equivalent_gaps() -> Array64:
     A gap of the half-width b opens over the area pi b^2 p where the pressure p is taken away (H. Tada, P. C. Paris and
     G. R. Irwin, The Stress Analysis of Cracks Handbook (1973), of one side of the crack).
     """
-    found = np.empty(MOST_NODES)
-    for size in range(1, MOST_NODES + 1):
-        steps = np.arange(size)
-        opening = np.linalg.solve(stiffness()[np.abs(steps[:, None] - steps)], np.ones(size))
-        found[size - 1] = np.sqrt(opening.sum() / np.pi)
-    found.flags.writeable = False
-    return found
+    return np.asarray(np.sqrt(_sums(stiffness()) / np.pi))
 
 
 @functools.cache
@@ -66,10 +60,13 @@ def equivalent_half_widths() -> Array64:
     A punch of the half-width a under the load P is displaced by -2/pi P ln(a/2) (K. L. Johnson, Contact Mechanics
     (1985), section 2.8).
     """
+    return np.asarray(2 * np.exp(-np.pi / 2 / _sums(response())))
+
+
+def _sums(kernel: Array64) -> Array64:
+    """Sums over 1, 2, ... nodes of the values that cause 1 at each of these nodes, shape (MOST_NODES,)."""
     found = np.empty(MOST_NODES)
     for size in range(1, MOST_NODES + 1):
         steps = np.arange(size)
-        pressure = np.linalg.solve(response()[np.abs(steps[:, None] - steps)], np.ones(size))
-        found[size - 1] = 2 * np.exp(-np.pi / 2 / pressure.sum())
-    found.flags.writeable = False
+        found[size - 1] = np.linalg.solve(kernel[np.abs(steps[:, None] - steps)], np.ones(size)).sum()
     return found

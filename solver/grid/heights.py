@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.polynomial.polynomial import polyval
 
 from ..arrays import Array64
 
@@ -22,12 +23,7 @@ class Heights:
 
     def slope(self, at: Array64) -> tuple[Array64, Array64]:
         """h' and h'' [1/grid spacing] at places between the nodes [grid spacings], from six of them."""
-        node = np.floor(at).astype(np.int64)
-        part = at - node
-        nodes = node[..., None] + _STENCIL
-        if nodes.size and (nodes.min() < 0 or nodes.max() >= self.profile.size):
-            nodes %= self.profile.size
-        powers = self.profile[nodes] @ (_POWERS * self.scale)
+        part, powers = self._polynomials(at)
         first, second = np.zeros_like(part), np.zeros_like(part)
         for k in range(_STENCIL.size - 1, 0, -1):
             second = second * part + first
@@ -36,12 +32,18 @@ class Heights:
 
     def values(self, at: Array64) -> Array64:
         """h at places between the nodes [grid spacings], from six of them [grid spacings]."""
+        part, powers = self._polynomials(at)
+        return np.asarray(polyval(part, np.moveaxis(powers, -1, 0), tensor=False))
+
+    def _polynomials(self, at: Array64) -> tuple[Array64, Array64]:
+        """Places as distances from the nodes before them, and the coefficients of the polynomials there, shape
+        (..., 6), from the constant to the highest power [grid spacings].
+        """
         node = np.floor(at).astype(np.int64)
-        powers = self.profile[(node[..., None] + _STENCIL) % self.profile.size] @ (_POWERS * self.scale)
-        part, found = at - node, np.zeros_like(at)
-        for k in range(_STENCIL.size - 1, -1, -1):
-            found = found * part + powers[..., k]
-        return found
+        nodes = node[..., None] + _STENCIL
+        if nodes.size and (nodes.min() < 0 or nodes.max() >= self.profile.size):
+            nodes %= self.profile.size
+        return at - node, self.profile[nodes] @ (_POWERS * self.scale)
 
     def slope_in_the_middle(self, at: Array64) -> tuple[Array64, Array64]:
         """h' and h'' [1/grid spacing] at nodes, or halfway between two of them, shape (places,) [grid spacings]; at a

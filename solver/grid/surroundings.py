@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from typing import Protocol, Self
 
 import numpy as np
+from numpy.polynomial.polynomial import polyval
 
 from ..arrays import Array64, Indices, Mask
 from .few_nodes import MARGIN, response, stiffness
@@ -87,11 +88,8 @@ class Surroundings:
 
     def values(self, which: Indices, at: Array64) -> Array64:
         """The field around some of the runs at places, shape (which, places)."""
-        t, c = (at - self.middle[which, None]) / self.half[which, None], self.coefficients[which]
-        found = np.zeros_like(t)
-        for k in _TERMS[::-1]:
-            found = found * t + c[:, k, None]
-        return found
+        t = (at - self.middle[which, None]) / self.half[which, None]
+        return np.asarray(polyval(t, self.coefficients[which].T[:, :, None], tensor=False))
 
 
 class _Fit(Protocol):

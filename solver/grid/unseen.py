@@ -35,7 +35,7 @@ def unseen_gaps(patches: Patches, pressure: Array64) -> float:
 def unseen_patches(gap: Array64, half_space: bool) -> float:
     """Widths of patches that lie between two open nodes, their sum [grid spacings].
 
-    gap: h - u, shape (N,) [grid spacings], 0 at contact nodes. half_space: whether the grid's shortest waves find one.
+    gap: h - u, shape (N,) [any unit], 0 at contact nodes. half_space: whether the grid's shortest waves find one.
     There is such a patch where the parabola through an open node, which no neighbour undercuts, and both of its open
     neighbours is below 0. A summit of the curvature k that stands out by D is pressed flat over the width 2a with
     D = k a^2 [1/4 + ln(2/a)/2] on the half-space (`loads` has both equations), and with D = k a^2/2 on a Winkler

@@ -21,7 +21,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..arrays import Array64, Indices, Mask
+from ..arrays import Array64, Mask
 from ..endings import Status
 from ..grid.contact import contact_edges
 from ..grid.edge_curves import edge_curve
@@ -108,17 +108,15 @@ def _beyond_nodes(solution: Solution, punch: Array64, surface: Array64) -> float
     profile = Problem.from_scene(scene).profile * scene.period
     patches, edges = contact_edges(scene, pressure, profile, solution.displacement)
     curve = edge_curve(scene.layer, pressure.size, scene.period)
-    by_load = np.zeros(patches.count, dtype=bool) if edges.by_load is None else edges.by_load
     before, after = patches.to_neighbours - 1  # nodes of the gaps
     # where the layer, or a gap, is narrower than a patch, a lone punch on a half-space says nothing of that
     alone = (patches.size < np.minimum(before, after)) | (patches.size < COUNTED_BELOW)
-    by_load = by_load & alone & (patches.size < thickness_on_grid(scene.layer, pressure.size, scene.period))
-    by_gap = np.zeros(patches.count, dtype=bool) if edges.by_gap is None else edges.by_gap
+    by_load = edges.by_load & alone & (patches.size < thickness_on_grid(scene.layer, pressure.size, scene.period))
     total = 0.0
     left = patches.first, patches.first - edges.left, before
     for node, beyond, gap, told in (
-        (*left, np.roll(by_gap, 1)),
-        (patches.last, edges.right - patches.last, after, by_gap),
+        (*left, np.roll(edges.by_gap, 1)),
+        (patches.last, edges.right - patches.last, after, edges.by_gap),
     ):
         squared = (punch[node % pressure.size] / curve.strength) ** 2  # k^2 over the grid spacing
         known = (patches.size >= COUNTED_BELOW) & (gap >= COUNTED_BELOW) & ~by_load & ~told
@@ -128,16 +126,15 @@ def _beyond_nodes(solution: Solution, punch: Array64, surface: Array64) -> float
     total += float(np.sum((patches.sums(punch[patches.nodes])[by_load] / math.pi) ** 2 * wider))
     spacing = scene.period / pressure.size
     edges_part = 2 * math.pi / scene.layer.contact_modulus * total * spacing**2 / scene.period
-    return edges_part - _by_gaps(patches, edges, np.flatnonzero(by_gap), surface)
+    return edges_part - _by_gaps(patches, edges, surface)
 
 
-def _by_gaps(patches: Patches, edges: Edges, before: Indices, surface: Array64) -> float:
+def _by_gaps(patches: Patches, edges: Edges, surface: Array64) -> float:
     """What d(approach)/dp is more because gaps are wider than those that open as far as their nodes [length/pressure].
 
-    before: patches with such a gap behind them; surface: as in `_beyond_nodes`.
+    surface: as in `_beyond_nodes`.
     """
-    if not before.size:
-        return 0.0
+    (before,) = np.nonzero(edges.by_gap)
     n, behind = patches.num_points, (before + 1) % patches.count
     size = patches.to_neighbours[1, before].astype(np.int64) - 1
     width = edges.left[behind] + np.where(behind == 0, n, 0) - edges.right[before]

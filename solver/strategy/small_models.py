@@ -226,16 +226,17 @@ def _foundation(scene: Scene) -> Problem:
 
 def _crossings(patches: Patches, depth: Array64) -> Edges:
     """Where the depth, positive on the patches' nodes, crosses 0, between the last node and the next."""
-    none = np.zeros((2, patches.count))
+    exact, none = np.zeros((2, patches.count)), np.zeros(patches.count, dtype=bool)
     if patches.full:
         half = np.full(1, 0.5)
-        return Edges(patches.first - half, patches.last + half, none, none[0] > 0)
+        return Edges(patches.first - half, patches.last + half, exact, none, none, none)
 
     def beyond(node: Indices, step: int) -> Array64:
         here, there = depth[node % depth.size], depth[(node + step) % depth.size]
         return np.asarray(here / (here - there))
 
-    return Edges(patches.first - beyond(patches.first, -1), patches.last + beyond(patches.last, 1), none, none[0] > 0)
+    left, right = patches.first - beyond(patches.first, -1), patches.last + beyond(patches.last, 1)
+    return Edges(left, right, exact, none, none, none)
 
 
 def _stiffening(scene: Scene) -> float:
