@@ -21,7 +21,7 @@ from linecontact.solver import (
     solve,
 )
 from linecontact.solver.grid.patches import Patches
-from linecontact.solver.grid.unseen import unseen_gaps
+from linecontact.solver.grid.unseen import unseen_gaps, unseen_patches
 from linecontact.solver.reference import closed_forms, collocation
 from linecontact.solver.strategy.errors import estimated
 from linecontact.studies.command_line import main
@@ -132,6 +132,19 @@ def test_a_gap_between_two_nodes_is_seen(gap, beside):
         assert unseen_gaps(Patches.of_nodes(np.arange(16), 16), np.roll(pressure, shift)) == pytest.approx(gap)
     two = Patches.of_nodes(np.delete(np.arange(17), 7), 32)  # a gap with a node in it is seen already
     assert not unseen_gaps(two, pressure)
+
+
+@pytest.mark.parametrize("shift", [0, 5, 15])
+@pytest.mark.parametrize("half_space", [True, False])
+def test_a_summit_between_two_nodes_is_seen(half_space, shift):
+    """Also where the period ends: it stands out by D = k a^2 [1/4 + ln(2/a)/2], or by k a^2/2 of a foundation."""
+    curvature, a, n = 0.02, 0.2, 16
+    stands_out = a**2 * (0.25 + math.log(2 / a) / 2 if half_space else 0.5)
+    x = np.abs((np.arange(n) - 0.4 + n / 2) % n - n / 2)
+    gap = np.roll(curvature * (x**2 / 2 - stands_out), shift)
+    assert gap.min() > 0
+    assert unseen_patches(gap, half_space) == pytest.approx(2 * a, rel=1e-3)
+    assert not unseen_patches(gap + curvature * stands_out, half_space)
 
 
 def test_patches_between_two_nodes_are_in_the_estimated_error():

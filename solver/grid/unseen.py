@@ -41,9 +41,10 @@ def unseen_patches(gap: Array64, half_space: bool) -> float:
     D = k a^2 [1/4 + ln(2/a)/2] on the half-space (`loads` has both equations), and with D = k a^2/2 on a Winkler
     foundation.
     """
-    before, here, after = gap[:-2], gap[1:-1], gap[2:]
-    lowest = np.flatnonzero((here <= before) & (here <= after) & (np.minimum(before, after) > 0) & (here > 0))
-    left, node, right = gap[lowest], gap[lowest + 1], gap[lowest + 2]
+    around = np.concatenate([gap[-1:], gap, gap[:1]])  # the period goes on
+    before, after = around[:-2], around[2:]
+    lowest = np.flatnonzero((gap <= before) & (gap <= after) & (np.minimum(before, after) > 0) & (gap > 0))
+    left, node, right = before[lowest], gap[lowest], after[lowest]
     bend = left - 2 * node + right
     depth = (left - right) ** 2 / 8 - bend * node  # times the curvature
     stand_out = depth > 0
