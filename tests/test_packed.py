@@ -118,6 +118,22 @@ def test_few_whole_transforms(scene, monkeypatch):
     assert found[scene.num_points] <= 4
 
 
+def test_a_patch_that_a_coarser_grid_does_not_have_is_found_at_once():
+    scene = rough(2**16)
+    solution = solve(scene)
+    patches, pressure = Patches.of(solution.contact), solution.contact_pressure / scene.pressure
+    apart = patches.to_neighbours.min(axis=0)
+    lost = int(np.argmax(np.where(patches.size < 40, apart, 0)))
+    nodes = np.arange(patches.first[lost], patches.last[lost] + 1) % scene.num_points
+    assert apart[lost] > 2 * 16  # blocks of 16 nodes
+    pressure[nodes] = 0.0
+    state = active_set.begin(Problem.from_scene(scene), Setting(1e-8))
+    state.start_from_pressure(pressure)
+    assert state._response._nearby.covers(nodes)
+    assert relax(state, 2000) is Status.CONVERGED
+    assert (state.contact_pressure[nodes] > 0).all()
+
+
 def test_contact_nearly_everywhere_is_solved_on_all_nodes(monkeypatch):
     made = []
     monkeypatch.setattr(nearby, "Nearby", lambda *arguments: made.append(arguments))

@@ -177,12 +177,18 @@ class Problem:
         """
         if not pressure.any():
             return np.zeros(self.num_points)
+        return np.where(pressure > 0, self.height, self.height - np.maximum(self.gap_under(pressure), 0.0))
+
+    def gap_under(self, pressure: Array64) -> Array64:
+        """The gap h - u, shape (N,) [u], under a contact pressure [p], which is not 0; 0 where that acts, on its
+        average.
+        """
         modes = rfft(pressure)
         modes[0] = 0
         modes[1:] /= self.stiffness[1:]
         gap = self.height + irfft(modes, self.num_points)
         gap -= (pressure @ gap) / pressure.sum()
-        return np.where(pressure > 0, self.height, self.height - np.maximum(gap, 0.0))
+        return gap
 
 
 def _reach(stiffness: Array64, num_points: int) -> float:

@@ -93,6 +93,7 @@ class ActiveSet(Method):
         nodes = np.flatnonzero(pressure > 0)
         self._take_set(nodes, nodes, pressure[nodes])
         self._response.renew(self._now)
+        self._response.watch_penetrating(self._now, self._smallest_gap)
         self._floor = _OVER_FLOOR * self._response.floor(self._now)
 
     def try_harder(self) -> bool:

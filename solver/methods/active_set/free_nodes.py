@@ -14,7 +14,7 @@ import math
 
 import numpy as np
 
-from ...arrays import Array64
+from ...arrays import Array64, Mask
 from ...grid.problem import Problem, foundation_pressure, rounding_floor, typical_stiffness
 from ..method import Method, Setting
 from .everywhere import Everywhere
@@ -23,7 +23,8 @@ from .greens_function import GreensFunction
 from .search import HARDER, LOOSEST, SAFETY, Search
 from .storage import Whole
 
-_LEAST = 0.25  # share of the nodes in contact from which this form takes less time than that in the pressure
+_LEAST = 0.2  # share of the nodes in contact from which this form takes less time than that in the pressure
+_FIRST_FORCING_TERM = 0.01  # of the set that it begins with: much of its residual are short waves, which say little
 _STIFF = 2.0  # K of the longest wave over the smallest: beyond, K is long-ranged
 _SMALLEST_PULL = 0.1  # of the tolerance on the residual, as a force over p: below, nodes would change by rounding
 _FLOOR = 0.5  # of the residual that rounding leaves, below which it is not followed
@@ -71,19 +72,21 @@ class FreeNodes(Method):
         if (displacement < self.problem.height).all():  # K knows no load without contact
             self.start_from_pressure(np.zeros(displacement.size))
         else:
-            self._take(displacement)
+            displacement = np.minimum(self._storage.symmetric(displacement), self.problem.height)
+            self._take(displacement, displacement < self.problem.height)
 
     def start_from_pressure(self, pressure: Array64) -> None:
         if not pressure.any():
             pressure = foundation_pressure(self.problem, typical_stiffness(self.problem))
-        self._take(self.problem.displacement_under(self._storage.symmetric(pressure)))
+        pressure = self._storage.symmetric(pressure)
+        # not the nodes that penetrate: there are many, and they do because the pressure is not the right one
+        self._take(self.problem.height - self.problem.gap_under(pressure), pressure == 0)
         self._pairs += 1
 
-    def _take(self, displacement: Array64) -> None:
-        """Begin from a displacement, shape (N,) [u]."""
-        displacement = np.minimum(self._storage.symmetric(displacement), self.problem.height)
+    def _take(self, displacement: Array64, free: Mask) -> None:
+        """Begin from a displacement [u] and the nodes that are free, both shape (N,)."""
         self._displacement, self.stopped, self._search = displacement, False, Search()
-        self._set = FreeSet.of(displacement < self.problem.height, self._storage)
+        self._set = FreeSet.of(free, self._storage)
         self._make_force()
         self._floor = _FLOOR * rounding_floor(self.problem.stiffness, displacement, "float64")
 
@@ -116,7 +119,8 @@ class FreeNodes(Method):
                 self.tolerance = max(self.tolerance, min(self._reduction * self.residual, LOOSEST))
                 self._target, self._reduction = SAFETY * self.tolerance, 0.0
         target = max(self._target, self._floor)
-        part = 0.0 if now.settled else self._search.forcing_term * now.first_residual
+        forcing_term = self._search.forcing_term if self._search.updates else _FIRST_FORCING_TERM
+        part = 0.0 if now.settled else forcing_term * now.first_residual
         if self.residual <= max(target, part):
             self.iteration += 1
             if self._update():

@@ -80,6 +80,14 @@ class Response:
             self._split = self._nearby = None
         self._surround(now, now.nodes)
 
+    def watch_penetrating(self, now: ContactSet, smallest: float) -> None:
+        """Carry the response along near nodes that penetrate, too: there may be patches that a coarser grid does not
+        have, and far from the others. To be called where it has been made anew, and is known on all nodes.
+        """
+        nearby = self._nearby
+        if nearby and not nearby.covers(new := self.penetrating(now, smallest)):
+            self._surround(now, np.union1d(now.nodes, new))
+
     def leave_nearby(self, now: ContactSet) -> bool:
         """From now on work on all nodes; False if that is so already."""
         if self._nearby is None:
