@@ -23,7 +23,7 @@ from .greens_function import GreensFunction
 from .search import HARDER, LOOSEST, SAFETY, Search
 from .storage import Whole
 
-_LEAST = 0.2  # share of the nodes in contact from which this form takes less time than that in the pressure
+_LEAST = 0.23  # share of the nodes in contact from which this form takes less time than that in the pressure
 _FIRST_FORCING_TERM = 0.01  # of the set that it begins with: much of its residual are short waves, which say little
 _STIFF = 2.0  # K of the longest wave over the smallest: beyond, K is long-ranged
 _SMALLEST_PULL = 0.1  # of the tolerance on the residual, as a force over p: below, nodes would change by rounding
