@@ -143,8 +143,8 @@ def test_a_summit_between_two_nodes_is_seen(half_space, shift):
     x = np.abs((np.arange(n) - 0.4 + n / 2) % n - n / 2)
     gap = np.roll(curvature * (x**2 / 2 - stands_out), shift)
     assert gap.min() > 0
-    assert unseen_patches(gap, half_space) == pytest.approx(2 * a, rel=1e-3)
-    assert not unseen_patches(gap + curvature * stands_out, half_space)
+    assert unseen_patches(gap, np.zeros(gap.size), half_space) == pytest.approx(2 * a, rel=1e-3)
+    assert not unseen_patches(gap + curvature * stands_out, np.zeros(gap.size), half_space)
 
 
 def test_patches_between_two_nodes_are_in_the_estimated_error():

@@ -16,17 +16,15 @@ two-metric argument (K_FF^-1 <= G_FF).
 """
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from .. import display
-from ..arrays import Array64, Mask
-from ..transforms.plain import irfft, rfft
+from ..arrays import Array64, Mask, parts
+from ..transforms.plain import pair
+from ..transforms.planned import Pair
 from .problem import Problem
-
-_PART = 2**14  # values whose intermediate results stay in the cache
 
 
 @dataclass(frozen=True)
@@ -60,30 +58,32 @@ def certify(problem: Problem, displacement: Array64) -> tuple[Certificate, Array
     """
     h, n = problem.height, problem.num_points
     pressure, contact = np.empty(n), np.empty(n, dtype=bool)
-    with np.errstate(over="ignore", invalid="ignore"):
-        modes = rfft(displacement)
-        modes *= problem.stiffness
-        elastic = irfft(modes, n, overwrite=True)
-        del modes
+    with np.errstate(over="ignore", invalid="ignore"), pair(n) as transforms:
+        elastic = transforms.real
+        elastic[:] = displacement
+        transforms.forward()
+        transforms.modes *= problem.stiffness
+        transforms.inverse()
         mean = float(h.mean())
         free = squares = energy = variance = apart = load = 0.0
         tensile = penetration = 0.0
-        for part in _parts(n):
-            heights, u, r = h[part], displacement[part], 1 - elastic[part]
-            touching = u >= heights
+        for part in parts(n):
+            heights, u, pull = h[part], displacement[part], elastic[part]
+            pull /= n
+            touching, r = u >= heights, 1 - pull
             contact[part] = touching & (r > 0)
             gap, held = heights - u, np.where(contact[part], r, 0.0)
-            force = r - held
-            energy += float(u @ elastic[part]) / 2
+            energy += float(u @ pull) / 2
+            force = np.subtract(r, held, out=pull)
             tensile = max(tensile, -float(r[touching].min(initial=0.0)))
             penetration = max(penetration, -float(gap.min()))
             variance += float(np.sum((heights - mean) ** 2)) / n
             apart += float(np.abs(force) @ np.abs(gap))
             squares += float(force @ force)
             free, load = free + float(force.sum()), load + float(held.sum())
-            pressure[part], elastic[part] = held, force
+            pressure[part] = held
         scale = math.sqrt(variance) or 1.0
-        bound = _energy_bound(problem, elastic, free, pressure, load)
+        bound = _energy_bound(problem, transforms, free, pressure, load)
         certificate = Certificate(
             free_residual=math.sqrt(squares / max(1, n - int(contact.sum()))),
             tensile_violation=tensile,
@@ -95,25 +95,22 @@ def certify(problem: Problem, displacement: Array64) -> tuple[Certificate, Array
     return certificate, pressure, contact
 
 
-def _energy_bound(problem: Problem, force: Array64, free: float, pressure: Array64, load: float) -> float:
+def _energy_bound(problem: Problem, transforms: Pair, free: float, pressure: Array64, load: float) -> float:
     """s.K^+ s/2 with the free force balanced on the contact; `inf` without a contact.
 
-    force: on the free nodes, shape (N,) [p], which s takes the place of; free, load: sums of force and pressure.
+    transforms: with the force on the free nodes in `real`, shape (N,) [p], which s takes the place of; free, load: sums
+    of force and pressure.
     """
     if not load > 0:
         return math.inf
-    for part in _parts(force.size):
+    force, modes, total = transforms.real, transforms.modes, 0.0
+    for part in parts(force.size):
         force[part] -= pressure[part] * (free / load)
-    modes, total = rfft(force), 0.0
-    for part in _parts(modes.size):
+    transforms.forward()
+    for part in parts(modes.size):
         power = modes[part].real ** 2 + modes[part].imag ** 2
         stiffness = problem.stiffness[part]
         total += 2 * float(np.sum(power / np.where(stiffness > 0, stiffness, math.inf)))  # without the mean mode
     if problem.num_points % 2 == 0:  # the Nyquist mode stands once
         total -= float(np.abs(modes[-1]) ** 2 / problem.stiffness[-1])
     return total / (2 * problem.num_points)
-
-
-def _parts(length: int) -> Iterator[slice]:
-    """An array of that length, part by part."""
-    return (slice(start, start + _PART) for start in range(0, length, _PART))

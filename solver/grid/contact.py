@@ -98,7 +98,7 @@ def ends(
     )
     edges = _by_loads(surface, patches, edges, inside)
     edges = _by_gaps(surface, patches, edges)
-    unseen = edges.unseen + unseen_patches(profile - displacement, surface.resolved)
+    unseen = edges.unseen + unseen_patches(profile, displacement, surface.resolved)
     return patches, _with_slopes(patches, replace(edges, unseen=unseen), surface.heights)
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .. import display
-from ..arrays import Array64, Mask
+from ..arrays import Array64, Mask, parts
 from ..reference.closed_forms import kappa_half_space
 from ..scene import Scene
 from .contact import contact_edges
@@ -105,7 +105,7 @@ def observe(
         kappa_ratio=kappa / kappa_half_space(power[0]) if power else None,
         reduced_thickness=layer.thickness / (area * scene.period) if area else math.inf,
         approach=approach(scene, displacement, profile),
-        mean_gap=float((profile - displacement).mean()),
+        mean_gap=sum(float((profile[part] - displacement[part]).sum()) for part in parts(profile.size)) / profile.size,
         peak_pressure=float(contact_pressure.max(initial=0.0)),
         num_patches=patches.count,
         num_counted_patches=int(edges.counted.sum()),

@@ -4,7 +4,7 @@ is theirs.
 
 import numpy as np
 
-from ..arrays import Array64
+from ..arrays import Array64, parts
 from .patches import Patches
 
 _TURNS = 5  # until the width of a patch agrees with its depth
@@ -32,19 +32,17 @@ def unseen_gaps(patches: Patches, pressure: Array64) -> float:
     return float(np.sqrt(np.maximum(squared, 0.0)).sum())
 
 
-def unseen_patches(gap: Array64, half_space: bool) -> float:
+def unseen_patches(profile: Array64, displacement: Array64, half_space: bool) -> float:
     """Widths of patches that lie between two open nodes, their sum [grid spacings].
 
-    gap: h - u, shape (N,) [any unit], 0 at contact nodes. half_space: whether the grid's shortest waves find one.
-    There is such a patch where the parabola through an open node, which no neighbour undercuts, and both of its open
-    neighbours is below 0. A summit of the curvature k that stands out by D is pressed flat over the width 2a with
-    D = k a^2 [1/4 + ln(2/a)/2] on the half-space (`loads` has both equations), and with D = k a^2/2 on a Winkler
-    foundation.
+    profile, displacement: h and u, shape (N,) [any unit], equal at contact nodes. half_space: whether the grid's
+    shortest waves find one. There is such a patch where the parabola through an open node, which no neighbour
+    undercuts, and both of its open neighbours is below 0. A summit of the curvature k that stands out by D is pressed
+    flat over the width 2a with D = k a^2 [1/4 + ln(2/a)/2] on the half-space (`loads` has both equations), and with D =
+    k a^2/2 on a Winkler foundation.
     """
-    around = np.concatenate([gap[-1:], gap, gap[:1]])  # the period goes on
-    before, after = around[:-2], around[2:]
-    lowest = np.flatnonzero((gap <= before) & (gap <= after) & (np.minimum(before, after) > 0) & (gap > 0))
-    left, node, right = before[lowest], gap[lowest], after[lowest]
+    found = [_lowest(profile, displacement, part) for part in parts(profile.size)]
+    left, node, right = np.concatenate(found, axis=1)
     bend = left - 2 * node + right
     depth = (left - right) ** 2 / 8 - bend * node  # times the curvature
     stand_out = depth > 0
@@ -53,3 +51,18 @@ def unseen_patches(gap: Array64, half_space: bool) -> float:
     for _ in range(_TURNS if half_space else 0):
         a = np.sqrt(ratio / (0.25 + np.log(2 / a) / 2))
     return 2 * float(a.sum())
+
+
+def _lowest(profile: Array64, displacement: Array64, part: slice) -> Array64:
+    """Gaps at open nodes that no neighbour undercuts, with those of their neighbours to the left and right, shape (3,
+    nodes), in a part of the grid.
+    """
+    before, after = part.start - 1, part.stop + 1
+    if before >= 0 and after <= profile.size:
+        gap = profile[before:after] - displacement[before:after]
+    else:  # the period goes on
+        nodes = np.arange(before, min(after, profile.size + 1)) % profile.size
+        gap = profile[nodes] - displacement[nodes]
+    left, node, right = gap[:-2], gap[1:-1], gap[2:]
+    lowest = np.flatnonzero((node > 0) & (node <= left) & (node <= right))
+    return np.stack([left[lowest], node[lowest], right[lowest]])

@@ -22,7 +22,8 @@ def make_solution(
     scene: as the user gave it, or on the grid of the answer; problem: that was certified; certified: its arrays become
     the solution's; levels: coarser grids.
     """
-    profile, contact = scene.period * problem.profile, certified.contact
+    profile = problem.profile if scene.period == 1 else scene.period * problem.profile
+    contact = certified.contact
     displacement, pressure = certified.displacement, certified.pressure  # in place: they may be large
     displacement *= problem.length_unit
     np.minimum(displacement, profile, out=displacement)  # units round

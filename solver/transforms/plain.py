@@ -4,6 +4,8 @@ Short ones are NumPy's own, which need no plan. What is done often on arrays of 
 """
 
 import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import lru_cache
 
 import numpy as np
@@ -26,16 +28,27 @@ _kept = lru_cache(maxsize=10)(Pair)
 _busy = threading.Lock()  # of the buffers that are kept
 
 
+@contextmanager
+def pair(num_points: int) -> Iterator[Pair]:
+    """Both transforms of N values with their buffers, which hold anything at first, for the length of a `with` block
+    that takes no other transform of this module.
+    """
+    if num_points > _KEPT_UP_TO:
+        yield Pair(num_points)
+        return
+    with _busy:
+        yield _kept(num_points)
+
+
 def rfft(values: Array64) -> Modes:
     """Half spectrum X_k = sum_i x_i exp(-2 pi i k i/N), k = 0 ... N//2, shape (N//2 + 1,), of N real values."""
     if values.size < _PLANNED_FROM:
         return np.fft.rfft(values)
     if values.size <= _KEPT_UP_TO:
-        with _busy:
-            pair = _kept(values.size)
-            pair.real[:] = values
-            pair.forward()
-            return pair.modes.copy()
+        with pair(values.size) as kept:
+            kept.real[:] = values
+            kept.forward()
+            return kept.modes.copy()
     source = np.require(values, np.float64, ["C", "W"])
     modes: Modes = pyfftw.empty_aligned(values.size // 2 + 1, dtype=np.complex128)
     pyfftw.FFTW(source, modes, flags=["FFTW_ESTIMATE"]).execute()
@@ -54,12 +67,11 @@ def irfft(modes: Modes | Array64, num_points: int, overwrite: bool = False) -> A
     if num_points >= _FEW * held.size and num_points % (32 * _AT_ONCE) == 0:
         return _from_few(held, num_points)
     if num_points <= _KEPT_UP_TO:
-        with _busy:
-            pair = _kept(num_points)
-            np.multiply(held, 1 / num_points, out=pair.modes[: held.size])
-            pair.modes[held.size :] = 0
-            pair.inverse()
-            return pair.real.copy()
+        with pair(num_points) as kept:
+            np.multiply(held, 1 / num_points, out=kept.modes[: held.size])
+            kept.modes[held.size :] = 0
+            kept.inverse()
+            return kept.real.copy()
     if not overwrite:
         source = pyfftw.zeros_aligned(num_points // 2 + 1, dtype=np.complex128)
     np.multiply(held, 1 / num_points, out=source[: held.size])

@@ -19,8 +19,9 @@ class LongPatch:
     def __init__(self, green: GreensFunction, size: int) -> None:
         self.size = size
         self._convolve = convolve = green.around(size)
-        self._basis = np.stack([convolve(convolve.rigidity, x) for x in (np.ones(size), np.linspace(-1, 1, size))])
-        self._image = np.stack([convolve(convolve.compliance, z) for z in self._basis])
+        # 1 is even and x is odd on the patch, and both operators keep that: one transform for the two
+        self._basis = _even_and_odd(convolve(convolve.rigidity, 1 + np.linspace(-1, 1, size)))
+        self._image = _even_and_odd(convolve(convolve.compliance, self._basis.sum(axis=0)))
         self._inverse = np.linalg.inv(self._basis @ self._image.T)
 
     def solve(self, residual: Array64) -> Array64:
@@ -47,3 +48,8 @@ class LongPatch:
             if np.abs(r).max() < 0.03:
                 break
         return x
+
+
+def _even_and_odd(values: Array64) -> Array64:
+    """The even and the odd part of values on a patch, shape (2, m)."""
+    return np.stack([values + values[::-1], values - values[::-1]]) / 2
