@@ -88,12 +88,9 @@ def _punch(scene: Scene, contact: Mask) -> tuple[float, Array64, Array64]:
     method.start_from_pressure(contact.astype(np.float64))
     if relax(method, _MOST_ITERATIONS, None) is Status.INTERRUPTED:
         raise KeyboardInterrupt
-    u = method.displacement
-    # what is left of the free force takes its share of the mean, so that an error of second order is left
-    left = np.where(contact, 0.0, punch.net_force(u))
-    found = (float(u.mean()) + float(u @ left) / u.size) * problem.length_unit / scene.pressure + compression
+    found = method.punch_approach * problem.length_unit / scene.pressure + compression
     compliance = found if method.residual < _WORTHLESS else math.nan
-    return compliance, method.contact_pressure, u * (problem.length_unit / scene.pressure)
+    return compliance, method.contact_pressure, method.displacement * (problem.length_unit / scene.pressure)
 
 
 def _beyond_nodes(solution: Solution, punch: Array64, surface: Array64) -> float:

@@ -236,6 +236,16 @@ class ActiveSet(Method):
         return True
 
     @property
+    def punch_approach(self) -> float:
+        """Where all contact nodes have the height 0: mean of u, with an error of the second order in the residual,
+        because the pressure's own work is least [u].
+        """
+        now = self._now
+        if self._response.drift:
+            self._response.renew(now)
+        return float(now.pressure @ self._response.touching(now)) / self.problem.num_points
+
+    @property
     def displacement(self) -> Array64:
         """u, shape (N,) [u], in float64; contact nodes stand on the exact wall. 0 before the first set."""
         return np.zeros(self.problem.num_points) if self._set is None else self._response.displacement(self._set)

@@ -168,6 +168,12 @@ class FreeNodes(Method):
         return True
 
     @property
+    def punch_approach(self) -> float:
+        """As `ActiveSet.punch_approach`: what is left of the free force does its share of the work [u]."""
+        u, force = self._displacement[self._set.gaps.nodes], self._all.field[self._set.places]
+        return (float(u.sum()) + float(u @ force)) / self.problem.num_points
+
+    @property
     def displacement(self) -> Array64:
         """u, shape (N,) [u], in float64; contact nodes stand on the exact wall."""
         return np.minimum(self._displacement, self.problem.height)
