@@ -8,7 +8,7 @@ from collections import Counter
 import pytest
 from linecontact.solver import Layer, RoughIndenter, Scene, solve
 from linecontact.solver.display import counted, rounded_up
-from linecontact.studies.command_line.solve import choices_table, solution_table
+from linecontact.studies.command_line.solution_tables import choices_table, solution_table
 from linecontact.studies.explore import wording
 from linecontact.studies.explore.answers import Answer
 from linecontact.studies.files.study_files import StudyFile

@@ -2,14 +2,11 @@
 
 import inspect
 import json
-import math
-import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
 from linecontact.solver import METHODS, QUANTITIES, MeasuredIndenter, Scene, Solution, Status, solve
-from linecontact.solver.display import rounded_up
 from linecontact.solver.scene import PRECISIONS
 from linecontact.solver.transforms.device import DEVICES
 from linecontact.solver.transforms.planned import PLANNING
@@ -17,12 +14,11 @@ from linecontact.solver.transforms.planned import PLANNING
 from ..figures.names import names
 from ..files import solution_files, writing
 from ..scans import summary
-from ..scans.preparation import mirrored
 from ..scenes import making
 from ..scenes.making import Given, make_scene
 from ..terminal import console
 from ..terminal.options import one_of
-from ..terminal.tables import Whole
+from .solution_tables import choices_table, solution_table
 
 _DEFAULTS = {name: parameter.default for name, parameter in inspect.signature(solve).parameters.items()}
 """Of the parameters of `solve`."""
@@ -167,85 +163,3 @@ def check_targets(options: Options, given: Given) -> None:
     if options.patches:
         written.append(("patches", options.patches))
     writing.check_targets(read, written, options.overwrite)
-
-
-def solution_table(solution: Solution) -> Whole:
-    """What a solve found, with units."""
-    record = solution.to_dict()
-    fallbacks = METHODS[solution.method].fallbacks if solution.handed_over else ()
-    handed = "".join(f", handed over to {f.method}" for f in fallbacks if f.method != solution.method)
-    area, error = record["contact_area_subgrid"], float(record["contact_area_error"])
-    relative = f" (relative {rounded_up(error / area)})" if area and math.isfinite(error) else ""
-    how = "converged on its grid" if solution.status is Status.CONVERGED and solution.certificate else solution.status
-    found = f"a_r = {area:.6g} +- {rounded_up(error)}{relative}"
-    table = Whole(title=f"{solution.method}{handed}, {record['precision']}: {how},\n{found}")
-    table.add_column("quantity")
-    table.add_column("value", justify="right", no_wrap=True)
-    table.add_column("unit")
-    image = ", mirror image too" * mirrored(record["scene"])
-    unknown = "" if "contact_stiffness" in record else " (needs a result as asked)"
-    gaps = record["unseen_gap_area"]
-    own = " (edges only)" if solution.certificate and not solution.levels else ""
-    rows = [
-        ("contact area a_r (sub-grid edges)", f"{record['contact_area_subgrid']:.10g}", "-"),
-        (f"  its absolute error, estimated{own}", rounded_up(error), "-"),
-        *([("  gaps and patches that no node shows", rounded_up(gaps), "-")] if gaps else []),
-        ("contact width a_r L", record["contact_width"], "length"),
-        *(
-            [
-                ("contact area a_r (nodes counted)", f"{record['contact_area']:.8g}", "-"),
-                ("  one node more or less", f"{1 / solution.scene.num_points:.1e}", "-"),
-            ]
-            if solution.certificate
-            else []
-        ),
-        ("mean pressure p", solution.scene.pressure, "pressure"),
-        (f"contact patches{image}", record["num_patches"], "-"),
-        ("  with ends not known, nodes counted", record["num_counted_patches"], "-"),
-        ("rms gradient in contact g_c", record["rms_gradient_contact"], "-"),
-        ("reduced pressure p* = p/(E* g_c)", record["reduced_pressure"], "-"),
-        ("kappa = a_r/p*", record["kappa"], "-"),
-        ("kappa (sub-grid edges)", record["kappa_subgrid"], "-"),
-        ("  its absolute error, estimated", rounded_up(record["kappa_error"]), "-"),
-        *_known("kappa over the half-space's", record.get("kappa_ratio"), "-"),
-        ("reduced thickness d/(a_r L)", record["reduced_thickness"], "-"),
-        ("approach", record["approach"], "length"),
-        *_known("  its absolute error, estimated", rounded_up(record["approach_error"]), "length"),
-        ("mean gap", record["mean_gap"], "length"),
-        (
-            f"contact stiffness dp/d(approach){unknown}",
-            record.get("contact_stiffness", "not computed"),
-            "pressure/length",
-        ),
-        ("peak pressure", record["peak_pressure"], "pressure"),
-        *_known("  its absolute error, estimated", rounded_up(record["peak_pressure_error"]), "pressure"),
-        ("iterations", record["iterations"], "-"),
-        ("transform pairs", record["transform_pairs"], "-"),
-        *((f"time: {stage}", f"{seconds:.3f}", "s") for stage, seconds in record["seconds"].items()),
-        *((f"certificate: {name.replace('_', ' ')}", value, "-") for name, value in record["certificate"].items()),
-    ]
-    for name, value, unit in rows:
-        unit = re.sub(r"\blength\b", solution.scene.length_unit, unit)
-        table.add_row(name, f"{value:.7g}" if isinstance(value, float) else str(value), unit)
-    return table
-
-
-def _known(name: str, value: float | str | None, unit: str) -> list[tuple[str, float | str, str]]:
-    """A row of the table; none for what is not known."""
-    return [] if value is None or value == "inf" else [(name, value, unit)]
-
-
-def choices_table(solution: Solution) -> Whole:
-    """What was chosen for the user."""
-    of = solution.accuracy_of.replace("-", " ")
-    table = Whole(
-        title="chosen" + (f" for an accuracy of {solution.accuracy:g} of the {of}" if solution.accuracy else ""),
-        caption=f"error: estimate of the relative error that it brings into the {of} (dimensionless)",
-    )
-    for heading in ("what", "chosen", "error", "because"):
-        table.add_column(heading, no_wrap=heading == "error")
-    for choice in solution.choices:
-        error = rounded_up(choice.error) if choice.error else ""
-        chosen = f"{choice.chosen} [pressure]" if choice.what == "pressure" else choice.chosen
-        table.add_row(choice.what, chosen, error, choice.reason)
-    return table

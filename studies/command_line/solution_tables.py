@@ -1,0 +1,115 @@
+"""The tables of `linecontact solve`: what was found, with units, and what was chosen for the user."""
+
+import math
+import re
+from collections.abc import Iterator
+from typing import Any
+
+from linecontact.solver import METHODS, Solution, Status
+from linecontact.solver.display import rounded_up
+from linecontact.solver.reference.closed_forms import kappa_half_space
+
+from ..scans.preparation import mirrored
+from ..terminal.tables import Whole
+
+Row = tuple[str, Any, str]
+"""A quantity, its value and its unit."""
+
+
+def solution_table(solution: Solution) -> Whole:
+    """What a solve found, with units."""
+    record = solution.to_dict()
+    fallbacks = METHODS[solution.method].fallbacks if solution.handed_over else ()
+    handed = "".join(f", handed over to {f.method}" for f in fallbacks if f.method != solution.method)
+    area, error = record["contact_area_subgrid"], float(record["contact_area_error"])
+    relative = f" (relative {rounded_up(error / area)})" if area and math.isfinite(error) else ""
+    how = "converged on its grid" if solution.status is Status.CONVERGED and solution.certificate else solution.status
+    found = f"a_r = {area:.6g} " + (
+        f"+- {rounded_up(error)}{relative}" if math.isfinite(error) else "(error not known)"
+    )
+    table = Whole(title=f"{solution.method}{handed}, {record['precision']}: {how},\n{found}")
+    table.add_column("quantity")
+    table.add_column("value", justify="right", no_wrap=True)
+    table.add_column("unit")
+    for rows in (_contact(solution, record), _of_nodes(solution, record), _movement(solution, record), _effort(record)):
+        for name, value, unit in rows:
+            unit = re.sub(r"\blength\b", solution.scene.length_unit, unit)
+            table.add_row(name, f"{value:.7g}" if isinstance(value, float) else str(value), unit)
+        table.add_section()
+    return table
+
+
+def _contact(solution: Solution, record: dict[str, Any]) -> Iterator[Row]:
+    """The contact between its sub-grid edges."""
+    scene, found = solution.scene, solution.observables
+    area, gradient = found.contact_area_subgrid, found.rms_gradient_subgrid
+    own = " (edges only)" if solution.certificate and not solution.levels else ""
+    gaps, power = found.unseen_gap_area, scene.indenter.power_law
+    yield "contact area a_r", f"{area:.10g}", "-"
+    yield f"  its absolute error, estimated{own}", _error(record["contact_area_error"]), "-"
+    if gaps:
+        yield "  gaps and patches that no node shows", rounded_up(gaps), "-"
+    yield "contact width a_r L", record["contact_width"], "length"
+    yield f"contact patches{', mirror image too' * mirrored(record['scene'])}", record["num_patches"], "-"
+    if record["num_counted_patches"]:
+        yield "  with ends not known, nodes counted", record["num_counted_patches"], "-"
+    yield "mean pressure p", scene.pressure, "pressure"
+    yield "contact modulus E*", scene.layer.contact_modulus, "pressure"
+    yield "rms gradient in contact g_c", gradient, "-"
+    yield "reduced pressure p* = p/(E* g_c)", scene.reduced_load / gradient if gradient else math.inf, "-"
+    yield "kappa = a_r/p*", found.kappa_subgrid, "-"
+    yield "  its absolute error, estimated", _error(record["kappa_error"]), "-"
+    if power:
+        yield "kappa over a lone half-space's", found.kappa_subgrid / kappa_half_space(power[0]), "-"
+    yield "thickness over width d/(a_r L)", scene.layer.thickness / (area * scene.period) if area else math.inf, "-"
+
+
+def _of_nodes(solution: Solution, record: dict[str, Any]) -> Iterator[Row]:
+    """The contact by counting nodes, as the published study has it."""
+    if solution.certificate:
+        yield "by counting nodes: a_r", f"{record['contact_area']:.8g}", "-"
+        yield "  one node more or less", f"{1 / solution.scene.num_points:.1e}", "-"
+        yield "by counting nodes: kappa", record["kappa"], "-"
+
+
+def _movement(solution: Solution, record: dict[str, Any]) -> Iterator[Row]:
+    """Approach, gap, stiffness and the largest pressure."""
+    unknown = "" if "contact_stiffness" in record else " (needs a result as asked)"
+    stiffness = record.get("contact_stiffness", "not computed")
+    yield "approach", record["approach"], "length"
+    yield "  its absolute error, estimated", _error(record["approach_error"]), "length"
+    yield "mean gap", record["mean_gap"], "length"
+    yield f"contact stiffness dp/d(approach){unknown}", stiffness, "pressure/length"
+    yield "peak pressure", record["peak_pressure"], "pressure"
+    yield "  its absolute error, estimated", _error(record["peak_pressure_error"]), "pressure"
+
+
+def _effort(record: dict[str, Any]) -> Iterator[Row]:
+    """What it took, and the certificate."""
+    yield "iterations", record["iterations"], "-"
+    yield "transform pairs", record["transform_pairs"], "-"
+    for stage, seconds in record["seconds"].items():
+        yield f"time: {stage}", f"{seconds:.3f}", "s"
+    for name, value in record["certificate"].items():
+        yield f"certificate: {name.replace('_', ' ')}", value, "-"
+
+
+def _error(value: float | str) -> str:
+    """An estimated error, in words where there is none."""
+    return rounded_up(float(value)) if math.isfinite(float(value)) else "not known"
+
+
+def choices_table(solution: Solution) -> Whole:
+    """What was chosen for the user."""
+    of = solution.accuracy_of.replace("-", " ")
+    table = Whole(
+        title="chosen" + (f" for an accuracy of {solution.accuracy:g} of the {of}" if solution.accuracy else ""),
+        caption=f"error: estimate of the relative error that it brings into the {of} (dimensionless)",
+    )
+    for heading in ("what", "chosen", "error", "because"):
+        table.add_column(heading, no_wrap=heading == "error")
+    for choice in solution.choices:
+        error = rounded_up(choice.error) if choice.error else ""
+        chosen = f"{choice.chosen} [pressure]" if choice.what == "pressure" else choice.chosen
+        table.add_row(choice.what, chosen, error, choice.reason)
+    return table
