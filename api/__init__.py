@@ -25,6 +25,7 @@ The answer:
     solve             solves a scene
     Solution          what was found, how it was found, and what to doubt of it
     Observables       contact area, kappa, approach and what else is measured
+    PatchTable        where each contact patch is, and what it carries
     Certificate       how wrong the solution can be
     Status            how the solve ended
     contact_stiffness what a small change of the load does to the approach
@@ -51,6 +52,7 @@ if TYPE_CHECKING:
         Layer,
         MeasuredIndenter,
         Observables,
+        PatchTable,
         PowerIndenter,
         RoughIndenter,
         Scene,
@@ -85,6 +87,7 @@ __all__ = [
     "Layer",
     "MeasuredIndenter",
     "Observables",
+    "PatchTable",
     "PowerIndenter",
     "RoughIndenter",
     "Scene",

@@ -10,6 +10,7 @@ May import: linecontact.kernels.
 from .endings import Reason, Status
 from .grid.certificate import Certificate, certify
 from .grid.observables import Observables
+from .grid.patch_table import PatchTable
 from .indenters import INDENTERS, Indenter, MeasuredIndenter, PowerIndenter, RoughIndenter
 from .layers import LAYERS, CoatedHalfSpace, ElasticLayer, Layer, SlidingLayer, TabulatedLayer
 from .methods import METHODS, Method, MethodKind
@@ -35,6 +36,7 @@ __all__ = [
     "Method",
     "MethodKind",
     "Observables",
+    "PatchTable",
     "PowerIndenter",
     "Reason",
     "RoughIndenter",

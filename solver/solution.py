@@ -104,7 +104,7 @@ class Solution:
     observables: Observables
     """Contact area, kappa and what else is measured."""
     patches: PatchTable
-    """The contact patches: their ends, widths, loads and largest pressures."""
+    """The contact patches, a `PatchTable`: their ends, widths, loads and largest pressures."""
     certificate: Certificate | None
     """How wrong the displacement is; None where there was no discrete problem to solve."""
     iterations: int

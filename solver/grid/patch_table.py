@@ -16,7 +16,7 @@ from .patches import Patches
 
 @dataclass(frozen=True, eq=False)
 class PatchTable:
-    """The M patches of a contact; ends lie between nodes where pressures or loads tell them."""
+    """The M patches of a contact; ends lie between nodes where pressures or loads tell them. `len` of it is M."""
 
     left: Array64
     """Left ends, shape (M,), from 0 to the period [length]."""
@@ -31,8 +31,11 @@ class PatchTable:
     peak_pressure: Array64
     """Largest pressures, shape (M,) [pressure]."""
 
+    def __len__(self) -> int:
+        return self.nodes.size
+
     def __repr__(self) -> str:
-        count = self.nodes.size
+        count = len(self)
         widest = f", the widest {display.number(float(self.width.max()))} [length]" if count else ""
         return f"{type(self).__name__}: {count} contact patch{'es' * (count != 1)}{widest}"
 
