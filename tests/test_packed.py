@@ -134,6 +134,23 @@ def test_a_patch_that_a_coarser_grid_does_not_have_is_found_at_once():
     assert (state.contact_pressure[nodes] > 0).all()
 
 
+def test_a_poor_start_is_not_followed_everywhere():
+    """A load on 40 nodes alone, so that the surface penetrates all around: most of the grid would be watched."""
+    scene = rough(2**16, pressure=0.2)
+    problem, pressure = Problem.from_scene(scene), np.zeros(2**16)
+    pressure[1000:1040] = 1.0
+    state = active_set.begin(problem, Setting(1e-8))
+    state.start_from_pressure(pressure)
+    response, now = state._response, state._now
+    held = response._nearby or response._storage
+    np.testing.assert_array_equal(now.places, held.places(now.nodes))
+    assert response._nearby.nodes.size < 2**10
+    # and where blocks do not pay any more, nodes have their values in the whole field again
+    response._surround(now, np.arange(2**16))
+    assert response._nearby is None
+    np.testing.assert_array_equal(now.places, now.nodes)
+
+
 def test_contact_nearly_everywhere_is_solved_on_all_nodes(monkeypatch):
     made = []
     monkeypatch.setattr(nearby, "Nearby", lambda *arguments: made.append(arguments))

@@ -5,8 +5,9 @@ import itertools
 import re
 from collections import Counter
 
+import numpy as np
 import pytest
-from linecontact.solver import Layer, RoughIndenter, Scene, solve
+from linecontact.solver import Layer, MeasuredIndenter, PowerIndenter, RoughIndenter, Scene, solve
 from linecontact.solver.display import counted, rounded_up
 from linecontact.studies.command_line.solution_tables import choices_table, solution_table
 from linecontact.studies.explore import wording
@@ -63,6 +64,52 @@ def test_the_row_of_the_stiffness_is_always_there(load, options, said):
     assert units == {"-", "length", "pressure", "pressure/length", "s"}
     text = " ".join(printed(table, 200).replace("\u2502", "").split())
     assert f"contact stiffness dp/d(approach){said}" in text
+
+
+def rows(solution):
+    """The rows of the table of a solve: values and units by quantity."""
+    quantities, values, units = (column.cells for column in solution_table(solution).columns)
+    return {name.strip(): (value, unit) for name, value, unit in zip(quantities, values, units, strict=True)}
+
+
+def number(solution, name):
+    return float(rows(solution)[name][0])
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        Scene(Layer(0.3, 0.4, 3.0), RoughIndenter(cut_off_ratio=0.1), 0.02, period=5.0, num_points=2**10),
+        Scene(Layer(), RoughIndenter(cut_off_ratio=0.1), 10.0, num_points=2**10),  # full contact
+        Scene(Layer(0.01), num_points=2**10),
+    ],
+)
+def test_the_rows_of_a_solve_fit_together(scene):
+    """p* = p/(E* g_c), kappa = a_r/p* and d/(a_r L) follow from the rows above them."""
+    found = solve(scene)
+    area, reduced = number(found, "contact area a_r"), number(found, "reduced pressure p* = p/(E* g_c)")
+    load = number(found, "mean pressure p") / number(found, "contact modulus E*")
+    assert reduced == pytest.approx(load / number(found, "rms gradient in contact g_c"), rel=1e-6)
+    assert number(found, "kappa = a_r/p*") == pytest.approx(area / reduced, rel=1e-6)
+    width = number(found, "contact width a_r L")
+    assert width == pytest.approx(area * scene.period, rel=1e-6)
+    assert number(found, "thickness over width d/(a_r L)") == pytest.approx(scene.layer.thickness / width, rel=1e-6)
+    assert number(found, "by counting nodes: a_r") == pytest.approx(found.contact.mean(), rel=1e-6)
+    assert number(found, "by counting nodes: kappa") == pytest.approx(found.observables.kappa, rel=1e-6)
+    assert ("kappa over that of a lone indenter" in rows(found)) == isinstance(scene.indenter, PowerIndenter)
+
+
+def test_what_is_not_known_is_said():
+    none = rows(solve(Scene(Layer(), approach=0.0, num_points=2**10)))
+    assert none["contact area a_r"] == ("0", "-")
+    assert none["reduced pressure p* = p/(E* g_c)"] == none["kappa = a_r/p*"] == ("nan", "-")
+    assert "by counting nodes: a_r" not in none
+    single = solve(Scene(Layer(), num_points=2**10), nested=False)
+    assert printed(solution_table(single), 200).count("not known") == 2  # approach and peak pressure
+    assert "by counting nodes: a_r" in rows(single)
+    heights = np.cos(np.arange(64) / 64 * 2 * np.pi)
+    scan = MeasuredIndenter(heights, description={"profile_length_unit": "um"})
+    assert rows(solve(Scene(Layer(), scan, 0.1, num_points=64)))["contact width a_r L"][1] == "um"
 
 
 @pytest.mark.parametrize("width", [20, 40, 60])

@@ -58,7 +58,8 @@ def certify(problem: Problem, displacement: Array64) -> tuple[Certificate, Array
     """
     h, n = problem.height, problem.num_points
     pressure, contact = np.empty(n), np.empty(n, dtype=bool)
-    with np.errstate(over="ignore", invalid="ignore"), pair(n) as transforms:
+    with np.errstate(over="ignore", invalid="ignore"):
+        transforms = pair(n)
         elastic = transforms.real
         elastic[:] = displacement
         transforms.forward()

@@ -16,7 +16,7 @@ from .patches import Patches
 
 @dataclass(frozen=True, eq=False)
 class PatchTable:
-    """The M patches of a contact; ends lie between nodes where pressures or loads tell them. `len` of it is M."""
+    """The M patches of a contact; ends lie between nodes where pressures or loads tell them. Its length is M."""
 
     left: Array64
     """Left ends, shape (M,), from 0 to the period [length]."""

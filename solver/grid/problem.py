@@ -177,18 +177,18 @@ class Problem:
         """
         if not pressure.any():
             return np.zeros(self.num_points)
-        return np.where(pressure > 0, self.height, self.height - np.maximum(self.gap_under(pressure), 0.0))
+        return np.where(pressure > 0, self.height, np.minimum(self.height, self.surface_under(pressure)))
 
-    def gap_under(self, pressure: Array64) -> Array64:
-        """The gap h - u, shape (N,) [u], under a contact pressure [p], which is not 0; 0 where that acts, on its
-        average.
+    def surface_under(self, pressure: Array64) -> Array64:
+        """The displacement, shape (N,) [u], that a contact pressure [p] other than 0 causes, as high as the wall is on
+        the average where it acts; in between it may be beyond the wall.
         """
         modes = rfft(pressure)
         modes[0] = 0
         modes[1:] /= self.stiffness[1:]
-        gap = self.height + irfft(modes, self.num_points)
-        gap -= (pressure @ gap) / pressure.sum()
-        return gap
+        response = irfft(modes, self.num_points)
+        level = float(pressure @ (self.height + response)) / float(pressure.sum())
+        return level - response
 
 
 def _reach(stiffness: Array64, num_points: int) -> float:

@@ -4,8 +4,6 @@ Short ones are NumPy's own, which need no plan. What is done often on arrays of 
 """
 
 import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
 from functools import lru_cache
 
 import numpy as np
@@ -24,20 +22,22 @@ bytes for each value."""
 _FEW = 128  # values for each mode, from which a spectrum of few modes takes less time by short transforms
 _AT_ONCE = 16  # short transforms
 
-_kept = lru_cache(maxsize=10)(Pair)
-_busy = threading.Lock()  # of the buffers that are kept
+
+class _Kept(threading.local):
+    """Plans and buffers of each thread: a lock could stay held where Ctrl-C comes at the wrong moment."""
+
+    def __init__(self) -> None:
+        self.pair = lru_cache(maxsize=10)(Pair)
 
 
-@contextmanager
-def pair(num_points: int) -> Iterator[Pair]:
-    """Both transforms of N values with their buffers, which hold anything at first, for the length of a `with` block
-    that takes no other transform of this module.
+_kept = _Kept()
+
+
+def pair(num_points: int) -> Pair:
+    """Both transforms of N values with their buffers, which hold anything at first. They are this thread's own until it
+    takes another transform of that length from this module.
     """
-    if num_points > _KEPT_UP_TO:
-        yield Pair(num_points)
-        return
-    with _busy:
-        yield _kept(num_points)
+    return Pair(num_points) if num_points > _KEPT_UP_TO else _kept.pair(num_points)
 
 
 def rfft(values: Array64) -> Modes:
@@ -45,10 +45,10 @@ def rfft(values: Array64) -> Modes:
     if values.size < _PLANNED_FROM:
         return np.fft.rfft(values)
     if values.size <= _KEPT_UP_TO:
-        with pair(values.size) as kept:
-            kept.real[:] = values
-            kept.forward()
-            return kept.modes.copy()
+        kept = pair(values.size)
+        kept.real[:] = values
+        kept.forward()
+        return kept.modes.copy()
     source = np.require(values, np.float64, ["C", "W"])
     modes: Modes = pyfftw.empty_aligned(values.size // 2 + 1, dtype=np.complex128)
     pyfftw.FFTW(source, modes, flags=["FFTW_ESTIMATE"]).execute()
@@ -67,11 +67,11 @@ def irfft(modes: Modes | Array64, num_points: int, overwrite: bool = False) -> A
     if num_points >= _FEW * held.size and num_points % (32 * _AT_ONCE) == 0:
         return _from_few(held, num_points)
     if num_points <= _KEPT_UP_TO:
-        with pair(num_points) as kept:
-            np.multiply(held, 1 / num_points, out=kept.modes[: held.size])
-            kept.modes[held.size :] = 0
-            kept.inverse()
-            return kept.real.copy()
+        kept = pair(num_points)
+        np.multiply(held, 1 / num_points, out=kept.modes[: held.size])
+        kept.modes[held.size :] = 0
+        kept.inverse()
+        return kept.real.copy()
     if not overwrite:
         source = pyfftw.zeros_aligned(num_points // 2 + 1, dtype=np.complex128)
     np.multiply(held, 1 / num_points, out=source[: held.size])

@@ -31,7 +31,7 @@ def solution_table(solution: Solution) -> Whole:
     table.add_column("quantity")
     table.add_column("value", justify="right", no_wrap=True)
     table.add_column("unit")
-    for rows in (_contact(solution, record), _of_nodes(solution, record), _movement(solution, record), _effort(record)):
+    for rows in (_contact(solution, record), _of_nodes(solution), _movement(solution, record), _effort(record)):
         for name, value, unit in rows:
             unit = re.sub(r"\blength\b", solution.scene.length_unit, unit)
             table.add_row(name, f"{value:.7g}" if isinstance(value, float) else str(value), unit)
@@ -42,46 +42,47 @@ def solution_table(solution: Solution) -> Whole:
 def _contact(solution: Solution, record: dict[str, Any]) -> Iterator[Row]:
     """The contact between its sub-grid edges."""
     scene, found = solution.scene, solution.observables
-    area, gradient = found.contact_area_subgrid, found.rms_gradient_subgrid
+    area, kappa = found.contact_area_subgrid, found.kappa_subgrid
     own = " (edges only)" if solution.certificate and not solution.levels else ""
-    gaps, power = found.unseen_gap_area, scene.indenter.power_law
+    width, gaps, power = solution.contact_width, found.unseen_gap_area, scene.indenter.power_law
     yield "contact area a_r", f"{area:.10g}", "-"
-    yield f"  its absolute error, estimated{own}", _error(record["contact_area_error"]), "-"
+    yield f"  its absolute error, estimated{own}", _error(found.contact_area_error), "-"
     if gaps:
         yield "  gaps and patches that no node shows", rounded_up(gaps), "-"
-    yield "contact width a_r L", record["contact_width"], "length"
-    yield f"contact patches{', mirror image too' * mirrored(record['scene'])}", record["num_patches"], "-"
-    if record["num_counted_patches"]:
-        yield "  with ends not known, nodes counted", record["num_counted_patches"], "-"
+    yield "contact width a_r L", width, "length"
+    yield f"contact patches{', mirror image too' * mirrored(record['scene'])}", found.num_patches, "-"
+    if found.num_counted_patches:
+        yield "  with ends not known, nodes counted", found.num_counted_patches, "-"
     yield "mean pressure p", scene.pressure, "pressure"
     yield "contact modulus E*", scene.layer.contact_modulus, "pressure"
-    yield "rms gradient in contact g_c", gradient, "-"
-    yield "reduced pressure p* = p/(E* g_c)", scene.reduced_load / gradient if gradient else math.inf, "-"
-    yield "kappa = a_r/p*", found.kappa_subgrid, "-"
-    yield "  its absolute error, estimated", _error(record["kappa_error"]), "-"
+    yield "rms gradient in contact g_c", found.rms_gradient_subgrid, "-"
+    yield "reduced pressure p* = p/(E* g_c)", area / kappa if kappa else math.inf, "-"
+    yield "kappa = a_r/p*", kappa, "-"
+    yield "  its absolute error, estimated", _error(found.kappa_error), "-"
     if power:
-        yield "kappa over a lone half-space's", found.kappa_subgrid / kappa_half_space(power[0]), "-"
-    yield "thickness over width d/(a_r L)", scene.layer.thickness / (area * scene.period) if area else math.inf, "-"
+        yield "kappa over that of a lone indenter", kappa / kappa_half_space(power[0]), "-"
+    yield "thickness over width d/(a_r L)", scene.layer.thickness / width if width else math.inf, "-"
 
 
-def _of_nodes(solution: Solution, record: dict[str, Any]) -> Iterator[Row]:
+def _of_nodes(solution: Solution) -> Iterator[Row]:
     """The contact by counting nodes, as the published study has it."""
     if solution.certificate:
-        yield "by counting nodes: a_r", f"{record['contact_area']:.8g}", "-"
+        yield "by counting nodes: a_r", f"{solution.observables.contact_area:.8g}", "-"
         yield "  one node more or less", f"{1 / solution.scene.num_points:.1e}", "-"
-        yield "by counting nodes: kappa", record["kappa"], "-"
+        yield "by counting nodes: kappa", solution.observables.kappa, "-"
 
 
 def _movement(solution: Solution, record: dict[str, Any]) -> Iterator[Row]:
     """Approach, gap, stiffness and the largest pressure."""
+    found = solution.observables
     unknown = "" if "contact_stiffness" in record else " (needs a result as asked)"
     stiffness = record.get("contact_stiffness", "not computed")
-    yield "approach", record["approach"], "length"
-    yield "  its absolute error, estimated", _error(record["approach_error"]), "length"
-    yield "mean gap", record["mean_gap"], "length"
+    yield "approach", found.approach, "length"
+    yield "  its absolute error, estimated", _error(found.approach_error), "length"
+    yield "mean gap", found.mean_gap, "length"
     yield f"contact stiffness dp/d(approach){unknown}", stiffness, "pressure/length"
-    yield "peak pressure", record["peak_pressure"], "pressure"
-    yield "  its absolute error, estimated", _error(record["peak_pressure_error"]), "pressure"
+    yield "peak pressure", found.peak_pressure, "pressure"
+    yield "  its absolute error, estimated", _error(found.peak_pressure_error), "pressure"
 
 
 def _effort(record: dict[str, Any]) -> Iterator[Row]:
@@ -94,9 +95,9 @@ def _effort(record: dict[str, Any]) -> Iterator[Row]:
         yield f"certificate: {name.replace('_', ' ')}", value, "-"
 
 
-def _error(value: float | str) -> str:
+def _error(value: float) -> str:
     """An estimated error, in words where there is none."""
-    return rounded_up(float(value)) if math.isfinite(float(value)) else "not known"
+    return rounded_up(value) if math.isfinite(value) else "not known"
 
 
 def choices_table(solution: Solution) -> Whole:

@@ -24,7 +24,10 @@ from .search import HARDER, LOOSEST, SAFETY, Search
 from .storage import Whole
 
 _LEAST = 0.23  # share of the nodes in contact from which this form takes less time than that in the pressure
-_FIRST_FORCING_TERM = 0.01  # of the set that it begins with: much of its residual are short waves, which say little
+_FIRST_FORCING_TERM = 0.01
+"""Of the set that it begins with. Two or three iterations take most of its residual, short waves from nodes put onto
+the wall, and leave the long ones, which decide what nodes belong to the contact."""
+
 _STIFF = 2.0  # K of the longest wave over the smallest: beyond, K is long-ranged
 _SMALLEST_PULL = 0.1  # of the tolerance on the residual, as a force over p: below, nodes would change by rounding
 _FLOOR = 0.5  # of the residual that rounding leaves, below which it is not followed
@@ -79,8 +82,8 @@ class FreeNodes(Method):
         if not pressure.any():
             pressure = foundation_pressure(self.problem, typical_stiffness(self.problem))
         pressure = self._storage.symmetric(pressure)
-        # not the nodes that penetrate: there are many, and they do because the pressure is not the right one
-        self._take(self.problem.height - self.problem.gap_under(pressure), pressure == 0)
+        # nodes that penetrate stay free at first: the pressure is only about right, and most of them belong outside
+        self._take(self.problem.surface_under(pressure), ~(pressure > 0))
         self._pairs += 1
 
     def _take(self, displacement: Array64, free: Mask) -> None:

@@ -37,7 +37,11 @@ class Nearby:
 
     def covers(self, nodes: Indices) -> bool:
         """Whether all these nodes are among them."""
-        return bool((self._index[nodes // self._block] >= 0).all())
+        return not self.outside(nodes).size
+
+    def outside(self, nodes: Indices) -> Indices:
+        """Those of these nodes that are not among them, shape (number of these,)."""
+        return nodes[self._index[nodes // self._block] < 0]
 
     def places(self, nodes: Indices) -> Indices:
         """Where these nodes have their values."""

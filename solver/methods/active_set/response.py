@@ -22,6 +22,7 @@ from .packed import Split
 from .storage import Whole
 
 _SAMPLE = 2**14  # nodes that tell the size of u
+_FAR = 0.25  # nodes that penetrate far from the contact, over those in contact: more of them are a poor start
 _MOST_RENEWALS = 8  # after work near the contact, before all nodes are worked on; two or three are usual
 
 
@@ -81,12 +82,13 @@ class Response:
         self._surround(now, now.nodes)
 
     def watch_penetrating(self, now: ContactSet, smallest: float) -> None:
-        """Carry the response along near nodes that penetrate, too: there may be patches that a coarser grid does not
-        have, and far from the others. To be called where it has been made anew, and is known on all nodes.
+        """Carry the response along near nodes that penetrate far from the contact, too, if these are few: there are
+        patches that a coarser grid does not have. To be called where it has been made anew, and is known on all nodes.
         """
-        nearby = self._nearby
-        if nearby and not nearby.covers(new := self.penetrating(now, smallest)):
-            self._surround(now, np.union1d(now.nodes, new))
+        if self._nearby:
+            far = self._nearby.outside(self.penetrating(now, smallest))
+            if 0 < far.size <= _FAR * now.nodes.size:
+                self._surround(now, np.union1d(now.nodes, far))
 
     def leave_nearby(self, now: ContactSet) -> bool:
         """From now on work on all nodes; False if that is so already."""
@@ -102,7 +104,7 @@ class Response:
             self._nearby = surround(self._split, self._storage, nodes, self._problem.height, self._nearby)
         if self._nearby:
             self._nearby.response[:] = self._all.field[self._nearby.in_field]
-            now.places = self._nearby.places(now.nodes)
+        now.places = (self._nearby or self._storage).places(now.nodes)
 
     def follow(self, before: ContactSet, now: ContactSet, changed: bool) -> None:
         """Turn to another set. changed: whether its pressure differs from that before, because nodes were dropped."""
