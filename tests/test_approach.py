@@ -224,6 +224,21 @@ def test_compliance_is_the_derivative_on_the_grid(layer, indenter):
     assert contact_compliance(scene, middle.contact) == pytest.approx(rise / (2 * step * 0.01), rel=bound)
 
 
+@pytest.mark.parametrize("layer", [Layer(), Layer(0.1), Layer(1e-3, 0.3), Layer(1e-3, 0.5)])
+def test_contact_stiffness_of_collocation(layer):
+    """The sampled pressures do not tell where the contact ends, but the model knows."""
+    found = solve(Scene(layer), accuracy=1e-4)
+    assert found.method == "collocation"
+    if math.isinf(layer.thickness):
+        exact = -math.pi / 2 / math.log(math.sin(math.pi * found.observables.contact_area_subgrid / 2))
+        assert found.contact_stiffness == pytest.approx(exact, rel=1e-6)
+        whole = found.observables.approach + found.observables.mean_gap
+        assert whole == pytest.approx(1 / 24, rel=2e-7)  # of the profile, by the trapezium rule
+    else:
+        fine = solve(Scene(layer, num_points=2**16))
+        assert found.contact_stiffness == pytest.approx(fine.contact_stiffness, rel=2e-4)
+
+
 @pytest.mark.parametrize("num_points", [2**8, 2**12])
 @pytest.mark.parametrize("width", [0.4, 0.9, 1.7, 2.6, 5.2, 11.3])
 def test_contact_stiffness_of_few_nodes(width, num_points):

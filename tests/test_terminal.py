@@ -96,7 +96,7 @@ def test_the_rows_of_a_solve_fit_together(scene):
     assert number(found, "thickness over width d/(a_r L)") == pytest.approx(scene.layer.thickness / width, rel=1e-6)
     assert number(found, "by counting nodes: a_r") == pytest.approx(found.contact.mean(), rel=1e-6)
     assert number(found, "by counting nodes: kappa") == pytest.approx(found.observables.kappa, rel=1e-6)
-    assert ("kappa over that of a lone indenter" in rows(found)) == isinstance(scene.indenter, PowerIndenter)
+    assert ("kappa over kappa_inf of the half-space" in rows(found)) == isinstance(scene.indenter, PowerIndenter)
 
 
 def test_what_is_not_known_is_said():

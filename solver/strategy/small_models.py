@@ -14,7 +14,7 @@ import numpy as np
 
 from ..arrays import Array64, Indices, Mask
 from ..grid.edges import Edges
-from ..grid.observables import Observables, observe, subgrid_measures
+from ..grid.observables import Observables, foundation_modulus, observe, subgrid_measures
 from ..grid.patch_table import PatchTable, patch_table
 from ..grid.patches import Patches
 from ..grid.problem import Problem, Stiffness, foundation_level, squared_slope
@@ -89,6 +89,7 @@ def asperity(scene: Scene, layer: ElasticLayer, accuracy: float, of: str) -> Mod
         peak_pressure_error=errors["peak_pressure"] * peak if power[0] >= 2 else math.inf,
         approach=approach,
         approach_error=errors["approach"] * length * abs(found.approach),
+        mean_gap=float(profile.mean()) - approach + scene.pressure / (foundation_modulus(scene) or math.inf),
     )
     return Modelled(scene, displacement, pressure, pressure > 0, observables, patches, errors[of])
 

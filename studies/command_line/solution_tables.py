@@ -43,7 +43,8 @@ def _contact(solution: Solution, record: dict[str, Any]) -> Iterator[Row]:
     """The contact between its sub-grid edges."""
     scene, found = solution.scene, solution.observables
     area, kappa = found.contact_area_subgrid, found.kappa_subgrid
-    own = " (edges only)" if solution.certificate and not solution.levels else ""
+    alone = solution.certificate and not solution.levels and math.isfinite(found.contact_area_error)
+    own = " (edges only)" if alone else ""
     width, gaps, power = solution.contact_width, found.unseen_gap_area, scene.indenter.power_law
     yield "contact area a_r", f"{area:.10g}", "-"
     yield f"  its absolute error, estimated{own}", _error(found.contact_area_error), "-"
@@ -60,7 +61,7 @@ def _contact(solution: Solution, record: dict[str, Any]) -> Iterator[Row]:
     yield "kappa = a_r/p*", kappa, "-"
     yield "  its absolute error, estimated", _error(found.kappa_error), "-"
     if power:
-        yield "kappa over that of a lone indenter", kappa / kappa_half_space(power[0]), "-"
+        yield "kappa over kappa_inf of the half-space", kappa / kappa_half_space(power[0]), "-"
     yield "thickness over width d/(a_r L)", scene.layer.thickness / width if width else math.inf, "-"
 
 
@@ -102,10 +103,10 @@ def _error(value: float) -> str:
 
 def choices_table(solution: Solution) -> Whole:
     """What was chosen for the user."""
-    of = solution.accuracy_of.replace("-", " ")
+    of = "the " * (solution.accuracy_of != "kappa") + solution.accuracy_of.replace("-", " ")
     table = Whole(
-        title="chosen" + (f" for an accuracy of {solution.accuracy:g} of the {of}" if solution.accuracy else ""),
-        caption=f"error: estimate of the relative error that it brings into the {of} (dimensionless)",
+        title="chosen" + (f" for an accuracy of {solution.accuracy:g} of {of}" if solution.accuracy else ""),
+        caption=f"error: estimate of the relative error that it brings into {of} (dimensionless)",
     )
     for heading in ("what", "chosen", "error", "because"):
         table.add_column(heading, no_wrap=heading == "error")
