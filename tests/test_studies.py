@@ -13,7 +13,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from linecontact import studies
+from linecontact import load, studies
 from linecontact.solver import Layer, RoughIndenter, Scene, solve
 from linecontact.solver.layers.bonded import edge_shift
 from linecontact.solver.reference import closed_forms
@@ -53,6 +53,32 @@ def test_solution_round_trip(solution, tmp_path):
     with h5py.File(path) as file:
         assert file["contact_pressure"].attrs["unit"] == "pressure"
     assert [p.name for p in tmp_path.iterdir()] == ["run.h5"]
+
+
+def test_the_patches_are_kept(solution, tmp_path):
+    path = tmp_path / "run.h5"
+    solution.save(path)
+    for name, values in vars(solution.patches).items():
+        np.testing.assert_array_equal(getattr(load(path).patches, name), values)
+    with h5py.File(path) as file:
+        assert file["patches/load"].attrs["unit"] == "pressure times length"
+
+
+@pytest.mark.parametrize("left_out", ["patches", "patches/load"])
+def test_a_file_without_patches(left_out, solution, tmp_path):
+    """As an earlier version has written it; one that lacks some of their columns is damaged."""
+    whole, path = tmp_path / "whole.h5", tmp_path / "run.h5"
+    solution.save(whole)
+    with h5py.File(whole) as source, hdf5.new_file(path) as file:
+        file.attrs.update(source.attrs)
+        for name in source:
+            source.copy(name, file)
+        del file[left_out]
+    if left_out == "patches":
+        assert load(path).patches is None
+    else:
+        with pytest.raises(ValueError, match=r"run\.h5 is damaged"):
+            load(path)
 
 
 def test_a_failed_write_leaves_the_old_file(solution, tmp_path, monkeypatch):

@@ -22,7 +22,7 @@ import numpy as np
 
 from .. import display
 from ..arrays import Array64, Mask, parts
-from ..transforms.plain import pair
+from ..transforms.plain import guard, pair
 from ..transforms.planned import Pair
 from .problem import Problem
 
@@ -58,7 +58,7 @@ def certify(problem: Problem, displacement: Array64) -> tuple[Certificate, Array
     """
     h, n = problem.height, problem.num_points
     pressure, contact = np.empty(n), np.empty(n, dtype=bool)
-    with np.errstate(over="ignore", invalid="ignore"):
+    with np.errstate(over="ignore", invalid="ignore"), guard(n):
         transforms = pair(n)
         elastic = transforms.real
         elastic[:] = displacement

@@ -105,9 +105,10 @@ def _beyond_nodes(solution: Solution, punch: Array64, surface: Array64) -> float
     profile = Problem.from_scene(scene).profile * scene.period
     patches, edges = contact_edges(scene, pressure, profile, solution.displacement)
     if not solution.certificate:  # a smaller model knows where its patches end, its sampled pressures do not
-        left, width = (of / scene.period * pressure.size for of in (solution.patches.left, solution.patches.width))
-        left = patches.first + (left - patches.first + pressure.size / 2) % pressure.size - pressure.size / 2
-        edges = replace(edges, left=left, right=left + width)
+        n, table = pressure.size, solution.patches
+        beyond_first = (table.left / scene.period * n - patches.first + n / 2) % n - n / 2
+        begins = patches.first + beyond_first
+        edges = replace(edges, left=begins, right=begins + table.width / scene.period * n)
     curve = edge_curve(scene.layer, pressure.size, scene.period)
     before, after = patches.to_neighbours - 1  # nodes of the gaps
     # where the layer, or a gap, is narrower than a patch, a lone punch on a half-space says nothing of that

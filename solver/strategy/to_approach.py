@@ -104,7 +104,7 @@ def solve_to_approach(scene: Scene, solve: Callable[[Scene], Solution]) -> Solut
         iterations=iterations,
         transform_pairs=points / scene.num_points,
         seconds=seconds,
-        choices=(Choice("pressure", f"{pressure:.10g}", why), *found.choices),
+        choices=(Choice("pressure", f"{pressure:.10g}", why, off_by), *found.choices),
     )
     found = _told(found, approach)
     off = abs(found.observables.approach / approach - 1)

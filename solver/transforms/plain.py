@@ -4,7 +4,9 @@ Short ones are NumPy's own, which need no plan. What is done often on arrays of 
 """
 
 import threading
+from contextlib import AbstractContextManager, nullcontext
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -22,22 +24,18 @@ bytes for each value."""
 _FEW = 128  # values for each mode, from which a spectrum of few modes takes less time by short transforms
 _AT_ONCE = 16  # short transforms
 
-
-class _Kept(threading.local):
-    """Plans and buffers of each thread: a lock could stay held where Ctrl-C comes at the wrong moment."""
-
-    def __init__(self) -> None:
-        self.pair = lru_cache(maxsize=10)(Pair)
+_kept = lru_cache(maxsize=10)(Pair)
+_busy = threading.Lock()  # of the buffers that are kept
 
 
-_kept = _Kept()
+def guard(num_points: int) -> AbstractContextManager[Any]:
+    """For the `with` block in which a `pair` of N values is used; it takes no other transform of this module."""
+    return _busy if num_points <= _KEPT_UP_TO else nullcontext()
 
 
 def pair(num_points: int) -> Pair:
-    """Both transforms of N values with their buffers, which hold anything at first. They are this thread's own until it
-    takes another transform of that length from this module.
-    """
-    return Pair(num_points) if num_points > _KEPT_UP_TO else _kept.pair(num_points)
+    """Both transforms of N values with their buffers, which hold anything at first. To be used under their `guard`."""
+    return _kept(num_points) if num_points <= _KEPT_UP_TO else Pair(num_points)
 
 
 def rfft(values: Array64) -> Modes:
@@ -45,10 +43,11 @@ def rfft(values: Array64) -> Modes:
     if values.size < _PLANNED_FROM:
         return np.fft.rfft(values)
     if values.size <= _KEPT_UP_TO:
-        kept = pair(values.size)
-        kept.real[:] = values
-        kept.forward()
-        return kept.modes.copy()
+        with _busy:
+            kept = _kept(values.size)
+            kept.real[:] = values
+            kept.forward()
+            return kept.modes.copy()
     source = np.require(values, np.float64, ["C", "W"])
     modes: Modes = pyfftw.empty_aligned(values.size // 2 + 1, dtype=np.complex128)
     pyfftw.FFTW(source, modes, flags=["FFTW_ESTIMATE"]).execute()
@@ -67,11 +66,12 @@ def irfft(modes: Modes | Array64, num_points: int, overwrite: bool = False) -> A
     if num_points >= _FEW * held.size and num_points % (32 * _AT_ONCE) == 0:
         return _from_few(held, num_points)
     if num_points <= _KEPT_UP_TO:
-        kept = pair(num_points)
-        np.multiply(held, 1 / num_points, out=kept.modes[: held.size])
-        kept.modes[held.size :] = 0
-        kept.inverse()
-        return kept.real.copy()
+        with _busy:
+            kept = _kept(num_points)
+            np.multiply(held, 1 / num_points, out=kept.modes[: held.size])
+            kept.modes[held.size :] = 0
+            kept.inverse()
+            return kept.real.copy()
     if not overwrite:
         source = pyfftw.zeros_aligned(num_points // 2 + 1, dtype=np.complex128)
     np.multiply(held, 1 / num_points, out=source[: held.size])

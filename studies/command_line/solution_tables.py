@@ -104,9 +104,10 @@ def _error(value: float) -> str:
 def choices_table(solution: Solution) -> Whole:
     """What was chosen for the user."""
     of = "the " * (solution.accuracy_of != "kappa") + solution.accuracy_of.replace("-", " ")
+    own = "; of the pressure its own" * any(choice.what == "pressure" for choice in solution.choices)
     table = Whole(
         title="chosen" + (f" for an accuracy of {solution.accuracy:g} of {of}" if solution.accuracy else ""),
-        caption=f"error: estimate of the relative error that it brings into {of} (dimensionless)",
+        caption=f"error: estimate of the relative error that it brings into {of}{own} (dimensionless)",
     )
     for heading in ("what", "chosen", "error", "because"):
         table.add_column(heading, no_wrap=heading == "error")

@@ -1,7 +1,8 @@
 """Files of single solutions.
 
-A solution file holds the datasets x, profile, displacement and contact_pressure, and everything that the command line's
-JSON holds as attributes (nested names joined by dots).
+A solution file holds the datasets x, profile, displacement and contact_pressure, the columns of the contact patches as
+datasets of the group `patches`, and everything that the command line's JSON holds as attributes (nested names joined by
+dots).
 """
 
 import os
@@ -24,8 +25,11 @@ Name = str | os.PathLike[str]
 
 KIND = "solution"
 _ENDINGS = (".h5", ".hdf5")
+_PATCHES = "patches"
 _FIELDS = ("x", "profile", "displacement", "contact_pressure")
-_PATCH_UNITS = {"nodes": "-", "load": "pressure times length", "peak_pressure": "pressure"}
+_OTHER_UNITS = {"nodes": "-", "load": "pressure times length", "peak_pressure": "pressure"}
+_PATCH_UNITS = {field.name: _OTHER_UNITS.get(field.name, "length") for field in fields(PatchTable)}
+"""Of the columns of the contact patches."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +46,8 @@ class StoredSolution:
     """sigma, shape (N,) [pressure]."""
     results: dict[str, Any]
     """Everything else, by the names of the command line's JSON joined by dots, like 'certificate.free_residual'."""
+    patches: PatchTable | None = None
+    """The contact patches; None where an earlier version has written the file, without them."""
 
     @property
     def warnings(self) -> dict[str, str]:
@@ -80,15 +86,15 @@ def check_file(path: Path, overwrite: bool) -> None:
 
 def load(path: Name) -> StoredSolution:
     """Read a file that `save` or the command line has written. Raises `ValueError` for any other."""
-    arrays, results = load_solution(as_path("path", path))
-    return StoredSolution(**arrays, results=results)
+    file = as_path("path", path)
+    arrays, results = load_solution(file)
+    return StoredSolution(**arrays, results=results, patches=_load_patches(file))
 
 
 def save_patches(path: Name, solution: Solution) -> None:
     """Write the table of contact patches as CSV, with a line of names and units first."""
-    units = {field.name: _PATCH_UNITS.get(field.name, "length") for field in fields(PatchTable)}
     own = solution.scene.length_unit
-    head = ",".join(f"{name} [{unit.replace('length', own)}]" for name, unit in units.items())
+    head = ",".join(f"{name} [{unit.replace('length', own)}]" for name, unit in _PATCH_UNITS.items())
     lines = (",".join(f"{value:.12g}" for value in row) for row in zip(*astuple(solution.patches), strict=True))
     write_bytes(Path(path), ["\n".join([head, *lines, ""]).encode()])
 
@@ -96,7 +102,7 @@ def save_patches(path: Name, solution: Solution) -> None:
 def stored(solution: Solution) -> StoredSolution:
     """What a file of the solution holds."""
     arrays = (solution.scene.x, solution.scene.profile, solution.displacement, solution.contact_pressure)
-    return StoredSolution(*arrays, results=flatten(solution.to_dict()))
+    return StoredSolution(*arrays, results=flatten(solution.to_dict()), patches=solution.patches)
 
 
 def save_solution(path: Path, solution: Solution) -> None:
@@ -109,6 +115,10 @@ def save_solution(path: Path, solution: Solution) -> None:
         for name in _FIELDS:
             dataset = file.create_dataset(name, data=getattr(kept, name))
             dataset.attrs["unit"] = unit(name)
+        patches = file.create_group(_PATCHES)
+        for name, of in _PATCH_UNITS.items():
+            dataset = patches.create_dataset(name, data=getattr(kept.patches, name))
+            dataset.attrs["unit"] = of
 
 
 def load_solution(path: Path) -> tuple[dict[str, NDArray[np.float64]], dict[str, Any]]:
@@ -120,3 +130,14 @@ def load_solution(path: Path) -> tuple[dict[str, NDArray[np.float64]], dict[str,
         if len({values.size for values in arrays.values()}) > 1 or arrays["x"].size < 2:
             raise ValueError("its fields are of different lengths, or shorter than 2")
         return arrays, renamed({name: scalar(value) for name, value in file.attrs.items()})
+
+
+def _load_patches(path: Path) -> PatchTable | None:
+    """The contact patches of a solution file, None where it has none. Raises like `hdf5.open_file`."""
+    with open_file(path) as file:
+        if _PATCHES not in file:
+            return None
+        columns = {name: column_of_numbers(file[_PATCHES][name]) for name in _PATCH_UNITS}
+        if len({values.size for values in columns.values()}) > 1:
+            raise ValueError("the columns of its contact patches are of different lengths")
+        return PatchTable(**columns)
