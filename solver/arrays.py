@@ -1,4 +1,4 @@
-"""Names for the types of arrays that the whole solver uses."""
+"""What the whole solver knows of arrays: names for their types, and long ones part by part."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -19,5 +19,7 @@ _PART = 2**14  # values whose intermediate results stay in the cache
 
 
 def parts(length: int) -> Iterator[slice]:
-    """An array of that length, part by part: long intermediate results take longer to make room for than to compute."""
+    """The parts of an array of that length, in order: memory for long intermediate results takes longer to get than
+    their values take to compute.
+    """
     return (slice(start, start + _PART) for start in range(0, length, _PART))

@@ -76,8 +76,8 @@ class Choice:
     reason: str
     """Why."""
     error: float = 0.0
-    """Estimate of the relative error that it brings into what the accuracy is asked of, of a pressure its own
-    (dimensionless); 0: none."""
+    """Estimate of the relative error that it brings into what the accuracy is asked of, or of a pressure that was found
+    its own (dimensionless); 0: none."""
 
     def __repr__(self) -> str:
         error = display.rounded_up(self.error)

@@ -80,7 +80,7 @@ def test_solve_table_save_and_plot(tmp_path):
     assert result.returncode == 0, result.stderr
     assert "contact area" in result.stdout
     assert "length" in result.stdout
-    _, attributes = solution_files.load_solution(file)
+    attributes = solution_files.load(file).results
     assert attributes["scene.thickness"] == "inf"
     assert attributes["certificate.free_residual"] <= 1e-8
     again = here("solve", "--num-points", 256, "--save", file)
@@ -114,7 +114,8 @@ def test_a_scan_from_file_to_figure_in_one_command(tmp_path):
     result = here("solve", *options.split(), "--profile-file", tmp_path / "scan.csv", "--save", file, "--plot")
     assert result.returncode == 0, result.stderr
     assert (tmp_path / "run.png").stat().st_size > 5000
-    fields, attributes = solution_files.load_solution(file)
+    fields = solution_files.load(file)
+    attributes = fields.results
     assert attributes["scene.period"] == pytest.approx(300)
     assert attributes["scene.num_points"] == 4096
     assert "mirror" in attributes["scene.profile_steps"]
@@ -128,7 +129,7 @@ def test_a_scan_from_file_to_figure_in_one_command(tmp_path):
     )
     assert again.returncode == 2
     assert "run.png exists" in again.stderr
-    assert fields["profile"].max() < 5e-3  # nm to um
+    assert fields.profile.max() < 5e-3  # nm to um
     assert "1 line of header; positions even to " in result.stdout
     assert re.search(r"of their spacing, taken as even; .*tilt of \S+ \(dimensionless\) removed", result.stdout)
 
@@ -434,7 +435,7 @@ def test_iteration_limit_is_status_3_with_the_partial_result(tmp_path):
     assert result.returncode == 3
     assert json.loads(result.stdout)["status"] == "iteration limit"
     assert "max_iterations is reached after 2" in result.stderr
-    assert solution_files.load_solution(file)[1]["status"] == "iteration limit"
+    assert solution_files.load(file).results["status"] == "iteration limit"
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
@@ -467,7 +468,7 @@ def test_ctrl_c_is_status_130_with_the_partial_result(tmp_path, sign, ctrl_c):
     process.send_signal(sign)
     _, stderr = process.communicate(timeout=60)
     assert process.returncode == 130, stderr
-    assert solution_files.load_solution(file)[1]["status"] == "interrupted"
+    assert solution_files.load(file).results["status"] == "interrupted"
 
 
 @pytest.mark.skipif(os.name != "posix", reason="limits of POSIX")

@@ -147,4 +147,4 @@ def test_names_that_are_no_text(tmp_path):
     indenter, period, n = read(path, "".join(f"{i} {z}\n" for i, z in enumerate(HEIGHTS)).encode(), num_points=40)
     solution = solve(Scene(indenter=indenter, period=period, num_points=n))
     solution_files.save_solution(tmp_path / "run\udc80.h5", solution)
-    assert solution_files.load_solution(tmp_path / "run\udc80.h5")[1]["scene.profile_file"] == "b\\x80.csv"
+    assert solution_files.load(tmp_path / "run\udc80.h5").results["scene.profile_file"] == "b\\x80.csv"

@@ -483,10 +483,11 @@ def test_the_command_line_knows_them(tmp_path, capsys, options):
     if "--amplitude" in given:
         assert (record["scene"]["amplitude"], record["scene"]["waves"]) == (0.02, 3)
         assert (unit("scene.amplitude"), unit("scene.waves")) == ("length", "1")
-    fields, attributes = solution_files.load_solution(file)
+    fields = solution_files.load(file)
+    attributes = fields.results
     assert attributes["scene.layer"] == record["scene"]["layer"]
     assert attributes["contact_area_subgrid"] == record["contact_area_subgrid"]
-    assert fields["x"].size == record["scene"]["num_points"]
+    assert fields.x.size == record["scene"]["num_points"]
     assert file.with_suffix(".png").stat().st_size > 10_000
 
 

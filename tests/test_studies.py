@@ -42,11 +42,12 @@ def solution():
 def test_solution_round_trip(solution, tmp_path):
     path = tmp_path / "run.h5"
     solution_files.save_solution(path, solution)
-    fields, attributes = solution_files.load_solution(path)
-    np.testing.assert_array_equal(fields["x"], np.arange(256) / 256)
-    np.testing.assert_array_equal(fields["profile"], solution.scene.profile)
-    np.testing.assert_array_equal(fields["displacement"], solution.displacement)
-    np.testing.assert_array_equal(fields["contact_pressure"], solution.contact_pressure)
+    fields = solution_files.load(path)
+    attributes = fields.results
+    np.testing.assert_array_equal(fields.x, np.arange(256) / 256)
+    np.testing.assert_array_equal(fields.profile, solution.scene.profile)
+    np.testing.assert_array_equal(fields.displacement, solution.displacement)
+    np.testing.assert_array_equal(fields.contact_pressure, solution.contact_pressure)
     for name, value in records.flatten(solution.to_dict()).items():
         assert attributes[name] == value
     assert hdf5.file_kind(path) == "solution"
@@ -114,7 +115,7 @@ def test_damaged_files_are_named(tmp_path, solution, content):
         path.write_bytes(path.read_bytes()[:1000])
     else:
         path.write_bytes(content)
-    for read in (hdf5.file_kind, study_files.load_study, solution_files.load_solution):
+    for read in (hdf5.file_kind, study_files.load_study, solution_files.load):
         with pytest.raises(writing.StoreError, match=r"run\.h5"):
             read(path)
 

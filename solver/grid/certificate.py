@@ -69,13 +69,13 @@ def certify(problem: Problem, displacement: Array64) -> tuple[Certificate, Array
         free = squares = energy = variance = apart = load = 0.0
         tensile = penetration = 0.0
         for part in parts(n):
-            heights, u, pull = h[part], displacement[part], elastic[part]
-            pull /= n
-            touching, r = u >= heights, 1 - pull
+            heights, u, ku = h[part], displacement[part], elastic[part]
+            ku /= n  # the transforms are not normalised
+            touching, r = u >= heights, 1 - ku
             contact[part] = touching & (r > 0)
             gap, held = heights - u, np.where(contact[part], r, 0.0)
-            energy += float(u @ pull) / 2
-            force = np.subtract(r, held, out=pull)
+            energy += float(u @ ku) / 2
+            force = np.subtract(r, held, out=ku)
             tensile = max(tensile, -float(r[touching].min(initial=0.0)))
             penetration = max(penetration, -float(gap.min()))
             variance += float(np.sum((heights - mean) ** 2)) / n

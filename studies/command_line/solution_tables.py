@@ -21,17 +21,16 @@ def solution_table(solution: Solution) -> Whole:
     record = solution.to_dict()
     fallbacks = METHODS[solution.method].fallbacks if solution.handed_over else ()
     handed = "".join(f", handed over to {f.method}" for f in fallbacks if f.method != solution.method)
-    area, error = record["contact_area_subgrid"], float(record["contact_area_error"])
+    area, error = solution.observables.contact_area_subgrid, solution.observables.contact_area_error
     relative = f" (relative {rounded_up(error / area)})" if area and math.isfinite(error) else ""
     how = "converged on its grid" if solution.status is Status.CONVERGED and solution.certificate else solution.status
-    found = f"a_r = {area:.6g} " + (
-        f"+- {rounded_up(error)}{relative}" if math.isfinite(error) else "(error not known)"
-    )
-    table = Whole(title=f"{solution.method}{handed}, {record['precision']}: {how},\n{found}")
+    known = f"+- {rounded_up(error)}{relative}" if math.isfinite(error) else "(error not known)"
+    title = f"{solution.method}{handed}, {record['precision']}: {how},\na_r = {area:.6g} {known}"
+    table = Whole(title=title)
     table.add_column("quantity")
     table.add_column("value", justify="right", no_wrap=True)
     table.add_column("unit")
-    for rows in (_contact(solution, record), _of_nodes(solution), _movement(solution, record), _effort(record)):
+    for rows in (_contact(solution), _of_nodes(solution), _movement(solution, record), _effort(record)):
         for name, value, unit in rows:
             unit = re.sub(r"\blength\b", solution.scene.length_unit, unit)
             table.add_row(name, f"{value:.7g}" if isinstance(value, float) else str(value), unit)
@@ -39,7 +38,7 @@ def solution_table(solution: Solution) -> Whole:
     return table
 
 
-def _contact(solution: Solution, record: dict[str, Any]) -> Iterator[Row]:
+def _contact(solution: Solution) -> Iterator[Row]:
     """The contact between its sub-grid edges."""
     scene, found = solution.scene, solution.observables
     area, kappa = found.contact_area_subgrid, found.kappa_subgrid
@@ -51,7 +50,7 @@ def _contact(solution: Solution, record: dict[str, Any]) -> Iterator[Row]:
     if gaps:
         yield "  gaps and patches that no node shows", rounded_up(gaps), "-"
     yield "contact width a_r L", width, "length"
-    yield f"contact patches{', mirror image too' * mirrored(record['scene'])}", found.num_patches, "-"
+    yield f"contact patches{', mirror image too' * mirrored(scene.to_dict())}", found.num_patches, "-"
     if found.num_counted_patches:
         yield "  with ends not known, nodes counted", found.num_counted_patches, "-"
     yield "mean pressure p", scene.pressure, "pressure"
@@ -104,7 +103,7 @@ def _error(value: float) -> str:
 def choices_table(solution: Solution) -> Whole:
     """What was chosen for the user."""
     of = "the " * (solution.accuracy_of != "kappa") + solution.accuracy_of.replace("-", " ")
-    own = "; of the pressure its own" * any(choice.what == "pressure" for choice in solution.choices)
+    own = "; that of the pressure is its own" * any(choice.what == "pressure" for choice in solution.choices)
     table = Whole(
         title="chosen" + (f" for an accuracy of {solution.accuracy:g} of {of}" if solution.accuracy else ""),
         caption=f"error: estimate of the relative error that it brings into {of}{own} (dimensionless)",

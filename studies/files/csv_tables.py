@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from .hdf5 import file_kind
 from .records import unit
-from .solution_files import KIND, load_solution
+from .solution_files import FIELDS, KIND, load
 from .study_files import load_study
 from .writing import StoreError
 
@@ -39,9 +39,9 @@ def table(path: Path) -> Iterator[bytes]:
 
 def _fields(path: Path) -> Columns:
     """The fields of a solution by their headings."""
-    arrays, results = load_solution(path)
-    length = length_unit(results, "scene.")
-    return {_heading(name, length): values for name, values in arrays.items()}
+    solution = load(path)
+    length = length_unit(solution.results, "scene.")
+    return {_heading(name, length): getattr(solution, name) for name in FIELDS}
 
 
 def _runs(path: Path) -> Columns:

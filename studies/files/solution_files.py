@@ -8,7 +8,7 @@ dots).
 import os
 from dataclasses import astuple, dataclass, fields
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from linecontact.solver import Solution
@@ -21,12 +21,16 @@ from .hdf5 import column_of_numbers, new_file, open_file, scalar
 from .records import flatten, renamed, unit
 from .writing import StoreError, as_path, check_target, write_bytes
 
+if TYPE_CHECKING:
+    import h5py
+
 Name = str | os.PathLike[str]
 
 KIND = "solution"
 _ENDINGS = (".h5", ".hdf5")
 _PATCHES = "patches"
-_FIELDS = ("x", "profile", "displacement", "contact_pressure")
+FIELDS = ("x", "profile", "displacement", "contact_pressure")
+"""Names of the fields, which have a value for each grid point."""
 _OTHER_UNITS = {"nodes": "-", "load": "pressure times length", "peak_pressure": "pressure"}
 _PATCH_UNITS = {field.name: _OTHER_UNITS.get(field.name, "length") for field in fields(PatchTable)}
 """Of the columns of the contact patches."""
@@ -86,9 +90,25 @@ def check_file(path: Path, overwrite: bool) -> None:
 
 def load(path: Name) -> StoredSolution:
     """Read a file that `save` or the command line has written. Raises `ValueError` for any other."""
-    file = as_path("path", path)
-    arrays, results = load_solution(file)
-    return StoredSolution(**arrays, results=results, patches=_load_patches(file))
+    path = as_path("path", path)
+    with open_file(path) as file:
+        if (kind := str(file.attrs["kind"])) != KIND:
+            raise StoreError(f"file {path} holds a study, {kind}; allowed: a solution's file")
+        arrays = {name: column_of_numbers(file[name]) for name in FIELDS}
+        if len({values.size for values in arrays.values()}) > 1 or arrays["x"].size < 2:
+            raise ValueError("its fields are of different lengths, or shorter than 2")
+        results = renamed({name: scalar(value) for name, value in file.attrs.items()})
+        return StoredSolution(**arrays, results=results, patches=_patches(file))
+
+
+def _patches(file: "h5py.File") -> PatchTable | None:
+    """The contact patches in a solution's file, None where it has none. Raises `ValueError`."""
+    if _PATCHES not in file:
+        return None
+    columns = {name: column_of_numbers(file[_PATCHES][name]) for name in _PATCH_UNITS}
+    if len({values.size for values in columns.values()}) > 1:
+        raise ValueError("the columns of its contact patches are of different lengths")
+    return PatchTable(**columns)
 
 
 def save_patches(path: Name, solution: Solution) -> None:
@@ -112,32 +132,10 @@ def save_solution(path: Path, solution: Solution) -> None:
         file.attrs["kind"] = KIND
         for name, value in kept.results.items():
             file.attrs[name] = value
-        for name in _FIELDS:
+        for name in FIELDS:
             dataset = file.create_dataset(name, data=getattr(kept, name))
             dataset.attrs["unit"] = unit(name)
         patches = file.create_group(_PATCHES)
         for name, of in _PATCH_UNITS.items():
             dataset = patches.create_dataset(name, data=getattr(kept.patches, name))
             dataset.attrs["unit"] = of
-
-
-def load_solution(path: Path) -> tuple[dict[str, NDArray[np.float64]], dict[str, Any]]:
-    """Fields, shape (N,) each, N >= 2, and attributes of a solution file. Raises like `hdf5.open_file`."""
-    with open_file(path) as file:
-        if (kind := str(file.attrs["kind"])) != KIND:
-            raise StoreError(f"file {path} holds a study, {kind}; allowed: a solution's file")
-        arrays = {name: column_of_numbers(file[name]) for name in _FIELDS}
-        if len({values.size for values in arrays.values()}) > 1 or arrays["x"].size < 2:
-            raise ValueError("its fields are of different lengths, or shorter than 2")
-        return arrays, renamed({name: scalar(value) for name, value in file.attrs.items()})
-
-
-def _load_patches(path: Path) -> PatchTable | None:
-    """The contact patches of a solution file, None where it has none. Raises like `hdf5.open_file`."""
-    with open_file(path) as file:
-        if _PATCHES not in file:
-            return None
-        columns = {name: column_of_numbers(file[_PATCHES][name]) for name in _PATCH_UNITS}
-        if len({values.size for values in columns.values()}) > 1:
-            raise ValueError("the columns of its contact patches are of different lengths")
-        return PatchTable(**columns)
