@@ -223,6 +223,9 @@ class ActiveSet(Method):
         if self._search.few_at_a_time and new.size:
             new = self._storage.with_images(elimination.deepest(new, self._response.gap(new), now))
         self._search.note(now.pulling.size + new.size)
+        reach = 0 if self._search.few_at_a_time else self._search.reach_out(now.pulling.size, new.size)
+        if reach and new.size:
+            new = now.patches.open_around(new, reach)
         if self._begun_anew(ended=False):
             return True
         nodes, kept = _change(now, new, self._search.may_move_ends())

@@ -21,7 +21,8 @@ _MOST = 1024  # nodes up to which a set is eliminated, too, that is hard to iter
 _MANY = 40  # iterations on one set, of which a dozen are usual, after which it is hard
 _LOST = 1e-3  # residual over p with which a search that ends has failed
 _UPDATES = 20  # of which a dozen are usual, after which a search with such a residual has failed before its end
-_TOO_MANY = 40  # updates after which a search has failed with any residual
+_TOO_MANY = 40  # updates after which a search has failed that is not nearly there
+_NEARLY, _ANYWAY = 1e-4, 200  # residual over p of one that is, and updates after which it has failed, too
 _POINTS = 2**14  # of the largest grid on which a search begins anew
 _WORK = 1e11  # sum of the cubes of the numbers of nodes that one search may eliminate: a few seconds
 _NOTHING = 1e-14  # pressure over the largest
@@ -106,4 +107,5 @@ def has_failed(search: Search, residual: float, tolerance: float, ended: bool) -
     goes round in circles.
     """
     lost = not residual <= max(_LOST, tolerance)
-    return (lost and (ended or search.updates > _UPDATES)) or search.updates > _TOO_MANY or search.circling
+    too_many = search.updates > (_ANYWAY if residual <= _NEARLY else _TOO_MANY)
+    return (lost and (ended or search.updates > _UPDATES)) or too_many or search.circling

@@ -13,7 +13,9 @@ MOST_ITERATIONS = 150
 """On one set; where it takes more, rounding keeps the residual up."""
 
 _FORCING_TERM = 0.05  # residual of a set over that when it was new, at which it is updated
+_SLOW = 3  # updates without progress after which nodes beyond those that penetrate are added, too
 _PROGRESS = 0.8  # an update that changes fewer nodes than this share of the fewest so far counts as progress
+_FARTHEST = 63  # nodes that are then added on either side of each one
 _PATIENCE, _TIGHT = 8, 1e-3  # updates without progress before the forcing term falls, and its lowest value then
 _TIGHTER, _TIGHTEST = 0.1, 1e-7  # factor of the forcing term when a set comes back, and where the search gives up
 
@@ -32,6 +34,10 @@ class Search:
     """Nodes that an update has dropped and added at the least."""
     few_at_a_time: bool = False
     """Whether few nodes at a time are added, see `elimination`."""
+    reach: int = 0
+    """Nodes that are added on either side of each one that penetrates."""
+    farthest: int = _FARTHEST
+    """The most of them."""
     work: float = 0.0
     """Of elimination: the sum of the cubes of the numbers of nodes."""
     updates: int = 0
@@ -55,6 +61,18 @@ class Search:
         self.in_vain += 1
         if self.in_vain >= _PATIENCE and self.forcing_term > _TIGHT:
             self.forcing_term, self.in_vain = max(_TIGHT, self.forcing_term * _TIGHTER), 0
+
+    def reach_out(self, dropped: int, added: int) -> int:
+        """How many nodes to add on either side of each one that penetrates: ever more while ends of patches go outwards
+        by a node or two with every update, as they do on layers whose response is as short as a grid spacing.
+        """
+        if dropped > added and self.reach:
+            self.farthest, self.reach = self.reach // 2, 0  # that was too far
+        elif self.in_vain >= _SLOW:
+            if self.in_vain % _PATIENCE == 0:  # perhaps it was at another end
+                self.farthest = min(2 * self.farthest + 1, _FARTHEST)
+            self.reach = min(2 * self.reach + 1, self.farthest)
+        return self.reach
 
     def in_circles(self, key: int) -> bool:
         """Note a new set; True if sets keep coming back although they are decided on ever more accurate solutions."""
