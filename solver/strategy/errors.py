@@ -270,17 +270,20 @@ def grid_error(quantity: Quantity, scene: Scene, level: Level, coarser: Sequence
     return estimated(quantity, scene, level.num_points, level, coarser) / value if coarser and value else math.inf
 
 
-def with_errors(scene: Scene, observables: Observables, levels: Sequence[Level], free_residual: float) -> Observables:
+def with_errors(
+    scene: Scene, observables: Observables, levels: Sequence[Level], free_residual: float, at_ends: float
+) -> Observables:
     """Observables on the scene's grid with the estimated errors: what the grid leaves, and an unfinished iteration.
 
-    levels: the coarser grids, from coarse to fine; free_residual: over p.
+    levels: the coarser grids, from coarse to fine; free_residual: over p; at_ends: see `left_at_ends`.
     """
     errors: dict[str, Any] = {}
     area = observables.contact_area_subgrid
     share = iteration_share(free_residual, area, rounded=scene.precision == "float32")
     for quantity in QUANTITIES.values():
         value = abs(getattr(observables, quantity.value))
-        unfinished = sensitivity(quantity, scene) * share * value if math.isfinite(share) else math.inf
+        left = share + at_ends / area if quantity.of_area and area else share
+        unfinished = sensitivity(quantity, scene) * left * value if math.isfinite(left) else math.inf
         errors[quantity.error] = estimated(quantity, scene, scene.num_points, observables, levels) + unfinished
     return replace(observables, **errors)
 

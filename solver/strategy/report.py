@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..grid.observables import observe
+from ..grid.patches import Patches
 from ..grid.problem import Problem
 from ..scene import Scene
 from ..solution import Choice, Level, Solution
@@ -12,6 +13,7 @@ from ..transforms.device import device_name, gpu_libraries
 from .certification import Certified
 from .effort import Effort
 from .errors import with_errors
+from .unfinished import left_at_ends
 
 
 def make_solution(
@@ -31,6 +33,8 @@ def make_solution(
     pressure *= scene.pressure
     observables, patches = observe(scene, profile, displacement, pressure, contact)
     del profile
+    residual = certified.certificate.free_residual
+    at_ends = left_at_ends(residual, Patches.of(contact), pressure)
     return Solution(
         scene=scene,
         method=effort.kind.name,
@@ -39,7 +43,7 @@ def make_solution(
         displacement=displacement,
         contact_pressure=pressure,
         contact=contact,
-        observables=with_errors(scene, observables, levels, certified.certificate.free_residual),
+        observables=with_errors(scene, observables, levels, residual, at_ends),
         patches=patches,
         certificate=certified.certificate,
         iterations=effort.iterations,

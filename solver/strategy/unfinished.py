@@ -2,6 +2,14 @@
 
 import math
 
+import numpy as np
+
+from ..arrays import Array64
+from ..grid.patches import Patches
+
+_FLAT = 1e-4  # pressure of the last node but one, over that of its patch in the mean, at an end that it hardly tells
+_OF_PRESSURE = 10.0  # error of that pressure over the free residual; measured up to 6
+
 
 def iteration_share(free_residual: float, area: float = 0.0, rounded: bool = False) -> float:
     """Estimated relative error of a_r that a free residual leaves; `inf` where the area may be anything.
@@ -22,3 +30,20 @@ def near_full_contact(area: float) -> float:
     `iteration_share`; at least 1.
     """
     return max(1.0, math.tan(math.pi / 2 * area) / (0.4 * math.pi)) if area < 1 else 1.0
+
+
+def left_at_ends(free_residual: float, patches: Patches, pressure: Array64) -> float:
+    """Estimated error of a_r that a free residual leaves at ends where the pressure rises from 0 so slowly that it
+    hardly tells where they are, as on thin incompressible layers: up to a grid spacing at each (dimensionless).
+
+    pressure: of all nodes, shape (N,) [any unit]; free_residual: over its mean.
+    """
+    if not patches.count or patches.full:
+        return 0.0
+    n, mean = pressure.size, float(pressure.mean())
+    of_patches = patches.sums(pressure[patches.nodes]) / patches.size
+    inner = np.minimum(1, patches.size - 1)  # of a patch of one node that node
+    last = pressure[np.concatenate((patches.first + inner, patches.last - inner)) % n]
+    flat = last < _FLAT * np.tile(of_patches, 2)
+    error = _OF_PRESSURE * free_residual * mean
+    return float(np.minimum(1.0, error / last[flat]).sum()) / n
