@@ -103,6 +103,16 @@ def test_a_small_patch_among_large_ones_is_not_known_by_its_load():
     assert abs(coarse.contact_area_subgrid - fine.contact_area_subgrid) < coarse.contact_area_error
 
 
+def test_pressures_that_hardly_tell_where_a_contact_ends():
+    """Below the residual, as on thin incompressible layers, where they rise like a parabola (found by a stress test:
+    off by 13 times the estimated error)."""
+    scene = Scene(Layer(1.57775e-06, 0.5), PowerIndenter(1.2), 6.0889e13, num_points=65536)
+    found, exact = solve(scene).observables, solve(scene, tolerance=1e-12).observables
+    off = abs(found.contact_area_subgrid - exact.contact_area_subgrid)
+    assert 1e-6 < off < found.contact_area_error < 4 / 65536
+    assert exact.contact_area_error < 1e-7
+
+
 def test_a_gap_between_two_nodes_is_in_the_estimated_error():
     """Near full contact the gap may be all that is off (found by a soak: off by 5 times the estimated error)."""
     rough = RoughIndenter(0.3, 702364, cut_off_ratio=1 / 4)

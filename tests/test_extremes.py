@@ -134,6 +134,24 @@ def test_thin_and_incompressible(scene):
     assert math.isfinite(again.energy_error_bound)
 
 
+MARCHES = [
+    # the ends of a patch go outwards by one node with every second update
+    Scene(Layer(6.93609e-06, 0.5), RoughIndenter(0.844309, 269, 0.5, 0.00403473), 2.24302e11, num_points=8000),
+    # some ends go on when others have gone too far
+    Scene(Layer(6.65189e-06, 0.5), RoughIndenter(0.397361, 158, 0.5, 0.0295064), 1.65073e11, num_points=7911),
+    Scene(Layer(4.73122e-07, 0.5), PowerIndenter(2.0), 4.0838e15, num_points=7911),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("scene", MARCHES)
+def test_ends_that_go_outwards_node_by_node(scene):
+    """On incompressible layers thinner than a grid spacing, whose response is hardly longer than that."""
+    solution = solve(scene)
+    assert solution.status is Status.CONVERGED
+    assert not solution.handed_over
+    assert solution.iterations < 1000
+
+
 def test_fire_starts_again_where_it_bounces_off_the_wall():
     scene = Scene(Layer(6.3700430753034e-05, 0.5 - 1e-9), PowerIndenter(8.0), 0.08858624613056416, num_points=729)
     cold = MassWeightedFire(Problem.from_scene(scene), Transforms(729, "float64"), 0.95e-8, "warp")
