@@ -329,6 +329,17 @@ def test_full_contact_by_its_approach_with_other_methods_and_precisions(method, 
     assert "least pressure of full contact" in found.choices[0].reason
 
 
+@pytest.mark.parametrize("approach", [3e-6, 1e-3])
+def test_coarse_grids_that_mislead(approach):
+    """The flat bottom of a step has ripples on them, and on an incompressible layer one node there sinks in far more
+    (found by a stress test: the search ended at a fifth of the approach)."""
+    heights = np.repeat([0.02, 0.006, 0.0, 0.03], 2**10)
+    scene = Scene(Layer(7e-5, 0.5), MeasuredIndenter(heights), approach=approach, num_points=2**12)
+    found = solve(scene)
+    assert found.status is Status.CONVERGED
+    assert found.observables.approach == pytest.approx(approach, rel=1e-8)
+
+
 def test_the_search_goes_on_after_a_solve_that_does_not_converge():
     scene = Scene(Layer(0.1), num_points=2**10, pressure=0.01)
     wanted = solve(scene)

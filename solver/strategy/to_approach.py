@@ -7,6 +7,7 @@ pressure, so two or three solves on the scene's own grid do.
 """
 
 import math
+import sys
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -29,8 +30,9 @@ _SHARE = 0.01  # of the tolerance of the solves, where that is more
 _GOOD, _LOOSE = 1e-8, 1e-3  # relative error at which an approach is met; the tolerance of the solves between the two
 _FULL = 1e-9  # relative distance from the approach of full contact, within which that is the answer
 _OVER_FULL = 1e-7  # by which the pressure is taken higher there, so that rounding leaves no node without contact
-_MOST_SOLVES, _PATIENCE = 40, 4  # on a grid; and without a half of the error before
+_MOST_SOLVES, _PATIENCE = 40, 4  # on a grid; and without progress, which is half of the error before
 _MOST_FAILED = 2  # of them that do not converge, which still tell whether the pressure is too low or too high
+_FAR = 1.0  # error of the approach's logarithm; where it is larger, coming nearer by as much is progress, too
 _LONGEST_STEP = 30.0  # factor of the pressure
 _STEEPEST = 3.0  # power of the approach with which a quantity grows, where nothing else tells
 
@@ -125,27 +127,27 @@ def _found(
     """
     approach = scene.approach
     assert approach is not None
-    newton, least, halved, failed = _Newton(approach), math.inf, 0, 0
+    newton, least, came_nearer, failed = _Newton(approach), math.inf, 0, 0
     best: Solution | None = None
     last: Solution | None = None
     for solves in range(1, _MOST_SOLVES + 1):
         solution = solve(replace(scene, approach=None, pressure=pressure))
         found = solution.observables.approach
-        off = abs(found / approach - 1)
+        off = abs(math.log(max(found, sys.float_info.min)) - math.log(approach))
         residual = solution.certificate.free_residual if solution.certificate else math.inf
         if solution.status is Status.INTERRUPTED or not residual < MEANINGLESS:
             return solution, solves
         if solution.status is Status.CONVERGED:
             tried.append((solution.scene.pressure, solution.observables))
-            if off < least / 2:
-                halved = solves
+            if off < max(least / 2, least - _FAR):
+                came_nearer = solves
             if off < least:
                 best, least = solution, off
         else:
             failed, last = failed + 1, solution
         if least <= max(exact, _SHARE * solution.tolerance) or failed > _MOST_FAILED:
             break
-        if solves >= halved + _PATIENCE:
+        if solves >= came_nearer + _PATIENCE:
             break
         touching = solution.contact.any()
         compliance = contact_compliance(solution.scene, solution.contact) if touching else math.nan
