@@ -132,7 +132,9 @@ def test_noise_under_a_stiff_coating(num_points, thickness, base, pressure, even
 
 
 def test_when_a_search_begins_anew():
-    """Once, on small grids: where it ends far from a solution, after many updates, and where sets come back."""
+    """Once, on small grids or with few nodes in contact: where it ends far from a solution, after many updates, and
+    where sets come back.
+    """
     problem = Problem.from_scene(Scene(Layer(0.1), RoughIndenter(0.8, 1, 1 / 8, 1 / 8), 0.02, num_points=2**10))
     storage = Whole(problem.num_points)
     for updates, residual, ended, failed in (
@@ -142,16 +144,21 @@ def test_when_a_search_begins_anew():
         (3, math.nan, True, True),
         (21, 1.0, False, True),
         (21, 1e-6, False, False),
-        (41, 1e-6, False, True),
+        (41, 1e-3, False, True),
+        (41, 1e-6, False, False),
+        (201, 1e-6, False, True),
     ):
         search = Search(updates=updates)
         lost = elimination.has_failed(search, residual, 1e-8, ended)
         assert lost is failed
-        first = elimination.anew(problem, storage, search, lost)
+        first = elimination.anew(problem, storage, search, lost, 2**10)
         assert (first is not None) is failed
         if first:
             assert problem.height[first.nodes].tolist() == [problem.height.min()]
-    assert elimination.anew(problem, storage, Search(few_at_a_time=True), lost=True) is None
+    assert elimination.anew(problem, storage, Search(few_at_a_time=True), True, 2**10) is None
+    large = Problem.from_scene(Scene(Layer(0.1), num_points=2**15))
+    assert elimination.anew(large, Whole(2**15), Search(), True, 2**11) is None
+    assert elimination.anew(large, Whole(2**15), Search(), True, 2**10) is not None
     assert not elimination.has_failed(Search(), 0.01, tolerance=0.1, ended=True)
     assert elimination.has_failed(Search(circling=True), 1e-12, tolerance=1e-8, ended=True)
 

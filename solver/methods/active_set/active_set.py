@@ -194,7 +194,7 @@ class ActiveSet(Method):
         """
         search = self._search
         lost = self._response.plain and elimination.has_failed(search, self.residual, self.tolerance, ended)
-        first = elimination.anew(self.problem, self._storage, search, lost)
+        first = elimination.anew(self.problem, self._storage, search, lost, self._now.nodes.size)
         if first is None:
             return False
         self.stopped, self._search, self._set = False, Search(few_at_a_time=True), first

@@ -23,7 +23,7 @@ _LOST = 1e-3  # residual over p with which a search that ends has failed
 _UPDATES = 20  # of which a dozen are usual, after which a search with such a residual has failed before its end
 _TOO_MANY = 40  # updates after which a search has failed that is not nearly there
 _NEARLY, _ANYWAY = 1e-4, 200  # residual over p of one that is, and updates after which it has failed, too
-_POINTS = 2**14  # of the largest grid on which a search begins anew
+_POINTS = 2**14  # of the largest grid on which a search begins anew with more nodes than can be eliminated in contact
 _WORK = 1e11  # sum of the cubes of the numbers of nodes that one search may eliminate: a few seconds
 _NOTHING = 1e-14  # pressure over the largest
 
@@ -91,12 +91,14 @@ def deepest(nodes: Indices, gap: Array64, now: ContactSet) -> Indices:
     return np.sort(nodes[np.argsort(gap, kind="stable")[: 1 + now.nodes.size // 4]])
 
 
-def anew(problem: Problem, storage: Whole, search: Search, lost: bool) -> ContactSet | None:
-    """The set with which a search begins anew: the lowest node, on up to 2^14 points. None where it does not.
+def anew(problem: Problem, storage: Whole, search: Search, lost: bool, num_nodes: int) -> ContactSet | None:
+    """The set with which a search begins anew: the lowest node. None where it does not.
 
-    lost: whether the search has failed; one that has begun anew does not do so again.
+    lost: whether the search has failed; one that has begun anew does not do so again. num_nodes: in contact so far; on
+    more than 2^14 points a search with many does not begin anew.
     """
-    if not lost or problem.num_points > _POINTS or search.few_at_a_time:
+    many = problem.num_points > _POINTS and num_nodes > _MOST
+    if not lost or many or search.few_at_a_time:
         return None
     lowest = storage.with_images(np.array([np.argmin(problem.height)]))
     return ContactSet.of(lowest, np.ones(lowest.size), storage)
