@@ -23,6 +23,7 @@ from linecontact.solver import (
     solve,
 )
 from linecontact.solver.grid.kept import forget
+from linecontact.solver.grid.patches import Patches
 from linecontact.solver.grid.problem import Problem, foundation_pressure, typical_stiffness
 from linecontact.solver.methods import Setting, active_set, relax
 from linecontact.solver.methods.active_set import elimination, greens_function
@@ -161,6 +162,23 @@ def test_when_a_search_begins_anew():
     assert elimination.anew(large, Whole(2**15), Search(), True, 2**10) is not None
     assert not elimination.has_failed(Search(), 0.01, tolerance=0.1, ended=True)
     assert elimination.has_failed(Search(circling=True), 1e-12, tolerance=1e-8, ended=True)
+
+
+def test_how_far_ends_are_put_outwards():
+    search = Search(in_vain=2)
+    assert search.reach_out(0, 2) == 0
+    search.in_vain = 3
+    assert [search.reach_out(0, 2) for _ in range(7)] == [1, 3, 7, 15, 31, 63, 63]
+    assert search.reach_out(9, 2) == 0
+    assert [search.reach_out(0, 2) for _ in range(6)] == [1, 3, 7, 15, 31, 31]
+    search.in_vain = 16
+    assert search.reach_out(0, 2) == 63
+
+
+def test_nodes_around_nodes_that_are_not_in_contact():
+    patches = Patches.of(np.array([1, 1, 0, 0, 0, 0, 0, 0, 0, 1], dtype=bool))
+    assert patches.open_around(np.array([2, 8]), 1).tolist() == [2, 3, 7, 8]
+    assert patches.open_around(np.array([2]), 63).tolist() == [2, 3, 4, 5, 6, 7, 8]
 
 
 def test_sets_that_are_hard_to_iterate_on_are_eliminated():

@@ -340,6 +340,23 @@ def test_coarse_grids_that_mislead(approach):
     assert found.observables.approach == pytest.approx(approach, rel=1e-8)
 
 
+@pytest.mark.parametrize(
+    ("layer", "num_points", "share"),
+    [
+        (Layer(), 8, 0.9999),
+        (Layer(0.01, 0.5), 4, 0.999),
+        (CoatedHalfSpace(0.05, 1e-4), 4, 0.9),
+        (Layer(0.02, 0.49999999), 64, 3.0),
+    ],
+)
+def test_near_the_approach_of_full_contact(layer, num_points, share):
+    """Below it on grids of a few nodes, and beyond it on a layer that is hardly compressible (found by a user)."""
+    scene = Scene(layer, pressure=1.0, num_points=num_points)
+    found = solve(replace(scene, pressure=math.nan, approach=share * float(scene.profile.mean())))
+    assert found.status is Status.CONVERGED
+    assert found.observables.approach == pytest.approx(share * float(scene.profile.mean()), rel=1e-8)
+
+
 def test_the_search_goes_on_after_a_solve_that_does_not_converge():
     scene = Scene(Layer(0.1), num_points=2**10, pressure=0.01)
     wanted = solve(scene)

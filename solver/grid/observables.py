@@ -191,7 +191,7 @@ def subgrid_measures(
     kappa = per_area * width / num_points
     # d(a g) = g da + da (s_e^2 - g^2)/(2 g), s_e the slope at the edge: of a power profile s_e^2 is (2 n - 1) g^2
     power = scene.indenter.power_law
-    at_edges = 2 * power[0] - 1 if power else float(at.mean()) / mean_square
+    at_edges = 2 * power[0] - 1 if power and patches.count == 1 else float(at.mean()) / mean_square
     sensitivity = per_area * (1 + abs(at_edges - 1) / 2)
     by_edges = sensitivity * edges.total_error / num_points if edges.total_error else 0.0
     doubt = squared_slope_doubt(scene.indenter, num_points, scene.period)

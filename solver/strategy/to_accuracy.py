@@ -22,7 +22,7 @@ from .memory import check_memory
 from .plan import Plan, decide, residual
 from .report import make_solution, stages
 from .small_models import Modelled, asperity, winkler
-from .unfinished import iteration_share, near_full_contact
+from .unfinished import iteration_share, left_at_ends, near_full_contact
 
 MOST_ACCURACY = 0.1
 """Coarsest relative error that may be asked for (dimensionless)."""
@@ -30,7 +30,8 @@ MOST_ACCURACY = 0.1
 _FEWEST_POINTS = 16
 """Points of the smallest coarser grid."""
 _SMALLEST = 1e-12
-"""Tolerance to which a nearly full contact may be solved (dimensionless)."""
+"""Tolerance to which a nearly full contact, or one with flat ends, may be solved (dimensionless)."""
+_SHARE_OF_ENDS = 0.25  # of the accuracy, that the residual may leave at the ends of patches
 
 
 def check_accuracy(accuracy: float | None, of: str) -> float | None:
@@ -228,12 +229,22 @@ def _on_grids(task: _Task) -> Solution:
             task.chose("model", "grid", "no smaller model will do")
             why = "the coarsest that is good enough" if error <= budget else "the finest allowed, and not fine enough"
             task.chose("grid", f"{reached.num_points} points", why, error)
-            smaller = max(tolerance / near_full_contact(reached.level.contact_area_subgrid), _SMALLEST)
+            smaller = _small_enough(task, tolerance, reached)
             solution = task.judged(_finish(task, effort, reached, levels, smaller, ready), model_error)
             if last or solution.status is not Status.INACCURATE:
                 return solution
         levels.append(reached.level)
     raise AssertionError("the last grid returns")
+
+
+def _small_enough(task: _Task, tolerance: float, reached: Reached) -> float:
+    """A tolerance that leaves little of the accuracy asked for, also nearly in full contact and at flat ends."""
+    area = reached.level.contact_area_subgrid
+    smaller = tolerance / near_full_contact(area)
+    allowed = _SHARE_OF_ENDS * task.accuracy / task.sensitivity * area
+    while smaller > _SMALLEST and left_at_ends(smaller, reached.contact[0], reached.pressure) > allowed:
+        smaller /= 10
+    return max(smaller, _SMALLEST)
 
 
 def _finish(
@@ -255,7 +266,11 @@ def _finish(
     task.chose("precision", "float64", "mixed saves next to nothing where transforms are few")
     even = state.even
     task.chose("symmetry", "even" if even else "none", f"h_i {'=' if even else '!='} h_(N-1-i) on this grid")
-    share = task.sensitivity * iteration_share(tolerance, reached.level.contact_area_subgrid)
+    area = reached.level.contact_area_subgrid
+    share = iteration_share(tolerance, area)
+    if area and task.quantity.of_area:
+        share += left_at_ends(tolerance, reached.contact[0], reached.pressure) / area
+    share *= task.sensitivity
     task.chose("tolerance", f"{tolerance:g}", "small beside the accuracy", share)
     solution = make_solution(scene, problem, certified, levels, effort)
     if not levels:  # without a coarser grid nothing is known, and edges alone are not believed

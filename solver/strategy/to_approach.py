@@ -30,9 +30,9 @@ _SHARE = 0.01  # of the tolerance of the solves, where that is more
 _GOOD, _LOOSE = 1e-8, 1e-3  # relative error at which an approach is met; the tolerance of the solves between the two
 _FULL = 1e-9  # relative distance from the approach of full contact, within which that is the answer
 _OVER_FULL = 1e-7  # by which the pressure is taken higher there, so that rounding leaves no node without contact
-_MOST_SOLVES, _PATIENCE = 40, 4  # on a grid; and without progress, which is half of the error before
+_MOST_SOLVES, _PATIENCE = 40, 4  # on a grid; and without progress: of the approach, or of what pressures are possible
 _MOST_FAILED = 2  # of them that do not converge, which still tell whether the pressure is too low or too high
-_FAR = 1.0  # error of the approach's logarithm; where it is larger, coming nearer by as much is progress, too
+_FAR = 1.0  # where an error's logarithm is larger, coming nearer by as much is progress, too
 _LONGEST_STEP = 30.0  # factor of the pressure
 _STEEPEST = 3.0  # power of the approach with which a quantity grows, where nothing else tells
 
@@ -50,6 +50,11 @@ class _Newton:
     """A pressure whose approach is too small [pressure]."""
     high: float = math.inf
     """A pressure whose approach is too large [pressure]."""
+
+    @property
+    def room(self) -> float:
+        """Logarithm of the factor between the two pressures (dimensionless)."""
+        return math.log(min(self.high, sys.float_info.max)) - math.log(max(self.low, sys.float_info.min))
 
     def next(self, pressure: float, found: float, compliance: float) -> float:
         """The next pressure, from one, its approach [length] and d(approach)/dp."""
@@ -127,7 +132,8 @@ def _found(
     """
     approach = scene.approach
     assert approach is not None
-    newton, least, came_nearer, failed = _Newton(approach), math.inf, 0, 0
+    newton, least, failed = _Newton(approach), math.inf, 0
+    progress, room = 0, math.inf
     best: Solution | None = None
     last: Solution | None = None
     for solves in range(1, _MOST_SOLVES + 1):
@@ -139,15 +145,17 @@ def _found(
             return solution, solves
         if solution.status is Status.CONVERGED:
             tried.append((solution.scene.pressure, solution.observables))
-            if off < max(least / 2, least - _FAR):
-                came_nearer = solves
+            if _much_less(off, least):
+                progress = solves
             if off < least:
                 best, least = solution, off
         else:
             failed, last = failed + 1, solution
+        if _much_less(newton.room, room):
+            progress, room = solves, newton.room
         if least <= max(exact, _SHARE * solution.tolerance) or failed > _MOST_FAILED:
             break
-        if solves >= came_nearer + _PATIENCE:
+        if solves >= progress + _PATIENCE:
             break
         touching = solution.contact.any()
         compliance = contact_compliance(solution.scene, solution.contact) if touching else math.nan
@@ -155,6 +163,11 @@ def _found(
     found_by = best if least <= _GOOD or last is None else last  # what failed says why
     assert found_by is not None
     return found_by, solves
+
+
+def _much_less(logarithm: float, before: float) -> bool:
+    """Whether a logarithm is half of what it was, or less by `_FAR` where it is large."""
+    return logarithm < max(before / 2, before - _FAR)
 
 
 def _coarse_guess(scene: Scene, num_points: int, solve: Callable[[Scene], Solution], guess: float) -> float:

@@ -67,6 +67,7 @@ class ActiveSet(Method):
         self._floor = 0.0  # of the residual: below, sets would be decided on rounding
         # a single node that penetrates so much takes a tenth of the tolerance as its force
         self._smallest_gap = 0.1 * tolerance / float(problem.stiffness.mean())
+        self._longest_stiffest = bool(problem.stiffness[1] > problem.stiffness[-1])  # so the response is short
         self._set: ContactSet | None = None
         self._last_preconditioner: PatchDeflation | None = None
         self._search = Search()
@@ -223,11 +224,12 @@ class ActiveSet(Method):
         if self._search.few_at_a_time and new.size:
             new = self._storage.with_images(elimination.deepest(new, self._response.gap(new), now))
         self._search.note(now.pulling.size + new.size)
-        reach = 0 if self._search.few_at_a_time else self._search.reach_out(now.pulling.size, new.size)
-        if reach and new.size:
-            new = now.patches.open_around(new, reach)
         if self._begun_anew(ended=False):
             return True
+        if self._longest_stiffest and not self._search.few_at_a_time:
+            reach = self._search.reach_out(now.pulling.size, new.size)
+            if 0 < new.size * reach < self.problem.num_points:
+                new = now.patches.open_around(new, reach)
         nodes, kept = _change(now, new, self._search.may_move_ends())
         self._take_set(nodes, now.nodes[kept], now.pressure[kept])
         self.stopped = self._search.in_circles(self._now.key)

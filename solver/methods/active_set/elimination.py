@@ -2,9 +2,10 @@
 
 Large sets of a stiff coating on a soft base are too ill-conditioned to be iterated on, and as every node's pressure is
 felt by all others the primal-dual active set, which changes all nodes at once that pull or penetrate, may not settle.
-On small grids the search then begins anew with the lowest node, and adds few nodes at a time. As long as the sets are
-eliminated, up to 1024 nodes, no pressure is ever negative and the energy falls with every set, so none comes back
-(C. L. Lawson and R. J. Hanson, Solving Least Squares Problems (1974), ch. 23, with the load fixed).
+On small grids, or with few nodes in contact, the search then begins anew with the lowest node, and adds few nodes at a
+time. As long as the sets are eliminated, up to 1024 nodes, no pressure is ever negative and the energy falls with every
+set, so none comes back (C. L. Lawson and R. J. Hanson, Solving Least Squares Problems (1974), ch. 23, with the load
+fixed).
 """
 
 import numpy as np

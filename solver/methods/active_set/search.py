@@ -63,13 +63,14 @@ class Search:
             self.forcing_term, self.in_vain = max(_TIGHT, self.forcing_term * _TIGHTER), 0
 
     def reach_out(self, dropped: int, added: int) -> int:
-        """How many nodes to add on either side of each one that penetrates: ever more while ends of patches go outwards
-        by a node or two with every update, as they do on layers whose response is as short as a grid spacing.
+        """How many nodes to add on either side of each one that penetrates: 1, 3, 7, ... while ends of patches go
+        outwards by a node with every update, as they do on layers whose response is as short as a grid spacing. Where
+        that was too far, it begins anew with half as many at the most.
         """
-        if dropped > added and self.reach:
-            self.farthest, self.reach = self.reach // 2, 0  # that was too far
+        if self.reach and dropped > added:
+            self.farthest, self.reach = self.reach // 2, 0
         elif self.in_vain >= _SLOW:
-            if self.in_vain % _PATIENCE == 0:  # perhaps it was at another end
+            if self.in_vain % _PATIENCE == 0:  # solutions are accurate, and other ends may be far away yet
                 self.farthest = min(2 * self.farthest + 1, _FARTHEST)
             self.reach = min(2 * self.reach + 1, self.farthest)
         return self.reach
