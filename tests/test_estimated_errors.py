@@ -134,6 +134,27 @@ def test_a_residual_leaves_little_at_the_ends_of_a_half_space():
     assert left_at_ends(1 / 20, one, pressure) == pytest.approx(2 * 0.5 / 8)
 
 
+@pytest.mark.parametrize(
+    ("exponent", "radius", "pressure", "num_points"),
+    [(25.8381, 0.40989, 1.36068e-6, 61), (28.7836, 0.509115, 3.68724e-8, 81), (64.0, 1.0, 1e-6, 256)],
+)
+def test_sides_too_steep_for_the_grid(exponent, radius, pressure, num_points):
+    """Found by a soak: ends off by 1.4 grid spacings together, 6 times the estimated error."""
+    o = solve(Scene(Layer(), PowerIndenter(exponent, radius), pressure, num_points=num_points)).observables
+    area = closed_forms.periodic_half_space_area(exponent, radius, pressure)
+    assert abs(o.contact_area_subgrid - area) < o.contact_area_error < 3 / num_points
+
+
+def test_two_patches_of_a_node_where_there_is_one():
+    """Putting their loads right does not take one away, but changes them much (found by a soak: off by 9 times the
+    estimated error)."""
+    rough = RoughIndenter(0.113206, 1387408099, 0.160041, 0.328862, 0.0181318)
+    coarse, fine = (solve(Scene(Layer(), rough, 4.74093e-06, num_points=n)).observables for n in (127, 2032))
+    assert (coarse.num_patches, fine.num_patches) == (2, 1)
+    off = abs(coarse.contact_area_subgrid - fine.contact_area_subgrid)
+    assert coarse.contact_area_error < off < 5 * coarse.contact_area_error
+
+
 def test_kappa_of_one_node_under_a_parabola():
     """Its error is twice that of the area, as kappa goes like the square of that."""
     o = solve(Scene(Layer(), pressure=1e-9, num_points=2**12)).observables

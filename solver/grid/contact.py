@@ -47,6 +47,7 @@ _OF_FOURTH, _MOST_FOURTH = 0.15, 2.0  # share of the fourth over the second diff
 _OVER_THICKNESS_SQUARED = 0.8  # over the square of the layer's thickness [grid spacings]
 
 _DIFFERENCES = np.array([[0, 0, 1, -2, 1, 0, 0], [0, 1, -4, 6, -4, 1, 0], [1, -6, 15, -20, 15, -6, 1]]).T
+_OF_SHARED = 1.25  # of what a patch's width changes by when its load is put right
 _SHORT = 8  # nodes
 _FEW, _MANY = (np.polynomial.legendre.leggauss(points) for points in (8, 32))
 """Places and weights of the integral of h'^2 over patches of up to so many nodes, and over others."""
@@ -154,16 +155,20 @@ def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array
     begin = first_centre(around, heights, resolved), half_width
     found = from_loads(around, heights, loads[chosen], *begin, None if resolved else surface.modulus)
     chosen, around, found = chosen[found.solved], around.part(found.solved), found.part(found.solved)
+    moved = np.zeros(chosen.size)
     if resolved and chosen.size and patches.count > 1 and n <= MOST_POINTS:
+        before = found.half_width
         level = level_error(found, around, heights, loads[chosen])
         green = layer_response(surface.layer, n, surface.period)
         loads = shared_loads(patches, chosen, pressure, found, level, green)
         found = from_loads(around, heights, loads[chosen], found.centre, found.half_width)
+        moved = 2 * np.abs(found.half_width - before)
     left, right = found.centre - found.half_width, found.centre + found.half_width
     size = patches.size[chosen]
     fourth, sixth = _differences(heights.profile, patches.first[chosen], size)
     if resolved:
         error = _estimated(patches, chosen, sixth.max(axis=1), surface.thickness)
+        error = np.hypot(error, _OF_SHARED * moved)
     else:
         width = 2 * found.half_width
         error = np.maximum(_ESTIMATED * size, np.abs(size - width) / 2)

@@ -23,8 +23,9 @@ Under smooth profiles e is taken whole for patches of fewer than 20 nodes, and w
 shortest wave. b is what the errors of many patches have in common: up to 0.02 (16/w)^2.5 grid spacings for the area of
 each patch whose pressures tell where it ends (0.03 for kappa), and 0.002 (16/w)^2.5 (0.003) if its load does. g is one
 and a half times the widths of gaps and patches that lie between two nodes, over the period; in kappa it is the same
-share. Under heights with a few kinks each patch of m nodes on the average has a further 2/m (6/m for kappa), and c
-counts in full. What these numbers stand for is said in docs/accuracy.md.
+share. Under a power profile with n > 2 the width has a further 2/s^3 spacings, up to 2, with s those in which the slope
+at its ends becomes e times as large. Under heights with a few kinks each patch of m nodes on the average has a further
+2/m (6/m for kappa), and c counts in full. What these numbers stand for is said in docs/accuracy.md.
 
 Under a stiff coating thinner than a grid spacing the nodes may miss anything of the peak pressure (`inf`), and under
 one of a few spacings the contact of a sharp tip (n < 2) may split between them: then nothing but the approach has an
@@ -130,6 +131,7 @@ _COMMON, _COMMON_POWER = 16.0, 2.5  # points to the shortest wave, and the power
 _LEAST, _MOST = 1.25, 4.0  # factor by which changes fall from grid to grid, as far as that is believed
 _WAVE_OF_TIP = 8.0  # that a sharp tip brings with it [grid spacings]
 _STIFF = 0.9  # 2K/(E* q) of the shortest wave, below which shorter ones find the layer stiffer
+_STEEP, _MOST_STEEP = 2.0, 2.0  # errors of a contact's width below a steep side [grid spacings]
 _LOWEST_NODE = 2.0  # factor of the approach's error where only the nodes tell the lowest point
 _HARDLY = 1e-3  # relative change that is no matter of the tolerance, or of chance
 _EARLIER = 1 / 16  # share of the change before the last
@@ -162,6 +164,7 @@ def estimated(
     spacings = sum(each) * math.pow(_COMMON * waves, _COMMON_POWER)
     if scene.indenter.kinked:
         spacings += quantity.of_kinks * found.num_patches**2 / (area * num_points)
+    spacings += sensitivity(quantity, scene) * _of_steep_sides(scene, found.contact_area_subgrid * num_points)
     common = spacings / num_points / area * abs(values[-1])
     if not coarser:
         return math.hypot(edges, common) + gaps
@@ -177,6 +180,17 @@ def estimated(
         of_change = quantity.of_change[0]
     change = of_change * abs(values[-1] - values[-2])
     return math.hypot(of_edges * edges, change, common) + gaps
+
+
+def _of_steep_sides(scene: Scene, width: float) -> float:
+    """What a contact of this width may be off by because the profile rises between two nodes at its ends, where its
+    slope goes like |x|^(n-1) [grid spacings].
+    """
+    power = scene.indenter.power_law
+    if power is None or power[0] <= 2 or not width:
+        return 0.0
+    nodes = width / 2 / (power[0] - 1)  # in which the slope becomes e times as large
+    return min(_STEEP / nodes**3, _MOST_STEEP)
 
 
 def _of_nodes(

@@ -31,6 +31,7 @@ _REASON = re.compile(r"\S+ is .+; allowed: .+", re.DOTALL)
 _ASKED = ("tolerance", "accuracy")
 _ERRORS = {"kappa_error", "kappa_edges_error", "peak_pressure_error", "approach_error"}
 _INFINITE = _ERRORS | {"thickness", "reduced_thickness", "reduced_pressure", "contact_stiffness"}
+_COARSE = 0.1  # tolerance from which the area may be anything (`inf`)
 _OTHER_UNITS = 2.0**-60, 2.0**80  # times those of length and pressure: ratios are the same to the last bit
 _MOST_ENERGY = 0.1  # of the bound over the elastic energy, where no tolerance was asked for
 _MOST_PASSED = 5.0  # times that the estimated error may be passed
@@ -97,10 +98,11 @@ def _initial(cell: Cell, scene: Scene) -> np.ndarray[Any, Any] | None:
 def _numbers(solution: Solution) -> Record:
     """What is kept of a solution. Raises `DefectError` for a number that is NaN, or infinite where it must not be."""
     record = solution.to_dict()
+    infinite = _INFINITE | ({"contact_area_error"} if solution.tolerance > _COARSE else set())
     for name, value in _walk(record):
         number = float(value) if isinstance(value, (float, str)) and not records.is_text(value) else 0.0
         converged = solution.status is Status.CONVERGED  # else there may be no contact
-        if math.isnan(number) or (math.isinf(number) and converged and name.rpartition(".")[2] not in _INFINITE):
+        if math.isnan(number) or (math.isinf(number) and converged and name.rpartition(".")[2] not in infinite):
             raise DefectError(f"{name} is {value}")
     for field in (solution.displacement, solution.contact_pressure):
         if not np.isfinite(field).all():
