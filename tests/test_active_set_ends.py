@@ -75,7 +75,6 @@ def test_hand_over_is_said(monkeypatch):
 
 def as_on_large_grids(monkeypatch):
     """Hard sets are iterated on, and no search begins anew, as with many nodes in contact."""
-    monkeypatch.setattr(elimination, "_MANY", math.inf)
     monkeypatch.setattr(elimination, "_POINTS", 0)
     monkeypatch.setattr(elimination, "_MOST", 0)
 
