@@ -168,7 +168,6 @@ def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array
     fourth, sixth = _differences(heights.profile, patches.first[chosen], size)
     if resolved:
         error = _estimated(patches, chosen, sixth.max(axis=1), surface.thickness)
-        error = np.hypot(error, _OF_SHARED * moved)
     else:
         width = 2 * found.half_width
         error = np.maximum(_ESTIMATED * size, np.abs(size - width) / 2)
@@ -177,6 +176,7 @@ def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array
     better = found.solved & (error < edges.error[chosen])
     better &= differ < np.where(edges.counted[chosen], size, _FARTHEST)
     better &= ~(fourth.min(axis=1) > _JAGGED)
+    error = np.hypot(error, _OF_SHARED * moved)
     lefts, rights, errors = edges.left.copy(), edges.right.copy(), edges.end_errors.copy()
     counted, by_load, which = edges.counted.copy(), edges.by_load.copy(), chosen[better]
     lefts[which], rights[which], errors[:, which] = left[better], right[better], error[better] * math.sqrt(0.5)
