@@ -39,9 +39,8 @@ estimate holds in 97 of 100. On scenes that nothing was fitted to, see `linecont
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
@@ -50,7 +49,6 @@ from ..grid.layer_on_grid import modulus_on_grid
 from ..grid.observables import Observables
 from ..scene import Scene
 from ..solution import Level
-from .unfinished import iteration_share
 
 
 @dataclass(frozen=True)
@@ -282,24 +280,6 @@ def grid_error(quantity: Quantity, scene: Scene, level: Level, coarser: Sequence
     """As `estimated`, relative; `inf` on the first grid, and where the quantity is 0."""
     value = abs(getattr(level, quantity.value))
     return estimated(quantity, scene, level.num_points, level, coarser) / value if coarser and value else math.inf
-
-
-def with_errors(
-    scene: Scene, observables: Observables, levels: Sequence[Level], free_residual: float, at_ends: float
-) -> Observables:
-    """Observables on the scene's grid with the estimated errors: what the grid leaves, and an unfinished iteration.
-
-    levels: the coarser grids, from coarse to fine; free_residual: over p; at_ends: see `left_at_ends`.
-    """
-    errors: dict[str, Any] = {}
-    area = observables.contact_area_subgrid
-    share = iteration_share(free_residual, area, rounded=scene.precision == "float32")
-    for quantity in QUANTITIES.values():
-        value = abs(getattr(observables, quantity.value))
-        left = share + at_ends / area if quantity.of_area and area else share
-        unfinished = sensitivity(quantity, scene) * left * value if math.isfinite(left) else math.inf
-        errors[quantity.error] = estimated(quantity, scene, scene.num_points, observables, levels) + unfinished
-    return replace(observables, **errors)
 
 
 def sensitivity(quantity: Quantity, scene: Scene) -> float:

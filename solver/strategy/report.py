@@ -12,8 +12,7 @@ from ..solution import Choice, Level, Solution
 from ..transforms.device import device_name, gpu_libraries
 from .certification import Certified
 from .effort import Effort
-from .errors import with_errors
-from .unfinished import left_at_ends
+from .unfinished import with_errors
 
 
 def make_solution(
@@ -34,7 +33,7 @@ def make_solution(
     observables, patches = observe(scene, profile, displacement, pressure, contact)
     del profile
     residual = certified.certificate.free_residual
-    at_ends = left_at_ends(residual, Patches.of(contact), pressure)
+    observables = with_errors(scene, observables, levels, residual, Patches.of(contact), pressure)
     return Solution(
         scene=scene,
         method=effort.kind.name,
@@ -43,7 +42,7 @@ def make_solution(
         displacement=displacement,
         contact_pressure=pressure,
         contact=contact,
-        observables=with_errors(scene, observables, levels, residual, at_ends),
+        observables=observables,
         patches=patches,
         certificate=certified.certificate,
         iterations=effort.iterations,

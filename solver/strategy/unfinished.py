@@ -1,11 +1,18 @@
-"""What an iteration that was ended at a residual leaves of the contact area's error."""
+"""What an iteration that was ended at a residual leaves of the errors, and these with it."""
 
 import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from ..arrays import Array64
+from ..grid.observables import Observables
 from ..grid.patches import Patches
+from ..scene import Scene
+from ..solution import Level
+from .errors import QUANTITIES, estimated, sensitivity
 
 _OF_PRESSURE = 5.0  # error of a node's pressure over the free residual
 
@@ -48,3 +55,28 @@ def left_at_ends(free_residual: float, patches: Patches, pressure: Array64) -> f
     first, last = above[first[some]], above[behind[some] - 1]
     beyond = patches.size[~some].sum() + (patches.size[some] - (last - first + 1)).sum()
     return float(beyond + (error / inside[first]).sum() + (error / inside[last]).sum()) / pressure.size
+
+
+def with_errors(
+    scene: Scene,
+    observables: Observables,
+    levels: Sequence[Level],
+    free_residual: float,
+    patches: Patches,
+    pressure: Array64,
+) -> Observables:
+    """Observables on the scene's grid with the estimated errors: what the grid leaves, and an unfinished iteration.
+
+    levels: the coarser grids, from coarse to fine; free_residual: over p; patches, pressure: of the contact, see
+    `left_at_ends`.
+    """
+    errors: dict[str, Any] = {}
+    area = observables.contact_area_subgrid
+    share = iteration_share(free_residual, area, rounded=scene.precision == "float32")
+    at_ends = left_at_ends(free_residual, patches, pressure)
+    for quantity in QUANTITIES.values():
+        value = abs(getattr(observables, quantity.value))
+        left = share + at_ends / area if quantity.of_area and area else share
+        unfinished = sensitivity(quantity, scene) * left * value if math.isfinite(left) else math.inf
+        errors[quantity.error] = estimated(quantity, scene, scene.num_points, observables, levels) + unfinished
+    return replace(observables, **errors)
