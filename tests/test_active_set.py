@@ -4,7 +4,6 @@ import itertools
 import json
 import math
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 import pytest
@@ -12,7 +11,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from linecontact.solver import (
     METHODS,
-    CoatedHalfSpace,
     Layer,
     MeasuredIndenter,
     PowerIndenter,
@@ -26,12 +24,9 @@ from linecontact.solver.grid.kept import forget
 from linecontact.solver.grid.patches import Patches
 from linecontact.solver.grid.problem import Problem, foundation_pressure, typical_stiffness
 from linecontact.solver.methods import Setting, active_set, relax
-from linecontact.solver.methods.active_set import elimination, greens_function
+from linecontact.solver.methods.active_set import greens_function
 from linecontact.solver.methods.active_set import preconditioner as deflation
-from linecontact.solver.methods.active_set.contact_set import ContactSet
-from linecontact.solver.methods.active_set.greens_function import GreensFunction
 from linecontact.solver.methods.active_set.search import Search
-from linecontact.solver.methods.active_set.storage import Whole
 from linecontact.solver.transforms import plain, planned
 
 
@@ -100,70 +95,6 @@ def test_few_pairs_without_help(d, nu, indenter, small, monkeypatch):
     assert solution.transform_pairs < 60
 
 
-@pytest.mark.parametrize("error", [np.linalg.LinAlgError, ZeroDivisionError, None])
-def test_where_elimination_fails_conjugate_gradients_go_on(error, monkeypatch):
-    def fail(self, nodes, height):
-        if error:
-            raise error
-        return np.full(nodes.size, math.nan)
-
-    scene = Scene(Layer(0.01), PowerIndenter(), 1e-2, num_points=2**11)
-    expected = solve(scene)
-    monkeypatch.setattr(GreensFunction, "solve", fail)
-    solution = solve(scene)
-    assert solution.status is Status.CONVERGED
-    np.testing.assert_array_equal(solution.contact, expected.contact)
-
-
-@pytest.mark.parametrize("even", [False, True])
-@pytest.mark.parametrize(
-    ("thickness", "base", "pressure"), [(3e-3, 1e-3, 1e-4), (3e-3, 1e-5, 1e-2), (1e-3, 1e-4, 1e-3)]
-)
-@pytest.mark.parametrize("num_points", [2**9, 2**11, 2**13])
-def test_noise_under_a_stiff_coating(num_points, thickness, base, pressure, even):
-    """Every node's pressure is felt by all others, and sets on the way are too ill-conditioned to be iterated on."""
-    heights = 1e-3 * np.random.default_rng(num_points).standard_normal(num_points)
-    if even:
-        heights[num_points // 2 :] = heights[: num_points // 2][::-1]
-    scene = Scene(CoatedHalfSpace(thickness, base), MeasuredIndenter(heights), pressure, num_points=num_points)
-    solution = solve(scene)
-    assert solution.status is Status.CONVERGED
-    assert solution.certificate.free_residual < 3e-8  # of which rounding leaves 1e-8
-    assert solution.certificate.energy_error_bound < 1e-9
-
-
-def test_when_a_search_begins_anew():
-    """Once, on small grids or with few nodes in contact: where it ends far from a solution, after many updates, and
-    where sets come back.
-    """
-    problem = Problem.from_scene(Scene(Layer(0.1), RoughIndenter(0.8, 1, 1 / 8, 1 / 8), 0.02, num_points=2**10))
-    storage = Whole(problem.num_points)
-    for updates, residual, ended, failed in (
-        (3, 1.0, True, True),
-        (3, 1.0, False, False),
-        (3, 1e-6, True, False),
-        (3, math.nan, True, True),
-        (21, 1.0, False, True),
-        (21, 1e-6, False, False),
-        (41, 1e-3, False, True),
-        (41, 1e-6, False, False),
-        (201, 1e-6, False, True),
-    ):
-        search = Search(updates=updates)
-        lost = elimination.has_failed(search, residual, 1e-8, ended)
-        assert lost is failed
-        first = elimination.anew(problem, storage, search, lost, 2**10)
-        assert (first is not None) is failed
-        if first:
-            assert problem.height[first.nodes].tolist() == [problem.height.min()]
-    assert elimination.anew(problem, storage, Search(few_at_a_time=True), True, 2**10) is None
-    large = Problem.from_scene(Scene(Layer(0.1), num_points=2**15))
-    assert elimination.anew(large, Whole(2**15), Search(), True, 2**11) is None
-    assert elimination.anew(large, Whole(2**15), Search(), True, 2**10) is not None
-    assert not elimination.has_failed(Search(), 0.01, tolerance=0.1, ended=True)
-    assert elimination.has_failed(Search(circling=True), 1e-12, tolerance=1e-8, ended=True)
-
-
 def test_how_far_ends_are_put_outwards():
     search = Search(in_vain=2)
     assert search.reach_out(0, 2) == 0
@@ -179,27 +110,6 @@ def test_nodes_around_nodes_that_are_not_in_contact():
     patches = Patches.of(np.array([1, 1, 0, 0, 0, 0, 0, 0, 0, 1], dtype=bool))
     assert patches.open_around(np.array([2, 8]), 1).tolist() == [2, 3, 7, 8]
     assert patches.open_around(np.array([2]), 63).tolist() == [2, 3, 4, 5, 6, 7, 8]
-
-
-def test_sets_that_are_hard_to_iterate_on_are_eliminated():
-    nodes = np.arange(0, 1200, 2)
-    now = ContactSet.of(nodes, np.ones(nodes.size), Whole(2**12))
-    assert not elimination.suits(now, Search())
-    now.iterations = 41
-    assert elimination.suits(now, Search())
-    assert not elimination.suits(now, Search(work=1e12))
-    now.eliminated = True
-    assert not elimination.suits(now, Search())
-
-
-def test_few_nodes_at_a_time_find_the_same_contact(monkeypatch):
-    """Where the usual search has no difficulty, either."""
-    scenes = [Scene(Layer(d), RoughIndenter(0.8, 1, 1 / 8, 1 / 8), 0.02, num_points=2**10) for d in (math.inf, 1e-3)]
-    usual = [solve(scene).contact_pressure for scene in scenes]
-    monkeypatch.setattr("linecontact.solver.methods.active_set.active_set.Search", partial(Search, few_at_a_time=True))
-    for scene, pressure in zip(scenes, usual, strict=True):
-        found = solve(scene, nested=False).contact_pressure
-        assert np.abs(found - pressure).max() < 1e-6 * pressure.max()
 
 
 def test_pairs_do_not_grow():

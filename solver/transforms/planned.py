@@ -105,10 +105,12 @@ class Transforms(OnCpu, Place):
         if not self.half_length:
             return Call("spectral_multiply", (self._doubled(symbol / self.num_points),), (self.spectrum,))
         half = self.num_points // 2
-        symbol, phi = symbol / half, np.pi / half * np.arange(half)
-        mean, difference = (symbol[:half] + symbol[:0:-1]) / 2, (symbol[:half] - symbol[:0:-1]) / 2
-        straight = self._doubled(mean - difference * np.sin(phi))
-        crossed = self._doubled(difference * np.cos(phi))
+        sine = np.sin(np.pi / half * np.arange(half // 2 + 1))  # the modes k and N/2 - k have the same
+        here, mirrored = symbol[: half // 2 + 1] / half, symbol[: half // 2 - 1 : -1] / half
+        mean, difference = (here + mirrored) / 2, (here - mirrored) / 2
+        crossed, difference = difference * sine[::-1], difference * sine
+        straight = self._doubled(np.concatenate([mean - difference, (mean + difference)[-2:0:-1]]))
+        crossed = self._doubled(np.concatenate([crossed, crossed[-2:0:-1]]))
         return Call("paired_multiply", (straight, crossed, self.spectrum), (target,))
 
     def _doubled(self, values: Array64) -> Array:

@@ -24,7 +24,7 @@ import numpy as np
 from ...arrays import Array64, Indices, Mask
 from ...grid.problem import Problem, foundation_pressure, typical_stiffness
 from ..method import Method
-from . import elimination
+from . import elimination, few_at_a_time
 from .contact_set import ContactSet
 from .ends import moved_ends
 from .greens_function import GreensFunction
@@ -69,6 +69,7 @@ class ActiveSet(Method):
         self._smallest_gap = 0.1 * tolerance / float(problem.stiffness.mean())
         self._longest_stiffest = bool(problem.stiffness[1] > problem.stiffness[-1])  # so the response is short
         self._set: ContactSet | None = None
+        self._start: Indices | None = None
         self._last_preconditioner: PatchDeflation | None = None
         self._search = Search()
 
@@ -82,6 +83,7 @@ class ActiveSet(Method):
     def start_cold(self) -> None:
         """Begin with the pressure of a Winkler foundation as stiff as the layer is for this profile."""
         self.start_from_pressure(foundation_pressure(self.problem, typical_stiffness(self.problem)))
+        self._start = None
         self._search.moves_left = _MOVES if self._now.patches.count <= _FEW_PATCHES else 0
 
     def start_from_pressure(self, pressure: Array64) -> None:
@@ -91,7 +93,7 @@ class ActiveSet(Method):
             return
         pressure = self._storage.symmetric(pressure)
         self.stopped, self._search = False, Search()
-        nodes = np.flatnonzero(pressure > 0)
+        nodes = self._start = np.flatnonzero(pressure > 0)
         self._take_set(nodes, nodes, pressure[nodes])
         self._response.renew(self._now)
         self._response.watch_penetrating(self._now, self._smallest_gap)
@@ -146,15 +148,26 @@ class ActiveSet(Method):
         if now is None:  # iterate
             return
         self._set = now
+        touching = self._renew_eliminated(now)
+        self.iteration += 1
+        target = max(self._target, self._floor)
+        if self._update_set():
+            return
+        if self.residual > target and elimination.refine(now, self._green, touching):
+            self._renew_eliminated(now)
+            if self._update_set():
+                return
+        now.settled = True
+        self.stopped = self.stopped or self.residual <= target
+
+    def _renew_eliminated(self, now: ContactSet) -> Array64:
+        """Make the response to a pressure by elimination, and its residual; h + w on the contact nodes [u]."""
         self._response.renew(now)
         touching = self._response.touching(now)
         r = float(touching.mean()) - touching
         # G_CC^-1 is at most K_CC, and K at most 2
         self.residual = 2 * math.sqrt(float(r @ r) / self.problem.num_points)
-        self.iteration += 1
-        if not self._update_set():
-            now.settled = True
-            self.stopped = self.stopped or self.residual <= max(self._target, self._floor)
+        return touching
 
     def _updated(self) -> bool:
         """Update the set if it is solved well enough for that; whether it changed. Stops where it is the last one."""
@@ -194,12 +207,16 @@ class ActiveSet(Method):
         ended: whether it would end here.
         """
         search = self._search
-        lost = self._response.plain and elimination.has_failed(search, self.residual, self.tolerance, ended)
-        first = elimination.anew(self.problem, self._storage, search, lost, self._now.nodes.size)
+        if search.few_at_a_time or not self._response.exact:
+            return False
+        if not few_at_a_time.has_failed(search, self.residual, self.tolerance, ended):
+            return False
+        first = few_at_a_time.first_set(self.problem, self._storage, self._start, self._now.nodes.size)
         if first is None:
             return False
         self.stopped, self._search, self._set = False, Search(few_at_a_time=True), first
-        self._response.renew(first)
+        if not self._response.leave_nearby(first):
+            self._response.renew(first)
         return True
 
     @property
@@ -222,8 +239,8 @@ class ActiveSet(Method):
         if now.pulling.size + new.size <= self._wrong_nodes_per_patch * now.patches.count:
             return False
         if self._search.few_at_a_time and new.size:
-            new = self._storage.with_images(elimination.deepest(new, self._response.gap(new), now))
-        self._search.note(now.pulling.size + new.size)
+            new = self._storage.with_images(few_at_a_time.deepest(new, self._response.gap(new), now))
+        self._search.note(now.pulling.size + new.size, now.pulling.size / now.nodes.size)
         if self._begun_anew(ended=False):
             return True
         if self._longest_stiffest and not self._search.few_at_a_time:

@@ -138,16 +138,17 @@ class GreensFunction:
         self.tables, self.num_points = tables, tables.num_points
         self._convolutions: dict[int, Convolution] = {}
 
-    def solve(self, nodes: Indices, height: Array64) -> Array64:
-        """The pressure on some nodes, not all, whose gap h + G sigma is one constant, with a mean over N of 1.
+    def solve(self, nodes: Indices, height: Array64, load: float = 1.0) -> tuple[Array64, float]:
+        """The pressure on some nodes, not all, whose gap h + G sigma is one constant.
 
-        nodes: shape (M,); height: h there [u]. Returns shape (M,) [p]. Raises `numpy.linalg.LinAlgError` or
+        nodes: shape (M,); height: h there [u]; load: the pressure's mean over N [p]. Returns the pressure, shape (M,)
+        [p], and the constant [u]. Raises `numpy.linalg.LinAlgError` or
         `ZeroDivisionError` where rounding has made it singular.
         """
         matrix = np.take(self.tables.response, nodes[:, None] - nodes, mode="wrap")
         punch, shape = np.linalg.solve(matrix, np.stack([np.ones(nodes.size), height], axis=1)).T
-        level = (self.num_points + float(shape.sum())) / float(punch.sum())
-        return np.asarray(level * punch - shape)
+        level = (load * self.num_points + float(shape.sum())) / float(punch.sum())
+        return np.asarray(level * punch - shape), level
 
     @property
     def transformed(self) -> int:

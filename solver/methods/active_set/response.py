@@ -56,7 +56,12 @@ class Response:
     @property
     def plain(self) -> bool:
         """Whether the response is made on all nodes and in float64."""
-        return self._nearby is None and bool(self._all.field.dtype == np.float64)
+        return self._nearby is None and self.exact
+
+    @property
+    def exact(self) -> bool:
+        """Whether the response on all nodes is made in float64."""
+        return bool(self._all.field.dtype == np.float64)
 
     @property
     def even(self) -> bool:

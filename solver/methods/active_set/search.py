@@ -33,7 +33,9 @@ class Search:
     fewest: float = math.inf
     """Nodes that an update has dropped and added at the least."""
     few_at_a_time: bool = False
-    """Whether few nodes at a time are added, see `elimination`."""
+    """Whether few nodes at a time are added, see `few_at_a_time`."""
+    energy: float = math.inf
+    """Of the last set that was then eliminated [p u]."""
     reach: int = 0
     """Nodes that are added on either side of each one that penetrates."""
     farthest: int = _FARTHEST
@@ -42,6 +44,8 @@ class Search:
     """Of elimination: the sum of the cubes of the numbers of nodes."""
     updates: int = 0
     """Updates of the set so far."""
+    pulling: float = 0.0
+    """Share of the nodes that pulled when the set was last updated (dimensionless)."""
     circling: bool = False
     """Whether sets go round in circles."""
     in_vain: int = 0
@@ -52,9 +56,12 @@ class Search:
         self.moves_left -= 1
         return self.moves_left >= 0
 
-    def note(self, changed: int) -> None:
-        """Note how many nodes an update drops and adds; while that does not become less, solve more accurately."""
-        self.updates += 1
+    def note(self, changed: int, pulling: float = 0.0) -> None:
+        """Note how many nodes an update drops and adds; while that does not become less, solve more accurately.
+
+        pulling: share of the set's nodes that pull (dimensionless).
+        """
+        self.updates, self.pulling = self.updates + 1, pulling
         if changed < _PROGRESS * self.fewest:
             self.fewest, self.in_vain = changed, 0
             return

@@ -1,0 +1,157 @@
+"""Sets that are solved by elimination, and searches that begin anew with few nodes at a time."""
+
+import math
+from functools import partial
+
+import numpy as np
+import pytest
+from linecontact.solver import (
+    CoatedHalfSpace,
+    Layer,
+    MeasuredIndenter,
+    PowerIndenter,
+    RoughIndenter,
+    Scene,
+    Status,
+    solve,
+)
+from linecontact.solver.grid.problem import Problem
+from linecontact.solver.methods.active_set import elimination, few_at_a_time
+from linecontact.solver.methods.active_set.contact_set import ContactSet
+from linecontact.solver.methods.active_set.greens_function import GreensFunction, Tables
+from linecontact.solver.methods.active_set.search import Search
+from linecontact.solver.methods.active_set.storage import Whole
+
+
+def test_when_a_search_has_failed():
+    """Where it ends far from a solution, after many updates, after fewer if much of the set pulls, and where sets come
+    back.
+    """
+    for updates, pulling, residual, ended, failed in (
+        (3, 0.1, 1.0, True, True),
+        (3, 0.5, 1.0, False, False),
+        (3, 0.1, 1e-6, True, False),
+        (3, 0.1, math.nan, True, True),
+        (9, 0.1, 1.0, False, False),
+        (9, 0.5, 1.0, False, True),
+        (9, 0.5, 1e-6, False, False),
+        (21, 0.1, 1.0, False, True),
+        (21, 0.1, 1e-6, False, False),
+        (41, 0.1, 1e-3, False, True),
+        (41, 0.1, 1e-6, False, False),
+        (201, 0.1, 1e-6, False, True),
+    ):
+        search = Search(updates=updates, pulling=pulling)
+        assert few_at_a_time.has_failed(search, residual, 1e-8, ended) is failed
+    assert not few_at_a_time.has_failed(Search(), 0.01, tolerance=0.1, ended=True)
+    assert few_at_a_time.has_failed(Search(circling=True), 1e-12, tolerance=1e-8, ended=True)
+
+
+def test_with_which_nodes_a_search_begins_anew():
+    """Those that it has started with, unless these were a guess or are many; then the lowest one, on small grids or
+    with few nodes in contact.
+    """
+    problem = Problem.from_scene(Scene(Layer(0.1), num_points=2**15))
+    storage, start = Whole(2**15), np.arange(2**14, 2**14 + 4097)
+    lowest = [int(np.argmin(problem.height))]
+    found = few_at_a_time.first_set(problem, storage, start[:4096], 2**14)
+    assert found is not None
+    np.testing.assert_array_equal(found.nodes, start[:4096])
+    for guess in (None, start):
+        assert few_at_a_time.first_set(problem, storage, guess, 1025) is None
+        found = few_at_a_time.first_set(problem, storage, guess, 1024)
+        assert found is not None
+        assert found.nodes.tolist() == lowest
+    small = Problem.from_scene(Scene(Layer(0.1), num_points=2**14))
+    assert few_at_a_time.first_set(small, Whole(2**14), None, 2**13) is not None
+
+
+@pytest.mark.parametrize("even", [False, True])
+@pytest.mark.parametrize(
+    ("thickness", "base", "pressure"), [(3e-3, 1e-3, 1e-4), (3e-3, 1e-5, 1e-2), (1e-3, 1e-4, 1e-3)]
+)
+@pytest.mark.parametrize("num_points", [2**9, 2**11, 2**13])
+def test_noise_under_a_stiff_coating(num_points, thickness, base, pressure, even):
+    """Every node's pressure is felt by all others, and sets on the way are too ill-conditioned to be iterated on."""
+    heights = 1e-3 * np.random.default_rng(num_points).standard_normal(num_points)
+    if even:
+        heights[num_points // 2 :] = heights[: num_points // 2][::-1]
+    scene = Scene(CoatedHalfSpace(thickness, base), MeasuredIndenter(heights), pressure, num_points=num_points)
+    solution = solve(scene)
+    assert solution.status is Status.CONVERGED
+    assert solution.certificate.free_residual < 3e-8  # of which rounding leaves 1e-8
+    assert solution.certificate.energy_error_bound < 1e-9
+
+
+@pytest.mark.parametrize(("thickness", "base", "pressure", "hurst"), [(1e-3, 5e-5, 1e-5, 0.5), (2e-3, 1e-5, 1e-3, 0.8)])
+def test_a_rough_surface_under_a_stiff_coating(thickness, base, pressure, hurst):
+    """The coarser grid's few hundred nodes grow into thousands unless few are added at a time; the certificate is met
+    at once, although the longest waves are a million times as compliant as the shortest.
+    """
+    scene = Scene(CoatedHalfSpace(thickness, base), RoughIndenter(hurst, 1), pressure, num_points=2**15)
+    solution = solve(scene)
+    assert (solution.status, solution.handed_over) == (Status.CONVERGED, False)
+    assert solution.certificate.free_residual <= 1e-8
+    assert solution.certificate.energy_error_bound < 1e-12
+
+
+def test_few_nodes_at_a_time_find_the_same_contact(monkeypatch):
+    """Where the usual search has no difficulty, either."""
+    scenes = [Scene(Layer(d), RoughIndenter(0.8, 1, 1 / 8, 1 / 8), 0.02, num_points=2**10) for d in (math.inf, 1e-3)]
+    usual = [solve(scene).contact_pressure for scene in scenes]
+    monkeypatch.setattr("linecontact.solver.methods.active_set.active_set.Search", partial(Search, few_at_a_time=True))
+    for scene, pressure in zip(scenes, usual, strict=True):
+        found = solve(scene, nested=False).contact_pressure
+        assert np.abs(found - pressure).max() < 1e-6 * pressure.max()
+
+
+def test_sets_that_are_hard_to_iterate_on_are_eliminated():
+    nodes = np.arange(0, 1200, 2)
+    now = ContactSet.of(nodes, np.ones(nodes.size), Whole(2**12))
+    assert not elimination.suits(now, Search())
+    now.iterations = 41
+    assert elimination.suits(now, Search())
+    now.iterations = 0
+    assert elimination.suits(now, Search(few_at_a_time=True))
+    assert not elimination.suits(now, Search(few_at_a_time=True, work=1e13))
+    now.eliminated = True
+    assert not elimination.suits(now, Search())
+
+
+@pytest.mark.parametrize("error", [np.linalg.LinAlgError, ZeroDivisionError, None])
+def test_where_elimination_fails_conjugate_gradients_go_on(error, monkeypatch):
+    def fail(self, nodes, height, load=1.0):
+        if error:
+            raise error
+        return np.full(nodes.size, math.nan), math.nan
+
+    scene = Scene(Layer(0.01), PowerIndenter(), 1e-2, num_points=2**11)
+    expected = solve(scene)
+    monkeypatch.setattr(GreensFunction, "solve", fail)
+    solution = solve(scene)
+    assert solution.status is Status.CONVERGED
+    np.testing.assert_array_equal(solution.contact, expected.contact)
+
+
+def test_refined_elimination():
+    """What rounding of the longest waves has left in a pressure is taken from it."""
+    rough = RoughIndenter(0.8, 1, 1 / 8, 1 / 64)
+    problem = Problem.from_scene(Scene(CoatedHalfSpace(2e-3, 1e-5), rough, 1e-3, num_points=2**13))
+    green, storage = GreensFunction(Tables(problem.stiffness, 2**13)), Whole(2**13)
+    modes = np.append(0.0, 1 / problem.stiffness[1:])
+
+    def spread(now):
+        touching = (problem.height + np.fft.irfft(modes * np.fft.rfft(everywhere(now)), 2**13))[now.nodes]
+        return touching, np.ptp(touching)
+
+    def everywhere(now):
+        pressure = np.zeros(2**13)
+        pressure[now.nodes] = now.pressure
+        return pressure
+
+    now = ContactSet.of(np.arange(0, 2**13, 64), np.ones(128), storage)
+    now.pressure, _ = green.solve(now.nodes, problem.height[now.nodes])
+    touching, before = spread(now)
+    assert elimination.refine(now, green, touching)
+    assert spread(now)[1] < 0.01 * before
+    assert now.pressure.sum() == pytest.approx(2**13, rel=1e-12)
