@@ -24,8 +24,8 @@ def suits(now: ContactSet, search: Search) -> bool:
 
 
 def solve(now: ContactSet, green: GreensFunction, storage: Whole, height: Array64, search: Search) -> ContactSet | None:
-    """The set with the pressure at which all of its nodes touch; None where rounding, or what is free of the
-    memory, has made that impossible.
+    """The set with the pressure at which all of its nodes touch; None where rounding or too little memory has made that
+    impossible.
 
     height: h of all nodes, shape (N,) [u]. Where few nodes are added at a time, those that would pull are left out.
     """
