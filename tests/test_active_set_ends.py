@@ -19,7 +19,7 @@ from linecontact.solver import (
 )
 from linecontact.solver.grid.problem import Problem
 from linecontact.solver.methods import Setting, active_set
-from linecontact.solver.methods.active_set import few_at_a_time
+from linecontact.solver.methods.active_set import elimination, few_at_a_time
 from linecontact.solver.methods.active_set.active_set import ActiveSet
 from linecontact.solver.strategy import certification
 from linecontact.solver.strategy.effort import Effort, Means
@@ -75,8 +75,10 @@ def test_hand_over_is_said(monkeypatch):
 
 def as_on_large_grids(monkeypatch):
     """Hard sets are iterated on, and no search begins anew, as with many nodes in contact."""
-    for name in ("_POINTS", "_FEW", "_MOST"):
+    monkeypatch.setattr(elimination, "_HARD", 0)
+    for name in ("_POINTS", "_FEW"):
         monkeypatch.setattr(few_at_a_time, name, 0)
+    monkeypatch.setattr("linecontact.solver.methods.active_set.active_set.MOST", 0)
 
 
 def test_stiff_coating_on_which_the_search_does_not_settle(monkeypatch):

@@ -16,6 +16,7 @@ from linecontact.solver import (
     solve,
 )
 from linecontact.solver.grid.problem import Problem
+from linecontact.solver.methods import Setting, active_set
 from linecontact.solver.methods.active_set import elimination, few_at_a_time
 from linecontact.solver.methods.active_set.contact_set import ContactSet
 from linecontact.solver.methods.active_set.greens_function import GreensFunction, Tables
@@ -48,22 +49,64 @@ def test_when_a_search_has_failed():
 
 
 def test_with_which_nodes_a_search_begins_anew():
-    """Those that it has started with, unless these were a guess or are many; then the lowest one, on small grids or
-    with few nodes in contact.
-    """
-    problem = Problem.from_scene(Scene(Layer(0.1), num_points=2**15))
-    storage, start = Whole(2**15), np.arange(2**14, 2**14 + 4097)
-    lowest = [int(np.argmin(problem.height))]
-    found = few_at_a_time.first_set(problem, storage, start[:4096], 2**14)
+    """Those that it has started with, or else the lowest one, on small grids or with few nodes in contact."""
+    problem, storage = Problem.from_scene(Scene(Layer(0.1), num_points=2**15)), Whole(2**15)
+    found = few_at_a_time.first_set(problem, storage, np.arange(7, 99), 2**14)
     assert found is not None
-    np.testing.assert_array_equal(found.nodes, start[:4096])
-    for guess in (None, start):
-        assert few_at_a_time.first_set(problem, storage, guess, 1025) is None
-        found = few_at_a_time.first_set(problem, storage, guess, 1024)
-        assert found is not None
-        assert found.nodes.tolist() == lowest
+    np.testing.assert_array_equal(found.nodes, np.arange(7, 99))
+    assert few_at_a_time.first_set(problem, storage, None, 1025) is None
+    found = few_at_a_time.first_set(problem, storage, None, 1024)
+    assert found is not None
+    assert found.nodes.tolist() == [np.argmin(problem.height)]
     small = Problem.from_scene(Scene(Layer(0.1), num_points=2**14))
     assert few_at_a_time.first_set(small, Whole(2**14), None, 2**13) is not None
+
+
+@pytest.mark.parametrize(("num_nodes", "kept"), [(few_at_a_time.MOST, True), (few_at_a_time.MOST + 1, False)])
+def test_beginning_anew_on_a_large_grid(num_nodes, kept):
+    """With the nodes of the start, if they are not too many, on all nodes, although the packed operator suits the few;
+    and once only.
+    """
+    n = 2**17
+    search = active_set.begin(Problem.from_scene(Scene(Layer(), num_points=n)), Setting(1e-8))
+    pressure = np.zeros(n)
+    pressure[:num_nodes] = 1
+    search.start_from_pressure(pressure)
+    assert not search._response.plain
+    search._search.circling = True
+    assert search._begun_anew() is kept
+    if kept:
+        assert search._response.plain
+        np.testing.assert_array_equal(search._now.nodes, np.arange(num_nodes))
+        search._search.circling = True
+        assert not search._begun_anew()
+
+
+def test_nodes_that_pull_are_dropped_one_after_the_other_where_that_lowers_the_energy():
+    """All at once first; where the energy is to be less than that gives, on a way down from the pressure before."""
+    rough = RoughIndenter(0.5, 2, 1 / 8, 1 / 32)
+    problem = Problem.from_scene(Scene(CoatedHalfSpace(1e-3, 5e-5), rough, 1e-5, num_points=2**11))
+    green = GreensFunction(Tables(problem.stiffness, 2**11))
+    nodes = np.sort(np.argsort(problem.height)[:300])
+    height, pressure = problem.height[nodes], np.full(300, 2**11 / 300)
+
+    def energy(nodes, pressure):
+        everywhere = np.zeros(2**11)
+        everywhere[nodes] = pressure
+        response = np.fft.irfft(np.append(0.0, 1 / problem.stiffness[1:]) * np.fft.rfft(everywhere), 2**11)
+        return float(everywhere @ (response / 2 + problem.height))
+
+    search = Search()
+    quickly = few_at_a_time.without_pull(green, nodes, height, pressure, search)
+    assert search.energy == pytest.approx(energy(*quickly), rel=1e-9)
+    carefully = few_at_a_time.without_pull(green, nodes, height, pressure, search)
+    assert carefully[0].size != quickly[0].size
+    for some, found in (quickly, carefully):
+        assert (found >= 0).all()
+        assert found.sum() == pytest.approx(2**11, rel=1e-9)
+        assert energy(some, found) < energy(nodes, pressure)
+    with pytest.raises(np.linalg.LinAlgError):
+        few_at_a_time.without_pull(green, nodes, height, pressure, Search(work=1e13))
 
 
 @pytest.mark.parametrize("even", [False, True])

@@ -9,7 +9,7 @@ fallen to a given part (the forcing term) of what it was when the set last chang
 active set, M. Hintermueller et al., SIAM J. Optim. 13, 865 (2002)): nodes that pull are dropped, nodes that penetrate
 are added. The search ends when neither happens at the tolerance asked for. When a set comes back, or the updates go on
 changing as many nodes (thousands of patches disturb each other), the next ones are decided on more accurate solutions;
-when that does not help either, the search gives up.
+when that does not help either, the search begins anew with few nodes at a time (`few_at_a_time`), or gives up.
 
 The residual is the preconditioned one, an estimate of the pressure's error: rms over all nodes, over the mean pressure.
 
@@ -24,9 +24,10 @@ import numpy as np
 from ...arrays import Array64, Indices, Mask
 from ...grid.problem import Problem, foundation_pressure, typical_stiffness
 from ..method import Method
-from . import elimination, few_at_a_time
+from . import elimination
 from .contact_set import ContactSet
 from .ends import moved_ends
+from .few_at_a_time import MOST, deepest, first_set, has_failed
 from .greens_function import GreensFunction
 from .preconditioner import PatchDeflation
 from .response import Response
@@ -93,7 +94,8 @@ class ActiveSet(Method):
             return
         pressure = self._storage.symmetric(pressure)
         self.stopped, self._search = False, Search()
-        nodes = self._start = np.flatnonzero(pressure > 0)
+        nodes = np.flatnonzero(pressure > 0)
+        self._start = nodes if nodes.size <= MOST else None
         self._take_set(nodes, nodes, pressure[nodes])
         self._response.renew(self._now)
         self._response.watch_penetrating(self._now, self._smallest_gap)
@@ -209,14 +211,13 @@ class ActiveSet(Method):
         search = self._search
         if search.few_at_a_time or not self._response.exact:
             return False
-        if not few_at_a_time.has_failed(search, self.residual, self.tolerance, ended):
+        if not has_failed(search, self.residual, self.tolerance, ended):
             return False
-        first = few_at_a_time.first_set(self.problem, self._storage, self._start, self._now.nodes.size)
+        first = first_set(self.problem, self._storage, self._start, self._now.nodes.size)
         if first is None:
             return False
         self.stopped, self._search, self._set = False, Search(few_at_a_time=True), first
-        if not self._response.leave_nearby(first):
-            self._response.renew(first)
+        self._response.stay_everywhere(first)
         return True
 
     @property
@@ -234,23 +235,25 @@ class ActiveSet(Method):
 
     def _update_set(self) -> bool:
         """Drop nodes that pull, add nodes that penetrate; False if there are none, or no more than may be wrong."""
-        now = self._now
+        now, pulling = self._now, self._now.pulling.size
         new = self._response.penetrating(now, self._smallest_gap)
-        if now.pulling.size + new.size <= self._wrong_nodes_per_patch * now.patches.count:
+        if pulling + new.size <= self._wrong_nodes_per_patch * now.patches.count:
             return False
         if self._search.few_at_a_time and new.size:
-            new = self._storage.with_images(few_at_a_time.deepest(new, self._response.gap(new), now))
-        self._search.note(now.pulling.size + new.size, now.pulling.size / now.nodes.size)
+            new = self._storage.with_images(deepest(new, self._response.gap(new), now))
+        # on layers whose longest waves are the stiffest a start is often far too large, and much of it pulls
+        share = 0.0 if self._longest_stiffest else pulling / now.nodes.size
+        self._search.note(pulling + new.size, share)
         if self._begun_anew(ended=False):
             return True
         if self._longest_stiffest and not self._search.few_at_a_time:
-            reach = self._search.reach_out(now.pulling.size, new.size)
+            reach = self._search.reach_out(pulling, new.size)
             if 0 < new.size * reach < self.problem.num_points:
                 new = now.patches.open_around(new, reach)
         nodes, kept = _change(now, new, self._search.may_move_ends())
         self._take_set(nodes, now.nodes[kept], now.pressure[kept])
         self.stopped = self._search.in_circles(self._now.key)
-        if self.stopped and now.pulling.size + new.size > _BY_ROUNDING:
+        if self.stopped and pulling + new.size > _BY_ROUNDING:
             self._search.circling = True
             if self._begun_anew():
                 return True

@@ -11,8 +11,8 @@ from .storage import Whole
 
 _SMALL = 256  # nodes up to which elimination takes less time than the iterations
 _HARD = 1024  # nodes up to which a set is eliminated, too, that is hard to iterate on
-_IMPOSSIBLE = np.linalg.LinAlgError, ZeroDivisionError, MemoryError
 _MANY = 40  # iterations on one set, of which a dozen are usual, after which it is hard
+_IMPOSSIBLE = np.linalg.LinAlgError, ZeroDivisionError, MemoryError
 
 
 def suits(now: ContactSet, search: Search) -> bool:
@@ -32,7 +32,9 @@ def solve(now: ContactSet, green: GreensFunction, storage: Whole, height: Array6
     now.eliminated, nodes = True, now.nodes
     try:
         if search.few_at_a_time:
-            nodes, pressure = few_at_a_time.without_pull(green, nodes, height[nodes], now.pressure, search)
+            nodes, pressure = few_at_a_time.without_pull(
+                green, nodes, height[nodes], np.maximum(now.pressure, 0.0), search
+            )
         else:
             pressure, _ = green.solve(nodes, height[nodes])
     except _IMPOSSIBLE:
@@ -51,10 +53,11 @@ def solve(now: ContactSet, green: GreensFunction, storage: Whole, height: Array6
 
 
 def refine(now: ContactSet, green: GreensFunction, touching: Array64) -> bool:
-    """Take from a pressure by elimination what rounding has left in it; False where that is impossible.
+    """Correct a pressure that elimination has found for its rounding, by one more elimination; False where that is
+    impossible.
 
-    Under a stiff coating the longest waves are millions of times as large in G as those that the pressure has.
-    touching: h + w, by transforms, in which waves do not mix, shape (contact nodes,) [u].
+    Under a stiff coating the elements of G are millions of times as large as what the pressure's short waves need of
+    them. touching: h + w, made by transforms, shape (contact nodes,) [u].
     """
     try:
         change, _ = green.solve(now.nodes, touching - touching.mean(), load=0.0)

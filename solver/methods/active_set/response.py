@@ -99,9 +99,13 @@ class Response:
         """From now on work on all nodes; False if that is so already."""
         if self._nearby is None:
             return False
+        self.stay_everywhere(now)
+        return True
+
+    def stay_everywhere(self, now: ContactSet) -> None:
+        """Make the response to the pressure of a set anew, and never work near the contact only from now on."""
         self._split = self._nearby = None
         self.renew(now)
-        return True
 
     def _surround(self, now: ContactSet, nodes: Indices) -> None:
         """From now on carry the response along near these nodes only, if that pays."""

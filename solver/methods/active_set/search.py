@@ -35,7 +35,7 @@ class Search:
     few_at_a_time: bool = False
     """Whether few nodes at a time are added, see `few_at_a_time`."""
     energy: float = math.inf
-    """Of the last set that was then eliminated [p u]."""
+    """Of the last set that was eliminated with few nodes at a time [p u]."""
     reach: int = 0
     """Nodes that are added on either side of each one that penetrates."""
     farthest: int = _FARTHEST
@@ -45,7 +45,7 @@ class Search:
     updates: int = 0
     """Updates of the set so far."""
     pulling: float = 0.0
-    """Share of the nodes that pulled when the set was last updated (dimensionless)."""
+    """Share of the nodes that pulled when the set was last updated, where that tells something (dimensionless)."""
     circling: bool = False
     """Whether sets go round in circles."""
     in_vain: int = 0
