@@ -151,16 +151,13 @@ class ActiveSet(Method):
             return
         self._set = now
         touching = self._renew_eliminated(now)
-        self.iteration += 1
         target = max(self._target, self._floor)
-        if self._update_set():
-            return
         if self.residual > target and elimination.refine(now, self._green, touching):
             self._renew_eliminated(now)
-            if self._update_set():
-                return
-        now.settled = True
-        self.stopped = self.stopped or self.residual <= target
+        self.iteration += 1
+        if not self._update_set():
+            now.settled = True
+            self.stopped = self.stopped or self.residual <= target
 
     def _renew_eliminated(self, now: ContactSet) -> Array64:
         """Make the response to a pressure by elimination, and its residual; h + w on the contact nodes [u]."""
