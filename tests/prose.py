@@ -21,7 +21,8 @@ def digits(value, count=2):
 
 
 def span(values, count=2):
-    return f"{digits(min(values), count)} to {digits(max(values), count)}"
+    least, most = digits(min(values), count), digits(max(values), count)
+    return least if least == most else f"{least} to {most}"
 
 
 def words_of(page):
