@@ -19,8 +19,9 @@ from linecontact.solver import (
 )
 from linecontact.solver.grid.problem import Problem
 from linecontact.solver.methods import Setting, active_set
-from linecontact.solver.methods.active_set import elimination, few_at_a_time
+from linecontact.solver.methods.active_set import elimination
 from linecontact.solver.methods.active_set.active_set import ActiveSet
+from linecontact.solver.methods.active_set.search import Search
 from linecontact.solver.strategy import certification
 from linecontact.solver.strategy.effort import Effort, Means
 
@@ -73,23 +74,21 @@ def test_hand_over_is_said(monkeypatch):
     assert solution.transform_pairs > 20
 
 
-def as_on_large_grids(monkeypatch):
-    """Hard sets are iterated on, and no search begins anew, as with many nodes in contact."""
+def without_elimination(monkeypatch):
+    """Hard sets are iterated on, and no search begins anew, as in single precision."""
     monkeypatch.setattr(elimination, "_HARD", 0)
-    for name in ("_POINTS", "_FEW"):
-        monkeypatch.setattr(few_at_a_time, name, 0)
-    monkeypatch.setattr("linecontact.solver.methods.active_set.active_set.MOST", 0)
+    monkeypatch.setattr(Search, "has_failed", lambda *_, **__: False)
 
 
 def test_stiff_coating_on_which_the_search_does_not_settle(monkeypatch):
     """Its sets fall into ever more patches; the true contact is one patch, and the certificate, which no method shares,
-    is met: by a search with few nodes at a time, or on large grids, where that is not tried, by the other method. There
+    is met: by a search with few nodes at a time, or, where that is not tried, by the other method. There
     a limit of one's own is kept, and what the search does not need of it is the other method's.
     """
     scene = Scene(CoatedHalfSpace(20 / 2**14, base_modulus=1e-4), PowerIndenter(2), pressure=1e-4, num_points=2**10)
     anew = solve(scene)
     assert (anew.status, anew.handed_over, anew.observables.num_patches) == (Status.CONVERGED, False, 1)
-    as_on_large_grids(monkeypatch)
+    without_elimination(monkeypatch)
     solution = solve(scene)
     np.testing.assert_array_equal(solution.contact, anew.contact)
     assert solution.handed_over
@@ -116,7 +115,7 @@ def test_grids_that_were_not_solved_do_not_count_in_an_estimated_error():
 
 def test_a_hand_over_in_vain_is_bounded(monkeypatch):
     scene = Scene(CoatedHalfSpace(20 / 2**14, base_modulus=1e-4), PowerIndenter(2), pressure=1e-4, num_points=2**10)
-    as_on_large_grids(monkeypatch)
+    without_elimination(monkeypatch)
     monkeypatch.setattr(certification, "_MOST_WORK", 200 * 2**10)
     assert solve(scene).iterations == 2200
     monkeypatch.setattr(certification, "_MOST_POINTS", 2**9)

@@ -1,7 +1,6 @@
 """Sets that are solved by elimination, and searches that begin anew with few nodes at a time."""
 
 import math
-from functools import partial
 
 import numpy as np
 import pytest
@@ -17,69 +16,78 @@ from linecontact.solver import (
 )
 from linecontact.solver.grid.problem import Problem
 from linecontact.solver.methods import Setting, active_set
-from linecontact.solver.methods.active_set import elimination, few_at_a_time
+from linecontact.solver.methods.active_set import elimination
 from linecontact.solver.methods.active_set.contact_set import ContactSet
+from linecontact.solver.methods.active_set.few_at_a_time import FewAtATime, first_nodes
 from linecontact.solver.methods.active_set.greens_function import GreensFunction, Tables
 from linecontact.solver.methods.active_set.search import Search
 from linecontact.solver.methods.active_set.storage import Whole
 
 
 def test_when_a_search_has_failed():
-    """Where it ends far from a solution, after many updates, after fewer if much of the set pulls, and where sets come
-    back.
+    """Where it ends far from a solution, after many updates, after fewer from a coarser grid's solution if much of the
+    set pulls, and where sets come back.
     """
-    for updates, pulling, residual, ended, failed in (
-        (3, 0.1, 1.0, True, True),
-        (3, 0.5, 1.0, False, False),
-        (3, 0.1, 1e-6, True, False),
-        (3, 0.1, math.nan, True, True),
-        (9, 0.1, 1.0, False, False),
-        (9, 0.5, 1.0, False, True),
-        (9, 0.5, 1e-6, False, False),
-        (21, 0.1, 1.0, False, True),
-        (21, 0.1, 1e-6, False, False),
-        (41, 0.1, 1e-3, False, True),
-        (41, 0.1, 1e-6, False, False),
-        (201, 0.1, 1e-6, False, True),
+    for updates, pulling, warm, residual, ended, failed in (
+        (3, 0.1, True, 1.0, True, True),
+        (3, 0.5, True, 1.0, False, False),
+        (3, 0.1, True, 1e-6, True, False),
+        (3, 0.1, True, math.nan, True, True),
+        (4, 0.1, True, 1.0, False, False),
+        (4, 0.5, False, 1.0, False, False),
+        (4, 0.5, True, 1.0, False, True),
+        (4, 0.5, True, 1e-6, False, False),
+        (21, 0.1, False, 1.0, False, True),
+        (21, 0.1, False, 1e-6, False, False),
+        (41, 0.1, False, 1e-3, False, True),
+        (41, 0.1, False, 1e-6, False, False),
+        (201, 0.1, False, 1e-6, False, True),
     ):
         search = Search(updates=updates, pulling=pulling)
-        assert few_at_a_time.has_failed(search, residual, 1e-8, ended) is failed
-    assert not few_at_a_time.has_failed(Search(), 0.01, tolerance=0.1, ended=True)
-    assert few_at_a_time.has_failed(Search(circling=True), 1e-12, tolerance=1e-8, ended=True)
+        assert search.has_failed(residual, 1e-8, ended, warm) is failed
+    assert not Search().has_failed(0.01, 0.1, ended=True, warm=True)
+    assert Search(circling=True).has_failed(1e-12, 1e-8, ended=True, warm=True)
 
 
 def test_with_which_nodes_a_search_begins_anew():
     """Those that it has started with, or else the lowest one, on small grids or with few nodes in contact."""
-    problem, storage = Problem.from_scene(Scene(Layer(0.1), num_points=2**15)), Whole(2**15)
-    found = few_at_a_time.first_set(problem, storage, np.arange(7, 99), 2**14)
-    assert found is not None
-    np.testing.assert_array_equal(found.nodes, np.arange(7, 99))
-    assert few_at_a_time.first_set(problem, storage, None, 1025) is None
-    found = few_at_a_time.first_set(problem, storage, None, 1024)
-    assert found is not None
-    assert found.nodes.tolist() == [np.argmin(problem.height)]
-    small = Problem.from_scene(Scene(Layer(0.1), num_points=2**14))
-    assert few_at_a_time.first_set(small, Whole(2**14), None, 2**13) is not None
+    height = np.abs(np.arange(2**15) - 77.0)
+    assert first_nodes(height, np.arange(9), 2**14).tolist() == list(range(9))
+    assert first_nodes(height, None, 1025) is None
+    assert first_nodes(height, None, 1024).tolist() == [77]
+    assert first_nodes(height[: 2**14], None, 2**13).tolist() == [77]
 
 
-@pytest.mark.parametrize(("num_nodes", "kept"), [(few_at_a_time.MOST, True), (few_at_a_time.MOST + 1, False)])
-def test_beginning_anew_on_a_large_grid(num_nodes, kept):
-    """With the nodes of the start, if they are not too many, on all nodes, although the packed operator suits the few;
-    and once only.
-    """
+def test_beginning_anew_on_a_large_grid():
+    """With the nodes of the start, on all nodes, although the packed operator suits the few; and once only."""
     n = 2**17
     search = active_set.begin(Problem.from_scene(Scene(Layer(), num_points=n)), Setting(1e-8))
     pressure = np.zeros(n)
-    pressure[:num_nodes] = 1
+    pressure[:5000] = 1
     search.start_from_pressure(pressure)
     assert not search._response.plain
+    assert not search._begun_anew(ended=False)
     search._search.circling = True
-    assert search._begun_anew() is kept
-    if kept:
-        assert search._response.plain
-        np.testing.assert_array_equal(search._now.nodes, np.arange(num_nodes))
-        search._search.circling = True
-        assert not search._begun_anew()
+    assert search._begun_anew()
+    assert search._response.plain
+    np.testing.assert_array_equal(search._now.nodes, np.arange(5000))
+    search._search.circling = True
+    assert not search._begun_anew()
+
+
+def test_how_many_nodes_are_added_at_a_time():
+    """None while nodes pull; the deepest, and fewer or more of them by how many of the last ones were dropped."""
+    few, nodes, gap = FewAtATime(), np.arange(100), np.abs(np.arange(100) - 50.0)
+    assert few.to_add(nodes, gap, 3, 40).size == 0
+    assert few.to_add(nodes, gap, 0, 40).tolist() == [49, 50, 51]  # because three of the first set were dropped
+    few = FewAtATime()
+    assert few.to_add(nodes, gap, 0, 40).tolist() == list(range(45, 56))
+    few.to_add(nodes, gap, 3, 51)
+    assert few.to_add(nodes, gap, 0, 48).size == 4
+    assert few.to_add(nodes, gap, 0, 48).size == 7
+    assert few.to_add(nodes, gap, 0, 48).size == 13
+    assert few.to_add(nodes, gap, 0, 48).size == 13
+    assert few.to_add(nodes[:0], gap[:0], 0, 48).size == 0
 
 
 def test_nodes_that_pull_are_dropped_one_after_the_other_where_that_lowers_the_energy():
@@ -96,17 +104,17 @@ def test_nodes_that_pull_are_dropped_one_after_the_other_where_that_lowers_the_e
         response = np.fft.irfft(np.append(0.0, 1 / problem.stiffness[1:]) * np.fft.rfft(everywhere), 2**11)
         return float(everywhere @ (response / 2 + problem.height))
 
-    search = Search()
-    quickly = few_at_a_time.without_pull(green, nodes, height, pressure, search)
-    assert search.energy == pytest.approx(energy(*quickly), rel=1e-9)
-    carefully = few_at_a_time.without_pull(green, nodes, height, pressure, search)
+    few = FewAtATime()
+    quickly = few.without_pull(green, nodes, height, pressure)
+    assert few.energy == pytest.approx(energy(*quickly), rel=1e-9)
+    carefully = few.without_pull(green, nodes, height, pressure)
     assert carefully[0].size != quickly[0].size
     for some, found in (quickly, carefully):
         assert (found >= 0).all()
         assert found.sum() == pytest.approx(2**11, rel=1e-9)
         assert energy(some, found) < energy(nodes, pressure)
     with pytest.raises(np.linalg.LinAlgError):
-        few_at_a_time.without_pull(green, nodes, height, pressure, Search(work=1e13))
+        FewAtATime(work=1e13).without_pull(green, nodes, height, pressure)
 
 
 @pytest.mark.parametrize("even", [False, True])
@@ -142,7 +150,9 @@ def test_few_nodes_at_a_time_find_the_same_contact(monkeypatch):
     """Where the usual search has no difficulty, either."""
     scenes = [Scene(Layer(d), RoughIndenter(0.8, 1, 1 / 8, 1 / 8), 0.02, num_points=2**10) for d in (math.inf, 1e-3)]
     usual = [solve(scene).contact_pressure for scene in scenes]
-    monkeypatch.setattr("linecontact.solver.methods.active_set.active_set.Search", partial(Search, few_at_a_time=True))
+    monkeypatch.setattr(
+        "linecontact.solver.methods.active_set.active_set.Search", lambda: Search(few_at_a_time=FewAtATime())
+    )
     for scene, pressure in zip(scenes, usual, strict=True):
         found = solve(scene, nested=False).contact_pressure
         assert np.abs(found - pressure).max() < 1e-6 * pressure.max()
@@ -155,8 +165,8 @@ def test_sets_that_are_hard_to_iterate_on_are_eliminated():
     now.iterations = 41
     assert elimination.suits(now, Search())
     now.iterations = 0
-    assert elimination.suits(now, Search(few_at_a_time=True))
-    assert not elimination.suits(now, Search(few_at_a_time=True, work=1e13))
+    assert elimination.suits(now, Search(few_at_a_time=FewAtATime()))
+    assert not elimination.suits(now, Search(few_at_a_time=FewAtATime(work=1e13)))
     now.eliminated = True
     assert not elimination.suits(now, Search())
 
@@ -195,6 +205,6 @@ def test_refined_elimination():
     now = ContactSet.of(np.arange(0, 2**13, 64), np.ones(128), storage)
     now.pressure, _ = green.solve(now.nodes, problem.height[now.nodes])
     touching, before = spread(now)
-    assert elimination.refine(now, green, touching)
+    assert elimination.refine(now, green, touching, Search())
     assert spread(now)[1] < 0.01 * before
     assert now.pressure.sum() == pytest.approx(2**13, rel=1e-12)

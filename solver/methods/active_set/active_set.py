@@ -27,7 +27,7 @@ from ..method import Method
 from . import elimination
 from .contact_set import ContactSet
 from .ends import moved_ends
-from .few_at_a_time import MOST, deepest, first_set, has_failed
+from .few_at_a_time import FORCING_TERM, UNKNOWNS, FewAtATime, first_nodes
 from .greens_function import GreensFunction
 from .preconditioner import PatchDeflation
 from .response import Response
@@ -94,8 +94,7 @@ class ActiveSet(Method):
             return
         pressure = self._storage.symmetric(pressure)
         self.stopped, self._search = False, Search()
-        nodes = np.flatnonzero(pressure > 0)
-        self._start = nodes if nodes.size <= MOST else None
+        nodes = self._start = np.flatnonzero(pressure > 0)
         self._take_set(nodes, nodes, pressure[nodes])
         self._response.renew(self._now)
         self._response.watch_penetrating(self._now, self._smallest_gap)
@@ -125,7 +124,8 @@ class ActiveSet(Method):
             self._eliminate()
             return
         if now.preconditioner is None:
-            now.preconditioner = PatchDeflation(self._green, now.patches, self._last_preconditioner)
+            most = UNKNOWNS if self._search.few_at_a_time else None
+            now.preconditioner = PatchDeflation(self._green, now.patches, self._last_preconditioner, most)
             self._last_preconditioner = now.preconditioner
         touching = self._response.touching(now)
         r = float(touching.mean()) - touching
@@ -152,7 +152,7 @@ class ActiveSet(Method):
         self._set = now
         touching = self._renew_eliminated(now)
         target = max(self._target, self._floor)
-        if self.residual > target and elimination.refine(now, self._green, touching):
+        if self.residual > target and elimination.refine(now, self._green, touching, self._search):
             self._renew_eliminated(now)
         self.iteration += 1
         if not self._update_set():
@@ -205,16 +205,18 @@ class ActiveSet(Method):
 
         ended: whether it would end here.
         """
-        search = self._search
+        search, start = self._search, self._start
         if search.few_at_a_time or not self._response.exact:
             return False
-        if not has_failed(search, self.residual, self.tolerance, ended):
+        if not search.has_failed(self.residual, self.tolerance, ended, warm=start is not None):
             return False
-        first = first_set(self.problem, self._storage, self._start, self._now.nodes.size)
+        first = first_nodes(self.problem.height, start, self._now.nodes.size)
         if first is None:
             return False
-        self.stopped, self._search, self._set = False, Search(few_at_a_time=True), first
-        self._response.stay_everywhere(first)
+        self._take_set(first, first, np.ones(first.size))
+        self._search = Search(few_at_a_time=FewAtATime(), forcing_term=FORCING_TERM)
+        self.stopped, self._last_preconditioner = False, None
+        self._response.stay_everywhere(self._now)
         return True
 
     @property
@@ -236,14 +238,13 @@ class ActiveSet(Method):
         new = self._response.penetrating(now, self._smallest_gap)
         if pulling + new.size <= self._wrong_nodes_per_patch * now.patches.count:
             return False
-        if self._search.few_at_a_time and new.size:
-            new = self._storage.with_images(deepest(new, self._response.gap(new), now))
-        # on layers whose longest waves are the stiffest a start is often far too large, and much of it pulls
-        share = 0.0 if self._longest_stiffest else pulling / now.nodes.size
-        self._search.note(pulling + new.size, share)
+        self._search.note(pulling + new.size, pulling / now.nodes.size)
         if self._begun_anew(ended=False):
             return True
-        if self._longest_stiffest and not self._search.few_at_a_time:
+        if self._search.few_at_a_time:
+            gap = self._response.gap(new)
+            new = self._storage.with_images(self._search.few_at_a_time.to_add(new, gap, pulling, now.nodes.size))
+        elif self._longest_stiffest:
             reach = self._search.reach_out(pulling, new.size)
             if 0 < new.size * reach < self.problem.num_points:
                 new = now.patches.open_around(new, reach)

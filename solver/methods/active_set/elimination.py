@@ -3,7 +3,6 @@
 import numpy as np
 
 from ...arrays import Array64
-from . import few_at_a_time
 from .contact_set import ContactSet
 from .greens_function import GreensFunction
 from .search import Search
@@ -17,9 +16,10 @@ _IMPOSSIBLE = np.linalg.LinAlgError, ZeroDivisionError, MemoryError
 
 def suits(now: ContactSet, search: Search) -> bool:
     """Whether to solve this set by elimination: it is small enough, and that was not tried."""
-    most = _HARD if now.iterations > _MANY else _SMALL
+    hard = now.iterations > _MANY
+    most = _HARD if hard else _SMALL
     if search.few_at_a_time:
-        most = few_at_a_time.most(search)
+        most = search.few_at_a_time.most(hard)
     return now.nodes.size <= most and not now.eliminated and not now.patches.full
 
 
@@ -32,9 +32,8 @@ def solve(now: ContactSet, green: GreensFunction, storage: Whole, height: Array6
     now.eliminated, nodes = True, now.nodes
     try:
         if search.few_at_a_time:
-            nodes, pressure = few_at_a_time.without_pull(
-                green, nodes, height[nodes], np.maximum(now.pressure, 0.0), search
-            )
+            pressure = np.maximum(now.pressure, 0.0)
+            nodes, pressure = search.few_at_a_time.without_pull(green, nodes, height[nodes], pressure)
         else:
             pressure, _ = green.solve(nodes, height[nodes])
     except _IMPOSSIBLE:
@@ -52,13 +51,15 @@ def solve(now: ContactSet, green: GreensFunction, storage: Whole, height: Array6
     return now
 
 
-def refine(now: ContactSet, green: GreensFunction, touching: Array64) -> bool:
+def refine(now: ContactSet, green: GreensFunction, touching: Array64, search: Search) -> bool:
     """Correct a pressure that elimination has found for its rounding, by one more elimination; False where that is
     impossible.
 
     Under a stiff coating the elements of G are millions of times as large as what the pressure's short waves need of
     them. touching: h + w, made by transforms, shape (contact nodes,) [u].
     """
+    if search.few_at_a_time:
+        search.few_at_a_time.work += float(now.nodes.size) ** 3
     try:
         change, _ = green.solve(now.nodes, touching - touching.mean(), load=0.0)
     except _IMPOSSIBLE:

@@ -7,8 +7,7 @@ Local part. Every patch on its own, or all patches through the stiffness of all 
 
 Coarse part (deflation). One unknown per patch: the load of its flat punch, G_bb^-1 1. The entries of Z'GZ need no
 transform: the sum of the Green's function over two patches is a four-term difference of its second running sum
-(`patch_sums`), scaled to the punches' loads. With more patches than `_unknowns` allows, neighbours share
-an unknown.
+(`patch_sums`), scaled to the punches' loads. With more patches than that, neighbours share an unknown.
 
 The parts are kept apart: the local part carries no load, the coarse one makes the loads' sum zero. So the correction
 leaves the total load as it is, and a constant in the residual (the rigid approach) has no effect.
@@ -27,11 +26,17 @@ _EXACT_SHARE = 16  # patches of one unknown whose mutual influence is summed up,
 class PatchDeflation:
     """Preconditioner for one contact set; see the module's head."""
 
-    def __init__(self, green: GreensFunction, patches: Patches, previous: "PatchDeflation | None" = None) -> None:
+    def __init__(
+        self,
+        green: GreensFunction,
+        patches: Patches,
+        previous: "PatchDeflation | None" = None,
+        most: int | None = None,
+    ) -> None:
         """`previous`: of a similar set, whose coarse inverse serves again if the patches are as many, and whose long
-        patches do if they have the same size.
+        patches do if they have the same size. most: coarse unknowns, by default what costs a few transform pairs.
         """
-        self.patches, self._green = patches, green
+        self.patches, self._green, self._most = patches, green, most or _unknowns(patches.num_points)
         self._local: LocalInverse = local_inverse(green, patches, previous._local if previous else None)
         self._build, self._borders, self._factor = 0, np.zeros(0), np.ones((1, 1))
         if patches.full:
@@ -50,7 +55,7 @@ class PatchDeflation:
     def _couple(self, loads: Array64) -> None:
         """The coarse inverse, and the borders between its unknowns in the gaps between patches."""
         patches = self.patches
-        share = -(-patches.count // _unknowns(patches.num_points))
+        share = -(-patches.count // self._most)
         starts = np.arange(0, patches.count, share)
         # each row the patches of one unknown; the last row is filled up with patches without load
         member = starts[:, None] + np.arange(share)

@@ -3,6 +3,8 @@
 import math
 from dataclasses import dataclass, field
 
+from .few_at_a_time import FewAtATime
+
 SAFETY = 0.4
 """Residual to stop at over the tolerance: the free residual is up to twice the pressure's error (dimensionless)."""
 LOOSEST = 1e-3
@@ -17,6 +19,11 @@ _SLOW = 3  # updates without progress after which nodes beyond those that penetr
 _PROGRESS = 0.8  # an update that changes fewer nodes than this share of the fewest so far counts as progress
 _FARTHEST = 63  # nodes that are then added on either side of each one
 _PATIENCE, _TIGHT = 8, 1e-3  # updates without progress before the forcing term falls, and its lowest value then
+_LOST = 1e-3  # residual over p with which a search that ends has failed
+_UPDATES = 20  # of which a dozen are usual, after which a search with such a residual has failed before its end,
+_EARLY, _PULLING = 3, 0.25  # or after fewer from a coarser grid's solution, if more than this share of the nodes pulls
+_TOO_MANY = 40  # updates after which a search has failed that is not nearly there
+_NEARLY, _ANYWAY = 1e-4, 200  # residual over p of one that is, and updates after which it has failed, too
 _TIGHTER, _TIGHTEST = 0.1, 1e-7  # factor of the forcing term when a set comes back, and where the search gives up
 
 
@@ -32,20 +39,16 @@ class Search:
     """Keys of the sets so far."""
     fewest: float = math.inf
     """Nodes that an update has dropped and added at the least."""
-    few_at_a_time: bool = False
-    """Whether few nodes at a time are added, see `few_at_a_time`."""
-    energy: float = math.inf
-    """Of the last set that was eliminated with few nodes at a time [p u]."""
+    few_at_a_time: FewAtATime | None = None
+    """How a search that has begun anew is getting on."""
     reach: int = 0
     """Nodes that are added on either side of each one that penetrates."""
     farthest: int = _FARTHEST
     """The most of them."""
-    work: float = 0.0
-    """Of elimination: the sum of the cubes of the numbers of nodes."""
     updates: int = 0
     """Updates of the set so far."""
     pulling: float = 0.0
-    """Share of the nodes that pulled when the set was last updated, where that tells something (dimensionless)."""
+    """Share of the nodes that pulled when the set was last updated (dimensionless)."""
     circling: bool = False
     """Whether sets go round in circles."""
     in_vain: int = 0
@@ -90,3 +93,14 @@ class Search:
             self.earlier.clear()
         self.earlier.add(key)
         return came_back and self.forcing_term < _TIGHTEST
+
+    def has_failed(self, residual: float, tolerance: float, ended: bool, warm: bool) -> bool:
+        """Whether the search has failed: by the residual over p that it ended with, by how many updates it has taken
+        and how many nodes still pull, or because it goes round in circles.
+
+        ended: whether it would end here; warm: whether it has begun with a coarser grid's solution.
+        """
+        lost = not residual <= max(_LOST, tolerance)
+        most = _EARLY if warm and self.pulling > _PULLING else _UPDATES
+        too_many = self.updates > (_ANYWAY if residual <= _NEARLY else _TOO_MANY)
+        return (lost and (ended or self.updates > most)) or too_many or self.circling
