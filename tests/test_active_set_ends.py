@@ -74,21 +74,21 @@ def test_hand_over_is_said(monkeypatch):
     assert solution.transform_pairs > 20
 
 
-def without_elimination(monkeypatch):
-    """Hard sets are iterated on, and no search begins anew, as in single precision."""
+def where_no_search_begins_anew(monkeypatch):
+    """As in single precision; and hard sets are iterated on."""
     monkeypatch.setattr(elimination, "_HARD", 0)
     monkeypatch.setattr(Search, "has_failed", lambda *_, **__: False)
 
 
 def test_stiff_coating_on_which_the_search_does_not_settle(monkeypatch):
     """Its sets fall into ever more patches; the true contact is one patch, and the certificate, which no method shares,
-    is met: by a search with few nodes at a time, or, where that is not tried, by the other method. There
-    a limit of one's own is kept, and what the search does not need of it is the other method's.
+    is met: by a search with few nodes at a time, or, where that is not tried, by the other method. There a limit of
+    one's own is kept, and what the search does not need of it is the other method's.
     """
     scene = Scene(CoatedHalfSpace(20 / 2**14, base_modulus=1e-4), PowerIndenter(2), pressure=1e-4, num_points=2**10)
     anew = solve(scene)
     assert (anew.status, anew.handed_over, anew.observables.num_patches) == (Status.CONVERGED, False, 1)
-    without_elimination(monkeypatch)
+    where_no_search_begins_anew(monkeypatch)
     solution = solve(scene)
     np.testing.assert_array_equal(solution.contact, anew.contact)
     assert solution.handed_over
@@ -115,7 +115,7 @@ def test_grids_that_were_not_solved_do_not_count_in_an_estimated_error():
 
 def test_a_hand_over_in_vain_is_bounded(monkeypatch):
     scene = Scene(CoatedHalfSpace(20 / 2**14, base_modulus=1e-4), PowerIndenter(2), pressure=1e-4, num_points=2**10)
-    without_elimination(monkeypatch)
+    where_no_search_begins_anew(monkeypatch)
     monkeypatch.setattr(certification, "_MOST_WORK", 200 * 2**10)
     assert solve(scene).iterations == 2200
     monkeypatch.setattr(certification, "_MOST_POINTS", 2**9)

@@ -16,7 +16,7 @@ from linecontact.solver import (
 )
 from linecontact.solver.grid.problem import Problem
 from linecontact.solver.methods import Setting, active_set
-from linecontact.solver.methods.active_set import elimination
+from linecontact.solver.methods.active_set import elimination, few_at_a_time
 from linecontact.solver.methods.active_set.contact_set import ContactSet
 from linecontact.solver.methods.active_set.few_at_a_time import FewAtATime, first_nodes
 from linecontact.solver.methods.active_set.greens_function import GreensFunction, Tables
@@ -25,10 +25,10 @@ from linecontact.solver.methods.active_set.storage import Whole
 
 
 def test_when_a_search_has_failed():
-    """Where it ends far from a solution, after many updates, after fewer from a coarser grid's solution if much of the
-    set pulls, and where sets come back.
+    """Where it ends far from a solution, after many updates, after fewer under a stiff coating if much of the set
+    pulls, and where sets come back.
     """
-    for updates, pulling, warm, residual, ended, failed in (
+    for updates, pulling, early, residual, ended, failed in (
         (3, 0.1, True, 1.0, True, True),
         (3, 0.5, True, 1.0, False, False),
         (3, 0.1, True, 1e-6, True, False),
@@ -44,9 +44,9 @@ def test_when_a_search_has_failed():
         (201, 0.1, False, 1e-6, False, True),
     ):
         search = Search(updates=updates, pulling=pulling)
-        assert search.has_failed(residual, 1e-8, ended, warm) is failed
-    assert not Search().has_failed(0.01, 0.1, ended=True, warm=True)
-    assert Search(circling=True).has_failed(1e-12, 1e-8, ended=True, warm=True)
+        assert search.has_failed(residual, 1e-8, ended, early) is failed
+    assert not Search().has_failed(0.01, 0.1, ended=True, early=True)
+    assert Search(circling=True).has_failed(1e-12, 1e-8, ended=True, early=True)
 
 
 def test_with_which_nodes_a_search_begins_anew():
@@ -79,8 +79,6 @@ def test_how_many_nodes_are_added_at_a_time():
     """None while nodes pull; the deepest, and fewer or more of them by how many of the last ones were dropped."""
     few, nodes, gap = FewAtATime(), np.arange(100), np.abs(np.arange(100) - 50.0)
     assert few.to_add(nodes, gap, 3, 40).size == 0
-    assert few.to_add(nodes, gap, 0, 40).tolist() == [49, 50, 51]  # because three of the first set were dropped
-    few = FewAtATime()
     assert few.to_add(nodes, gap, 0, 40).tolist() == list(range(45, 56))
     few.to_add(nodes, gap, 3, 51)
     assert few.to_add(nodes, gap, 0, 48).size == 4
@@ -88,6 +86,8 @@ def test_how_many_nodes_are_added_at_a_time():
     assert few.to_add(nodes, gap, 0, 48).size == 13
     assert few.to_add(nodes, gap, 0, 48).size == 13
     assert few.to_add(nodes[:0], gap[:0], 0, 48).size == 0
+    few.share, few.dropped = 1 / 48, 9
+    assert few.to_add(nodes, gap, 0, 48).size == 2
 
 
 def test_nodes_that_pull_are_dropped_one_after_the_other_where_that_lowers_the_energy():
@@ -146,16 +146,44 @@ def test_a_rough_surface_under_a_stiff_coating(thickness, base, pressure, hurst)
     assert solution.certificate.energy_error_bound < 1e-12
 
 
-def test_few_nodes_at_a_time_find_the_same_contact(monkeypatch):
-    """Where the usual search has no difficulty, either."""
-    scenes = [Scene(Layer(d), RoughIndenter(0.8, 1, 1 / 8, 1 / 8), 0.02, num_points=2**10) for d in (math.inf, 1e-3)]
+@pytest.mark.parametrize("most", [few_at_a_time._MOST, 0])
+@pytest.mark.parametrize("even", [False, True])
+def test_few_nodes_at_a_time_find_the_same_contact(even, most, monkeypatch):
+    """Where the usual search has no difficulty, either; sets are eliminated, or iterated on."""
+    heights = RoughIndenter(0.8, 1, 1 / 8, 1 / 8).profile(2**10, 1.0)
+    if even:
+        heights[2**9 :] = heights[: 2**9][::-1]
+    indenter = MeasuredIndenter(heights - heights.min())
+    scenes = [Scene(Layer(d), indenter, 0.02, num_points=2**10) for d in (math.inf, 1e-3)]
     usual = [solve(scene).contact_pressure for scene in scenes]
-    monkeypatch.setattr(
-        "linecontact.solver.methods.active_set.active_set.Search", lambda: Search(few_at_a_time=FewAtATime())
-    )
+
+    def begin():
+        return Search(few_at_a_time=FewAtATime(), forcing_term=few_at_a_time.FORCING_TERM)
+
+    monkeypatch.setattr("linecontact.solver.methods.active_set.active_set.Search", begin)
+    for name in ("_MOST", "_MOST_HARD"):
+        monkeypatch.setattr(few_at_a_time, name, most)
     for scene, pressure in zip(scenes, usual, strict=True):
-        found = solve(scene, nested=False).contact_pressure
-        assert np.abs(found - pressure).max() < 1e-6 * pressure.max()
+        found = solve(scene, nested=False)
+        assert found.status is Status.CONVERGED
+        assert np.abs(found.contact_pressure - pressure).max() < 1e-6 * pressure.max()
+
+
+def test_beginning_anew_on_an_even_scene():
+    """With the lowest node and its mirror image, which carry the same."""
+    n = 2**13
+    heights = RoughIndenter(0.8, 1, 1 / 8, 1 / 8).profile(n, 1.0)
+    heights[n // 2 :] = heights[: n // 2][::-1]
+    search = active_set.begin(
+        Problem.from_scene(Scene(CoatedHalfSpace(1e-3, 1e-4), MeasuredIndenter(heights - heights.min()), num_points=n)),
+        Setting(1e-8),
+    )
+    assert search.even
+    search.start_cold()
+    search._search.circling = True
+    assert search._begun_anew()
+    assert search._now.pressure.tolist() == [n / 2, n / 2]
+    assert search._now.nodes.sum() == n - 1
 
 
 def test_sets_that_are_hard_to_iterate_on_are_eliminated():
@@ -166,7 +194,7 @@ def test_sets_that_are_hard_to_iterate_on_are_eliminated():
     assert elimination.suits(now, Search())
     now.iterations = 0
     assert elimination.suits(now, Search(few_at_a_time=FewAtATime()))
-    assert not elimination.suits(now, Search(few_at_a_time=FewAtATime(work=1e13)))
+    assert not elimination.suits(now, Search(few_at_a_time=FewAtATime(work=1e13)))  # as in any other search
     now.eliminated = True
     assert not elimination.suits(now, Search())
 

@@ -21,12 +21,11 @@ import math
 
 import numpy as np
 
-from ...arrays import Array64, Indices, Mask
+from ...arrays import Array64, Indices
 from ...grid.problem import Problem, foundation_pressure, typical_stiffness
 from ..method import Method
 from . import elimination
 from .contact_set import ContactSet
-from .ends import moved_ends
 from .few_at_a_time import FORCING_TERM, UNKNOWNS, FewAtATime, first_nodes
 from .greens_function import GreensFunction
 from .preconditioner import PatchDeflation
@@ -38,6 +37,7 @@ _OVER_FLOOR = 0.3  # error of the pressure over the free residual, both as round
 _OVER_DRIFT = 3.0  # residual over the rounding of float32 images, below which the response has to be made anew
 _FEW_PATCHES = 8  # largest number of patches whose ends are predicted on a cold start; more disturb each other
 _BY_ROUNDING = 4  # nodes that rounding may let join and leave a set again and again
+_SOFT = 0.1  # stiffness of a base over that of its coating, below which the coating is stiff
 _MOVES = 6  # updates of a cold start in which they are
 
 
@@ -69,6 +69,8 @@ class ActiveSet(Method):
         # a single node that penetrates so much takes a tenth of the tolerance as its force
         self._smallest_gap = 0.1 * tolerance / float(problem.stiffness.mean())
         self._longest_stiffest = bool(problem.stiffness[1] > problem.stiffness[-1])  # so the response is short
+        # on a half-space K is q/2: below a stiff coating long waves find a base that is softer
+        self._soft_base = bool(problem.stiffness[1] * (problem.stiffness.size - 1) < _SOFT * problem.stiffness[-1])
         self._set: ContactSet | None = None
         self._start: Indices | None = None
         self._last_preconditioner: PatchDeflation | None = None
@@ -124,7 +126,7 @@ class ActiveSet(Method):
             self._eliminate()
             return
         if now.preconditioner is None:
-            most = UNKNOWNS if self._search.few_at_a_time else None
+            most = UNKNOWNS if self._search.few_at_a_time else 0
             now.preconditioner = PatchDeflation(self._green, now.patches, self._last_preconditioner, most)
             self._last_preconditioner = now.preconditioner
         touching = self._response.touching(now)
@@ -140,7 +142,8 @@ class ActiveSet(Method):
             self._response.renew(now)
             now.last_product = 0.0
             self.iteration += 1
-            self._update_set()  # the gap of all nodes is known only now
+            if not self._search.few_at_a_time:
+                self._update_set()  # the gap of all nodes is known only now
         elif not self._updated():
             self._iterate(r, z)
 
@@ -208,11 +211,13 @@ class ActiveSet(Method):
         search, start = self._search, self._start
         if search.few_at_a_time or not self._response.exact:
             return False
-        if not search.has_failed(self.residual, self.tolerance, ended, warm=start is not None):
+        early = self._soft_base and start is not None  # a cold start has many nodes too many
+        if not search.has_failed(self.residual, self.tolerance, ended, early):
             return False
         first = first_nodes(self.problem.height, start, self._now.nodes.size)
         if first is None:
             return False
+        first = self._storage.with_images(first)
         self._take_set(first, first, np.ones(first.size))
         self._search = Search(few_at_a_time=FewAtATime(), forcing_term=FORCING_TERM)
         self.stopped, self._last_preconditioner = False, None
@@ -248,7 +253,7 @@ class ActiveSet(Method):
             reach = self._search.reach_out(pulling, new.size)
             if 0 < new.size * reach < self.problem.num_points:
                 new = now.patches.open_around(new, reach)
-        nodes, kept = _change(now, new, self._search.may_move_ends())
+        nodes, kept = now.changed(new, self._search.may_move_ends())
         self._take_set(nodes, now.nodes[kept], now.pressure[kept])
         self.stopped = self._search.in_circles(self._now.key)
         if self.stopped and pulling + new.size > _BY_ROUNDING:
@@ -278,24 +283,3 @@ class ActiveSet(Method):
         """sigma, shape (N,) [p]; 0 before the first set."""
         n = self.problem.num_points
         return np.zeros(n) if self._set is None else self._set.pressure_everywhere(n)
-
-
-def _change(now: ContactSet, new: Indices, move_ends: bool) -> tuple[Indices, Mask]:
-    """Drop nodes that pull from a set and add new ones: the nodes of the next set in ascending order, and which of this
-    one's stay and keep their pressure.
-
-    move_ends: also put the ends of patches where the pressure there says that they belong.
-    """
-    kept: Mask = now.pressure >= 0
-    nodes = np.sort(np.concatenate([now.nodes[kept], new]), kind="stable")  # merges what is in order
-    if move_ends:
-        contact = np.zeros(now.patches.num_points, dtype=bool)
-        contact[nodes] = True
-        for moved, touch in moved_ends(now.patches, now.pressure):
-            contact[moved] = touch
-        nodes = np.flatnonzero(contact)
-        kept &= contact[now.nodes]
-    if not nodes.size:
-        kept[np.argmax(now.pressure)] = True
-        nodes = now.nodes[kept]
-    return nodes, kept

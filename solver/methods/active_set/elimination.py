@@ -18,8 +18,9 @@ def suits(now: ContactSet, search: Search) -> bool:
     """Whether to solve this set by elimination: it is small enough, and that was not tried."""
     hard = now.iterations > _MANY
     most = _HARD if hard else _SMALL
-    if search.few_at_a_time:
-        most = search.few_at_a_time.most(hard)
+    few = search.few_at_a_time
+    if few and not few.spent:
+        most = few.most(hard)
     return now.nodes.size <= most and not now.eliminated and not now.patches.full
 
 
@@ -29,11 +30,11 @@ def solve(now: ContactSet, green: GreensFunction, storage: Whole, height: Array6
 
     height: h of all nodes, shape (N,) [u]. Where few nodes are added at a time, those that would pull are left out.
     """
-    now.eliminated, nodes = True, now.nodes
+    now.eliminated, nodes, few = True, now.nodes, search.few_at_a_time
     try:
-        if search.few_at_a_time:
-            pressure = np.maximum(now.pressure, 0.0)
-            nodes, pressure = search.few_at_a_time.without_pull(green, nodes, height[nodes], pressure)
+        if few and not few.spent:
+            nodes, pressure = few.without_pull(green, nodes, height[nodes], np.maximum(now.pressure, 0.0))
+            few.dropped += now.nodes.size - nodes.size
         else:
             pressure, _ = green.solve(nodes, height[nodes])
     except _IMPOSSIBLE:

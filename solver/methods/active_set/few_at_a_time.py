@@ -4,10 +4,11 @@ Under a stiff coating on a soft base every node's pressure is felt by all others
 drops and adds nodes at once and decides on rough solutions, may not settle: its sets grow from hundreds of nodes to a
 quarter of all. The search then begins anew with the nodes that it has started with, those of the coarser grid's
 contact, or else with the lowest node. It solves every set well, drops nodes that pull until none does, and only then
-adds some of those that penetrate: the deepest, and fewer of them if many of the last ones were dropped again.
+adds some of those that penetrate: the deepest, and fewer of them if many nodes had to be dropped after the last ones.
 
-Sets of up to 2048 nodes are solved by elimination. Of these the energy falls with every set, so none comes back (C. L.
-Lawson and R. J. Hanson, Solving Least Squares Problems (1974), ch. 23, with the load fixed).
+Sets of up to 2048 nodes are solved by elimination. As long as all are, the energy falls with every set, but for
+rounding, so none comes back (C. L. Lawson and R. J. Hanson, Solving Least Squares Problems (1974), ch. 23, with the
+load fixed).
 """
 
 import math
@@ -29,7 +30,10 @@ _WORK = 1e11  # sum of the cubes of the numbers of nodes that one search may eli
 _POINTS, _FEW = 2**14, 1024  # points of a grid, or nodes in contact, up to which it begins with the lowest node
 _NOTHING = 1e-14  # pressure over the largest
 _LARGEST = 0.25  # nodes that are added at once, over those in contact
-_TOO_BOLD, _BOLDER = 0.25, 0.05  # of the last nodes added: if more are dropped add fewer, if less add more of them
+_TOO_BOLD, _BOLDER = (
+    0.25,
+    0.05,
+)  # nodes dropped since, over those added last: if more add fewer, if less add more of them
 
 
 def first_nodes(height: Array64, start: Indices | None, num_nodes: int) -> Indices | None:
@@ -60,10 +64,13 @@ class FewAtATime:
     work: float = 0.0
     """Of elimination: the sum of the cubes of the numbers of nodes."""
 
+    @property
+    def spent(self) -> bool:
+        """Whether the work that may go into elimination is done."""
+        return self.work >= _WORK
+
     def most(self, hard: bool) -> int:
         """Nodes of the largest set to eliminate; hard: whether it is hard to iterate on."""
-        if self.work >= _WORK:
-            return 0
         return _MOST_HARD if hard else _MOST
 
     def to_add(self, nodes: Indices, gap: Array64, pulling: int, num_nodes: int) -> Indices:
@@ -74,8 +81,8 @@ class FewAtATime:
         self.dropped += pulling
         if pulling or not nodes.size:
             return nodes[:0]
-        if self.dropped > _TOO_BOLD * self.added:
-            self.share /= 4
+        if self.added and self.dropped > _TOO_BOLD * self.added:
+            self.share = max(self.share / 4, 1 / num_nodes)
         elif self.dropped <= _BOLDER * self.added:
             self.share = min(2 * self.share, _LARGEST)
         found = np.sort(nodes[np.argsort(gap, kind="stable")[: 1 + int(self.share * num_nodes)]])
@@ -117,7 +124,7 @@ class FewAtATime:
 
         Raises `numpy.linalg.LinAlgError` after too much work, and for a pressure that is not finite.
         """
-        if self.work >= _WORK:
+        if self.spent:
             raise np.linalg.LinAlgError
         self.work += float(nodes.size) ** 3
         pressure, level = green.solve(nodes, height)

@@ -21,7 +21,7 @@ _FARTHEST = 63  # nodes that are then added on either side of each one
 _PATIENCE, _TIGHT = 8, 1e-3  # updates without progress before the forcing term falls, and its lowest value then
 _LOST = 1e-3  # residual over p with which a search that ends has failed
 _UPDATES = 20  # of which a dozen are usual, after which a search with such a residual has failed before its end,
-_EARLY, _PULLING = 3, 0.25  # or after fewer from a coarser grid's solution, if more than this share of the nodes pulls
+_EARLY, _PULLING = 3, 0.25  # or after fewer under a stiff coating, if more than this share of the nodes pulls
 _TOO_MANY = 40  # updates after which a search has failed that is not nearly there
 _NEARLY, _ANYWAY = 1e-4, 200  # residual over p of one that is, and updates after which it has failed, too
 _TIGHTER, _TIGHTEST = 0.1, 1e-7  # factor of the forcing term when a set comes back, and where the search gives up
@@ -94,13 +94,13 @@ class Search:
         self.earlier.add(key)
         return came_back and self.forcing_term < _TIGHTEST
 
-    def has_failed(self, residual: float, tolerance: float, ended: bool, warm: bool) -> bool:
+    def has_failed(self, residual: float, tolerance: float, ended: bool, early: bool) -> bool:
         """Whether the search has failed: by the residual over p that it ended with, by how many updates it has taken
         and how many nodes still pull, or because it goes round in circles.
 
-        ended: whether it would end here; warm: whether it has begun with a coarser grid's solution.
+        ended: whether it would end here; early: whether many nodes that pull are a sign of it.
         """
         lost = not residual <= max(_LOST, tolerance)
-        most = _EARLY if warm and self.pulling > _PULLING else _UPDATES
+        most = _EARLY if early and self.pulling > _PULLING else _UPDATES
         too_many = self.updates > (_ANYWAY if residual <= _NEARLY else _TOO_MANY)
         return (lost and (ended or self.updates > most)) or too_many or self.circling
