@@ -185,7 +185,7 @@ def the_map_of_extremes():
     runs = stored("extremes").runs
     yield f"some {round(len(runs), -4) / 1000:.0f} 000 scenes"
     *_, others, slowest = sorted(run["seconds.cell"] for run in runs)
-    yield f"took {slowest / 60:.0f} minutes; all others {others / 60:.0f} minutes at most."
+    yield f"took {slowest / 60:.0f} minutes; all others {others:.0f} seconds at most."
     exponents = [run["scene.exponent"] for run in runs if not math.isnan(run.get("scene.exponent", math.nan))]
     yield f"power profiles with n = {min(exponents)} to {max(exponents):.0f}"
 
