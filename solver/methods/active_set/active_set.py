@@ -246,13 +246,13 @@ class ActiveSet(Method):
         self._search.note(pulling + new.size, pulling / now.nodes.size)
         if self._begun_anew(ended=False):
             return True
-        if self._search.few_at_a_time:
-            gap = self._response.gap(new)
-            new = self._storage.with_images(self._search.few_at_a_time.to_add(new, gap, pulling, now.nodes.size))
-        elif self._longest_stiffest:
+        if self._longest_stiffest:  # nodes hardly feel each other
             reach = self._search.reach_out(pulling, new.size)
             if 0 < new.size * reach < self.problem.num_points:
                 new = now.patches.open_around(new, reach)
+        elif self._search.few_at_a_time:
+            gap = self._response.gap(new)
+            new = self._storage.with_images(self._search.few_at_a_time.to_add(new, gap, pulling, now.nodes.size))
         nodes, kept = now.changed(new, self._search.may_move_ends())
         self._take_set(nodes, now.nodes[kept], now.pressure[kept])
         self.stopped = self._search.in_circles(self._now.key)
