@@ -339,6 +339,16 @@ def test_collocation_knows_its_order(thickness, exponent):
     assert abs(found.peak_pressure / finest.peak_pressure - 1) <= errors["peak_pressure"]
 
 
+def test_collocation_takes_no_chance_for_its_order():
+    """A soak's find: below a sharp tip, near full contact, areas on 150, 300 and 600 nodes change by 1.3e-3 and -4e-6,
+    not by a quarter and a sixteenth.
+    """
+    wanted = (50.0, 1.07, 1e-6, 0.007, 0.25)
+    fine = collocation.solve_load(*wanted, 2304)
+    found, errors = collocation.solve_to_accuracy(*wanted, 1e-5)
+    assert abs(found.contact_area / fine.contact_area - 1) <= errors["contact_area"]
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [

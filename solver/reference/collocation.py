@@ -38,7 +38,8 @@ at most (dimensionless); more for peak pressures at tips, which converge with th
 random scenes it was at most 0.24 for the first two, 1/3 for exponents that approach 1, and 0.6 for the last."""
 
 _OF_ORDER = ("contact_area", "kappa")  # in 250 random scenes the order of convergence told their errors to a tenth
-_OVER_ORDER, _HIGHEST = 1.5, 64.0  # of what the order leaves, and the largest ratio of changes that is believed
+_OVER_ORDER, _HIGHEST = 1.5, 64.0  # of what the order leaves, and the largest ratio of changes that is believed; unless
+# n is even, ratios tend to 2^(n + 1), and a larger one is chance
 _FEW = 64  # nodes, up to which a third resolution costs nothing
 
 _MOST_STEPS = 40  # of the search for a load; ten are many where the edge layers are resolved
@@ -139,7 +140,8 @@ def _error(results: Sequence[Asperity], exponent: float, name: str) -> float:
     if name == "peak_pressure":
         share = max(share, _OVER_ORDER / (2 ** (exponent - 1) - 1))
     if name in _OF_ORDER and before and before[0] > change > 0:
-        share = min(share, _OVER_ORDER / (min(before[0] / change, _HIGHEST) - 1))
+        highest = _HIGHEST if exponent % 2 == 0 else min(2 ** (exponent + 1), _HIGHEST)
+        share = min(share, _OVER_ORDER / (min(before[0] / change, highest) - 1))
     return max(share * change / abs(values[-1]), 1e-12)
 
 
