@@ -211,7 +211,7 @@ class ActiveSet(Method):
         search, start = self._search, self._start
         if search.few_at_a_time or not self._response.exact:
             return False
-        early = self._soft_base and start is not None  # a cold start has many nodes too many
+        early = self._soft_base and start is not None  # a cold start has too many nodes anyway
         if not search.has_failed(self.residual, self.tolerance, ended, early):
             return False
         first = first_nodes(self.problem.height, start, self._now.nodes.size)

@@ -30,10 +30,8 @@ _WORK = 1e11  # sum of the cubes of the numbers of nodes that one search may eli
 _POINTS, _FEW = 2**14, 1024  # points of a grid, or nodes in contact, up to which it begins with the lowest node
 _NOTHING = 1e-14  # pressure over the largest
 _LARGEST = 0.25  # nodes that are added at once, over those in contact
-_TOO_BOLD, _BOLDER = (
-    0.25,
-    0.05,
-)  # nodes dropped since, over those added last: if more add fewer, if less add more of them
+# nodes dropped since the last ones were added, over these: beyond the first fewer are added, up to the second more
+_TOO_BOLD, _BOLDER = 0.25, 0.05
 
 
 def first_nodes(height: Array64, start: Indices | None, num_nodes: int) -> Indices | None:

@@ -7,7 +7,7 @@ Local part. Every patch on its own, or all patches through the stiffness of all 
 
 Coarse part (deflation). One unknown per patch: the load of its flat punch, G_bb^-1 1. The entries of Z'GZ need no
 transform: the sum of the Green's function over two patches is a four-term difference of its second running sum
-(`patch_sums`), scaled to the punches' loads. Of more patches than that is worth, neighbours share an unknown.
+(`patch_sums`), scaled to the punches' loads. Where patches are too many for that, neighbours share an unknown.
 
 The parts are kept apart: the local part carries no load, the coarse one makes the loads' sum zero. So the correction
 leaves the total load as it is, and a constant in the residual (the rigid approach) has no effect.
@@ -34,7 +34,7 @@ class PatchDeflation:
         most: int = 0,
     ) -> None:
         """`previous`: of a similar set, whose coarse inverse serves again if the patches are as many, and whose long
-        patches do if they have the same size. most: coarse unknowns, if that is more than costs a few transform pairs.
+        patches do if they have the same size. most: coarse unknowns; at least as many as cost a few transform pairs.
         """
         self.patches, self._green = patches, green
         self._most = max(most, _unknowns(patches.num_points))
