@@ -184,21 +184,21 @@ def test_an_interrupted_run_does_not_replace_a_finished_one(tmp_path, capsys, mo
     left[0] = 10**9
     assert ensemble(tmp_path, *words, "0.1") == 0
     assert "is the cheaper way here, by a factor of" in " ".join(capsys.readouterr().out.split())
-    left[0] = 2
-    assert ensemble(tmp_path, *words, "0.012") == 130
+    left[0] = 0
+    assert ensemble(tmp_path, *words, "0.006") == 130
     file = load_study(path)
     assert (file.complete, file.configuration["standard_error"]) == (True, 0.1)
     capsys.readouterr()
     assert main.main(["plot", str(path)]) == 0
     assert not capsys.readouterr().err
     left[0] = 10**9
-    assert ensemble(tmp_path, *words, "0.012") == 0
-    assert load_study(path).configuration["standard_error"] == 0.012
+    assert ensemble(tmp_path, *words, "0.006") == 0
+    assert load_study(path).configuration["standard_error"] == 0.006
     capsys.readouterr()
     left[0] = 0
     assert ensemble(tmp_path, *words, "0.03") == 0  # which it holds
-    assert "is of standard_error 0.012, and holds all that is asked for" in capsys.readouterr().err
-    assert load_study(path).configuration["standard_error"] == 0.012
+    assert "is of standard_error 0.006, and holds all that is asked for" in capsys.readouterr().err
+    assert load_study(path).configuration["standard_error"] == 0.006
 
 
 def test_a_refused_run_does_not_replace_a_better_one(tmp_path, capsys):
