@@ -105,7 +105,7 @@ class Transforms(OnCpu, Place):
         if not self.half_length:
             return Call("spectral_multiply", (self._doubled(symbol / self.num_points),), (self.spectrum,))
         half = self.num_points // 2
-        sine = np.sin(np.pi / half * np.arange(half // 2 + 1))  # the modes k and N/2 - k have the same
+        sine = np.sin(np.pi / half * np.arange(half // 2 + 1))  # of mode k, and of N/2 - k
         here, mirrored = symbol[: half // 2 + 1] / half, symbol[: half // 2 - 1 : -1] / half
         mean, difference = (here + mirrored) / 2, (here - mirrored) / 2
         crossed, difference = difference * sine[::-1], difference * sine

@@ -57,7 +57,7 @@ def refine(now: ContactSet, green: GreensFunction, touching: Array64, search: Se
     impossible.
 
     Under a stiff coating the elements of G are millions of times as large as what the pressure's short waves need of
-    them. touching: h + w, made by transforms, shape (contact nodes,) [u].
+    them. touching: h + w, made by transforms, shape (contact nodes,) [u]; search: its work on eliminations is counted.
     """
     if search.few_at_a_time:
         search.few_at_a_time.work += float(now.nodes.size) ** 3

@@ -5,6 +5,7 @@ drops and adds nodes at once and decides on rough solutions, may not settle: its
 quarter of all. The search then begins anew with the nodes that it has started with, those of the coarser grid's
 contact, or else with the lowest node. It solves every set well, drops nodes that pull until none does, and only then
 adds some of those that penetrate: the deepest, and fewer of them if many nodes had to be dropped after the last ones.
+(On layers whose longest waves are the stiffest nodes hardly feel each other, and all are added that penetrate.)
 
 Sets of up to 2048 nodes are solved by elimination. As long as all are, the energy falls with every set, but for
 rounding, so none comes back (C. L. Lawson and R. J. Hanson, Solving Least Squares Problems (1974), ch. 23, with the
