@@ -20,8 +20,11 @@ MODULES = {
     "warp_fields": ("spectral_multiply", "mirror_multiply", "paired_multiply", "advance_response", "count_below"),
     "warp_fire": ("restrict_to_free", "fire_control", "fire_step", "plain_step"),
     "warp_sums": ("net_force", "plain_sums"),
+    "warp_columns": ("unpack_columns", "pack_columns"),
 }
 """The kernels, by the modules that they are in."""
+ON_CPU_ONLY = ("warp_columns",)
+"""Modules that no GPU needs."""
 GPU_BLOCK = 256
 """Threads of a block on a GPU; Warp compiles a module anew for another number."""
 KERNELS = tuple(name for names in MODULES.values() for name in names)

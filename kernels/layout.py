@@ -8,6 +8,10 @@ pressure are 1).
 CHUNK = 1024
 """Points per kernel thread: a power of two above Warp's unroll limit (16), else LLVM leaves the loop scalar."""
 
+COLUMNS, STRIDE = 64, 68
+"""Real columns that a four-step transform works on at a time, and the values from one of their rows to the next: if
+that were a power of two, the rows would push each other out of the cache (6 times as long)."""
+
 FOLDED = 32
 """Sums that a GPU leaves of each array of sums for FIRE's control step."""
 

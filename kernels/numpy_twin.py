@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import layout
-from .layout import CHUNK, TOUCHING
+from .layout import CHUNK, COLUMNS, STRIDE, TOUCHING
 
 Array = NDArray[Any]
 Array64 = NDArray[np.float64]
@@ -141,3 +141,38 @@ def advance_response(change: Array, state: Array64, response: Array) -> None:
 def count_below(response: Array, h: Array, state: Array64, counts: Array64) -> None:
     """Nodes per chunk where h + w is below the bound."""
     counts[:] = _chunk_sums(h + response < h.dtype.type(state[layout.BOUND]))
+
+
+def _columns(columns: Array) -> tuple[Array, Array]:
+    """Rows 0 ... R/2 of complex columns, and for each row k the row (R - k) mod R."""
+    rows = columns[: columns.size // STRIDE * STRIDE].reshape(-1, STRIDE)[:, :COLUMNS]
+    k = np.arange(rows.shape[0] // 2 + 1)
+    return _complex(rows[k]), _complex(rows[-k])
+
+
+def _complex(values: Array) -> Array:
+    return values[..., ::2] + 1j * values[..., 1::2]
+
+
+def _twiddle_factors(near: Array, far: Array, count: int) -> Array:
+    """Of so many rows, one for each of their columns."""
+    return _complex(near.reshape(-1, 2 * COLUMNS)[:count]) * _complex(far)[:count, None]
+
+
+def unpack_columns(near: Array, far: Array, columns: Array, spectra: Array) -> None:
+    """Spectra of two real columns from that of the complex one, times their twiddle factors; see `warp_columns`."""
+    here, mirrored = _columns(columns)
+    both = np.stack([here + mirrored.conj(), (here - mirrored.conj()) * -1j], axis=-1) / 2
+    turned = both.reshape(len(here), -1) * _twiddle_factors(near, far, len(here))
+    rows = spectra.reshape(-1, 2 * COLUMNS)[: len(here)]
+    rows[:, ::2], rows[:, 1::2] = turned.real, turned.imag
+
+
+def pack_columns(near: Array, far: Array, spectra: Array, columns: Array) -> None:
+    """The way back, without a factor 2."""
+    rows = columns[: columns.size // STRIDE * STRIDE].reshape(-1, STRIDE)
+    k = np.arange(rows.shape[0] // 2 + 1)
+    turned = _complex(spectra.reshape(-1, 2 * COLUMNS)[: k.size]) * _twiddle_factors(near, far, k.size).conj()
+    first, second = turned[:, ::2], turned[:, 1::2]
+    for places, both in ((k, first + 1j * second), (-k, first.conj() + 1j * second.conj())):
+        rows[places, 0:COLUMNS:2], rows[places, 1:COLUMNS:2] = both.real, both.imag

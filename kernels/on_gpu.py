@@ -8,7 +8,7 @@ import importlib
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from .compiled import GPU_BLOCK, MODULES, compile_modules, start_warp
+from .compiled import GPU_BLOCK, MODULES, ON_CPU_ONLY, compile_modules, start_warp
 from .layout import FOLDED
 from .module_copies import copy_module
 from .record import Call
@@ -27,7 +27,7 @@ def padded_length(length: int) -> int:
 def load() -> dict[str, Any]:
     """Compile every kernel for the GPU, or fetch it from Warp's kernel cache; Warp's kernels by name."""
     start_warp()
-    copies = [copy_module(name, CHUNK, "", LANES) for name in MODULES]
+    copies = [copy_module(name, CHUNK, "", LANES) for name in MODULES if name not in ON_CPU_ONLY]
     folds = importlib.import_module(f"{__package__}.warp_folds")
     return compile_modules([*copies, folds], "cuda")
 

@@ -67,7 +67,7 @@ def base() -> str:
 def flags() -> dict[str, str]:
     """The compiler's flags for the kernels, all of them, by module. Raises `ValueError` for a bad `VARIABLE`."""
     found = {module: " ".join([base(), CANDIDATES[name]]).strip() for module, name in chosen().items()}
-    return found | {"warp_fields": found["warp_fire"]}
+    return found | dict.fromkeys(("warp_fields", "warp_columns"), found["warp_fire"])
 
 
 _lock = threading.RLock()

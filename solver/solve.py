@@ -16,7 +16,7 @@ from .strategy.to_accuracy import check_accuracy, solve_to_accuracy
 from .strategy.to_approach import solve_to_approach
 from .strategy.to_tolerance import solve_to_tolerance
 from .transforms.device import DEVICES, borrowed, check_device
-from .transforms.planned import check_settings
+from .transforms.planner import check_settings
 
 
 @on_one_thread

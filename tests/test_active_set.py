@@ -27,7 +27,7 @@ from linecontact.solver.methods import Setting, active_set, relax
 from linecontact.solver.methods.active_set import greens_function
 from linecontact.solver.methods.active_set import preconditioner as deflation
 from linecontact.solver.methods.active_set.search import Search
-from linecontact.solver.transforms import plain, planned
+from linecontact.solver.transforms import plain, real
 
 
 def test_patches_that_share_an_unknown_take_longer(monkeypatch):
@@ -188,7 +188,7 @@ def test_what_saves_memory_on_large_grids_changes_nothing(layer, monkeypatch):
     scene = Scene(layer, RoughIndenter(0.8, 1), 0.01, num_points=2**16)
     usual = solve(scene)
     forget()
-    for module, name in ((greens_function, "_KEPT"), (planned, "_IN_PLACE"), (plain, "_KEPT_UP_TO")):
+    for module, name in ((greens_function, "_KEPT"), (real, "_IN_PLACE"), (plain, "_KEPT_UP_TO")):
         monkeypatch.setattr(module, name, 2**12)
     saving = solve(scene)
     forget()

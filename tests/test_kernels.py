@@ -36,6 +36,7 @@ NUM_OUTPUTS = {
     "plain_sums": 4,
     "restrict_to_free": 2,
 }
+OF_COLUMNS = ("unpack_columns", "pack_columns")
 NUM_OUTPUTS |= {"advance_response": 1, "count_below": 1}
 
 
@@ -74,9 +75,9 @@ def make_arrays(kernel, length, precision, seed):
     return arrays
 
 
-def run(backend, kernel, arrays):
+def run(backend, kernel, arrays, outputs=None):
     copies = [array.copy() for array in arrays]
-    outputs = NUM_OUTPUTS.get(kernel, 2)
+    outputs = outputs or NUM_OUTPUTS.get(kernel, 2)
     call = Call(kernel, tuple(copies[:-outputs]), tuple(copies[-outputs:]))
     record(backend, [call])()
     return copies
@@ -97,6 +98,47 @@ def test_kernel_against_twin(kernel, length, precision):
             # at most two roundings apart (fused multiply-add); terms are below 10
             np.testing.assert_allclose(a, b, rtol=4 * eps, atol=20 * eps)
         assert a.dtype == before.dtype
+
+
+@pytest.mark.parametrize("precision", PRECISIONS)
+@pytest.mark.parametrize("num_rows", [2, 8, 15, 30, 64])
+@pytest.mark.parametrize("kernel", OF_COLUMNS)
+def test_columns_against_twin(kernel, num_rows, precision):
+    """What is not theirs, padding of the columns and spectra beyond the last, stays as it is."""
+    rng, count = np.random.default_rng(num_rows), num_rows // 2 + 1
+    turns = padded_length(2 * layout.COLUMNS * count), padded_length(2 * count)
+    near, far = (rng.standard_normal(size).astype(precision) for size in turns)
+    columns = rng.standard_normal(num_rows * layout.STRIDE).astype(precision)
+    spectra = rng.standard_normal(near.size).astype(precision)
+    arrays = [near, far, columns, spectra] if kernel == "unpack_columns" else [near, far, spectra, columns]
+    *_, before = arrays
+    *same, warp = run("warp", kernel, arrays, outputs=1)
+    *_, twin = run("numpy", kernel, arrays, outputs=1)
+    # products of three factors below 5, and a few roundings
+    np.testing.assert_allclose(warp, twin, rtol=0, atol=100 * np.finfo(precision).eps)
+    for array, given in zip(same, arrays, strict=False):
+        np.testing.assert_array_equal(array, given)
+    kept = warp == before
+    if kernel == "unpack_columns":
+        assert kept[2 * layout.COLUMNS * count :].all()
+        assert not kept[: 2 * layout.COLUMNS * count].any()
+    else:
+        np.testing.assert_array_equal(kept.reshape(-1, layout.STRIDE)[0], np.arange(layout.STRIDE) >= layout.COLUMNS)
+        assert kept.sum() == num_rows * (layout.STRIDE - layout.COLUMNS)
+
+
+def test_packed_columns_are_what_was_unpacked():
+    """With twiddle factors of size 1, but for a factor of 2; the first and the last row stand for themselves."""
+    rng, num_rows = np.random.default_rng(0), 16
+    turns = np.exp(2j * np.pi * rng.random(layout.COLUMNS * 16)).view(float)
+    near, far = turns[: padded_length(2 * layout.COLUMNS * 9)], np.ones(padded_length(18))
+    far[1::2] = 0
+    columns, back = rng.standard_normal(num_rows * layout.STRIDE), np.zeros(num_rows * layout.STRIDE)
+    spectra = np.zeros(near.size)
+    record("warp", [Call("unpack_columns", (near, far, columns), (spectra,))])()
+    record("warp", [Call("pack_columns", (near, far, spectra), (back,))])()
+    found, given = (each.reshape(-1, layout.STRIDE)[:, : layout.COLUMNS] for each in (back, columns))
+    np.testing.assert_allclose(found, given, atol=1e-14)
 
 
 @pytest.mark.parametrize("precision", PRECISIONS)
@@ -363,12 +405,12 @@ def test_every_element_wise_loop_is_vectorised(compiled_afresh):
             found.setdefault(names[-1].group(0), set()).add(int(width))
     exact = {
         name: [w for f, w in found.items() if re.match(rf"static void {name}_[0-9a-f]{{8}}_cpu", f)]
-        for name in ELEMENTWISE
+        for name in (*ELEMENTWISE, *OF_COLUMNS)
     }
     # float32, float64, and for one kernel both
     assert all(len(widths) == 2 + (name == "advance_response") for name, widths in exact.items()), exact
     assert all(max(w) >= 2 for widths in exact.values() for w in widths)
-    assert set(ELEMENTWISE) | {"fire_control"} == set(KERNELS)
+    assert {*ELEMENTWISE, *OF_COLUMNS, "fire_control"} == set(KERNELS)
 
 
 INTERRUPTED_IMPORT = """

@@ -16,7 +16,7 @@ from linecontact.solver.layers import coated
 from linecontact.solver.methods.active_set import elimination, storage
 from linecontact.solver.reference import closed_forms
 from linecontact.solver.strategy import certification, precision
-from linecontact.solver.transforms import planned
+from linecontact.solver.transforms import half_length
 from linecontact.studies.explore import controls
 from linecontact.studies.figures.style import ONE_COLUMN, TWO_COLUMNS
 from linecontact.studies.files import confined
@@ -149,7 +149,7 @@ def what_is_kept():
     yield "The last seven grids are kept"
     assert kept._GRIDS == 7
     yield "FIRE's float64 transforms of 2^17 to 2^19 points"
-    assert planned._HALF_LENGTH == (2**17, 2**19)
+    assert half_length._FASTER == (2**17, 2**19)
 
 
 def limits_of_scans():

@@ -4,9 +4,9 @@ import concurrent.futures
 
 import numpy as np
 import pytest
-from linecontact.kernels import record
-from linecontact.solver.transforms import plain, planned
-from linecontact.solver.transforms.planned import Pair, Transforms
+from linecontact.solver.transforms import four_step, plain, real
+from linecontact.solver.transforms.pair import Pair
+from linecontact.solver.transforms.planned import WAYS, Transforms
 
 
 @pytest.mark.parametrize("precision", ["float32", "float64"])
@@ -31,68 +31,107 @@ def test_round_trip_against_numpy(precision, n):
 
 @pytest.mark.parametrize("backend", ["warp", "numpy"])
 @pytest.mark.parametrize("precision", ["float32", "float64"])
-@pytest.mark.parametrize("half_length", [False, True])
-@pytest.mark.parametrize("n", [1024, 3072, 2**15])
-def test_a_symbol_applied_by_real_transforms_and_by_complex_ones_of_half_the_length(n, half_length, precision, backend):
-    plan = Transforms(n, precision, half_length=half_length)
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("n", [1024, 3072, 2**15, 5 * 2**12])
+def test_a_symbol_applied_in_every_way(n, way, precision, backend):
+    plan = Transforms(n, precision, backend=backend, way=way)
     rng = np.random.default_rng(0)
     values, symbol = rng.standard_normal(n).astype(precision), rng.standard_normal(n // 2 + 1)
     source, target = plan.buffer(), plan.buffer()
-    parts = plan.forward(source), record(backend, [plan.multiply(symbol, target)]), plan.inverse(target)
+    parts = plan.forward(source), plan.multiplication(symbol, target), plan.inverse(target)
     source[:] = values
+    modes = np.fft.rfft(values.astype(np.float64))
+    # rounding of values of size 1 in log2(n) passes, and of coefficients of size 1
+    bound = 3 * np.finfo(precision).eps * np.log2(n)
+    for _ in range(2):  # nothing is left of the first time
+        for part in parts:
+            part()
+        np.testing.assert_allclose(target, np.fft.irfft(modes * symbol, n), rtol=0, atol=bound)
+        np.testing.assert_array_equal(source, values)
+
+
+@pytest.mark.parametrize("backend", ["warp", "numpy"])
+@pytest.mark.parametrize("precision", ["float32", "float64"])
+@pytest.mark.parametrize("way", ["real", "four-step"])
+@pytest.mark.parametrize("n", [1024, 3072])
+def test_conjugate_modes_multiplied_and_added(n, way, precision, backend):
+    plan = Transforms(n, precision, backend=backend, way=way)
+    rng = np.random.default_rng(0)
+    values, symbol = rng.standard_normal(n).astype(precision), rng.standard_normal(n // 2 + 1)
+    turned = symbol * np.exp(1j * rng.standard_normal(symbol.size))
+    turned[[0, -1]] = turned[[0, -1]].real
+    field = plan.field()
+    parts = plan.forward(field), plan.multiplication(symbol, field, turned), plan.inverse(field)
+    field[:n] = values
     for part in parts:
         part()
-    exact = np.fft.irfft(np.fft.rfft(values.astype(np.float64)) * symbol, n)
-    # rounding of values of size 1 in log2(n) passes, and of coefficients of size 1
-    np.testing.assert_allclose(target, exact, rtol=0, atol=3 * np.finfo(precision).eps * np.log2(n))
-    np.testing.assert_array_equal(source, values)
+    modes = np.fft.rfft(values.astype(np.float64))
+    exact = np.fft.irfft(modes * symbol + modes.conj() * turned, n)
+    np.testing.assert_allclose(field[:n], exact, rtol=0, atol=6 * np.finfo(precision).eps * np.log2(n))
+
+
+@pytest.mark.parametrize("n", [1, 1000, 2**10 + 128, 3 * 2**7])
+def test_lengths_that_four_steps_do_not_divide(n):
+    with pytest.raises(ValueError, match=f"num_points is {n}; allowed for four steps: multiples of 256"):
+        Transforms(n, "float64", way="four-step")
+
+
+@pytest.mark.parametrize(("n", "length"), [(256, 128), (2**14, 128), (2**20, 1024), (2**26, 4096), (3 * 2**9, 128)])
+def test_rows_of_four_steps(n, length):
+    assert four_step.row_length(n) == length
 
 
 @pytest.mark.parametrize("n", [1000, 3072])
 def test_long_fields_share_the_spectrums_memory(n, monkeypatch):
-    monkeypatch.setattr(planned, "_IN_PLACE", n - 1)
-    plan = Transforms(n, "float64", half_length=False)
+    monkeypatch.setattr(real, "_IN_PLACE", n - 1)
+    plan = Transforms(n, "float64", way="real")
     field, symbol = plan.field(), np.random.default_rng(0).standard_normal(n // 2 + 1)
     assert np.shares_memory(field, plan.spectrum)
     assert field.shape == plan.buffer().shape
-    parts = plan.forward(field), record("warp", [plan.multiply(symbol, field)]), plan.inverse(field)
+    parts = plan.forward(field), plan.multiplication(symbol, field), plan.inverse(field)
     field[:n] = values = np.random.default_rng(1).standard_normal(n)
     for part in parts:
         part()
     exact = np.fft.irfft(np.fft.rfft(values) * symbol, n)
     np.testing.assert_allclose(field[:n], exact, rtol=0, atol=3 * np.finfo(float).eps * np.log2(n))
-    of_half_length = Transforms(2048, "float64", half_length=True)  # whose kernel reads one while it writes the other
+    of_half_length = Transforms(2048, "float64", way="half-length")  # whose kernel reads one while it writes the other
     assert not np.shares_memory(of_half_length.field(), of_half_length.spectrum)
-    monkeypatch.setattr(planned, "_IN_PLACE", n)
+    monkeypatch.setattr(real, "_IN_PLACE", n)
     assert not np.shares_memory(plan.field(), plan.spectrum)
 
 
 @pytest.mark.parametrize(
     ("n", "settings", "expected"),
     [
-        (2**16, {}, False),
-        (2**17, {}, True),
-        (2**19, {}, True),
-        (2**20, {}, False),
-        (2**18 + 2, {}, False),
-        (2**18, {"threads": 2}, False),
-        (2**18, {"half_length": False}, False),
+        (2**16, {}, "real"),
+        (2**17, {}, "half-length"),
+        (2**19, {}, "half-length"),
+        (2**20, {}, "four-step"),
+        (2**18 + 2, {}, "real"),
+        (2**20 + 2, {}, "real"),
+        (2**18, {"threads": 2}, "real"),
+        (2**20, {"threads": 2}, "real"),
+        (2**17, {"apart": True}, "real"),
+        (2**18, {"apart": True}, "four-step"),
+        (2**18, {"precision": "float32", "apart": True}, "real"),
+        (2**18, {"precision": "float32"}, "real"),
+        (2**20, {"precision": "float32"}, "four-step"),
+        (2**20, {"planning": "measure"}, "real"),
+        (2**18, {"way": "real"}, "real"),
     ],
 )
-def test_half_the_length_where_it_is_faster(wisdom_cache, n, settings, expected):
-    assert Transforms(n, "float64", **settings).half_length == expected
-    assert not Transforms(n, "float32", **settings).half_length
-    assert not Transforms(n, "float64", planning="measure", **settings).half_length
+def test_the_way_that_is_fastest(wisdom_cache, n, settings, expected):
+    assert Transforms(n, **{"precision": "float64"} | settings).way == expected
 
 
 def test_tables_of_long_transforms_are_kept_for_one_length(wisdom_cache, monkeypatch):
-    monkeypatch.setattr(planned, "_TABLES", (1024, 4096))
-    planned._keep_tables.cache_clear()
+    monkeypatch.setattr(real, "_TABLES", (1024, 4096))
+    real._keep_tables.cache_clear()
     found = []
     for n in (1024, 2048, 2048, 8192):
-        transforms = Transforms(n, "float64", half_length=False)
+        transforms = Transforms(n, "float64", way="real")
         transforms.forward(transforms.buffer())
-        found.append(planned._keep_tables.cache_info())
+        found.append(real._keep_tables.cache_info())
     assert (found[2].misses, found[2].hits, found[2].currsize) == (2, 1, 1)
     assert found[3].currsize == 0  # longer ones need the memory
 

@@ -10,7 +10,7 @@ import pyfftw
 import pytest
 from linecontact.solver import Layer, RoughIndenter, Scene, solve
 from linecontact.solver.grid import kept
-from linecontact.solver.transforms import planned, wisdom
+from linecontact.solver.transforms import half_length, wisdom
 from linecontact.solver.transforms.planned import Transforms
 
 
@@ -22,14 +22,14 @@ def begin_anew():
 
 
 def test_a_measured_plan_is_used_ever_after(wisdom_cache, monkeypatch):
-    monkeypatch.setattr(planned, "_HALF_LENGTH", (1024, 1024))
-    assert Transforms(1024, "float64").half_length
+    monkeypatch.setattr(half_length, "_FASTER", (1024, 1024))
+    assert Transforms(1024, "float64").way == "half-length"
     measured = Transforms(1024, "float64", planning="measure")
     measured.forward(measured.buffer())
     begin_anew()
     again = Transforms(1024, "float64")
     again.forward(again.buffer())
-    assert (again.half_length, again.known, again.planned) == (False, 1, 0)
+    assert (again.way, again.planner.known, again.planner.planned) == ("real", 1, 0)
 
 
 def test_wisdom_is_kept_and_read(wisdom_cache):
@@ -93,7 +93,7 @@ def plan_both(precision="float64", planning="measure", threads=1):
     transforms = Transforms(64, precision, threads, planning)
     transforms.forward(transforms.buffer())
     transforms.inverse(transforms.buffer())
-    return transforms.known, transforms.planned
+    return transforms.planner.known, transforms.planner.planned
 
 
 @pytest.mark.parametrize("threads", [1, 2])
@@ -135,8 +135,8 @@ def solve_counted(monkeypatch):
         made.clear()
         scene = Scene(Layer(0.1), RoughIndenter(0.8, 0, 1 / 4, 1 / 16), 1e-2, num_points=2**12, precision=precision)
         solve(scene, **options)
-        measured = [each for each in made if each.planning == "measure"]
-        return sum(each.known for each in measured), sum(each.planned for each in measured)
+        measured = [each for each in made if each.planner.planning == "measure"]
+        return sum(each.planner.known for each in measured), sum(each.planner.planned for each in measured)
 
     monkeypatch.setattr(Transforms, "__init__", noted)
     return counted
@@ -186,7 +186,7 @@ def test_a_second_process_plans_nothing(wisdom_cache):
         "for length in (64, 256):\n"
         "    t = Transforms(length, 'float64', planning='measure')\n"
         "    t.forward(t.buffer()), t.inverse(t.buffer())\n"
-        "    print(t.known, t.planned)\n"
+        "    print(t.planner.known, t.planner.planned)\n"
     )
     printed = [subprocess.run([sys.executable, "-c", program], capture_output=True, text=True) for _ in range(2)]
     assert [(each.stdout.split(), each.stderr) for each in printed] == [(["0", "2"] * 2, ""), (["2", "0"] * 2, "")]

@@ -22,8 +22,8 @@ import numpy as np
 
 from .. import display
 from ..arrays import Array64, Mask, parts
+from ..transforms.pair import Pair
 from ..transforms.plain import guard, pair
-from ..transforms.planned import Pair
 from .problem import Problem
 
 

@@ -86,7 +86,7 @@ class Fire(Method):
 
     def _operator(self, source: Array, symbol: Array64) -> Operator:
         """Forward transform of `source`, multiplication by `symbol`, shape (N//2 + 1,), inverse transform to `work`."""
-        multiply = self._replay(self.transforms.multiply(symbol, self.work))
+        multiply = self.transforms.multiplication(symbol, self.work)
         return self.transforms.forward(source), multiply, self._inverse
 
     def _replay(self, *calls: Call) -> Callable[[], None]:

@@ -151,7 +151,7 @@ def begin_fire(kind: type[Fire], problem: Problem, setting: Setting) -> Method:
 
         state, net_force = begin(kind, problem, setting)
     else:
-        means = setting.working_precision, setting.threads, setting.planning
+        means = setting.working_precision, setting.threads, setting.planning, setting.backend
         transforms, net_force = Transforms(problem.num_points, *means), problem.net_force
         state = kind(problem, transforms, setting.tolerance, setting.backend, own_load=setting.precision == "mixed")
     return RebasedFire(state, net_force) if setting.precision == "mixed" else state

@@ -59,11 +59,11 @@ class Transforms(Place):
         """A function without arguments that puts kernels into the queue, in order; Warp runs them all."""
         return on_gpu.prepare(calls)
 
-    def multiply(self, symbol: Array64, target: Array) -> Call:
+    def multiplication(self, symbol: Array64, target: Array) -> Callable[[], None]:
         coefficient = self.buffer(2 * symbol.size)
         for part in range(2):
             coefficient[part : 2 * symbol.size : 2] = cupy.asarray(symbol / self.num_points)
-        return Call("spectral_multiply", (coefficient,), (self.spectrum,))
+        return self.record("warp", [Call("spectral_multiply", (coefficient,), (self.spectrum,))])
 
     def forward(self, source: Array) -> Callable[[], None]:
         return self._execute(self._forward, source[: self.num_points], self._modes(), cufft.CUFFT_FORWARD)

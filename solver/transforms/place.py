@@ -43,9 +43,9 @@ class Place(Protocol):
         """A function without arguments that runs kernels in order; backend: see `Setting.backend`."""
 
     @abstractmethod
-    def multiply(self, symbol: Array64, target: Array) -> Call:
-        """The kernel between `forward` and `inverse` to this target that multiplies by a symbol, shape (N//2 + 1,),
-        and by what normalises the inverse.
+    def multiplication(self, symbol: Array64, target: Array) -> Callable[[], None]:
+        """A function without arguments that multiplies by a symbol, shape (N//2 + 1,), and by what normalises the
+        inverse, between `forward` and `inverse` to this target.
         """
 
     @abstractmethod

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..arrays import Array64, Modes
 from .fftw import pyfftw
-from .planned import Pair
+from .pair import Pair
 
 _PLANNED_FROM = 2**12
 """Values from which FFTW is faster, its planning included."""

@@ -9,7 +9,7 @@ import warp as wp
 from linecontact import kernels
 from linecontact.kernels import tuning
 from linecontact.solver import provenance
-from linecontact.solver.transforms import planned, wisdom
+from linecontact.solver.transforms import planner, wisdom
 from linecontact.solver.transforms.device import check_device, gpu_libraries
 
 from ..terminal import console
@@ -39,7 +39,7 @@ def command(_: Options) -> int:
     table = Whole(title="linecontact", show_header=False)
     rows = {
         **provenance.provenance(),
-        "FFTW": planned.library(),
+        "FFTW": planner.library(),
         "threads": f"FFTW 1 by default (--threads), Warp 1; {len(os.sched_getaffinity(0))} cores usable"
         if hasattr(os, "sched_getaffinity")
         else str(os.cpu_count()),

@@ -79,7 +79,7 @@ def make_scene(name: str, log2_num_points: int) -> Scene:
 
 def pair_seconds(num_points: int) -> float:
     """Median time of one real forward-inverse pair in float64, plans by estimate [s]."""
-    transforms = Transforms(num_points, "float64", half_length=False)
+    transforms = Transforms(num_points, "float64", way="real")
     buffer = transforms.buffer()
     forward, inverse = transforms.forward(buffer), transforms.inverse(buffer)
     times = []

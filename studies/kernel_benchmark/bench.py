@@ -35,7 +35,7 @@ class Bench:
         if num_points % CHUNK and benchmark.group != "transforms":
             raise ValueError(f"size is {num_points}; allowed for {benchmark.name}: a multiple of {CHUNK}")
         self.benchmark, self.precision, self.num_points = benchmark, precision, num_points
-        self.transforms = transforms = Transforms(num_points, precision, half_length=benchmark.half_length)
+        self.transforms = transforms = Transforms(num_points, precision, way=benchmark.way)
         self._start = benchmark.make(num_points, precision)
         self.arrays: dict[str, Array] = {}
         for argument in benchmark.arrays:

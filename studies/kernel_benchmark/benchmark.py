@@ -129,9 +129,9 @@ class Benchmark:
         return self.group == "transforms" or any(part.transforms for part in self.parts)
 
     @property
-    def half_length(self) -> bool:
-        """Whether its real transforms are taken as complex ones of half the length."""
-        return any(line.kernel == "paired_multiply" for line in self.lines)
+    def way(self) -> str:
+        """How its real transforms are done, see `linecontact.solver.transforms.planned`."""
+        return "half-length" if any(line.kernel == "paired_multiply" for line in self.lines) else "real"
 
     def traffic(self, num_points: int, precision: str) -> int:
         """Bytes that a call reads and writes: each array once, and twice what is changed in place; of several kernels
@@ -161,7 +161,7 @@ class Benchmark:
             elif argument.role in ("out", "sum"):
                 values[:] = 0
             elif self.transforms and argument.name in ("coefficient", "weight", "straight", "crossed"):
-                values /= num_points // 2 if self.half_length else num_points  # the transforms' factor
+                values /= num_points // 2 if self.way == "half-length" else num_points  # the transforms' factor
         return made
 
 

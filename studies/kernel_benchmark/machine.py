@@ -19,7 +19,7 @@ from typing import Any
 from linecontact import kernels, solver
 from linecontact.kernels import tuning
 from linecontact.solver.provenance import provenance
-from linecontact.solver.transforms import planned
+from linecontact.solver.transforms import planner
 
 from .benchmark import PRECISIONS
 from .benchmarks import BENCHMARKS
@@ -36,7 +36,7 @@ def identity() -> dict[str, str]:
 
     kernels.load()
     libraries = {name: version(name) for name in ("warp-lang", "numpy", "pyfftw")}
-    libraries |= {"FFTW": planned.library(), "Python": platform.python_version()}
+    libraries |= {"FFTW": planner.library(), "Python": platform.python_version()}
     found = {
         "source": source_hash(),
         "flags": _flags(),

@@ -76,7 +76,7 @@ def _numpy_transform(arrays: Arrays, line: Line) -> Run:
     def half_length_inverse() -> None:
         target[:n] = np.fft.ifft(source[:n].view(pairs), norm="forward").view(source.dtype)
 
-    if arrays.transforms.half_length:
+    if arrays.transforms.way == "half-length":
         return half_length_forward if line.kernel == "forward" else half_length_inverse
     return forward if line.kernel == "forward" else inverse
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from linecontact.solver.transforms import wisdom
 from linecontact.solver.transforms.fftw import pyfftw
-from linecontact.solver.transforms.planned import PLANNING
+from linecontact.solver.transforms.planner import PLANNING
 
 from .benchmark import Array, Benchmark
 from .benchmarks import ROW

@@ -14,7 +14,6 @@ values for which no kernel rounds anything it must give exactly what the NumPy t
 docs/examples/kernel_variants.py.
 """
 
-import copy
 import functools
 import importlib.util
 import itertools
@@ -32,7 +31,8 @@ from linecontact import kernels
 from linecontact.kernels import CHUNK
 from linecontact.kernels.sequences import Line
 from linecontact.solver import checks
-from linecontact.solver.transforms.planned import Transforms, check_settings
+from linecontact.solver.transforms.planned import Transforms
+from linecontact.solver.transforms.planner import check_settings
 
 from .benchmark import Array, Benchmark
 from .benchmarks import BENCHMARKS
@@ -139,8 +139,7 @@ def replanned(benchmark: str, name: str, planning: str = "estimate", threads: in
     threads, planning = check_settings(threads, planning)
 
     def build(arrays: Arrays) -> Runs:
-        arrays.transforms = copy.copy(arrays.transforms)  # on the same buffers
-        arrays.transforms.planning, arrays.transforms.threads = planning, threads
+        arrays.transforms = arrays.transforms.replanned(threads, planning)
         return warp_lines(arrays, kernels.load())
 
     _register(benchmark, Variant(name, build, threads=threads, wisdom=planning != "estimate"))

@@ -1,6 +1,5 @@
 """The operator of the active set: G on a pressure of the contact nodes, or K on a displacement of the free nodes."""
 
-from ....kernels import record
 from ...arrays import Array64, Indices
 from ...transforms.planned import Transforms
 from .storage import Whole
@@ -12,12 +11,12 @@ class Compliance:
     The symbol, G(q_k) or K(q_k), has the shape (N//2 + 1,). The transforms have the storage's length.
     """
 
-    def __init__(self, symbol: Array64, storage: Whole, transforms: Transforms, backend: str) -> None:
+    def __init__(self, symbol: Array64, storage: Whole, transforms: Transforms) -> None:
         self.new_field = transforms.buffer
         """Makes a field of the target's length and type."""
         self.target = transforms.field()
         forward, inverse = transforms.forward(self.target), transforms.inverse(self.target)
-        multiply = record(backend, [storage.multiply(symbol, transforms, self.target)], seldom=True)
+        multiply = storage.multiplication(symbol, transforms, self.target)
         self._parts = forward, multiply, inverse
         self.pair_length = storage.length / storage.num_points
         """Length of its transforms over N (dimensionless)."""

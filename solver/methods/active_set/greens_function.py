@@ -10,8 +10,8 @@ from functools import cached_property
 import numpy as np
 
 from ...arrays import Array64, Indices
+from ...transforms.pair import Pair
 from ...transforms.plain import hfft, irfft
-from ...transforms.planned import Pair
 
 
 def inverse_cholesky(column: Array64, order: int) -> Array64:

@@ -20,8 +20,8 @@ from functools import cached_property
 import numpy as np
 
 from ...arrays import Array64, Indices
+from ...transforms.pair import Pair
 from ...transforms.plain import irfft
-from ...transforms.planned import Pair
 
 _NEGLECTED = 1e-5
 """Of either part, over the largest value of `near` (dimensionless)."""

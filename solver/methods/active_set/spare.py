@@ -59,13 +59,14 @@ class Spare:
         symbol: of the operator, shape (N//2 + 1,), always the same by that name.
         """
         kept = storage.num_points <= _MOST_POINTS
-        halved = storage.length == storage.num_points and setting.tolerance > _TIMES_ROUNDING * _rounding_of(symbol)
+        whole = storage.length == storage.num_points
+        apart = not whole or setting.tolerance <= _TIMES_ROUNDING * _rounding_of(symbol)
         means = setting.precision, setting.threads, setting.planning, setting.backend
-        shelf = self._shelves[name, storage.length, halved, *means]
+        shelf = self._shelves[name, storage.length, apart, *means]
         try:
             return Loan(shelf.pop(), shelf, kept)
         except IndexError:  # all are in use
-            make = partial(_operators, symbol, storage, setting, half_length=None if halved else False)
+            make = partial(_operators, symbol, storage, setting, apart=apart)
             return Loan(Everywhere(storage, make, setting.backend, large=not kept), shelf, kept)
 
 
@@ -75,12 +76,12 @@ def _rounding_of(symbol: Array64) -> float:
     return float(np.finfo(np.float64).eps) * float(symbol.max()) / weakest if weakest > 0 else math.inf
 
 
-def _operators(symbol: Array64, storage: Whole, setting: Setting, half_length: bool | None) -> Operators:
+def _operators(symbol: Array64, storage: Whole, setting: Setting, apart: bool) -> Operators:
     """For search directions and for the field itself."""
 
     def operator(precision: str) -> Compliance:
-        transforms = Transforms(storage.length, precision, setting.threads, setting.planning, half_length)
-        return Compliance(symbol, storage, transforms, setting.backend)
+        how = setting.threads, setting.planning, setting.backend
+        return Compliance(symbol, storage, Transforms(storage.length, precision, *how, apart=apart))
 
     directions = operator(setting.working_precision)
     return directions, operator("float64") if setting.precision == "mixed" else directions

@@ -14,9 +14,10 @@ with Y_k - i Y_(n-k) = 2 exp(-i theta) V_k, theta = pi k/N (J. Makhoul, IEEE Tra
 The fields stay packed; contact nodes, patches and their preconditioner are those of the whole.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 
-from ....kernels import Call
 from ...arrays import Array, Array64, Indices
 from ...grid.problem import Problem
 from ...transforms.planned import Transforms
@@ -68,11 +69,11 @@ class Whole:
         """For each contact node the index in `nodes` of its mirror image, of their shape; None without symmetry."""
         return None
 
-    def multiply(self, symbol: Array64, transforms: Transforms, target: Array) -> Call:
-        """The kernel between the transforms of a field to this target that multiplies by a symbol, shape (N//2 + 1,),
-        and normalises.
+    def multiplication(self, symbol: Array64, transforms: Transforms, target: Array) -> Callable[[], None]:
+        """A function without arguments that multiplies by a symbol, shape (N//2 + 1,), and normalises, between the
+        transforms of a field to this target.
         """
-        return transforms.multiply(symbol, target)
+        return transforms.multiplication(symbol, target, seldom=True)
 
 
 class Half(Whole):
@@ -112,16 +113,12 @@ class Half(Whole):
         order = np.argsort(nodes, kind="stable")
         return order[np.searchsorted(nodes, self.num_points - 1 - nodes, sorter=order)]
 
-    def multiply(self, symbol: Array64, transforms: Transforms, target: Array) -> Call:
+    def multiplication(self, symbol: Array64, transforms: Transforms, target: Array) -> Callable[[], None]:
         n = self.length
-        symbol = symbol / n
         k = np.arange(n // 2 + 1)
-        straight, crossed = (transforms.buffer(n + 2) for _ in range(2))
         mean, difference = (symbol[k] + symbol[n - k]) / 2, (symbol[k] - symbol[n - k]) / 2
-        turn = difference * np.exp(2j * np.pi * k / self.num_points)
-        straight[: n + 2] = np.stack([mean + turn.real, mean - turn.real], axis=1).ravel()
-        crossed[: n + 2] = np.repeat(turn.imag, 2)
-        return Call("mirror_multiply", (straight, crossed), (transforms.spectrum,))
+        turned = difference * np.exp(2j * np.pi * k / self.num_points)
+        return transforms.multiplication(mean, target, turned, seldom=True)
 
 
 def is_even(height: Array64, most: float = 0.0, reach: float = np.inf) -> bool:

@@ -1,0 +1,76 @@
+"""Warp kernels between the two halves of a four-step transform, `solver/transforms/four_step.py`, float32 and float64.
+
+N = R C real values stand in R rows of C. Some columns at a time, two of them are taken as one complex column and
+transformed; these kernels take the two spectra apart, and turn them by the twiddle factors exp(-2 pi i k c/N) of row k
+and column c. A factor is the product of two: that of the column from the first one here, `near`, and that of the first
+column, `far`. Of the R spectral rows only R/2 + 1 are needed.
+
+A thread works on the rows that `near` has a chunk for. Complex numbers are (re, im) on flat real views.
+"""
+
+from typing import Any
+
+import warp as wp
+
+from .layout import CHUNK, COLUMNS, STRIDE
+
+wp.set_module_options({"enable_backward": False})
+
+CHUNK_LENGTH = wp.constant(CHUNK)
+PAIRS = wp.constant(COLUMNS // 2)
+COLUMNS_LENGTH = wp.constant(STRIDE)
+SPECTRA_LENGTH = wp.constant(2 * COLUMNS)
+
+
+@wp.kernel
+def unpack_columns(near: wp.array[Any], far: wp.array[Any], columns: wp.array[Any], spectra: wp.array[Any]):
+    """The spectra of two real columns from that of the complex one, each times its twiddle factor."""
+    num_rows = columns.shape[0] // COLUMNS_LENGTH
+    first = wp.tid() * (CHUNK_LENGTH // SPECTRA_LENGTH)
+    last = wp.min(first + CHUNK_LENGTH // SPECTRA_LENGTH, num_rows // 2 + 1)
+    half = columns.dtype(0.5)
+    for k in range(first, last):
+        here = wp.max(k * COLUMNS_LENGTH, 0)  # LLVM must see that no index is negative
+        mirrored = wp.max((num_rows - k) % num_rows * COLUMNS_LENGTH, 0)
+        row = wp.max(k * SPECTRA_LENGTH, 0)
+        far_re, far_im = far[2 * k], far[2 * k + 1]
+        for c in range(PAIRS):
+            i, j, q = here + 2 * c, mirrored + 2 * c, row + 4 * c
+            re, im, mirrored_re, mirrored_im = columns[i], columns[i + 1], columns[j], columns[j + 1]
+            a_re, a_im = half * (re + mirrored_re), half * (im - mirrored_im)
+            b_re, b_im = half * (im + mirrored_im), half * (mirrored_re - re)
+            turn_re = far_re * near[q] - far_im * near[q + 1]
+            turn_im = far_re * near[q + 1] + far_im * near[q]
+            spectra[q] = a_re * turn_re - a_im * turn_im
+            spectra[q + 1] = a_re * turn_im + a_im * turn_re
+            turn_re = far_re * near[q + 2] - far_im * near[q + 3]
+            turn_im = far_re * near[q + 3] + far_im * near[q + 2]
+            spectra[q + 2] = b_re * turn_re - b_im * turn_im
+            spectra[q + 3] = b_re * turn_im + b_im * turn_re
+
+
+@wp.kernel
+def pack_columns(near: wp.array[Any], far: wp.array[Any], spectra: wp.array[Any], columns: wp.array[Any]):
+    """The way back: turned by the conjugate factors, two spectra as that of one complex column, without a factor 2."""
+    num_rows = columns.shape[0] // COLUMNS_LENGTH
+    first = wp.tid() * (CHUNK_LENGTH // SPECTRA_LENGTH)
+    last = wp.min(first + CHUNK_LENGTH // SPECTRA_LENGTH, num_rows // 2 + 1)
+    for k in range(first, last):
+        here = wp.max(k * COLUMNS_LENGTH, 0)  # LLVM must see that no index is negative
+        mirrored = wp.max((num_rows - k) % num_rows * COLUMNS_LENGTH, 0)
+        row = wp.max(k * SPECTRA_LENGTH, 0)
+        far_re, far_im = far[2 * k], far[2 * k + 1]
+        for c in range(PAIRS):
+            i, j, q = here + 2 * c, mirrored + 2 * c, row + 4 * c
+            turn_re = far_re * near[q] - far_im * near[q + 1]
+            turn_im = far_re * near[q + 1] + far_im * near[q]
+            a_re = spectra[q] * turn_re + spectra[q + 1] * turn_im
+            a_im = spectra[q + 1] * turn_re - spectra[q] * turn_im
+            turn_re = far_re * near[q + 2] - far_im * near[q + 3]
+            turn_im = far_re * near[q + 3] + far_im * near[q + 2]
+            b_re = spectra[q + 2] * turn_re + spectra[q + 3] * turn_im
+            b_im = spectra[q + 3] * turn_re - spectra[q + 2] * turn_im
+            columns[i] = a_re - b_im
+            columns[i + 1] = a_im + b_re
+            columns[j] = a_re + b_im
+            columns[j + 1] = b_re - a_im

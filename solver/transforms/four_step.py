@@ -1,0 +1,200 @@
+"""Long real transforms in four steps, on parts that fit into the processor's cache.
+
+N = R C values stand in R rows of C columns, x_(C r + c). With w_N = exp(-2 pi i/N), mode k + R m is
+
+    X_(k + R m) = sum_c w_C^(c m) { w_N^(c k) [ sum_r w_R^(r k) x_(C r + c) ] }:
+
+transforms of the columns, twiddle factors, transforms of the rows (W. M. Gentleman and G. Sande, AFIPS Conf. Proc. 29,
+563 (1966); D. H. Bailey, J. Supercomputing 4, 23 (1990)). The fourth step, a transposition, is left out: what
+multiplies the modes is put into their order instead. So a transform there and back goes over the memory three times:
+forward along the columns, along the rows there and back with the multiplication in between, backward along the columns.
+FFTW's plans for long transforms go over it many times.
+
+Two real columns are transformed as one complex column and then taken apart, so R/2 + 1 rows are all that is needed, and
+long and short waves do not share their rounding. Columns that are worked on at a time are put where their values were,
+as R/2 rows of twice as many values; only the last row, k = R/2, comes behind them.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ...kernels import CHUNK, Call, layout, padded_length
+from ..arrays import Array, Array64, Indices, Modes
+from .planner import Planner
+
+_FASTER = 2**20
+"""Values from which it takes less time than any other way, if FFTW estimates: 0.8 of it at first, 0.4 on 2^22."""
+_FASTER_THAN_REAL = 2**18
+"""Values, in float64, from which it takes less time than real transforms."""
+
+_ROWS = 4  # that are transformed at a time
+_SHORTEST_ROW = CHUNK // (2 * _ROWS)  # complex numbers; a multiple of the columns that are worked on at a time
+_LONGEST_ROW = 2**12  # whose transform stays in the cache
+
+
+def row_length(num_points: int) -> int:
+    """C, a power of two about as large as R = N/C, which is even; 0 where there is none that is long enough."""
+    length = _LONGEST_ROW
+    while length > _SHORTEST_ROW and (num_points % (2 * length) or (length // 2) ** 2 >= num_points):
+        length //= 2
+    return 0 if num_points % (2 * length) else length
+
+
+def is_faster(num_points: int, planner: Planner, apart: bool) -> bool:
+    """Whether it takes less time than the other ways that are allowed; apart: only real transforms are."""
+    least = _FASTER_THAN_REAL if apart and planner.real == np.float64 else _FASTER
+    return num_points >= least and row_length(num_points) > 0 and planner.has_poor_plan(num_points)
+
+
+class FourStep:
+    """Transforms of N = R C values. spectrum: R/2 + 1 rows of C complex numbers, stored as the module's head has it."""
+
+    def __init__(self, num_points: int, planner: Planner) -> None:
+        self.num_points, self.planner = num_points, planner
+        self._row = row_length(num_points)
+        if not self._row:
+            raise ValueError(f"num_points is {num_points}; allowed for four steps: multiples of {2 * _SHORTEST_ROW}")
+        self._num_rows = num_points // self._row // 2 + 1
+        batches = -(-self._num_rows // _ROWS)
+        self.spectrum = planner.buffer(max(2 * self._row * _ROWS * batches, padded_length(num_points)))
+        self._rows = planner.buffer(2 * self._row * _ROWS)
+        self._columns = _Columns(num_points, self._row, planner)
+
+    def field(self) -> Array:
+        """A buffer for N values that are transformed there and back; it shares the spectrum's memory."""
+        return self.spectrum[: padded_length(self.num_points)]
+
+    def forward(self, source: Array) -> Callable[[], None]:
+        """Plan source[:N] -> columns transformed and turned."""
+        return self._columns.forward(source[: self.num_points].reshape(-1, self._row), self._split)
+
+    def inverse(self, target: Array) -> Callable[[], None]:
+        """Plan columns turned back and transformed -> target[:N], times R."""
+        return self._columns.inverse(self._split, target[: self.num_points].reshape(-1, self._row))
+
+    @property
+    def _split(self) -> Array:
+        """The spectrum by row, half of the columns worked on at a time, and value."""
+        return self.spectrum[: 2 * self._row * self._num_rows].reshape(-1, 2, self._row)
+
+    def multiplication(self, symbol: Array64, target: Array, turned: Modes | None, seldom: bool) -> Callable[[], None]:
+        """See `planned.Transforms.multiplication`; the rows are transformed before, and back after it."""
+        rows, width = self._rows, layout.COLUMNS
+        all_rows = self.spectrum[: self.spectrum.size // rows.size * rows.size]
+        stored = all_rows.reshape(-1, _ROWS, 2, self._row // width, width).swapaxes(2, 3)
+        held = rows.reshape(_ROWS, -1, 2, width)  # the halves of the columns beside each other
+        modes = self.planner.complex(rows).reshape(_ROWS, -1)
+        forward = self.planner.plan(modes, modes, "FFTW_FORWARD")
+        inverse = self.planner.plan(modes, modes, "FFTW_BACKWARD")
+        factors = self._factors(symbol, turned)
+        now = tuple(self.planner.buffer(rows.size) for _ in factors)
+        kernel = "spectral_multiply" if turned is None else "mirror_multiply"
+        multiply = self.planner.record([Call(kernel, now, (rows,))])
+
+        def run() -> None:
+            for values, *given in zip(stored, *factors, strict=True):
+                held[:] = values
+                for buffer, factor in zip(now, given, strict=True):
+                    buffer[:] = factor
+                forward()
+                multiply()
+                inverse()
+                values[:] = held
+
+        return run
+
+    def _factors(self, symbol: Array64, turned: Modes | None) -> list[Array]:
+        """What the kernel multiplies the rows by, shape (batches of rows, values) each."""
+        n, values = self.num_points, self._by_row(symbol)
+        if turned is None:
+            values /= n
+            return [self._in_batches(values, values)]
+        real, imaginary = self._by_row(turned.real), self._by_row(turned.imag, conjugate=True)
+        pairs = (values + real, values - real), (imaginary, imaginary)
+        return [self._in_batches(re / n, im / n) for re, im in pairs]
+
+    def _in_batches(self, re: Array64, im: Array64) -> Array:
+        count = -(-self._num_rows // _ROWS)
+        factors = self.planner.buffer(self._rows.size * count)[: self._rows.size * count]
+        both = factors[: 2 * re.size].reshape(*re.shape, 2)
+        both[..., 0], both[..., 1] = re, im
+        return factors.reshape(count, -1)
+
+    def _by_row(self, half: Array64, conjugate: bool = False) -> Array64:
+        """All modes' values in the order of the spectrum, shape (R/2 + 1, C), from those of the half spectrum;
+        conjugate: the others have the opposite sign.
+        """
+        by_column = half[:-1].reshape(self._row // 2, -1)  # k + R m by m and k
+        found = np.empty((self._num_rows, self._row))
+        first, others = np.split(found, 2, axis=1)
+        first[:] = by_column[:, : self._num_rows].T
+        others[1:] = by_column[::-1, : -self._num_rows : -1].T  # N - k - R m
+        others[0, 0], others[0, 1:] = half[-1], first[0, :0:-1]
+        if conjugate:
+            others *= -1
+        return found
+
+
+class _Columns:
+    """The columns' transforms with their twiddle factors, some columns at a time."""
+
+    def __init__(self, num_points: int, row: int, planner: Planner) -> None:
+        """row: C, the number of columns."""
+        width, num_rows = layout.COLUMNS, num_points // row
+        count = num_rows // 2 + 1
+        self._starts = range(0, row, width)
+        self._near = planner.buffer(2 * width * count)
+        turns = np.arange(count)[:, None] * np.arange(width)
+        planner.complex(self._near)[: turns.size] = _twiddle_factors(turns, num_points).ravel()
+        self._far = planner.buffer(2 * count)
+        self._all_far = np.zeros((len(self._starts), self._far.size), self._far.dtype)
+        turns = np.array(self._starts)[:, None] * np.arange(count)
+        planner.complex(self._all_far)[:, :count] = _twiddle_factors(turns, num_points)
+        columns = planner.buffer(num_rows * layout.STRIDE)[: num_rows * layout.STRIDE]
+        self._columns = columns.reshape(-1, layout.STRIDE)[:, :width]
+        spectra = planner.buffer(self._near.size)
+        self._halves = spectra[: 2 * width * count].reshape(count, 2, width)
+        modes = planner.complex(self._columns)
+        self._transform = planner.plan(modes, modes, "FFTW_FORWARD", axis=0)
+        self._transform_back = planner.plan(modes, modes, "FFTW_BACKWARD", axis=0)
+        factors = self._near, self._far
+        self._unpack = planner.record([Call("unpack_columns", (*factors, columns), (spectra,))])
+        self._pack = planner.record([Call("pack_columns", (*factors, spectra), (columns,))])
+
+    def forward(self, source: Array, spectrum: Array) -> Callable[[], None]:
+        """source: shape (R, C), and spectrum: shape (R/2 + 1, 2, C), may be the same memory."""
+        parts = [(source[:, part], spectrum[:, :, part], far) for part, far in self._parts]
+
+        def run() -> None:
+            for values, halves, far in parts:
+                self._columns[:] = values
+                self._transform()
+                self._far[:] = far
+                self._unpack()
+                halves[:] = self._halves
+
+        return run
+
+    def inverse(self, spectrum: Array, target: Array) -> Callable[[], None]:
+        """The way back, times R."""
+        parts = [(spectrum[:, :, part], target[:, part], far) for part, far in self._parts]
+
+        def run() -> None:
+            for halves, values, far in parts:
+                self._halves[:] = halves
+                self._far[:] = far
+                self._pack()
+                self._transform_back()
+                values[:] = self._columns
+
+        return run
+
+    @property
+    def _parts(self) -> list[tuple[slice, Array]]:
+        width = layout.COLUMNS
+        return [(slice(start, start + width), far) for start, far in zip(self._starts, self._all_far, strict=True)]
+
+
+def _twiddle_factors(turns: Indices, num_points: int) -> Modes:
+    return np.asarray(np.exp(-2j * np.pi / num_points * turns))
