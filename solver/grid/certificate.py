@@ -22,6 +22,7 @@ import numpy as np
 
 from .. import display
 from ..arrays import Array64, Mask, parts
+from ..transforms.four_step import LongPair
 from ..transforms.pair import Pair
 from ..transforms.plain import guard, pair
 from .problem import Problem
@@ -62,15 +63,12 @@ def certify(problem: Problem, displacement: Array64) -> tuple[Certificate, Array
         transforms = pair(n)
         elastic = transforms.real
         elastic[:] = displacement
-        transforms.forward()
-        transforms.modes *= problem.stiffness
-        transforms.inverse()
+        transforms.multiply(problem.stiffness)
         mean = float(h.mean())
         free = squares = energy = variance = apart = load = 0.0
         tensile = penetration = 0.0
         for part in parts(n):
             heights, u, ku = h[part], displacement[part], elastic[part]
-            ku /= n  # the transforms are not normalised
             touching, r = u >= heights, 1 - ku
             contact[part] = touching & (r > 0)
             gap, held = heights - u, np.where(contact[part], r, 0.0)
@@ -96,7 +94,7 @@ def certify(problem: Problem, displacement: Array64) -> tuple[Certificate, Array
     return certificate, pressure, contact
 
 
-def _energy_bound(problem: Problem, transforms: Pair, free: float, pressure: Array64, load: float) -> float:
+def _energy_bound(problem: Problem, transforms: Pair | LongPair, free: float, pressure: Array64, load: float) -> float:
     """s.K^+ s/2 with the free force balanced on the contact; `inf` without a contact.
 
     transforms: with the force on the free nodes in `real`, shape (N,) [p], which s takes the place of; free, load: sums
@@ -104,14 +102,8 @@ def _energy_bound(problem: Problem, transforms: Pair, free: float, pressure: Arr
     """
     if not load > 0:
         return math.inf
-    force, modes, total = transforms.real, transforms.modes, 0.0
+    force = transforms.real
     for part in parts(force.size):
         force[part] -= pressure[part] * (free / load)
-    transforms.forward()
-    for part in parts(modes.size):
-        power = modes[part].real ** 2 + modes[part].imag ** 2
-        stiffness = problem.stiffness[part]
-        total += 2 * float(np.sum(power / np.where(stiffness > 0, stiffness, math.inf)))  # without the mean mode
-    if problem.num_points % 2 == 0:  # the Nyquist mode stands once
-        total -= float(np.abs(modes[-1]) ** 2 / problem.stiffness[-1])
-    return total / (2 * problem.num_points)
+    compliance = np.append(0.0, 1 / problem.stiffness[1:])
+    return transforms.power(compliance) / 2

@@ -80,17 +80,13 @@ class FourStep:
 
     def multiplication(self, symbol: Array64, target: Array, turned: Modes | None, seldom: bool) -> Callable[[], None]:
         """See `planned.Transforms.multiplication`; the rows are transformed before, and back after it."""
-        rows, width = self._rows, layout.COLUMNS
-        all_rows = self.spectrum[: self.spectrum.size // rows.size * rows.size]
-        stored = all_rows.reshape(-1, _ROWS, 2, self._row // width, width).swapaxes(2, 3)
-        held = rows.reshape(_ROWS, -1, 2, width)  # the halves of the columns beside each other
-        modes = self.planner.complex(rows).reshape(_ROWS, -1)
+        stored, held, modes = self._by_batch
         forward = self.planner.plan(modes, modes, "FFTW_FORWARD")
         inverse = self.planner.plan(modes, modes, "FFTW_BACKWARD")
         factors = self._factors(symbol, turned)
-        now = tuple(self.planner.buffer(rows.size) for _ in factors)
+        now = tuple(self.planner.buffer(self._rows.size) for _ in factors)
         kernel = "spectral_multiply" if turned is None else "mirror_multiply"
-        multiply = self.planner.record([Call(kernel, now, (rows,))])
+        multiply = self.planner.record([Call(kernel, now, (self._rows,))])
 
         def run() -> None:
             for values, *given in zip(stored, *factors, strict=True):
@@ -103,6 +99,29 @@ class FourStep:
                 values[:] = held
 
         return run
+
+    def power(self, symbol: Array64) -> float:
+        """The sum of a symbol times |x_k|^2 over all N modes, after a forward transform; see `pair.Pair.power`."""
+        stored, held, modes = self._by_batch
+        forward = self.planner.plan(modes, modes, "FFTW_FORWARD")
+        factors, total = self._by_row(symbol), 0.0
+        factors[1 : self.num_points // self._row - self._num_rows + 1] *= 2  # for the rows that are not needed
+        for start, values in zip(range(0, self._num_rows, _ROWS), stored, strict=True):
+            held[:] = values
+            forward()
+            factor = factors[start : start + _ROWS]
+            found = modes[: len(factor)]
+            total += float(np.sum(factor * (found.real**2 + found.imag**2)))
+        return total / self.num_points
+
+    @property
+    def _by_batch(self) -> tuple[Array, Array, Array]:
+        """The spectrum by batches of rows, as stored; the buffer of a batch in the same order; and its modes."""
+        rows, width = self._rows, layout.COLUMNS
+        all_rows = self.spectrum[: self.spectrum.size // rows.size * rows.size]
+        stored = all_rows.reshape(-1, _ROWS, 2, self._row // width, width).swapaxes(2, 3)
+        held = rows.reshape(_ROWS, -1, 2, width)  # the halves of the columns beside each other
+        return stored, held, self.planner.complex(rows).reshape(_ROWS, -1)
 
     def _factors(self, symbol: Array64, turned: Modes | None) -> list[Array]:
         """What the kernel multiplies the rows by, shape (batches of rows, values) each."""
@@ -134,6 +153,27 @@ class FourStep:
         if conjugate:
             others *= -1
         return found
+
+
+class LongPair:
+    """Transforms of N values there and back with buffers of their own, as `pair.Pair`. real: buffer of N values."""
+
+    def __init__(self, num_points: int) -> None:
+        self._way = way = FourStep(num_points, Planner("float64", 1, "estimate", "warp"))
+        field = way.field()
+        self.real: Array64 = field[:num_points]
+        self._forward, self._inverse = way.forward(field), way.inverse(field)
+
+    def multiply(self, symbol: Array64) -> None:
+        """As `pair.Pair.multiply`."""
+        multiply = self._way.multiplication(symbol, self.real, None, seldom=True)
+        for part in (self._forward, multiply, self._inverse):
+            part()
+
+    def power(self, symbol: Array64) -> float:
+        """As `pair.Pair.power`."""
+        self._forward()
+        return self._way.power(symbol)
 
 
 class _Columns:

@@ -1,10 +1,10 @@
-"""Short transforms there and back, with buffers of their own."""
+"""Transforms there and back with buffers of their own."""
 
 from collections.abc import Callable
 
 import numpy as np
 
-from ..arrays import Array64, Modes
+from ..arrays import Array64, Modes, parts
 from .fftw import pyfftw
 
 
@@ -25,3 +25,22 @@ class Pair:
         """real -> modes."""
         self.inverse: Callable[[], None] = inverse.execute
         """modes -> real, times n; destroys the modes."""
+
+    def multiply(self, symbol: Array64) -> None:
+        """Multiply the spectrum of `real` by a symbol, shape (n//2 + 1,), in its place."""
+        self.forward()
+        self.modes *= symbol
+        self.inverse()
+        self.real /= self.real.size
+
+    def power(self, symbol: Array64) -> float:
+        """The sum of a symbol, shape (n//2 + 1,), times |x_k|^2 over all n modes of `real`, over n; destroys `real`."""
+        self.forward()
+        total, n = 0.0, self.real.size
+        for part in parts(self.modes.size):
+            power = self.modes[part].real ** 2 + self.modes[part].imag ** 2
+            total += 2 * float(symbol[part] @ power)
+        total -= float(symbol[0] * np.abs(self.modes[0]) ** 2)  # the mean mode stands once,
+        if n % 2 == 0:  # and so does the Nyquist mode
+            total -= float(symbol[-1] * np.abs(self.modes[-1]) ** 2)
+        return total / n

@@ -12,6 +12,7 @@ import numpy as np
 
 from ..arrays import Array64, Modes
 from .fftw import pyfftw
+from .four_step import LongPair, row_length
 from .pair import Pair
 
 _PLANNED_FROM = 2**12
@@ -33,9 +34,11 @@ def guard(num_points: int) -> AbstractContextManager[Any]:
     return _busy if num_points <= _KEPT_UP_TO else nullcontext()
 
 
-def pair(num_points: int) -> Pair:
+def pair(num_points: int) -> Pair | LongPair:
     """Both transforms of N values with their buffers, which hold anything at first. To be used under their `guard`."""
-    return _kept(num_points) if num_points <= _KEPT_UP_TO else Pair(num_points)
+    if num_points <= _KEPT_UP_TO:
+        return _kept(num_points)
+    return LongPair(num_points) if row_length(num_points) else Pair(num_points)
 
 
 def rfft(values: Array64) -> Modes:
