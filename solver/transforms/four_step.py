@@ -31,6 +31,7 @@ _FASTER_THAN_REAL = 2**18
 _ROWS = 4  # that are transformed at a time
 _SHORTEST_ROW = CHUNK // (2 * _ROWS)  # complex numbers; a multiple of the columns that are worked on at a time
 _LONGEST_ROW = 2**12  # whose transform stays in the cache
+_TOGETHER = 32  # rows whose modes are put into their order together
 
 
 def row_length(num_points: int) -> int:
@@ -114,6 +115,19 @@ class FourStep:
             total += float(np.sum(factor * (found.real**2 + found.imag**2)))
         return total / self.num_points
 
+    def put(self, half: Modes | Array64) -> None:
+        """Make the spectrum that has this half, shape (N//2 + 1,), with the rows transformed back and normalised."""
+        stored, held, modes = self._by_batch
+        inverse = self.planner.plan(modes, modes, "FFTW_BACKWARD")
+        real = self._by_row(half.real)
+        imaginary = self._by_row(half.imag, conjugate=True) if np.iscomplexobj(half) else None
+        for start, values in zip(range(0, self._num_rows, _ROWS), stored, strict=True):
+            found = modes[: self._num_rows - start]
+            np.divide(real[start : start + _ROWS], self.num_points, out=found.real)
+            found.imag = 0 if imaginary is None else imaginary[start : start + _ROWS] / self.num_points
+            inverse()
+            values[:] = held
+
     @property
     def _by_batch(self) -> tuple[Array, Array, Array]:
         """The spectrum by batches of rows, as stored; the buffer of a batch in the same order; and its modes."""
@@ -147,8 +161,16 @@ class FourStep:
         by_column = half[:-1].reshape(self._row // 2, -1)  # k + R m by m and k
         found = np.empty((self._num_rows, self._row))
         first, others = np.split(found, 2, axis=1)
-        first[:] = by_column[:, : self._num_rows].T
-        others[1:] = by_column[::-1, : -self._num_rows : -1].T  # N - k - R m
+        few = np.empty((self._row // 2, _TOGETHER + 1))  # far faster than all at once; one more for the cache
+        for start in range(0, self._num_rows, _TOGETHER):
+            stop = min(start + _TOGETHER, self._num_rows)
+            here = few[:, : stop - start]
+            here[:] = by_column[:, start:stop]
+            first[start:stop] = here.T
+            after = max(start, 1)
+            here = few[:, : stop - after]
+            here[:] = by_column[:, by_column.shape[1] - stop + 1 : by_column.shape[1] - after + 1]  # N - k - R m
+            others[after:stop] = here[::-1, ::-1].T
         others[0, 0], others[0, 1:] = half[-1], first[0, :0:-1]
         if conjugate:
             others *= -1
@@ -169,6 +191,12 @@ class LongPair:
         multiply = self._way.multiplication(symbol, self.real, None, seldom=True)
         for part in (self._forward, multiply, self._inverse):
             part()
+
+    def invert(self, modes: Modes | Array64) -> Array64:
+        """`real` with the half spectrum `modes`, shape (N//2 + 1,), normalised by 1/N."""
+        self._way.put(modes)
+        self._inverse()
+        return self.real
 
     def power(self, symbol: Array64) -> float:
         """As `pair.Pair.power`."""

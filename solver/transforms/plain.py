@@ -75,6 +75,8 @@ def irfft(modes: Modes | Array64, num_points: int, overwrite: bool = False) -> A
             kept.modes[held.size :] = 0
             kept.inverse()
             return kept.real.copy()
+    if held.size == num_points // 2 + 1 and row_length(num_points):
+        return LongPair(num_points).invert(held)
     if not overwrite:
         source = pyfftw.zeros_aligned(num_points // 2 + 1, dtype=np.complex128)
     np.multiply(held, 1 / num_points, out=source[: held.size])

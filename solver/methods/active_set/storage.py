@@ -82,26 +82,34 @@ class Half(Whole):
     def __init__(self, num_points: int) -> None:
         super().__init__(num_points)
         self.length = num_points // 2
-        half = np.arange(self.length)
-        packed = np.where(half % 2 == 0, half // 2, half.size - 1 - half // 2)
-        self._place = np.concatenate([packed, packed[::-1]])
-        self._node = np.empty_like(half)
-        self._node[packed] = half
 
     def places(self, nodes: Indices) -> Indices:
-        return self._place[nodes]
+        left = np.minimum(nodes, self.num_points - 1 - nodes)
+        return np.where(left & 1, self.length - 1 - (left >> 1), left >> 1)
 
     def nodes_at(self, places: Indices) -> Indices:
-        left = self._node[places]
+        left = np.minimum(2 * places, 2 * (self.length - places) - 1)
         return np.concatenate([left, self.num_points - 1 - left])
 
     def heights(self, height: Array64, field: Array) -> Array:
         found = np.full_like(field, _FAR)
-        found[self._place] = height
+        self._even(found)[:], self._odd(found)[:] = height[: self.length : 2], height[1 : self.length : 2]
         return found
 
     def get(self, field: Array) -> Array:
-        return np.asarray(field[self._place])
+        found = np.empty(self.num_points, field.dtype)
+        left = found[: self.length]
+        left[::2], left[1::2] = self._even(field), self._odd(field)
+        found[self.length :] = left[::-1]
+        return found
+
+    def _even(self, field: Array) -> Array:
+        """The values y_0, y_2, ... of the left half in a field."""
+        return field[: self.length - self.length // 2]
+
+    def _odd(self, field: Array) -> Array:
+        """The values y_1, y_3, ..."""
+        return field[self.length - self.length // 2 : self.length][::-1]
 
     def symmetric(self, values: Array64) -> Array64:
         return np.asarray((values + values[::-1]) / 2)
