@@ -27,6 +27,7 @@ from ..method import Method
 from . import elimination
 from .contact_set import ContactSet
 from .few_at_a_time import FORCING_TERM, UNKNOWNS, FewAtATime, first_nodes
+from .free_residual import free_residual
 from .greens_function import GreensFunction
 from .preconditioner import PatchDeflation
 from .response import Response
@@ -63,6 +64,7 @@ class ActiveSet(Method):
         self.problem, self.tolerance, self._reduction = problem, tolerance, reduction
         self.mixed, self.even = response.mixed, response.even
         self._wrong_nodes_per_patch = wrong_nodes_per_patch
+        self._certified = not (wrong_nodes_per_patch or reduction)  # what coarser grids give is not
         self._green, self._storage, self._response = green, storage, response
         self._target = SAFETY * tolerance
         self._floor = 0.0  # of the residual: below, sets would be decided on rounding
@@ -133,6 +135,8 @@ class ActiveSet(Method):
         r = float(touching.mean()) - touching
         z = now.precondition(r)
         self.residual = math.sqrt(float(z @ z) / self.problem.num_points)
+        if self._certified and HARDER * self._target < self.residual <= self._target:
+            self.residual = max(self.residual, SAFETY * free_residual(self.problem, now.patches, r))
         if math.isinf(now.first_residual):
             now.first_residual = self.residual
             if self._reduction:  # known with the first set
