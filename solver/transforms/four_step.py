@@ -30,6 +30,8 @@ _FASTER_THAN_REAL = 2**18
 
 _ROWS = 4  # that are transformed at a time
 _SHORTEST_ROW = CHUNK // (2 * _ROWS)  # complex numbers; a multiple of the columns that are worked on at a time
+LENGTHS = 2 * _SHORTEST_ROW
+"""Of which the number of values is a multiple."""
 _LONGEST_ROW = 2**12  # whose transform stays in the cache
 _TOGETHER = 32  # rows whose modes are put into their order together
 
@@ -55,7 +57,7 @@ class FourStep:
         self.num_points, self.planner = num_points, planner
         self._row = row_length(num_points)
         if not self._row:
-            raise ValueError(f"num_points is {num_points}; allowed for four steps: multiples of {2 * _SHORTEST_ROW}")
+            raise ValueError(f"num_points is {num_points}; allowed for four steps: multiples of {LENGTHS}")
         self._num_rows = num_points // self._row // 2 + 1
         batches = -(-self._num_rows // _ROWS)
         self.spectrum = planner.buffer(max(2 * self._row * _ROWS * batches, padded_length(num_points)))

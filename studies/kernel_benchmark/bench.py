@@ -43,7 +43,7 @@ class Bench:
             if argument.name == "spectrum" and benchmark.transforms:
                 self.arrays[argument.name] = transforms.spectrum
             else:
-                self.arrays[argument.name] = transforms.buffer(size) if argument.per_point else np.zeros(size)
+                self.arrays[argument.name] = transforms.buffer(size)[:size] if argument.per_point else np.zeros(size)
         self.variants: dict[str, Runs] = {}
         self.notes: dict[str, dict[str, float]] = {}
         self.slow: set[str] = set()

@@ -40,7 +40,7 @@ class Argument(NamedTuple):
     def size(self, num_points: int) -> int:
         """Number of values that it holds."""
         if self.per_point:
-            return num_points
+            return _SIZES[self.name](num_points) if self.name in _SIZES else num_points
         return num_points // CHUNK if self.role in ("part", "sum") else layout.STATE_LENGTH
 
     def dtype(self, precision: str) -> str:
@@ -68,6 +68,12 @@ class Argument(NamedTuple):
             values = _VALUES[self.name](values, on_wall)
         return np.resize(values.astype(self.dtype(precision)), size)
 
+
+_SIZES: dict[str, Callable[[int], int]] = {
+    "far": lambda n: n // layout.COLUMNS,
+    "columns": lambda n: (n // layout.COLUMNS - 2) * layout.STRIDE,
+}
+"""Of the arrays of a four-step transform whose spectra, and twiddle factors near the first column, are n values."""
 
 _VALUES: dict[str, Callable[[Array, Array], Array]] = {
     "coefficient": lambda x, _: np.where(x < 0, -1, 1) * (1 + np.clip(np.round(x), -1, 1) / 32),  # used again and again
@@ -131,7 +137,8 @@ class Benchmark:
     @property
     def way(self) -> str:
         """How its real transforms are done, see `linecontact.solver.transforms.planned`."""
-        return "half-length" if any(line.kernel == "paired_multiply" for line in self.lines) else "real"
+        used = {line.kernel for line in self.lines}
+        return "half-length" if "paired_multiply" in used else "four-step" if "product" in used else "real"
 
     def traffic(self, num_points: int, precision: str) -> int:
         """Bytes that a call reads and writes: each array once, and twice what is changed in place; of several kernels

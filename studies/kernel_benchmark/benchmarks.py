@@ -76,6 +76,46 @@ _READ = """
     for (int k = 0; k < 32; k++) total += sums[k];
     for (long k = 0; k < n / CHUNK; k++) total_out[k] = total;"""
 
+_TURN = """
+            REAL cos_{c} = far_re * near[q + {q}] - far_im * near[q + {q} + 1];
+            REAL sin_{c} = far_re * near[q + {q} + 1] + far_im * near[q + {q}];"""
+_TURNS = _TURN.format(c="a", q=0) + _TURN.format(c="b", q=2)
+_UNPACK = (
+    _TURNS
+    + """
+            REAL a_re = (REAL)0.5 * (columns[i] + columns[j]), a_im = (REAL)0.5 * (columns[i + 1] - columns[j + 1]);
+            REAL b_re = (REAL)0.5 * (columns[i + 1] + columns[j + 1]), b_im = (REAL)0.5 * (columns[j] - columns[i]);
+            spectra[q] = a_re * cos_a - a_im * sin_a;
+            spectra[q + 1] = a_re * sin_a + a_im * cos_a;
+            spectra[q + 2] = b_re * cos_b - b_im * sin_b;
+            spectra[q + 3] = b_re * sin_b + b_im * cos_b;"""
+)
+_PACK = (
+    _TURNS
+    + """
+            REAL a_re = spectra[q] * cos_a + spectra[q + 1] * sin_a, a_im = spectra[q + 1] * cos_a - spectra[q] * sin_a;
+            REAL b_re = spectra[q + 2] * cos_b + spectra[q + 3] * sin_b;
+            REAL b_im = spectra[q + 3] * cos_b - spectra[q + 2] * sin_b;
+            columns[i] = a_re - b_im;
+            columns[i + 1] = a_im + b_re;
+            columns[j] = a_re + b_im;
+            columns[j + 1] = b_re - a_im;"""
+)
+
+
+def _of_columns(name: str, arguments: str, pair: str) -> Benchmark:
+    """A kernel on columns of a four-step transform. pair: what C does for two of them in a row."""
+    c = """
+    long rows = 2 * (n / (2 * COLUMNS)) - 2;
+    for (long k = 0; k <= rows / 2; k++) {{
+        REAL far_re = far[2 * k], far_im = far[2 * k + 1];
+        for (long c = 0; c < COLUMNS / 2; c++) {{
+            long i = k * STRIDE + 2 * c, j = (rows - k) % rows * STRIDE + 2 * c, q = 2 * COLUMNS * k + 4 * c;{pair}
+        }}
+    }}"""
+    return Benchmark(name, "kernels", arguments, _per_point(8), c_whole=c.format(pair=pair))
+
+
 _KERNELS = (
     _kernel("spectral_multiply", "coefficient:in spectrum:inout", 1, "spectrum[i] *= coefficient[i];"),
     _kernel(
@@ -95,6 +135,8 @@ _KERNELS = (
         3,
         "product[i] = straight[i] * modes[i] + crossed[i] * modes[n + 1 - i];",
     ),
+    _of_columns("unpack_columns", "near:in far:in columns:in spectra:out", _UNPACK),
+    _of_columns("pack_columns", "near:in far:in spectra:in columns:inout", _PACK),
     _kernel(
         "net_force",
         "load:in elastic:in velocity:in force:out force_sums:sum held_sums:sum power_sums:sum velocity_sums:sum",
@@ -157,8 +199,10 @@ _KERNELS = (
 _HALVES = (
     Benchmark("forward", "transforms", "source:in spectrum:out", lambda n: 2.5 * n * math.log2(n)),
     Benchmark("inverse", "transforms", "spectrum:inout target:out", lambda n: 2.5 * n * math.log2(n)),
+    Benchmark("product", "transforms", "source:in target:out", lambda n: 5 * n * math.log2(n)),
 )
-"""Real transforms, by the usual count of operations of a complex one; only measured as pairs."""
+"""Real transforms, by the usual count of operations of a complex one, and both ways with a multiplication by 1 in
+between; only measured as pairs, or as parts of an iteration."""
 
 _PAIRS = (
     Benchmark("half_length_pair", "transforms", "packed:inout", lambda n: 5 * n * math.log2(n / 2)),
@@ -189,6 +233,7 @@ _INVERSE_MASS = (
 _ITERATIONS = {
     "plain_iteration": (*_STIFFNESS, *sequences.SEQUENCES["plain_move"]),
     "half_length_iteration": (*_HALF_LENGTH, *sequences.SEQUENCES["plain_move"]),
+    "four_step_iteration": ("product: u -> elastic", *sequences.SEQUENCES["plain_move"]),
     "loaded_iteration": (*_STIFFNESS, *sequences.SEQUENCES["loaded_move"]),
     "mass_weighted_iteration": (
         *_STIFFNESS,
@@ -203,9 +248,10 @@ _ITERATIONS = {
         "advance_response: change state -> response",
     ),
 }
-"""One iteration of plain FIRE, with real transforms and with complex ones of half the length, which the program chooses
-in float64 from 2^17 to 2^19 points, on one thread, unless plans were measured; of FIRE in mixed precision, of
-mass-weighted FIRE, and of the active set's search without what it does on the contact nodes alone.
+"""One iteration of plain FIRE, with real transforms, with complex ones of half the length, which the program chooses in
+float64 from 2^17 to 2^19 points, and in four steps, from 2^20 points, both on one thread, unless plans were measured;
+of FIRE in mixed precision, of mass-weighted FIRE, and of the active set's search without what it does on the contact
+nodes alone.
 """
 
 

@@ -49,7 +49,7 @@ def twin(arrays: Arrays) -> Runs:
     """The NumPy twins in order, between NumPy's transforms."""
     runs = []
     for line in arrays.benchmark.steps:
-        if line.kernel in ("forward", "inverse"):
+        if line.kernel not in kernels.KERNELS:
             runs.append(_numpy_transform(arrays, line))
         else:
             given = (arrays.arrays[name] for name in (*line.inputs, *line.outputs))
@@ -76,6 +76,11 @@ def _numpy_transform(arrays: Arrays, line: Line) -> Run:
     def half_length_inverse() -> None:
         target[:n] = np.fft.ifft(source[:n].view(pairs), norm="forward").view(source.dtype)
 
+    def product() -> None:
+        target[:n] = np.fft.irfft(np.fft.rfft(source[:n]), n)
+
+    if line.kernel == "product":
+        return product
     if arrays.transforms.way == "half-length":
         return half_length_forward if line.kernel == "forward" else half_length_inverse
     return forward if line.kernel == "forward" else inverse

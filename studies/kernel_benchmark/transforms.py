@@ -11,11 +11,13 @@ from typing import Any
 import numpy as np
 from linecontact.solver.transforms import wisdom
 from linecontact.solver.transforms.fftw import pyfftw
+from linecontact.solver.transforms.four_step import LENGTHS
+from linecontact.solver.transforms.planned import Transforms
 from linecontact.solver.transforms.planner import PLANNING
 
 from .benchmark import Array, Benchmark
 from .benchmarks import ROW
-from .variants import Arrays, Run, Runs, Variant, in_turn, repeated
+from .variants import Arrays, Run, Runs, Variant, in_turn, product, repeated
 
 LIBRARIES = ("numpy", "scipy", "ducc0")
 """Libraries beside FFTW; those that are not installed are left out."""
@@ -24,9 +26,11 @@ MOST_SECONDS = 10.0
 
 
 def variants(benchmark: Benchmark) -> list[Variant]:
-    """FFTW by effort and on two threads, and the other libraries."""
+    """FFTW by effort and on two threads, the program's four steps, and the other libraries."""
     found = [Variant(effort, functools.partial(_fftw, effort), wisdom=effort != "estimate") for effort in PLANNING]
     found.append(Variant("2-threads", functools.partial(_fftw, "estimate", threads=2), threads=2))
+    if benchmark.name == "real_pair":
+        found.append(Variant("four-step", _four_step, multiple=LENGTHS))
     there = [name for name in LIBRARIES if importlib.util.find_spec(name)]
     return found + [Variant(name, functools.partial(_library, name)) for name in there]
 
@@ -68,6 +72,12 @@ def without_wisdom() -> Iterator[None]:
         yield
     finally:
         pyfftw.import_wisdom(known)
+
+
+def _four_step(arrays: Arrays) -> Runs:
+    """The program's own way for long ones, with its multiplication in between."""
+    transforms = Transforms(arrays.num_points, arrays.precision, way="four-step")
+    return repeated(product(transforms, arrays.source, arrays.target, arrays.num_points))
 
 
 def _plan(step: tuple[Array, Array, str], effort: str, threads: int) -> Run:

@@ -230,9 +230,22 @@ def by_parts(arrays: Arrays, make: Callable[[list[Line]], Runs]) -> Runs:
 
 
 def _plan(arrays: Arrays, line: Line) -> Run:
-    if line.kernel == "forward":
-        return arrays.transforms.forward(arrays.arrays[line.inputs[0]])
-    return arrays.transforms.inverse(arrays.arrays[line.outputs[0]])
+    source, target = arrays.arrays[line.inputs[0]], arrays.arrays[line.outputs[0]]
+    if line.kernel == "product":
+        return product(arrays.transforms, source, target)
+    return arrays.transforms.forward(source) if line.kernel == "forward" else arrays.transforms.inverse(target)
+
+
+def product(transforms: Transforms, source: Array, target: Array, factor: float = 1.0) -> Run:
+    """A transform there and back with a multiplication by a factor in between."""
+    symbol = np.full(transforms.num_points // 2 + 1, factor)
+    parts = transforms.forward(source), transforms.multiplication(symbol, target), transforms.inverse(target)
+
+    def run() -> None:
+        for part in parts:
+            part()
+
+    return run
 
 
 def _launches(lines: Iterable[Line], arrays: Arrays, compiled: dict[str, Any]) -> list[Launch]:
