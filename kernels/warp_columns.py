@@ -49,6 +49,20 @@ def unpack_columns(near: wp.array[Any], far: wp.array[Any], columns: wp.array[An
             spectra[q + 3] = b_re * turn_im + b_im * turn_re
 
 
+@wp.func
+def turned_back(near: wp.array[Any], far_re: Any, far_im: Any, spectra: wp.array[Any], q: int):
+    """Two spectra without their twiddle factors."""
+    turn_re = far_re * near[q] - far_im * near[q + 1]
+    turn_im = far_re * near[q + 1] + far_im * near[q]
+    a_re = spectra[q] * turn_re + spectra[q + 1] * turn_im
+    a_im = spectra[q + 1] * turn_re - spectra[q] * turn_im
+    turn_re = far_re * near[q + 2] - far_im * near[q + 3]
+    turn_im = far_re * near[q + 3] + far_im * near[q + 2]
+    b_re = spectra[q + 2] * turn_re + spectra[q + 3] * turn_im
+    b_im = spectra[q + 3] * turn_re - spectra[q + 2] * turn_im
+    return a_re, a_im, b_re, b_im
+
+
 @wp.kernel
 def pack_columns(near: wp.array[Any], far: wp.array[Any], spectra: wp.array[Any], columns: wp.array[Any]):
     """The way back: turned by the conjugate factors, two spectra as that of one complex column, without a factor 2."""
@@ -61,16 +75,10 @@ def pack_columns(near: wp.array[Any], far: wp.array[Any], spectra: wp.array[Any]
         row = wp.max(k * SPECTRA_LENGTH, 0)
         far_re, far_im = far[2 * k], far[2 * k + 1]
         for c in range(PAIRS):
-            i, j, q = here + 2 * c, mirrored + 2 * c, row + 4 * c
-            turn_re = far_re * near[q] - far_im * near[q + 1]
-            turn_im = far_re * near[q + 1] + far_im * near[q]
-            a_re = spectra[q] * turn_re + spectra[q + 1] * turn_im
-            a_im = spectra[q + 1] * turn_re - spectra[q] * turn_im
-            turn_re = far_re * near[q + 2] - far_im * near[q + 3]
-            turn_im = far_re * near[q + 3] + far_im * near[q + 2]
-            b_re = spectra[q + 2] * turn_re + spectra[q + 3] * turn_im
-            b_im = spectra[q + 3] * turn_re - spectra[q + 2] * turn_im
-            columns[i] = a_re - b_im
-            columns[i + 1] = a_im + b_re
-            columns[j] = a_re + b_im
-            columns[j + 1] = b_re - a_im
+            a_re, a_im, b_re, b_im = turned_back(near, far_re, far_im, spectra, row + 4 * c)
+            columns[here + 2 * c] = a_re - b_im
+            columns[here + 2 * c + 1] = a_im + b_re
+        for c in range(PAIRS):  # again, because loops that write to one place only become vector code
+            a_re, a_im, b_re, b_im = turned_back(near, far_re, far_im, spectra, row + 4 * c)
+            columns[mirrored + 2 * c] = a_re + b_im
+            columns[mirrored + 2 * c + 1] = b_re - a_im
