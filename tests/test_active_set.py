@@ -20,6 +20,7 @@ from linecontact.solver import (
     certify,
     solve,
 )
+from linecontact.solver.grid import problem as grid_problem
 from linecontact.solver.grid.kept import forget
 from linecontact.solver.grid.patches import Patches
 from linecontact.solver.grid.problem import Problem, foundation_pressure, typical_stiffness
@@ -188,7 +189,12 @@ def test_what_saves_memory_on_large_grids_changes_nothing(layer, monkeypatch):
     scene = Scene(layer, RoughIndenter(0.8, 1), 0.01, num_points=2**16)
     usual = solve(scene)
     forget()
-    for module, name in ((greens_function, "_KEPT"), (real, "_IN_PLACE"), (plain, "_KEPT_UP_TO")):
+    for module, name in (
+        (greens_function, "_KEPT"),
+        (grid_problem, "MOST_POINTS"),
+        (real, "_IN_PLACE"),
+        (plain, "_KEPT_UP_TO"),
+    ):
         monkeypatch.setattr(module, name, 2**12)
     saving = solve(scene)
     forget()

@@ -117,7 +117,7 @@ def test_what_cannot_be_hashed_or_is_large_is_made_anew_and_few_grids_are_kept(m
 
     for _ in range(2):
         assert make(NoHash(), 8, 1.0) == 8
-        assert make(Layer(), kept_module._MOST_POINTS + 1, 1.0) == kept_module._MOST_POINTS + 1
+        assert make(Layer(), kept_module.MOST_POINTS + 1, 1.0) == kept_module.MOST_POINTS + 1
     assert len(made) == 4
     for n in range(20):
         make(Layer(), n, 1.0)

@@ -145,7 +145,7 @@ def limits_of_scenes():
 
 
 def what_is_kept():
-    yield f"on grids of up to 2^{math.log2(kept._MOST_POINTS):.0f} points"
+    yield f"on grids of up to 2^{math.log2(kept.MOST_POINTS):.0f} points"
     yield "The last seven grids are kept"
     assert kept._GRIDS == 7
     yield "FIRE's float64 transforms of 2^17 to 2^19 points"

@@ -9,7 +9,8 @@ from typing import Any, TypeVar
 Made = TypeVar("Made")
 
 _GRIDS = 7  # whose results are kept, which is those of one scene on nested grids
-_MOST_POINTS = 2**20  # of a grid whose results are kept: they take up to 60 bytes a point
+MOST_POINTS = 2**20
+"""Of a grid whose results are kept: they take up to 60 bytes a point."""
 _clearing: list[Callable[[], None]] = []  # of every function: forgets what it has kept
 
 
@@ -28,7 +29,7 @@ def kept(make: Callable[[Any, int, float], Made]) -> Callable[[Any, int, float],
             hash(part)
         except TypeError:
             return make(part, num_points, period)
-        return (known if num_points <= _MOST_POINTS else make)(part, num_points, period)
+        return (known if num_points <= MOST_POINTS else make)(part, num_points, period)
 
     return call
 

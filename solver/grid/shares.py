@@ -18,7 +18,6 @@ import numpy as np
 
 from ..arrays import Array64, Indices
 from ..layers import ElasticLayer
-from ..transforms.plain import irfft
 from .few_nodes import response
 from .kept import kept
 from .loads import FromLoads, punch_compliance
@@ -33,10 +32,8 @@ _TOGETHER = 128  # patches that share their load with each other, those that fol
 @kept
 def layer_response(layer: ElasticLayer, num_points: int, period: float) -> Array64:
     """Displacement around a node by a unit load on it, without its mean, shape (N,), read-only (E* = 1)."""
-    modes = np.zeros(num_points // 2 + 1, dtype=np.complex128)
     stiffness = stiffness_on_grid(layer, num_points, period)
-    np.divide(num_points / stiffness.unit, stiffness.values[1:], out=modes[1:])
-    found = irfft(modes, num_points, overwrite=True)
+    found = num_points / stiffness.unit * stiffness.response(num_points)
     found.flags.writeable = False
     return found
 

@@ -10,11 +10,13 @@ and M - k then share their rounding: what is small of one because its g is has t
 """
 
 from collections.abc import Callable
+from functools import lru_cache
 
 import numpy as np
 
 from ...kernels import CHUNK, Call
 from ..arrays import Array, Array64, Modes
+from .fftw import pyfftw
 from .planner import Planner
 
 _FASTER = 2**17, 2**19
@@ -60,6 +62,8 @@ class HalfLength:
         packed, first, again = self.spectrum[:n], self.spectrum[:2], self.spectrum[n : n + 2]
         modes = self.planner.complex(packed)
         execute = self.planner.plan(modes, modes, "FFTW_FORWARD")
+        if self.planner.real == np.float64:
+            _keep_tables(n)
 
         def run() -> None:
             packed[:] = source[:n]
@@ -72,3 +76,10 @@ class HalfLength:
         """Plan what `multiply` has put into the target, times N/2."""
         modes = self.planner.complex(target[: self.num_points])
         return self.planner.plan(modes, modes, "FFTW_BACKWARD")
+
+
+@lru_cache(maxsize=1)
+def _keep_tables(num_points: int) -> object:
+    """A plan that keeps FFTW's tables of that length, whose making takes as long as the transform; see `real`."""
+    values = pyfftw.empty_aligned(num_points // 2, dtype=np.complex128)
+    return pyfftw.FFTW(values, values, flags=["FFTW_ESTIMATE"])

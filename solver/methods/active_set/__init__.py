@@ -30,7 +30,9 @@ def begin(problem: Problem, setting: Setting, storage: Whole | None = None) -> A
     """
     storage = storage or choose(problem, setting.tolerance)
     made = problem.rigidity.made
-    tables: Tables = made.setdefault("active set", Tables(problem.stiffness, problem.num_points))
+    tables: Tables = made.setdefault(
+        "active set", Tables(problem.stiffness, problem.num_points, problem.rigidity.response)
+    )
     spare: Spare = made.setdefault("spare", Spare())
     green = GreensFunction(tables)
     if suits(problem, setting):

@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from ...arrays import Array64, Indices
+from ...grid.problem import LayerResponse
 from ...transforms.pair import Pair
 from ...transforms.plain import hfft, irfft
 
@@ -39,10 +40,14 @@ _HEAD = 1024  # values of G next to its node, which stay when the second sum tak
 
 
 class Tables:
-    """G of one grid of N points, the same for every solve there. stiffness: K(q_k), shape (N//2 + 1,) [K]."""
+    """G of one grid of N points, the same for every solve there.
 
-    def __init__(self, stiffness: Array64, num_points: int) -> None:
+    stiffness: K(q_k), shape (N//2 + 1,) [K]; response: makes G of it, if that is there already.
+    """
+
+    def __init__(self, stiffness: Array64, num_points: int, response: LayerResponse | None = None) -> None:
         self._stiffness, self.num_points = stiffness, num_points
+        self._response = response or LayerResponse(stiffness)
         self._factor = self._stiffness_factor = np.zeros((0, 0))
         self._symbols: dict[int, tuple[Array64, Array64]] = {}
         self._kept: dict[str, Array64] = {}
@@ -70,9 +75,7 @@ class Tables:
         def make() -> Array64:
             if self.num_points > _KEPT:
                 self._kept.pop("second sum", None)
-            modes = np.zeros(self._stiffness.size, dtype=np.complex128)
-            np.divide(1, self._stiffness[1:], out=modes[1:])
-            return irfft(modes, self.num_points, overwrite=True)
+            return self._response(self.num_points)
 
         return self._known("response", make)
 
