@@ -16,7 +16,7 @@ from linecontact.solver.layers import coated
 from linecontact.solver.methods.active_set import elimination, storage
 from linecontact.solver.reference import closed_forms
 from linecontact.solver.strategy import certification, precision
-from linecontact.solver.transforms import half_length
+from linecontact.solver.transforms import four_step, half_length
 from linecontact.studies.explore import controls
 from linecontact.studies.figures.style import ONE_COLUMN, TWO_COLUMNS
 from linecontact.studies.files import confined
@@ -150,6 +150,7 @@ def what_is_kept():
     assert kept._GRIDS == 7
     yield "FIRE's float64 transforms of 2^17 to 2^19 points"
     assert half_length._FASTER == (2**17, 2**19)
+    yield f"of 2^{math.log2(four_step._FASTER):.0f} points and more (multiples of {four_step.LENGTHS}, on one"
 
 
 def limits_of_scans():

@@ -175,7 +175,6 @@ def test_long_plain_transforms_against_numpy(monkeypatch, n, kept):
         kept = modes.copy()
         np.testing.assert_allclose(plain.irfft(modes, n), before, rtol=0, atol=1e-14)
         np.testing.assert_array_equal(modes, kept)
-        np.testing.assert_allclose(plain.irfft(kept, n, overwrite=True), before, rtol=0, atol=1e-14)
         np.testing.assert_allclose(plain.irfft(modes[:100], n), np.fft.irfft(exact[:100], n), rtol=0, atol=1e-15)
         np.testing.assert_allclose(plain.irfft(modes.real, n), np.fft.irfft(exact.real, n), rtol=0, atol=1e-14)
         np.testing.assert_allclose(plain.hfft(modes, n), np.fft.hfft(exact, n), rtol=0, atol=1e-14 * scale**2)

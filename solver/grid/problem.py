@@ -97,9 +97,7 @@ class LayerResponse:
         """Shape (N,) [1/K]. Kept, and read-only, on grids of up to 2^20 points; on others made anew by every call."""
         found = self._kept
         if found is None:
-            modes = np.zeros(self._stiffness.size, dtype=np.complex128)
-            np.divide(1, self._stiffness[1:], out=modes[1:])
-            found = irfft(modes, num_points, overwrite=True)
+            found = irfft(np.append(0.0, 1 / self._stiffness[1:]), num_points)
             if num_points <= MOST_POINTS:
                 found.flags.writeable = False
                 self._kept = found

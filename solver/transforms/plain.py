@@ -57,15 +57,14 @@ def rfft(values: Array64) -> Modes:
     return modes
 
 
-def irfft(modes: Modes | Array64, num_points: int, overwrite: bool = False) -> Array64:
+def irfft(modes: Modes | Array64, num_points: int) -> Array64:
     """The real values, shape (num_points,), that have this half spectrum: the inverse of `rfft`.
 
-    modes: shape (M,); cut off or filled up with zeros to M = num_points//2 + 1. overwrite: what `rfft` gave may be
-    destroyed, which saves memory: the values of a long transform take its place.
+    modes: shape (M,); cut off or filled up with zeros to M = num_points//2 + 1.
     """
     if num_points < _PLANNED_FROM:
         return np.fft.irfft(modes, num_points)
-    held = source = modes[: num_points // 2 + 1]
+    held = modes[: num_points // 2 + 1]
     if num_points >= _FEW * held.size and num_points % (32 * _AT_ONCE) == 0:
         return _from_few(held, num_points)
     if num_points <= _KEPT_UP_TO:
@@ -77,8 +76,7 @@ def irfft(modes: Modes | Array64, num_points: int, overwrite: bool = False) -> A
             return kept.real.copy()
     if held.size == num_points // 2 + 1 and row_length(num_points):
         return LongPair(num_points).invert(held)
-    if not overwrite:
-        source = pyfftw.zeros_aligned(num_points // 2 + 1, dtype=np.complex128)
+    source = pyfftw.zeros_aligned(num_points // 2 + 1, dtype=np.complex128)
     np.multiply(held, 1 / num_points, out=source[: held.size])
     values: Array64 = source.view(np.float64)[:num_points]  # in place
     flags = ["FFTW_ESTIMATE", "FFTW_DESTROY_INPUT"]
