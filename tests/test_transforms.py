@@ -4,7 +4,7 @@ import concurrent.futures
 
 import numpy as np
 import pytest
-from linecontact.solver.transforms import four_step, plain, real
+from linecontact.solver.transforms import four_step, plain, real, sharing
 from linecontact.solver.transforms.pair import Pair
 from linecontact.solver.transforms.planned import WAYS, Transforms
 
@@ -33,8 +33,9 @@ def test_round_trip_against_numpy(precision, n):
 @pytest.mark.parametrize("precision", ["float32", "float64"])
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("n", [1024, 3072, 2**15, 5 * 2**12])
-def test_a_symbol_applied_in_every_way(n, way, precision, backend):
-    plan = Transforms(n, precision, backend=backend, way=way)
+@pytest.mark.parametrize("threads", [1, 3])
+def test_a_symbol_applied_in_every_way(threads, n, way, precision, backend):
+    plan = Transforms(n, precision, threads, backend=backend, way=way)
     rng = np.random.default_rng(0)
     values, symbol = rng.standard_normal(n).astype(precision), rng.standard_normal(n // 2 + 1)
     source, target = plan.buffer(), plan.buffer()
@@ -70,13 +71,29 @@ def test_conjugate_modes_multiplied_and_added(n, way, precision, backend):
     np.testing.assert_allclose(field[:n], exact, rtol=0, atol=6 * np.finfo(precision).eps * np.log2(n))
 
 
-@pytest.mark.parametrize("n", [1, 1000, 2**10 + 128, 3 * 2**7])
+def test_shared_work_is_done_once_and_what_fails_is_raised():
+    done = []
+    sharing.share("abc", range(20), lambda worker, part: done.append((part, worker)))
+    assert sorted(done) == [(part, "abc"[part % 3]) for part in range(20)]
+
+    def fail(worker, part):
+        done.append(part)
+        if part == 4:
+            raise MemoryError("part 4")
+
+    done.clear()
+    with pytest.raises(MemoryError, match="part 4"):
+        sharing.share("abc", range(9), fail)
+    assert sorted(done) == [0, 1, 2, 3, 4, 5, 6, 8]  # the others went on
+
+
+@pytest.mark.parametrize("n", [1, 1000, 2**10 + 64, 3 * 2**6])
 def test_lengths_that_four_steps_do_not_divide(n):
-    with pytest.raises(ValueError, match=f"num_points is {n}; allowed for four steps: multiples of 256"):
+    with pytest.raises(ValueError, match=f"num_points is {n}; allowed for four steps: multiples of 128"):
         Transforms(n, "float64", way="four-step")
 
 
-@pytest.mark.parametrize(("n", "length"), [(256, 128), (2**14, 128), (2**20, 1024), (2**26, 4096), (3 * 2**9, 128)])
+@pytest.mark.parametrize(("n", "length"), [(256, 64), (2**14, 128), (2**20, 1024), (2**26, 4096), (3 * 2**9, 64)])
 def test_rows_of_four_steps(n, length):
     assert four_step.row_length(n) == length
 
@@ -110,7 +127,8 @@ def test_long_fields_share_the_spectrums_memory(n, monkeypatch):
         (2**18 + 2, {}, "real"),
         (2**20 + 2, {}, "real"),
         (2**18, {"threads": 2}, "real"),
-        (2**20, {"threads": 2}, "real"),
+        (2**20, {"threads": 2}, "four-step"),
+        (2**18, {"threads": 2, "apart": True}, "four-step"),
         (2**17, {"apart": True}, "real"),
         (2**18, {"apart": True}, "four-step"),
         (2**18, {"precision": "float32", "apart": True}, "real"),

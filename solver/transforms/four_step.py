@@ -20,15 +20,17 @@ from collections.abc import Callable
 import numpy as np
 
 from ...kernels import CHUNK, Call, layout, padded_length
-from ..arrays import Array, Array64, Indices, Modes
+from ..arrays import Array, Array64, Modes
+from .columns import Columns
 from .planner import Planner
+from .sharing import share
 
 _FASTER = 2**20
 """Values from which it takes less time than any other way, if FFTW estimates: 0.8 of it at first, 0.4 on 2^22."""
 _FASTER_THAN_REAL = 2**18
 """Values, in float64, from which it takes less time than real transforms."""
 
-_ROWS = 4  # that are transformed at a time
+_ROWS = 8  # that are transformed at a time
 _SHORTEST_ROW = CHUNK // (2 * _ROWS)  # complex numbers; a multiple of the columns that are worked on at a time
 LENGTHS = 2 * _SHORTEST_ROW
 """Of which the number of values is a multiple."""
@@ -59,10 +61,14 @@ class FourStep:
         if not self._row:
             raise ValueError(f"num_points is {num_points}; allowed for four steps: multiples of {LENGTHS}")
         self._num_rows = num_points // self._row // 2 + 1
-        batches = -(-self._num_rows // _ROWS)
-        self.spectrum = planner.buffer(max(2 * self._row * _ROWS * batches, padded_length(num_points)))
-        self._rows = planner.buffer(2 * self._row * _ROWS)
-        self._columns = _Columns(num_points, self._row, planner)
+        self._num_batches = -(-self._num_rows // _ROWS)
+        self.spectrum = planner.buffer(max(self._num_batches * self._batch_size, padded_length(num_points)))
+        self._columns = Columns(num_points, self._row, planner)
+
+    @property
+    def _batch_size(self) -> int:
+        """Values of the rows that are transformed at a time."""
+        return 2 * self._row * _ROWS
 
     def field(self) -> Array:
         """A buffer for N values that are transformed there and back; it shares the spectrum's memory."""
@@ -81,63 +87,54 @@ class FourStep:
         """The spectrum by row, half of the columns worked on at a time, and value."""
         return self.spectrum[: 2 * self._row * self._num_rows].reshape(-1, 2, self._row)
 
+    @property
+    def _batches(self) -> Array:
+        """The spectrum by batches of rows, each in the order of its modes."""
+        batches = self.spectrum[: self._num_batches * self._batch_size]
+        by_halves = batches.reshape(-1, _ROWS, 2, self._row // layout.COLUMNS, layout.COLUMNS)
+        return by_halves.swapaxes(2, 3)
+
     def multiplication(self, symbol: Array64, target: Array, turned: Modes | None, seldom: bool) -> Callable[[], None]:
         """See `planned.Transforms.multiplication`; the rows are transformed before, and back after it."""
-        stored, held, modes = self._by_batch
-        forward = self.planner.plan(modes, modes, "FFTW_FORWARD")
-        inverse = self.planner.plan(modes, modes, "FFTW_BACKWARD")
         factors = self._factors(symbol, turned)
-        now = tuple(self.planner.buffer(self._rows.size) for _ in factors)
-        kernel = "spectral_multiply" if turned is None else "mirror_multiply"
-        multiply = self.planner.record([Call(kernel, now, (self._rows,))])
+        threads = min(self.planner.threads, self._num_batches)
+        workers = [_Worker(self._row, self.planner, len(factors)) for _ in range(threads)]
+        batches = list(zip(self._batches, *factors, strict=True))
 
-        def run() -> None:
-            for values, *given in zip(stored, *factors, strict=True):
-                held[:] = values
-                for buffer, factor in zip(now, given, strict=True):
-                    buffer[:] = factor
-                forward()
-                multiply()
-                inverse()
-                values[:] = held
+        def work(worker: _Worker, batch: tuple[Array, ...]) -> None:
+            values, *given = batch
+            worker.values[:] = values
+            for buffer, factor in zip(worker.factors, given, strict=True):
+                buffer[:] = factor
+            worker.transform()
+            worker.multiply()
+            worker.transform_back()
+            values[:] = worker.values
 
-        return run
+        return lambda: share(workers, batches, work)
 
     def power(self, symbol: Array64) -> float:
         """The sum of a symbol times |x_k|^2 over all N modes, after a forward transform; see `pair.Pair.power`."""
-        stored, held, modes = self._by_batch
-        forward = self.planner.plan(modes, modes, "FFTW_FORWARD")
-        factors, total = self._by_row(symbol), 0.0
+        worker, factors, total = _Worker(self._row, self.planner), self._by_row(symbol), 0.0
         factors[1 : self.num_points // self._row - self._num_rows + 1] *= 2  # for the rows that are not needed
-        for start, values in zip(range(0, self._num_rows, _ROWS), stored, strict=True):
-            held[:] = values
-            forward()
+        for start, values in zip(range(0, self._num_rows, _ROWS), self._batches, strict=True):
+            worker.values[:] = values
+            worker.transform()
             factor = factors[start : start + _ROWS]
-            found = modes[: len(factor)]
+            found = worker.modes[: len(factor)]
             total += float(np.sum(factor * (found.real**2 + found.imag**2)))
         return total / self.num_points
 
     def put(self, half: Modes | Array64) -> None:
         """Make the spectrum that has this half, shape (N//2 + 1,), with the rows transformed back and normalised."""
-        stored, held, modes = self._by_batch
-        inverse = self.planner.plan(modes, modes, "FFTW_BACKWARD")
-        real = self._by_row(half.real)
+        worker, real = _Worker(self._row, self.planner), self._by_row(half.real)
         imaginary = self._by_row(half.imag, conjugate=True) if np.iscomplexobj(half) else None
-        for start, values in zip(range(0, self._num_rows, _ROWS), stored, strict=True):
-            found = modes[: self._num_rows - start]
+        for start, values in zip(range(0, self._num_rows, _ROWS), self._batches, strict=True):
+            found = worker.modes[: self._num_rows - start]
             np.divide(real[start : start + _ROWS], self.num_points, out=found.real)
             found.imag = 0 if imaginary is None else imaginary[start : start + _ROWS] / self.num_points
-            inverse()
-            values[:] = held
-
-    @property
-    def _by_batch(self) -> tuple[Array, Array, Array]:
-        """The spectrum by batches of rows, as stored; the buffer of a batch in the same order; and its modes."""
-        rows, width = self._rows, layout.COLUMNS
-        all_rows = self.spectrum[: self.spectrum.size // rows.size * rows.size]
-        stored = all_rows.reshape(-1, _ROWS, 2, self._row // width, width).swapaxes(2, 3)
-        held = rows.reshape(_ROWS, -1, 2, width)  # the halves of the columns beside each other
-        return stored, held, self.planner.complex(rows).reshape(_ROWS, -1)
+            worker.transform_back()
+            values[:] = worker.values
 
     def _factors(self, symbol: Array64, turned: Modes | None) -> list[Array]:
         """What the kernel multiplies the rows by, shape (batches of rows, values) each."""
@@ -150,11 +147,11 @@ class FourStep:
         return [self._in_batches(re / n, im / n) for re, im in pairs]
 
     def _in_batches(self, re: Array64, im: Array64) -> Array:
-        count = -(-self._num_rows // _ROWS)
-        factors = self.planner.buffer(self._rows.size * count)[: self._rows.size * count]
+        size = self._num_batches * self._batch_size
+        factors = self.planner.buffer(size)[:size]
         both = factors[: 2 * re.size].reshape(*re.shape, 2)
         both[..., 0], both[..., 1] = re, im
-        return factors.reshape(count, -1)
+        return factors.reshape(self._num_batches, -1)
 
     def _by_row(self, half: Array64, conjugate: bool = False) -> Array64:
         """All modes' values in the order of the spectrum, shape (R/2 + 1, C), from those of the half spectrum;
@@ -206,65 +203,18 @@ class LongPair:
         return self._way.power(symbol)
 
 
-class _Columns:
-    """The columns' transforms with their twiddle factors, some columns at a time."""
+class _Worker:
+    """Buffers for some rows, plans and kernels on them. values: by row, columns worked on at a time, half of them, and
+    value; modes: the same, shape (rows, C); factors: what `multiply` multiplies them by.
+    """
 
-    def __init__(self, num_points: int, row: int, planner: Planner) -> None:
-        """row: C, the number of columns."""
-        width, num_rows = layout.COLUMNS, num_points // row
-        count = num_rows // 2 + 1
-        self._starts = range(0, row, width)
-        self._near = planner.buffer(2 * width * count)
-        turns = np.arange(count)[:, None] * np.arange(width)
-        planner.complex(self._near)[: turns.size] = _twiddle_factors(turns, num_points).ravel()
-        self._far = planner.buffer(2 * count)
-        self._all_far = np.zeros((len(self._starts), self._far.size), self._far.dtype)
-        turns = np.array(self._starts)[:, None] * np.arange(count)
-        planner.complex(self._all_far)[:, :count] = _twiddle_factors(turns, num_points)
-        columns = planner.buffer(num_rows * layout.STRIDE)[: num_rows * layout.STRIDE]
-        self._columns = columns.reshape(-1, layout.STRIDE)[:, :width]
-        spectra = planner.buffer(self._near.size)
-        self._halves = spectra[: 2 * width * count].reshape(count, 2, width)
-        modes = planner.complex(self._columns)
-        self._transform = planner.plan(modes, modes, "FFTW_FORWARD", axis=0)
-        self._transform_back = planner.plan(modes, modes, "FFTW_BACKWARD", axis=0)
-        factors = self._near, self._far
-        self._unpack = planner.record([Call("unpack_columns", (*factors, columns), (spectra,))])
-        self._pack = planner.record([Call("pack_columns", (*factors, spectra), (columns,))])
-
-    def forward(self, source: Array, spectrum: Array) -> Callable[[], None]:
-        """source: shape (R, C), and spectrum: shape (R/2 + 1, 2, C), may be the same memory."""
-        parts = [(source[:, part], spectrum[:, :, part], far) for part, far in self._parts]
-
-        def run() -> None:
-            for values, halves, far in parts:
-                self._columns[:] = values
-                self._transform()
-                self._far[:] = far
-                self._unpack()
-                halves[:] = self._halves
-
-        return run
-
-    def inverse(self, spectrum: Array, target: Array) -> Callable[[], None]:
-        """The way back, times R."""
-        parts = [(spectrum[:, :, part], target[:, part], far) for part, far in self._parts]
-
-        def run() -> None:
-            for halves, values, far in parts:
-                self._halves[:] = halves
-                self._far[:] = far
-                self._pack()
-                self._transform_back()
-                values[:] = self._columns
-
-        return run
-
-    @property
-    def _parts(self) -> list[tuple[slice, Array]]:
-        width = layout.COLUMNS
-        return [(slice(start, start + width), far) for start, far in zip(self._starts, self._all_far, strict=True)]
-
-
-def _twiddle_factors(turns: Indices, num_points: int) -> Modes:
-    return np.asarray(np.exp(-2j * np.pi / num_points * turns))
+    def __init__(self, row: int, planner: Planner, num_factors: int = 1) -> None:
+        """row: C; num_factors: 2 where conjugate modes are multiplied, too."""
+        rows = planner.buffer(2 * row * _ROWS)
+        self.values = rows.reshape(_ROWS, -1, 2, layout.COLUMNS)
+        self.modes = modes = planner.complex(rows).reshape(_ROWS, row)
+        self.transform = planner.plan(modes, modes, "FFTW_FORWARD", threads=1)
+        self.transform_back = planner.plan(modes, modes, "FFTW_BACKWARD", threads=1)
+        self.factors = tuple(planner.buffer(rows.size) for _ in range(num_factors))
+        kernel = "spectral_multiply" if num_factors == 1 else "mirror_multiply"
+        self.multiply = planner.record([Call(kernel, self.factors, (rows,))])

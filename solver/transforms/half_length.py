@@ -27,7 +27,7 @@ def is_faster(num_points: int, planner: Planner) -> bool:
     """Whether it takes less time than real transforms."""
     least, most = _FASTER
     allowed = planner.real == np.float64 and num_points % CHUNK == 0 and least <= num_points <= most
-    return allowed and planner.has_poor_plan(num_points)
+    return planner.threads == 1 and allowed and planner.has_poor_plan(num_points)
 
 
 class HalfLength:

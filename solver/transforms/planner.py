@@ -34,8 +34,8 @@ class Planner:
         wisdom.load()
 
     def has_poor_plan(self, num_points: int) -> bool:
-        """Whether all that FFTW has for a real transform of that length is an estimate for one thread."""
-        if self.threads > 1 or self.planning != "estimate":
+        """Whether all that FFTW has for a real transform of that length is an estimate."""
+        if self.planning != "estimate":
             return False
         modes = pyfftw.empty_aligned(num_points // 2 + 1, dtype=np.result_type(self.real, np.complex64))
         try:
@@ -70,17 +70,22 @@ class Planner:
         """A function without arguments that runs kernels in order; seldom: see `kernels.record`."""
         return record(self._backend, calls, seldom)
 
-    def plan(self, source: Array, target: Array, direction: str, axis: int = -1) -> Callable[[], None]:
+    def plan(
+        self, source: Array, target: Array, direction: str, axis: int = -1, threads: int | None = None
+    ) -> Callable[[], None]:
         """The plan that wisdom holds, or else a new one, which is kept at once if finding it took effort.
 
-        direction: 'FFTW_FORWARD', or 'FFTW_BACKWARD', which destroys the source; axis: of arrays of two dimensions.
+        direction: 'FFTW_FORWARD', or 'FFTW_BACKWARD', which destroys the source; axis: of arrays of two dimensions;
+        threads: by default the planner's.
         """
 
         def plan(effort: str, *more: str) -> Callable[[], None]:
             flags = [f"FFTW_{effort.upper()}", *more]
             if direction == "FFTW_BACKWARD":
                 flags.append("FFTW_DESTROY_INPUT")
-            made = pyfftw.FFTW(source, target, axes=(axis,), direction=direction, threads=self.threads, flags=flags)
+            made = pyfftw.FFTW(
+                source, target, axes=(axis,), direction=direction, threads=threads or self.threads, flags=flags
+            )
             execute: Callable[[], None] = made.execute
             return execute
 
