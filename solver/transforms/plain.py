@@ -22,10 +22,14 @@ _KEPT_UP_TO = 2**20
 bytes for each value."""
 
 
+_LONG = 2**20
+"""Values from which transforms there and back are done in four steps."""
+
 _FEW = 128  # values for each mode, from which a spectrum of few modes takes less time by short transforms
 _AT_ONCE = 16  # short transforms
 
 _kept = lru_cache(maxsize=10)(Pair)
+_kept_long = lru_cache(maxsize=1)(LongPair)
 _busy = threading.Lock()  # of the buffers that are kept
 
 
@@ -36,9 +40,10 @@ def guard(num_points: int) -> AbstractContextManager[Any]:
 
 def pair(num_points: int) -> Pair | LongPair:
     """Both transforms of N values with their buffers, which hold anything at first. To be used under their `guard`."""
-    if num_points <= _KEPT_UP_TO:
-        return _kept(num_points)
-    return LongPair(num_points) if row_length(num_points) else Pair(num_points)
+    kept = num_points <= _KEPT_UP_TO
+    if num_points >= _LONG and row_length(num_points):
+        return (_kept_long if kept else LongPair)(num_points)
+    return (_kept if kept else Pair)(num_points)
 
 
 def rfft(values: Array64) -> Modes:
