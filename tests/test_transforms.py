@@ -165,6 +165,45 @@ def test_a_short_pair_against_numpy(n):
     np.testing.assert_allclose(pair.real / n, values, atol=1e-13)
 
 
+@pytest.mark.parametrize("make", [Pair, four_step.LongPair])
+@pytest.mark.parametrize("n", [128, 1024, 3 * 2**9])
+def test_a_pair_with_a_symbol_in_between(make, n):
+    pair, rng = make(n), np.random.default_rng(0)
+    values, symbol = rng.standard_normal(n), rng.random(n // 2 + 1)
+    for _ in range(2):
+        pair.real[:] = values
+        pair.multiply(symbol)
+        np.testing.assert_allclose(pair.real, np.fft.irfft(np.fft.rfft(values) * symbol, n), atol=1e-13)
+        pair.real[:] = values
+        every = np.concatenate([symbol, symbol[n // 2 - 1 : 0 : -1]])
+        assert pair.power(symbol) == pytest.approx(float(every @ np.abs(np.fft.fft(values)) ** 2) / n, rel=1e-12)
+
+
+def test_power_of_an_odd_number_of_values():
+    pair, values = Pair(5), np.array([1.0, 4.0, -2.0, 3.0, 0.5])
+    pair.real[:] = values
+    assert pair.power(np.ones(3)) == pytest.approx(float(values @ values))
+
+
+@pytest.mark.parametrize("n", [128, 1024, 3 * 2**9])
+def test_a_long_inverse_transform(n):
+    values = np.random.default_rng(0).standard_normal(n)
+    modes = np.fft.rfft(values)
+    np.testing.assert_allclose(four_step.LongPair(n).invert(modes), values, atol=1e-13)
+    np.testing.assert_allclose(four_step.LongPair(n).invert(modes.real), np.fft.irfft(modes.real, n), atol=1e-13)
+
+
+def test_long_pairs_are_done_in_four_steps(monkeypatch):
+    monkeypatch.setattr(plain, "_LONG", 1024)
+    monkeypatch.setattr(plain, "_KEPT_UP_TO", 2048)
+    assert isinstance(plain.pair(1024), four_step.LongPair)
+    assert plain.pair(1024) is plain.pair(1024)
+    assert isinstance(plain.pair(4096), four_step.LongPair)
+    assert plain.pair(4096) is not plain.pair(4096)
+    assert isinstance(plain.pair(1000), Pair)
+    assert isinstance(plain.pair(4098), Pair)
+
+
 @pytest.mark.parametrize("n", [7, 60])
 def test_plain_transforms_against_their_sums(n):
     values, i, k = np.random.default_rng(0).standard_normal(n), np.arange(n), np.arange(n // 2 + 1)
