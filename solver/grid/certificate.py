@@ -1,7 +1,7 @@
 """The certificate: how wrong a displacement can be, recomputed in float64 from u alone.
 
-No method shares this code, which decides by itself which nodes are in contact; what it has in common with them is
-FFTW, whose transforms are tested against NumPy's. All numbers are dimensionless.
+No method shares this code, which decides by itself which nodes are in contact; what it has in common with them are
+transforms, which are tested against NumPy's. All numbers are dimensionless.
 
 The bound. Let r = p - K u, F the free nodes, C the nodes in contact (u = h, r > 0). For every admissible v <= h, with
 e = v - u and e <= 0 on C, the energy Pi = V - p L mean(u) obeys

@@ -48,7 +48,7 @@ def begin(problem: Problem, setting: Setting, storage: Whole | None = None) -> A
 
 
 def _bytes_per_point(contact_share: float) -> float:
-    # measured on 2^23 and 2^24 points: 84 to 88 (2 % in contact), 126 (10 %), 158 (21 %), 167 (30 %), 230 (94 %)
+    # measured on 2^23 and 2^24 points: 88 to 90 (2 % in contact), 116 (10 %), 152 (21 %), 163 (74 %), 188 (99.8 %)
     # and up to 12 % more on 2^23 points with what is kept of coarser grids
     return 110 + min(360 * contact_share, 60 + 100 * contact_share)
 
