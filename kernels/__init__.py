@@ -4,7 +4,8 @@ Knows arrays and numbers: no scene, no file, no transform.
 """
 
 from . import layout
-from .compiled import KERNELS, load, recompile, start_warp
+from .compiled import KERNELS, load, recompile, start_warp, started
+from .interrupts import undivided
 from .layout import CHUNK, padded_length
 from .processor import instructions, processor
 from .record import BACKENDS, Call, record, share
@@ -29,4 +30,6 @@ __all__ = [
     "sequence",
     "share",
     "start_warp",
+    "started",
+    "undivided",
 ]

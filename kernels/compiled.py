@@ -5,7 +5,6 @@ import gc
 import importlib
 import logging
 import os
-import signal
 import threading
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
@@ -13,6 +12,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from .interrupts import undivided
+from .layout import COLUMNS
 from .module_copies import copy_module
 from .tuning import flags
 
@@ -57,10 +58,13 @@ def recompile(names: Collection[str], chunk: int, compiled_with: str | None) -> 
     """Kernels from the same source, with `chunk` points per thread and other flags of the compiler, by name.
 
     names: of the kernels that are needed; those of their modules are compiled. chunk: a power of two; compiled_with:
-    all flags, None the program's. Raises `ValueError` like `load`, and for a name that there is not.
+    all flags, None the program's. Raises `ValueError` like `load`, for a name that there is not, and for a chunk that
+    is shorter than a row of columns.
     """
     if unknown := set(names) - set(KERNELS):
         raise ValueError(f"names has {min(unknown)!r}; allowed: {', '.join(KERNELS)}")
+    if chunk < 2 * COLUMNS and (rows := set(names) & set(MODULES["warp_columns"])):
+        raise ValueError(f"chunk is {chunk}; allowed for {min(rows)}: at least {2 * COLUMNS}, a row of it")
     start_warp()
     with _lock:
         needed = [module for module, there in MODULES.items() if not set(there).isdisjoint(names)]
@@ -105,10 +109,15 @@ def _is_compiled(module: str, device: str) -> bool:
     return any(file for ending in endings for file in folder.glob(f"*.{ending}"))
 
 
+def started() -> bool:
+    """Whether Warp has been started, which takes half a second."""
+    return start_warp.cache_info().currsize > 0
+
+
 @functools.cache
 def start_warp() -> None:
     """Import and initialise Warp. Raises `ValueError` if its kernel cache cannot be used."""
-    with _undivided(), _without_collection():
+    with undivided(), _without_collection():  # what Ctrl-C has cut off cannot be imported again
         import warp as wp  # takes as long as everything else together, and often is not needed
 
     wp.config.log_level = wp.LOG_WARNING
@@ -117,23 +126,6 @@ def start_warp() -> None:
             wp.init()
     except OSError as error:
         raise ValueError(f"Warp's kernel cache: {error}; allowed: a writable folder, set WARP_CACHE_PATH") from error
-
-
-@contextmanager
-def _undivided() -> Iterator[None]:
-    """Ctrl-C is taken at the end of the block: a package whose import it has ended cannot be imported again."""
-    caught: list[int] = []
-    before = signal.getsignal(signal.SIGINT)
-    if threading.current_thread() is not threading.main_thread() or not callable(before):
-        yield
-        return
-    signal.signal(signal.SIGINT, lambda number, _: caught.append(number))
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
-        if caught:
-            signal.raise_signal(signal.SIGINT)
 
 
 @contextmanager

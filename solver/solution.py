@@ -115,7 +115,7 @@ class Solution:
     seconds: dict[str, float]
     """Wall time by stage: 'setup', 'solve', 'certificate', 'total' [s]."""
     threads: int
-    """Threads of FFTW."""
+    """Threads of the transforms."""
     planning: str
     """FFTW's planning effort."""
     backend: str

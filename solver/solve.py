@@ -51,7 +51,7 @@ def solve(
     max_iterations: at least 1, all grids, hand-over included; default by method. Where an approach is given, of each
         of the solves that it takes.
     initial: displacement to start from, shape (N,) [length], for instance a neighbour's solution.
-    threads: of FFTW; where other programs keep the cores busy, two take many times as long as one.
+    threads: of the transforms; where other programs keep the cores busy, two take many times as long as one.
     planning: FFTW's effort, 'estimate', 'measure' or 'patient'; what it finds is kept at once.
     backend: 'warp', or 'numpy' for the twins.
     device: where the method works: 'cpu', or 'cuda' for a GPU, with a method whose `MethodKind.devices` names it. There

@@ -28,7 +28,7 @@ from linecontact.solver.methods import Setting, active_set, relax
 from linecontact.solver.methods.active_set import greens_function
 from linecontact.solver.methods.active_set import preconditioner as deflation
 from linecontact.solver.methods.active_set.search import Search
-from linecontact.solver.transforms import plain, real
+from linecontact.solver.transforms import four_step, plain, real
 
 
 def test_patches_that_share_an_unknown_take_longer(monkeypatch):
@@ -257,3 +257,20 @@ def test_the_typical_stiffness_is_at_least_the_longest_wave_s():
     )
     for problem in (wave, replace(wave, height=np.zeros(16))):
         assert typical_stiffness(problem) == problem.stiffness[1]
+
+
+@pytest.mark.parametrize("options", [{}, {"threads": 3}, {"method": "mass-weighted-fire"}])
+@pytest.mark.parametrize("precision", ["float64", "mixed"])
+@pytest.mark.parametrize("indenter", [PowerIndenter(), RoughIndenter(0.8, 0, 1 / 8, 1 / 32)])
+def test_transforms_in_four_steps_change_nothing(indenter, precision, options, monkeypatch):
+    """Where they take the place of all others: of even scenes, in mixed precision and of the certificate, too."""
+    scene = Scene(Layer(0.05), indenter, pressure=0.01, num_points=2**13, precision=precision)
+    usual = solve(scene, **options)
+    forget()
+    for name in ("FASTER", "_FASTER_THAN_REAL"):
+        monkeypatch.setattr(four_step, name, 2**10)
+    found = solve(scene, **options)
+    forget()
+    assert found.status == usual.status == "converged"
+    np.testing.assert_array_equal(found.contact, usual.contact)
+    np.testing.assert_allclose(found.displacement, usual.displacement, rtol=0, atol=1e-7 * np.ptp(usual.displacement))

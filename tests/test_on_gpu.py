@@ -44,7 +44,8 @@ needs_gpu = pytest.mark.skipif(bool(MISSING), reason=f"needs a GPU: {MISSING}")
 @pytest.fixture(scope="module")
 def gpu_form():
     """The kernels in the form that a GPU has, compiled for the CPU."""
-    copies = [module_copies.copy_module(m, on_gpu.CHUNK, tuning.flags()[m], on_gpu.LANES) for m in compiled.MODULES]
+    names = [name for name in compiled.MODULES if name not in compiled.ON_CPU_ONLY]
+    copies = [module_copies.copy_module(m, on_gpu.CHUNK, tuning.flags()[m], on_gpu.LANES) for m in names]
     return compiled.compile_modules([*copies, importlib.import_module("linecontact.kernels.warp_folds")])
 
 

@@ -1,6 +1,8 @@
 """Transforms over shared buffers, short ones, and plain ones."""
 
 import concurrent.futures
+import signal
+import time
 
 import numpy as np
 import pytest
@@ -54,9 +56,10 @@ def test_a_symbol_applied_in_every_way(threads, n, way, precision, backend):
 @pytest.mark.parametrize("backend", ["warp", "numpy"])
 @pytest.mark.parametrize("precision", ["float32", "float64"])
 @pytest.mark.parametrize("way", ["real", "four-step"])
+@pytest.mark.parametrize("threads", [1, 3])
 @pytest.mark.parametrize("n", [1024, 3072])
-def test_conjugate_modes_multiplied_and_added(n, way, precision, backend):
-    plan = Transforms(n, precision, backend=backend, way=way)
+def test_conjugate_modes_multiplied_and_added(n, threads, way, precision, backend):
+    plan = Transforms(n, precision, threads, backend=backend, way=way)
     rng = np.random.default_rng(0)
     values, symbol = rng.standard_normal(n).astype(precision), rng.standard_normal(n // 2 + 1)
     turned = symbol * np.exp(1j * rng.standard_normal(symbol.size))
@@ -73,7 +76,7 @@ def test_conjugate_modes_multiplied_and_added(n, way, precision, backend):
 
 def test_shared_work_is_done_once_and_what_fails_is_raised():
     done = []
-    sharing.share("abc", range(20), lambda worker, part: done.append((part, worker)))
+    sharing.do_all("abc", range(20), lambda worker, part: done.append((part, worker)))
     assert sorted(done) == [(part, "abc"[part % 3]) for part in range(20)]
 
     def fail(worker, part):
@@ -83,13 +86,38 @@ def test_shared_work_is_done_once_and_what_fails_is_raised():
 
     done.clear()
     with pytest.raises(MemoryError, match="part 4"):
-        sharing.share("abc", range(9), fail)
+        sharing.do_all("abc", range(9), fail)
     assert sorted(done) == [0, 1, 2, 3, 4, 5, 6, 8]  # the others went on
 
 
-@pytest.mark.parametrize("n", [1, 1000, 2**10 + 64, 3 * 2**6])
-def test_lengths_that_four_steps_do_not_divide(n):
-    with pytest.raises(ValueError, match=f"num_points is {n}; allowed for four steps: multiples of 128"):
+def test_shared_work_is_ended_before_ctrl_c_is_taken():
+    done = []
+
+    def work(worker, part):
+        if part == 0:
+            signal.raise_signal(signal.SIGINT)
+        time.sleep(0.01)
+        done.append(part)
+
+    with pytest.raises(KeyboardInterrupt):
+        sharing.do_all("abc", range(12), work)
+    assert sorted(done) == list(range(12))
+
+
+def test_shared_work_without_another_thread(monkeypatch):
+    def no_thread(_):
+        raise RuntimeError("can't start new thread")
+
+    monkeypatch.setattr(sharing.threading.Thread, "start", no_thread)
+    done = []
+    sharing.do_all("abc", range(9), lambda worker, part: done.append((part, worker)))
+    assert sorted(done) == [(part, "abc"[part % 3]) for part in range(9)]
+
+
+@pytest.mark.parametrize("n", [1, 1000, 2**10 + 64, 3 * 2**6, 2**16 + 128])
+def test_lengths_that_four_steps_do_not_suit(n):
+    allowed = "R C with C a power of two from 64 to 4096 and R even, at most 16 C"
+    with pytest.raises(ValueError, match=f"num_points is {n}; allowed for four steps: {allowed}"):
         Transforms(n, "float64", way="four-step")
 
 
@@ -126,6 +154,8 @@ def test_long_fields_share_the_spectrums_memory(n, monkeypatch):
         (2**20, {}, "four-step"),
         (2**18 + 2, {}, "real"),
         (2**20 + 2, {}, "real"),
+        (2**20 + 128, {}, "real"),
+        (2**20 + 1024, {}, "four-step"),
         (2**18, {"threads": 2}, "real"),
         (2**20, {"threads": 2}, "four-step"),
         (2**18, {"threads": 2, "apart": True}, "four-step"),
@@ -189,12 +219,13 @@ def test_power_of_an_odd_number_of_values():
 def test_a_long_inverse_transform(n):
     values = np.random.default_rng(0).standard_normal(n)
     modes = np.fft.rfft(values)
+    modes[[0, -1]] += 3j  # has no meaning and is taken as 0, as NumPy does
     np.testing.assert_allclose(four_step.LongPair(n).invert(modes), values, atol=1e-13)
     np.testing.assert_allclose(four_step.LongPair(n).invert(modes.real), np.fft.irfft(modes.real, n), atol=1e-13)
 
 
 def test_long_pairs_are_done_in_four_steps(monkeypatch):
-    monkeypatch.setattr(plain, "_LONG", 1024)
+    monkeypatch.setattr(four_step, "FASTER", 1024)
     monkeypatch.setattr(plain, "_KEPT_UP_TO", 2048)
     assert isinstance(plain.pair(1024), four_step.LongPair)
     assert plain.pair(1024) is plain.pair(1024)
@@ -202,6 +233,8 @@ def test_long_pairs_are_done_in_four_steps(monkeypatch):
     assert plain.pair(4096) is not plain.pair(4096)
     assert isinstance(plain.pair(1000), Pair)
     assert isinstance(plain.pair(4098), Pair)
+    monkeypatch.setattr(plain, "started", lambda: False)  # who uses the twins does not wait for Warp
+    assert isinstance(plain.pair(1024), Pair)
 
 
 @pytest.mark.parametrize("n", [7, 60])

@@ -96,7 +96,7 @@ class LayerResponse:
     def __call__(self, num_points: int) -> Array64:
         """Shape (N,) [1/K]. Kept, and read-only, on grids of up to 2^20 points; on others made anew by every call."""
         found = self._kept
-        if found is None:
+        if found is None or found.size != num_points:
             found = irfft(np.append(0.0, 1 / self._stiffness[1:]), num_points)
             if num_points <= MOST_POINTS:
                 found.flags.writeable = False

@@ -114,7 +114,7 @@ class Setting:
     """Share of the nodes in contact at the start, as a coarser grid has it; 0 where that is not known (dimensionless).
     """
     threads: int = 1
-    """Threads of FFTW."""
+    """Threads of the transforms."""
     planning: str = "estimate"
     """FFTW's planning effort."""
     backend: str = "warp"

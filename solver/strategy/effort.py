@@ -26,7 +26,7 @@ class Means:
     """Threads, FFTW planning and kernels of a solve."""
 
     threads: int = 1
-    """Threads of FFTW."""
+    """Threads of the transforms."""
     planning: str = "estimate"
     """FFTW's planning effort."""
     backend: str = "warp"

@@ -9,7 +9,7 @@ import numpy as np
 from ...kernels import Call, layout, padded_length
 from ..arrays import Array, Indices, Modes
 from .planner import Planner
-from .sharing import share
+from .sharing import do_all
 
 _WIDTH = layout.COLUMNS
 
@@ -41,7 +41,7 @@ class Columns:
             worker.unpack()
             spectra[:] = worker.spectra
 
-        return lambda: share(self._workers, parts, work)
+        return lambda: do_all(self._workers, parts, work)
 
     def inverse(self, spectrum: Array, target: Array) -> Callable[[], None]:
         """The way back, times R."""
@@ -54,7 +54,7 @@ class Columns:
             worker.transform_back()
             values[:] = worker.columns
 
-        return lambda: share(self._workers, parts, work)
+        return lambda: do_all(self._workers, parts, work)
 
 
 class _Worker:

@@ -23,32 +23,31 @@ from ...kernels import CHUNK, Call, layout, padded_length
 from ..arrays import Array, Array64, Modes
 from .columns import Columns
 from .planner import Planner
-from .sharing import share
+from .sharing import do_all
 
-_FASTER = 2**20
+FASTER = 2**20
 """Values from which it takes less time than any other way, if FFTW estimates: 0.8 of it at first, 0.4 on 2^22."""
 _FASTER_THAN_REAL = 2**18
 """Values, in float64, from which it takes less time than real transforms."""
 
 _ROWS = 8  # that are transformed at a time
 _SHORTEST_ROW = CHUNK // (2 * _ROWS)  # complex numbers; a multiple of the columns that are worked on at a time
-LENGTHS = 2 * _SHORTEST_ROW
-"""Of which the number of values is a multiple."""
 _LONGEST_ROW = 2**12  # whose transform stays in the cache
+_MOST_ROWS = 16  # over the columns: longer columns would not stay there
 _TOGETHER = 32  # rows whose modes are put into their order together
 
 
 def row_length(num_points: int) -> int:
-    """C, a power of two about as large as R = N/C, which is even; 0 where there is none that is long enough."""
+    """C, a power of two about as large as R = N/C, which is even and at most 16 C; 0 where there is none."""
     length = _LONGEST_ROW
     while length > _SHORTEST_ROW and (num_points % (2 * length) or (length // 2) ** 2 >= num_points):
         length //= 2
-    return 0 if num_points % (2 * length) else length
+    return 0 if num_points % (2 * length) or num_points > _MOST_ROWS * length**2 else length
 
 
 def is_faster(num_points: int, planner: Planner, apart: bool) -> bool:
     """Whether it takes less time than the other ways that are allowed; apart: only real transforms are."""
-    least = _FASTER_THAN_REAL if apart and planner.real == np.float64 else _FASTER
+    least = _FASTER_THAN_REAL if apart and planner.real == np.float64 else FASTER
     return num_points >= least and row_length(num_points) > 0 and planner.has_poor_plan(num_points)
 
 
@@ -59,7 +58,9 @@ class FourStep:
         self.num_points, self.planner = num_points, planner
         self._row = row_length(num_points)
         if not self._row:
-            raise ValueError(f"num_points is {num_points}; allowed for four steps: multiples of {LENGTHS}")
+            powers = f"a power of two from {_SHORTEST_ROW} to {_LONGEST_ROW}"
+            allowed = f"R C with C {powers} and R even, at most {_MOST_ROWS} C"
+            raise ValueError(f"num_points is {num_points}; allowed for four steps: {allowed}")
         self._num_rows = num_points // self._row // 2 + 1
         self._num_batches = -(-self._num_rows // _ROWS)
         self.spectrum = planner.buffer(max(self._num_batches * self._batch_size, padded_length(num_points)))
@@ -95,7 +96,9 @@ class FourStep:
         return by_halves.swapaxes(2, 3)
 
     def multiplication(self, symbol: Array64, target: Array, turned: Modes | None, seldom: bool) -> Callable[[], None]:
-        """See `planned.Transforms.multiplication`; the rows are transformed before, and back after it."""
+        """See `planned.Transforms.multiplication`; the rows are transformed before, and back after it. It is the same
+        for every target, and recorded in any case.
+        """
         factors = self._factors(symbol, turned)
         threads = min(self.planner.threads, self._num_batches)
         workers = [_Worker(self._row, self.planner, len(factors)) for _ in range(threads)]
@@ -111,7 +114,7 @@ class FourStep:
             worker.transform_back()
             values[:] = worker.values
 
-        return lambda: share(workers, batches, work)
+        return lambda: do_all(workers, batches, work)
 
     def power(self, symbol: Array64) -> float:
         """The sum of a symbol times |x_k|^2 over all N modes, after a forward transform; see `pair.Pair.power`."""
@@ -129,6 +132,8 @@ class FourStep:
         """Make the spectrum that has this half, shape (N//2 + 1,), with the rows transformed back and normalised."""
         worker, real = _Worker(self._row, self.planner), self._by_row(half.real)
         imaginary = self._by_row(half.imag, conjugate=True) if np.iscomplexobj(half) else None
+        if imaginary is not None:
+            imaginary[0, [0, self._row // 2]] = 0  # the mean and the Nyquist mode are real
         for start, values in zip(range(0, self._num_rows, _ROWS), self._batches, strict=True):
             found = worker.modes[: self._num_rows - start]
             np.divide(real[start : start + _ROWS], self.num_points, out=found.real)

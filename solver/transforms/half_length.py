@@ -73,7 +73,7 @@ class HalfLength:
         return run
 
     def inverse(self, target: Array) -> Callable[[], None]:
-        """Plan what `multiply` has put into the target, times N/2."""
+        """Plan what the multiplication has put into the target, times N/2."""
         modes = self.planner.complex(target[: self.num_points])
         return self.planner.plan(modes, modes, "FFTW_BACKWARD")
 

@@ -10,20 +10,19 @@ from typing import Any
 
 import numpy as np
 
+from ...kernels import started
 from ..arrays import Array64, Modes
+from . import four_step
 from .fftw import pyfftw
-from .four_step import LongPair, row_length
+from .four_step import LongPair
 from .pair import Pair
 
 _PLANNED_FROM = 2**12
 """Values from which FFTW is faster, its planning included."""
 _KEPT_UP_TO = 2**20
-"""Values up to which plans and buffers are kept, because making them takes twice as long as the transform. They hold 16
-bytes for each value."""
+"""Values up to which plans and buffers are kept, because making them takes twice as long as the transform. They hold
+up to 16 bytes for each value."""
 
-
-_LONG = 2**20
-"""Values from which transforms there and back are done in four steps."""
 
 _FEW = 128  # values for each mode, from which a spectrum of few modes takes less time by short transforms
 _AT_ONCE = 16  # short transforms
@@ -38,10 +37,15 @@ def guard(num_points: int) -> AbstractContextManager[Any]:
     return _busy if num_points <= _KEPT_UP_TO else nullcontext()
 
 
+def _in_four_steps(num_points: int) -> bool:
+    """Whether that is faster; who has done without Warp until now is not to wait for it."""
+    return num_points >= four_step.FASTER and four_step.row_length(num_points) > 0 and started()
+
+
 def pair(num_points: int) -> Pair | LongPair:
     """Both transforms of N values with their buffers, which hold anything at first. To be used under their `guard`."""
     kept = num_points <= _KEPT_UP_TO
-    if num_points >= _LONG and row_length(num_points):
+    if _in_four_steps(num_points):
         return (_kept_long if kept else LongPair)(num_points)
     return (_kept if kept else Pair)(num_points)
 
@@ -79,7 +83,7 @@ def irfft(modes: Modes | Array64, num_points: int) -> Array64:
             kept.modes[held.size :] = 0
             kept.inverse()
             return kept.real.copy()
-    if held.size == num_points // 2 + 1 and row_length(num_points):
+    if held.size == num_points // 2 + 1 and _in_four_steps(num_points):
         return LongPair(num_points).invert(held)
     source = pyfftw.zeros_aligned(num_points // 2 + 1, dtype=np.complex128)
     np.multiply(held, 1 / num_points, out=source[: held.size])

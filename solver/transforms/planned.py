@@ -43,9 +43,10 @@ WAYS: dict[str, type[Way]] = {"real": Real, "half-length": HalfLength, "four-ste
 class Transforms(OnCpu, Place):
     """Plans between real buffers of `num_points` values and one shared spectrum.
 
-    num_points: N; precision: 'float64' or 'float32'; threads: of FFTW, >= 1; planning: one of `planner.PLANNING`;
-    backend: of the kernels in between, see `Setting.backend`; way: one of `WAYS`, by default what is fastest. apart:
-    the rounding of no mode may spoil another one, which leaves out 'half-length'. Raises `ValueError`.
+    num_points: N; precision: 'float64' or 'float32'; threads: of the transforms, >= 1; planning: one of
+    `planner.PLANNING`; backend: of the kernels in between, see `Setting.backend`; way: one of `WAYS`, by default what
+    is fastest. apart: the rounding of no mode may spoil another one, which leaves out 'half-length'. Raises
+    `ValueError`.
     """
 
     def __init__(
@@ -66,7 +67,9 @@ class Transforms(OnCpu, Place):
         self._way = WAYS[self.way](num_points, planner)
 
     def replanned(self, threads: int, planning: str) -> "Transforms":
-        """The same on the same buffers, for plans of another kind; not for 'four-step'. Raises `ValueError`."""
+        """The same on the same buffers, for plans of another kind. Raises `ValueError`, for 'four-step', too."""
+        if self.way == "four-step":
+            raise ValueError("way is 'four-step'; allowed: 'real' or 'half-length', whose plans are made anew")
         found, planner = copy.copy(self), copy.copy(self.planner)
         planner.threads, planner.planning = check_settings(threads, planning)
         found._way = copy.copy(self._way)

@@ -20,7 +20,7 @@ _STAGGER = 1024  # bytes: buffers that start at equal page offsets slow each oth
 class Planner:
     """Makes buffers of one precision, plans between them and kernels on them.
 
-    precision: 'float64' or 'float32'; threads: of FFTW, >= 1; planning: one of `PLANNING`; backend: see
+    precision: 'float64' or 'float32'; threads: of the transforms, >= 1; planning: one of `PLANNING`; backend: see
     `Setting.backend`. Raises `ValueError`.
     """
 
@@ -37,14 +37,12 @@ class Planner:
         """Whether all that FFTW has for a real transform of that length is an estimate."""
         if self.planning != "estimate":
             return False
-        modes = pyfftw.empty_aligned(num_points // 2 + 1, dtype=np.result_type(self.real, np.complex64))
-        try:
-            pyfftw.FFTW(
-                pyfftw.empty_aligned(num_points, dtype=self.real), modes, flags=["FFTW_MEASURE", "FFTW_WISDOM_ONLY"]
-            )
-        except RuntimeError:  # wisdom does not hold it
-            return True
-        return False
+        modes = self.complex(pyfftw.empty_aligned(2 * (num_points // 2 + 1), dtype=self.real))
+        for values in (pyfftw.empty_aligned(num_points, dtype=self.real), modes.view(self.real)[:num_points]):
+            with suppress(RuntimeError):  # wisdom does not hold it
+                pyfftw.FFTW(values, modes, threads=self.threads, flags=["FFTW_MEASURE", "FFTW_WISDOM_ONLY"])
+                return False
+        return True
 
     def buffer(self, length: int) -> Array:
         """A padded, aligned, staggered array for so many values: zeros."""

@@ -1,29 +1,43 @@
 """Work on parts that do not touch each other, shared between threads."""
 
+import threading
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
+
+from ...kernels import undivided
 
 Worker = TypeVar("Worker")
 Part = TypeVar("Part")
 
 
-def share(workers: Sequence[Worker], parts: Sequence[Part], work: Callable[[Worker, Part], None]) -> None:
+def do_all(workers: Sequence[Worker], parts: Sequence[Part], work: Callable[[Worker, Part], None]) -> None:
     """Do `work` on every part, each worker in a thread of its own, the first one in this thread.
 
     Python's lock is held for a small share of the time only: NumPy, FFTW and Warp give it back while they work. Returns
-    when all workers have ended, after Ctrl-C, too; raises what went wrong first.
+    when all workers have ended, and then raises what went wrong first; Ctrl-C waits for that, too.
     """
+    failed: list[BaseException] = []
 
     def in_turn(number: int) -> None:
-        for part in parts[number :: len(workers)]:
-            work(workers[number], part)
+        try:
+            for part in parts[number :: len(workers)]:
+                work(workers[number], part)
+        except BaseException as error:
+            failed.append(error)
 
-    if len(workers) == 1:
-        in_turn(0)
-        return
-    with ThreadPoolExecutor(len(workers) - 1) as pool:
-        others = [pool.submit(in_turn, number) for number in range(1, len(workers))]
-        in_turn(0)
-    for other in others:
-        other.result()
+    here, others = [0], []
+    with undivided():
+        for number in range(1, len(workers)):
+            thread = threading.Thread(target=in_turn, args=(number,))
+            try:
+                thread.start()
+            except RuntimeError:  # no more threads, or the interpreter is about to end
+                here.append(number)
+            else:
+                others.append(thread)
+        for number in here:
+            in_turn(number)
+        for thread in others:
+            thread.join()
+    if failed:
+        raise failed[0]

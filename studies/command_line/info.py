@@ -40,7 +40,7 @@ def command(_: Options) -> int:
     rows = {
         **provenance.provenance(),
         "FFTW": planner.library(),
-        "threads": f"FFTW 1 by default (--threads), Warp 1; {len(os.sched_getaffinity(0))} cores usable"
+        "threads": f"transforms 1 by default (--threads), kernels 1; {len(os.sched_getaffinity(0))} cores usable"
         if hasattr(os, "sched_getaffinity")
         else str(os.cpu_count()),
         "instruction sets": kernels.instructions() or "unknown",

@@ -51,7 +51,11 @@ class Bench:
         self._views: dict[str, Arrays] = {}
         wanted = set(only)
         for variant in (*shipped(benchmark), *own(benchmark.name)):
-            if (not wanted or variant.name in wanted) and num_points % variant.multiple == 0:
+            if (
+                (not wanted or variant.name in wanted)
+                and num_points % variant.multiple == 0
+                and variant.fits(num_points)
+            ):
                 self._bind(variant, Arrays(benchmark, transforms, self.arrays))
         self._fill(self._start)  # after FFTW's planning, which writes
 

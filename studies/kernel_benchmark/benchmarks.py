@@ -249,7 +249,7 @@ _ITERATIONS = {
     ),
 }
 """One iteration of plain FIRE, with real transforms, with complex ones of half the length, which the program chooses in
-float64 from 2^17 to 2^19 points, and in four steps, from 2^20 points, both on one thread, unless plans were measured;
+float64 from 2^17 to 2^19 points on one thread, and in four steps, from 2^20 points, both unless plans were measured;
 of FIRE in mixed precision, of mass-weighted FIRE, and of the active set's search without what it does on the contact
 nodes alone.
 """

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from linecontact.solver.transforms import wisdom
 from linecontact.solver.transforms.fftw import pyfftw
-from linecontact.solver.transforms.four_step import LENGTHS
+from linecontact.solver.transforms.four_step import row_length
 from linecontact.solver.transforms.planned import Transforms
 from linecontact.solver.transforms.planner import PLANNING
 
@@ -30,7 +30,7 @@ def variants(benchmark: Benchmark) -> list[Variant]:
     found = [Variant(effort, functools.partial(_fftw, effort), wisdom=effort != "estimate") for effort in PLANNING]
     found.append(Variant("2-threads", functools.partial(_fftw, "estimate", threads=2), threads=2))
     if benchmark.name == "real_pair":
-        found.append(Variant("four-step", _four_step, multiple=LENGTHS))
+        found.append(Variant("four-step", _four_step, fits=lambda num_points: row_length(num_points) > 0))
     there = [name for name in LIBRARIES if importlib.util.find_spec(name)]
     return found + [Variant(name, functools.partial(_library, name)) for name in there]
 

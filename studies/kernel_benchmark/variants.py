@@ -82,6 +82,8 @@ class Variant:
     """Whether FFTW may use what it has learnt before, as plans by measurement do."""
     multiple: int = 1
     """The number of points must be a multiple of this; on other numbers the variant is not measured."""
+    fits: Callable[[int], bool] = lambda num_points: True
+    """Whether a number of points is measured."""
 
 
 OWN: dict[str, list[Variant]] = {}

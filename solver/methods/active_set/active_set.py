@@ -135,6 +135,7 @@ class ActiveSet(Method):
         r = float(touching.mean()) - touching
         z = now.precondition(r)
         self.residual = math.sqrt(float(z @ z) / self.problem.num_points)
+        # the certificate looks at the free nodes; where it could not be met in this way, a small residual is enough
         if self._certified and HARDER * self._target < self.residual <= self._target:
             self.residual = max(self.residual, SAFETY * free_residual(self.problem, now.patches, r))
         if math.isinf(now.first_residual):
