@@ -141,6 +141,11 @@ def test_packed_columns_are_what_was_unpacked():
     np.testing.assert_allclose(found, given, atol=1e-14)
 
 
+def test_chunks_shorter_than_a_row_of_columns_are_refused():
+    with pytest.raises(ValueError, match="chunk is 64; allowed for unpack_columns: at least 128, a row of it"):
+        recompile({"unpack_columns"}, 64, None)
+
+
 @pytest.mark.parametrize("precision", PRECISIONS)
 def test_step_leaves_nothing_beyond_the_wall(precision):
     arrays = make_arrays("fire_step", 3 * CHUNK, precision, seed=1)

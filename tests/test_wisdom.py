@@ -10,7 +10,7 @@ import pyfftw
 import pytest
 from linecontact.solver import Layer, RoughIndenter, Scene, solve
 from linecontact.solver.grid import kept
-from linecontact.solver.transforms import half_length, wisdom
+from linecontact.solver.transforms import four_step, half_length, real, wisdom
 from linecontact.solver.transforms.planned import Transforms
 
 
@@ -30,6 +30,20 @@ def test_a_measured_plan_is_used_ever_after(wisdom_cache, monkeypatch):
     again = Transforms(1024, "float64")
     again.forward(again.buffer())
     assert (again.way, again.planner.known, again.planner.planned) == ("real", 1, 0)
+
+
+@pytest.mark.parametrize("in_place", [False, True])
+@pytest.mark.parametrize("threads", [1, 2])
+def test_what_was_measured_comes_before_four_steps(wisdom_cache, monkeypatch, threads, in_place):
+    """With as many threads; others know nothing of it."""
+    monkeypatch.setattr(four_step, "FASTER", 1024)
+    monkeypatch.setattr(real, "_IN_PLACE", 512 if in_place else 2048)
+    assert Transforms(1024, "float64", threads).way == "four-step"
+    measured = Transforms(1024, "float64", threads, "measure")
+    measured.forward(measured.field())
+    begin_anew()
+    assert Transforms(1024, "float64", threads).way == "real"
+    assert Transforms(1024, "float64", 3 - threads).way == "four-step"
 
 
 def test_wisdom_is_kept_and_read(wisdom_cache):
