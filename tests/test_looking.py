@@ -407,7 +407,7 @@ def test_what_cannot_be_drawn_or_written_is_refused(solution, tmp_path):
 
 RESULTS = Path(studies.__file__).parent / "results"
 # further files of the peers, of the edge curve and of the kernels
-NOT_DRAWN = {"areas", "few-nodes", "kernel-variants", "transforms"}
+NOT_DRAWN = {"areas", "few-nodes", "kernel-variants", "transforms", "transforms-long"}
 
 
 @pytest.mark.parametrize("name", sorted({path.stem for path in RESULTS.glob("*.h5")} - {"sharp", "blunt", *NOT_DRAWN}))

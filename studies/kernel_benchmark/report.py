@@ -178,8 +178,9 @@ def microseconds(value: float) -> str:
 
 _TRANSFORMS = (
     "us: FFTW's plans by estimate, made without wisdom; the others over that in the same round: plans that FFTW "
-    "measured, or found patiently, in 10 s each at most, estimated plans on 2 threads, other libraries; plan: time to "
-    "plan (in brackets: from wisdom of an earlier run). Ratios dimensionless."
+    "measured, or found patiently, in 10 s each at most, estimated plans on 2 threads, other libraries; four step: the "
+    "program's own, with its multiplication in between; plan: time to plan (in brackets: from wisdom of an earlier "
+    "run). Ratios dimensionless."
 )
 
 
