@@ -43,8 +43,9 @@ def test_when_a_search_has_failed():
         (41, 0.1, False, 1e-6, False, False),
         (201, 0.1, False, 1e-6, False, True),
     ):
-        search = Search(updates=updates, pulling=pulling)
+        search = Search(updates=updates, pulling=pulling, in_vain=1)
         assert search.has_failed(residual, 1e-8, ended, early) is failed
+    assert not Search(updates=21, in_vain=0).has_failed(1.0, 1e-8, ended=False, early=False)  # it is getting on
     assert not Search().has_failed(0.01, 0.1, ended=True, early=True)
     assert Search(circling=True).has_failed(1e-12, 1e-8, ended=True, early=True)
 
@@ -157,10 +158,10 @@ def test_few_nodes_at_a_time_find_the_same_contact(even, most, monkeypatch):
     scenes = [Scene(Layer(d), indenter, 0.02, num_points=2**10) for d in (math.inf, 1e-3)]
     usual = [solve(scene).contact_pressure for scene in scenes]
 
-    def begin():
+    def begin(_):
         return Search(few_at_a_time=FewAtATime(), forcing_term=few_at_a_time.FORCING_TERM)
 
-    monkeypatch.setattr("linecontact.solver.methods.active_set.active_set.Search", begin)
+    monkeypatch.setattr(Search, "among", begin)
     for name in ("_MOST", "_MOST_HARD"):
         monkeypatch.setattr(few_at_a_time, name, most)
     for scene, pressure in zip(scenes, usual, strict=True):

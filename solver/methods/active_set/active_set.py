@@ -97,9 +97,9 @@ class ActiveSet(Method):
             self.start_cold()
             return
         pressure = self._storage.symmetric(pressure)
-        self.stopped, self._search = False, Search()
         nodes = self._start = np.flatnonzero(pressure > 0)
         self._take_set(nodes, nodes, pressure[nodes])
+        self.stopped, self._search = False, Search.among(self._now.patches.count)
         self._response.renew(self._now)
         self._response.watch_penetrating(self._now, self._smallest_gap)
         self._floor = _OVER_FLOOR * self._response.floor(self._now)

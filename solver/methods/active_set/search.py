@@ -15,10 +15,12 @@ MOST_ITERATIONS = 150
 """On one set; where it takes more, rounding keeps the residual up."""
 
 _FORCING_TERM = 0.05  # residual of a set over that when it was new, at which it is updated
+_MANY_PATCHES, _OF_MANY = 1000, 0.01  # patches that disturb each other, and the forcing term for more of them
 _SLOW = 3  # updates without progress after which nodes beyond those that penetrate are added, too
 _PROGRESS = 0.8  # an update that changes fewer nodes than this share of the fewest so far counts as progress
 _FARTHEST = 63  # nodes that are then added on either side of each one
 _PATIENCE, _TIGHT = 8, 1e-3  # updates without progress before the forcing term falls, and its lowest value then
+_LESS, _PULL_AGAIN = 2, 0.05  # and before that where a larger share of the nodes pulls every time
 _LOST = 1e-3  # residual over p with which a search that ends has failed
 _UPDATES = 20  # of which a dozen are usual, after which a search with such a residual has failed before its end,
 _EARLY, _PULLING = 3, 0.25  # or after fewer under a stiff coating, if more than this share of the nodes pulls
@@ -54,6 +56,11 @@ class Search:
     in_vain: int = 0
     """Updates since that became much less."""
 
+    @classmethod
+    def among(cls, num_patches: int) -> "Search":
+        """A search that begins with so many patches."""
+        return cls(_OF_MANY if num_patches > _MANY_PATCHES else _FORCING_TERM)
+
     def may_move_ends(self) -> bool:
         """Whether this update may; one less may after it."""
         self.moves_left -= 1
@@ -69,7 +76,8 @@ class Search:
             self.fewest, self.in_vain = changed, 0
             return
         self.in_vain += 1
-        if self.in_vain >= _PATIENCE and self.forcing_term > _TIGHT:
+        patience = _LESS if pulling > _PULL_AGAIN else _PATIENCE
+        if self.in_vain >= patience and self.forcing_term > _TIGHT:
             self.forcing_term, self.in_vain = max(_TIGHT, self.forcing_term * _TIGHTER), 0
 
     def reach_out(self, dropped: int, added: int) -> int:
@@ -101,6 +109,7 @@ class Search:
         ended: whether it would end here; early: whether many nodes that pull are a sign of it.
         """
         lost = not residual <= max(_LOST, tolerance)
-        most = _EARLY if early and self.pulling > _PULLING else _UPDATES
+        soon = early and self.updates > _EARLY and self.pulling > _PULLING
+        late = self.updates > _UPDATES and self.in_vain > 0
         too_many = self.updates > (_ANYWAY if residual <= _NEARLY else _TOO_MANY)
-        return (lost and (ended or self.updates > most)) or too_many or self.circling
+        return (lost and (ended or soon or late)) or too_many or self.circling
