@@ -164,10 +164,10 @@ def test_sets_that_keep_changing_are_decided_on_more_accurate_solutions():
     for changed in (300, *[300] * 100):
         sets.note(changed)
     assert sets.forcing_term == search._TIGHT
-    many = search.Search()
+    many = search.Search.among(1001)
     for changed in (1000, 1000, 1000):  # of which a tenth of the nodes pulls again and again
-        assert many.forcing_term == search._FORCING_TERM
+        assert many.forcing_term == search._OF_MANY
         many.note(changed, 0.1)
-    assert many.forcing_term == pytest.approx(0.1 * search._FORCING_TERM)
+    assert many.forcing_term == pytest.approx(0.1 * search._OF_MANY)
     terms = [search.Search.among(count).forcing_term for count in (1, 1000, 1001)]
     assert terms == [search._FORCING_TERM, search._FORCING_TERM, search._OF_MANY]

@@ -99,7 +99,8 @@ class ActiveSet(Method):
         pressure = self._storage.symmetric(pressure)
         nodes = self._start = np.flatnonzero(pressure > 0)
         self._take_set(nodes, nodes, pressure[nodes])
-        self.stopped, self._search = False, Search.among(self._now.patches.count)
+        patches = 0 if self._soft_base else self._now.patches.count  # there other remedies help
+        self.stopped, self._search = False, Search.among(patches)
         self._response.renew(self._now)
         self._response.watch_penetrating(self._now, self._smallest_gap)
         self._floor = _OVER_FLOOR * self._response.floor(self._now)

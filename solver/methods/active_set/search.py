@@ -20,7 +20,7 @@ _SLOW = 3  # updates without progress after which nodes beyond those that penetr
 _PROGRESS = 0.8  # an update that changes fewer nodes than this share of the fewest so far counts as progress
 _FARTHEST = 63  # nodes that are then added on either side of each one
 _PATIENCE, _TIGHT = 8, 1e-3  # updates without progress before the forcing term falls, and its lowest value then
-_LESS, _PULL_AGAIN = 2, 0.05  # and before that where a larger share of the nodes pulls every time
+_LESS, _PULL_AGAIN = 2, 0.05  # and among many patches, where a larger share of the nodes than this pulls every time
 _LOST = 1e-3  # residual over p with which a search that ends has failed
 _UPDATES = 20  # of which a dozen are usual, after which a search with such a residual has failed before its end,
 _EARLY, _PULLING = 3, 0.25  # or after fewer under a stiff coating, if more than this share of the nodes pulls
@@ -35,6 +35,8 @@ class Search:
 
     forcing_term: float = _FORCING_TERM
     """Part of a new set's residual at which it is updated (dimensionless)."""
+    many: bool = False
+    """Whether it has begun among many patches."""
     moves_left: int = 0
     """Updates that may still move the ends of patches to where the pressure says that they belong."""
     earlier: set[int] = field(default_factory=set)
@@ -59,7 +61,7 @@ class Search:
     @classmethod
     def among(cls, num_patches: int) -> "Search":
         """A search that begins with so many patches."""
-        return cls(_OF_MANY if num_patches > _MANY_PATCHES else _FORCING_TERM)
+        return cls(_OF_MANY, many=True) if num_patches > _MANY_PATCHES else cls()
 
     def may_move_ends(self) -> bool:
         """Whether this update may; one less may after it."""
@@ -76,7 +78,7 @@ class Search:
             self.fewest, self.in_vain = changed, 0
             return
         self.in_vain += 1
-        patience = _LESS if pulling > _PULL_AGAIN else _PATIENCE
+        patience = _LESS if self.many and pulling > _PULL_AGAIN else _PATIENCE
         if self.in_vain >= patience and self.forcing_term > _TIGHT:
             self.forcing_term, self.in_vain = max(_TIGHT, self.forcing_term * _TIGHTER), 0
 
