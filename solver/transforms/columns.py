@@ -32,7 +32,6 @@ class Columns:
 
     def forward(self, source: Array, spectrum: Array) -> Callable[[], None]:
         """source: shape (R, C), and spectrum: shape (R/2 + 1, 2, C), may be the same memory."""
-        parts = [(source[:, part], spectrum[:, :, part], far) for part, far in zip(self._parts, self._far, strict=True)]
 
         def work(worker: _Worker, part: tuple[Array, Array, Array]) -> None:
             values, spectra, worker.far[:] = part
@@ -41,19 +40,25 @@ class Columns:
             worker.unpack()
             spectra[:] = worker.spectra
 
-        return lambda: do_all(self._workers, parts, work)
+        return self._shared(source, spectrum, work)
 
     def inverse(self, spectrum: Array, target: Array) -> Callable[[], None]:
         """The way back, times R."""
-        parts = [(spectrum[:, :, part], target[:, part], far) for part, far in zip(self._parts, self._far, strict=True)]
 
         def work(worker: _Worker, part: tuple[Array, Array, Array]) -> None:
-            spectra, values, worker.far[:] = part
+            values, spectra, worker.far[:] = part
             worker.spectra[:] = spectra
             worker.pack()
             worker.transform_back()
             values[:] = worker.columns
 
+        return self._shared(target, spectrum, work)
+
+    def _shared(
+        self, values: Array, spectrum: Array, work: Callable[["_Worker", tuple[Array, Array, Array]], None]
+    ) -> Callable[[], None]:
+        """Work on some columns at a time, with their spectra and the first one's twiddle factors."""
+        parts = [(values[:, part], spectrum[:, :, part], far) for part, far in zip(self._parts, self._far, strict=True)]
         return lambda: do_all(self._workers, parts, work)
 
 

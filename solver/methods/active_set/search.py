@@ -22,7 +22,7 @@ _FARTHEST = 63  # nodes that are then added on either side of each one
 _PATIENCE, _TIGHT = 8, 1e-3  # updates without progress before the forcing term falls, and its lowest value then
 _LESS, _PULL_AGAIN = 2, 0.05  # and among many patches, where a larger share of the nodes than this pulls every time
 _LOST = 1e-3  # residual over p with which a search that ends has failed
-_UPDATES = 20  # of which a dozen are usual, after which a search with such a residual has failed before its end,
+_UPDATES = 20  # of which a dozen are usual, after which one with such a residual has failed unless it makes progress,
 _EARLY, _PULLING = 3, 0.25  # or after fewer under a stiff coating, if more than this share of the nodes pulls
 _TOO_MANY = 40  # updates after which a search has failed that is not nearly there
 _NEARLY, _ANYWAY = 1e-4, 200  # residual over p of one that is, and updates after which it has failed, too
@@ -105,8 +105,8 @@ class Search:
         return came_back and self.forcing_term < _TIGHTEST
 
     def has_failed(self, residual: float, tolerance: float, ended: bool, early: bool) -> bool:
-        """Whether the search has failed: by the residual over p that it ended with, by how many updates it has taken
-        and how many nodes still pull, or because it goes round in circles.
+        """Whether the search has failed: by the residual over p that it ended with, by how many updates it has taken,
+        whether they still make progress and how many nodes pull, or because it goes round in circles.
 
         ended: whether it would end here; early: whether many nodes that pull are a sign of it.
         """
