@@ -16,7 +16,6 @@ from ..method import Fallback, MethodKind, Setting
 from .active_set import ActiveSet
 from .free_nodes import FreeNodes, suits
 from .greens_function import GreensFunction, Tables
-from .nearby import make_split
 from .response import Response
 from .spare import Spare
 from .storage import Whole, choose
@@ -38,11 +37,9 @@ def begin(problem: Problem, setting: Setting, storage: Whole | None = None) -> A
     if suits(problem, setting):
         loan = spare.lend(problem.stiffness, "K", storage, setting)
         return loan.to(FreeNodes(problem, setting, green, storage, loan.everywhere))
-    if "split" not in made:
-        made["split"] = make_split(tables.compliance, problem.num_points)
     loan = spare.lend(tables.compliance, "G", storage, setting)
     loan.everywhere.begin(problem.height)
-    response = Response(problem, storage, made["split"], loan.everywhere)
+    response = Response(problem, storage, tables.split, loan.everywhere)
     few = setting.wrong_nodes_per_patch
     return loan.to(ActiveSet(problem, setting.tolerance, green, storage, response, few, setting.reduction))
 

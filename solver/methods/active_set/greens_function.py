@@ -13,6 +13,8 @@ from ...arrays import Array64, Indices
 from ...grid.problem import LayerResponse
 from ...transforms.pair import Pair
 from ...transforms.plain import hfft, irfft
+from .nearby import make_split
+from .packed import Split
 
 
 def inverse_cholesky(column: Array64, order: int) -> Array64:
@@ -79,12 +81,26 @@ class Tables:
 
         return self._known("response", make)
 
+    @cached_property
+    def split(self) -> Split | None:
+        """Of G, see `make_split`."""
+        return make_split(self.compliance, self.num_points)
+
+    def _head(self, count: int) -> Array64:
+        """G on the nodes 0 to count - 1, at most half of all, as well as a preconditioner needs it [1/K]."""
+        if self.split:
+            return self.split.response(count)
+        held = self._kept.get("head", np.zeros(0))
+        return (held if count <= held.size else self.response)[:count]
+
     @property
     def second_sum(self) -> Array64:
-        """T(k+1) for T with T(k+1) - 2 T(k) + T(k-1) = G(k), shape (N,)."""
+        """T with T(k+1) - 2 T(k) + T(k-1) = G(k), shape (N,)."""
         return self._known("second sum", self._sum_twice)
 
     def _sum_twice(self) -> Array64:
+        if self.split:
+            return self.split.second_sum
         response = self.response
         if self.num_points > _KEPT:
             self._known("head", response[:_HEAD].copy)
@@ -92,7 +108,9 @@ class Tables:
         else:
             first = np.cumsum(response)
         first -= first.mean()  # so that the second sum is periodic, too
-        return np.cumsum(first, out=first)
+        first[1:] = np.cumsum(first[:-1])
+        first[0] = 0
+        return first
 
     def rest(self) -> None:
         """Give back what holds a value for each node of a large grid."""
@@ -104,8 +122,7 @@ class Tables:
         factor = self._factor  # another thread may put a smaller one there meanwhile
         if factor.shape[0] < order:
             order = min(64 * -(-order // 64), self.num_points - 1)
-            head = self._kept.get("head", np.zeros(0))
-            self._factor = factor = inverse_cholesky(head if order <= head.size else self.response, order)
+            self._factor = factor = inverse_cholesky(self._head(order), order)
         return factor
 
     def stiffness_factor(self, order: int) -> Array64:
@@ -128,7 +145,7 @@ class Tables:
             below = np.minimum(at.astype(np.int64), self._stiffness.size - 2)
             rise = self._stiffness[below + 1] - self._stiffness[below]
             rigidity = self._stiffness[below] + (at - below) * rise
-            found = rigidity, hfft(self.response[modes], length)[: modes.size]
+            found = rigidity, hfft(self._head(modes.size), length)[: modes.size]
             if length <= self.num_points // _SHORT:
                 self._symbols[length] = found
         return found
@@ -180,7 +197,7 @@ def patch_sums(second_sum: Array64, first: Indices, last: Indices) -> Array64:
     start, stop = first, last + 1
 
     def differences(a: Indices, b: Indices) -> Array64:
-        return np.take(second_sum, a[..., :, None] - (b[..., None, :] + 1), mode="wrap")
+        return np.take(second_sum, a[..., :, None] - b[..., None, :], mode="wrap")
 
     across = differences(stop, start)
     return np.asarray(across + np.swapaxes(across, -1, -2) - differences(start, start) - differences(stop, stop))

@@ -109,7 +109,7 @@ class Together:
         size = patches.size
         at = (2 * (np.arange(patches.nodes.size) - np.repeat(patches.offset, size)) + 1) / np.repeat(size, size) - 1
         shape = 1 / np.sqrt(1 - at**2)
-        within = 2 * (second_sum[size - 1] - second_sum[-1])  # the sum of G over a patch and itself
+        within = 2 * (second_sum[size] - second_sum[0])  # the sum of G over a patch and itself
         within = np.maximum(within, size * self._green.tables.compliance[1:].min())  # rounding may have eaten it
         return np.asarray(shape * np.repeat(size**2 / within / patches.sums(shape), size))
 

@@ -18,6 +18,7 @@ import math
 from functools import cached_property
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from ...arrays import Array64, Indices
 from ...transforms.pair import Pair
@@ -31,6 +32,9 @@ _TOLERABLE = 1e-3
 _WIDTH = 6
 """Of the window [blocks]; with `_SHAPE`, and far waves no shorter than four blocks, it errs by some 1e-6."""
 _SHAPE = 0.75 * math.pi * _WIDTH
+
+_NEAREST = np.arange(-2, 4)
+"""Blocks whose values an interpolation takes, as steps."""
 
 _LONG = 2**12
 """Blocks beyond which the transforms of a solve take longer than their plan: there are eight allowed lengths to an
@@ -70,6 +74,7 @@ class Split:
         self.near = values[: self.range + 1]
         """Of `near` in real space, for the distances from 0 to the range."""
         window = _transformed_window(np.arange(count) / self.num_blocks)
+        self._smooth = far
         self.far = np.zeros(self.num_blocks // 2 + 1)
         """Symbol of `far` between spreading and gathering, for one transform there and back."""
         self.far[:count] = far / window**2 / num_points
@@ -78,14 +83,71 @@ class Split:
         self.window = _window(np.arange(block)[:, None] / block - self.columns)
         """Share of each of them by the node in the block, shape (block, columns)."""
 
+    def response(self, count: int) -> Array64:
+        """G in real space, as the two parts have it, on the nodes 0 to count - 1, at most half of all [1/K]."""
+        found = self._interpolated(self._far_response, count)
+        found[: self.near.size] += self.near[:count]
+        return found
+
+    @property
+    def second_sum(self) -> Array64:
+        """T with T(k+1) - 2 T(k) + T(k-1) = G(k), as the two parts have it, shape (N,).
+
+        A Gaussian that is as wide as the split has the load of `near` in the smooth part, so what is left of `near` has
+        none, and its second sum is short.
+        """
+        count = self._smooth.size
+        q, load = 2 * np.pi * np.arange(count) / self.num_points, 2 * self.near.sum() - self.near[0]
+        width = _width(math.pi / (2 * self.block))
+        smooth = self._smooth + load * np.exp(-((q * width) ** 2))
+        smooth[1:] /= -4 * np.sin(q[1:] / 2) ** 2
+        smooth[0] = 0
+        found = self._interpolated(self._of_blocks(smooth), self.num_points)
+        reach = min(int(8 * width), self.num_points // 2)
+        rest = load / (-2 * math.sqrt(math.pi) * width) * np.exp(-((np.arange(reach) / (2 * width)) ** 2))
+        rest[: self.near.size] += self.near
+        rest = np.cumsum(np.cumsum(rest[:0:-1]))[::-1]  # sum of (j - k) rest(j) over j > k
+        found[: rest.size] += rest
+        found[1 - rest.size :] += rest[:0:-1]
+        return found
+
+    @cached_property
+    def _far_response(self) -> Array64:
+        return self._of_blocks(self._smooth)
+
+    def _of_blocks(self, symbol: Array64) -> Array64:
+        """A smooth function by its symbol, on one node of each block, shape (blocks,)."""
+        return irfft(symbol / self.block, self.num_blocks)
+
+    def _interpolated(self, smooth: Array64, count: int) -> Array64:
+        """A smooth function, known on one node of each block, on the nodes 0 to count - 1.
+
+        Polynomials, unlike the window, leave the longest waves as they are, by far the largest of a second sum.
+        """
+        blocks = -(-count // self.block)
+        nearest = np.take(smooth, np.arange(_NEAREST[0], blocks + _NEAREST[-1]), mode="wrap")
+        weights = _lagrange(np.arange(self.block) / self.block)
+        return (sliding_window_view(nearest, len(_NEAREST)) @ weights).ravel()[:count]
+
+
+def _lagrange(x: Array64) -> Array64:
+    """Weights of the values at `_NEAREST` for the polynomial through them at x, shape (values, x.size)."""
+    others = [_NEAREST[_NEAREST != i] for i in _NEAREST]
+    return np.stack([np.prod((x[:, None] - j) / (i - j), axis=1) for i, j in zip(_NEAREST, others, strict=True)])
+
 
 def _stride(num_points: int) -> int:
     """The largest divisor of N that leaves enough nodes for the ring."""
     return next(d for d in range(max(1, num_points // _RING), 0, -1) if num_points % d == 0)
 
 
+def _width(shortest: float) -> float:
+    """Of a Gaussian exp(-(q s)^2) that is negligible beyond a wave number."""
+    return math.sqrt(-math.log(_NEGLECTED)) / shortest
+
+
 def _of_half_space(q: Array64, symbol: Array64, shortest: float) -> Array64:
-    width = 0.95 * math.sqrt(-math.log(_NEGLECTED)) / shortest
+    width = 0.95 * _width(shortest)
     factor = symbol[-1] * q[-1]
     near = np.full_like(q, 2 * width / math.sqrt(math.pi))
     near[1:] = _erf(q[1:] * width) / q[1:]
@@ -93,7 +155,7 @@ def _of_half_space(q: Array64, symbol: Array64, shortest: float) -> Array64:
 
 
 def _of_layer(q: Array64, symbol: Array64, shortest: float) -> Array64:
-    width = math.sqrt(-math.log(_NEGLECTED)) / shortest
+    width = _width(shortest)
     return np.asarray(symbol * -np.expm1(-((q * width) ** 2)))
 
 
