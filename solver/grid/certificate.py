@@ -58,7 +58,7 @@ def certify(problem: Problem, displacement: Array64) -> tuple[Certificate, Array
     The contact pressure is max(r, 0) on touching nodes and 0 elsewhere.
     """
     h, n = problem.height, problem.num_points
-    pressure, contact = np.empty(n), np.empty(n, dtype=bool)
+    pressure, contact = np.zeros(n), np.zeros(n, dtype=bool)
     with np.errstate(over="ignore", invalid="ignore"), guard(n):
         transforms = pair(n)
         elastic = transforms.real
@@ -69,18 +69,19 @@ def certify(problem: Problem, displacement: Array64) -> tuple[Certificate, Array
         tensile = penetration = 0.0
         for part in parts(n):
             heights, u, ku = h[part], displacement[part], elastic[part]
-            touching, r = u >= heights, 1 - ku
-            contact[part] = touching & (r > 0)
-            gap, held = heights - u, np.where(contact[part], r, 0.0)
             energy += float(u @ ku) / 2
-            force = np.subtract(r, held, out=ku)
-            tensile = max(tensile, -float(r[touching].min(initial=0.0)))
+            force, gap, away = np.subtract(1, ku, out=ku), heights - u, heights - mean
+            touching = np.flatnonzero(gap <= 0)
+            there = force[touching]
+            held = np.where(there > 0, there, 0.0)
+            force[touching] = there - held
+            pressure[part][touching], contact[part][touching] = held, there > 0
+            tensile = max(tensile, -float(there.min(initial=0.0)))
             penetration = max(penetration, -float(gap.min()))
-            variance += float(np.sum((heights - mean) ** 2)) / n
-            apart += float(np.abs(force) @ np.abs(gap))
+            variance += float(away @ away) / n
+            apart += float(np.abs(force) @ np.abs(gap, out=gap))
             squares += float(force @ force)
             free, load = free + float(force.sum()), load + float(held.sum())
-            pressure[part] = held
         scale = math.sqrt(variance) or 1.0
         bound = _energy_bound(problem, transforms, free, pressure, load)
         certificate = Certificate(

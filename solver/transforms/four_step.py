@@ -15,7 +15,7 @@ long and short waves do not share their rounding. Columns that are worked on at 
 as R/2 rows of twice as many values; only the last row, k = R/2, comes behind them.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
@@ -117,17 +117,32 @@ class FourStep:
 
         return lambda: do_all(workers, batches, work)
 
+    def multiply_once(self, symbol: Array64) -> None:
+        """What `multiplication` does, without anything that would serve again."""
+        worker, factors = _Worker(self._row, self.planner), self._by_row(symbol)
+        factors /= self.num_points
+        for values, factor in self._with(factors):
+            worker.values[:] = values
+            worker.transform()
+            worker.modes[: len(factor)] *= factor
+            worker.transform_back()
+            values[:] = worker.values
+
     def power(self, symbol: Array64) -> float:
         """The sum of a symbol times |x_k|^2 over all N modes, after a forward transform; see `pair.Pair.power`."""
         worker, factors, total = _Worker(self._row, self.planner), self._by_row(symbol), 0.0
         factors[1 : self.num_points // self._row - self._num_rows + 1] *= 2  # for the rows that are not needed
-        for start, values in zip(range(0, self._num_rows, _ROWS), self._batches, strict=True):
+        for values, factor in self._with(factors):
             worker.values[:] = values
             worker.transform()
-            factor = factors[start : start + _ROWS]
             found = worker.modes[: len(factor)]
             total += float(np.sum(factor * (found.real**2 + found.imag**2)))
         return total / self.num_points
+
+    def _with(self, factors: Array64) -> Iterator[tuple[Array, Array64]]:
+        """The batches, each with the factors of its rows; factors: by row, see `_by_row`."""
+        for number, values in enumerate(self._batches):
+            yield values, factors[number * _ROWS : (number + 1) * _ROWS]
 
     def put(self, half: Modes | Array64) -> None:
         """Make the spectrum that has this half, shape (N//2 + 1,), with the rows transformed back and normalised."""
@@ -193,9 +208,9 @@ class LongPair:
 
     def multiply(self, symbol: Array64) -> None:
         """As `pair.Pair.multiply`."""
-        multiply = self._way.multiplication(symbol, self.real, None, seldom=True)
-        for part in (self._forward, multiply, self._inverse):
-            part()
+        self._forward()
+        self._way.multiply_once(symbol)
+        self._inverse()
 
     def invert(self, modes: Modes | Array64) -> Array64:
         """`real` with the half spectrum `modes`, shape (N//2 + 1,), normalised by 1/N."""
