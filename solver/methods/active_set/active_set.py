@@ -35,7 +35,8 @@ from .search import HARDER, LOOSEST, SAFETY, Search
 from .storage import Whole
 
 _OVER_FLOOR = 0.3  # error of the pressure over the free residual, both as rounding leaves them
-_OVER_DRIFT = 3.0  # residual over the rounding of float32 images, below which the response has to be made anew
+_OVER_DRIFT = 2.0  # residual over what images may have added to it, below which the response has to be made anew,
+_LESS = 0.8  # or over what it is to be then, when it is a little larger again
 _FEW_PATCHES = 8  # largest number of patches whose ends are predicted on a cold start; more disturb each other
 _BY_ROUNDING = 4  # nodes that rounding may let join and leave a set again and again
 _SOFT = 0.1  # stiffness of a base over that of its coating, below which the coating is stiff
@@ -144,7 +145,7 @@ class ActiveSet(Method):
             if self._reduction:  # known with the first set
                 self.tolerance = max(self.tolerance, min(self._reduction * self.residual, LOOSEST))
                 self._target, self._reduction = SAFETY * self.tolerance, 0.0
-        if drift and self.residual <= max(self._target, self._floor, _OVER_DRIFT * drift):
+        if drift and self.residual <= max(_LESS * self._target, self._floor, _OVER_DRIFT * drift):
             self._response.renew(now)
             now.last_product = 0.0
             self.iteration += 1

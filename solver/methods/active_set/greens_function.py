@@ -4,6 +4,7 @@ G is a Toeplitz matrix, so all patches of a contact share one inverse Cholesky f
 are differences of its second running sum. Convolutions over a few nodes go by short transforms.
 """
 
+import math
 from collections.abc import Callable
 from functools import cached_property
 
@@ -36,6 +37,7 @@ def inverse_cholesky(column: Array64, order: int) -> Array64:
     return factor
 
 
+_LITTLE_LONGER = 1.125  # over a run: the least ring for K
 _SHORT = 16  # times shorter than the grid are rings whose symbols are kept for the next solve
 _KEPT = 2**20  # points of the largest grid whose tables are all kept; on larger ones one real-space table at a time
 _HEAD = 1024  # values of G next to its node, which stay when the second sum takes the place of all
@@ -51,7 +53,7 @@ class Tables:
         self._stiffness, self.num_points = stiffness, num_points
         self._response = response or LayerResponse(stiffness)
         self._factor = self._stiffness_factor = np.zeros((0, 0))
-        self._symbols: dict[int, tuple[Array64, Array64]] = {}
+        self._rings: dict[tuple[str, int], Array64] = {}
         self._kept: dict[str, Array64] = {}
 
     def _known(self, name: str, make: Callable[[], Array64]) -> Array64:
@@ -100,7 +102,7 @@ class Tables:
 
     def _sum_twice(self) -> Array64:
         if self.split:
-            return self.split.second_sum
+            return self.split.second_sum()
         response = self.response
         if self.num_points > _KEPT:
             self._known("head", response[:_HEAD].copy)
@@ -133,21 +135,33 @@ class Tables:
             self._stiffness_factor = factor = inverse_cholesky(column, min(64 * -(-order // 64), self.num_points - 1))
         return factor
 
-    def symbols(self, length: int) -> tuple[Array64, Array64]:
-        """K and G on a ring of that many nodes, shape (length//2 + 1,) each; their own for N."""
+    def rigidity_on(self, length: int) -> Array64:
+        """K on a ring of that many nodes, shape (length//2 + 1,): at the ring's wave numbers, since its tails decay."""
         if length == self.num_points:
-            return self._stiffness, self.compliance
-        found = self._symbols.get(length)
-        if found is None:
-            modes = np.arange(length // 2 + 1)
-            # K at the ring's wave numbers: its tails decay, and a preconditioner may be off; G as it is
-            at = modes * (self.num_points / length)
+            return self._stiffness
+
+        def make() -> Array64:
+            at = np.arange(length // 2 + 1) * (self.num_points / length)
             below = np.minimum(at.astype(np.int64), self._stiffness.size - 2)
             rise = self._stiffness[below + 1] - self._stiffness[below]
-            rigidity = self._stiffness[below] + (at - below) * rise
-            found = rigidity, hfft(self._head(modes.size), length)[: modes.size]
+            return np.asarray(self._stiffness[below] + (at - below) * rise)
+
+        return self._of_ring("rigidity", length, make)
+
+    def compliance_on(self, length: int) -> Array64:
+        """G on a ring of that many nodes, of the same shape: as it is in real space up to half of the ring."""
+        if length == self.num_points:
+            return self.compliance
+        count = length // 2 + 1
+        return self._of_ring("compliance", length, lambda: hfft(self._head(count), length)[:count])
+
+    def _of_ring(self, name: str, length: int, make: Callable[[], Array64]) -> Array64:
+        """Kept for the next solve where it is short."""
+        found = self._rings.get((name, length))
+        if found is None:
+            found = make()
             if length <= self.num_points // _SHORT:
-                self._symbols[length] = found
+                self._rings[name, length] = found
         return found
 
 
@@ -178,15 +192,23 @@ class GreensFunction:
     def convolution(self, length: int) -> "Convolution":
         """K and G on a ring of that many nodes; unrestricted for N."""
         if length not in self._convolutions:
-            self._convolutions[length] = Convolution(*self.tables.symbols(length), length)
+            self._convolutions[length] = Convolution(self.tables, length)
         return self._convolutions[length]
 
     def around(self, size: int) -> "Convolution":
         """The convolution for a run of so many nodes, on a ring of at least twice as many, which keeps its ends apart,
         or of all; runs of similar size share one.
         """
+        return self._on_ring(size, 2.0)
+
+    def along(self, size: int) -> "Convolution":
+        """The same on a ring that is little longer than the run: for K, of which little reaches around the ring."""
+        return self._on_ring(size, _LITTLE_LONGER)
+
+    def _on_ring(self, size: int, longer: float) -> "Convolution":
         step = 2 ** (size.bit_length() - 3)
-        return self.convolution(min(2 * step * -(-size // step), self.num_points))
+        length = step * math.ceil(longer * size / step) if longer < 2 else 2 * step * -(-size // step)
+        return self.convolution(min(length, self.num_points))
 
 
 def patch_sums(second_sum: Array64, first: Indices, last: Indices) -> Array64:
@@ -204,12 +226,22 @@ def patch_sums(second_sum: Array64, first: Indices, last: Indices) -> Array64:
 
 
 class Convolution:
-    """Short transforms of one length, for values on a patch of at most half of it."""
+    """Short transforms of one length, for values on a patch that is shorter."""
 
-    def __init__(self, rigidity: Array64, compliance: Array64, length: int) -> None:
-        self.rigidity, self.compliance, self.length = rigidity, compliance, length
+    def __init__(self, tables: Tables, length: int) -> None:
+        self._tables, self.length = tables, length
         self._pair = Pair(length)
         self.count = 0
+
+    @cached_property
+    def rigidity(self) -> Array64:
+        """K, shape (length//2 + 1,)."""
+        return self._tables.rigidity_on(self.length)
+
+    @cached_property
+    def compliance(self) -> Array64:
+        """G, of the same shape."""
+        return self._tables.compliance_on(self.length)
 
     @cached_property
     def inverse_rigidity(self) -> Array64:

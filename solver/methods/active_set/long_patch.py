@@ -18,15 +18,15 @@ class LongPatch:
 
     def __init__(self, green: GreensFunction, size: int) -> None:
         self.size = size
-        self._convolve = convolve = green.around(size)
+        self._convolve, self._along = convolve, along = green.around(size), green.along(size)
         # 1 is even and x is odd on the patch, and both operators keep that: one transform for the two
-        self._basis = _even_and_odd(convolve(convolve.rigidity, 1 + np.linspace(-1, 1, size)))
+        self._basis = _even_and_odd(along(along.rigidity, 1 + np.linspace(-1, 1, size)))
         self._image = _even_and_odd(convolve(convolve.compliance, self._basis.sum(axis=0)))
         self._inverse = np.linalg.inv(self._basis @ self._image.T)
 
     def solve(self, residual: Array64) -> Array64:
         """About G_bb^-1 residual, shape (m,); symmetric and positive definite."""
-        convolve = self._convolve
+        convolve = self._along
         coarse = self._inverse @ (self._basis @ residual)
         z = convolve(convolve.rigidity, residual - coarse @ self._image)
         return np.asarray(z + (coarse - self._inverse @ (self._image @ z)) @ self._basis)

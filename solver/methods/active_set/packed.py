@@ -1,17 +1,17 @@
 """G on the neighbourhood of the contact only, without a transform of all nodes: G = near + far.
 
 `near` is short-ranged: blocks of nodes around the contact are moved together until gaps are as wide as its range, and
-are convolved by one short transform. `far` is smooth: it is spread to a grid of one point for each block by a
-Kaiser-Bessel window, convolved there, and gathered with the same window, so the whole is symmetric (the fast Ewald sum
-of P. P. Ewald, Ann. Phys. 369, 253 (1921) in one dimension; the window is that of J. I. Jackson et al., IEEE Trans.
-Med. Imaging 10, 473 (1991)).
+are convolved by one short transform. `far` is smooth: it is spread to a grid of one point for each block by a cardinal
+B-spline, convolved there, and gathered with the same spline, so the whole is symmetric (the sum of P. P. Ewald, Ann.
+Phys. 369, 253 (1921) in one dimension, on a grid as by U. Essmann et al., J. Chem. Phys. 103, 8577 (1995)). A spline
+errs least with the longest waves, which are by far the largest.
 
 Two splits, with theta = q s for the width s of the split; the one whose near part has the shorter range is taken:
 
     near(q) = c (2/q) erf(theta)          where G(q) = 2c/q as far as `far` reaches, like on a half-space
     near(q) = G(q) (1 - exp(-theta^2))    where G is regular at q = 0, like on thin layers
 
-What is left out is known: `far` beyond what the window carries, and `near` beyond its range (`Split.error`).
+What is left out is known: `far` beyond what the spline carries, and `near` beyond its range (`Split.error`).
 """
 
 import math
@@ -30,11 +30,7 @@ _TOLERABLE = 1e-3
 """What may be neglected in all, over the same: of two splits that neglect less, that of shorter range is taken."""
 
 _WIDTH = 6
-"""Of the window [blocks]; with `_SHAPE`, and far waves no shorter than four blocks, it errs by some 1e-6."""
-_SHAPE = 0.75 * math.pi * _WIDTH
-
-_NEAREST = np.arange(-2, 4)
-"""Blocks whose values an interpolation takes, as steps."""
+"""Of the spline [blocks], its order: with far waves no shorter than four blocks it errs by some 1e-7 of `near`."""
 
 _LONG = 2**12
 """Blocks beyond which the transforms of a solve take longer than their plan: there are eight allowed lengths to an
@@ -73,14 +69,13 @@ class Split:
         _, self.range, self.error, self.largest, values, far = min(found, key=lambda one: one[:2])
         self.near = values[: self.range + 1]
         """Of `near` in real space, for the distances from 0 to the range."""
-        window = _transformed_window(np.arange(count) / self.num_blocks)
-        self._smooth = far
+        self._far, self._spline = far, np.sinc(np.arange(count) / self.num_blocks) ** _WIDTH
         self.far = np.zeros(self.num_blocks // 2 + 1)
         """Symbol of `far` between spreading and gathering, for one transform there and back."""
-        self.far[:count] = far / window**2 / num_points
+        self.far[:count] = far / self._spline**2 / num_points
         self.columns = np.arange(1 - _WIDTH // 2, 1 + _WIDTH // 2)
         """Blocks that a block spreads to, as steps."""
-        self.window = _window(np.arange(block)[:, None] / block - self.columns)
+        self.weights = _spline(np.arange(block)[:, None] / block - self.columns)
         """Share of each of them by the node in the block, shape (block, columns)."""
 
     def response(self, count: int) -> Array64:
@@ -89,51 +84,38 @@ class Split:
         found[: self.near.size] += self.near[:count]
         return found
 
-    @property
     def second_sum(self) -> Array64:
         """T with T(k+1) - 2 T(k) + T(k-1) = G(k), as the two parts have it, shape (N,).
 
-        A Gaussian that is as wide as the split has the load of `near` in the smooth part, so what is left of `near` has
-        none, and its second sum is short.
+        The load of `near` goes into the smooth part as a Gaussian; what is left of `near` has a short second sum.
         """
-        count = self._smooth.size
-        q, load = 2 * np.pi * np.arange(count) / self.num_points, 2 * self.near.sum() - self.near[0]
-        width = _width(math.pi / (2 * self.block))
-        smooth = self._smooth + load * np.exp(-((q * width) ** 2))
+        width, load = _width(math.pi / (2 * self.block)), 2 * self.near.sum() - self.near[0]
+        q = 2 * np.pi * np.arange(self._far.size) / self.num_points
+        smooth = self._far + load * np.exp(-((q * width) ** 2))
         smooth[1:] /= -4 * np.sin(q[1:] / 2) ** 2
         smooth[0] = 0
         found = self._interpolated(self._of_blocks(smooth), self.num_points)
-        reach = min(int(8 * width), self.num_points // 2)
+        reach = min(max(int(8 * width), self.near.size), self.num_points // 2)
         rest = load / (-2 * math.sqrt(math.pi) * width) * np.exp(-((np.arange(reach) / (2 * width)) ** 2))
         rest[: self.near.size] += self.near
-        rest = np.cumsum(np.cumsum(rest[:0:-1]))[::-1]  # sum of (j - k) rest(j) over j > k
+        rest = np.cumsum(np.cumsum(rest[:0:-1]))[::-1]  # over j > k the sum of (j - k) rest(j)
         found[: rest.size] += rest
         found[1 - rest.size :] += rest[:0:-1]
         return found
 
     @cached_property
     def _far_response(self) -> Array64:
-        return self._of_blocks(self._smooth)
+        return self._of_blocks(self._far)
 
     def _of_blocks(self, symbol: Array64) -> Array64:
-        """A smooth function by its symbol, on one node of each block, shape (blocks,)."""
-        return irfft(symbol / self.block, self.num_blocks)
+        """The shares of the blocks in a smooth function with a symbol, shape (blocks,)."""
+        return irfft(symbol / self._spline / self.block, self.num_blocks)
 
-    def _interpolated(self, smooth: Array64, count: int) -> Array64:
-        """A smooth function, known on one node of each block, on the nodes 0 to count - 1.
-
-        Polynomials, unlike the window, leave the longest waves as they are, by far the largest of a second sum.
-        """
-        blocks = -(-count // self.block)
-        nearest = np.take(smooth, np.arange(_NEAREST[0], blocks + _NEAREST[-1]), mode="wrap")
-        weights = _lagrange(np.arange(self.block) / self.block)
-        return (sliding_window_view(nearest, len(_NEAREST)) @ weights).ravel()[:count]
-
-
-def _lagrange(x: Array64) -> Array64:
-    """Weights of the values at `_NEAREST` for the polynomial through them at x, shape (values, x.size)."""
-    others = [_NEAREST[_NEAREST != i] for i in _NEAREST]
-    return np.stack([np.prod((x[:, None] - j) / (i - j), axis=1) for i, j in zip(_NEAREST, others, strict=True)])
+    def _interpolated(self, shares: Array64, count: int) -> Array64:
+        """A smooth function, of which the blocks have these shares, on the nodes 0 to count - 1."""
+        at = np.arange(self.columns[0], -(-count // self.block) + self.columns[-1])
+        shares = np.take(shares, at, mode="wrap")
+        return (sliding_window_view(shares, _WIDTH) @ self.weights.T).ravel()[:count]
 
 
 def _stride(num_points: int) -> int:
@@ -166,16 +148,13 @@ def _erf(x: Array64) -> Array64:
     return found
 
 
-def _window(t: Array64) -> Array64:
-    """The Kaiser-Bessel window at distances t [blocks]."""
-    inside = np.maximum(0.0, 1 - (2 * t / _WIDTH) ** 2)
-    return np.where(inside > 0, np.i0(_SHAPE * np.sqrt(inside)), 0.0)
-
-
-def _transformed_window(frequency: Array64) -> Array64:
-    """Its Fourier transform, at frequencies below 1/2 [1/block]."""
-    root = np.sqrt(_SHAPE**2 - (np.pi * _WIDTH * frequency) ** 2)
-    return np.asarray(_WIDTH * np.sinh(root) / root)
+def _spline(t: Array64) -> Array64:
+    """The cardinal B-spline at distances t [blocks]."""
+    found = np.zeros_like(t)
+    for k in range(_WIDTH + 1):
+        term = np.maximum(t + _WIDTH / 2 - k, 0.0) ** (_WIDTH - 1)
+        found += (-1) ** k * math.comb(_WIDTH, k) / math.factorial(_WIDTH - 1) * term
+    return found
 
 
 def transformed_blocks(blocks: int) -> int:
@@ -238,10 +217,10 @@ class Packed:
         pair.forward()
         pair.modes *= near
         pair.inverse()
-        shares, coarse.real[:] = values @ split.window, 0
+        shares, coarse.real[:] = values @ split.weights, 0
         for column, share in zip(self._spread_to.T, shares.T, strict=True):
             coarse.real[column] += share  # no block twice in a column
         coarse.forward()
         coarse.modes *= split.far
         coarse.inverse()
-        return np.asarray(packed[self._position] + coarse.real[self._spread_to] @ split.window.T)
+        return np.asarray(packed[self._position] + coarse.real[self._spread_to] @ split.weights.T)
