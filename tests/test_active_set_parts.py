@@ -6,16 +6,25 @@ import tracemalloc
 import numpy as np
 import pytest
 from linecontact.solver import Layer
-from linecontact.solver.grid import problem as grid_problem
+from linecontact.solver.grid import response as grid_response
 from linecontact.solver.grid.patches import Patches
 from linecontact.solver.grid.problem import half_spectrum
-from linecontact.solver.methods.active_set import greens_function, local_inverses, search
+from linecontact.solver.grid.response import LayerResponse
+from linecontact.solver.methods.active_set import local_inverses, search
 from linecontact.solver.methods.active_set import preconditioner as deflation
 from linecontact.solver.methods.active_set.greens_function import GreensFunction, Tables, inverse_cholesky, patch_sums
 
 
 def stiffness(num_points, thickness, nu):
     return half_spectrum(Layer(thickness, nu), num_points, 1.0)
+
+
+def layer_response(num_points, thickness=0.1, nu=0.25):
+    return LayerResponse(stiffness(num_points, thickness, nu), num_points)
+
+
+def greens_function(num_points, thickness=0.1, nu=0.25):
+    return GreensFunction(Tables(layer_response(num_points, thickness, nu)))
 
 
 def contact_map(n, *runs):
@@ -43,7 +52,7 @@ def test_elimination_against_the_gap(d, nu):
     """With that pressure the gap is one constant on the set, and the load is p."""
     n, nodes = PATCHES.size, np.flatnonzero(PATCHES)
     height = np.random.default_rng(0).random(n)
-    pressure, _ = GreensFunction(Tables(stiffness(n, d, nu), n)).solve(nodes, height[nodes])
+    pressure, _ = greens_function(n, d, nu).solve(nodes, height[nodes])
     assert pressure.sum() == pytest.approx(n)
     gap = height[nodes] + dense(n, d, nu)[np.ix_(nodes, nodes)] @ pressure
     assert np.ptp(gap) < 1e-9 * np.abs(pressure).max() * np.abs(dense(n, d, nu)).max()
@@ -55,7 +64,7 @@ def test_coarse_matrix_against_the_triple_product(d, nu):
     z = np.zeros((n, patches.count))
     z[patches.nodes, patches.label] = 1
     expected = z.T @ dense(n, d, nu) @ z
-    found = patch_sums(Tables(stiffness(n, d, nu), n).second_sum, patches.first, patches.last)
+    found = patch_sums(layer_response(n, d, nu).second_sum, patches.first, patches.last)
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-13 * np.abs(expected).max())
 
 
@@ -85,7 +94,7 @@ def test_preconditioner_of_a_contact_nearly_everywhere(d, nu, monkeypatch):
     """The same where K of all nodes stands for every patch."""
     monkeypatch.setattr(local_inverses, "_FEW_PATCHES", 0)
     patches = Patches.of(~contact_map(512, (20, 3), (70, 40), (130, 1), (300, 9), (310, 8), (505, 5)))
-    green = GreensFunction(Tables(stiffness(512, d, nu), 512))
+    green = greens_function(512, d, nu)
     stiff = nu == 0.5 and d < 0.1  # there every patch is inverted on its own
     assert isinstance(local_inverses.local_inverse(green, patches, None), local_inverses.Together) is not stiff
     check_preconditioner(d, nu, patches, 20)
@@ -93,7 +102,7 @@ def test_preconditioner_of_a_contact_nearly_everywhere(d, nu, monkeypatch):
 
 def check_preconditioner(d, nu, patches, condition):
     m = patches.nodes.size
-    preconditioner = deflation.PatchDeflation(GreensFunction(Tables(stiffness(512, d, nu), 512)), patches)
+    preconditioner = deflation.PatchDeflation(greens_function(512, d, nu), patches)
     matrix = np.stack([preconditioner.apply(e) for e in np.eye(m)], axis=1)
     size = np.abs(matrix).max()
     np.testing.assert_allclose(matrix, matrix.T, atol=1e-9 * size)
@@ -106,7 +115,7 @@ def check_preconditioner(d, nu, patches, condition):
 
 
 def test_a_coarse_inverse_serves_the_next_set():
-    green = GreensFunction(Tables(stiffness(512, 0.1, 0.25), 512))
+    green = greens_function(512)
     first = deflation.PatchDeflation(green, Patches.of(PATCHES))
     moved = PATCHES.copy()
     moved[[63, 62, 61, 60, 504]] = [False, False, False, False, True]
@@ -127,8 +136,8 @@ def test_a_coarse_matrix_that_rounding_has_spoilt():
 def test_memory_of_many_patches():
     """The coarse matrix grows with the patches, not with their square."""
     contact = np.random.default_rng(0).random(2**17) < 0.2
-    green = GreensFunction(Tables(stiffness(2**17, 0.1, 0.25), 2**17))
-    green.tables.response  # noqa: B018
+    green = greens_function(2**17)
+    green.tables.response.second_sum  # noqa: B018
     tracemalloc.start()
     preconditioner = deflation.PatchDeflation(green, Patches.of(contact))
     peak = tracemalloc.get_traced_memory()[1]
@@ -137,21 +146,20 @@ def test_memory_of_many_patches():
     assert peak < 250 * 2**17  # bytes a point
 
 
-def test_tables_of_large_grids_make_room_for_each_other(monkeypatch):
-    small = Tables(stiffness(4096, 0.1, 0.25), 4096)
-    kept = {name: getattr(small, name) for name in ("compliance", "response", "second_sum")}
-    monkeypatch.setattr(greens_function, "_KEPT", 0)
-    monkeypatch.setattr(grid_problem, "MOST_POINTS", 0)
-    large = Tables(stiffness(4096, 0.1, 0.25), 4096)
-    for name in ("response", "second_sum", "response", "compliance", "second_sum"):
+def test_what_is_kept_of_large_grids_makes_room(monkeypatch):
+    small = layer_response(4096)
+    kept = {name: getattr(small, name) for name in ("compliance", "whole", "second_sum")}
+    monkeypatch.setattr(grid_response, "MOST_POINTS", 0)
+    large = layer_response(4096)
+    for name in ("whole", "second_sum", "whole", "compliance", "second_sum"):
         np.testing.assert_array_equal(getattr(large, name), kept[name])
-        assert len(large._kept.keys() & {"response", "second sum"}) <= 1
+        assert len(large._kept.keys() & {"whole", "second sum"}) <= 1
     large.rest()
     assert not large._kept
     large.second_sum  # noqa: B018
-    assert "response" not in large._kept
-    np.testing.assert_array_equal(large.factor(64), small.factor(64))
-    assert "response" not in large._kept  # the values next to the node were enough
+    assert "whole" not in large._kept
+    np.testing.assert_array_equal(Tables(large).factor(64), Tables(small).factor(64))
+    assert "whole" not in large._kept  # the values next to the node were enough
 
 
 def test_sets_that_keep_changing_are_decided_on_more_accurate_solutions():

@@ -95,7 +95,7 @@ def test_nodes_that_pull_are_dropped_one_after_the_other_where_that_lowers_the_e
     """All at once first; where the energy is to be less than that gives, on a way down from the pressure before."""
     rough = RoughIndenter(0.5, 2, 1 / 8, 1 / 32)
     problem = Problem.from_scene(Scene(CoatedHalfSpace(1e-3, 5e-5), rough, 1e-5, num_points=2**11))
-    green = GreensFunction(Tables(problem.stiffness, 2**11))
+    green = GreensFunction(Tables(problem.rigidity.response))
     nodes = np.sort(np.argsort(problem.height)[:300])
     height, pressure = problem.height[nodes], np.full(300, 2**11 / 300)
 
@@ -219,7 +219,7 @@ def test_refined_elimination():
     """What rounding of the longest waves has left in a pressure is taken from it."""
     rough = RoughIndenter(0.8, 1, 1 / 8, 1 / 64)
     problem = Problem.from_scene(Scene(CoatedHalfSpace(2e-3, 1e-5), rough, 1e-3, num_points=2**13))
-    green, storage = GreensFunction(Tables(problem.stiffness, 2**13)), Whole(2**13)
+    green, storage = GreensFunction(Tables(problem.rigidity.response)), Whole(2**13)
     modes = np.append(0.0, 1 / problem.stiffness[1:])
 
     def spread(now):

@@ -9,9 +9,10 @@ import pytest
 from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, Status, solve
 from linecontact.solver.grid.patches import Patches
 from linecontact.solver.grid.problem import Problem, half_spectrum
+from linecontact.solver.grid.split import Split
 from linecontact.solver.methods import Setting, active_set, relax
 from linecontact.solver.methods.active_set import nearby
-from linecontact.solver.methods.active_set.packed import Packed, Split, transformed_blocks
+from linecontact.solver.methods.active_set.packed import Packed, transformed_blocks
 
 LAYERS = [(math.inf, 0.25)] + [
     (d, nu) for d in (1, 0.1, 0.01, 1e-3, 1e-4, 1e-5) for nu in (-0.9, 0.25, 0.45, 0.499, 0.5)
@@ -51,6 +52,39 @@ def test_packed_against_whole_transforms(num_points, block, thickness, nu):
     other = rng.standard_normal(pressure.shape)
     forth, back = float(np.sum(other * packed(pressure))), float(np.sum(pressure * packed(other)))
     assert forth == pytest.approx(back, rel=0, abs=1e-12 * float(np.sum(np.abs(other * packed(pressure)))))
+
+
+@pytest.mark.parametrize(("thickness", "nu"), LAYERS)
+@pytest.mark.parametrize(("num_points", "block"), [(2**14, 16), (48000, 15), (2**17, 32)])
+def test_response_in_real_space(num_points, block, thickness, nu):
+    """G by its two parts, which neglect what the split says at most, and the second sum of that."""
+    symbol = compliance(num_points, thickness, nu)
+    split = Split(symbol, num_points, block)
+    exact, half = np.fft.irfft(symbol, num_points), num_points // 2 + 1
+    found = split.response(half)
+    assert np.abs(found - exact[:half]).max() <= split.error * split.largest
+    np.testing.assert_array_equal(split.response(500), found[:500])
+    second = split.second_sum()
+    again = np.roll(second, 1) - 2 * second + np.roll(second, -1)
+    whole = np.append(found, found[-2:0:-1])
+    whole -= whole.mean()
+    assert np.abs(again - whole).max() <= 1e-4 * np.ptp(whole) + 1e-15 * np.abs(second).max()
+
+
+@pytest.mark.parametrize("thickness", [math.inf, 0.1])
+def test_smooth_displacements_stay_smooth(thickness):
+    """The packed operator's error under a load, as force on the nodes over the largest pressure, here 1."""
+    num_points, block = 2**16, 16
+    symbol = compliance(num_points, thickness, 0.25)
+    packed = Packed(Split(symbol, num_points, block), np.arange(1000, 1100))
+    x = np.linspace(-1, 1, 100 * block)
+    pressure = (1 - x**2).reshape(-1, block)  # it ends at 0, so all its waves are long
+    whole = np.zeros((num_points // block, block))
+    whole[packed.blocks] = pressure
+    exact = np.fft.irfft(np.fft.rfft(whole.ravel()) * symbol, num_points).reshape(-1, block)[packed.blocks]
+    error = (packed(pressure) - exact).ravel()
+    force = np.diff(error, 2) / symbol[1:].min() / 4  # of the shortest wave the second difference is -4 times the wave
+    assert np.abs(force).max() < 1e-6
 
 
 def test_packed_lengths_are_few():

@@ -26,7 +26,8 @@ from ..indenters import Indenter
 from ..layers import ElasticLayer
 from ..scene import Scene
 from ..transforms.plain import irfft, rfft
-from .kept import MOST_POINTS, kept
+from .kept import kept
+from .response import LayerResponse
 
 _FAR = 1e6  # times the reach
 
@@ -85,40 +86,23 @@ def half_spectrum(layer: ElasticLayer, num_points: int, period: float) -> Array6
     return stiffness
 
 
-class LayerResponse:
-    """G = 1/K without the mean mode, in real space: displacement around a node of unit pressure."""
-
-    def __init__(self, stiffness: Array64) -> None:
-        """stiffness: K(q_k), shape (N//2 + 1,) [K]."""
-        self._stiffness = stiffness
-        self._kept: Array64 | None = None
-
-    def __call__(self, num_points: int) -> Array64:
-        """Shape (N,) [1/K]. Kept, and read-only, on grids of up to 2^20 points; on others made anew by every call."""
-        found = self._kept
-        if found is None or found.size != num_points:
-            found = irfft(np.append(0.0, 1 / self._stiffness[1:]), num_points)
-            if num_points <= MOST_POINTS:
-                found.flags.writeable = False
-                self._kept = found
-        return found
-
-
 @dataclass(frozen=True, eq=False)
 class Stiffness:
     """K(q_k) of a layer on a grid, and what methods make from it for every problem with it."""
 
     values: Array64
     """Shape (N//2 + 1,) [`unit`]; 0 for the mean mode. A layer's are read-only, the largest is from 1 to below 2."""
+    num_points: int
+    """N."""
     unit: float
     """A power of two over E*/L (dimensionless)."""
     made: dict[str, Any] = field(default_factory=dict)
     """What methods have made from the values, by name, and use again."""
     response: LayerResponse = field(init=False)
-    """Makes G = 1/K in real space [1/`unit`]."""
+    """G = 1/K in real space [1/`unit`]."""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "response", LayerResponse(self.values))
+        object.__setattr__(self, "response", LayerResponse(self.values, self.num_points))
 
 
 @kept
@@ -128,7 +112,7 @@ def stiffness_on_grid(layer: ElasticLayer, num_points: int, period: float) -> St
     unit = 2.0 ** math.floor(math.log2(values.max()))
     values /= unit
     values.flags.writeable = False
-    return Stiffness(values, unit)
+    return Stiffness(values, num_points, unit)
 
 
 def full_contact_pressure(scene: Scene) -> float:

@@ -31,9 +31,9 @@ _TOGETHER = 128  # patches that share their load with each other, those that fol
 
 @kept
 def layer_response(layer: ElasticLayer, num_points: int, period: float) -> Array64:
-    """Displacement around a node by a unit load on it, without its mean, shape (N,), read-only (E* = 1)."""
+    """Displacement around a node by a unit load on it, without its mean, shape (N//2 + 1,), read-only (E* = 1)."""
     stiffness = stiffness_on_grid(layer, num_points, period)
-    found = num_points / stiffness.unit * stiffness.response(num_points)
+    found = num_points / stiffness.unit * stiffness.response.head(num_points // 2 + 1)
     found.flags.writeable = False
     return found
 
@@ -61,17 +61,26 @@ def shared_loads(
     for begin in range(0, patches.count, _TOGETHER):
         some = slice(begin, begin + _TOGETHER)
         with suppress(np.linalg.LinAlgError):
-            shared[some] += _changes(centre[some], moment[some], compliance[some], error[some], green)
+            shared[some] += _changes(
+                centre[some], moment[some], compliance[some], error[some], patches.num_points, green
+            )
     return np.where(shared > 0, shared, load)
 
 
-def _changes(centre: Array64, moment: Array64, compliance: Array64, error: Array64, green: Array64) -> Array64:
+def _changes(
+    centre: Array64, moment: Array64, compliance: Array64, error: Array64, num_points: int, green: Array64
+) -> Array64:
     """D_k of some patches, of their shape."""
+
+    def at(node: Indices) -> Array64:
+        node = node % num_points
+        return np.asarray(green[np.minimum(node, num_points - node)])
+
     across = centre[:, None] - centre
     away = np.abs(across)
     node = away.astype(np.int64)
-    here = green[node % green.size]
-    slope = green[(node + 1) % green.size] - here
+    here = at(node)
+    slope = at(node + 1) - here
     matrix = np.ones((centre.size + 1, centre.size + 1))
     matrix[:-1, :-1] = here + (away - node) * slope
     np.fill_diagonal(matrix, np.append(compliance, 0.0))

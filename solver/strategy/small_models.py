@@ -222,7 +222,7 @@ def _foundation(scene: Scene) -> Problem:
     problem = Problem.from_scene(scene)
     modulus = scene.layer.foundation_modulus(scene.period) / problem.stiffness_unit
     values = np.append(0.0, np.full(problem.stiffness.size - 1, modulus))
-    return replace(problem, rigidity=Stiffness(values, problem.stiffness_unit))
+    return replace(problem, rigidity=Stiffness(values, problem.num_points, problem.stiffness_unit))
 
 
 def _crossings(patches: Patches, depth: Array64) -> Edges:

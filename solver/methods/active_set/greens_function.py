@@ -1,4 +1,4 @@
-"""The layer's response in real space: G = 1/K without the mean mode, on one grid.
+"""What follows from the layer's response on one grid: inverse factors, sums over patches, and short convolutions.
 
 G is a Toeplitz matrix, so all patches of a contact share one inverse Cholesky factor, and sums of G over two patches
 are differences of its second running sum. Convolutions over a few nodes go by short transforms.
@@ -11,11 +11,9 @@ from functools import cached_property
 import numpy as np
 
 from ...arrays import Array64, Indices
-from ...grid.problem import LayerResponse
+from ...grid.response import LayerResponse
 from ...transforms.pair import Pair
 from ...transforms.plain import hfft, irfft
-from .nearby import make_split
-from .packed import Split
 
 
 def inverse_cholesky(column: Array64, order: int) -> Array64:
@@ -39,121 +37,53 @@ def inverse_cholesky(column: Array64, order: int) -> Array64:
 
 _LITTLE_LONGER = 1.125  # over a run: the least ring for K
 _SHORT = 16  # times shorter than the grid are rings whose symbols are kept for the next solve
-_KEPT = 2**20  # points of the largest grid whose tables are all kept; on larger ones one real-space table at a time
-_HEAD = 1024  # values of G next to its node, which stay when the second sum takes the place of all
 
 
 class Tables:
-    """G of one grid of N points, the same for every solve there.
+    """What follows from G and K of one grid, the same for every solve there."""
 
-    stiffness: K(q_k), shape (N//2 + 1,) [K]; response: makes G of it, if that is there already.
-    """
-
-    def __init__(self, stiffness: Array64, num_points: int, response: LayerResponse | None = None) -> None:
-        self._stiffness, self.num_points = stiffness, num_points
-        self._response = response or LayerResponse(stiffness)
+    def __init__(self, response: LayerResponse) -> None:
+        """response: G of the grid."""
+        self.response, self.num_points = response, response.num_points
         self._factor = self._stiffness_factor = np.zeros((0, 0))
         self._rings: dict[tuple[str, int], Array64] = {}
-        self._kept: dict[str, Array64] = {}
-
-    def _known(self, name: str, make: Callable[[], Array64]) -> Array64:
-        """What is kept by that name; made, and kept, if it is not."""
-        found = self._kept.get(name)
-        if found is None:
-            found = self._kept[name] = make()
-        return found
-
-    @property
-    def compliance(self) -> Array64:
-        """G(q_k) = 1/K(q_k), 0 for the mean mode; shape (N//2 + 1,)."""
-
-        def make() -> Array64:
-            return np.append(0.0, 1 / self._stiffness[1:])
-
-        return make() if self.num_points > _KEPT else self._known("compliance", make)
-
-    @property
-    def response(self) -> Array64:
-        """G in real space, shape (N,): displacement around a node of unit pressure."""
-
-        def make() -> Array64:
-            if self.num_points > _KEPT:
-                self._kept.pop("second sum", None)
-            return self._response(self.num_points)
-
-        return self._known("response", make)
-
-    @cached_property
-    def split(self) -> Split | None:
-        """Of G, see `make_split`."""
-        return make_split(self.compliance, self.num_points)
-
-    def _head(self, count: int) -> Array64:
-        """G on the nodes 0 to count - 1, at most half of all, as well as a preconditioner needs it [1/K]."""
-        if self.split:
-            return self.split.response(count)
-        held = self._kept.get("head", np.zeros(0))
-        return (held if count <= held.size else self.response)[:count]
-
-    @property
-    def second_sum(self) -> Array64:
-        """T with T(k+1) - 2 T(k) + T(k-1) = G(k), shape (N,)."""
-        return self._known("second sum", self._sum_twice)
-
-    def _sum_twice(self) -> Array64:
-        if self.split:
-            return self.split.second_sum()
-        response = self.response
-        if self.num_points > _KEPT:
-            self._known("head", response[:_HEAD].copy)
-            first = np.cumsum(self._kept.pop("response"), out=response)
-        else:
-            first = np.cumsum(response)
-        first -= first.mean()  # so that the second sum is periodic, too
-        first[1:] = np.cumsum(first[:-1])
-        first[0] = 0
-        return first
-
-    def rest(self) -> None:
-        """Give back what holds a value for each node of a large grid."""
-        if self.num_points > _KEPT:
-            self._kept.clear()
 
     def factor(self, order: int) -> Array64:
         """`inverse_cholesky` of G [1/K], shape (m, m) with m >= order; kept for the next call."""
         factor = self._factor  # another thread may put a smaller one there meanwhile
         if factor.shape[0] < order:
             order = min(64 * -(-order // 64), self.num_points - 1)
-            self._factor = factor = inverse_cholesky(self._head(order), order)
+            self._factor = factor = inverse_cholesky(self.response.head(order), order)
         return factor
 
     def stiffness_factor(self, order: int) -> Array64:
         """`inverse_cholesky` of K in real space [1/K^(1/2)]; kept for the next call."""
         factor = self._stiffness_factor
         if factor.shape[0] < order:
-            column = irfft(self._stiffness, self.num_points)
+            column = irfft(self.response.stiffness, self.num_points)
             self._stiffness_factor = factor = inverse_cholesky(column, min(64 * -(-order // 64), self.num_points - 1))
         return factor
 
     def rigidity_on(self, length: int) -> Array64:
         """K on a ring of that many nodes, shape (length//2 + 1,): at the ring's wave numbers, since its tails decay."""
+        stiffness = self.response.stiffness
         if length == self.num_points:
-            return self._stiffness
+            return stiffness
 
         def make() -> Array64:
             at = np.arange(length // 2 + 1) * (self.num_points / length)
-            below = np.minimum(at.astype(np.int64), self._stiffness.size - 2)
-            rise = self._stiffness[below + 1] - self._stiffness[below]
-            return np.asarray(self._stiffness[below] + (at - below) * rise)
+            below = np.minimum(at.astype(np.int64), stiffness.size - 2)
+            rise = stiffness[below + 1] - stiffness[below]
+            return np.asarray(stiffness[below] + (at - below) * rise)
 
         return self._of_ring("rigidity", length, make)
 
     def compliance_on(self, length: int) -> Array64:
         """G on a ring of that many nodes, of the same shape: as it is in real space up to half of the ring."""
         if length == self.num_points:
-            return self.compliance
+            return self.response.compliance
         count = length // 2 + 1
-        return self._of_ring("compliance", length, lambda: hfft(self._head(count), length)[:count])
+        return self._of_ring("compliance", length, lambda: hfft(self.response.head(count), length)[:count])
 
     def _of_ring(self, name: str, length: int, make: Callable[[], Array64]) -> Array64:
         """Kept for the next solve where it is short."""
@@ -179,7 +109,7 @@ class GreensFunction:
         [p], and the constant [u]. Raises `numpy.linalg.LinAlgError` or
         `ZeroDivisionError` where rounding has made it singular.
         """
-        matrix = np.take(self.tables.response, nodes[:, None] - nodes, mode="wrap")
+        matrix = np.take(self.tables.response.whole, nodes[:, None] - nodes, mode="wrap")
         punch, shape = np.linalg.solve(matrix, np.stack([np.ones(nodes.size), height], axis=1)).T
         level = (load * self.num_points + float(shape.sum())) / float(punch.sum())
         return np.asarray(level * punch - shape), level
@@ -214,7 +144,7 @@ class GreensFunction:
 def patch_sums(second_sum: Array64, first: Indices, last: Indices) -> Array64:
     """Z'GZ for Z = 1 on each of M runs of nodes: the sums of G(a - b) over a in one run and b in another.
 
-    second_sum: of G, see `GreensFunction`; first, last: end nodes, shape (..., M). Returns shape (..., M, M).
+    second_sum: of G, see `LayerResponse`; first, last: end nodes, shape (..., M). Returns shape (..., M, M).
     """
     start, stop = first, last + 1
 

@@ -105,12 +105,14 @@ class Together:
 
         The half-space's shape, with the load of a uniform pressure for that displacement on the average.
         """
-        patches, second_sum = self._patches, self._green.tables.second_sum
+        patches, second_sum = self._patches, self._green.tables.response.second_sum
         size = patches.size
         at = (2 * (np.arange(patches.nodes.size) - np.repeat(patches.offset, size)) + 1) / np.repeat(size, size) - 1
         shape = 1 / np.sqrt(1 - at**2)
         within = 2 * (second_sum[size] - second_sum[0])  # the sum of G over a patch and itself
-        within = np.maximum(within, size * self._green.tables.compliance[1:].min())  # rounding may have eaten it
+        within = np.maximum(
+            within, size * self._green.tables.response.compliance[1:].min()
+        )  # rounding may have eaten it
         return np.asarray(shape * np.repeat(size**2 / within / patches.sums(shape), size))
 
     def __call__(self, residual: Array64) -> Array64:
@@ -126,6 +128,6 @@ LocalInverse = PatchByPatch | Together
 def local_inverse(green: GreensFunction, patches: Patches, previous: LocalInverse | None) -> LocalInverse:
     """The one that suits these patches. previous: of a similar set; its long patches serve again."""
     many = patches.count > _FEW_PATCHES and patches.nodes.size > _MOST * patches.num_points
-    if patches.full or (many and green.tables.compliance[1] >= _SOFT * green.tables.compliance.max()):
+    if patches.full or (many and green.tables.response.compliance[1] >= _SOFT * green.tables.response.compliance.max()):
         return Together(green, patches)
     return PatchByPatch(green, patches, previous.long_patches if previous else {})

@@ -3,14 +3,10 @@
 import numpy as np
 
 from ...arrays import Array64, Indices
-from .packed import Packed, Split
+from ...grid.split import Split
+from .packed import Packed
 from .storage import Whole
 
-_FEWEST, _LARGE = 2**16, 2**20  # points of the smallest grid on which that pays, and from which blocks are larger
-_BLOCK, _LARGE_BLOCK, _SMALLEST_BLOCK = 16, 32, 8  # nodes
-_LARGEST_ERROR = 0.2
-"""Error of the split over the smallest G(q): beyond, on thin and nearly incompressible layers, the packed operator is
-not positive, and conjugate gradients find no way down."""
 _HALO = 4  # nodes on either side of the contact whose gap is watched, too; less than a block
 _TOO_MANY = 2.0  # blocks over those that are needed, beyond which fewer are taken
 _WORTH = 0.5  # length of the packed transforms over that of the field's, up to which they are faster
@@ -71,13 +67,3 @@ def surround(split: Split, storage: Whole, nodes: Indices, height: Array64, held
     operator = Packed(split, np.flatnonzero(near))
     worth = operator.length + split.num_blocks <= _WORTH * storage.length
     return Nearby(operator, storage, height) if worth else None
-
-
-def make_split(compliance: Array64, num_points: int) -> Split | None:
-    """The split of G for a grid; None where the grid is too small, no block suits it, or the split errs too much."""
-    largest = _LARGE_BLOCK if num_points >= _LARGE else _BLOCK
-    block = next((b for b in range(largest, _SMALLEST_BLOCK - 1, -1) if num_points % b == 0), None)
-    if block is None or num_points < _FEWEST:
-        return None
-    split = Split(compliance, num_points, block)
-    return split if split.error * split.largest <= _LARGEST_ERROR * float(compliance[1:].min()) else None

@@ -66,7 +66,7 @@ class PatchDeflation:
         # between unknowns: as if the load were spread from the first to the last of the patches
         first, last, total = patches.first[starts], patches.last[member[:, -1]], load.sum(axis=1)
         density = total / (last - first + 1)
-        second_sum = self._green.tables.second_sum
+        second_sum = self._green.tables.response.second_sum
         coarse = patch_sums(second_sum, first, last) * np.outer(density, density)
         if share <= _EXACT_SHARE:
             shape = load / patches.size[member]

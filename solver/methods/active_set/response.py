@@ -15,10 +15,10 @@ import numpy as np
 
 from ...arrays import Array64, Indices
 from ...grid.problem import Problem, rounding_floor
+from ...grid.split import Split
 from .contact_set import ContactSet
 from .everywhere import Everywhere
 from .nearby import Nearby, surround
-from .packed import Split
 from .storage import Whole
 
 _SAMPLE = 2**14  # nodes that tell the size of u
