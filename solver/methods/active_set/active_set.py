@@ -36,7 +36,7 @@ from .storage import Whole
 
 _OVER_FLOOR = 0.3  # error of the pressure over the free residual, both as rounding leaves them
 _OVER_DRIFT = 2.0  # residual over what images may have added to it, below which the response has to be made anew,
-_LESS = 0.8  # or over what it is to be then, when it is a little larger again
+_LESS = 0.9  # times the residual to stop at is what it has to be before that
 _FEW_PATCHES = 8  # largest number of patches whose ends are predicted on a cold start; more disturb each other
 _BY_ROUNDING = 4  # nodes that rounding may let join and leave a set again and again
 _SOFT = 0.1  # stiffness of a base over that of its coating, below which the coating is stiff
@@ -145,7 +145,7 @@ class ActiveSet(Method):
             if self._reduction:  # known with the first set
                 self.tolerance = max(self.tolerance, min(self._reduction * self.residual, LOOSEST))
                 self._target, self._reduction = SAFETY * self.tolerance, 0.0
-        if drift and self.residual <= max(_LESS * self._target, self._floor, _OVER_DRIFT * drift):
+        if drift and self.residual <= max(self._aim, _OVER_DRIFT * drift):
             self._response.renew(now)
             now.last_product = 0.0
             self.iteration += 1
@@ -153,6 +153,11 @@ class ActiveSet(Method):
                 self._update_set()  # the gap of all nodes is known only now
         elif not self._updated():
             self._iterate(r, z)
+
+    @property
+    def _aim(self) -> float:
+        """The residual to stop at; less where the response is to be made anew, by which it grows a little."""
+        return max(self._target * (_LESS if self._response.drift else 1.0), self._floor)
 
     def _eliminate(self) -> None:
         """Solve on a small set by elimination, as well as rounding allows, and update it."""
@@ -180,7 +185,7 @@ class ActiveSet(Method):
 
     def _updated(self) -> bool:
         """Update the set if it is solved well enough for that; whether it changed. Stops where it is the last one."""
-        now, target = self._now, max(self._target, self._floor)
+        now, target = self._now, self._aim
         if not self.residual <= max(target, 0.0 if now.settled else self._search.forcing_term * now.first_residual):
             return False
         if self._update_set():
