@@ -61,9 +61,8 @@ def certify(problem: Problem, displacement: Array64) -> tuple[Certificate, Array
     pressure, contact = np.zeros(n), np.zeros(n, dtype=bool)
     with np.errstate(over="ignore", invalid="ignore"), guard(n):
         transforms = pair(n)
+        transforms.multiply(displacement, problem.stiffness)
         elastic = transforms.real
-        elastic[:] = displacement
-        transforms.multiply(problem.stiffness)
         mean = float(h.mean())
         free = squares = energy = variance = apart = load = 0.0
         tensile = penetration = 0.0

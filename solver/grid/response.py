@@ -75,7 +75,7 @@ class LayerResponse:
         whole = self.whole
         if self._large:
             self._known("head", whole[:_HEAD].copy)
-            del self._kept["whole"]
+            self._kept.pop("whole", None)
         first = np.cumsum(whole)
         del whole
         first -= first.mean()  # so that the second sum is periodic, too

@@ -136,7 +136,7 @@ class FourStep:
             worker.values[:] = values
             worker.transform()
             found = worker.modes[: len(factor)]
-            total += float(np.sum(factor * (found.real**2 + found.imag**2)))
+            total += sum(float(np.einsum("ij,ij,ij", factor, part, part)) for part in (found.real, found.imag))
         return total / self.num_points
 
     def _with(self, factors: Array64) -> Iterator[tuple[Array, Array64]]:
@@ -206,9 +206,9 @@ class LongPair:
         self.real: Array64 = field[:num_points]
         self._forward, self._inverse = way.forward(field), way.inverse(field)
 
-    def multiply(self, symbol: Array64) -> None:
+    def multiply(self, values: Array64, symbol: Array64) -> None:
         """As `pair.Pair.multiply`."""
-        self._forward()
+        self._way.forward(values)()
         self._way.multiply_once(symbol)
         self._inverse()
 

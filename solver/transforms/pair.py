@@ -26,8 +26,9 @@ class Pair:
         self.inverse: Callable[[], None] = inverse.execute
         """modes -> real, times n; destroys the modes."""
 
-    def multiply(self, symbol: Array64) -> None:
-        """Multiply the spectrum of `real` by a symbol, shape (n//2 + 1,), in its place."""
+    def multiply(self, values: Array64, symbol: Array64) -> None:
+        """Put into `real` what n values are after their spectrum was multiplied by a symbol, shape (n//2 + 1,)."""
+        self.real[:] = values
         self.forward()
         self.modes *= symbol
         self.inverse()

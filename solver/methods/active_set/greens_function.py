@@ -129,16 +129,18 @@ class GreensFunction:
         """The convolution for a run of so many nodes, on a ring of at least twice as many, which keeps its ends apart,
         or of all; runs of similar size share one.
         """
-        return self._on_ring(size, 2.0)
+        step = _step(size)
+        return self.convolution(min(2 * step * -(-size // step), self.num_points))
 
     def along(self, size: int) -> "Convolution":
         """The same on a ring that is little longer than the run: for K, of which little reaches around the ring."""
-        return self._on_ring(size, _LITTLE_LONGER)
+        step = _step(size)
+        return self.convolution(min(step * math.ceil(_LITTLE_LONGER * size / step), self.num_points))
 
-    def _on_ring(self, size: int, longer: float) -> "Convolution":
-        step = 2 ** (size.bit_length() - 3)
-        length = step * math.ceil(longer * size / step) if longer < 2 else 2 * step * -(-size // step)
-        return self.convolution(min(length, self.num_points))
+
+def _step(size: int) -> int:
+    """Of the lengths of rings for runs of so many nodes, four to eight times as many."""
+    return 1 << (size.bit_length() - 3)
 
 
 def patch_sums(second_sum: Array64, first: Indices, last: Indices) -> Array64:
