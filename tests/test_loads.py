@@ -19,6 +19,7 @@ from linecontact.solver.grid.contact import contact_edges
 from linecontact.solver.grid.few_nodes import response
 from linecontact.solver.grid.heights import Heights
 from linecontact.solver.grid.loads import from_loads, level_error
+from linecontact.solver.grid.patches import Patches
 from linecontact.solver.grid.surroundings import Surroundings
 from linecontact.solver.reference import closed_forms, collocation
 
@@ -281,3 +282,19 @@ def test_a_mirror_image_has_the_same_area(points):
         )
         assert one.observables.contact_area_subgrid == pytest.approx(other.observables.contact_area_subgrid, rel=1e-9)
         assert one.observables.contact_area_error == pytest.approx(other.observables.contact_area_error, rel=1e-6)
+
+
+def test_a_narrow_patch_beside_one_that_is_longer_than_half_of_the_period():
+    """A bump in the gap of a wide contact: what the wide patch does to itself reaches around the period."""
+
+    def bump(num_points):
+        x = np.arange(num_points) / num_points
+        heights = 0.01 * (1 + np.cos(2 * np.pi * x)) - 0.02 * np.exp(-((np.minimum(x, 1 - x) / 0.006) ** 2))
+        indenter = MeasuredIndenter(heights - heights.min())
+        return solve(Scene(Layer(0.1), indenter, pressure=0.06, num_points=num_points))
+
+    found, finer = bump(1024), bump(4096)
+    assert Patches.of(found.contact).size.max() > 512
+    assert found.observables.num_patches_by_load == 1
+    difference = abs(found.observables.contact_area_subgrid - finer.observables.contact_area_subgrid)
+    assert difference < found.observables.contact_area_error

@@ -12,6 +12,7 @@ Of many patches those that follow each other share their load; what they do to t
 The load of a patch also acts where its centre is, which is not where the nodes have it.
 """
 
+from collections.abc import Callable
 from contextlib import suppress
 
 import numpy as np
@@ -47,11 +48,17 @@ def shared_loads(
     grid has; level: r_k of these, see `loads.level_error` [grid spacings]; green: see `layer_response`. A load that
     would not stay positive is left as it is, and all are where rounding makes the matrix singular.
     """
+
+    def at(node: Indices) -> Array64:
+        node = node % patches.num_points
+        return green[np.minimum(node, patches.num_points - node)]
+
     load = patches.sums(pressure)
     inside = np.arange(pressure.size) - np.repeat(patches.offset, patches.size)
     centre = patches.first + patches.sums(pressure * inside) / load
     # a load that lies elsewhere than the grid has it presses the other patches, too
-    moment, compliance, error = np.zeros(patches.count), _of_nodes(patches.size, green), np.zeros(patches.count)
+    compliance = _of_nodes(patches.size, at(np.arange(int(patches.size.max()))))
+    moment, error = np.zeros((2, patches.count))
     moved = found.centre_of_load - centre[chosen]
     centre[chosen] += moved
     moment[chosen] = moved * load[chosen]
@@ -61,21 +68,14 @@ def shared_loads(
     for begin in range(0, patches.count, _TOGETHER):
         some = slice(begin, begin + _TOGETHER)
         with suppress(np.linalg.LinAlgError):
-            shared[some] += _changes(
-                centre[some], moment[some], compliance[some], error[some], patches.num_points, green
-            )
+            shared[some] += _changes(centre[some], moment[some], compliance[some], error[some], at)
     return np.where(shared > 0, shared, load)
 
 
 def _changes(
-    centre: Array64, moment: Array64, compliance: Array64, error: Array64, num_points: int, green: Array64
+    centre: Array64, moment: Array64, compliance: Array64, error: Array64, at: Callable[[Indices], Array64]
 ) -> Array64:
-    """D_k of some patches, of their shape."""
-
-    def at(node: Indices) -> Array64:
-        node = node % num_points
-        return np.asarray(green[np.minimum(node, num_points - node)])
-
+    """D_k of some patches, of their shape. at: the displacement so many nodes from a unit load."""
     across = centre[:, None] - centre
     away = np.abs(across)
     node = away.astype(np.int64)
