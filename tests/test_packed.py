@@ -71,6 +71,12 @@ def test_response_in_real_space(num_points, block, thickness, nu):
     assert np.abs(again - whole).max() <= 1e-4 * np.ptp(whole) + 1e-15 * np.abs(second).max()
 
 
+def test_shares_of_the_blocks_add_up_to_rounding():
+    """On stiff coatings the smooth part is 1e5 times the response of the coating, and so would be what is missing."""
+    split = Split(compliance(2**14, math.inf, 0.25), 2**14, 32)
+    np.testing.assert_allclose(split.weights.sum(axis=1), 1, rtol=0, atol=4e-16)
+
+
 @pytest.mark.parametrize("thickness", [math.inf, 0.1])
 def test_smooth_displacements_stay_smooth(thickness):
     """The packed operator's error under a load, as force on the nodes over the largest pressure, here 1."""

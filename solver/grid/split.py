@@ -146,13 +146,12 @@ def _erf(x: Array64) -> Array64:
     return found
 
 
-def _spline(t: Array64) -> Array64:
-    """The cardinal B-spline at distances t [blocks]."""
-    found = np.zeros_like(t)
-    for k in range(_WIDTH + 1):
-        term = np.maximum(t + _WIDTH / 2 - k, 0.0) ** (_WIDTH - 1)
-        found += (-1) ** k * math.comb(_WIDTH, k) / math.factorial(_WIDTH - 1) * term
-    return found
+def _spline(t: Array64, order: int = _WIDTH) -> Array64:
+    """The cardinal B-spline at distances t [blocks], by the recursion over its order, which keeps rounding small."""
+    if order == 1:
+        return np.where((t >= -0.5) & (t < 0.5), 1.0, 0.0)
+    left, right = order / 2 + t, order / 2 - t
+    return np.asarray((left * _spline(t + 0.5, order - 1) + right * _spline(t - 0.5, order - 1)) / (order - 1))
 
 
 def make_split(compliance: Array64, num_points: int) -> Split | None:
