@@ -20,12 +20,11 @@ from linecontact.solver import (
     certify,
     solve,
 )
-from linecontact.solver.grid import problem as grid_problem
+from linecontact.solver.grid import response as grid_response
 from linecontact.solver.grid.kept import forget
 from linecontact.solver.grid.patches import Patches
 from linecontact.solver.grid.problem import Problem, foundation_pressure, typical_stiffness
 from linecontact.solver.methods import Setting, active_set, relax
-from linecontact.solver.methods.active_set import greens_function
 from linecontact.solver.methods.active_set import preconditioner as deflation
 from linecontact.solver.methods.active_set.search import Search
 from linecontact.solver.transforms import four_step, plain, real
@@ -190,8 +189,7 @@ def test_what_saves_memory_on_large_grids_changes_nothing(layer, monkeypatch):
     usual = solve(scene)
     forget()
     for module, name in (
-        (greens_function, "_KEPT"),
-        (grid_problem, "MOST_POINTS"),
+        (grid_response, "MOST_POINTS"),
         (real, "_IN_PLACE"),
         (plain, "_KEPT_UP_TO"),
     ):

@@ -146,7 +146,25 @@ def test_memory_of_many_patches():
     assert peak < 250 * 2**17  # bytes a point
 
 
+@pytest.mark.parametrize(("thickness", "nu"), [(math.inf, 0.25), (0.1, 0.25), (1e-3, 0.3), (0.03, 0.5), (0.01, 0.499)])
+def test_a_long_patch_is_nearly_inverted(thickness, nu):
+    """Also on thin and nearly incompressible layers, where K reaches far: 0.04 to 2 if it were taken for short."""
+    size, green = 500, greens_function(4096, thickness, nu)
+    matrix = np.take(green.tables.response.whole, np.arange(size)[:, None] - np.arange(size), mode="wrap")
+    patch = local_inverses.LongPatch(green, size)
+    inverse = np.stack([patch.solve(unit) for unit in np.eye(size)])
+    np.testing.assert_allclose(inverse, inverse.T, atol=1e-12 * np.abs(inverse).max())
+    values = np.linalg.eigvals(inverse @ matrix).real
+    assert 0.4 < values.min() <= values.max() < 2.1
+
+
 def test_what_is_kept_of_large_grids_makes_room(monkeypatch):
+    monkeypatch.setattr(grid_response, "MOST_POINTS", 0)
+    split = layer_response(2**16)
+    split.whole, split.second_sum  # noqa: B018
+    assert split.split
+    assert split._kept.keys() == {"second sum"}
+    monkeypatch.undo()
     small = layer_response(4096)
     kept = {name: getattr(small, name) for name in ("compliance", "whole", "second_sum")}
     monkeypatch.setattr(grid_response, "MOST_POINTS", 0)

@@ -14,7 +14,7 @@ _HEAD = 1024  # values next to the node, which stay when the second sum takes th
 
 
 class LayerResponse:
-    """G of one grid. What is made is kept, and read-only; on large grids one array of N values at a time."""
+    """G of one grid. Arrays in real space are kept, and read-only; on large grids one of N values at a time."""
 
     def __init__(self, stiffness: Array64, num_points: int) -> None:
         """stiffness: K(q_k), shape (N//2 + 1,) [K]; num_points: N."""
@@ -56,8 +56,8 @@ class LayerResponse:
         return self._known("whole", make)
 
     def head(self, count: int) -> Array64:
-        """G on the nodes 0 to count - 1, at most N//2 + 1 of them [1/K]; by its two parts where it has them, with
-        their error.
+        """G on the nodes 0 to count - 1 [1/K]. Where it has two parts it is made of them, with their error, and on
+        N//2 + 1 nodes at most.
         """
         if self.split:
             return self.split.response(count)
@@ -71,6 +71,8 @@ class LayerResponse:
 
     def _sum_twice(self) -> Array64:
         if self.split:
+            if self._large:
+                self._kept.pop("whole", None)
             return self.split.second_sum()
         whole = self.whole
         if self._large:

@@ -32,7 +32,10 @@ _TOGETHER = 128  # patches that share their load with each other, those that fol
 
 @kept
 def layer_response(layer: ElasticLayer, num_points: int, period: float) -> Array64:
-    """Displacement around a node by a unit load on it, without its mean, shape (N//2 + 1,), read-only (E* = 1)."""
+    """Displacement around a node by a unit load on it, without its mean, shape (N//2 + 1,), read-only (E* = 1).
+
+    On large grids it has the error of a `split`: mostly a millionth, a thousandth on layers of a hundred spacings.
+    """
     stiffness = stiffness_on_grid(layer, num_points, period)
     found = num_points / stiffness.unit * stiffness.response.head(num_points // 2 + 1)
     found.flags.writeable = False

@@ -27,7 +27,7 @@ _TOLERABLE = 1e-3
 """What may be neglected in all, over the same: of two splits that neglect less, that of shorter range is taken."""
 
 _WIDTH = 6
-"""Of the spline [blocks], its order: with far waves no shorter than four blocks it errs by some 1e-7 of `near`."""
+"""Of the spline [blocks], its order: with far waves no shorter than four blocks it errs by 1e-7 to 5e-7 of `near`."""
 
 _RING = 2**13  # nodes, at least, of the ring on which the near part is made, unless the grid is smaller
 _FEWEST, _LARGE = 2**16, 2**20  # points of the smallest grid on which that pays, and from which blocks are larger
@@ -77,7 +77,7 @@ class Split:
         """Share of each of them by the node in the block, shape (block, columns)."""
 
     def response(self, count: int) -> Array64:
-        """G in real space, as the two parts have it, on the nodes 0 to count - 1, at most half of all [1/K]."""
+        """G in real space, as the two parts have it, on the nodes 0 to count - 1, at most N//2 + 1 [1/K]."""
         found = self._interpolated(self._far_response, count)
         found[: self.near.size] += self.near[:count]
         return found

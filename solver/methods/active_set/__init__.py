@@ -29,16 +29,16 @@ def begin(problem: Problem, setting: Setting, storage: Whole | None = None) -> A
     """
     storage = storage or choose(problem, setting.tolerance)
     made = problem.rigidity.made
-    layer = problem.rigidity.response
-    tables: Tables = made.setdefault("active set", Tables(layer))
+    of_layer = problem.rigidity.response
+    tables: Tables = made.setdefault("active set", Tables(of_layer))
     spare: Spare = made.setdefault("spare", Spare())
     green = GreensFunction(tables)
     if suits(problem, setting):
         loan = spare.lend(problem.stiffness, "K", storage, setting)
         return loan.to(FreeNodes(problem, setting, green, storage, loan.everywhere))
-    loan = spare.lend(layer.compliance, "G", storage, setting)
+    loan = spare.lend(of_layer.compliance, "G", storage, setting)
     loan.everywhere.begin(problem.height)
-    response = Response(problem, storage, layer.split, loan.everywhere)
+    response = Response(problem, storage, of_layer.split, loan.everywhere)
     few = setting.wrong_nodes_per_patch
     return loan.to(ActiveSet(problem, setting.tolerance, green, storage, response, few, setting.reduction))
 

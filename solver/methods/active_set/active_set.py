@@ -35,8 +35,8 @@ from .search import HARDER, LOOSEST, SAFETY, Search
 from .storage import Whole
 
 _OVER_FLOOR = 0.3  # error of the pressure over the free residual, both as rounding leaves them
-_OVER_DRIFT = 2.0  # residual over what images may have added to it, below which the response has to be made anew,
-_LESS = 0.9  # times the residual to stop at is what it has to be before that
+_OVER_DRIFT = 2.0  # times what images may have added to the residual: below, the response has to be made anew
+_ROOM = 0.9  # residual to reach before the response is made anew at the end, over the one to stop at
 _FEW_PATCHES = 8  # largest number of patches whose ends are predicted on a cold start; more disturb each other
 _BY_ROUNDING = 4  # nodes that rounding may let join and leave a set again and again
 _SOFT = 0.1  # stiffness of a base over that of its coating, below which the coating is stiff
@@ -157,7 +157,7 @@ class ActiveSet(Method):
     @property
     def _aim(self) -> float:
         """The residual to stop at; less where the response is to be made anew, by which it grows a little."""
-        return max(self._target * (_LESS if self._response.drift else 1.0), self._floor)
+        return max(self._target * (_ROOM if self._response.drift else 1.0), self._floor)
 
     def _eliminate(self) -> None:
         """Solve on a small set by elimination, as well as rounding allows, and update it."""

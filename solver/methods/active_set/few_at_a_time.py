@@ -23,7 +23,7 @@ from .greens_function import GreensFunction
 
 FORCING_TERM = 1e-4
 """Part of a new set's residual at which it is updated (dimensionless)."""
-UNKNOWNS = 2048
+UNKNOWNS = 4096
 """Patches with a coarse unknown each: those that share one make a set too ill-conditioned to be iterated on."""
 
 _MOST, _MOST_HARD = 2048, 4096  # nodes of a set that is eliminated; of one that is hard to iterate on

@@ -35,7 +35,8 @@ def inverse_cholesky(column: Array64, order: int) -> Array64:
     return factor
 
 
-_LITTLE_LONGER = 1.125  # over a run: the least ring for K
+_LITTLE_LONGER = 1.125  # least length of a ring for K, over that of the run
+_SAMPLE, _STIFF = 200, 2.0  # modes that tell, and times the least K, up to which the longest wave is not stiff
 _SHORT = 16  # times shorter than the grid are rings whose symbols are kept for the next solve
 
 
@@ -47,6 +48,9 @@ class Tables:
         self.response, self.num_points = response, response.num_points
         self._factor = self._stiffness_factor = np.zeros((0, 0))
         self._rings: dict[tuple[str, int], Array64] = {}
+        some = np.geomspace(1, response.stiffness.size - 1, _SAMPLE).astype(np.int64)
+        self.stiffness_decays = bool(response.stiffness[1] <= _STIFF * response.stiffness[some].min())
+        """Whether K in real space is short-ranged; not where its longest waves are the stiffest."""
 
     def factor(self, order: int) -> Array64:
         """`inverse_cholesky` of G [1/K], shape (m, m) with m >= order; kept for the next call."""
@@ -120,7 +124,7 @@ class GreensFunction:
         return sum(c.count * c.length for c in self._convolutions.values())
 
     def convolution(self, length: int) -> "Convolution":
-        """K and G on a ring of that many nodes; unrestricted for N."""
+        """K and G on a ring of that many nodes; for N, those of the grid."""
         if length not in self._convolutions:
             self._convolutions[length] = Convolution(self.tables, length)
         return self._convolutions[length]
@@ -133,7 +137,11 @@ class GreensFunction:
         return self.convolution(min(2 * step * -(-size // step), self.num_points))
 
     def along(self, size: int) -> "Convolution":
-        """The same on a ring that is little longer than the run: for K, of which little reaches around the ring."""
+        """The convolution with K for a run of so many nodes: on a ring that is an eighth to three eighths longer, where
+        little of K reaches around it.
+        """
+        if not self.tables.stiffness_decays:
+            return self.around(size)
         step = _step(size)
         return self.convolution(min(step * math.ceil(_LITTLE_LONGER * size / step), self.num_points))
 
@@ -158,7 +166,7 @@ def patch_sums(second_sum: Array64, first: Indices, last: Indices) -> Array64:
 
 
 class Convolution:
-    """Short transforms of one length, for values on a patch that is shorter."""
+    """Short transforms of one length, for values on a patch that is no longer."""
 
     def __init__(self, tables: Tables, length: int) -> None:
         self._tables, self.length = tables, length

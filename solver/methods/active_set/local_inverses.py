@@ -105,14 +105,12 @@ class Together:
 
         The half-space's shape, with the load of a uniform pressure for that displacement on the average.
         """
-        patches, second_sum = self._patches, self._green.tables.response.second_sum
-        size = patches.size
+        patches, response = self._patches, self._green.tables.response
+        second_sum, least, size = response.second_sum, response.compliance[1:].min(), patches.size
         at = (2 * (np.arange(patches.nodes.size) - np.repeat(patches.offset, size)) + 1) / np.repeat(size, size) - 1
         shape = 1 / np.sqrt(1 - at**2)
-        within = 2 * (second_sum[size] - second_sum[0])  # the sum of G over a patch and itself
-        within = np.maximum(
-            within, size * self._green.tables.response.compliance[1:].min()
-        )  # rounding may have eaten it
+        within = 2 * (np.take(second_sum, size, mode="wrap") - second_sum[0])  # the sum of G over a patch and itself
+        within = np.maximum(within, size * least)  # rounding may have eaten it
         return np.asarray(shape * np.repeat(size**2 / within / patches.sums(shape), size))
 
     def __call__(self, residual: Array64) -> Array64:

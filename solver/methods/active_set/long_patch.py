@@ -2,7 +2,8 @@
 
 K restricted to the patch, by a short transform, is nearly the inverse: K_bb >= G_bb^-1, and K_bb G_bb has the spectrum
 1 but for one outlier for each edge (3 to 11 on the half-space). Both are deflated with K_bb 1 and K_bb x, which leaves
-1 to 1.4. Little of K reaches around a ring that is an eighth longer than the patch; G needs one that is twice as long.
+1 to 1.4. Where K is short-ranged it is applied on a ring little longer than the patch: what reaches around that leaves
+single values down to 0.6 on the half-space, 0.3 on layers. G needs a ring that is twice as long.
 """
 
 from functools import cached_property
