@@ -1,7 +1,10 @@
 """Transforms over shared buffers, short ones, and plain ones."""
 
 import concurrent.futures
+import os
 import signal
+import subprocess
+import sys
 import time
 
 import numpy as np
@@ -291,3 +294,28 @@ def test_plain_transforms_on_several_threads():
         for _ in range(20):
             back = pool.map(lambda row: plain.irfft(plain.rfft(row), row.size), values)
             np.testing.assert_allclose(np.array(list(back)), values, rtol=0, atol=1e-14)
+
+
+FORKED = """
+import os, signal
+from linecontact import Scene, solve
+
+solve(Scene(num_points=1024), threads=2)
+child = os.fork()
+if not child:
+    signal.alarm(60)  # what waits for threads that are not there would wait for ever
+    solve(Scene(num_points=1024))
+    try:
+        solve(Scene(num_points=1024), threads=2)
+    except ValueError as error:
+        os._exit(17 if "threads is 2; allowed: 1, in a process that was forked" in str(error) else 1)
+    os._exit(2)
+print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+solve(Scene(num_points=1024), threads=2)
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
+def test_a_forked_process_does_not_wait_for_threads_that_it_has_not():
+    ended = subprocess.run([sys.executable, "-c", FORKED], capture_output=True, text=True, timeout=120)
+    assert (ended.returncode, ended.stdout.split()) == (0, ["17"]), ended.stderr

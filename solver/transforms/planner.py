@@ -1,5 +1,6 @@
 """What ways of transforming are made from: staggered buffers, FFTW's plans, and kernels."""
 
+import os
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 
@@ -14,6 +15,7 @@ from .fftw import pyfftw
 PLANNING = ("estimate", "measure", "patient")
 """Planning effort. 'estimate' plans at once, and takes what wisdom holds of an earlier, greater effort."""
 
+_threaded_in: list[int] = []  # processes, by their number, in which FFTW has threads of its own
 _STAGGER = 1024  # bytes: buffers that start at equal page offsets slow each other down
 
 
@@ -107,6 +109,13 @@ def library() -> str:
 
 
 def check_settings(threads: int, planning: str) -> tuple[int, str]:
-    """Both, if they are allowed. Raises `ValueError`."""
+    """Both, if they are allowed. Raises `ValueError`, too, in a process that was forked from one in which FFTW had
+    threads: it would wait for these for ever.
+    """
     allowed = checks.integer("threads", threads, "an integer from 1 to 1024", 1, 1024)
+    if allowed > 1:
+        if _threaded_in and os.getpid() not in _threaded_in:
+            why = "in a process that was forked after a solve with threads; or start it by 'spawn' or 'forkserver'"
+            raise ValueError(f"threads is {allowed}; allowed: 1, {why}")
+        _threaded_in[:] = [os.getpid()]
     return allowed, checks.choice("planning", planning, PLANNING)
