@@ -19,9 +19,14 @@ LAYERS = [(math.inf, 0.25)] + [
 ]
 
 
-def compliance(num_points, thickness, nu):
-    stiffness = half_spectrum(Layer(thickness, nu), num_points, 1.0)
-    return np.append(0.0, 1 / stiffness[1:])
+def stiffness(num_points, thickness, nu):
+    return half_spectrum(Layer(thickness, nu), num_points, 1.0)
+
+
+def split_and_symbol(num_points, block, thickness=math.inf, nu=0.25):
+    """The split of G, and G(q_k)."""
+    modes = stiffness(num_points, thickness, nu)
+    return Split(modes, num_points, block), np.append(0.0, 1 / modes[1:])
 
 
 def islands(num_blocks, seed):
@@ -36,8 +41,7 @@ def islands(num_blocks, seed):
 @pytest.mark.parametrize(("num_points", "block"), [(2**14, 16), (48000, 15), (2**17, 32), (2**15, 8)])
 def test_packed_against_whole_transforms(num_points, block, thickness, nu):
     """Errors are measured over what G does to that pressure, and are at most twice what the split says."""
-    symbol = compliance(num_points, thickness, nu)
-    split = Split(symbol, num_points, block)
+    split, symbol = split_and_symbol(num_points, block, thickness, nu)
     packed = Packed(split, islands(num_points // block, seed=num_points))
     rng = np.random.default_rng(1)
     pressure = rng.standard_normal((packed.blocks.size, block))
@@ -58,8 +62,7 @@ def test_packed_against_whole_transforms(num_points, block, thickness, nu):
 @pytest.mark.parametrize(("num_points", "block"), [(2**14, 16), (48000, 15), (2**17, 32)])
 def test_response_in_real_space(num_points, block, thickness, nu):
     """G by its two parts, which neglect what the split says at most, and the second sum of that."""
-    symbol = compliance(num_points, thickness, nu)
-    split = Split(symbol, num_points, block)
+    split, symbol = split_and_symbol(num_points, block, thickness, nu)
     exact, half = np.fft.irfft(symbol, num_points), num_points // 2 + 1
     found = split.response(half)
     assert np.abs(found - exact[:half]).max() <= split.error * split.largest
@@ -74,7 +77,7 @@ def test_response_in_real_space(num_points, block, thickness, nu):
 @pytest.mark.parametrize(("num_points", "block"), [(2**14, 32), (48000, 15)])
 def test_shares_of_the_blocks_add_up_to_rounding(num_points, block):
     """On stiff coatings the smooth part is 1e5 times the response of the coating, and so would be what is missing."""
-    split = Split(compliance(num_points, math.inf, 0.25), num_points, block)
+    split, _ = split_and_symbol(num_points, block)
     np.testing.assert_allclose(split.weights.sum(axis=1), 1, rtol=0, atol=4e-16)
 
 
@@ -82,8 +85,8 @@ def test_shares_of_the_blocks_add_up_to_rounding(num_points, block):
 def test_smooth_displacements_stay_smooth(thickness):
     """The packed operator's error under a load, as force on the nodes over the largest pressure, here 1."""
     num_points, block = 2**16, 16
-    symbol = compliance(num_points, thickness, 0.25)
-    packed = Packed(Split(symbol, num_points, block), np.arange(1000, 1100))
+    split, symbol = split_and_symbol(num_points, block, thickness)
+    packed = Packed(split, np.arange(1000, 1100))
     x = np.linspace(-1, 1, 100 * block)
     pressure = (1 - x**2).reshape(-1, block)  # it ends at 0, so all its waves are long
     whole = np.zeros((num_points // block, block))

@@ -8,7 +8,7 @@ import numpy as np
 from ..arrays import Array64
 from ..transforms.plain import irfft
 from .kept import MOST_POINTS
-from .split import Split, make_split
+from .split import Split, inverse, make_split
 
 _HEAD = 1024  # values next to the node, which stay when the second sum takes the place of all
 
@@ -35,14 +35,14 @@ class LayerResponse:
         """G(q_k) = 1/K(q_k), 0 for the mean mode; shape (N//2 + 1,)."""
 
         def make() -> Array64:
-            return np.append(0.0, 1 / self.stiffness[1:])
+            return inverse(self.stiffness)
 
         return make() if self._large else self._known("compliance", make)
 
     @cached_property
     def split(self) -> Split | None:
         """Its two parts, see `make_split`."""
-        return make_split(self.compliance, self.num_points)
+        return make_split(self.stiffness, self.num_points)
 
     @property
     def whole(self) -> Array64:

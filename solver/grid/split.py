@@ -38,20 +38,20 @@ not positive, and conjugate gradients find no way down."""
 
 
 class Split:
-    """The two parts of G on one grid. compliance: G(q_k), shape (N//2 + 1,); block: nodes of a block, a divisor of N.
+    """The two parts of G on one grid. stiffness: K(q_k), shape (N//2 + 1,); block: nodes of a block, a divisor of N.
 
     range: nodes beyond which `near` is neglected; largest: value of `near`'s symbol [1/K]; error: what is neglected,
     over that.
     """
 
-    def __init__(self, compliance: Array64, num_points: int, block: int) -> None:
+    def __init__(self, stiffness: Array64, num_points: int, block: int) -> None:
         self.num_points, self.block, self.num_blocks = num_points, block, num_points // block
         shortest = math.pi / (2 * block)  # wave number of the shortest far wave, q in units of 1/spacing
         ring = num_points // _stride(num_points)
         q = 2 * np.pi * np.arange(ring // 2 + 1) / ring
-        symbol = compliance[:: num_points // ring]
+        symbol = inverse(stiffness[:: num_points // ring])
         count = num_points // (4 * block) + 1
-        far_q, far_symbol = 2 * np.pi * np.arange(count) / num_points, compliance[:count]
+        far_q, far_symbol = 2 * np.pi * np.arange(count) / num_points, inverse(stiffness[:count])
         found = []
         for split in (_of_half_space, _of_layer):
             near = split(q, symbol, shortest)
@@ -154,11 +154,16 @@ def _spline(t: Array64, order: int = _WIDTH) -> Array64:
     return np.asarray((left * _spline(t + 0.5, order - 1) + right * _spline(t - 0.5, order - 1)) / (order - 1))
 
 
-def make_split(compliance: Array64, num_points: int) -> Split | None:
+def inverse(stiffness: Array64) -> Array64:
+    """G = 1/K, 0 for the mean mode, which is the first one; of the same shape."""
+    return np.append(0.0, 1 / stiffness[1:])
+
+
+def make_split(stiffness: Array64, num_points: int) -> Split | None:
     """The split of G for a grid; None where the grid is too small, no block suits it, or the split errs too much."""
     largest = _LARGE_BLOCK if num_points >= _LARGE else _BLOCK
     block = next((b for b in range(largest, _SMALLEST_BLOCK - 1, -1) if num_points % b == 0), None)
     if block is None or num_points < _FEWEST:
         return None
-    split = Split(compliance, num_points, block)
-    return split if split.error * split.largest <= _LARGEST_ERROR * float(compliance[1:].min()) else None
+    split = Split(stiffness, num_points, block)
+    return split if split.error * split.largest <= _LARGEST_ERROR / float(stiffness.max()) else None
