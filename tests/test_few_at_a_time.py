@@ -15,8 +15,8 @@ from linecontact.solver import (
     solve,
 )
 from linecontact.solver.grid.problem import Problem
-from linecontact.solver.methods import Setting, active_set
-from linecontact.solver.methods.active_set import elimination, few_at_a_time
+from linecontact.solver.methods import Setting, active_set, relax
+from linecontact.solver.methods.active_set import elimination, few_at_a_time, preconditioner
 from linecontact.solver.methods.active_set.contact_set import ContactSet
 from linecontact.solver.methods.active_set.few_at_a_time import FewAtATime, first_nodes
 from linecontact.solver.methods.active_set.greens_function import GreensFunction, Tables
@@ -89,6 +89,29 @@ def test_how_many_nodes_are_added_at_a_time():
     assert few.to_add(nodes[:0], gap[:0], 0, 48).size == 0
     few.share, few.dropped = 1 / 48, 9
     assert few.to_add(nodes, gap, 0, 48).size == 2
+
+
+def test_many_iterations_on_one_set_are_followed_by_more_coarse_unknowns(monkeypatch):
+    few = FewAtATime()
+    assert not few.takes_more(99, 2.0)
+    assert not few.takes_more(2000, 1.0)  # each patch has its own
+    assert few.takes_more(100, 2.0)
+    assert not few.takes_more(100, 2.0)  # there are no more
+    assert few.unknowns == 4096
+
+    monkeypatch.setattr(few_at_a_time, "_MANY", 3)
+    monkeypatch.setattr(preconditioner, "_unknowns", lambda num_points: 4)
+    scene = Scene(CoatedHalfSpace(0.1, 0.1), RoughIndenter(0.8, 1, 1 / 8, 1 / 64), 1e-2, num_points=2**12)
+    state = active_set.begin(Problem.from_scene(scene), Setting(1e-8))
+    state.start_cold()
+    state._search = Search(few_at_a_time=FewAtATime(work=1e13, unknowns=4), forcing_term=few_at_a_time.FORCING_TERM)
+    state.step()
+    assert state._now.preconditioner.share > 1
+    for _ in range(3):
+        state.step()
+    assert state._now.preconditioner.share == 1
+    assert relax(state, 2000) is Status.CONVERGED
+    np.testing.assert_array_equal(state.contact_pressure > 0, solve(scene).contact)
 
 
 def test_nodes_that_pull_are_dropped_one_after_the_other_where_that_lowers_the_energy():

@@ -26,7 +26,7 @@ from ...grid.problem import Problem, foundation_pressure, typical_stiffness
 from ..method import Method
 from . import elimination
 from .contact_set import ContactSet
-from .few_at_a_time import FORCING_TERM, UNKNOWNS, FewAtATime, first_nodes
+from .few_at_a_time import FORCING_TERM, FewAtATime, first_nodes
 from .free_residual import free_residual
 from .greens_function import GreensFunction
 from .preconditioner import PatchDeflation
@@ -129,8 +129,12 @@ class ActiveSet(Method):
         if self._response.plain and elimination.suits(now, self._search):
             self._eliminate()
             return
+        few = self._search.few_at_a_time
+        if few and now.preconditioner and few.takes_more(now.iterations, now.preconditioner.share):
+            now.preconditioner = self._last_preconditioner = None
+            now.begin_anew()
         if now.preconditioner is None:
-            most = UNKNOWNS if self._search.few_at_a_time else 0
+            most = few.unknowns if few else 0
             now.preconditioner = PatchDeflation(self._green, now.patches, self._last_preconditioner, most)
             self._last_preconditioner = now.preconditioner
         touching = self._response.touching(now)

@@ -105,7 +105,7 @@ class ContactSet:
         return self.iterations <= max(MOST_ITERATIONS, self.preconditioner.share) and self.in_vain <= _PATIENCE
 
     def begin_anew(self) -> None:
-        """Conjugate gradients begin anew on this set, because the packed operator has been left."""
+        """Conjugate gradients begin anew on this set, with another operator or preconditioner."""
         self.iterations = self.in_vain = 0
         self.last_product, self.least_residual = 0.0, math.inf
 

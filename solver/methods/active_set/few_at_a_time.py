@@ -23,9 +23,10 @@ from .greens_function import GreensFunction
 
 FORCING_TERM = 1e-4
 """Part of a new set's residual at which it is updated (dimensionless)."""
-UNKNOWNS = 4096
-"""Patches with a coarse unknown each: those that share one make a set too ill-conditioned to be iterated on."""
-
+_UNKNOWNS, _MOST_UNKNOWNS = 2048, 4096
+"""Patches with a coarse unknown each, at first, and after many iterations on one set: those that share one make it
+ill-conditioned, under stiffer coatings too much so to be iterated on."""
+_MANY = 100  # iterations, which take about as long as a dense matrix with more unknowns
 _MOST, _MOST_HARD = 2048, 4096  # nodes of a set that is eliminated; of one that is hard to iterate on
 _WORK = 1e11  # sum of the cubes of the numbers of nodes that one search may eliminate: a few seconds
 _POINTS, _FEW = 2**14, 1024  # points of a grid, or nodes in contact, up to which it begins with the lowest node
@@ -62,11 +63,23 @@ class FewAtATime:
     """Of the last set that was eliminated [p u]."""
     work: float = 0.0
     """Of elimination: the sum of the cubes of the numbers of nodes."""
+    unknowns: int = _UNKNOWNS
+    """Patches with a coarse unknown each, at most."""
 
     @property
     def spent(self) -> bool:
         """Whether the work that may go into elimination is done."""
         return self.work >= _WORK
+
+    def takes_more(self, iterations: int, share: float) -> bool:
+        """After so many iterations on one set, whether there are to be more coarse unknowns from now on.
+
+        share: patches over coarse unknowns (dimensionless).
+        """
+        if share <= 1 or iterations < _MANY or self.unknowns == _MOST_UNKNOWNS:
+            return False
+        self.unknowns = _MOST_UNKNOWNS
+        return True
 
     def most(self, hard: bool) -> int:
         """Nodes of the largest set to eliminate; hard: whether it is hard to iterate on."""
