@@ -308,7 +308,7 @@ if not child:
     try:
         solve(Scene(num_points=1024), threads=2)
     except ValueError as error:
-        os._exit(17 if "threads is 2; allowed: 1, in a process that was forked" in str(error) else 1)
+        os._exit(17 if "threads is 2; allowed: 1 in a process that was forked" in str(error) else 1)
     os._exit(2)
 print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
 solve(Scene(num_points=1024), threads=2)

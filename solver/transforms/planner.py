@@ -15,7 +15,7 @@ from .fftw import pyfftw
 PLANNING = ("estimate", "measure", "patient")
 """Planning effort. 'estimate' plans at once, and takes what wisdom holds of an earlier, greater effort."""
 
-_threaded_in: list[int] = []  # processes, by their number, in which FFTW has threads of its own
+_threaded_in: list[int] = []  # the process in which FFTW has threads of its own; empty where it has none yet
 _STAGGER = 1024  # bytes: buffers that start at equal page offsets slow each other down
 
 
@@ -89,6 +89,8 @@ class Planner:
             execute: Callable[[], None] = made.execute
             return execute
 
+        if (threads or self.threads) > 1:
+            _threaded_in[:] = [os.getpid()]
         estimated = self.planning == "estimate"
         with suppress(RuntimeError):  # wisdom does not hold it
             known = plan("measure" if estimated else self.planning, "FFTW_WISDOM_ONLY")
@@ -113,9 +115,7 @@ def check_settings(threads: int, planning: str) -> tuple[int, str]:
     threads: it would wait for these for ever.
     """
     allowed = checks.integer("threads", threads, "an integer from 1 to 1024", 1, 1024)
-    if allowed > 1:
-        if _threaded_in and os.getpid() not in _threaded_in:
-            why = "in a process that was forked after a solve with threads; or start it by 'spawn' or 'forkserver'"
-            raise ValueError(f"threads is {allowed}; allowed: 1, {why}")
-        _threaded_in[:] = [os.getpid()]
+    if allowed > 1 and _threaded_in and os.getpid() not in _threaded_in:
+        here = "1 in a process that was forked after a solve with more (by 'spawn' or 'forkserver' it may have more)"
+        raise ValueError(f"threads is {allowed}; allowed: {here}")
     return allowed, checks.choice("planning", planning, PLANNING)

@@ -24,7 +24,7 @@ from .greens_function import GreensFunction
 FORCING_TERM = 1e-4
 """Part of a new set's residual at which it is updated (dimensionless)."""
 _UNKNOWNS, _MOST_UNKNOWNS = 2048, 4096
-"""Patches with a coarse unknown each, at first, and after many iterations on one set: those that share one make it
+"""Patches with a coarse unknown each, at first, and after many iterations on one set: patches that share one make a set
 ill-conditioned, under stiffer coatings too much so to be iterated on."""
 _MANY = 100  # iterations, which take about as long as a dense matrix with more unknowns
 _MOST, _MOST_HARD = 2048, 4096  # nodes of a set that is eliminated; of one that is hard to iterate on
