@@ -73,7 +73,7 @@ class Split:
         self.far[:count] = far / self._spline**2 / num_points
         self.columns = np.arange(1 - _WIDTH // 2, 1 + _WIDTH // 2)
         """Blocks that a block spreads to, as steps."""
-        self.weights = _spline(np.arange(block)[:, None] / block - self.columns)
+        self.weights = _splines(np.arange(block) / block)
         """Share of each of them by the node in the block, shape (block, columns)."""
 
     def response(self, count: int) -> Array64:
@@ -146,12 +146,17 @@ def _erf(x: Array64) -> Array64:
     return found
 
 
-def _spline(t: Array64, order: int = _WIDTH) -> Array64:
-    """The cardinal B-spline at distances t [blocks], by the recursion over its order, which keeps rounding small."""
-    if order == 1:
-        return np.where((t >= -0.5) & (t < 0.5), 1.0, 0.0)
-    left, right = order / 2 + t, order / 2 - t
-    return np.asarray((left * _spline(t + 0.5, order - 1) + right * _spline(t - 0.5, order - 1)) / (order - 1))
+def _splines(x: Array64) -> Array64:
+    """The cardinal B-splines that stand on the columns at x [blocks], 0 <= x < 1; shape (x.size, columns).
+
+    By the recursion over their order n: sums of positive terms, which keep rounding small.
+    """
+    found = np.ones((x.size, 1))
+    for n in range(2, _WIDTH + 1):
+        before = np.pad(found, ((0, 0), (1, 1)))
+        above = np.arange(1, n + 1) - x[:, None]
+        found = ((n - above) * before[:, :-1] + above * before[:, 1:]) / (n - 1)
+    return found
 
 
 def inverse(stiffness: Array64) -> Array64:

@@ -48,9 +48,13 @@ class Tables:
         self.response, self.num_points = response, response.num_points
         self._factor = self._stiffness_factor = np.zeros((0, 0))
         self._rings: dict[tuple[str, int], Array64] = {}
-        some = np.geomspace(1, response.stiffness.size - 1, _SAMPLE).astype(np.int64)
-        self.stiffness_decays = bool(response.stiffness[1] <= _STIFF * response.stiffness[some].min())
+
+    @cached_property
+    def stiffness_decays(self) -> bool:
         """Whether K in real space is short-ranged; not where its longest waves are the stiffest."""
+        stiffness = self.response.stiffness
+        some = np.geomspace(1, stiffness.size - 1, _SAMPLE).astype(np.int64)
+        return bool(stiffness[1] <= _STIFF * stiffness[some].min())
 
     def factor(self, order: int) -> Array64:
         """`inverse_cholesky` of G [1/K], shape (m, m) with m >= order; kept for the next call."""
