@@ -119,19 +119,39 @@ def test_pressures_that_hardly_tell_where_a_contact_ends(thickness, exponent, pr
     assert off < found.contact_area_error < 50 * off + 2 * exact.contact_area_error
 
 
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-5])
+@pytest.mark.parametrize(
+    ("thickness", "poisson_ratio", "exponent", "pressure"),
+    [(1e-3, 0.49, 3, 0.3), (1e-3, 0.3, 3, 0.3), (0.01, 0, 5, 0.03)],
+)
+def test_a_residual_that_is_left_near_the_ends(thickness, poisson_ratio, exponent, pressure, tolerance):
+    """Below blunt profiles on thin layers: a hundred times the rms (found by a stress test: off by up to 4 times the
+    estimated error)."""
+    scene = Scene(Layer(thickness, poisson_ratio), PowerIndenter(exponent), pressure, num_points=2**15)
+    solution = solve(scene, tolerance=tolerance)
+    assert solution.certificate.largest_residual > 10 * solution.certificate.free_residual
+    found, exact = solution.observables, solve(scene, tolerance=1e-11).observables
+    off = abs(found.contact_area_subgrid - exact.contact_area_subgrid)
+    assert off < found.contact_area_error
+    assert abs(found.kappa_subgrid - exact.kappa_subgrid) < found.kappa_error
+
+
 def test_a_residual_leaves_little_at_the_ends_of_a_half_space():
     solution = solve(Scene(Layer(), RoughIndenter(0.8, 1, cut_off_ratio=1 / 64), 0.01, num_points=2**12))
     patches = Patches.of(solution.contact)
-    left = left_at_ends(1e-4, patches, solution.contact_pressure)
-    assert 0 < left < 2e-4 * solution.observables.contact_area
+    left = left_at_ends(1e-4, patches, solution.contact_pressure, 1e-3)
+    assert 0 < left < 4e-4 * solution.observables.contact_area
     whole = Patches.of(np.ones(8, dtype=bool))
     assert left_at_ends(1e-4, whole, np.ones(8)) == 0
     # all four nodes carry less than the residual leaves of it; then two of them; then hardly less than they carry
     one = Patches.of(np.array([0, 1, 1, 1, 1, 0, 0, 0], dtype=bool))
     pressure = np.array([0, 1.0, 7, 7, 1, 0, 0, 0])
-    assert left_at_ends(3.0, one, pressure) == 4 / 8
-    assert left_at_ends(0.5, one, pressure) == pytest.approx((2 + 2 * 5 / 7) / 8)
-    assert left_at_ends(1 / 20, one, pressure) == pytest.approx(2 * 0.5 / 8)
+    assert left_at_ends(3.0, one, pressure, 3.0) == 4 / 8
+    assert left_at_ends(0.5, one, pressure, 0.5) == pytest.approx((2 + 2 * 5 / 7) / 8)
+    assert left_at_ends(1 / 20, one, pressure, 1 / 20) == pytest.approx(2 * 0.5 / 8)
+    # at single ends, in squares; and all of the residual at one of the four free nodes
+    assert left_at_ends(1 / 200, one, pressure, 1 / 5) == pytest.approx(math.hypot(0.8, 0.8) / 8)
+    assert left_at_ends(1 / 8, one, pressure) == left_at_ends(1 / 8, one, pressure, 1 / 4)
 
 
 @pytest.mark.parametrize(

@@ -34,6 +34,8 @@ class Certificate:
 
     free_residual: float
     """Rms net force on the free nodes over the mean pressure."""
+    largest_residual: float
+    """Largest net force on a free node over the mean pressure: what the iteration has left is often near a few ends."""
     tensile_violation: float
     """Largest tensile force between the wall and a node that touches it, over the mean pressure."""
     penetration: float
@@ -65,7 +67,7 @@ def certify(problem: Problem, displacement: Array64) -> tuple[Certificate, Array
         elastic = transforms.real
         mean = float(h.mean())
         free = squares = energy = variance = apart = load = 0.0
-        tensile = penetration = 0.0
+        tensile = penetration = largest = 0.0
         for part in parts(n):
             heights, u, ku = h[part], displacement[part], elastic[part]
             energy += float(u @ ku) / 2
@@ -78,13 +80,16 @@ def certify(problem: Problem, displacement: Array64) -> tuple[Certificate, Array
             tensile = max(tensile, -float(there.min(initial=0.0)))
             penetration = max(penetration, -float(gap.min()))
             variance += float(away @ away) / n
-            apart += float(np.abs(force) @ np.abs(gap, out=gap))
+            net = np.abs(force)
+            largest = max(largest, float(net.max()))
+            apart += float(net @ np.abs(gap, out=gap))
             squares += float(force @ force)
             free, load = free + float(force.sum()), load + float(held.sum())
         scale = math.sqrt(variance) or 1.0
         bound = _energy_bound(problem, transforms, free, pressure, load)
         certificate = Certificate(
             free_residual=math.sqrt(squares / max(1, n - int(contact.sum()))),
+            largest_residual=largest,
             tensile_violation=tensile,
             penetration=penetration / scale,
             complementarity=apart / (n * scale),

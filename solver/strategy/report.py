@@ -32,8 +32,7 @@ def make_solution(
     pressure *= scene.pressure
     observables, patches = observe(scene, profile, displacement, pressure, contact)
     del profile
-    residual = certified.certificate.free_residual
-    observables = with_errors(scene, observables, levels, residual, Patches.of(contact), pressure)
+    observables = with_errors(scene, observables, levels, certified.certificate, Patches.of(contact), pressure)
     return Solution(
         scene=scene,
         method=effort.kind.name,

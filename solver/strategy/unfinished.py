@@ -8,13 +8,15 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array64
+from ..grid.certificate import Certificate
 from ..grid.observables import Observables
 from ..grid.patches import Patches
 from ..scene import Scene
 from ..solution import Level
 from .errors import QUANTITIES, estimated, sensitivity
 
-_OF_PRESSURE = 5.0  # error of a node's pressure over the free residual
+_OF_PRESSURE = 5.0  # error of the nodes' pressures over the rms residual,
+_OF_LARGEST = 2.0  # and of the pressure of one node over the largest
 
 
 def iteration_share(free_residual: float, area: float = 0.0, rounded: bool = False) -> float:
@@ -38,42 +40,60 @@ def near_full_contact(area: float) -> float:
     return max(1.0, math.tan(math.pi / 2 * area) / (0.4 * math.pi)) if area < 1 else 1.0
 
 
-def left_at_ends(free_residual: float, patches: Patches, pressure: Array64) -> float:
-    """Estimated error of a_r that a free residual leaves at the ends of patches (dimensionless).
+def left_at_ends(free_residual: float, patches: Patches, pressure: Array64, largest: float | None = None) -> float:
+    """Estimated error of a_r that a residual leaves at the ends of patches (dimensionless).
 
     An end is anywhere among the nodes whose pressure is below what the residual leaves of it, and the next node tells
     it the better the more it carries. That matters on thin incompressible layers, where the pressure rises like a
-    parabola. pressure: of all nodes, shape (N,) [any unit]; free_residual: over its mean.
+    parabola, and below blunt profiles. The part that all ends have in common follows from the rms residual; what is
+    left near single ends, which may be a hundred times as much, differs from end to end and adds up in squares.
+
+    free_residual, largest: rms and largest force on the free nodes, over the mean pressure; without a largest one, what
+    it is at most; pressure: of all nodes, shape (N,) [any unit].
     """
     if not patches.count or patches.full or not math.isfinite(free_residual):
         return 0.0
+    if largest is None:
+        largest = free_residual * math.sqrt(pressure.size - patches.nodes.size)
+    unit = float(pressure.mean())
+    common = _off_at_ends(_OF_PRESSURE * free_residual * unit, patches, pressure)
+    single = _off_at_ends(_OF_LARGEST * largest * unit, patches, pressure)
+    return max(float(common.sum()), float(np.linalg.norm(single))) / pressure.size
+
+
+def _off_at_ends(error: float, patches: Patches, pressure: Array64) -> Array64:
+    """How far off the ends of patches are where the pressures of their nodes are off by `error`, shape (2 patches,)
+    [grid spacings].
+    """
     inside = pressure[patches.nodes]
-    error = _OF_PRESSURE * free_residual * float(pressure.mean())
     above, begin = np.flatnonzero(inside > error), patches.offset
-    first, behind = np.searchsorted(above, begin), np.searchsorted(above, begin + patches.size)
-    some = behind > first
-    first, last = above[first[some]], above[behind[some] - 1]
-    beyond = patches.size[~some].sum() + (patches.size[some] - (last - first + 1)).sum()
-    return float(beyond + (error / inside[first]).sum() + (error / inside[last]).sum()) / pressure.size
+    behind = begin + patches.size
+    first, last = np.searchsorted(above, begin), np.searchsorted(above, behind) - 1
+    some = first <= last
+    off = np.stack((patches.size, np.zeros(patches.count)))  # of a patch without a node above: its width
+    first, last = above[first[some]], above[last[some]]
+    off[0, some] = first - begin[some] + error / inside[first]
+    off[1, some] = behind[some] - 1 - last + error / inside[last]
+    return np.asarray(off.ravel())
 
 
 def with_errors(
     scene: Scene,
     observables: Observables,
     levels: Sequence[Level],
-    free_residual: float,
+    certificate: Certificate,
     patches: Patches,
     pressure: Array64,
 ) -> Observables:
     """Observables on the scene's grid with the estimated errors: what the grid leaves, and an unfinished iteration.
 
-    levels: the coarser grids, from coarse to fine; free_residual: over p; patches, pressure: of the contact, see
-    `left_at_ends`.
+    levels: the coarser grids, from coarse to fine; patches, pressure: of the contact, see `left_at_ends`.
     """
     errors: dict[str, Any] = {}
     area = observables.contact_area_subgrid
-    share = iteration_share(free_residual, area, rounded=scene.precision == "float32")
-    at_ends = left_at_ends(free_residual, patches, pressure)
+    residual = certificate.free_residual
+    share = iteration_share(residual, area, rounded=scene.precision == "float32")
+    at_ends = left_at_ends(residual, patches, pressure, certificate.largest_residual)
     for quantity in QUANTITIES.values():
         value = abs(getattr(observables, quantity.value))
         left = share + at_ends / area if quantity.of_area and area else share
