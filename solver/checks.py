@@ -8,6 +8,10 @@ from numbers import Real
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from .arrays import Array64
+
 _MOST_NAMED = 3  # of the members that are missing
 
 BELOW_ZERO = -math.ulp(0.0)
@@ -46,6 +50,18 @@ def integer(name: str, value: object, allowed: str, low: int, high: int, multipl
     if not good:
         raise ValueError(f"{name} is {value!r}; allowed: {allowed}")
     return number
+
+
+def array(value: object) -> Array64 | None:
+    """A copy of `value` in float64 if it is an array of real numbers of any shape, else None: masked values, complex
+    numbers, texts and truth values are none.
+    """
+    try:
+        given = np.asarray(value)
+        known = given.dtype.kind in "fiuO" and not np.ma.is_masked(value)
+        return np.array(given, dtype=np.float64) if known else None
+    except (TypeError, ValueError):
+        return None
 
 
 def choice(name: str, value: object, allowed: tuple[str, ...]) -> str:

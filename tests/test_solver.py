@@ -318,6 +318,7 @@ def test_scaling_is_exact(length, pressure, d, precision):
         (lambda: solve(hertz(), backend="cuda"), "backend"),
         (lambda: solve(hertz(), initial=np.zeros(3)), "initial has shape"),
         (lambda: solve(hertz(), initial=np.full(2**10, np.nan)), "initial"),
+        (lambda: solve(hertz(), initial=np.full(2**10, 1j)), "initial"),
     ],
 )
 def test_bad_input_is_named(make, named):

@@ -39,12 +39,9 @@ class MeasuredIndenter(Indenter):
 
     def __post_init__(self) -> None:
         allowed = "allowed: at least 4 finite real numbers, not all equal"
-        try:
-            if np.ma.is_masked(self.heights):
-                raise ValueError("masked")
-            heights = np.array(self.heights, dtype=np.float64)
-        except (TypeError, ValueError):
-            raise ValueError(f"heights are masked or not an array of numbers; {allowed}") from None
+        heights = checks.array(self.heights)
+        if heights is None:
+            raise ValueError(f"heights are masked or not an array of real numbers; {allowed}")
         if heights.ndim != 1 or heights.size < 4:
             raise ValueError(f"heights have shape {heights.shape}; {allowed}")
         bad = np.flatnonzero(~np.isfinite(heights))

@@ -178,10 +178,9 @@ class TabulatedLayer(ElasticLayer):
 
 def _column(name: str, values: Any) -> Array64:
     allowed = f"{_FEWEST} or more finite numbers > 0"
-    try:
-        column = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise ValueError(f"{name} are {str(values)[:40]!r}; allowed: {allowed}") from None
+    column = checks.array(values)
+    if column is None:
+        raise ValueError(f"{name} are {str(values)[:40]!r}; allowed: {allowed}")
     if column.ndim != 1 or column.size < _FEWEST:
         raise ValueError(f"{name} have shape {column.shape}; allowed: {allowed}")
     bad = np.flatnonzero(~((column > 0) & np.isfinite(column)))

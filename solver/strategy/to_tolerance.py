@@ -104,11 +104,7 @@ def _displacement(initial: Array64, scene: Scene, problem: Problem) -> Array64:
 
 def _check_initial(initial: Array64, num_points: int) -> Array64:
     allowed = f"allowed: an array of {num_points} finite real numbers"
-    try:
-        array = np.asarray(initial)
-        real = array.astype(np.float64) if array.dtype.kind in "fiu" else None
-    except (TypeError, ValueError):
-        real = None
+    real = checks.array(initial)
     if real is None or real.shape != (num_points,):
         raise ValueError(f"initial has shape {np.shape(initial)}; {allowed}")
     if not np.isfinite(real).all():
