@@ -211,4 +211,4 @@ class _Certification:
                 where = f"{scene.num_points}, where {leaves} a residual of {residual:.2g}"
                 return Reason(Cause.ROUNDING, "num_points", where, f"fewer{other}")
         what = f"{self.effort.kind.name} in precision {scene.precision}, which does not settle here"
-        return Reason(Cause.METHOD, "method", what, f"another{looser}")
+        return Reason(Cause.METHOD, "method", what, f"another{other}{looser}")
