@@ -4,6 +4,7 @@ import inspect
 import math
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from decimal import Decimal
 from numbers import Real
 from pathlib import Path
 from typing import Any
@@ -58,10 +59,14 @@ def array(value: object) -> Array64 | None:
     """
     try:
         given = np.asarray(value)
-        known = given.dtype.kind in "fiuO" and not np.ma.is_masked(value)
-        return np.array(given, dtype=np.float64) if known else None
-    except (TypeError, ValueError):
+        known = given.dtype.kind in "fiu" or (given.dtype.kind == "O" and all(map(_is_real, given.flat)))
+        return np.array(given, dtype=np.float64) if known and not np.ma.is_masked(value) else None
+    except (TypeError, ValueError, OverflowError):
         return None
+
+
+def _is_real(value: object) -> bool:
+    return isinstance(value, (Real, Decimal)) and not isinstance(value, bool)
 
 
 def choice(name: str, value: object, allowed: tuple[str, ...]) -> str:

@@ -119,20 +119,24 @@ def test_pressures_that_hardly_tell_where_a_contact_ends(thickness, exponent, pr
     assert off < found.contact_area_error < 50 * off + 2 * exact.contact_area_error
 
 
-@pytest.mark.parametrize("tolerance", [1e-3, 1e-5])
 @pytest.mark.parametrize(
-    ("thickness", "poisson_ratio", "exponent", "pressure"),
-    [(1e-3, 0.49, 3, 0.3), (1e-3, 0.3, 3, 0.3), (0.01, 0, 5, 0.03)],
+    ("thickness", "exponent", "pressure", "num_points", "tolerance"),
+    [
+        (1e-3, 3, 0.3, 2**15, 1e-5),
+        (1e-3, 5, 0.03, 2**15, 1e-3),
+        (1e-3, 3, 0.03, 2**15, 1e-3),
+        (0.01, 3, 0.3, 2**12, 1e-4),
+    ],
 )
-def test_a_residual_that_is_left_near_the_ends(thickness, poisson_ratio, exponent, pressure, tolerance):
-    """Below blunt profiles on thin layers: a hundred times the rms (found by a stress test: off by up to 4 times the
-    estimated error)."""
-    scene = Scene(Layer(thickness, poisson_ratio), PowerIndenter(exponent), pressure, num_points=2**15)
-    solution = solve(scene, tolerance=tolerance)
+def test_a_residual_that_is_left_near_the_ends(thickness, exponent, pressure, num_points, tolerance):
+    """Below blunt profiles on thin layers: on fine grids a hundred times the rms (found by a stress test: off by up to
+    4 times the estimated error)."""
+    scene = Scene(Layer(thickness, 0.49), PowerIndenter(exponent), pressure, num_points=num_points)
+    solution, exact = solve(scene, tolerance=tolerance), solve(scene, tolerance=1e-11).observables
     assert solution.certificate.largest_residual > 10 * solution.certificate.free_residual
-    found, exact = solution.observables, solve(scene, tolerance=1e-11).observables
+    found = solution.observables
     off = abs(found.contact_area_subgrid - exact.contact_area_subgrid)
-    assert off < found.contact_area_error
+    assert off < found.contact_area_error < 10 * off
     assert abs(found.kappa_subgrid - exact.kappa_subgrid) < found.kappa_error
 
 
@@ -149,9 +153,18 @@ def test_a_residual_leaves_little_at_the_ends_of_a_half_space():
     assert left_at_ends(3.0, one, pressure, 3.0) == 4 / 8
     assert left_at_ends(0.5, one, pressure, 0.5) == pytest.approx((2 + 2 * 5 / 7) / 8)
     assert left_at_ends(1 / 20, one, pressure, 1 / 20) == pytest.approx(2 * 0.5 / 8)
-    # at single ends, in squares; and all of the residual at one of the four free nodes
+    # at single ends, in squares
     assert left_at_ends(1 / 200, one, pressure, 1 / 5) == pytest.approx(math.hypot(0.8, 0.8) / 8)
-    assert left_at_ends(1 / 8, one, pressure) == left_at_ends(1 / 8, one, pressure, 1 / 4)
+    # two patches, one of them over the end of the period, the other one below the error
+    two = Patches.of(np.array([1, 1, 0, 1, 0, 0, 1, 1], dtype=bool))
+    pressure = np.array([5, 1, 0, 0.1, 0, 0, 1, 5.0])
+    assert left_at_ends(0.0, two, pressure, 0.25 / pressure.mean()) == pytest.approx(math.hypot(1, 0.5, 0.5) / 8)
+    # all of the residual at one of a hundred free nodes
+    wide = Patches.of(np.isin(np.arange(104), [50, 51, 52, 53]))
+    pressure = np.where(np.isin(np.arange(104), [50, 51, 52, 53]), 26.0, 0.0)
+    assert left_at_ends(0.1, wide, pressure) == left_at_ends(0.1, wide, pressure, 1.0)
+    assert left_at_ends(0.1, wide, pressure) == pytest.approx(math.hypot(2, 2) / 26 / 104)
+    assert left_at_ends(0.1, wide, pressure, 0.1) == pytest.approx(2 * 0.5 / 26 / 104)
 
 
 @pytest.mark.parametrize(

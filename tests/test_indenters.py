@@ -2,6 +2,8 @@
 
 import dataclasses
 import math
+from decimal import Decimal
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -81,6 +83,9 @@ def test_unresolved_waves_name_the_three_ratios():
         (lambda: MeasuredIndenter(["1", "2", "3", "4"]), "not an array of real numbers"),
         (lambda: MeasuredIndenter(1j * np.arange(16)), "not an array of real numbers"),
         (lambda: MeasuredIndenter(np.arange(4) > 1), "not an array of real numbers"),
+        (lambda: MeasuredIndenter(np.array(["1", "2", "3", "4"], dtype=object)), "not an array of real numbers"),
+        (lambda: MeasuredIndenter(np.array([1, 2, 3, 4j], dtype=object)), "not an array of real numbers"),
+        (lambda: MeasuredIndenter([10**400, 1, 2, 3]), "not an array of real numbers"),
         (lambda: MeasuredIndenter(np.ma.masked_equal(np.arange(16.0), 3)), "heights are masked"),
         (lambda: Scene(indenter=MeasuredIndenter(np.arange(64.0)), num_points=128), "num_points is 128; allowed: 64"),
     ],
@@ -88,6 +93,12 @@ def test_unresolved_waves_name_the_three_ratios():
 def test_bad_input_is_named(make, named):
     with pytest.raises(ValueError, match=named):
         make()
+
+
+def test_heights_may_be_any_real_numbers():
+    expected = MeasuredIndenter([0.0, 1.0, 0.5, 2.0]).heights
+    for kind in (Fraction, Decimal, np.float32):
+        np.testing.assert_array_equal(MeasuredIndenter([kind(h) for h in ("0", "1", "0.5", "2")]).heights, expected)
 
 
 def test_measured_heights_are_taken_as_they_are():

@@ -86,10 +86,15 @@ def test_mixed_reaches_what_float32_cannot():
 
 
 @pytest.mark.parametrize(
-    ("exponent", "thickness", "pressure", "num_points"),
-    [(4, 0.001, 0.057, 2**14), (8, 0.001, 0.027, 2**14), (8, 0.01, 0.0079, 2**12), (3, 0.001, 0.0006, 2**14)],
+    ("exponent", "thickness", "pressure", "num_points", "most"),
+    [
+        (4, 0.001, 0.057, 2**14, 4e-5),
+        (8, 0.001, 0.027, 2**14, 3e-4),
+        (8, 0.01, 0.0079, 2**12, 3e-3),
+        (3, 0.001, 0.0006, 2**14, 2e-4),
+    ],
 )
-def test_rounding_to_float32_is_in_the_estimated_errors(exponent, thickness, pressure, num_points):
+def test_rounding_to_float32_is_in_the_estimated_errors(exponent, thickness, pressure, num_points, most):
     scene = Scene(Layer(thickness, 0.3), PowerIndenter(exponent), pressure, num_points=num_points)
     single, double = (
         solve(replace(scene, precision=precision, num_points=points)).observables
@@ -97,7 +102,7 @@ def test_rounding_to_float32_is_in_the_estimated_errors(exponent, thickness, pre
     )
     assert abs(single.contact_area_subgrid - double.contact_area_subgrid) < single.contact_area_error
     assert abs(single.kappa_subgrid - double.kappa_subgrid) < single.kappa_error
-    assert single.kappa_error < 3e-3 * single.kappa_subgrid
+    assert single.kappa_error < most * single.kappa_subgrid
 
 
 def test_what_float32_does_not_settle_says_which_precision_may():

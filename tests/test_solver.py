@@ -181,6 +181,8 @@ def test_certificate_sees_a_spoilt_solution():
     u = solve(scene, tolerance=1e-12).displacement / problem.length_unit
     good, pressure, contact = certify(problem, u)
     assert good.free_residual < 2e-12
+    with np.errstate(invalid="ignore"):
+        assert math.isnan(certify(problem, np.full_like(u, np.nan))[0].largest_residual)
     rng = np.random.default_rng(0)
     for kind in (0, 0, 1, 1, 1):
         moved = rng.random(u.size) < (0.3 if kind else 1.0)  # all free nodes, or some of any kind, off the wall too
@@ -197,6 +199,8 @@ def test_certificate_sees_a_spoilt_solution():
         true = energy(spoilt) - energy(u)
         assert 0 < true <= bad.energy_error_bound * elastic_energy
         assert bad.free_residual > 1e-4
+        force = problem.net_force(spoilt)
+        assert bad.largest_residual == pytest.approx(np.abs(force[(spoilt < problem.height) | (force <= 0)]).max())
     deep, _, _ = certify(problem, u + 0.1)
     assert deep.penetration > 0
     assert certify(problem, u - 1.0)[0].energy_error_bound == math.inf
@@ -318,7 +322,8 @@ def test_scaling_is_exact(length, pressure, d, precision):
         (lambda: solve(hertz(), backend="cuda"), "backend"),
         (lambda: solve(hertz(), initial=np.zeros(3)), "initial has shape"),
         (lambda: solve(hertz(), initial=np.full(2**10, np.nan)), "initial"),
-        (lambda: solve(hertz(), initial=np.full(2**10, 1j)), "initial"),
+        (lambda: solve(hertz(), initial=np.full(2**10, 1j)), "initial is masked or not an array of real numbers"),
+        (lambda: solve(hertz(), initial=[[1.0, 2.0], [3.0]]), "initial is masked or not an array of real numbers"),
     ],
 )
 def test_bad_input_is_named(make, named):

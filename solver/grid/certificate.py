@@ -35,7 +35,8 @@ class Certificate:
     free_residual: float
     """Rms net force on the free nodes over the mean pressure."""
     largest_residual: float
-    """Largest net force on a free node over the mean pressure: what the iteration has left is often near a few ends."""
+    """Largest net force on a free node over the mean pressure; what an iteration leaves is often near the ends of a few
+    patches."""
     tensile_violation: float
     """Largest tensile force between the wall and a node that touches it, over the mean pressure."""
     penetration: float
@@ -81,7 +82,7 @@ def certify(problem: Problem, displacement: Array64) -> tuple[Certificate, Array
             penetration = max(penetration, -float(gap.min()))
             variance += float(away @ away) / n
             net = np.abs(force)
-            largest = max(largest, float(net.max()))
+            largest = float(np.maximum(largest, net.max()))
             apart += float(net @ np.abs(gap, out=gap))
             squares += float(force @ force)
             free, load = free + float(force.sum()), load + float(held.sum())

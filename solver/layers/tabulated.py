@@ -177,7 +177,7 @@ class TabulatedLayer(ElasticLayer):
 
 
 def _column(name: str, values: Any) -> Array64:
-    allowed = f"{_FEWEST} or more finite numbers > 0"
+    allowed = f"{_FEWEST} or more finite real numbers > 0"
     column = checks.array(values)
     if column is None:
         raise ValueError(f"{name} are {str(values)[:40]!r}; allowed: {allowed}")

@@ -267,9 +267,10 @@ def _finish(
     even = state.even
     task.chose("symmetry", "even" if even else "none", f"h_i {'=' if even else '!='} h_(N-1-i) on this grid")
     area = reached.level.contact_area_subgrid
-    share = iteration_share(tolerance, area)
+    left, largest = certified.certificate.free_residual, certified.certificate.largest_residual
+    share = iteration_share(left, area)
     if area and task.quantity.of_area:
-        share += left_at_ends(tolerance, reached.contact[0], reached.pressure) / area
+        share += left_at_ends(left, reached.contact[0], reached.pressure, largest) / area
     share *= task.sensitivity
     task.chose("tolerance", f"{tolerance:g}", "small beside the accuracy", share)
     solution = make_solution(scene, problem, certified, levels, effort)

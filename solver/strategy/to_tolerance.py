@@ -105,8 +105,10 @@ def _displacement(initial: Array64, scene: Scene, problem: Problem) -> Array64:
 def _check_initial(initial: Array64, num_points: int) -> Array64:
     allowed = f"allowed: an array of {num_points} finite real numbers"
     real = checks.array(initial)
-    if real is None or real.shape != (num_points,):
-        raise ValueError(f"initial has shape {np.shape(initial)}; {allowed}")
+    if real is None:
+        raise ValueError(f"initial is masked or not an array of real numbers; {allowed}")
+    if real.shape != (num_points,):
+        raise ValueError(f"initial has shape {real.shape}; {allowed}")
     if not np.isfinite(real).all():
         raise ValueError(f"initial holds a value that is not finite; {allowed}")
     return real

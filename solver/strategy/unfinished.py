@@ -47,8 +47,8 @@ def left_at_ends(free_residual: float, patches: Patches, pressure: Array64, larg
     parabola, and below blunt profiles. The part that all ends have in common follows from the rms residual; what is
     left near single ends, which may be a hundred times as much, differs from end to end and adds up in squares.
 
-    free_residual, largest: rms and largest force on the free nodes, over the mean pressure; without a largest one, what
-    it is at most; pressure: of all nodes, shape (N,) [any unit].
+    free_residual, largest: rms and largest force on the free nodes, over the mean pressure; None where the largest one
+    is not known, and then all of the residual may be at one node; pressure: of all nodes, shape (N,) [any unit].
     """
     if not patches.count or patches.full or not math.isfinite(free_residual):
         return 0.0
@@ -61,7 +61,7 @@ def left_at_ends(free_residual: float, patches: Patches, pressure: Array64, larg
 
 
 def _off_at_ends(error: float, patches: Patches, pressure: Array64) -> Array64:
-    """How far off the ends of patches are where the pressures of their nodes are off by `error`, shape (2 patches,)
+    """How far off the ends of patches are where the pressures of their nodes are off by `error`, shape (2, patches)
     [grid spacings].
     """
     inside = pressure[patches.nodes]
@@ -69,11 +69,12 @@ def _off_at_ends(error: float, patches: Patches, pressure: Array64) -> Array64:
     behind = begin + patches.size
     first, last = np.searchsorted(above, begin), np.searchsorted(above, behind) - 1
     some = first <= last
-    off = np.stack((patches.size, np.zeros(patches.count)))  # of a patch without a node above: its width
+    off = np.zeros((2, patches.count))
+    off[0] = patches.size  # right for patches without a node above
     first, last = above[first[some]], above[last[some]]
     off[0, some] = first - begin[some] + error / inside[first]
     off[1, some] = behind[some] - 1 - last + error / inside[last]
-    return np.asarray(off.ravel())
+    return off
 
 
 def with_errors(
