@@ -70,7 +70,7 @@ def _off_at_ends(error: float, patches: Patches, pressure: Array64) -> Array64:
     first, last = np.searchsorted(above, begin), np.searchsorted(above, behind) - 1
     some = first <= last
     off = np.zeros((2, patches.count))
-    off[0] = patches.size  # right for patches without a node above
+    off[0] = patches.size  # without a node above, all of the patch
     first, last = above[first[some]], above[last[some]]
     off[0, some] = first - begin[some] + error / inside[first]
     off[1, some] = behind[some] - 1 - last + error / inside[last]
