@@ -87,7 +87,7 @@ def test_a_warning_is_printed_with_the_solution():
 def test_the_unit_of_a_scan_stands_at_its_lengths():
     heights = np.cos(np.arange(64) / 64 * 2 * np.pi) / 100
     about = {"profile_file": "<script>alert('x')</script> & more", "profile_length_unit": "um"}
-    scene = Scene(Layer(0.5), MeasuredIndenter(heights, description=about), 1e-4, num_points=64)
+    scene = Scene(Layer(0.5), MeasuredIndenter(heights, description=about, convention="gap"), 1e-4, num_points=64)
     assert "period 1 [um]" in repr(scene)
     assert "thickness 0.5 [um]" in repr(scene)
     assert "[length]" not in repr(scene)

@@ -77,12 +77,14 @@ def patches_of_a_few_nodes():
     for width in np.linspace(0.5, 4, 15):
         pressure = math.pi * (width / coarse / 2) ** 2 / 4
         exact = solve(
-            Scene(indenter=MeasuredIndenter(parabola(fine, 0)), pressure=pressure, num_points=fine)
+            Scene(indenter=MeasuredIndenter(parabola(fine, 0), convention="gap"), pressure=pressure, num_points=fine)
         ).observables
         for beside in np.linspace(0, 0.5, 5):
             h = parabola(coarse, beside)
             if exact.approach > h.min():
-                scene = Scene(indenter=MeasuredIndenter(h), approach=exact.approach - h.min(), num_points=coarse)
+                scene = Scene(
+                    indenter=MeasuredIndenter(h, convention="gap"), approach=exact.approach - h.min(), num_points=coarse
+                )
                 found = solve(scene)
                 nodes = int(found.contact.sum())
                 forces[nodes].append(100 * (found.scene.pressure / pressure - 1))
@@ -116,7 +118,7 @@ def limits_of_precision():
 
 def stiffness_under_a_sine_wave():
     x = np.arange(2**14) / 2**14
-    sine = MeasuredIndenter(0.01 * (1 - np.cos(2 * np.pi * x)))
+    sine = MeasuredIndenter(0.01 * (1 - np.cos(2 * np.pi * x)), convention="gap")
     worst = 0.0
     for area in (0.1, 0.3, 0.6, 0.8):
         pressure = math.pi * 0.01 * math.sin(math.pi * area / 2) ** 2

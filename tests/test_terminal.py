@@ -108,7 +108,7 @@ def test_what_is_not_known_is_said():
     assert printed(solution_table(single), 200).count("not known") == 2  # approach and peak pressure
     assert "by counting nodes: a_r" in rows(single)
     heights = np.cos(np.arange(64) / 64 * 2 * np.pi)
-    scan = MeasuredIndenter(heights, description={"profile_length_unit": "um"})
+    scan = MeasuredIndenter(heights, description={"profile_length_unit": "um"}, convention="gap")
     assert rows(solve(Scene(Layer(), scan, 0.1, num_points=64)))["contact width a_r L"][1] == "um"
 
 

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
 
@@ -23,6 +23,8 @@ _SMOOTHER = 4  # times longer without its kinks: from then on a profile counts a
 class MeasuredIndenter(Indenter):
     """Heights given point by point, one for each grid point of the scene, periodic as they stand.
 
+    convention, which must be named: "heights" of a surface, whose peaks touch first, as a scan has them; or "gap", the
+    distance h of the indenter from the layer at first touch, whose lowest points touch first. It is kept as the gap.
     Coarser grids take the Fourier modes that they hold. Slopes are differences, see `Indenter`. Raises `ValueError`.
     """
 
@@ -34,6 +36,8 @@ class MeasuredIndenter(Indenter):
     """What is known of their origin, flat and JSON-ready; it travels with every result."""
     given_period: float | None = None
     """The period that they belong to [length], and no other; None: any."""
+    convention: Literal["heights", "gap"] = field(kw_only=True)
+    """Whether `heights` grow towards the peaks, as given: once made, they are always the "gap"."""
 
     name: ClassVar[str] = "file"
 
@@ -47,7 +51,8 @@ class MeasuredIndenter(Indenter):
         bad = np.flatnonzero(~np.isfinite(heights))
         if bad.size:
             raise ValueError(f"heights[{bad[0]}] is {heights[bad[0]]}; {allowed}")
-        heights -= heights.min()
+        checks.choice("convention", self.convention, ("heights", "gap"))
+        heights = heights.max() - heights if self.convention == "heights" else heights - heights.min()
         if not 0 < heights.max() < math.inf:
             raise ValueError(f"heights are constant or too far apart; {allowed}")
         if self.measured_points is not None:
@@ -56,7 +61,7 @@ class MeasuredIndenter(Indenter):
             allowed = "a finite length > 0, or None"
             checks.assign(self, given_period=checks.real("given_period", self.given_period, allowed, 0))
         heights.flags.writeable = False
-        checks.assign(self, heights=heights)
+        checks.assign(self, heights=heights, convention="gap")
 
     def __repr__(self) -> str:
         height = display.row("profile", float(self.heights.max()), length_unit(self.description))

@@ -9,6 +9,7 @@ import contextlib
 import json
 import math
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Callable
@@ -27,6 +28,8 @@ SECONDS = 6
 """Of processor time, and one more for each 64 MiB of the file; three times that by the clock."""
 
 _FILTERS = {1: "gzip", 2: "shuffle", 3: "fletcher32", 4: "szip", 5: "nbit", 6: "scaleoffset", 32000: "lzf"}
+_PACKED = ("scale_factor", "add_offset", "_FillValue", "missing_value", "valid_min", "valid_max", "valid_range")
+_PACKING = re.compile(r"(?!DIMENSION_).*(?:scale|factor|gain|offset|calibration|multiplier)", re.I)
 _DEPTH = 3  # of groups in a result: lines/name/column
 _LEAST = 2**26  # bytes of a result that are allowed in any case
 _TEXT = 2**20  # bytes of an attribute
@@ -113,7 +116,28 @@ def _dataset(path: str, most: str, name: str | None = None) -> Columns:
         _check_storage(data, f"profile_dataset is {name!r}", 16 * int(most))
         unit = np.ravel(data.attrs.get("unit", data.attrs.get("units", "")))
         words = [one.decode(errors="replace") if isinstance(one, bytes) else str(one) for one in unit]
-        return Columns(data[()], " ".join(words)[:100])
+        return Columns(_unpacked(data[()], data.attrs, f"profile_dataset is {name!r}"), " ".join(words)[:100])
+
+
+def _unpacked(values: NDArray[Any], attributes: "h5py.AttributeManager", what: str) -> NDArray[Any]:
+    """Values times `scale_factor` plus `add_offset`, NaN where missing: the attributes of the CF conventions, 8.1."""
+    given = dict[str, NDArray[np.float64]]()
+    for name in attributes:
+        if name in _PACKED:
+            number = np.ravel(attributes[name])
+            if number.dtype.kind not in "fiu" or (name in ("scale_factor", "add_offset") and number.size != 1):
+                raise RefusedError(f"{what}, whose attribute {name} is no number")
+            given[name] = number.astype(np.float64)
+        elif _PACKING.match(name):
+            raise RefusedError(f"{what}, whose attribute {name!r} may change it; allowed: {', '.join(_PACKED)}")
+    if not given:
+        return values
+    found = values.astype(np.float64)
+    low, high = given.get("valid_range", np.array([-np.inf, np.inf]))
+    wrong = np.isin(found, [*given.get("_FillValue", ()), *given.get("missing_value", ())])
+    wrong |= (found < given.get("valid_min", low)) | (found > given.get("valid_max", high))
+    found[wrong] = np.nan
+    return found * given.get("scale_factor", 1.0) + given.get("add_offset", 0.0)
 
 
 def _check_storage(data: "h5py.Dataset", what: str, most: int) -> None:

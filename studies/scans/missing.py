@@ -1,0 +1,94 @@
+"""Heights that are missing, stand for missing ones, or stick out like dust: found, and filled or left out."""
+
+from typing import Literal
+
+import numpy as np
+from linecontact.solver.arrays import Array64, Indices
+
+Missing = Literal["interpolate", "drop", "refuse"]
+
+LONGEST_GAP = 0.05
+"""Share of a scan that may be without values in one place."""
+DOUBTED = 0.01
+"""Share of a scan that may be filled without a warning."""
+
+_ISOLATED = 0.5  # ranges of all other values, between them and a number that stands for missing ones
+_OFTEN, _SUDDEN = 3, 3.0  # times that such a number stands nearer, behind steps so many times the usual
+_RARE = 0.99  # quantile that is called usual
+_SPIKE = 3  # values in the width of a spike
+_HIGH, _UNLIKE = 4.0, 2.5  # rms heights, and times the usual height above valleys on both sides
+_STEP, _FEW = 10.0, 3  # times the usual step, for up to so many that stand alone
+
+
+def marked(z: Array64, numbers: str) -> Array64:
+    """Heights with NaN for the numbers that the user says are none, like "-9999,-32768". Raises `ValueError`."""
+    for word in numbers.split(","):
+        try:
+            found = np.isclose(z, float(word), rtol=1e-9, atol=0.0)
+        except ValueError:
+            found = np.zeros(z.size, dtype=np.bool_)
+        if not found.any():
+            raise ValueError(f"invalid is {numbers!r}; allowed: numbers among the heights, like -9999 or -9999,-1")
+        z = np.where(found, np.nan, z)
+    return z
+
+
+def filled(x: Array64 | None, z: Array64, how: Missing) -> tuple[Array64 | None, Array64, str]:
+    """Positions and heights without missing ones, and what was done, in words.
+
+    Raises `ValueError` for a gap that is too long to be filled.
+    """
+    gone = np.isnan(z) if x is None else np.isnan(z) | np.isnan(x)
+    there = np.flatnonzero(~gone)
+    if there.size == z.size:
+        return x, z, ""
+    told = f"{z.size - there.size} of {z.size} values were missing and"
+    if how == "drop" or (x is not None and np.isnan(x).any()):
+        return None if x is None else x[there], z[there], f"{told} left out"
+    longest = int(np.diff(there, prepend=-1, append=z.size).max()) - 1
+    if longest > LONGEST_GAP * z.size:
+        raise ValueError(f"{longest} of {z.size} values are missing in one place; allowed: up to {LONGEST_GAP:.0%}")
+    return x, np.interp(np.arange(z.size), there, z[there]), f"{told} filled by straight lines"
+
+
+def doubtful(z: Array64) -> list[tuple[Indices, str]]:
+    """Indices of heights, shape (number of values,) [any unit], that may be none, each with the reason in words."""
+    found, there = list[tuple[Indices, str]](), np.arange(z.size)
+    while there.size and (number := _sentinel(z[there])) is not None:
+        found.append((there[z[there] == number], "may stand for missing values (invalid)"))
+        there = there[z[there] != number]
+    found.append((there[spikes(z[there])], "stand out like dust (despike)"))
+    steps = np.abs(np.diff(z[there]))
+    jumps = np.flatnonzero(steps > max(_STEP * _usual(steps), float(z[there].std())))
+    found.append((there[1:][jumps[: jumps.size * (jumps.size <= _FEW)]], "begin behind a step that stands alone"))
+    return [(rows, reason) for rows, reason in found if rows.size]
+
+
+def spikes(z: Array64) -> Indices:
+    """Indices of values that stand out upwards by themselves: they would carry the load alone."""
+    windows = np.lib.stride_tricks.sliding_window_view
+    i = np.arange(z.size)
+    rms = float((z - np.polynomial.Polynomial.fit(i, z, 1)(i)).std())
+    lowest = windows(np.pad(z, _SPIKE, mode="edge"), _SPIKE + 1).min(axis=1)
+    above = z - windows(lowest, _SPIKE + 1).max(axis=1)
+    return np.flatnonzero(above > max(_HIGH * rms, _UNLIKE * _usual(above)))
+
+
+def _usual(sizes: Array64) -> float:
+    return float(np.quantile(sizes, _RARE)) if sizes.size else 0.0
+
+
+def _sentinel(z: Array64) -> float | None:
+    """The lowest or highest height if it is isolated from all others; None if neither is."""
+    for number in (float(z.min()), float(z.max())):
+        others = z[z != number]
+        if np.unique(others[:1000]).size < 3:
+            continue  # a grating
+        changes, steps = np.diff((z == number).astype(int)) != 0, np.abs(np.diff(z))
+        usual = _usual(np.abs(np.diff(z))[(z[1:] != number) & (z[:-1] != number)])
+        away = float(np.abs(others - number).min())
+        sudden = changes.any() and float(np.median(steps[changes])) > _SUDDEN * usual
+        often = z.size - others.size >= _OFTEN
+        if sudden and away > (usual if often else _ISOLATED * float(np.ptp(others))):
+            return number
+    return None
