@@ -23,7 +23,7 @@ _TIMES = 5  # that the spacing is made better
 _UNEVEN = 0.05  # relative difference of a step from the mean, from which there is a warning
 _GAP = 1.8  # spacings from which values are missing
 _JUMP = 2.0  # from the last value to the first, over the largest step between neighbours
-_FORM = 3.0  # rms heights of the rest, above which a bow is doubted
+_FORM = 5.0  # rms heights of the rest, above which a bow is doubted
 _ROOM = 0.25  # of the second difference, that waves may pass the values on both sides: twice a parabola's
 _BETWEEN = 0.25  # rms heights that waves may pass them without a doubt
 _EXACT = 1e-9  # of the height, in Fourier modes
@@ -67,7 +67,7 @@ class Profile:
             if how is None and np.ptp(bow) > _FORM * rest.std() > 0:
                 self.doubts.append(
                     f"a bow of {float(np.ptp(bow) / rest.std()):.3g} times the rms height of the rest was kept and may "
-                    "carry the load; detrend curvature removes it, linear says that it is meant"
+                    "carry the load: detrend curvature removes it, linear says that it is meant"
                 )
             self.z = self.z - np.polynomial.legendre.legval(i, fitted[: degree + 1])
 
