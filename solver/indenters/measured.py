@@ -1,7 +1,7 @@
 """A profile that is given point by point, for instance a measured scan."""
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import InitVar, dataclass, field, replace
 from functools import cached_property
 from typing import Any, ClassVar, Literal, Self
 
@@ -36,12 +36,12 @@ class MeasuredIndenter(Indenter):
     """What is known of their origin, flat and JSON-ready; it travels with every result."""
     given_period: float | None = None
     """The period that they belong to [length], and no other; None: any."""
-    convention: Literal["heights", "gap"] = field(kw_only=True)
-    """Whether `heights` grow towards the peaks, as given: once made, they are always the "gap"."""
+    convention: InitVar[Literal["heights", "gap"]] = field(kw_only=True)
+    """Whether `heights` are given as those of a surface; `replace` must name it, too."""
 
     name: ClassVar[str] = "file"
 
-    def __post_init__(self) -> None:
+    def __post_init__(self, convention: str) -> None:
         allowed = "allowed: at least 4 finite real numbers, not all equal"
         heights = checks.array(self.heights)
         if heights is None:
@@ -51,8 +51,8 @@ class MeasuredIndenter(Indenter):
         bad = np.flatnonzero(~np.isfinite(heights))
         if bad.size:
             raise ValueError(f"heights[{bad[0]}] is {heights[bad[0]]}; {allowed}")
-        checks.choice("convention", self.convention, ("heights", "gap"))
-        heights = heights.max() - heights if self.convention == "heights" else heights - heights.min()
+        checks.choice("convention", convention, ("heights", "gap"))
+        heights = heights.max() - heights if convention == "heights" else heights - heights.min()
         if not 0 < heights.max() < math.inf:
             raise ValueError(f"heights are constant or too far apart; {allowed}")
         if self.measured_points is not None:
@@ -61,7 +61,7 @@ class MeasuredIndenter(Indenter):
             allowed = "a finite length > 0, or None"
             checks.assign(self, given_period=checks.real("given_period", self.given_period, allowed, 0))
         heights.flags.writeable = False
-        checks.assign(self, heights=heights, convention="gap")
+        checks.assign(self, heights=heights)
 
     def __repr__(self) -> str:
         height = display.row("profile", float(self.heights.max()), length_unit(self.description))
@@ -142,11 +142,13 @@ class MeasuredIndenter(Indenter):
         if num_points == self.heights.size:
             return self
         measured = self.measured_points or self.heights.size
-        return replace(self, heights=self.profile(num_points, period) * period, measured_points=measured)
+        return replace(
+            self, heights=self.profile(num_points, period) * period, measured_points=measured, convention="gap"
+        )
 
     def in_units(self, length: float) -> Self:
         period = None if self.given_period is None else self.given_period * length
-        return replace(self, heights=self.heights * length, given_period=period)
+        return replace(self, heights=self.heights * length, given_period=period, convention="gap")
 
     def ratios(self, period: float) -> dict[str, float]:
         return {"largest height/period": float(self.heights.max()) / period}

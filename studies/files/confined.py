@@ -29,7 +29,7 @@ SECONDS = 6
 
 _FILTERS = {1: "gzip", 2: "shuffle", 3: "fletcher32", 4: "szip", 5: "nbit", 6: "scaleoffset", 32000: "lzf"}
 _PACKED = ("scale_factor", "add_offset", "_FillValue", "missing_value", "valid_min", "valid_max", "valid_range")
-_PACKING = re.compile(r"(?!DIMENSION_).*(?:scale|factor|gain|offset|calibration|multiplier)", re.I)
+_PACKING = re.compile(r"(?!DIMENSION_).*(?:scale|factor|gain|offset|calibration|multiplier|unsigned)", re.I)
 _DEPTH = 3  # of groups in a result: lines/name/column
 _LEAST = 2**26  # bytes of a result that are allowed in any case
 _TEXT = 2**20  # bytes of an attribute
@@ -50,6 +50,8 @@ class Columns(NamedTuple):
     """As the file has them."""
     unit: str
     """The file's own unit, empty if it names none."""
+    label: str = ""
+    """What the file calls them."""
 
 
 def read_dataset(path: Path, most: int, name: str | None) -> Columns:
@@ -89,7 +91,7 @@ def _run(what: str, path: Path, *more: str) -> Columns:
     if "broken" in answer:
         raise BrokenError(answer["broken"])
     values = np.frombuffer(done.stdout, answer["dtype"], offset=len(head))
-    return Columns(values.reshape(answer["shape"]), answer["unit"])
+    return Columns(values.reshape(answer["shape"]), answer["unit"], answer["label"])
 
 
 def _dataset(path: str, most: str, name: str | None = None) -> Columns:
@@ -114,9 +116,18 @@ def _dataset(path: str, most: str, name: str | None = None) -> Columns:
         if math.prod(data.shape) > int(most):
             raise RefusedError(f"profile_dataset is {name!r} of shape {data.shape}; allowed: up to {most} numbers")
         _check_storage(data, f"profile_dataset is {name!r}", 16 * int(most))
-        unit = np.ravel(data.attrs.get("unit", data.attrs.get("units", "")))
-        words = [one.decode(errors="replace") if isinstance(one, bytes) else str(one) for one in unit]
-        return Columns(_unpacked(data[()], data.attrs, f"profile_dataset is {name!r}"), " ".join(words)[:100])
+        label = [
+            str(name).rpartition("/")[2],
+            *(_text(data, key) for key in ("long_name", "standard_name", "positive")),
+        ]
+        unit = _text(data, "unit") or _text(data, "units")
+        return Columns(_unpacked(data[()], data.attrs, f"profile_dataset is {name!r}"), unit, " ".join(label).strip())
+
+
+def _text(data: "h5py.Dataset", name: str) -> str:
+    """An attribute as text, empty without it."""
+    found = np.ravel(data.attrs.get(name, ""))
+    return " ".join(one.decode(errors="replace") if isinstance(one, bytes) else str(one) for one in found)[:100]
 
 
 def _unpacked(values: NDArray[Any], attributes: "h5py.AttributeManager", what: str) -> NDArray[Any]:
@@ -125,8 +136,11 @@ def _unpacked(values: NDArray[Any], attributes: "h5py.AttributeManager", what: s
     for name in attributes:
         if name in _PACKED:
             number = np.ravel(attributes[name])
-            if number.dtype.kind not in "fiu" or (name in ("scale_factor", "add_offset") and number.size != 1):
-                raise RefusedError(f"{what}, whose attribute {name} is no number")
+            good = number.dtype.kind in "fiu" and (
+                name not in _PACKED[:2] or (number.size == 1 and np.isfinite(number[0]))
+            )
+            if not good or (name == "scale_factor" and number[0] == 0):
+                raise RefusedError(f"{what}, whose attribute {name} is {str(attributes[name])[:40]}; allowed: a number")
             given[name] = number.astype(np.float64)
         elif _PACKING.match(name):
             raise RefusedError(f"{what}, whose attribute {name!r} may change it; allowed: {', '.join(_PACKED)}")
@@ -227,8 +241,8 @@ def _main(what: str, seconds: str, *arguments: str) -> None:
     values = np.zeros(0)
     answer: dict[str, Any]
     try:
-        values, unit = tasks[what](*arguments)
-        answer = {"unit": unit, "dtype": values.dtype.str, "shape": values.shape}
+        values, unit, label = tasks[what](*arguments)
+        answer = {"unit": unit, "label": label, "dtype": values.dtype.str, "shape": values.shape}
     except RefusedError as error:
         answer = {"refused": str(error)}
     except Exception as error:  # libraries raise anything

@@ -4,7 +4,7 @@ import importlib.util
 import os
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -74,15 +74,15 @@ def load(path: Path, dataset: str | None, columns: str | None, decimal: Decimal 
         return _choose(path, _table(path, _mapped(path), f"array of {name}"), columns)
     try:
         if suffix in _HDF5:
-            values, unit = confined.read_dataset(path, MAX_VALUES, dataset)
-            table = _table(path, values, f"dataset {dataset or 'only one'} of {name}")
-            return _choose(path, table, columns, Label("the dataset", unit))
+            values, unit, said = confined.read_dataset(path, MAX_VALUES, dataset)
+            found = _choose(path, _table(path, values, f"dataset {dataset or 'only one'} of {name}"), columns)
+            return replace(found, labels=dict.fromkeys(found.axes, Label(said, unit)))
         if importlib.util.find_spec("SurfaceTopography") is None:
             known = f"{', '.join((*_TEXT, '.npy', *_HDF5))}, and with `pip install SurfaceTopography` the formats that"
             raise ValueError(f"profile_file is {path}; allowed: {known} SurfaceTopography reads")
         if columns is not None:
             raise ValueError(f"columns is {columns}; allowed: none, {path} is an instrument's format")
-        (x, z), unit = confined.read_scan(path, MAX_VALUES)
+        (x, z), unit, _ = confined.read_scan(path, MAX_VALUES)
     except confined.BrokenError as error:
         kind = "HDF5" if suffix in _HDF5 else "of a format that SurfaceTopography reads"
         raise ValueError(f"profile_file {path} is damaged or not {kind}: {error}; allowed: files that are") from None
@@ -117,12 +117,9 @@ def _table(path: Path, found: Any, origin: str) -> Table:
     return Table(values, origin, range(values.shape[1]))
 
 
-def _choose(path: Path, table: Table, columns: str | None, every: Label | None = None) -> Columns:
-    """The columns of x and z that are asked for, or that the file makes clear. Raises `ValueError` for any other.
-
-    every: the label of all columns, of a dataset.
-    """
-    labels = table.head.labels or [every or Label("")] * table.values.shape[1]
+def _choose(path: Path, table: Table, columns: str | None) -> Columns:
+    """The columns of x and z that are asked for, or that the file makes clear. Raises `ValueError` for any other."""
+    labels = table.head.labels or [Label("")] * table.values.shape[1]
     places = _places(path, table, labels) if columns is None else _asked(columns, table, labels)
     for place in places.values():
         if place in table.odd:
@@ -183,7 +180,7 @@ def units(path: Path, found: Columns, given: dict[str, str | None], unknown: str
         known = unit_of(label.bracket)
         if label.no_length:
             kind = f"the {_KINDS[axis]}, {label.text!r}, are no lengths for {label.no_length!r}"
-            raise ValueError(f"profile_file {path}: {kind}; allowed: lengths in {', '.join(UNITS)}")
+            raise ValueError(f"profile_file {path}: {kind}; allowed: a column of lengths")
         if own and (stated := known or label.bare) and own != stated:
             seen = f"{path} names {stated} ({label.text!r})"
             raise ValueError(f"{axis}_unit is {own}, but {seen}; allowed: {stated}, or none")
@@ -191,8 +188,8 @@ def units(path: Path, found: Columns, given: dict[str, str | None], unknown: str
             units[axis] = unit
     _check_rest(path, found, units)
     if missing := [axis for axis in found.axes if axis not in units]:
-        bare = [label.text for label in found.labels.values() if label.bare]
-        _, line = next(found.head.units(), ("", "".join(bare[:1])))
+        said = [label.text for label in found.labels.values() if label.bare or not label.bracket]
+        _, line, _ = next(found.head.units(), ("", ", ".join(said), ""))
         seen = f" (its line {line[:60]!r} is not understood: labels are like 'x [um]', parted as the rows are)"
         names, kinds = (" and ".join(of(axis) for axis in missing) for of in ("{}_unit".format, _KINDS.__getitem__))
         allowed = f"{', '.join(UNITS)}; or scene_units, if its numbers are in the scene's own unit"
@@ -208,8 +205,9 @@ def _check_rest(path: Path, found: Columns, units: dict[str, str]) -> None:
     reason = "which is no length; allowed: columns of lengths, labelled like 'x [um]', parted as the rows are"
     if not word and len(units) == len(found.axes):
         said, known = list(found.head.units()), list(units.values())
-        turned = len(said) > 1 and len(set(known)) > 1 and list(dict.fromkeys(unit for unit, _ in said)) == known[::-1]
-        word, line = next((one for one in said if turned or one[0] not in known), ("", ""))
+        turned = len(set(known)) > 1 and list(dict.fromkeys(unit for unit, *_ in said)) == known[::-1]
+        wrong = [one for one in said if turned or one[0] not in ([units[one[2]]] if one[2] in units else known)]
+        word, line, _ = wrong[0] if wrong else ("", "", "")
         reason = f"which contradicts {', '.join(f'{axis} in {unit}' for axis, unit in units.items())}; allowed: the "
         reason += "file's units, or a file without that line if it speaks of something else"
     if word:

@@ -22,7 +22,10 @@ _ROLES = {
     "z": r"z|h|heights?|profile?|raw|topography|elevation|vertical|level(?:l?ed)?|filtered|h\u00f6he|hoehe|hauteur",
     "x": r"x|lateral|positions?|pos|distance|dist|length|scan|horizontal|track|travel|weg|abstand",
 }
-_DEPTH = r"depth|tief|profond|invert|flipped|\bdown|\bgap\b|separation|clearance|positive into"
+_DEPTH = (
+    r"depth|tief|profond|profun|creux|penetrat|indentation|spalt|invert|flipped|\bdown|\bgap\b|separation|clearance"
+    r"|positive into|valleys? (?:are )?(?:positive|up)"
+)
 _DEEP = re.compile(_DEPTH, re.I)
 _DEEP_LABEL = re.compile(_DEPTH + r"|(?:^|\()\s*[-\u2013]\s*\w|\bz\s*-\s*$", re.I)
 """Heights under such words may grow into the valleys."""
@@ -89,14 +92,19 @@ class Header:
         """The first of the other lines that speaks of depths; empty without one."""
         return next(filter(_DEEP.search, self.rest), "")
 
-    def units(self) -> Iterator[tuple[str, str]]:
-        """Units of length in the other lines, each with its line; with labels only where a line speaks of units."""
+    def units(self) -> Iterator[tuple[str, str, str]]:
+        """Units of length in the other lines, each with its line and the role of its clause.
+
+        Where labels have units, only lines that speak of units count.
+        """
+        every = not any(label.bracket for label in self.labels)
         for line in self.rest:
             about = bool(_UNIT_LINE.search(line))
             bare = _QUANTITY.sub(lambda found: " " if unit_of(found[1] or found[2]) else found[0], line)
-            for found in re.finditer(rf"{_BRACKET}|([^\W\d_]+)", bare) if about or not self.labels else ():
-                if unit := unit_of(found[1] or found[2] or "", expected=found[2] is None or about):
-                    yield unit, line
+            for clause in re.split(r"[,;\t]|\band\b", bare) if about or every else ():
+                for found in re.finditer(rf"{_BRACKET}|([^\W\d_]+)", clause):
+                    if unit := unit_of(found[1] or found[2] or "", expected=found[2] is None or about):
+                        yield unit, line, Label(clause).role
 
     def no_length(self) -> tuple[str, str]:
         """Something near the rows that is no length, with its line, where there are no labels; else empty."""
@@ -127,13 +135,12 @@ def read(lines: Sequence[str], delimiter: str | None, count: int, least: int) ->
     kept = [line for line in (plain(line).strip(_COMMENT) for line in lines) if line]
     for i in range(len(kept) - 1, max(-1, len(kept) - 1 - _NEAR), -1):
         labels, above = (_labels(line, delimiter, count, least) for line in (kept[i], kept[i - 1] if i else ""))
-        if (
-            any(label.name for label in above)
-            and labels
-            and all(unit_of(under.bracket or under.name) for under in labels if under.text)
-        ):
+        under = [label.bracket or label.name for label in labels if label.text]
+        if any(label.name for label in above) and under and all(unit_of(u) or _OTHER_UNIT.fullmatch(u) for u in under):
             both = zip(above, labels, strict=True)
-            merged = [Label(a.name, " ".join({a.bracket, b.bracket or b.name} - {""})) for a, b in both]
+            merged = [
+                Label(a.name, ",".join(dict.fromkeys(filter(None, (a.bracket, b.bracket or b.name))))) for a, b in both
+            ]
             return Header(merged, kept[: i - 1] + kept[i + 1 :])
         if any(label.bracket or label.role for label in labels):
             return Header(labels, kept[:i] + kept[i + 1 :])

@@ -1,5 +1,6 @@
 """Heights that are missing, stand for missing ones, or stick out like dust: found, and filled or left out."""
 
+import itertools
 from typing import Literal
 
 import numpy as np
@@ -16,7 +17,7 @@ _ISOLATED = 0.5  # ranges of all other values, between them and a number that st
 _OFTEN, _SUDDEN = 3, 3.0  # times that such a number stands nearer, behind steps so many times the usual
 _RARE = 0.99  # quantile that is called usual
 _SPIKE = 3  # values in the width of a spike
-_HIGH, _UNLIKE = 4.0, 2.5  # rms heights, and times the usual height above valleys on both sides
+_HIGH, _UNLIKE, _MANY = 4.0, 3.0, 0.95  # rms heights, and times that quantile of heights above valleys on both sides
 _STEP, _FEW = 10.0, 3  # times the usual step, for up to so many that stand alone
 
 
@@ -53,42 +54,50 @@ def filled(x: Array64 | None, z: Array64, how: Missing) -> tuple[Array64 | None,
 
 def doubtful(z: Array64) -> list[tuple[Indices, str]]:
     """Indices of heights, shape (number of values,) [any unit], that may be none, each with the reason in words."""
-    found, there = list[tuple[Indices, str]](), np.arange(z.size)
-    while there.size and (number := _sentinel(z[there])) is not None:
-        found.append((there[z[there] == number], "may stand for missing values (invalid)"))
-        there = there[z[there] != number]
-    found.append((there[spikes(z[there])], "stand out like dust (despike)"))
+    numbers = _sentinels(z)
+    found = [(np.flatnonzero(z == number), "may stand for missing values (invalid)") for number in numbers]
+    there = np.flatnonzero(~np.isin(z, numbers))
+    found.append((there[spikes(z[there])], "stand out as spikes (despike)"))
     steps = np.abs(np.diff(z[there]))
     jumps = np.flatnonzero(steps > max(_STEP * _usual(steps), float(z[there].std())))
-    found.append((there[1:][jumps[: jumps.size * (jumps.size <= _FEW)]], "begin behind a step that stands alone"))
+    if jumps.size <= _FEW:
+        found.append((there[1:][jumps], "begin behind a step that stands alone"))
     return [(rows, reason) for rows, reason in found if rows.size]
 
 
 def spikes(z: Array64) -> Indices:
     """Indices of values that stand out upwards by themselves: they would carry the load alone."""
-    windows = np.lib.stride_tricks.sliding_window_view
-    i = np.arange(z.size)
-    rms = float((z - np.polynomial.Polynomial.fit(i, z, 1)(i)).std())
-    lowest = windows(np.pad(z, _SPIKE, mode="edge"), _SPIKE + 1).min(axis=1)
-    above = z - windows(lowest, _SPIKE + 1).max(axis=1)
-    return np.flatnonzero(above > max(_HIGH * rms, _UNLIKE * _usual(above)))
+    windows, there = np.lib.stride_tricks.sliding_window_view, np.arange(z.size)
+    while there.size > _SPIKE:
+        rest = z[there]
+        rms = float((rest - np.polynomial.Polynomial.fit(there, rest, 2)(there)).std())
+        lowest = windows(np.pad(rest, _SPIKE, mode="edge"), _SPIKE + 1).min(axis=1)
+        above = rest - windows(lowest, _SPIKE + 1).max(axis=1)
+        high = above > max(_HIGH * rms, _UNLIKE * float(np.quantile(above, _MANY)))
+        if not high.any():
+            break
+        there = there[~high]
+    return np.setdiff1d(np.arange(z.size), there)
 
 
 def _usual(sizes: Array64) -> float:
     return float(np.quantile(sizes, _RARE)) if sizes.size else 0.0
 
 
-def _sentinel(z: Array64) -> float | None:
-    """The lowest or highest height if it is isolated from all others; None if neither is."""
-    for number in (float(z.min()), float(z.max())):
-        others = z[z != number]
-        if np.unique(others[:1000]).size < 3:
-            continue  # a grating
-        changes, steps = np.diff((z == number).astype(int)) != 0, np.abs(np.diff(z))
-        usual = _usual(np.abs(np.diff(z))[(z[1:] != number) & (z[:-1] != number)])
-        away = float(np.abs(others - number).min())
-        sudden = changes.any() and float(np.median(steps[changes])) > _SUDDEN * usual
-        often = z.size - others.size >= _OFTEN
-        if sudden and away > (usual if often else _ISOLATED * float(np.ptp(others))):
-            return number
-    return None
+def _sentinels(z: Array64) -> Array64:
+    """Up to three of the lowest and of the highest numbers, if they are isolated from all others."""
+    values = np.unique(z)
+    ends = range(min(4, values.size // 3))
+    for low, high in sorted(itertools.product(ends, ends), key=sum, reverse=True):
+        rest, below, above = values[low : values.size - high], values[:low], values[values.size - high :]
+        away = [rest[0] - below[-1:], above[:1] - rest[-1]]
+        if low + high and all((gap > _ISOLATED * np.ptp(rest)).all() for gap in away):
+            return np.concatenate([below, above])
+    for number in (values[0], values[-1]):
+        is_number, steps = z == number, np.abs(np.diff(z))
+        usual = _usual(steps[~(is_number[1:] | is_number[:-1])])
+        sudden = float(np.median(steps[is_number[1:] != is_number[:-1]])) > _SUDDEN * usual
+        away = np.abs(values[[1, -2]] - number).min()
+        if values.size > _FEW and sudden and away > usual and np.count_nonzero(is_number) >= _OFTEN:
+            return np.array([number])
+    return values[:0]

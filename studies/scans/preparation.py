@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
-from linecontact.solver import MeasuredIndenter
 from linecontact.solver.arrays import Array64, Indices
+from linecontact.solver.transforms.plain import irfft, rfft
 
 from .missing import DOUBTED, LONGEST_GAP
 
@@ -98,33 +98,38 @@ class Profile:
             )
 
     def resample(self, num_points: int) -> None:
-        """The profile on another number of points by its Fourier modes, or straight lines where these overshoot.
+        """The profile on another number of points by its Fourier modes, or straight lines where waves overshoot.
 
-        Between two values waves may pass the higher one by `_ROOM` of the smaller of the second differences there, if
-        both have one sign: next to a step not at all.
+        Between two values of which both bend one way, waves may leave the straight line by `_ROOM` of the smaller
+        second difference: a parabola does by an eighth. Elsewhere, beside a step, they may not pass the values.
         """
         z, count = self.z, self.z.size
         if count == num_points:
             return
-        waves = MeasuredIndenter(z, convention="gap").profile(num_points, 1.0)
-        waves += z.mean() - waves.mean()
+        modes = rfft(z)[: num_points // 2 + 1]
+        modes[-1] *= (
+            0.0 if num_points < count and num_points % 2 == 0 else 1.0 if count % 2 or num_points < count else 0.5
+        )
+        waves = irfft(modes, num_points) * (num_points / count)
         self.steps.append(f"resampled from {count} to {num_points} points by Fourier modes")
         if num_points > count:
-            i, after = np.arange(num_points) * count // num_points, np.roll(z, -1)
+            at = np.arange(num_points) * (count / num_points)
+            straight, i, after = np.interp(at, np.arange(count + 1), [*z, z[0]]), at.astype(int), np.roll(z, -1)
             bend = after - 2 * z + np.roll(z, 1)
-            both = np.sort(np.abs([bend, np.roll(bend, -1)]), axis=0)[0] * (bend * np.roll(bend, -1) > 0)
-            low, high = np.minimum(z, after)[i], np.maximum(z, after)[i]
-            below = low - waves - (_ROOM * both * (bend > 0))[i]  # h: the summits are its lowest points
-            over = np.maximum(below, waves - high - (_ROOM * both * (bend < 0))[i]) > _EXACT * np.ptp(z)
-            steep = np.bincount(i, over, count) > 0
-            straight = np.interp(np.arange(num_points) * (count / num_points), np.arange(count + 1), [*z, z[0]])
-            waves = np.where(steep[i], straight, waves)
-            self.steps.append(f"by straight lines in {steep.mean():.2g} of them, where these rise above the values")
-            if below.max() > _BETWEEN * z.std():
+            bent = bend * np.roll(bend, -1) > 0
+            less, more = np.sort(np.abs([bend, np.roll(bend, -1)]), axis=0)
+            outside = np.maximum(np.minimum(z, after)[i] - waves, waves - np.maximum(z, after)[i])
+            apart = np.abs(waves - straight) > (_ROOM * np.where(bent, less, more))[i] + _EXACT * np.ptp(z)
+            apart |= ~bent[i] & (outside > _EXACT * np.ptp(z))
+            replaced = (np.bincount(i, apart, count) > 0)[i]
+            above = float(np.max((np.minimum(z, after)[i] - waves)[replaced], initial=0.0) / z.std())
+            self.steps.append(f"by straight lines in {replaced.mean():.2g} of the scan, where they would not do")
+            if above > _BETWEEN:  # of h, whose summits are its lowest points
                 self.doubts.append(
-                    f"between its values, waves would rise up to {float(below.max() / z.std()):.2g} rms heights above "
-                    "them, so straight lines were taken: the scan does not resolve its steps or summits"
+                    f"between its values, waves would rise up to {above:.2g} rms heights above them, so straight lines "
+                    "were taken: the scan does not resolve its steps or summits"
                 )
+            waves = np.where(replaced, straight, waves)
         self.z = waves
 
 

@@ -76,9 +76,9 @@ class Options:
     """Heights have their peaks up, as a scan has them; gap is h, the distance of the indenter. Default: heights."""
     profile_dataset: str | None = None
     """Name of the dataset in an .h5 file that holds several."""
-    missing: Missing = "refuse"
-    """Missing values: interpolate fills them by straight lines, drop leaves their rows out. Those that --invalid and
-    --despike name are filled unless it is drop."""
+    missing: Missing | None = None
+    """Missing values: interpolate fills them by straight lines, drop leaves their rows out. Default: refuse, but
+    interpolate for those that --invalid and --despike name."""
     invalid: str | None = None
     """Number that stands for a missing height in the file, like -9999, or several, parted by commas."""
     despike: bool = False
@@ -98,7 +98,7 @@ class Options:
         if not isinstance(self.profile_file, Path):
             raise ValueError(f"profile_file is {self.profile_file!r}; allowed: a path")
         for name, allowed in _WORDS.items():
-            if getattr(self, name) is not None or name in ("missing", "window"):
+            if getattr(self, name) is not None or name == "window":
                 checks.choice(name, getattr(self, name), get_args(allowed))
         for name in ("scene_units", "despike"):
             if not isinstance(getattr(self, name), bool):
@@ -212,14 +212,17 @@ def _complete(found: columns.Columns, options: Options) -> tuple[columns.Columns
         seen = f"{found.row(0)}: {z[0]:g} is the number of the values below it"
         raise ValueError(f"profile_file {path}, {seen}; allowed: heights alone")
     gone = np.isnan(z) if x is None else np.isnan(z) | np.isnan(x)
-    if gone.any() and options.missing == "refuse":
+    if gone.any() and options.missing in (None, "refuse"):
         seen = f"{found.row(int(gone.argmax()))}: a value is missing, and {int(gone.sum())} of {z.size} in all"
         raise ValueError(f"profile_file {path}, {seen}; allowed: all values, or missing, with interpolate or drop")
     told, up = list[str](), -1.0 if options.profile_convention == "gap" else 1.0
+    if options.missing == "refuse" and (options.invalid is not None or options.despike):
+        raise ValueError("missing is refuse; allowed: interpolate or drop, with invalid or despike")
     if options.invalid is not None:
         z = marked(z, options.invalid)
     if options.despike and (rows := np.flatnonzero(np.isfinite(z))[spikes(up * z[np.isfinite(z)])]).size:
-        told = [f"{counted(rows.size, 'value')} like dust, the first in {found.row(int(rows[0]))}, taken for missing"]
+        first = found.row(int(rows[0]))
+        told = [f"{counted(rows.size, 'value')} that stood out as spikes, the first in {first}, taken for missing"]
         z = np.where(np.isin(np.arange(z.size), rows), np.nan, z)
     there = np.flatnonzero(np.isfinite(z))
     if there.size < _FEWEST:
@@ -231,7 +234,7 @@ def _complete(found: columns.Columns, options: Options) -> tuple[columns.Columns
     if z.size - there.size > DOUBTED * z.size:
         doubts.append(f"{z.size - there.size} of {z.size} values were missing")
     try:
-        x, z, done = filled(x, z, options.missing)
+        x, z, done = filled(x, z, options.missing or "interpolate")
     except ValueError as error:
         raise ValueError(f"profile_file {path}: {error}; cut the scan") from None
     return replace(found, x=x, z=z), told + [done] * bool(done), doubts

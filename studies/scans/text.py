@@ -30,7 +30,7 @@ _PLAIN = {"point": str.maketrans("", "", "," + _BETWEEN), "comma": str.maketrans
 _THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}(?:,\d{3})+")
 _MISSING = re.compile(r"\W*|[-+]?(?:1\.)?#?(?:nan|qnan|ind)|n\.?/?a\.?|#\w+/?\w*!?|null|none|missing|invalid|bad", re.I)
 """Cells that stand for a missing value: nothing, stars, hyphens, NaN, N/A and the like."""
-_TORN = re.compile(r"[-+\d.,;\s]*\d[-+\d.,;\s]*")
+_TORN = re.compile(r"(?=.*\d)(?=.*[,;\s])[-+\d.,;\s]*")
 """A cell of digits and separators that is no number: its line is parted in another way."""
 _NAMES = {";": "semicolons", "\t": "tabs", ",": "commas", None: "spaces"}
 
