@@ -1,7 +1,7 @@
 """Heights that are missing, stand for missing ones, or stick out like dust: found, and filled or left out."""
 
 import itertools
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from linecontact.solver.arrays import Array64, Indices
@@ -17,7 +17,7 @@ _ISOLATED = 0.5  # ranges of all other values, between them and a number that st
 _OFTEN, _SUDDEN = 3, 3.0  # times that such a number stands nearer, behind steps so many times the usual
 _RARE = 0.99  # quantile that is called usual
 _SPIKE = 3  # values in the width of a spike
-_HIGH, _UNLIKE, _MANY = 4.0, 3.0, 0.95  # rms heights, and times that quantile of heights above valleys on both sides
+_HIGH, _UNLIKE, _MANY = 2.0, 3.0, 0.95  # rms heights, and times that quantile of heights above valleys on both sides
 _STEP, _FEW = 10.0, 3  # times the usual step, for up to so many that stand alone
 
 
@@ -65,19 +65,24 @@ def doubtful(z: Array64) -> list[tuple[Indices, str]]:
     return [(rows, reason) for rows, reason in found if rows.size]
 
 
-def spikes(z: Array64) -> Indices:
-    """Indices of values that stand out upwards by themselves: they would carry the load alone."""
-    windows, there = np.lib.stride_tricks.sliding_window_view, np.arange(z.size)
+def spikes(z: Array64, both: bool = False) -> Indices:
+    """Indices of values that stand out by themselves: upwards, where they would carry the load alone, or both ways."""
+    there = np.arange(z.size)
     while there.size > _SPIKE:
-        rest = z[there]
-        rms = float((rest - np.polynomial.Polynomial.fit(there, rest, 2)(there)).std())
-        lowest = windows(np.pad(rest, _SPIKE, mode="edge"), _SPIKE + 1).min(axis=1)
-        above = rest - windows(lowest, _SPIKE + 1).max(axis=1)
-        high = above > max(_HIGH * rms, _UNLIKE * float(np.quantile(above, _MANY)))
+        level = z[there] - np.polynomial.Polynomial.fit(there, z[there], 2)(there)
+        high = _stand_out(level) | (_stand_out(-level) if both else False)
         if not high.any():
             break
         there = there[~high]
     return np.setdiff1d(np.arange(z.size), there)
+
+
+def _stand_out(level: Array64) -> np.ndarray[Any, np.dtype[np.bool_]]:
+    """Whether heights are far above the valleys on both sides, compared with most others."""
+    windows = np.lib.stride_tricks.sliding_window_view
+    lowest = windows(np.pad(level, _SPIKE, mode="edge"), _SPIKE + 1).min(axis=1)
+    above = level - windows(lowest, _SPIKE + 1).max(axis=1)
+    return np.asarray(above > max(_HIGH * float(level.std()), _UNLIKE * float(np.quantile(above, _MANY))))
 
 
 def _usual(sizes: Array64) -> float:

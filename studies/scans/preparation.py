@@ -100,8 +100,8 @@ class Profile:
     def resample(self, num_points: int) -> None:
         """The profile on another number of points by its Fourier modes, or straight lines where waves overshoot.
 
-        Between two values of which both bend one way, waves may leave the straight line by `_ROOM` of the smaller
-        second difference: a parabola does by an eighth. Elsewhere, beside a step, they may not pass the values.
+        Between two values waves may leave the straight line by `_ROOM` of the larger second difference there, and pass
+        the values by that of the smaller one if both bend one way: a parabola does by an eighth, beside a step nothing.
         """
         z, count = self.z, self.z.size
         if count == num_points:
@@ -116,12 +116,10 @@ class Profile:
             at = np.arange(num_points) * (count / num_points)
             straight, i, after = np.interp(at, np.arange(count + 1), [*z, z[0]]), at.astype(int), np.roll(z, -1)
             bend = after - 2 * z + np.roll(z, 1)
-            bent = bend * np.roll(bend, -1) > 0
-            less, more = np.sort(np.abs([bend, np.roll(bend, -1)]), axis=0)
-            outside = np.maximum(np.minimum(z, after)[i] - waves, waves - np.maximum(z, after)[i])
-            apart = np.abs(waves - straight) > (_ROOM * np.where(bent, less, more))[i] + _EXACT * np.ptp(z)
-            apart |= ~bent[i] & (outside > _EXACT * np.ptp(z))
-            replaced = (np.bincount(i, apart, count) > 0)[i]
+            less, more = _ROOM * np.sort(np.abs([bend, np.roll(bend, -1)]), axis=0)
+            beyond = np.maximum(np.minimum(z, after)[i] - waves, waves - np.maximum(z, after)[i])
+            apart = np.maximum(np.abs(waves - straight) - more[i], beyond - (less * (bend * np.roll(bend, -1) > 0))[i])
+            replaced = (np.bincount(i, apart > _EXACT * np.ptp(z), count) > 0)[i]
             above = float(np.max((np.minimum(z, after)[i] - waves)[replaced], initial=0.0) / z.std())
             self.steps.append(f"by straight lines in {replaced.mean():.2g} of the scan, where they would not do")
             if above > _BETWEEN:  # of h, whose summits are its lowest points

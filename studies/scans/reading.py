@@ -220,9 +220,9 @@ def _complete(found: columns.Columns, options: Options) -> tuple[columns.Columns
         raise ValueError("missing is refuse; allowed: interpolate or drop, with invalid or despike")
     if options.invalid is not None:
         z = marked(z, options.invalid)
-    if options.despike and (rows := np.flatnonzero(np.isfinite(z))[spikes(up * z[np.isfinite(z)])]).size:
-        first = found.row(int(rows[0]))
-        told = [f"{counted(rows.size, 'value')} that stood out as spikes, the first in {first}, taken for missing"]
+    if options.despike and (rows := np.flatnonzero(np.isfinite(z))[spikes(z[np.isfinite(z)], both=True)]).size:
+        where = found.row(int(rows[0]))
+        told = [f"{counted(rows.size, 'value')} that stood out as spikes, the first in {where}, taken for missing"]
         z = np.where(np.isin(np.arange(z.size), rows), np.nan, z)
     there = np.flatnonzero(np.isfinite(z))
     if there.size < _FEWEST:
