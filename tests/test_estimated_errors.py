@@ -450,7 +450,7 @@ def test_the_command_line(tmp_path, capsys):
     assert main.main(["solve", *words, *asked]) == 0
     said = " ".join(capsys.readouterr().out.split())
     assert "chosen for an accuracy of 0.01 of kappa" in said
-    assert said.count("its absolute error, estimated") == 4
+    assert said.count("its numerical error, estimated") == 4
     values = ["--values", "0.01,0.02", "--folder", str(tmp_path), "--workers", "1"]
     assert main.main(["curve", *words[:4], *words[6:], *values, *asked]) == 0
     runs = load_study(tmp_path / "curve.h5").runs

@@ -20,7 +20,7 @@ from linecontact.solver.transforms import four_step, half_length
 from linecontact.studies.explore import controls
 from linecontact.studies.figures.style import ONE_COLUMN, TWO_COLUMNS
 from linecontact.studies.files import confined
-from linecontact.studies.scans import columns, preparation, text
+from linecontact.studies.scans import columns, missing, preparation, text
 from prose import digits, words_of
 
 pytestmark = pytest.mark.once
@@ -156,10 +156,12 @@ def what_is_kept():
 
 
 def limits_of_scans():
-    yield f"up to {text._MAX_HEADER} lines of header; empty columns at the end; up to {text.MAX_TEXT / 2**20:.0f} MiB."
+    yield f"up to {text.MAX_TEXT / 2**20:.0f} MiB"
     yield f"with up to 2^{math.log2(columns.MAX_VALUES):.0f} numbers."
     yield f"with {confined.MEMORY / 2**30:.0f} GiB (and the file's size) of memory and {confined.SECONDS} s"
-    yield f"a gap of more than {100 * preparation._LONGEST_GAP:.0f} % of the scan is refused"
+    yield f"A gap of more than {100 * missing.LONGEST_GAP:.0f} % of the scan is refused"
+    yield f"more than {100 * missing.DOUBTED:.0f} % of the scan had no values"
+    assert (preparation._ROOM, preparation._BETWEEN, preparation._FORM) == (2 / 8, 1 / 4, 5)
     yield f"its ends are smoothed away over {100 * preparation._TAPER:.0f} % or 50 % of the length"
     yield "at most sixteen for each value"
     assert columns.MAX_REFINEMENT == 16

@@ -439,18 +439,15 @@ LAYER = Layer(thickness=2e-3, poisson_ratio=0.49, contact_modulus=3e6 / (1 - 0.4
 @pytest.mark.parametrize(
     ("name", "units", "length", "values", "area"),
     [
-        ("dektak-1.csv", {}, 1.5e-3, 9600, (0.98957, 3e-4)),
-        ("opdx-3.txt", {"x_unit": "m", "z_unit": "m"}, 5e-5, 3001, (0.8634, 5e-3)),
+        ("dektak-1.csv", "um", 1.5e-3, 9600, (0.98964, 1e-4)),
+        ("opdx-3.txt", "m", 5e-5, 3001, (0.8886, 2e-3)),
     ],
 )
 def test_real_scans(name, units, length, values, area):
-    """A rubber layer of 2 mm under 0.05 MPa; the areas are those of four times as many points."""
-    if not units:
-        scan = read_scan(REAL / name)
-    else:
-        with pytest.raises(ValueError, match="x_unit and z_unit are missing"):
-            read_scan(REAL / name)
-        scan = read_scan(REAL / name, **units)
+    """A rubber layer of 2 mm under 0.05 MPa; the areas are those of as many points as are allowed."""
+    with pytest.raises(ValueError, match="x_unit and z_unit are missing"):
+        read_scan(REAL / name)
+    scan = read_scan(REAL / name, x_unit=units, z_unit=units)
     assert scan.indenter.description["profile_values"] == values
     assert scan.period == pytest.approx(2 * length, rel=1e-3)  # mirrored
     assert "taken as even" in scan.indenter.description["profile_steps"]

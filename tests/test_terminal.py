@@ -166,7 +166,7 @@ def test_estimated_errors_are_rounded_up_wherever_they_are_shown(solution):
     table = printed(solution_table(solution), 200)
     assert f"+- {area} (relative {relative})" in table
     for error in (found.contact_area_error, found.kappa_error, found.approach_error, found.peak_pressure_error):
-        assert re.search(rf"its absolute error, estimated +\S +{re.escape(rounded_up(error))} ", table)
+        assert re.search(rf"its numerical error, estimated +\S +{re.escape(rounded_up(error))} ", table)
     (choice,) = (choice for choice in solution.choices if choice.what == "grid")
     assert re.search(rf"grid +\S +\S+ points +\S +{rounded_up(choice.error)} ", printed(choices_table(solution), 200))
     assert f"error {rounded_up(choice.error)} [-]" in repr(choice)

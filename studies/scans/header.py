@@ -155,5 +155,5 @@ def _labels(line: str, delimiter: str | None, count: int, least: int) -> list[La
     while len(parts) > count and not parts[-1]:
         parts.pop()
     parts += [""] * (count - len(parts)) if len(parts) >= least else []
-    found = [_LABEL.fullmatch(part.strip("\"' ")) for part in parts]
+    found = [_LABEL.fullmatch(part.strip("\"' ,;")) for part in parts]
     return [Label(label[1], label[2] or "") for label in found if label] if len(found) == count and all(found) else []

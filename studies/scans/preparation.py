@@ -107,9 +107,8 @@ class Profile:
         if count == num_points:
             return
         modes = rfft(z)[: num_points // 2 + 1]
-        modes[-1] *= (
-            0.0 if num_points < count and num_points % 2 == 0 else 1.0 if count % 2 or num_points < count else 0.5
-        )
+        if min(num_points, count) % 2 == 0:
+            modes[-1] *= 0.5 * (num_points > count)  # an unpaired one
         waves = irfft(modes, num_points) * (num_points / count)
         self.steps.append(f"resampled from {count} to {num_points} points by Fourier modes")
         if num_points > count:
@@ -121,7 +120,7 @@ class Profile:
             apart = np.maximum(np.abs(waves - straight) - more[i], beyond - (less * (bend * np.roll(bend, -1) > 0))[i])
             replaced = (np.bincount(i, apart > _EXACT * np.ptp(z), count) > 0)[i]
             above = float(np.max((np.minimum(z, after)[i] - waves)[replaced], initial=0.0) / z.std())
-            self.steps.append(f"by straight lines in {replaced.mean():.2g} of the scan, where they would not do")
+            self.steps.append(f"straight lines in {replaced.mean():.0%} of the scan, where modes would overshoot")
             if above > _BETWEEN:  # of h, whose summits are its lowest points
                 self.doubts.append(
                     f"between its values, waves would rise up to {above:.2g} rms heights above them, so straight lines "
