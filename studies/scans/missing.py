@@ -67,14 +67,14 @@ def doubtful(z: Array64) -> list[tuple[Indices, str]]:
 
 def spikes(z: Array64, both: bool = False) -> Indices:
     """Indices of values that stand out by themselves: upwards, where they would carry the load alone, or both ways."""
-    there = np.arange(z.size)
-    while there.size > _SPIKE:
+    kept = np.ones(z.size, dtype=np.bool_)
+    while (there := np.flatnonzero(kept)).size > _SPIKE:
         level = z[there] - np.polynomial.Polynomial.fit(there, z[there], 2)(there)
         high = _stand_out(level) | (_stand_out(-level) if both else False)
         if not high.any():
             break
-        there = there[~high]
-    return np.setdiff1d(np.arange(z.size), there)
+        kept[there[high]] = False
+    return np.flatnonzero(~kept)
 
 
 def _stand_out(level: Array64) -> np.ndarray[Any, np.dtype[np.bool_]]:

@@ -113,7 +113,7 @@ class Profile:
         self.steps.append(f"resampled from {count} to {num_points} points by Fourier modes")
         if num_points > count:
             at = np.arange(num_points) * (count / num_points)
-            straight, i, after = np.interp(at, np.arange(count + 1), [*z, z[0]]), at.astype(int), np.roll(z, -1)
+            straight, i, after = np.interp(at, np.arange(count + 1), np.append(z, z[0])), at.astype(int), np.roll(z, -1)
             bend = after - 2 * z + np.roll(z, 1)
             less, more = _ROOM * np.sort(np.abs([bend, np.roll(bend, -1)]), axis=0)
             beyond = np.maximum(np.minimum(z, after)[i] - waves, waves - np.maximum(z, after)[i])
