@@ -1,6 +1,5 @@
 """What people see of scenes and solutions when they print them: a few lines with units, and a table in a notebook."""
 
-import math
 import textwrap
 from collections.abc import Iterable
 from dataclasses import fields
@@ -29,7 +28,7 @@ class Row(NamedTuple):
 
 def row(name: str, value: Any, length: str = "length") -> Row:
     """A quantity by its name in results. length: the unit of length, where it is known."""
-    if name.rpartition(".")[2] == "thickness" and value in (math.inf, "inf"):
+    if name.rpartition(".")[2] == "thickness" and str(value) == "inf":
         return Row(name, "half-space", "")
     if isinstance(value, str):
         return Row(name, textwrap.shorten(value, _LONGEST, placeholder=" ..."), "")

@@ -16,6 +16,7 @@ from .indenters import Indenter, PowerIndenter
 from .layers import ElasticLayer, Layer
 from .parts import check_foundation, check_indenter, check_layer
 from .units import length_unit
+from .value import Value
 
 PRECISIONS = ("float64", "float32", "mixed")
 MIN_POINTS, MAX_POINTS = 4, 2**30  # Warp indices are int32
@@ -26,7 +27,7 @@ _PRESSURE = float("2e-3")  # the default, an object of its own, by which it is t
 
 
 @dataclass(frozen=True)
-class Scene:
+class Scene(Value):
     """A layer, an indenter, the mean external pressure, and the grid they are solved on.
 
     Everything is the same along a second axis (line contact, plane strain) and periodic along the first. There is

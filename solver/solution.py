@@ -15,6 +15,7 @@ from .grid.observables import Observables
 from .grid.patch_table import PatchTable
 from .provenance import provenance
 from .scene import Scene
+from .value import Value
 from .warnings import SolutionWarning, find_warnings
 
 MEANINGLESS = 0.2
@@ -25,7 +26,7 @@ MOST_ENERGY = 0.1
 
 
 @dataclass(frozen=True)
-class Level:
+class Level(Value):
     """What a coarser grid gave."""
 
     num_points: int
@@ -85,7 +86,7 @@ class Choice:
 
 
 @dataclass(frozen=True)
-class Solution:
+class Solution(Value):
     """A displacement, what it means, how it was found and how wrong it can be."""
 
     scene: Scene

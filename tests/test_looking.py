@@ -7,6 +7,7 @@ import pydoc
 import re
 from pathlib import Path
 
+import h5py
 import linecontact
 import matplotlib
 import numpy as np
@@ -32,6 +33,7 @@ from linecontact.studies.figures import solution as solution_figure
 from linecontact.studies.figures import titles
 from linecontact.studies.figures.style import ONE_COLUMN, STYLE, TWO_COLUMNS, panels
 from linecontact.studies.figures.ticks import few_ticks, in_plain_text
+from linecontact.studies.files.hdf5 import new_file
 from linecontact.studies.files.study_files import load_study
 from linecontact.studies.multilevel import figures as ensemble_figures
 from linecontact.studies.multilevel import report as ensemble_report
@@ -69,6 +71,23 @@ def test_printed_results_are_short_and_have_units(solution):
     assert "peak_pressure" in repr(solution.observables)
     known = [name for name, value in dataclasses.asdict(solution.certificate).items() if value is not None]
     assert all(f"{name} " in repr(solution.certificate) for name in known)
+
+
+@pytest.mark.parametrize(
+    ("name", "told"), [(b"warnings.\xff", "warning, \ufffd: "), (b"warnings.grid", "warning, grid: ")]
+)
+def test_a_file_whose_texts_are_not_utf_8_is_read_and_printed(solution, tmp_path, name, told):
+    solution.save(tmp_path / "run.h5")
+    with h5py.File(tmp_path / "run.h5") as old, new_file(tmp_path / "odd.h5") as new:
+        for field in old:
+            old.copy(field, new)
+        for known, value in old.attrs.items():
+            new.attrs[known] = value
+        new.attrs.create(name, np.array(b"\xff"), dtype=h5py.string_dtype("utf-8", 1))
+    found = load(tmp_path / "odd.h5")
+    assert told in repr(found)
+    assert repr(found).encode()
+    assert found == load(tmp_path / "odd.h5") != load(tmp_path / "run.h5")
 
 
 def test_a_half_space_is_called_one():

@@ -19,7 +19,7 @@ _ROUNDING = 1e-15  # of the largest height, in second differences
 _SMOOTHER = 4  # times longer without its kinks: from then on a profile counts as kinked
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class MeasuredIndenter(Indenter):
     """Heights given point by point, one for each grid point of the scene, periodic as they stand.
 
@@ -30,7 +30,7 @@ class MeasuredIndenter(Indenter):
     """Heights, shape (N,) [length], in the user's unit; kept shifted so that the lowest is 0."""
     measured_points: int | None = None
     """Values in the period that were measured, where the heights were made from fewer or more; None: all heights."""
-    description: dict[str, Any] = field(default_factory=dict)
+    description: dict[str, Any] = field(default_factory=dict, hash=False)
     """What is known of their origin, flat and JSON-ready; it travels with every result."""
     given_period: float | None = None
     """The period that they belong to [length], and no other; None: any."""

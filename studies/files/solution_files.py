@@ -15,6 +15,7 @@ from linecontact.solver import Solution
 from linecontact.solver.display import row, sentence
 from linecontact.solver.grid.patch_table import PatchTable
 from linecontact.solver.units import length_unit
+from linecontact.solver.value import Value
 from numpy.typing import NDArray
 
 from .hdf5 import column_of_numbers, new_file, open_file, scalar
@@ -36,8 +37,8 @@ _PATCH_UNITS = {field.name: _OTHER_UNITS.get(field.name, "length") for field in 
 """Of the columns of the contact patches."""
 
 
-@dataclass(frozen=True, eq=False)
-class StoredSolution:
+@dataclass(frozen=True)
+class StoredSolution(Value):
     """What a solution file holds."""
 
     x: NDArray[np.float64]
@@ -97,7 +98,7 @@ def load(path: Name) -> StoredSolution:
         arrays = {name: column_of_numbers(file[name]) for name in FIELDS}
         if len({values.size for values in arrays.values()}) > 1 or arrays["x"].size < 2:
             raise ValueError("its fields are of different lengths, or shorter than 2")
-        results = renamed({name: scalar(value) for name, value in file.attrs.items()})
+        results = renamed({scalar(name): scalar(value) for name, value in file.attrs.items()})
         return StoredSolution(**arrays, results=results, patches=_patches(file))
 
 
