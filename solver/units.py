@@ -25,6 +25,7 @@ _UNITS = {
     "contact_modulus": "pressure",
     "youngs_modulus": "pressure",
     "base_modulus": "pressure",
+    "base_youngs_modulus": "pressure",
     "contact_stiffness": "pressure/length",
     "profile_scan_length": "length",
     "profile_spacing": "length",
