@@ -150,7 +150,7 @@ class Solution(Value):
 
     def _rows(self) -> list[display.Row]:
         """What was found, as it is shown: how it ended and what it took first."""
-        found, length = self.observables, self.scene.length_unit
+        found, units = self.observables, self.scene.units
         area, peak, kappa, approach = (
             display.number(value) + (f" +- {display.rounded_up(error)}" if error < math.inf else "")
             for value, error in (
@@ -166,11 +166,11 @@ class Solution(Value):
             display.Row("transform_pairs", f"{self.transform_pairs:.3g}", "-"),
             display.Row("seconds", f"{self.seconds.get('total', 0.0):.3g}", "s"),
             display.Row("contact_area_subgrid", area, "-"),
-            display.row("contact_width", self.contact_width, length),
+            display.row("contact_width", self.contact_width, units),
             display.row("num_patches", found.num_patches),
-            display.Row("peak_pressure", peak, "pressure"),
+            display.Row("peak_pressure", peak, units["pressure"]),
             display.Row("kappa_subgrid", kappa, "-"),
-            display.Row("approach", approach, length),
+            display.Row("approach", approach, units["length"]),
         ]
 
     @cached_property

@@ -1,10 +1,14 @@
 """Units of the quantities in scenes and results, by their names."""
 
+import re
 from collections.abc import Collection, Mapping
 from typing import Any
 
 SCENE = "the scene's"
 """The unit of length that the scene is in, where nobody has said which one it is."""
+
+PRESSURES: dict[str, float] = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9}
+"""Units of pressure in pascals."""
 
 _UNITS = {
     "x": "length",
@@ -76,5 +80,18 @@ def length_unit(about: Mapping[str, Any], prefix: str = "") -> str:
 
     about: of an indenter, or of results, where `prefix` stands before the indenter's names.
     """
-    known = str(about.get(f"{prefix}profile_length_unit", SCENE))
-    return "length" if known == SCENE else known
+    return named(about, prefix)["length"]
+
+
+def named(about: Mapping[str, Any], prefix: str = "") -> dict[str, str]:
+    """The units of length and of pressure, by these words, of a scene that is described by these names; the words
+    themselves where nobody has said which ones they are. prefix: as of `length_unit`.
+    """
+    length = str(about.get(f"{prefix}profile_length_unit", SCENE))
+    pressure = str(about.get(f"{prefix}pressure_unit", "pressure"))
+    return {"length": "length" if length == SCENE else length, "pressure": pressure}
+
+
+def shown(of: str, names: Mapping[str, str]) -> str:
+    """A unit as `unit` tells it with the names of a scene's own, and '-' for what is dimensionless."""
+    return re.sub("length|pressure", lambda found: names[found[0]], "-" if of == "1" else of)

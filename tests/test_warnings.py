@@ -159,14 +159,6 @@ def run(capsys, *words):
     return status, capsys.readouterr()
 
 
-@pytest.mark.parametrize("layer", ["coated", "sliding"])
-def test_layers_without_youngs_modulus_say_so(capsys, layer):
-    words = ["--profile", "file", "--profile-file", EXAMPLE, "--layer", layer, "--thickness", "1mm"]
-    status, said = run(capsys, *words, "--pressure", "1e5", "--youngs-modulus", "2e11")
-    assert status == 2
-    assert f"contact_modulus is missing (layer {layer} takes no youngs_modulus); allowed: with a file" in said.err
-
-
 def test_a_file_keeps_the_warnings(tmp_path):
     solution = solve(Scene(indenter=PowerIndenter(1.5), num_points=2**8, pressure=1e-4))
     solution.save(tmp_path / "run.h5")

@@ -10,7 +10,7 @@ import numpy as np
 from .. import checks, display
 from ..arrays import Array64, Modes
 from ..transforms.plain import irfft, rfft
-from ..units import length_unit
+from ..units import named
 from .indenter import Indenter
 
 _MOST_CURVATURE = 0.99  # of the mean square curvature, in the waves that decide how fine a grid has to be
@@ -59,7 +59,7 @@ class MeasuredIndenter(Indenter):
         checks.assign(self, heights=heights)
 
     def __repr__(self) -> str:
-        height = display.row("profile", float(self.heights.max()), length_unit(self.description))
+        height = display.row("profile", float(self.heights.max()), named(self.description))
         origin = self.description.get("profile_file")
         told = f"{self.heights.size} heights, 0 to {height.value}{display.bracketed(height.unit)}"
         return f"{type(self).__name__}: {told}" + (f", from {display.row('', origin).value}" if origin else "")

@@ -96,7 +96,7 @@ class Start:
         found: dict[str, Any] = {"profile": self.first.indenter.name}
         for control in CONTROLS:
             for owner in self._owners(control):
-                if control.name in _names(owner):
+                if getattr(owner, control.name, None) is not None:
                     found.setdefault(control.name, getattr(owner, control.name))
         return found
 

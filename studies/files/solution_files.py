@@ -14,7 +14,7 @@ import numpy as np
 from linecontact.solver import Solution
 from linecontact.solver.display import row, sentence
 from linecontact.solver.grid.patch_table import PatchTable
-from linecontact.solver.units import length_unit
+from linecontact.solver.units import named, shown
 from linecontact.solver.value import Value
 from numpy.typing import NDArray
 
@@ -62,8 +62,8 @@ class StoredSolution(Value):
 
     def __repr__(self) -> str:
         names = ("status", "contact_area_subgrid", "contact_area_error", "num_patches", "scene.thickness")
-        length = length_unit(self.results, "scene.")
-        rows = [row(name, self.results[name], length) for name in names if name in self.results]
+        own = named(self.results, "scene.")
+        rows = [row(name, self.results[name], own) for name in names if name in self.results]
         title = f"{type(self).__name__}: fields of {self.x.size} points, and {len(self.results)} results"
         return "\n  ".join(
             [sentence(title, rows), *(f"warning, {kind}: {text}" for kind, text in self.warnings.items())]
@@ -114,8 +114,8 @@ def _patches(file: "h5py.File") -> PatchTable | None:
 
 def save_patches(path: Name, solution: Solution) -> None:
     """Write the table of contact patches as CSV, with a line of names and units first."""
-    own = solution.scene.length_unit
-    head = ",".join(f"{name} [{unit.replace('length', own)}]" for name, unit in _PATCH_UNITS.items())
+    own = solution.scene.units
+    head = ",".join(f"{name} [{shown(unit, own)}]" for name, unit in _PATCH_UNITS.items())
     lines = (",".join(f"{value:.12g}" for value in row) for row in zip(*astuple(solution.patches), strict=True))
     write_bytes(Path(path), ["\n".join([head, *lines, ""]).encode()])
 
