@@ -116,7 +116,7 @@ def test_every_layer_takes_youngs_modulus():
     )
     assert coated == CoatedHalfSpace(0.1, 5.0, poisson_ratio=0.5, base_poisson_ratio=0.0, contact_modulus=4.0)
     assert SlidingLayer(0.1, youngs_modulus=3.0, poisson_ratio=0.5) == SlidingLayer(0.1, 4.0)
-    with pytest.raises(ValueError, match="base_youngs_modulus is 5, and base_modulus 2.0; allowed"):
+    with pytest.raises(ValueError, match=r"base_youngs_modulus is 5, and base_modulus 2\.0; allowed"):
         CoatedHalfSpace(0.1, 2.0, base_youngs_modulus=5)
 
 
