@@ -202,8 +202,8 @@ class Solution(Value):
     def plot(self, path: str | os.PathLike[str] | None = None, overwrite: bool = False) -> Any:
         """The figure of the solution, as a Matplotlib `Figure`; see `linecontact.plot`.
 
-        path: where to write it, too, for instance as .png or .pdf. overwrite: whether an existing file may be replaced.
-        Raises `ValueError` for a file that cannot be written.
+        path: where to write it, too, for instance as .png or .pdf. overwrite: whether a file may be replaced that is no
+        figure of linecontact's. Raises `ValueError` for a file that cannot be written.
         """
         import linecontact  # the package's front knows how solutions are drawn
 

@@ -476,6 +476,37 @@ def test_a_solution_s_figure_is_known_as_linecontact_s(solution, tmp_path):
     assert (tmp_path / "run.pdf").read_text() == "mine"
 
 
+@pytest.mark.parametrize("ending", ["png", "pdf", "svg", "eps", "PNG"])
+def test_a_figure_is_drawn_again_over_itself_and_over_no_other(solution, tmp_path, ending):
+    path = tmp_path / f"run.{ending}"
+    solution.plot(path)
+    solution.plot(path)
+    Figure().savefig(path)
+    with pytest.raises(ValueError, match="exists; allowed: a new name, or overwriting it"):
+        solution.plot(path)
+    solution.plot(path, overwrite=True)
+    solution.plot(path)
+
+
+def test_what_linecontact_has_made_it_makes_again_and_data_never(solution, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    solution.plot("run.png")
+    words = ["solve", "--num-points", "256", "--plot", "--patches", "patches.csv", "--save"]
+    assert main.main([*words, "run.h5"]) == 0
+    assert main.main([*words, "run.h5"]) == 2
+    assert "run.h5 exists" in capsys.readouterr().err
+    assert main.main([*words, "other.h5", "--pressure", "1kPa", "--contact-modulus", "1MPa"]) == 0
+    assert main.main(["export", "run.h5", "--csv", "patches.csv"]) == 2
+    assert main.main(["export", "run.h5", "--csv", "run.csv"]) == 0
+    assert main.main(["export", "other.h5", "--csv", "run.csv"]) == 0
+    assert (
+        Path("run.csv").read_text().startswith("x [length],profile [length],displacement [length],contact_pressure [k")
+    )
+    Path("patches.csv").write_text("left,right\n0,1\n")
+    assert main.main([*words, "third.h5"]) == 2
+    assert Path("patches.csv").read_text() == "left,right\n0,1\n"
+
+
 def test_an_infinite_stiffness_of_a_curve_is_drawn_at_the_top():
     with matplotlib.rc_context(STYLE):
         (figure,) = curve_figures.draw(RESULTS / "curve.h5").values()

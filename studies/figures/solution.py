@@ -22,9 +22,9 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from ..files import solution_files, writing
+from ..files.marks import is_ours, marked
 from ..files.solution_files import Name, StoredSolution
 from . import titles
-from .names import marked
 from .scales import Scales, scales
 from .style import COLOURS, ONE_COLUMN, STYLE, typeset, typeset_error
 from .thinning import extremes, merged
@@ -85,15 +85,16 @@ def plot(solution: Solution | StoredSolution, path: Name | None = None, overwrit
     Heights and pressure over the period with the contact patches, and the widest patch enlarged; lengths in the units
     of the scan if there is one, else over the period; pressures over E*.
 
-    path: where to write it, as .png, .pdf, .svg or what else Matplotlib writes. overwrite: whether an existing file may
-    be replaced. Raises `ValueError` for anything else, and for a file that cannot be written.
+    path: where to write it, as .png, .pdf, .svg or what else Matplotlib writes. overwrite: whether a file may be
+    replaced that is no figure of linecontact's. Raises `ValueError` for anything else, and for a file that cannot be
+    written.
     """
     if not isinstance(solution, Solution | StoredSolution):
         raise ValueError(f"solution is {str(solution)[:40]!r}; allowed: a Solution, or what `load` returns")
     stored = solution_files.stored(solution) if isinstance(solution, Solution) else solution
     file = None if path is None else writing.as_path("path", path)
     if file:
-        writing.check_target(file, overwrite)
+        writing.check_target(file, overwrite or is_ours(file))
     with matplotlib.rc_context(STYLE):
         drawn = figure(stored)
         known = drawn.canvas.get_supported_filetypes()

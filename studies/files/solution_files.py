@@ -6,6 +6,7 @@ dots).
 """
 
 import os
+from collections.abc import Mapping
 from dataclasses import astuple, dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -112,10 +113,14 @@ def _patches(file: "h5py.File") -> PatchTable | None:
     return PatchTable(**columns)
 
 
+def patches_head(names: Mapping[str, str]) -> str:
+    """The first line of the table of contact patches. names: of the scene's units."""
+    return ",".join(f"{name} [{shown(unit, names)}]" for name, unit in _PATCH_UNITS.items())
+
+
 def save_patches(path: Name, solution: Solution) -> None:
     """Write the table of contact patches as CSV, with a line of names and units first."""
-    own = solution.scene.units
-    head = ",".join(f"{name} [{shown(unit, own)}]" for name, unit in _PATCH_UNITS.items())
+    head = patches_head(solution.scene.units)
     lines = (",".join(f"{value:.12g}" for value in row) for row in zip(*astuple(solution.patches), strict=True))
     write_bytes(Path(path), ["\n".join([head, *lines, ""]).encode()])
 
