@@ -107,14 +107,11 @@ def _of_units(scene: Scene) -> Iterator[SolutionWarning]:
     thickness, period, unit = scene.layer.thickness, scene.period, scene.length_unit
     (low, high), found = _FAR_APART, list[str]()
     if scene.reduced_load > 1:
-        found.append(
-            f"the mean pressure is {scene.reduced_load:.2g} times the contact modulus E*; are both in one unit?"
-        )
+        found.append(f"the mean pressure is {scene.reduced_load:.2g} times the contact modulus E*")
     if unit != "length" and math.isfinite(thickness) and not low < thickness / period < high:
-        text = f"the layer is {thickness:.3g} {unit} thick, and the period of the scan is {period:.3g} {unit}"
-        found.append(f"{text}; are both in {unit}?")
+        found.append(f"the layer is {thickness:.3g} {unit} thick, and the period of the scan is {period:.3g} {unit}")
     if found:
-        yield SolutionWarning(WarningKind.UNITS, " And ".join(found))
+        yield SolutionWarning(WarningKind.UNITS, f"{'; '.join(found)}: check that they are in one unit")
 
 
 def _of_grid(scene: Scene, found: Observables, patches: PatchTable) -> Iterator[SolutionWarning]:

@@ -1,6 +1,4 @@
-"""In which units the figure of a solution is drawn: those of the scan, where it has brought some; else it is said that
-numbers are dimensionless.
-"""
+"""In which units the figure of a solution is drawn; where there are none it is said that numbers are dimensionless."""
 
 import math
 from collections.abc import Collection, Mapping
@@ -9,8 +7,9 @@ from typing import Any
 
 from ..files.solution_files import StoredSolution
 from ..scans.preparation import mirrored
-from ..scans.units import UNITS, axis_units
+from ..scans.units import UNITS
 from .style import kind, layer, typeset
+from .units import Shown, shown_units
 
 
 @dataclass(frozen=True)
@@ -38,7 +37,7 @@ class Scales:
     base: str
     """The half-space below a coating; empty for a layer on a rigid base."""
     load: str
-    """The mean pressure over E*; empty where E* is not known."""
+    """The mean pressure in words; empty where neither its unit nor E* is known."""
     told: str
     """What is dimensionless, and by what it was divided."""
     mirrored: bool
@@ -47,46 +46,66 @@ class Scales:
 
 def scales(solution: StoredSolution) -> Scales:
     """The scales of a stored solution: the units of its scan, or the period; pressures over E*, or over their mean."""
-    results = solution.results
-    period, pressure = float(results["scene.period"]), float(results["scene.pressure"])
-    about = {name.removeprefix("scene."): value for name, value in results.items()}
-    units = axis_units(about)
-    x = z = period
-    along, up, distance = "position $x/L$", "height/$L$", "$L$"
-    if units:
-        own, along_unit, up_unit = units
-        x, z = (UNITS[unit] / UNITS[own] for unit in (along_unit, up_unit))
-        along, distance = f"position $x$ ({shown(along_unit)})", shown(along_unit)
-        up = f"height ({shown(up_unit)})"
-    modulus = results.get("scene.contact_modulus")  # not every layer names one
-    over = "$E^*$" if modulus else "their mean"
-    lengths = "" if units else "lengths over the period $L$, "
-    thickness = float(results["scene.thickness"])
-    size = thickness_in(thickness, units[0]) if units else layer(thickness / period)
+    about = of_scene(solution.results)
+    along, up, pressures = shown_units(about)
+    dimensionless = ["lengths over the period $L$"] * (not along.unit)
+    dimensionless += [f"pressures over {sign(pressures)}"] * (not pressures.unit)
     return Scales(
-        period=period,
-        x=x,
-        z=z,
-        pressure=float(modulus) if modulus else pressure,
-        x_label=along,
-        x_unit=distance,
-        z_label=up,
-        pressure_label="pressure/$E^*$" if modulus else "pressure / mean",
-        told=f"Dimensionless: {lengths}pressures over {over}.",
-        thickness=", ".join(filter(None, (kind(str(results.get("scene.layer", "bonded"))), size))),
-        base=base(results),
-        load=f"$p={typeset(pressure / float(modulus))}\\,E^*$" if modulus else "",
+        period=float(about["period"]),
+        x=1 / along.factor,
+        z=1 / up.factor,
+        pressure=1 / pressures.factor,
+        x_label="position $x$" + _of(along),
+        x_unit=shown(along.unit) or "$L$",
+        z_label="height" + _of(up),
+        pressure_label="pressure" + _of(pressures),
+        told=f"Dimensionless: {', '.join(dimensionless)}." * bool(dimensionless),
+        thickness=", ".join(filter(None, (kind(str(about.get("layer", "bonded"))), thickness(about)))),
+        base=base(solution.results),
+        load=load(about),
         mirrored=mirrored(about),
     )
 
 
-def thickness_in(thickness: float, unit: str) -> str:
-    """A layer's thickness, in that unit, as people write it."""
-    if math.isinf(thickness):
-        return layer(thickness)
-    size = thickness * UNITS[unit]
-    best = next((one for one in ("m", "mm", "um", "nm") if size >= UNITS[one]), "nm") if unit != "inch" else unit
-    return f"$d={typeset(size / UNITS[best])}$ {shown(best)}"
+def _of(what: Shown) -> str:
+    """What stands after the name of a quantity at an axis."""
+    return f" ({shown(what.unit)})" if what.unit else f"/{sign(what)}"
+
+
+def sign(what: Shown) -> str:
+    """What a quantity is divided by, in a formula if it has a sign."""
+    return {"L": "$L$", "E*": "$E^*$"}.get(what.over, what.over)
+
+
+def of_scene(results: Mapping[str, Any]) -> dict[str, Any]:
+    """What results say of their scene, by the names of `Scene.to_dict`."""
+    return {name.removeprefix("scene."): value for name, value in results.items() if name.startswith("scene.")}
+
+
+def load(about: Mapping[str, Any]) -> str:
+    """The mean pressure as people write it, in its unit or over E*; empty where neither is known.
+
+    about: the scene, as `Scene.to_dict` describes it.
+    """
+    (*_, pressures), pressure = shown_units(about), float(about["pressure"])
+    unit = {"E*": "\\,E^*$", "": f"$ {pressures.unit}"}.get(pressures.over)
+    return f"$p={typeset(pressure * pressures.factor)}{unit}" if unit and math.isfinite(pressure) else ""
+
+
+def thickness(about: Mapping[str, Any]) -> str:
+    """A layer's thickness as people write it: in the user's unit, in one that suits it, or over the period.
+
+    about: the scene, as `Scene.to_dict` describes it.
+    """
+    size, (along, *_) = float(about["thickness"]), shown_units(about)
+    if math.isinf(size) or not along.unit:
+        return layer(size * along.factor)
+    size, unit = size * along.factor, along.unit
+    if unit != about["profile_length_unit"] and unit in UNITS:
+        size *= UNITS[unit]
+        unit = next((one for one in ("m", "mm", "um", "nm") if size >= UNITS[one]), "nm")
+        size /= UNITS[unit]
+    return f"$d={typeset(size)}$ {shown(unit)}"
 
 
 def base(results: Mapping[str, Any], but: Collection[str] = ()) -> str:
@@ -100,5 +119,5 @@ def base(results: Mapping[str, Any], but: Collection[str] = ()) -> str:
 
 
 def shown(unit: str) -> str:
-    """A unit of length as a figure writes it."""
+    """A unit as a figure writes it."""
     return {"um": "\u00b5m", "angstrom": "\u00c5"}.get(unit, unit)

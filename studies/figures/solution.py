@@ -126,9 +126,9 @@ def figure(solution: StoredSolution) -> Figure:
     axes["heights"].set(ylabel=units.z_label)
     axes["pressure"].set(ylabel=units.pressure_label)
     axes["pressure"].set(xlabel=units.x_label, xlim=(0, units.period / units.x))
-    note = f"The indenter presses from above: its peaks point down.\n{units.told}"
-    note += "\nPatches of the mirror image are counted, too." * units.mirrored
-    axes["heights"].set_title(note, fontsize=7)
+    notes = ["The indenter presses from above: its peaks point down.", units.told]
+    notes += ["Patches of the mirror image are counted, too."] * units.mirrored
+    axes["heights"].set_title("\n".join(filter(None, notes)), fontsize=7)
     for name in ("heights", "pressure"):
         _bars(axes[name], contact.left / units.x, contact.right / units.x, units.period / units.x)
         if units.mirrored:

@@ -3,9 +3,8 @@
 import math
 import re
 import unicodedata
-from collections.abc import Mapping
 from decimal import Decimal
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 from linecontact.solver.units import PRESSURES, SCENE
 
@@ -103,18 +102,6 @@ def read(name: str, text: str, own: Own | None, allowed: str = "a number") -> fl
 def _converted(value: float, unit: float, own: float) -> float:
     """A number in another unit, from the digits that it is written in: 200 um are 0.0002 m and not 1e-20 less."""
     return float(Decimal(repr(value)) * Decimal(repr(unit)) / Decimal(repr(own)))
-
-
-def axis_units(about: Mapping[str, Any]) -> tuple[str, str, str] | None:
-    """Units of the scene's lengths, of positions and of heights; None where they are not known.
-
-    about: what travels with a scan's results, see `MeasuredIndenter.description`.
-    """
-    own = str(about.get("profile_length_unit"))
-    if own not in UNITS:
-        return None
-    x, z = (unit if (unit := str(about.get(f"profile_{axis}_unit"))) in UNITS else own for axis in "xz")
-    return own, x, z
 
 
 def plain(text: str) -> str:
