@@ -269,6 +269,33 @@ def test_a_scan_is_drawn_in_its_units_with_its_mirror_image(tmp_path):
     check_places(figure)
 
 
+@pytest.mark.parametrize(
+    ("options", "x", "z", "size", "thickness"),
+    [
+        ({"length_unit": "nm"}, "nm", "nm", 1e3, "$d=2000$ nm"),
+        ({"length_unit": "mm"}, "mm", "mm", 1e-3, "$d=0.002$ mm"),
+        ({"x_unit": "um", "z_unit": "nm"}, "\u00b5m", "nm", 1.0, "$d=2$ \u00b5m"),
+        ({"scene_units": True}, "own unit", "own unit", 1.0, "$d=2$ own unit"),
+    ],
+)
+def test_a_scan_is_drawn_in_the_unit_that_is_asked_for(tmp_path, options, x, z, size, thickness):
+    heights = np.sin(np.arange(300) / 20) + 0.05 * np.random.default_rng(0).standard_normal(300)
+    named = "x [um],z [um]" if "length_unit" in options else ""
+    np.savetxt(tmp_path / "scan.csv", np.stack([0.5 * np.arange(300), heights], axis=1), delimiter=",", header=named)
+    scan = read_scan(tmp_path / "scan.csv", **options)
+    scene = scan.scene(Layer(2 * scan.period / 300, 0.49, 3.0), 1e-3)
+    figure = solve(dataclasses.replace(scene, pressure_unit="MPa")).plot()
+    text = texts(figure)
+    assert f"position $x$ ({x})" in text
+    assert f"height ({z})" in text
+    assert f"{thickness}, " in text
+    assert "pressure (MPa)" in text
+    assert "$p=0.001$ MPa" in text
+    assert "Dimensionless" not in text
+    assert figure.axes[0].get_xlim() == pytest.approx((0, 300 * size))
+    check_places(figure)
+
+
 def test_the_base_of_a_coating_is_named():
     figure = solve(Scene(CoatedHalfSpace(0.1, 2.5, 0.4, 0.3, contact_modulus=5.0), num_points=512)).plot()
     assert "coated, $d=0.1\\,L$, $\\nu=0.4$,\nbase: $E_2^*=0.5\\,E^*$, $\\nu_2=0.3$, $p=" in texts(figure)
