@@ -12,8 +12,8 @@ from linecontact.solver.transforms.device import DEVICES
 from linecontact.solver.transforms.planner import PLANNING
 from linecontact.solver.units import named
 
-from ..figures.names import names
 from ..files import solution_files, writing
+from ..files.marks import names
 from ..scans import summary
 from ..scenes import making
 from ..scenes.making import Given, make_scene

@@ -8,9 +8,8 @@ from pathlib import Path
 import matplotlib
 from matplotlib.figure import Figure
 
-from ..files.marks import is_ours, marked
+from ..files.marks import FORMATS, is_ours, marked, names
 from ..files.writing import StoreError, expecting, write_bytes
-from .names import FORMATS, names
 from .style import STYLE
 from .ticks import in_plain_text
 

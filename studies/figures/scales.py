@@ -1,73 +1,23 @@
-"""In which units the figure of a solution is drawn; where there are none it is said that numbers are dimensionless."""
+"""What figures say of lengths, pressures and layers, in the units in which they show them."""
 
 import math
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
 from typing import Any
 
-from ..files.solution_files import StoredSolution
-from ..scans.preparation import mirrored
 from ..scans.units import UNITS
-from .style import kind, layer, typeset
+from .style import layer, typeset
 from .units import Shown, shown_units
 
 
-@dataclass(frozen=True)
-class Scales:
-    """What the numbers of a stored solution are divided by, and what the axes are called then."""
-
-    period: float
-    """L, as it is stored."""
-    x: float
-    """The unit of positions."""
-    z: float
-    """The unit of heights."""
-    pressure: float
-    """The unit of pressures."""
-    x_label: str
-    """The axis of positions."""
-    x_unit: str
-    """What that unit is called."""
-    z_label: str
-    """The axis of heights."""
-    pressure_label: str
-    """The axis of pressures."""
-    thickness: str
-    """The layer's thickness in words, with the kind of the layer unless it is bonded."""
-    base: str
-    """The half-space below a coating; empty for a layer on a rigid base."""
-    load: str
-    """The mean pressure in words; empty where neither its unit nor E* is known."""
-    told: str
-    """What is dimensionless, and by what it was divided."""
-    mirrored: bool
-    """Whether the second half of the period is the mirror image of a scan."""
+def told(units: tuple[Shown, ...]) -> str:
+    """What is dimensionless, and by what it was divided; empty where nothing is. units: as `shown_units` gives them."""
+    along, _, pressures = units
+    over = [f"lengths over the period {sign(along)}"] * (not along.unit)
+    over += [f"pressures over {sign(pressures)}"] * (not pressures.unit)
+    return f"Dimensionless: {', '.join(over)}." * bool(over)
 
 
-def scales(solution: StoredSolution) -> Scales:
-    """The scales of a stored solution: the units of its scan, or the period; pressures over E*, or over their mean."""
-    about = of_scene(solution.results)
-    along, up, pressures = shown_units(about)
-    dimensionless = ["lengths over the period $L$"] * (not along.unit)
-    dimensionless += [f"pressures over {sign(pressures)}"] * (not pressures.unit)
-    return Scales(
-        period=float(about["period"]),
-        x=1 / along.factor,
-        z=1 / up.factor,
-        pressure=1 / pressures.factor,
-        x_label="position $x$" + _of(along),
-        x_unit=shown(along.unit) or "$L$",
-        z_label="height" + _of(up),
-        pressure_label="pressure" + _of(pressures),
-        told=f"Dimensionless: {', '.join(dimensionless)}." * bool(dimensionless),
-        thickness=", ".join(filter(None, (kind(str(about.get("layer", "bonded"))), thickness(about)))),
-        base=base(solution.results),
-        load=load(about),
-        mirrored=mirrored(about),
-    )
-
-
-def _of(what: Shown) -> str:
+def of(what: Shown) -> str:
     """What stands after the name of a quantity at an axis."""
     return f" ({shown(what.unit)})" if what.unit else f"/{sign(what)}"
 

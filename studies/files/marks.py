@@ -3,7 +3,11 @@ by their first line.
 """
 
 import re
+from collections.abc import Iterable
 from pathlib import Path
+
+FORMATS = (".png", ".pdf")
+"""Endings of the files that every figure is written to."""
 
 _PROGRAM = "linecontact"
 _MARKS = {
@@ -16,6 +20,11 @@ _MARKS = {
 """Where the program's name stands in the files of figures, and how."""
 
 _UNIT = re.compile(r" \[[^]]*\]")
+
+
+def names(path: Path, endings: Iterable[str]) -> list[Path]:
+    """The files of the figures of a stored file, beside it: for each ending of a figure's name one in every format."""
+    return [path.with_name(path.stem + ending + form) for ending in endings for form in FORMATS]
 
 
 def marked(form: str) -> dict[str, str] | None:
