@@ -76,20 +76,17 @@ def declare(own: Mapping[str, str], fields: Collection[str]) -> None:
 
 
 def length_unit(about: Mapping[str, Any], prefix: str = "") -> str:
-    """The unit of length of what is described by these names; 'length' where nobody has said which one it is.
-
-    about: of an indenter, or of results, where `prefix` stands before the indenter's names.
-    """
+    """The unit of length among `named`."""
     return named(about, prefix)["length"]
 
 
 def named(about: Mapping[str, Any], prefix: str = "") -> dict[str, str]:
-    """The units of length and of pressure, by these words, of a scene that is described by these names; the words
-    themselves where nobody has said which ones they are. prefix: as of `length_unit`.
+    """The units of 'length' and 'pressure' of a scene, these words themselves where nobody has said which.
+
+    about: what describes the scene, or results, where `prefix` stands before the scene's names.
     """
-    length = str(about.get(f"{prefix}profile_length_unit", SCENE))
-    pressure = str(about.get(f"{prefix}pressure_unit", "pressure"))
-    return {"length": "length" if length == SCENE else length, "pressure": pressure}
+    said = {"length": about.get(f"{prefix}profile_length_unit"), "pressure": about.get(f"{prefix}pressure_unit")}
+    return {word: word if unit in (None, SCENE) else str(unit) for word, unit in said.items()}
 
 
 def shown(of: str, names: Mapping[str, str]) -> str:

@@ -5,8 +5,6 @@ from typing import Any, Protocol
 
 import numpy as np
 
-_LOOKED_AT = 64  # values of an array, for its hash
-
 
 class Value(Protocol):
     """A dataclass of its own equality, in which NaN equals NaN and arrays are compared value by value.
@@ -60,4 +58,4 @@ def _looked_at(value: Any) -> Any:
         return None if isinstance(value, float) and value != value else value
     if value.flags.writeable:
         raise TypeError("unhashable: an array that can be written to")
-    return value.shape, (value.ravel()[:: value.size // _LOOKED_AT + 1] + 0).tobytes()  # -0.0 as 0.0
+    return value.shape  # equality tells arrays of one shape apart

@@ -178,14 +178,10 @@ def _strain(scene: Scene, found: Observables, patches: PatchTable, displacement:
 
 def _of_elasticity(scene: Scene, found: Observables, strain: float) -> Iterator[SolutionWarning]:
     """Whether strains and slopes are small, as linear elasticity takes them to be."""
+    slope, taken = found.rms_gradient_subgrid, "are not small, but taken to be"
     if strain > LARGEST_STRAIN:
-        text = f"strains reach about {strain:.2g}"
-        yield SolutionWarning(
-            WarningKind.STRAIN, f"{text}: above {LARGEST_STRAIN:g} they are not small, but taken to be"
-        )
-    slope = found.rms_gradient_subgrid
+        text = f"strains reach about {strain:.2g}: above {LARGEST_STRAIN:g} they {taken}"
+        yield SolutionWarning(WarningKind.STRAIN, text)
     if slope > LARGEST_SLOPE:
-        text = f"the rms slope in the contact is {slope:.2g}"
-        yield SolutionWarning(
-            WarningKind.SLOPE, f"{text}: above {LARGEST_SLOPE:g} slopes are not small, but taken to be"
-        )
+        text = f"the rms slope in the contact is {slope:.2g}: above {LARGEST_SLOPE:g} slopes {taken}"
+        yield SolutionWarning(WarningKind.SLOPE, text)
