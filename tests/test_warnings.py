@@ -193,9 +193,11 @@ def test_patches_as_a_file(tmp_path, capsys):
     assert head.startswith("left [length],right [length],width [length],nodes [-],load [pressure times length]")
     assert len(lines) == json.loads(shown.out)["num_patches"]
     assert sum(float(line.split(",")[4]) for line in lines) == pytest.approx(0.01)
-    status, shown = run(capsys, *words, "--patches", tmp_path / "patches.csv")
-    assert status == 2
-    assert "patches.csv exists" in shown.err
+    (tmp_path / "mine.csv").write_text("left,right\n")
+    for name, expected in (("patches.csv", 0), ("mine.csv", 2)):  # a table of linecontact's, and another one
+        status, shown = run(capsys, *words, "--patches", tmp_path / name)
+        assert status == expected
+    assert "mine.csv exists" in shown.err
     scan = (
         "--profile",
         "file",
