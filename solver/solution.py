@@ -139,7 +139,7 @@ class Solution(Value):
     def __repr__(self) -> str:
         """What was found, in a few lines with units, and the scene; arrays are left out."""
         rows = self._rows()
-        told = [display.sentence("Solution", rows[:4]), display.sentence("found", rows[4:])]
+        told = [display.sentence("Solution", rows[:4]), display.sentence("found, +- numerical errors", rows[4:])]
         warned = [f"warning, {warning.kind}: {warning.text}" for warning in self.warnings]
         return "\n".join([*told, *warned, repr(self.scene)]).replace("\n", "\n  ")
 

@@ -39,7 +39,7 @@ _SMOOTH = 1 / 3  # of half a shortest wave: in patches narrower on the average t
 _MOST_OMITTED = 0.001  # share of the mean square slope in waves that the grid leaves out
 _FEWEST_NODES = 3  # of a patch that is resolved
 _WAVE_POINTS = 3  # half a shortest wave on fewer points needs as many more nodes to a patch
-_SHARE_OF_LOAD = 0.05  # on patches as narrow as two values of a scan
+_SHARE_OF_LOAD = 0.02  # on patches as narrow as two values of a scan
 
 _FAR_APART = 1e-5, 1e3  # thickness over the period of a scan
 

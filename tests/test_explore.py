@@ -376,7 +376,7 @@ def test_curves_take_a_grid_that_holds_the_surface():
     rough = Scene(Layer(), RoughIndenter(), num_points=2**14)
     assert grid(rough) == 2**14
     assert grid(Scene(num_points=2**14)) == 2**12
-    smooth = MeasuredIndenter(1 - np.cos(2 * np.pi * np.arange(2**14) / 2**14))
+    smooth = MeasuredIndenter(1 - np.cos(2 * np.pi * np.arange(2**14) / 2**14), convention="gap")
     assert grid(Scene(Layer(), smooth, num_points=2**14)) == 2**12
     curve = Curve(LOAD)
     curve.aim(rough)

@@ -151,7 +151,9 @@ def test_noise_under_a_stiff_coating(num_points, thickness, base, pressure, even
     heights = 1e-3 * np.random.default_rng(num_points).standard_normal(num_points)
     if even:
         heights[num_points // 2 :] = heights[: num_points // 2][::-1]
-    scene = Scene(CoatedHalfSpace(thickness, base), MeasuredIndenter(heights), pressure, num_points=num_points)
+    scene = Scene(
+        CoatedHalfSpace(thickness, base), MeasuredIndenter(heights, convention="gap"), pressure, num_points=num_points
+    )
     solution = solve(scene)
     assert solution.status is Status.CONVERGED
     assert solution.certificate.free_residual < 3e-8  # of which rounding leaves 1e-8
@@ -177,7 +179,7 @@ def test_few_nodes_at_a_time_find_the_same_contact(even, most, monkeypatch):
     heights = RoughIndenter(0.8, 1, 1 / 8, 1 / 8).profile(2**10, 1.0)
     if even:
         heights[2**9 :] = heights[: 2**9][::-1]
-    indenter = MeasuredIndenter(heights - heights.min())
+    indenter = MeasuredIndenter(heights - heights.min(), convention="gap")
     scenes = [Scene(Layer(d), indenter, 0.02, num_points=2**10) for d in (math.inf, 1e-3)]
     usual = [solve(scene).contact_pressure for scene in scenes]
 
@@ -199,7 +201,11 @@ def test_beginning_anew_on_an_even_scene():
     heights = RoughIndenter(0.8, 1, 1 / 8, 1 / 8).profile(n, 1.0)
     heights[n // 2 :] = heights[: n // 2][::-1]
     search = active_set.begin(
-        Problem.from_scene(Scene(CoatedHalfSpace(1e-3, 1e-4), MeasuredIndenter(heights - heights.min()), num_points=n)),
+        Problem.from_scene(
+            Scene(
+                CoatedHalfSpace(1e-3, 1e-4), MeasuredIndenter(heights - heights.min(), convention="gap"), num_points=n
+            )
+        ),
         Setting(1e-8),
     )
     assert search.even

@@ -89,7 +89,7 @@ def test_the_preconditioner_inverts_a_short_gap_exactly():
 
 def test_a_scan_and_its_mirror_image_take_half_of_the_nodes():
     heights = np.cumsum(np.random.default_rng(1).standard_normal(2**12)) / 2**12
-    indenter = MeasuredIndenter(np.concatenate([heights, heights[::-1]]))
+    indenter = MeasuredIndenter(np.concatenate([heights, heights[::-1]]), convention="gap")
     scene = Scene(Layer(), indenter, 1.0, num_points=2**13)
     problem = Problem.from_scene(Scene(Layer(), indenter, 0.4 * full_contact_pressure(scene), num_points=2**13))
     found = [

@@ -106,7 +106,7 @@ def test_a_warning_is_printed_with_the_solution():
 def test_the_unit_of_a_scan_stands_at_its_lengths():
     heights = np.cos(np.arange(64) / 64 * 2 * np.pi) / 100
     about = {"profile_file": "<script>alert('x')</script> & more", "profile_length_unit": "um"}
-    scene = Scene(Layer(0.5), MeasuredIndenter(heights, description=about), 1e-4, num_points=64)
+    scene = Scene(Layer(0.5), MeasuredIndenter(heights, description=about, convention="gap"), 1e-4, num_points=64)
     assert "period 1 [um]" in repr(scene)
     assert "thickness 0.5 [um]" in repr(scene)
     assert "[length]" not in repr(scene)
@@ -117,7 +117,7 @@ def test_the_unit_of_a_scan_stands_at_its_lengths():
 
 
 def test_what_comes_of_a_scan_is_printed_with_its_unit(tmp_path):
-    np.savetxt(tmp_path / "scan.csv", np.random.default_rng(0).random((40, 1)), header="z um")
+    np.savetxt(tmp_path / "scan.csv", np.random.default_rng(0).random((40, 1)), header="z [um]")
     scan = read_scan(tmp_path / "scan.csv", scan_length=1 / 3, length_unit="mm")
     assert repr(scan).startswith("Scan: period 0.666667 [mm], num_points 512; MeasuredIndenter: 512 heights, 0 to ")
     assert repr(scan).endswith(" [mm], from scan.csv")
@@ -248,7 +248,7 @@ def test_a_figure_of_many_patches_shows_each_and_the_largest_pressure():
 def test_a_scan_is_drawn_in_its_units_with_its_mirror_image(tmp_path):
     x = np.arange(300)
     scan = np.stack([0.5 * x, 20 * np.sin(x / 20) + np.random.default_rng(0).standard_normal(300)], axis=1)
-    np.savetxt(tmp_path / "scan.csv", scan, delimiter=",", header="x um, z nm")
+    np.savetxt(tmp_path / "scan.csv", scan, delimiter=",", header="x [um], z [nm]")
     solution = solve(read_scan(tmp_path / "scan.csv").scene(Layer(2e-3, 0.49, 1e6), 50.0))
     figure = solution.plot()
     text = texts(figure)

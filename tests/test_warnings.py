@@ -85,16 +85,20 @@ def test_what_a_scan_does_not_resolve():
     modes = np.zeros(1025, dtype=complex)
     modes[:128] = np.fft.rfft(values)[:128]
     heights = 1e-5 * np.fft.irfft(modes, 2048) * 8
-    scene = Scene(indenter=MeasuredIndenter(heights, 256), pressure=2e-4, num_points=2048)
+    scene = Scene(indenter=MeasuredIndenter(heights, 256, convention="gap"), pressure=2e-4, num_points=2048)
     assert WarningKind.SCAN in kinds(scene)
-    assert WarningKind.SCAN not in kinds(replace(scene, indenter=MeasuredIndenter(heights, 2048)))
+    assert WarningKind.SCAN not in kinds(replace(scene, indenter=MeasuredIndenter(heights, 2048, convention="gap")))
 
 
 def test_a_grid_coarser_than_the_scan():
     """A scan that was resampled to fewer points than it has values: what it lost may have carried the load."""
     heights = 1e-5 * RoughIndenter(0.8, 0, 1 / 8, 1 / 8).profile(256, 1.0)
-    assert WarningKind.WAVES in kinds(Scene(indenter=MeasuredIndenter(heights, 1024), pressure=1e-6, num_points=256))
-    assert WarningKind.WAVES not in kinds(Scene(indenter=MeasuredIndenter(heights), pressure=1e-6, num_points=256))
+    assert WarningKind.WAVES in kinds(
+        Scene(indenter=MeasuredIndenter(heights, 1024, convention="gap"), pressure=1e-6, num_points=256)
+    )
+    assert WarningKind.WAVES not in kinds(
+        Scene(indenter=MeasuredIndenter(heights, convention="gap"), pressure=1e-6, num_points=256)
+    )
 
 
 def test_patches_add_up():
@@ -111,7 +115,7 @@ def test_patches_add_up():
 
 def test_a_patch_across_the_end_of_the_period():
     heights = 0.5 * (1 - np.cos(2 * np.pi * np.arange(512) / 512)) * 1e-2  # lowest at node 0
-    patches = solve(Scene(indenter=MeasuredIndenter(heights), pressure=1e-4, num_points=512)).patches
+    patches = solve(Scene(indenter=MeasuredIndenter(heights, convention="gap"), pressure=1e-4, num_points=512)).patches
     assert patches.left.size == 1
     assert 0 < patches.left[0] < 1 < patches.right[0]
     assert patches.left[0] + patches.right[0] == pytest.approx(2)
@@ -120,7 +124,7 @@ def test_a_patch_across_the_end_of_the_period():
 @pytest.mark.parametrize("lowest", [0, 1, 511])
 def test_patches_begin_within_the_period(lowest):
     heights = 0.5 * (1 - np.cos(2 * np.pi * (np.arange(512) - lowest) / 512)) * 1e-2
-    patches = solve(Scene(indenter=MeasuredIndenter(heights), pressure=1e-7, num_points=512)).patches
+    patches = solve(Scene(indenter=MeasuredIndenter(heights, convention="gap"), pressure=1e-7, num_points=512)).patches
     assert (patches.left >= 0).all()
     assert (patches.left < 1).all()
     off = (patches.left + patches.right) / 2 - lowest / 512
@@ -239,7 +243,7 @@ def random_scene(rng):
     known = np.fft.rfft(np.concatenate([values, values[::-1]]))[: modes.size]
     modes[: known.size] = known
     heights, size = np.fft.irfft(modes, n), float(10 ** rng.uniform(-6, -2))
-    indenter = MeasuredIndenter(size * heights / np.ptp(heights), min(n, 2 * values.size))
+    indenter = MeasuredIndenter(size * heights / np.ptp(heights), min(n, 2 * values.size), convention="gap")
     return Scene(layer, indenter, 10 * size * load, num_points=n)
 
 

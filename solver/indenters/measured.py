@@ -1,9 +1,9 @@
 """A profile that is given point by point, for instance a measured scan."""
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import InitVar, dataclass, field, replace
 from functools import cached_property
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
 
@@ -23,6 +23,8 @@ _SMOOTHER = 4  # times longer without its kinks: from then on a profile counts a
 class MeasuredIndenter(Indenter):
     """Heights given point by point, one for each grid point of the scene, periodic as they stand.
 
+    convention, which must be named: "heights" of a surface, whose peaks touch first, as a scan has them; or "gap", the
+    distance h of the indenter from the layer at first touch, whose lowest points touch first. It is kept as the gap.
     Coarser grids take the Fourier modes that they hold. Slopes are differences, see `Indenter`. Raises `ValueError`.
     """
 
@@ -34,10 +36,12 @@ class MeasuredIndenter(Indenter):
     """What is known of their origin, flat and JSON-ready; it travels with every result."""
     given_period: float | None = None
     """The period that they belong to [length], and no other; None: any."""
+    convention: InitVar[Literal["heights", "gap"]] = field(kw_only=True)
+    """Whether `heights` are given as those of a surface; `replace` must name it, too."""
 
     name: ClassVar[str] = "file"
 
-    def __post_init__(self) -> None:
+    def __post_init__(self, convention: str) -> None:
         allowed = "allowed: at least 4 finite real numbers, not all equal"
         heights = checks.array(self.heights)
         if heights is None:
@@ -47,7 +51,8 @@ class MeasuredIndenter(Indenter):
         bad = np.flatnonzero(~np.isfinite(heights))
         if bad.size:
             raise ValueError(f"heights[{bad[0]}] is {heights[bad[0]]}; {allowed}")
-        heights -= heights.min()
+        checks.choice("convention", convention, ("heights", "gap"))
+        heights = heights.max() - heights if convention == "heights" else heights - heights.min()
         if not 0 < heights.max() < math.inf:
             raise ValueError(f"heights are constant or too far apart; {allowed}")
         if self.measured_points is not None:
@@ -137,11 +142,13 @@ class MeasuredIndenter(Indenter):
         if num_points == self.heights.size:
             return self
         measured = self.measured_points or self.heights.size
-        return replace(self, heights=self.profile(num_points, period) * period, measured_points=measured)
+        return replace(
+            self, heights=self.profile(num_points, period) * period, measured_points=measured, convention="gap"
+        )
 
     def in_units(self, length: float) -> Self:
         period = None if self.given_period is None else self.given_period * length
-        return replace(self, heights=self.heights * length, given_period=period)
+        return replace(self, heights=self.heights * length, given_period=period, convention="gap")
 
     def ratios(self, period: float) -> dict[str, float]:
         return {"largest height/period": float(self.heights.max()) / period}
