@@ -1,7 +1,8 @@
 """Frozen dataclasses that are their fields: equal where these are, and made anew where they are copied or pickled."""
 
+from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
@@ -12,6 +13,9 @@ class Value(Protocol):
     A copy comes from the constructor, which checks it and makes its arrays read-only as it did with the first one's.
     What can still be changed has no hash: nothing that is kept by it may outlive a change.
     """
+
+    _remade: ClassVar[Mapping[str, Any]] = {}
+    """What the constructor of a copy is given besides the fields: values of its `InitVar`s."""
 
     def __init_subclass__(cls, **more: Any) -> None:
         super().__init_subclass__(**more)
@@ -24,7 +28,7 @@ class Value(Protocol):
             return super().__reduce_ex__(protocol)
         # a default is left to the constructor, which knows it from a number that is given
         given = {f.name: v for f in fields(self) if f.init and (v := getattr(self, f.name)) is not f.default}
-        return _made, (type(self), given)
+        return _made, (type(self), {**given, **self._remade})
 
 
 def _made(kind: type, given: dict[str, Any]) -> Any:

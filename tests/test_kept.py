@@ -148,7 +148,7 @@ HEIGHTS = np.random.default_rng(0).random(2**10)
     "scene",
     [
         Scene(approach=0.01, num_points=2**10),
-        Scene(Layer(0.1), MeasuredIndenter(HEIGHTS), 0.1, num_points=2**10),
+        Scene(Layer(0.1), MeasuredIndenter(HEIGHTS, convention="heights"), 0.1, num_points=2**10),
         Scene(CoatedHalfSpace(0.1, 2.0), approach=0.01, num_points=2**10),
     ],
 )
@@ -163,7 +163,7 @@ def test_copies_are_equal_and_as_read_only(copied, scene):
     if isinstance(scene.indenter, MeasuredIndenter):
         with pytest.raises(ValueError, match="read-only"):
             copied(scene.indenter).heights[0] = 1.0
-        assert copied(scene.indenter) != MeasuredIndenter(HEIGHTS[::-1])
+        assert copied(scene.indenter) != MeasuredIndenter(HEIGHTS[::-1], convention="heights")
 
 
 class Own(Indenter):

@@ -40,6 +40,7 @@ class MeasuredIndenter(Indenter):
     """Whether `heights` are given as those of a surface; `replace` must name it, too."""
 
     name: ClassVar[str] = "file"
+    _remade: ClassVar[dict[str, Any]] = {"convention": "gap"}
 
     def __post_init__(self, convention: str) -> None:
         allowed = "allowed: at least 4 finite real numbers, not all equal"
@@ -142,13 +143,12 @@ class MeasuredIndenter(Indenter):
         if num_points == self.heights.size:
             return self
         measured = self.measured_points or self.heights.size
-        return replace(
-            self, heights=self.profile(num_points, period) * period, measured_points=measured, convention="gap"
-        )
+        heights = self.profile(num_points, period) * period
+        return replace(self, heights=heights, measured_points=measured, **self._remade)
 
     def in_units(self, length: float) -> Self:
         period = None if self.given_period is None else self.given_period * length
-        return replace(self, heights=self.heights * length, given_period=period, convention="gap")
+        return replace(self, heights=self.heights * length, given_period=period, **self._remade)
 
     def ratios(self, period: float) -> dict[str, float]:
         return {"largest height/period": float(self.heights.max()) / period}
