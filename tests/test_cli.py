@@ -204,7 +204,7 @@ def test_lengths_of_a_scan_s_scene_may_have_units(tmp_path, capsys, columns):
     ],
 )
 def test_a_length_in_another_unit_is_the_number_with_its_digits(text, unit, value):
-    assert units.read("thickness", text, True, units.Own(unit)) == value
+    assert units.read("thickness", text, units.Own(unit)) == value
 
 
 @pytest.mark.parametrize(
@@ -373,10 +373,10 @@ def test_methods_and_grids(method, grids):
             ["solve", "--num-points", "1e-3"],
             "num_points is '1e-3'; allowed: an integer, in digits or like 2^10 or 1e6\n",
         ),
-        (["solve", "--pressure", "a'b"], 'linecontact: pressure is "a\'b"; allowed: a number alone, all pressures'),
+        (["solve", "--pressure", "a'b"], 'linecontact: pressure is "a\'b"; allowed: a number alone, or each'),
         (
             ["solve", "--youngs-modulus", "1MPa"],
-            "'1MPa'; allowed: a number alone, all pressures and moduli in one unit",
+            "pressure (or approach) is missing; allowed: where lengths or pressures have units, modulus and load",
         ),
         (
             ["solve", "--pressure", "1e-400"],

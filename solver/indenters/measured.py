@@ -10,7 +10,7 @@ import numpy as np
 from .. import checks, display
 from ..arrays import Array64, Modes
 from ..transforms.plain import irfft, rfft
-from ..units import length_unit
+from ..units import named
 from .indenter import Indenter
 
 _MOST_CURVATURE = 0.99  # of the mean square curvature, in the waves that decide how fine a grid has to be
@@ -19,7 +19,7 @@ _ROUNDING = 1e-15  # of the largest height, in second differences
 _SMOOTHER = 4  # times longer without its kinks: from then on a profile counts as kinked
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class MeasuredIndenter(Indenter):
     """Heights given point by point, one for each grid point of the scene, periodic as they stand.
 
@@ -32,7 +32,7 @@ class MeasuredIndenter(Indenter):
     """Heights, shape (N,) [length], in the user's unit; kept shifted so that the lowest is 0."""
     measured_points: int | None = None
     """Values in the period that were measured, where the heights were made from fewer or more; None: all heights."""
-    description: dict[str, Any] = field(default_factory=dict)
+    description: dict[str, Any] = field(default_factory=dict, hash=False)
     """What is known of their origin, flat and JSON-ready; it travels with every result."""
     given_period: float | None = None
     """The period that they belong to [length], and no other; None: any."""
@@ -40,6 +40,7 @@ class MeasuredIndenter(Indenter):
     """Whether `heights` are given as those of a surface; `replace` must name it, too."""
 
     name: ClassVar[str] = "file"
+    _remade: ClassVar[dict[str, Any]] = {"convention": "gap"}
 
     def __post_init__(self, convention: str) -> None:
         allowed = "allowed: at least 4 finite real numbers, not all equal"
@@ -64,7 +65,7 @@ class MeasuredIndenter(Indenter):
         checks.assign(self, heights=heights)
 
     def __repr__(self) -> str:
-        height = display.row("profile", float(self.heights.max()), length_unit(self.description))
+        height = display.row("profile", float(self.heights.max()), named(self.description))
         origin = self.description.get("profile_file")
         told = f"{self.heights.size} heights, 0 to {height.value}{display.bracketed(height.unit)}"
         return f"{type(self).__name__}: {told}" + (f", from {display.row('', origin).value}" if origin else "")
@@ -142,13 +143,12 @@ class MeasuredIndenter(Indenter):
         if num_points == self.heights.size:
             return self
         measured = self.measured_points or self.heights.size
-        return replace(
-            self, heights=self.profile(num_points, period) * period, measured_points=measured, convention="gap"
-        )
+        heights = self.profile(num_points, period) * period
+        return replace(self, heights=heights, measured_points=measured, **self._remade)
 
     def in_units(self, length: float) -> Self:
         period = None if self.given_period is None else self.given_period * length
-        return replace(self, heights=self.heights * length, given_period=period, convention="gap")
+        return replace(self, heights=self.heights * length, given_period=period, **self._remade)
 
     def ratios(self, period: float) -> dict[str, float]:
         return {"largest height/period": float(self.heights.max()) / period}

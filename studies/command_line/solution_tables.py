@@ -1,13 +1,13 @@
 """The tables of `linecontact solve`: what was found, with units, and what was chosen for the user."""
 
 import math
-import re
 from collections.abc import Iterator
 from typing import Any
 
 from linecontact.solver import METHODS, Solution, Status
 from linecontact.solver.display import rounded_up
 from linecontact.solver.reference.closed_forms import kappa_half_space
+from linecontact.solver.units import shown
 
 from ..scans.preparation import mirrored
 from ..terminal.tables import Whole
@@ -30,10 +30,11 @@ def solution_table(solution: Solution) -> Whole:
     table.add_column("quantity")
     table.add_column("value", justify="right", no_wrap=True)
     table.add_column("unit")
+    names = solution.scene.units
     for rows in (_contact(solution), _of_nodes(solution), _movement(solution, record), _effort(record)):
         for name, value, unit in rows:
-            unit = re.sub(r"\blength\b", solution.scene.length_unit, unit)
-            table.add_row(name, f"{value:.7g}" if isinstance(value, float) else str(value), unit)
+            told = f"{value:.7g}" if isinstance(value, float) else str(value)
+            table.add_row(name, told, shown(unit, names))
         table.add_section()
     return table
 
@@ -112,6 +113,6 @@ def choices_table(solution: Solution) -> Whole:
         table.add_column(heading, no_wrap=heading == "error")
     for choice in solution.choices:
         error = rounded_up(choice.error) if choice.error else ""
-        chosen = f"{choice.chosen} [pressure]" if choice.what == "pressure" else choice.chosen
+        chosen = f"{choice.chosen} [{solution.scene.units['pressure']}]" if choice.what == "pressure" else choice.chosen
         table.add_row(choice.what, chosen, error, choice.reason)
     return table
