@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import warp as wp
 from linecontact import kernels
-from linecontact.kernels import tuning
 from linecontact.solver import provenance
 from linecontact.solver.transforms import planner, wisdom
 from linecontact.solver.transforms.device import check_device, gpu_libraries
@@ -44,7 +43,7 @@ def command(_: Options) -> int:
         if hasattr(os, "sched_getaffinity")
         else str(os.cpu_count()),
         "instruction sets": kernels.instructions() or "unknown",
-        "flags of the kernels": ", ".join(f"{module} {name}" for module, name in tuning.chosen().items()),
+        "flags of the kernels": kernels.flags(),
         "Warp kernel cache": str(wp.config.kernel_cache_dir),
         "FFTW wisdom": f"{wisdom.wisdom_file()} ({'present' if wisdom.wisdom_file().exists() else 'none yet'})",
         "devices": ", ".join(["cpu (by default)", *_gpus()]),
