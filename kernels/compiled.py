@@ -6,12 +6,10 @@ tail test stays scalar. The reassociation flags let it vectorise the sums as wel
 threads take turns instead (`on_gpu`); on the CPU that is one thread.
 """
 
-import ctypes
 import gc
 import importlib
 import logging
 import os
-import sys
 import tempfile
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager, suppress
@@ -176,7 +174,7 @@ def start_warp() -> None:
 
     wp.config.log_level = wp.LOG_WARNING
     try:
-        with _without_c_messages():
+        with _silent_stderr():
             wp.init()
     except OSError as error:
         raise _unusable(error) from error
@@ -197,22 +195,19 @@ def _without_collection() -> Iterator[None]:
 
 
 @contextmanager
-def _without_c_messages() -> Iterator[None]:
-    """Warp's native code says that there is no CUDA driver, whatever its log level, on C's standard error.
-
-    The file descriptor stays as it is: other threads write to it, and their children inherit it.
+def _silent_stderr() -> Iterator[None]:
+    """Warp's native code reports a missing CUDA driver on file descriptor 2, whatever its log level. That is the whole
+    process's: not for two threads at once.
     """
-    if sys.platform != "linux":  # Warp has no CUDA on a Mac, and elsewhere the stream has another name
+    try:
+        saved = os.dup(2)
+    except OSError:  # it is closed
         yield
         return
-    libc = ctypes.CDLL(None)
-    libc.fopen.restype, libc.fclose.argtypes = ctypes.c_void_p, [ctypes.c_void_p]
-    stream = ctypes.c_void_p.in_dll(libc, "stderr")
-    before, null = stream.value, libc.fopen(os.devnull.encode(), b"w")
-    stream.value = null or before
-    try:
-        yield
-    finally:
-        stream.value = before
-        if null:
-            libc.fclose(null)
+    with open(os.devnull, "w") as null:
+        os.dup2(null.fileno(), 2)
+        try:
+            yield
+        finally:
+            os.dup2(saved, 2)
+            os.close(saved)

@@ -5,7 +5,9 @@ thread that forks takes them all first, in the order in which they are taken one
 """
 
 import functools
+import gc
 import os
+import sys
 import threading
 from collections.abc import Callable
 from typing import ParamSpec, TypeVar
@@ -49,6 +51,10 @@ def _begin_child() -> None:
     global forked
     forked = True
     _give_back()
+    if sys.version_info < (3, 12):  # every cached property has a lock of its own there
+        for one in gc.get_objects():
+            if type(one) is functools.cached_property:
+                one.lock = threading.RLock()  # type: ignore[attr-defined]
 
 
 if hasattr(os, "register_at_fork"):

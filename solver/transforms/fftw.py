@@ -5,7 +5,7 @@ them are then missing: who wants those imports pyFFTW first.
 """
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -28,10 +28,23 @@ def _hidden(*names: str) -> Iterator[None]:
 with _hidden("scipy", "dask"):
     import pyfftw
 
-__all__ = ["plan", "pyfftw"]
+__all__ = ["Plan", "pyfftw"]
 
 
-def plan(*arrays: Any, **options: Any) -> Any:
-    """`pyfftw.FFTW`: a child of a fork would wait for ever for a planner at work elsewhere."""
-    with PLANNING:
-        return pyfftw.FFTW(*arrays, **options)
+class Plan:
+    """A plan of FFTW's, made as `pyfftw.FFTW` is and done by calling it.
+
+    pyFFTW takes its planner's lock to make and to remove one, and a child of a fork would wait for ever for a thread
+    of its parent that held it.
+    """
+
+    def __init__(self, *arrays: Any, **options: Any) -> None:
+        with PLANNING:
+            self._execute: Callable[[], None] = pyfftw.FFTW(*arrays, **options).execute
+
+    def __call__(self) -> None:
+        self._execute()
+
+    def __del__(self) -> None:
+        with PLANNING:
+            self.__dict__.clear()

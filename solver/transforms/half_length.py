@@ -16,7 +16,7 @@ import numpy as np
 
 from ...kernels import CHUNK, Call
 from ..arrays import Array, Array64, Modes
-from .fftw import plan, pyfftw
+from .fftw import Plan, pyfftw
 from .planner import Planner
 
 _FASTER = 2**17, 2**19
@@ -82,4 +82,4 @@ class HalfLength:
 def _keep_tables(num_points: int) -> object:
     """A plan that keeps FFTW's tables of that length, whose making takes as long as the transform; see `real`."""
     values = pyfftw.empty_aligned(num_points // 2, dtype=np.complex128)
-    return plan(values, values, flags=["FFTW_ESTIMATE"])
+    return Plan(values, values, flags=["FFTW_ESTIMATE"])

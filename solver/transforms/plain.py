@@ -13,7 +13,7 @@ from ...kernels import started
 from ...kernels.locks import BUFFERS
 from ..arrays import Array64, Modes
 from . import four_step
-from .fftw import plan, pyfftw
+from .fftw import Plan, pyfftw
 from .four_step import LongPair
 from .pair import Pair
 
@@ -61,7 +61,7 @@ def rfft(values: Array64) -> Modes:
             return kept.modes.copy()
     source = np.require(values, np.float64, ["C", "W"])
     modes: Modes = pyfftw.empty_aligned(values.size // 2 + 1, dtype=np.complex128)
-    plan(source, modes, flags=["FFTW_ESTIMATE"]).execute()
+    Plan(source, modes, flags=["FFTW_ESTIMATE"])()
     return modes
 
 
@@ -88,7 +88,7 @@ def irfft(modes: Modes | Array64, num_points: int) -> Array64:
     np.multiply(held, 1 / num_points, out=source[: held.size])
     values: Array64 = source.view(np.float64)[:num_points]  # in place
     flags = ["FFTW_ESTIMATE", "FFTW_DESTROY_INPUT"]
-    plan(source, values, direction="FFTW_BACKWARD", flags=flags).execute()
+    Plan(source, values, direction="FFTW_BACKWARD", flags=flags)()
     return values
 
 
@@ -105,7 +105,7 @@ def _from_few(modes: Modes | Array64, num_points: int) -> Array64:
     spectra: Modes = pyfftw.zeros_aligned((_AT_ONCE, length // 2 + 1), dtype=np.complex128)
     short: Array64 = pyfftw.empty_aligned((_AT_ONCE, length))
     flags = ["FFTW_ESTIMATE", "FFTW_DESTROY_INPUT"]
-    transform = plan(spectra, short, axes=(1,), direction="FFTW_BACKWARD", flags=flags).execute
+    transform = Plan(spectra, short, axes=(1,), direction="FFTW_BACKWARD", flags=flags)
     values = np.empty((length, num_points // length))
     for start in range(0, values.shape[1], _AT_ONCE):
         np.multiply(turned, np.exp(start * angle), out=spectra[:, :count])

@@ -8,8 +8,8 @@ import numpy as np
 from ...kernels import Call, locks, padded_length, record
 from .. import checks
 from ..arrays import Array, Array64
-from . import fftw, wisdom
-from .fftw import pyfftw
+from . import wisdom
+from .fftw import Plan, pyfftw
 
 PLANNING = ("estimate", "measure", "patient")
 """Planning effort. 'estimate' plans at once, and takes what wisdom holds of an earlier, greater effort."""
@@ -40,7 +40,7 @@ class Planner:
         modes = self.complex(pyfftw.empty_aligned(2 * (num_points // 2 + 1), dtype=self.real))
         for values in (pyfftw.empty_aligned(num_points, dtype=self.real), modes.view(self.real)[:num_points]):
             with suppress(RuntimeError):  # wisdom does not hold it
-                fftw.plan(values, modes, threads=self.threads, flags=["FFTW_MEASURE", "FFTW_WISDOM_ONLY"])
+                Plan(values, modes, threads=self.threads, flags=["FFTW_MEASURE", "FFTW_WISDOM_ONLY"])
                 return False
         return True
 
@@ -81,11 +81,8 @@ class Planner:
             flags = [f"FFTW_{effort.upper()}", *more]
             if direction == "FFTW_BACKWARD":
                 flags.append("FFTW_DESTROY_INPUT")
-            made = fftw.plan(
-                source, target, axes=(axis,), direction=direction, threads=threads or self.threads, flags=flags
-            )
-            execute: Callable[[], None] = made.execute
-            return execute
+            count = threads or self.threads
+            return Plan(source, target, axes=(axis,), direction=direction, threads=count, flags=flags)
 
         estimated = self.planning == "estimate"
         with suppress(RuntimeError):  # wisdom does not hold it
