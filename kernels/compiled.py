@@ -155,7 +155,7 @@ def _is_compiled(module: ModuleType, device: str) -> bool:
         with suppress(OSError):  # of a cache that can only be read
             if not is_whole(file):
                 file.unlink()
-    return any(file.suffix != ".meta" for file in _files(module, device))
+    return {file.suffix == ".meta" for file in _files(module, device)} == {True, False}  # what is known of it, and code
 
 
 _started = False

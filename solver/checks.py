@@ -107,7 +107,7 @@ def own_code(what: str, allowed: str) -> Iterator[None]:
         raise
     except Exception as error:
         if isinstance(error, ValueError) and "allowed: " in str(error):
-            raise
+            raise ValueError(str(error)) from error
         raise ValueError(f"{what} fails ({type(error).__name__}: {error}); {allowed}") from error
 
 

@@ -14,10 +14,12 @@ import sys
 from typing import Any, NoReturn
 
 from .one_thread import ONE_THREAD
+from .terminal.text import open_streams
 
 
 def main() -> int:
     """Run `linecontact`; returns the exit status."""
+    open_streams()
     for name, count in ONE_THREAD.items():
         os.environ.setdefault(name, count)
     interrupt, term = signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)
