@@ -34,6 +34,8 @@ ON_CPU_ONLY = ("warp_columns",)
 """Modules that no GPU needs."""
 GPU_BLOCK = 256
 """Threads of a block on a GPU; Warp compiles a module anew for another number."""
+_ROOM = 2**18
+"""Bytes that a compiled module takes at most."""
 KERNELS = tuple(name for names in MODULES.values() for name in names)
 
 _logger = logging.getLogger("linecontact.kernels")
@@ -102,20 +104,21 @@ def compile_modules(modules: list[ModuleType], device: str = "cpu") -> dict[str,
     if not all(compiled):
         what = "this processor" if device == "cpu" else "the GPU"
         _logger.warning("linecontact: compiling kernels for %s, once; this takes some seconds", what)
-    for module in modules:
-        _compile(module, device)
+    for module, there in zip(modules, compiled, strict=True):
+        _compile(module, device, there)
     return kernels
 
 
-def _compile(module: ModuleType, device: str) -> None:
-    """Have Warp load a module, compiled before or now. Raises `ValueError` if its cache cannot be used."""
+def _compile(module: ModuleType, device: str, there: bool) -> None:
+    """Have Warp load a module; there: compiled before. Raises `ValueError` if the kernel cache cannot be used."""
     import warp as wp
 
     try:
+        if not there:
+            _check_room()
         try:
             wp.load_module(module, device=device)
-        except Exception as error:
-            # another process has taken away what it found without a seal, or the disk is full: LLVM does not say
+        except Exception as error:  # another process takes away what it finds without a seal
             _logger.debug("linecontact: %s is compiled again: %s", module.__name__, error)
             _check_room()
             wp.get_module(module.__name__).mark_modified()
@@ -127,16 +130,17 @@ def _compile(module: ModuleType, device: str) -> None:
 
 
 def _check_room() -> None:
-    """Raise `OSError` if the kernel cache cannot take a file of the size of a module's."""
+    """Raise `OSError` if the kernel cache cannot take a compiled module: LLVM would end the process."""
     import warp as wp
 
     with tempfile.TemporaryFile(dir=wp.config.kernel_cache_dir) as file:
-        file.write(bytes(2**18))
+        file.write(bytes(_ROOM))
 
 
 def _unusable(error: OSError) -> ValueError:
-    where = os.environ.get("WARP_CACHE_PATH", "in the user's cache folder")
-    what = f"Warp's kernel cache, {where}, cannot be used ({error.strerror or error})"
+    import warp as wp
+
+    what = f"Warp's kernel cache {wp.config.kernel_cache_dir} cannot be used ({error.strerror or error})"
     return ValueError(f"{what}; allowed: a writable folder with room, set WARP_CACHE_PATH")
 
 

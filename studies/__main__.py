@@ -34,8 +34,7 @@ def main() -> int:
         try:
             run = prepare()
         except SystemExit:  # --help has been shown
-            sys.stdout.flush()
-            return 0
+            run = lambda: 0  # noqa: E731
         finally:
             gc.freeze()
             gc.enable()
@@ -43,16 +42,18 @@ def main() -> int:
             signal.signal(signal.SIGTERM, _as_ctrl_c)
         if interrupt is signal.default_int_handler:
             signal.signal(signal.SIGINT, interrupt)
-        return run()
+        status = run()
+        sys.stdout.flush()
+        return status
     except KeyboardInterrupt:  # outside of any command
         _leave()
-    except OSError as error:  # of --help: its reader has gone away, or the disk is full
+    except Exception as error:  # outside, too: the reader of --help has gone away, or the disk is full
         return _ended_by(error)
     finally:
         gc.freeze()
 
 
-def _ended_by(error: OSError) -> int:
+def _ended_by(error: Exception) -> int:
     """The exit status, as that of any command which ends like this."""
     from .terminal import console
 

@@ -569,7 +569,7 @@ def test_version():
 def test_info():
     result = run("info")
     assert result.returncode == 0, result.stderr
-    for word in ("version", "warp-lang", "FFTW wisdom", "kernel cache", "flags of the kernels", "cpu"):
+    for word in ("version", "warp-lang", "FFTW wisdom", "kernel cache", "kernel flags", "cpu"):
         assert word in result.stdout
 
 

@@ -43,7 +43,7 @@ def command(_: Options) -> int:
         if hasattr(os, "sched_getaffinity")
         else str(os.cpu_count()),
         "instruction sets": kernels.instructions() or "unknown",
-        "flags of the kernels": kernels.flags(),
+        "kernel flags": kernels.flags(),
         "Warp kernel cache": str(wp.config.kernel_cache_dir),
         "FFTW wisdom": f"{wisdom.wisdom_file()} ({'present' if wisdom.wisdom_file().exists() else 'none yet'})",
         "devices": ", ".join(["cpu (by default)", *_gpus()]),

@@ -36,9 +36,8 @@ def prepare(words: Sequence[str] | None = None) -> Callable[[], int]:
     """Import what the command line asks for. What this returns does it, and returns the exit status."""
     try:
         return _command(list(sys.argv[1:] if words is None else words))
-    except Exception as error:
+    except ValueError as error:
         if not text.is_refusal(error):
-            error.add_note(text.BUG)
             raise
         text.complain(error)
         return lambda: BAD_INPUT

@@ -19,7 +19,7 @@ from rich.text import Text
 
 from . import arguments
 from .tables import Whole
-from .text import BUG, is_refusal, printable
+from .text import BUG, OUTPUT, is_refusal, printable
 
 KEPT = "; finished tasks are kept"
 Parsed = TypeVar("Parsed")
@@ -194,7 +194,8 @@ def guard(command: Callable[[], int], kept: str = "") -> int:
     except Exception as error:
         said = _refusal(error)
         if not said:
-            error.add_note(BUG)
+            if BUG not in getattr(error, "__notes__", ()):
+                error.add_note(BUG)
             raise
         errors.print(f"linecontact: {said}")
         return EXIT_BAD_INPUT
@@ -205,12 +206,10 @@ def _refusal(error: Exception) -> str:
     text = " ".join(str(error).split())
     if isinstance(error, MemoryError):
         return f"not enough memory ({text}); allowed: fewer points"
+    if isinstance(error, OSError) and error.filename == OUTPUT:
+        silence(sys.stdout)
+        return f"{OUTPUT} could not be written ({error.strerror})"
     if isinstance(error, OSError):
-        try:
-            sys.stdout.flush()
-        except OSError as again:  # then that was it
-            silence(sys.stdout)
-            return f"standard output could not be written ({again.strerror})"
         return text if error.filename else ""
     return text if is_refusal(error) else ""
 

@@ -4,6 +4,7 @@ import io
 import math
 import os
 import sys
+from typing import Any, TextIO
 
 IN_RANGE = f"a number of {math.ulp(0.0):.1e} to {sys.float_info.max:.1e} in size"
 """What is allowed where `number` raises `OverflowError`."""
@@ -59,6 +60,7 @@ def complain(message: object) -> None:
     print(f"linecontact: {printable(' '.join(str(message).split()))}", file=sys.stderr)
 
 
+OUTPUT = "standard output"
 BUG = "linecontact: a bug, please report it with this traceback"
 
 
@@ -78,17 +80,32 @@ def is_refusal(error: BaseException) -> bool:
     return ours and dis.opname[place.tb_frame.f_code.co_code[place.tb_lasti]] == "RAISE_VARARGS"
 
 
+class _Standard(io.FileIO):
+    """A standard stream that is written to; what goes wrong there has the stream for its file."""
+
+    def write(self, data: Any, /) -> int:
+        """As of any file."""
+        try:
+            return super().write(data)
+        except OSError as error:
+            error.filename = OUTPUT if self.fileno() == 1 else "standard error"
+            raise
+
+
 def open_streams() -> None:
-    """Give the process the standard streams that it was started without, which lead nowhere, and let the others take
-    any character: what the terminal cannot show is spelled out.
+    """Open the standard streams as the program needs them: those that it was started without lead nowhere, and what the
+    terminal's encoding does not have is spelled out.
     """
     for number in range(3):
         try:
             os.fstat(number)
         except OSError:  # the first free number is given next, and children must not be without it either
             os.set_inheritable(os.open(os.devnull, os.O_RDWR), True)
-    sys.stdout = sys.stdout or os.fdopen(1, "w", closefd=False)
-    sys.stderr = sys.stderr or os.fdopen(2, "w", closefd=False)
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")
+    sys.stdout, sys.stderr = (_open(number, now) for number, now in ((1, sys.stdout), (2, sys.stderr)))
+
+
+def _open(number: int, now: TextIO | None) -> TextIO:
+    raw = _Standard(number, "w", closefd=False)
+    lines = number == 2 or raw.isatty()
+    known = now.encoding if now else "utf-8"
+    return io.TextIOWrapper(io.BufferedWriter(raw), known, "backslashreplace", line_buffering=lines)
