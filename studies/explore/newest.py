@@ -8,9 +8,6 @@ from typing import Generic, TypeVar
 
 from ..terminal.text import BUG
 
-_TOLD = 5.0
-"""Time within which whoever closes a document ends the work for it [s]."""
-
 Request = TypeVar("Request")
 
 
@@ -18,6 +15,9 @@ class Newest(Generic[Request]):
     """Does requests one at a time on a thread of its own. Those that wait when a newer one comes are dropped, and one
     that fails is told on standard error.
     """
+
+    told = 5.0
+    """Time within which whoever closes a document ends the work for it [s]."""
 
     def __init__(self, work: Callable[[Request], None]) -> None:
         """work: does a request; where it takes long, it asks `outdated` whether to go on."""
@@ -63,7 +63,7 @@ class Newest(Generic[Request]):
                 self._work(request)
             except Exception:
                 with self._changed:  # a document is gone a little before its page is told to end
-                    if self._changed.wait_for(lambda: self._ended, _TOLD):
+                    if self._changed.wait_for(lambda: self._ended, self.told):
                         return
                 print(BUG, file=sys.stderr)
                 traceback.print_exc()
