@@ -1,4 +1,4 @@
-"""Launches of Warp kernels recorded as a CPU graph, the cheapest way to repeat them, or kept as they are."""
+"""Launches of Warp kernels recorded as a CPU graph, the cheapest way to repeat them."""
 
 import functools
 from collections.abc import Callable, Sequence
@@ -19,20 +19,3 @@ def record_launches(launches: Sequence[Launch], times: int = 1) -> Callable[[], 
             for kernel, threads, inputs, outputs in launches:
                 wp.launch(kernel, dim=threads, inputs=inputs, outputs=outputs, device="cpu")
     return functools.partial(wp.capture_launch, capture.graph)
-
-
-def keep_launch(launch: Launch) -> Callable[[], None]:
-    """A function without arguments that does one launch. It is made in a seventh of the 0.2 ms that a graph takes, but
-    every call takes 3 us more, and waits for what other threads record or launch here.
-    """
-    import warp as wp
-
-    kernel, threads, inputs, outputs = launch
-    with RECORDING:
-        command = wp.launch(kernel, dim=threads, inputs=inputs, outputs=outputs, device="cpu", record_cmd=True)
-
-    def replay() -> None:
-        with RECORDING:
-            command.launch()
-
-    return replay

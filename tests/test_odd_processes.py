@@ -1,4 +1,4 @@
-"""Processes as they happen to be: with threads, forked, after a power cut, without streams, on full disks, with a bug."""
+"""Processes as they happen to be: with threads, forked, after a power cut, without streams, on full disks, or wrong."""
 
 import math
 import os
@@ -275,8 +275,8 @@ ODD = [math.inf, math.nan, -math.inf, 0.0, -0.0, -1.0, 5e-324, 1e-8, 1e308, 3.0]
 @pytest.mark.parametrize("terminal", [True, False])
 @pytest.mark.parametrize("tolerance", [1e-14, 0.5, 10.0])
 def test_progress_takes_any_residual(capsys, monkeypatch, terminal, tolerance):
-    monkeypatch.setattr(console.errors, "_force_terminal", terminal)
     monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setattr(console, "errors", type(console.errors)(stderr=True, highlight=False, force_terminal=terminal))
     monkeypatch.setattr(console.Bar, "every", -1.0)
     real = console.Progress.update
     monkeypatch.setattr(console.Progress, "update", lambda *given, **named: real(*given, **named, refresh=True))

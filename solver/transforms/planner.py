@@ -64,9 +64,9 @@ class Planner:
         found: Array = values.view(np.result_type(self.real, np.complex64))
         return found
 
-    def record(self, calls: Sequence[Call], seldom: bool = False) -> Callable[[], None]:
-        """A function without arguments that runs kernels in order; seldom: see `kernels.record`."""
-        return record(self._backend, calls, seldom)
+    def record(self, calls: Sequence[Call]) -> Callable[[], None]:
+        """A function without arguments that runs kernels in order."""
+        return record(self._backend, calls)
 
     def plan(
         self, source: Array, target: Array, direction: str, axis: int = -1, threads: int | None = None

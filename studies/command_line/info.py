@@ -1,6 +1,5 @@
 """`linecontact info`: what this installation consists of, and where it keeps its caches."""
 
-import os
 import platform
 import sys
 from dataclasses import dataclass
@@ -11,6 +10,7 @@ from linecontact.solver import provenance
 from linecontact.solver.transforms import planner, wisdom
 from linecontact.solver.transforms.device import check_device, gpu_libraries
 
+from ..runner.executors import usable_cores
 from ..terminal import console
 from ..terminal.tables import Whole
 
@@ -39,9 +39,7 @@ def command(_: Options) -> int:
     rows = {
         **provenance.provenance(),
         "FFTW": planner.library(),
-        "threads": f"transforms 1 by default (--threads), kernels 1; {len(os.sched_getaffinity(0))} cores usable"
-        if hasattr(os, "sched_getaffinity")
-        else str(os.cpu_count()),
+        "threads": f"transforms 1 by default (--threads), kernels 1; {usable_cores()} cores usable",
         "instruction sets": kernels.instructions() or "unknown",
         "kernel flags": kernels.flags(),
         "Warp kernel cache": str(wp.config.kernel_cache_dir),

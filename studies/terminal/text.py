@@ -76,7 +76,7 @@ def is_refusal(error: BaseException) -> bool:
         place = place.tb_next
     if place is None or not isinstance(error, ValueError):
         return False
-    ours = place.tb_frame.f_globals.get("__name__", "").partition(".")[0] == __name__.partition(".")[0]
+    ours = str(place.tb_frame.f_globals.get("__package__")).partition(".")[0] == __name__.partition(".")[0]
     return ours and dis.opname[place.tb_frame.f_code.co_code[place.tb_lasti]] == "RAISE_VARARGS"
 
 
