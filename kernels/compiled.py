@@ -6,10 +6,10 @@ tail test stays scalar. The reassociation flags let it vectorise the sums as wel
 threads take turns instead (`on_gpu`); on the CPU that is one thread.
 """
 
-import gc
 import importlib
 import logging
 import os
+import sys
 import tempfile
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager, suppress
@@ -162,18 +162,15 @@ def _is_compiled(module: ModuleType, device: str) -> bool:
     return {file.suffix == ".meta" for file in _files(module, device)} == {True, False}  # what is known of it, and code
 
 
-_started = False
-
-
 def started() -> bool:
-    """Whether Warp has been started, which takes half a second."""
-    return _started
+    """Whether Warp is there, whose start takes half a second."""
+    return "warp" in sys.modules
 
 
 @locks.once
 def start_warp() -> None:
     """Import and initialise Warp. Raises `ValueError` if its kernel cache cannot be used."""
-    with undivided(), _without_collection():  # what Ctrl-C has cut off cannot be imported again
+    with undivided():  # what Ctrl-C has cut off cannot be imported again
         import warp as wp  # takes as long as everything else together, and often is not needed
 
     wp.config.log_level = wp.LOG_WARNING
@@ -182,20 +179,6 @@ def start_warp() -> None:
             wp.init()
     except OSError as error:
         raise _unusable(error) from error
-    global _started
-    _started = True
-
-
-@contextmanager
-def _without_collection() -> Iterator[None]:
-    """Python looks for no garbage within the block: Warp's import makes a hundred thousand objects that stay."""
-    before = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if before:
-            gc.enable()
 
 
 @contextmanager
