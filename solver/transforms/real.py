@@ -31,7 +31,7 @@ class Real:
             return self.planner.buffer(self.num_points)
         return self.spectrum[: padded_length(self.num_points)]
 
-    def multiplication(self, symbol: Array64, target: Array, turned: Modes | None, seldom: bool) -> Callable[[], None]:
+    def multiplication(self, symbol: Array64, target: Array, turned: Modes | None) -> Callable[[], None]:
         """See `planned.Transforms.multiplication`."""
         symbol = symbol / self.num_points
         if turned is None:
@@ -41,7 +41,7 @@ class Real:
             straight, crossed = self.planner.buffer(2 * symbol.size), self.planner.doubled(turned.imag)
             straight[: 2 * symbol.size] = np.stack([symbol + turned.real, symbol - turned.real], axis=1).ravel()
             call = Call("mirror_multiply", (straight, crossed), (self.spectrum,))
-        return self.planner.record([call], seldom)
+        return self.planner.record([call])
 
     def forward(self, source: Array) -> Callable[[], None]:
         """Plan source[:N] -> spectrum."""

@@ -73,7 +73,7 @@ class Whole:
         """A function without arguments that multiplies by a symbol, shape (N//2 + 1,), and normalises, between the
         transforms of a field to this target.
         """
-        return transforms.multiplication(symbol, target, seldom=True)
+        return transforms.multiplication(symbol, target)
 
 
 class Half(Whole):
@@ -126,7 +126,7 @@ class Half(Whole):
         k = np.arange(n // 2 + 1)
         mean, difference = (symbol[k] + symbol[n - k]) / 2, (symbol[k] - symbol[n - k]) / 2
         turned = difference * np.exp(2j * np.pi * k / self.num_points)
-        return transforms.multiplication(mean, target, turned, seldom=True)
+        return transforms.multiplication(mean, target, turned)
 
 
 def is_even(height: Array64, most: float = 0.0, reach: float = np.inf) -> bool:
