@@ -29,7 +29,11 @@ SECONDS = 6
 
 _FILTERS = {1: "gzip", 2: "shuffle", 3: "fletcher32", 4: "szip", 5: "nbit", 6: "scaleoffset", 32000: "lzf"}
 _PACKED = ("scale_factor", "add_offset", "_FillValue", "missing_value", "valid_min", "valid_max", "valid_range")
-_PACKING = re.compile(r"(?!DIMENSION_).*(?:scale|factor|gain|offset|calibration|multiplier|unsigned)", re.I)
+_PACKING = re.compile(
+    r"(?!DIMENSION_).*(?:scale|factor|gain|offset|calibration|multiplier|unsigned|conversion|lsb|bit2|_per_|sensitivity"
+    r"|quantum)",
+    re.I,
+)
 _DEPTH = 3  # of groups in a result: lines/name/column
 _LEAST = 2**26  # bytes of a result that are allowed in any case
 _TEXT = 2**20  # bytes of an attribute
@@ -116,11 +120,12 @@ def _dataset(path: str, most: str, name: str | None = None) -> Columns:
         if math.prod(data.shape) > int(most):
             raise RefusedError(f"profile_dataset is {name!r} of shape {data.shape}; allowed: up to {most} numbers")
         _check_storage(data, f"profile_dataset is {name!r}", 16 * int(most))
-        label = [
-            str(name).rpartition("/")[2],
-            *(_text(data, key) for key in ("long_name", "standard_name", "positive")),
-        ]
-        unit = _text(data, "unit") or _text(data, "units")
+        said = ("long_name", "standard_name", "description", "positive")
+        label = [str(name).rpartition("/")[2], *(_text(data, key) for key in data.attrs if key.lower() in said)]
+        unit = ",".join({_text(data, key): 0 for key in data.attrs if re.search(r"(?:^|_)units?$", key, re.I)})
+        for above in (file, data.parent):
+            for key in filter(_PACKING.match, above.attrs):
+                raise RefusedError(f"profile_dataset is {name!r}, in a group whose attribute {key!r} may change it")
         return Columns(_unpacked(data[()], data.attrs, f"profile_dataset is {name!r}"), unit, " ".join(label).strip())
 
 

@@ -180,7 +180,7 @@ def units(path: Path, found: Columns, given: dict[str, str | None], unknown: str
         known = unit_of(label.bracket)
         if label.no_length:
             kind = f"the {_KINDS[axis]}, {label.text!r}, are no lengths for {label.no_length!r}"
-            raise ValueError(f"profile_file {path}: {kind}; allowed: a column of lengths")
+            raise ValueError(f"profile_file {path}: {kind}; allowed: columns of lengths, or other labels if they are")
         if own and (stated := known or label.bare) and own != stated:
             seen = f"{path} names {stated} ({label.text!r})"
             raise ValueError(f"{axis}_unit is {own}, but {seen}; allowed: {stated}, or none")
@@ -205,9 +205,15 @@ def _check_rest(path: Path, found: Columns, units: dict[str, str]) -> None:
     reason = "which is no length; allowed: columns of lengths, labelled like 'x [um]', parted as the rows are"
     if not word and len(units) == len(found.axes):
         said, known = list(found.head.units()), list(units.values())
+        of_line = {line: {unit for unit, one, _ in said if one == line} for _, line, _ in said}
         turned = len(set(known)) > 1 and list(dict.fromkeys(unit for unit, *_ in said)) == known[::-1]
-        wrong = [one for one in said if turned or one[0] not in ([units[one[2]]] if one[2] in units else known)]
-        word, line, _ = wrong[0] if wrong else ("", "", "")
+        for word, line, role in said:  # a unit without an axis is that of all, unless its line names two
+            if turned or (word != units[role] if role in units else len(of_line[line]) == 1 and {word} != set(known)):
+                break
+            if word not in known:
+                break
+        else:
+            word, line = "", ""
         reason = f"which contradicts {', '.join(f'{axis} in {unit}' for axis, unit in units.items())}; allowed: the "
         reason += "file's units, or a file without that line if it speaks of something else"
     if word:
@@ -230,7 +236,7 @@ def check_values(path: Path, found: Columns) -> None:
     if np.nanmin(z, initial=np.inf) == np.nanmax(z, initial=-np.inf):
         raise ValueError(f"profile_file {path}: every height is {z[0]}; allowed: a profile that is not constant")
     known = np.zeros(0, dtype=np.int64) if x is None else np.flatnonzero(~np.isnan(x))
-    if x is not None and known.size and (back := np.diff(x[known]) * (x[known[-1]] - x[known[0]]) <= 0).any():
+    if x is not None and known.size > 1 and (back := np.diff(x[known]) * np.diff(x[known[:2]]) <= 0).any():
         at = known[int(back.argmax()) + 1]
         raise ValueError(
             f"profile_file {path}, {found.row(at)}: x goes from {x[known[int(back.argmax())]]} to {x[at]}; allowed: "

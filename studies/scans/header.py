@@ -16,23 +16,23 @@ from .units import plain, unit_of
 _LONGEST = 1000  # characters of a line that is looked at
 _NEAR = 3  # lines above the rows, in which labels are looked for
 _COMMENT = "#%*;!/\"' \t"
-_LABEL = re.compile(r"([^\[\]()]*?)\s*(?:[\[(]\s*([^\[\]()]*?)\s*[\])])?")
+_LABEL = re.compile(r"(.*?)\s*[\[(]\s*([^\[\]()]*?)\s*[\])]|([^\[\]()]*)")
 _ROLES = {
     "index": r"index|idx|no|nr|n|i|#|points?|samples?|num|number|row",
     "z": r"z|h|heights?|profile?|raw|topography|elevation|vertical|level(?:l?ed)?|filtered|h\u00f6he|hoehe|hauteur",
     "x": r"x|lateral|positions?|pos|distance|dist|length|scan|horizontal|track|travel|weg|abstand",
 }
-_DEPTH = (
-    r"depth|tief|profond|profun|creux|penetrat|indentation|spalt|invert|flipped|\bdown|\bgap\b|separation|clearance"
-    r"|positive into|valleys? (?:are )?(?:positive|up)"
+_DEEP = re.compile(
+    r"depth|tief|diepte|profond|profun|creux|g\u0142\u0119bok|\u0433\u043b\u0443\u0431|\u6df1|penetrat|indentation|spalt|recess|below|bulk"
+    r"|negativ|\bneg\b|invert|flipped|\bdown(?:wards?)?\b(?!\s*\d)|positive into|valleys? (?:are )?(?:positive|up)"
+    r"|\bgaps?\b(?! gauge)|separation|clearance|(?:^|\()\s*[-\u2013]\s*[^\W\d]|\bz\s*-\s*$",
+    re.I,
 )
-_DEEP = re.compile(_DEPTH, re.I)
-_DEEP_LABEL = re.compile(_DEPTH + r"|(?:^|\()\s*[-\u2013]\s*\w|\bz\s*-\s*$", re.I)
 """Heights under such words may grow into the valleys."""
 _NO_HEIGHT = re.compile(
     r"slope|gradient|steigung|curvature|angle|winkel|volt|spannung|phase|force|kraft|current|intensity|deflection|psd"
     r"|spe[ck]tr|density|correlation|\bln\b|\blog|sqrt|wurzel|squared|divided|multiplied|range|cut-?off|tolerance"
-    r"|resolution|spacing|radius|\bper\s|\bdb\b|fft|\bbits?\b|counts?\b|lsb|[*^\u00b1]|(?!^x\d$)\bx\s?\d",
+    r"|resolution|spacing|radius|\bper\s|\bdb\b|fft|\bbits?\b|counts?\b|lsb|[*^\u00b1]|/\s*\d|^\d+[a-z]|(?!^x\d$)\bx\s?\d",
     re.I,
 )
 """Columns under such a name are no positions or heights, or something made of them."""
@@ -41,10 +41,21 @@ _OTHER_UNIT = re.compile(
     r"|\w+\s?(?:/|\^|per)\s?\w+",
     re.I,
 )
+_FACTOR = re.compile(
+    r"(?:^|[^a-z])[xyzvh]?[\s_-]?(?:scal(?:e|ing)|factor|bit2|lsb|gain|multiplier)\w*\W+([-+]?\d\S*)", re.I
+)
+"""A number that may have to be applied."""
 _BRACKET = r"[\[({<]\s*(?:in\s+|units?\s*:\s*)?([^\[\](){}<>]*?)\s*[\])}>]"
-_QUANTITY = re.compile(r"[\d.]\s*[\[(]?\s*([^\W\d]+)(?:\s*/\s*\w+)?|[\[(]?([^\W\d]+)[\])]?\s*[:=,;\t ]\s*[-+]?\d")
+_CELL = r"(?:^|[,;\t=:])\s*\"?[-+]?[\d.]+\"?\s*[,;\t]\s*\"?"  # a number alone, before the cell of its unit
+_QUANTITY = re.compile(
+    rf"(?:{_CELL}|[\d.]\s*[\[(]?)\s*([^\W\d]+)(?:\s*/\s*\w+)?|[\[(]?([^\W\d]+)[\])]?\s*[:=,;\t ]\s*[-+]?\d"
+)
 """A number and its unit, or a unit and the number in it: the value of a parameter."""
-_UNIT_LINE = re.compile(r"unit|einheit", re.I)
+_UNIT_LINE = re.compile(
+    r"(?:^|[^a-z])[Uu]nits?(?![a-z])|UNIT|[Ee]inheit|[Uu]nit\u00e9|(?:in|en) \[?\w+\]?$|lengths? in\b"
+)
+"""A line that tells a unit."""
+_SUBJECT = re.compile(r"axis|achse|ordinate|signal|channel", re.I)
 
 
 class Label(NamedTuple):
@@ -59,7 +70,7 @@ class Label(NamedTuple):
 
     @property
     def is_depth(self) -> bool:
-        return bool(_DEEP_LABEL.search(self.name))
+        return bool(_DEEP.search(self.name))
 
     @property
     def role(self) -> str:
@@ -77,8 +88,9 @@ class Label(NamedTuple):
     @property
     def no_length(self) -> str:
         """The part of it that names something else than lengths in a known unit; empty without one."""
-        other = _NO_HEIGHT.search(self.name)
-        return other[0].strip() if other else "" if unit_of(self.bracket) else self.bracket
+        other, unit = _NO_HEIGHT.search(self.name), unit_of(self.bracket)
+        known = unit and self.bare in ("", unit)
+        return other[0].strip() if other else "" if known else self.bracket and (self.bare or self.bracket)
 
 
 @dataclass(frozen=True)
@@ -92,26 +104,38 @@ class Header:
         """The first of the other lines that speaks of depths; empty without one."""
         return next(filter(_DEEP.search, self.rest), "")
 
+    @property
+    def _has_units(self) -> bool:
+        return any(label.bracket for label in self.labels)
+
     def units(self) -> Iterator[tuple[str, str, str]]:
         """Units of length in the other lines, each with its line and the role of its clause.
 
-        Where labels have units, only lines that speak of units count.
+        Where labels have units, only lines that tell one count.
         """
-        every = not any(label.bracket for label in self.labels)
         for line in self.rest:
             about = bool(_UNIT_LINE.search(line))
             bare = _QUANTITY.sub(lambda found: " " if unit_of(found[1] or found[2]) else found[0], line)
-            for clause in re.split(r"[,;\t]|\band\b", bare) if about or every else ():
+            for clause in re.split(r"[,;\t]|\band\b", bare) if about or not self._has_units else ():
                 for found in re.finditer(rf"{_BRACKET}|([^\W\d_]+)", clause):
-                    if unit := unit_of(found[1] or found[2] or "", expected=found[2] is None or about):
+                    word = found[1] or (found[2] or "").replace("in", "", found[2] == "in")
+                    if unit := unit_of(word, expected=found[2] is None or about):
                         yield unit, line, Label(clause).role
 
     def no_length(self) -> tuple[str, str]:
-        """Something near the rows that is no length, with its line, where there are no labels; else empty."""
-        for line in () if self.labels else self.rest[-_NEAR:]:
-            brackets = re.findall(_BRACKET, line)
-            found = _NO_HEIGHT.search(line) if brackets else None
-            if other := next(filter(_OTHER_UNIT.fullmatch, brackets), found[0].strip() if found else ""):
+        """Something that is no length, or a factor, with its line; empty without any.
+
+        Where labels have no units, that is what brackets near the rows hold, and words of lines that tell a unit.
+        """
+        for line in self.rest:
+            if (factor := _FACTOR.search(line)) and factor[1].rstrip(".,0;") != "1":
+                return factor[0].strip(), line
+            brackets = re.findall(_BRACKET, line) if line in self.rest[-_NEAR:] else []
+            about = _UNIT_LINE.search(line)
+            words = re.split(r"[\s:=,;\"]+", line[about.start() :])[1:] if about else []
+            found = _NO_HEIGHT.search(line) if brackets or _SUBJECT.search(line) else None
+            other = next(filter(_OTHER_UNIT.fullmatch, [*brackets, *words]), found[0].strip() if found else "")
+            if other and not self._has_units:
                 return other, line
         return "", ""
 
@@ -156,4 +180,5 @@ def _labels(line: str, delimiter: str | None, count: int, least: int) -> list[La
         parts.pop()
     parts += [""] * (count - len(parts)) if len(parts) >= least else []
     found = [_LABEL.fullmatch(part.strip("\"' ,;")) for part in parts]
-    return [Label(label[1], label[2] or "") for label in found if label] if len(found) == count and all(found) else []
+    good = len(found) == count and all(found)
+    return [Label(label[1] or label[3] or "", label[2] or "") for label in found if label] if good else []

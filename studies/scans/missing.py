@@ -17,7 +17,8 @@ _ISOLATED = 0.5  # ranges of all other values, between them and a number that st
 _OFTEN, _SUDDEN = 3, 3.0  # times that such a number stands nearer, behind steps so many times the usual
 _RARE = 0.99  # quantile that is called usual
 _SPIKE = 3  # values in the width of a spike
-_HIGH, _UNLIKE, _MANY = 2.0, 3.0, 0.95  # rms heights, and times that quantile of heights above valleys on both sides
+_HIGH, _UNLIKE, _MANY = 2.0, 4.5, 0.8  # rms heights, and times that quantile of heights above valleys on both sides
+_TEXTURE, _REGULAR = 0.05, 0.3  # share of the values, and of the mean distance of theirs: a grating
 _STEP, _FEW = 10.0, 3  # times the usual step, for up to so many that stand alone
 
 
@@ -74,7 +75,9 @@ def spikes(z: Array64, both: bool = False) -> Indices:
         if not high.any():
             break
         kept[there[high]] = False
-    return np.flatnonzero(~kept)
+    found = np.flatnonzero(~kept)
+    apart = np.diff(found[np.diff(found, prepend=-2) > 1])
+    return found[:0] if found.size > _TEXTURE * z.size and apart.std() < _REGULAR * apart.mean() else found
 
 
 def _stand_out(level: Array64) -> np.ndarray[Any, np.dtype[np.bool_]]:

@@ -1,6 +1,7 @@
 """Tables of numbers in text files: any encoding, separator and decimal sign, with a header above."""
 
 import codecs
+import itertools
 import math
 import re
 from collections import Counter
@@ -34,6 +35,9 @@ _MISSING = re.compile(r"\W*|[-+]?(?:1\.)?#?(?:nan|qnan|ind)|n\.?/?a\.?|#\w+/?\w*
 """Cells that stand for a missing value: nothing, stars, hyphens, NaN, N/A and the like."""
 _TORN = re.compile(r"(?=.*\d)(?=.*[,;\s])[-+\d.,;\s]*")
 """A cell of digits and separators that is no number: its line is parted in another way."""
+_FIGURE = r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?\"?"
+_LIKE_ROW = re.compile(rf"[\s\"]*{_FIGURE}(?:[\s\";,]+{_FIGURE}(?![\w:/.-])|\s*$)")
+"""A line that begins with two numbers, or is one."""
 _NAMES = {";": "semicolons", "\t": "tabs", ",": "commas", None: "spaces"}
 
 
@@ -122,6 +126,10 @@ def read_text(path: Path, name: str, decimal: Decimal | None) -> Table:
     first = next((i for i, line in enumerate(lines) if writing.is_row(line)), 0)
     while first and any(value == value for value in writing.row(lines[first - 1]) if value is not None):
         first -= 1
+    for i, pair in enumerate(itertools.pairwise(lines[:first])):
+        if all(map(_LIKE_ROW.match, pair)):
+            seen = f"line {i + 1}: {pair[0].strip()[:40]!r} is not written as the rows from line {first + 1} on are"
+            raise ValueError(f"profile_file {path}, {seen}; allowed: one table ({writing.told()}), below its header")
     head = header.read(lines[:first], writing.delimiter, writing.count, writing.numeric[-1] + 1)
     if writing.delimiter == "," and decimal is None and not head.labels and re.fullmatch(r"[-+\d, ]+", lines[first]):
         raise ValueError(_unclear(path, lines[first], "point, if they part columns of integers; else other separators"))
@@ -162,7 +170,9 @@ def _decoded(path: Path) -> str:
 def _find(path: Path, lines: Sequence[str], decimal: Decimal | None) -> _Writing:
     """How the table at the end of a text is written. Raises `ValueError` if that is not clear."""
     last = [line for line in lines[-_SAMPLE:] if line.strip()]
-    pairs = [(delimiter, sign) for sign in _NUMBERS for delimiter in _NAMES if (delimiter, sign) != (",", "comma")]
+    quoted = any('"' in line for line in last)
+    pairs = [(delimiter, sign) for sign in _NUMBERS for delimiter in _NAMES]
+    pairs = [pair for pair in pairs if quoted or pair != (",", "comma")]
     ways = [_Writing(*pair).counted(last) for pair in pairs]
     ways = [way for way in ways if way.numeric and decimal in (None, way.decimal)]
     if not ways:

@@ -29,7 +29,8 @@ _PREFIXES = {"": "m", "centi": "cm", "milli": "mm", "micro": "um", "mikro": "um"
 _SPELLINGS = {
     **{unit: unit for unit in UNITS},
     **{f"{prefix}met{end}": unit for prefix, unit in _PREFIXES.items() for end in ("er", "re", "ers", "res")},
-    **dict.fromkeys(("\u03bcm", "micron", "microns", "\u03bc"), "um"),
+    **dict.fromkeys(("\u03bcm", "micron", "microns", "mikron", "\u03bc", "\u043c\u043a\u043c"), "um"),
+    **{"\u043d\u043c": "nm", "\u043c\u043c": "mm"},
     **dict.fromkeys(("\u00e5", "angstroms", "\u00e5ngstr\u00f6m", "\u00e5ngstrom", "angstr\u00f6m"), "angstrom"),
     **dict.fromkeys(("in", "inches", '"'), "inch"),
 }
