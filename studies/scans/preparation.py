@@ -95,7 +95,7 @@ class Profile:
         if mirrored:
             modes *= np.exp(1j * np.pi * np.arange(modes.size) * (1 / num_points - 1 / count))
         z = irfft(modes[: held + 1], num_points) * (num_points / count)
-        self.z = (z + z[::-1]) / 2 if mirrored else z  # even to the last bit: then half of the nodes will do
+        self.z = (z + z[::-1]) / 2 if mirrored else z  # even to the last bit
 
 
 def mirrored(about: Mapping[str, Any]) -> bool:
