@@ -37,11 +37,11 @@ class Level:
     peak_pressure: float
     """Largest contact pressure [pressure]."""
     peak_pressure_sampling: float
-    """By how much the pressure between the nodes may pass that [pressure]."""
+    """By how much the largest pressure may differ from that [pressure]."""
     approach: float
     """Rigid approach since first touch [length]."""
     approach_sampling: float
-    """By how much it may be larger, because the lowest point may lie between the nodes [length]."""
+    """By how much it may be off because the lowest point may lie between the nodes [length]."""
     num_patches: int
     """Contact patches."""
     num_patches_by_load: int

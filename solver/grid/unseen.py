@@ -2,34 +2,42 @@
 is theirs.
 """
 
+import math
+
 import numpy as np
 
 from ..arrays import Array64, parts
 from .patches import Patches
 
+_BESIDE_KINK = 0.407, 1.379  # distances [grid spacings] of two nodes from a kink halfway to the next node
 _TURNS = 5  # until the width of a patch agrees with its depth
 
 
 def unseen_gaps(patches: Patches, pressure: Array64) -> float:
-    """Widths of gaps that lie between two contact nodes, their sum [grid spacings].
+    """How wide gaps between two contact nodes may be, their sum [grid spacings].
 
-    pressure: as for `edges.find_edges`. In full contact the pressure beside the middle of a narrow gap of the width g
-    would be proportional to y^2 - g^2/8, with y the distance from it (H. M. Westergaard, J. Appl. Mech. 6, 49 (1939)),
-    and a grid on which no node lies in the gap has just that. So there is a gap where the parabola through four
-    pressures (least squares) is negative somewhere between the middle ones. On thin compressible layers the widths come
-    out up to 1.4 times too large, on thin incompressible ones many times. Where the pressure is no parabola, a gap near
-    a node may be missed.
+    pressure: as for `edges.find_edges`. A gap may hide where the pressure falls from both sides towards the two nodes
+    at a minimum, in two ways:
+
+    - The straight lines through two nodes on either side reach 0 before they meet. In full contact the pressure beside
+      the middle of a narrow gap of the width g would be proportional to y^2 - g^2/8, with y the distance from it (H. M.
+      Westergaard, J. Appl. Mech. 6, 49 (1939)), and a grid on which no node lies in the gap has just that. So nodes
+      stay closed up to g = sqrt(2).
+    - The pressure falls the faster the nearer. Beside a gap at a kink of the heights, which no load closes, it goes
+      like arcosh(2 y/g), far away ln(4 y/g), and `few_nodes.response` has that at the nodes for y of `_BESIDE_KINK`.
     """
-    four = np.flatnonzero(patches.label[3:] == patches.label[:-3])
-    if patches.full:
-        four = np.arange(pressure.size)
-    a, b, c, d = (pressure[(four + k) % pressure.size] for k in range(4))
-    slope, bend, inner = 3 * (a - d) + b - c, a + d - b - c, b + c
-    inside = np.abs(slope) < 2.5 * bend  # the middle of the gap lies between the middle nodes
-    slope, bend, inner = slope[inside], bend[inside], inner[inside]
-    beside = slope / (5 * bend)  # [grid spacings] from halfway between them
-    squared = 2 - 16 * inner / bend + 8 * beside**2
-    return float(np.sqrt(np.maximum(squared, 0.0)).sum())
+    size, label = pressure.size, patches.label
+    four = np.arange(size) if patches.full else np.flatnonzero(label[3:] == label[:-3])
+    a, b, c, d = (pressure[(four + k) % size] for k in range(4))
+    lowest = (a > b) & (d > c) & np.where(b <= c, c <= a, b < d)  # of two pairs beside one node the lower one
+    falls, inner, outer = np.stack([a - b, d - c])[:, lowest], np.stack([b, c])[:, lowest], np.stack([a, d])[:, lowest]
+    beyond = (four[lowest] + np.array([[-1], [4]])) % size
+    next_one = np.where(label[beyond] == label[four[lowest]], pressure[beyond], 0.0)
+    steps = inner / falls
+    near, far = _BESIDE_KINK
+    at_kink = 4 * near * np.exp(-math.log(far / near) * steps.min(axis=0))
+    hidden = np.where((falls > next_one - outer).all(axis=0), at_kink, 0.0)
+    return float(np.maximum(hidden, np.where(steps.sum(axis=0) < 1, math.sqrt(2), 0.0)).sum())
 
 
 def unseen_patches(profile: Array64, displacement: Array64, half_space: bool) -> float:

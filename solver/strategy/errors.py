@@ -124,7 +124,6 @@ DEFAULT_QUANTITY = "contact-area"
 _CAREFUL_FROM_IF_SMOOTH = 20.0
 """Nodes of a patch under a smooth profile, on the average, from which on its edges are known better than estimated."""
 _KNOWN = 0.001  # error of a layer's edge up to which that is so [grid spacings]
-_OF_UNSEEN = 1.5  # of the widths of gaps and patches between two nodes
 _COMMON, _COMMON_POWER = 16.0, 2.5  # points to the shortest wave, and the power with which their share falls
 _LEAST, _MOST = 1.25, 4.0  # factor by which changes fall from grid to grid, as far as that is believed
 _WAVE_OF_TIP = 8.0  # that a sharp tip brings with it [grid spacings]
@@ -157,7 +156,7 @@ def estimated(
     if area < 1 and _splits(scene, num_points):
         return math.inf
     by_load = found.num_patches_by_load
-    gaps = _OF_UNSEEN * found.unseen_gap_area / area * abs(values[-1])
+    gaps = found.unseen_gap_area / area * abs(values[-1])
     each = [share * of for share, of in zip(quantity.per_patch, (found.num_patches - by_load, by_load), strict=True)]
     spacings = sum(each) * math.pow(_COMMON * waves, _COMMON_POWER)
     if scene.indenter.kinked:
@@ -170,7 +169,7 @@ def estimated(
     careful = not rough and area * num_points >= _CAREFUL_FROM_IF_SMOOTH * found.num_patches
     careful &= edge_curve(scene.layer, num_points, scene.period).error < _KNOWN
     of_edges = quantity.of_edges if careful else 1.0
-    if scene.indenter.kinked:
+    if scene.indenter.kinked or (scene.indenter.power_law and found.num_patches > 1):
         of_change = 1.0
     elif rough:
         of_change = 0.0 if scene.indenter.knows_lowest else quantity.of_change[1]
