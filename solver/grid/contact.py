@@ -68,14 +68,11 @@ def contact_edges(
         profile = scene.period * scene.indenter.profile(pressure.size, scene.period)
     scale = scene.reduced_load / (float(pressure.mean()) or 1.0)
     patches, edges = ends(scene.layer, scene.period, profile, pressure, scale, displacement)
-    # both ends, the same way; no width is known worse than by counting
+    # all ends, the same way, those of other patches by the share of the load; no width is known worse than by counting
     middle = pressure.size // 2
-    (at_tip,) = np.nonzero((patches.first <= middle) & (middle <= patches.last) | (patches.count == 1))
-    errors = edges.end_errors.copy()
-    for patch in at_tip:
-        tip = min(2 * scene.indenter.tip_error(float(edges.width[patch])), 1.0)
-        errors[:, patch] = np.hypot(errors[:, patch], tip * math.sqrt(0.5))
-    return patches, replace(edges, end_errors=errors)
+    at_tip = np.flatnonzero((patches.first <= middle) & (middle <= patches.last) | (patches.count == 1))
+    tip = min(2 * scene.indenter.tip_error(float(edges.width[at_tip[0]])), 1.0) if at_tip.size else 0.0
+    return patches, replace(edges, end_errors=np.hypot(edges.end_errors, tip * math.sqrt(0.5)))
 
 
 def ends(

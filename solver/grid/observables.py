@@ -9,7 +9,7 @@ from .. import display
 from ..arrays import Array64, Mask, parts
 from ..indenters import Indenter
 from ..reference.closed_forms import kappa_half_space
-from ..scene import Scene
+from ..scene import SMALLEST, Scene
 from .contact import contact_edges
 from .edges import COUNTED_BELOW, Edges
 from .patch_table import PatchTable, patch_table
@@ -139,10 +139,12 @@ def peak_sampling(indenter: Indenter, pressure: Array64, patches: Patches, edges
     """By how much the largest pressure may differ from the largest one at a node, in the pressure's unit.
 
     Between the nodes of a patch a parabola passes the largest of them by an eighth of the second difference at most.
-    One or two nodes carry the load P of their patch and tell nothing of its pressure, which is largest at 2P/(pi a)
-    below a parabola, at P n/((n - 1) pi a) below the tip of a power profile (K. L. Johnson, Contact Mechanics (1985),
-    section 2.7), and at 15/16 P/a at most on a layer that the grid does not resolve (an incompressible one's), with a
-    the half-width that the load tells. `inf` where nothing tells it. pressure: shape (N,), patches, edges: its contact.
+    One or two nodes carry the load P of their patch and tell nothing of its pressure. With a the half-width that the
+    load tells, the largest is 2P/(pi a) below a parabola (K. L. Johnson, Contact Mechanics (1985), section 4.2), n/(n -
+    1) P/(pi a) below a sharper tip (flat punches of all widths up to a, one on the other), and on a layer that the grid
+    does not resolve at most that of a thin incompressible one, 15/16 P/a. `inf` where nothing tells a.
+
+    pressure: shape (N,); patches, edges: its contact.
     """
     if not patches.count:
         return 0.0
@@ -159,9 +161,10 @@ def peak_sampling(indenter: Indenter, pressure: Array64, patches: Patches, edges
     exponent = indenter.power_law[0] if indenter.power_law else 2.0
     share = np.where(edges.by_load, 2 / math.pi * max(2.0, exponent / (exponent - 1)), 15 / 8)
     told = few & ~edges.counted
-    expected = np.where(told, share * patches.sums(inside) / edges.width, largest)
+    width = np.maximum(edges.width, SMALLEST)
+    expected = np.where(told, share * patches.sums(inside) / width, largest)
     lead = int(np.argmax(expected))
-    doubt = expected[lead] * edges.error[lead] / edges.width[lead] if told[lead] else 0.0
+    doubt = expected[lead] * edges.error[lead] / width[lead] if told[lead] else 0.0
     return max(bent, abs(float(expected[lead]) - highest) + float(doubt))
 
 

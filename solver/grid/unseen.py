@@ -36,7 +36,8 @@ def unseen_gaps(patches: Patches, pressure: Array64) -> float:
     steps = inner / falls
     near, far = _BESIDE_KINK
     at_kink = 4 * near * np.exp(-math.log(far / near) * steps.min(axis=0))
-    hidden = np.where((falls > next_one - outer).all(axis=0), at_kink, 0.0)
+    kinked = (falls > next_one - outer) | (inner - inner[::-1] > falls)  # towards the pair, or a node of it
+    hidden = np.where(kinked.all(axis=0), at_kink, 0.0)
     return float(np.maximum(hidden, np.where(steps.sum(axis=0) < 1, math.sqrt(2), 0.0)).sum())
 
 

@@ -129,7 +129,6 @@ _LEAST, _MOST = 1.25, 4.0  # factor by which changes fall from grid to grid, as 
 _WAVE_OF_TIP = 8.0  # that a sharp tip brings with it [grid spacings]
 _STIFF = 0.9  # 2K/(E* q) of the shortest wave, below which shorter ones find the layer stiffer
 _STEEP, _MOST_STEEP = 2.0, 2.0  # errors of a contact's width below a steep side [grid spacings]
-_LOWEST_NODE = 2.0  # factor of the approach's error where only the nodes tell the lowest point
 _HARDLY = 1e-3  # relative change that is no matter of the tolerance, or of chance
 _EARLIER = 1 / 16  # share of the change before the last
 
@@ -203,7 +202,6 @@ def _of_nodes(
         return math.inf
     if rough:
         left = _by_shares(values, quantity.of_changes)
-        left *= _LOWEST_NODE if quantity.of_lowest and not scene.indenter.knows_lowest else 1.0
     elif quantity.of_lowest:
         left = _by_order(values)
     elif power:
