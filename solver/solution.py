@@ -51,7 +51,7 @@ class Level:
     kappa_edges_error: float
     """The same for kappa (dimensionless)."""
     unseen_gap_area: float
-    """Estimated share of the period in gaps that lie between two contact nodes (dimensionless)."""
+    """Share of the period that gaps and patches between two nodes may have (dimensionless)."""
     iterations: int
     """Iterations on this grid."""
     transform_pairs: float

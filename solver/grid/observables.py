@@ -70,7 +70,7 @@ class Observables:
     approach_sampling: float
     """By how much the approach may be off because the lowest point may lie between the nodes [length]."""
     unseen_gap_area: float
-    """Estimated share of the period in gaps between two contact nodes, and in patches between two open ones; part of
+    """Share of the period that gaps between two contact nodes, and patches between two open ones, may have; part of
     `contact_area_error`."""
     peak_pressure_error: float = math.inf
     """Estimated error of the largest contact pressure [pressure]; `inf` where no coarser grid tells."""

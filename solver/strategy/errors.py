@@ -8,9 +8,9 @@ of the patches alone is e. On a surface with w points to its shortest wave its e
     peak pressure    sqrt((c/3)^2 + (c'/32)^2 + s^2)
     approach         sqrt((c/4)^2 + (c'/32)^2 + s^2)
 
-with c' the change before c and s what the nodes may miss of a peak, or of the lowest point, between them; with one
-coarser grid alone they are c and 2 c. Of scans and own indenters, which do not tell the lowest point between the nodes,
-the approach's is twice as much, and area and kappa have a further c/48 under the root.
+with c' the change before c and s what the nodes may miss of a peak, or of the lowest point, between them, which grids
+that share a node do not tell by their changes; with one coarser grid alone they are c and 2 c. Of scans and own
+indenters, which do not tell what lies between the nodes, area and kappa have a further c/48 under the root.
 
 On smooth profiles b = 0, and area and kappa have 0.36 and 0.5 of e, and c/13 and c/8 beside it. The order of pressure
 and approach is measured there, and at best the first is believed: sqrt((m c)^2 + (c'/16)^2), m = 1/(c'/c - 1) between
@@ -21,11 +21,11 @@ may have no limit, as below a kink or at a step: `inf`.
 
 Under smooth profiles e is taken whole for patches of fewer than 20 nodes, and where a table ends with the grid's
 shortest wave. b is what the errors of many patches have in common: up to 0.02 (16/w)^2.5 grid spacings for the area of
-each patch whose pressures tell where it ends (0.03 for kappa), and 0.002 (16/w)^2.5 (0.003) if its load does. g is one
-and a half times the widths of gaps and patches that lie between two nodes, over the period; in kappa it is the same
-share. Under a power profile with n > 2 the width has a further 2/s^3 spacings, up to 2, with s those in which the slope
-at its ends becomes e times as large. Under heights with a few kinks each patch of m nodes on the average has a further
-2/m (6/m for kappa), and c counts in full. What these numbers stand for is said in docs/accuracy.md.
+each patch whose pressures tell where it ends (0.03 for kappa), and 0.002 (16/w)^2.5 (0.003) if its load does. g is the
+most that gaps and patches between two nodes may be wide, over the period, see `unseen`; in kappa it is the same share.
+Under a power profile with n > 2 the width has a further 2/s^3 spacings, up to 2, with s those in which the slope at its
+ends becomes e times as large. Under heights with a few kinks, and where a power profile's contact has split, c counts
+in full. What these numbers stand for is said in docs/accuracy.md.
 
 Under a stiff coating thinner than a grid spacing the nodes may miss anything of the peak pressure (`inf`), and under
 one of a few spacings the contact of a sharp tip (n < 2) may split between them: then nothing but the approach has an
@@ -69,13 +69,11 @@ class Quantity:
     per_patch: tuple[float, float] = (0.0, 0.0)
     """Error that patches have in common at 16 points to the shortest wave, in the width of each, where pressures and
     where loads tell their ends [grid spacings]."""
-    of_kinks: float = 0.0
-    """Error in the width of a patch, times that width, where the profile has a few kinks [grid spacings squared]."""
     of_changes: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Of what does not depend on edges, the shares of the last change and the one before that are left under rough
     profiles, and of the only one where there is no other (dimensionless)."""
     of_lowest: bool = False
-    """Whether it counts from the profile's lowest point, so that more is left where only the nodes tell that."""
+    """Whether it counts from the profile's lowest point, and does not depend on the largest pressure."""
     sampling: str | None = None
     """The name, in both, of what nodes may miss of it; None where it depends on edges."""
     of_slopes: bool = False
@@ -97,7 +95,6 @@ QUANTITIES = {
         of_edges=0.36,
         of_change=(1 / 13, 1 / 48),
         per_patch=(0.02, 0.002),
-        of_kinks=2.0,
     ),
     "kappa": Quantity(
         "kappa_subgrid",
@@ -106,7 +103,6 @@ QUANTITIES = {
         of_edges=0.5,
         of_change=(1 / 8, 1 / 48),
         per_patch=(0.03, 0.003),
-        of_kinks=6.0,
         of_slopes=True,
         sensitivity=2.0,
     ),
@@ -158,8 +154,6 @@ def estimated(
     gaps = found.unseen_gap_area / area * abs(values[-1])
     each = [share * of for share, of in zip(quantity.per_patch, (found.num_patches - by_load, by_load), strict=True)]
     spacings = sum(each) * math.pow(_COMMON * waves, _COMMON_POWER)
-    if scene.indenter.kinked:
-        spacings += quantity.of_kinks * found.num_patches**2 / (area * num_points)
     spacings += sensitivity(quantity, scene) * _of_steep_sides(scene, found.contact_area_subgrid * num_points)
     common = spacings / num_points / area * abs(values[-1])
     if not coarser:
