@@ -7,9 +7,9 @@ import math
 import numpy as np
 
 from ..arrays import Array64, parts
+from .few_nodes import response
 from .patches import Patches
 
-_BESIDE_KINK = 0.407, 1.379  # distances [grid spacings] of two nodes from a kink halfway to the next node
 _TURNS = 5  # until the width of a patch agrees with its depth
 
 
@@ -24,7 +24,8 @@ def unseen_gaps(patches: Patches, pressure: Array64) -> float:
       Westergaard, J. Appl. Mech. 6, 49 (1939)), and a grid on which no node lies in the gap has just that. So nodes
       stay closed up to g = sqrt(2).
     - The pressure falls the faster the nearer. Beside a gap at a kink of the heights, which no load closes, it goes
-      like arcosh(2 y/g), far away ln(4 y/g), and `few_nodes.response` has that at the nodes for y of `_BESIDE_KINK`.
+      like arcosh(2 y/g), far away ln(4 y/g). At the nodes beside a kink halfway between two of them the grid has that
+      logarithm at the y of `few_nodes.response`, 0.407 and 1.379; at a node it tells of narrower gaps.
     """
     size, label = pressure.size, patches.label
     four = np.arange(size) if patches.full else np.flatnonzero(label[3:] == label[:-3])
@@ -34,8 +35,8 @@ def unseen_gaps(patches: Patches, pressure: Array64) -> float:
     beyond = (four[lowest] + np.array([[-1], [4]])) % size
     next_one = np.where(label[beyond] == label[four[lowest]], pressure[beyond], 0.0)
     steps = inner / falls
-    near, far = _BESIDE_KINK
-    at_kink = 4 * near * np.exp(-math.log(far / near) * steps.min(axis=0))
+    near, far = np.exp(-np.pi / 4 * (response()[:2] + response()[1:3]))
+    at_kink = 4 * near * (far / near) ** -steps.min(axis=0)
     kinked = (falls > next_one - outer) | (inner - inner[::-1] > falls)  # towards the pair, or a node of it
     hidden = np.where(kinked.all(axis=0), at_kink, 0.0)
     return float(np.maximum(hidden, np.where(steps.sum(axis=0) < 1, math.sqrt(2), 0.0)).sum())

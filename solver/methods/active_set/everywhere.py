@@ -22,9 +22,9 @@ Operators = tuple[Compliance, Compliance]
 class Everywhere:
     """The field of an operator, on all nodes."""
 
-    def __init__(self, num_points: int, make_operators: Callable[[], Operators], backend: str, large: bool) -> None:
-        """num_points: N; large: whether the operators are given back while the field rests."""
-        self._num_points, self._make_operators, self._backend, self._large = num_points, make_operators, backend, large
+    def __init__(self, make_operators: Callable[[], Operators], backend: str, large: bool) -> None:
+        """large: whether the operators are given back while the field rests."""
+        self._make_operators, self._backend, self._large = make_operators, backend, large
         directions, whole = self._operators
         self.mixed = directions is not whole
         """Whether images of search directions are float32 and the field is float64."""

@@ -65,7 +65,7 @@ class Spare:
             return Loan(shelf.pop(), shelf, kept)
         except IndexError:  # all are in use
             make = partial(_operators, symbol, num_points, setting, apart=apart)
-            return Loan(Everywhere(num_points, make, setting.backend, large=not kept), shelf, kept)
+            return Loan(Everywhere(make, setting.backend, large=not kept), shelf, kept)
 
 
 def _rounding_of(symbol: Array64) -> float:
