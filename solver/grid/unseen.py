@@ -5,11 +5,13 @@ is theirs.
 import math
 
 import numpy as np
+from numpy.polynomial.polynomial import polyval
 
 from ..arrays import Array64, parts
 from .few_nodes import response
 from .patches import Patches
 
+_THROUGH_SIX = np.linalg.inv(np.vander(np.arange(-2.5, 3), increasing=True))  # to coefficients of the polynomial
 _TURNS = 5  # until the width of a patch agrees with its depth
 
 
@@ -19,10 +21,10 @@ def unseen_gaps(patches: Patches, pressure: Array64) -> float:
     pressure: as for `edges.find_edges`. A gap may hide where the pressure falls from both sides towards the two nodes
     at a minimum, in two ways:
 
-    - The straight lines through two nodes on either side reach 0 before they meet. In full contact the pressure beside
-      the middle of a narrow gap of the width g would be proportional to y^2 - g^2/8, with y the distance from it (H. M.
-      Westergaard, J. Appl. Mech. 6, 49 (1939)), and a grid on which no node lies in the gap has just that. So nodes
-      stay closed up to g = sqrt(2).
+    - In full contact the pressure beside the middle of a narrow gap of the width g would be proportional to y^2 -
+      g^2/8, with y the distance from it (H. M. Westergaard, J. Appl. Mech. 6, 49 (1939)), and a grid on which no node
+      lies in the gap has just that, up to g = sqrt(2). The least pressure is that of the parabola through four nodes
+      (least squares), or of the polynomial through six there, and may be less by as much as the two differ.
     - The pressure falls the faster the nearer. Beside a gap at a kink of the heights, which no load closes, it goes
       like arcosh(2 y/g), far away ln(4 y/g). At the nodes beside a kink halfway between two of them the grid has that
       logarithm at the y of `few_nodes.response`, 0.407 and 1.379; at a node it tells of narrower gaps.
@@ -30,16 +32,22 @@ def unseen_gaps(patches: Patches, pressure: Array64) -> float:
     size, label = pressure.size, patches.label
     four = np.arange(size) if patches.full else np.flatnonzero(label[3:] == label[:-3])
     a, b, c, d = (pressure[(four + k) % size] for k in range(4))
-    lowest = (a > b) & (d > c) & np.where(b <= c, c <= a, b < d)  # of two pairs beside one node the lower one
-    falls, inner, outer = np.stack([a - b, d - c])[:, lowest], np.stack([b, c])[:, lowest], np.stack([a, d])[:, lowest]
-    beyond = (four[lowest] + np.array([[-1], [4]])) % size
-    next_one = np.where(label[beyond] == label[four[lowest]], pressure[beyond], 0.0)
-    steps = inner / falls
+    four = four[(a > b) & (d > c) & np.where(b <= c, c <= a, b < d)]  # of two pairs beside one node the lower one
+    nodes = (four + np.arange(-1, 5)[:, None]) % size
+    six = np.where(label[nodes] == label[nodes[1]], pressure[nodes], 0.0)
+    steps = -np.diff(six, axis=0)
+    before, falls, across = steps[[0, 4]], steps[[1, 3]], steps[[2, 2]]  # towards the pair, and within it
+    before[1], falls[1], across[1] = -before[1], -falls[1], -across[1]
     near, far = np.exp(-np.pi / 4 * (response()[:2] + response()[1:3]))
-    at_kink = 4 * near * (far / near) ** -steps.min(axis=0)
-    kinked = (falls > next_one - outer) | (inner - inner[::-1] > falls)  # towards the pair, or a node of it
-    hidden = np.where(kinked.all(axis=0), at_kink, 0.0)
-    return float(np.maximum(hidden, np.where(steps.sum(axis=0) < 1, math.sqrt(2), 0.0)).sum())
+    at_kink = 4 * near * (far / near) ** -(six[2:4] / falls).min(axis=0)
+    hidden = np.where(((falls > before) | (across > falls)).all(axis=0), at_kink, 0.0)
+    bend, inner = falls.sum(axis=0), six[2] + six[3]
+    middle = np.clip((3 * (six[1] - six[4]) + six[2] - six[3]) / (5 * bend), -0.5, 0.5)
+    by_four = inner / 2 - bend * (1 + 4 * middle**2) / 16
+    by_six = polyval(middle, _THROUGH_SIX @ six, tensor=False)
+    least = np.minimum(by_four, by_six) - np.abs(by_four - by_six)
+    smooth = np.minimum(np.sqrt(32 * np.maximum(-least, 0.0) / bend), math.sqrt(2))
+    return float(np.maximum(hidden, smooth).sum())
 
 
 def unseen_patches(profile: Array64, displacement: Array64, half_space: bool) -> float:
