@@ -1,8 +1,7 @@
 """What people see of scenes and solutions when they print them: a few lines with units, and a table in a notebook."""
 
-import math
 import textwrap
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import fields
 from decimal import ROUND_CEILING, Context
 from html import escape
@@ -10,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .units import unit
+from .units import named, shown, unit
 
 _WIDTH = 100  # columns of a printed line
 _LONGEST = 80  # characters of a text that is shown
@@ -27,14 +26,13 @@ class Row(NamedTuple):
     """Its unit; '-' where it is dimensionless, empty for a text."""
 
 
-def row(name: str, value: Any, length: str = "length") -> Row:
-    """A quantity by its name in results. length: the unit of length, where it is known."""
-    if name.rpartition(".")[2] == "thickness" and value in (math.inf, "inf"):
+def row(name: str, value: Any, names: Mapping[str, str] | None = None) -> Row:
+    """A quantity by its name in results. names: of the scene's units, as `units.named` tells them."""
+    if name.rpartition(".")[2] == "thickness" and str(value) == "inf":
         return Row(name, "half-space", "")
     if isinstance(value, str):
         return Row(name, textwrap.shorten(value, _LONGEST, placeholder=" ..."), "")
-    named = {"1": "-", "length": length}
-    return Row(name, number(value), named.get(unit(name), unit(name)))
+    return Row(name, number(value), shown(unit(name), names or named({})))
 
 
 _UP = Context(prec=2, rounding=ROUND_CEILING)

@@ -6,9 +6,10 @@ from dataclasses import is_dataclass
 from typing import Any, ClassVar, Protocol
 
 from . import display, units
+from .value import Value
 
 
-class Kind(Protocol):
+class Kind(Value, Protocol):
     """A kind of layer or of indenter. Making such a class raises `ValueError` like `units.declare`."""
 
     units: ClassVar[Mapping[str, str]] = {}

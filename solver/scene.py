@@ -15,7 +15,8 @@ from .arrays import Array64
 from .indenters import Indenter, PowerIndenter
 from .layers import ElasticLayer, Layer
 from .parts import check_foundation, check_indenter, check_layer
-from .units import length_unit
+from .units import PRESSURES, named
+from .value import Value
 
 PRECISIONS = ("float64", "float32", "mixed")
 MIN_POINTS, MAX_POINTS = 4, 2**30  # Warp indices are int32
@@ -26,7 +27,7 @@ _PRESSURE = float("2e-3")  # the default, an object of its own, by which it is t
 
 
 @dataclass(frozen=True)
-class Scene:
+class Scene(Value):
     """A layer, an indenter, the mean external pressure, and the grid they are solved on.
 
     Everything is the same along a second axis (line contact, plane strain) and periodic along the first. There is
@@ -52,6 +53,9 @@ class Scene:
     approach: float | None = None
     """Rigid approach since first touch [length], to give instead of the pressure, which is then found; up to 0 nothing
     touches. See `Observables.approach`."""
+    pressure_unit: str | None = None
+    """What the unit of pressures and moduli is called where they are shown, 'Pa', 'kPa', 'MPa' or 'GPa'; it converts
+    nothing."""
 
     def __post_init__(self) -> None:
         points = f"an integer from {MIN_POINTS} to {MAX_POINTS}"
@@ -62,6 +66,8 @@ class Scene:
             num_points=checks.integer("num_points", self.num_points, points, MIN_POINTS, MAX_POINTS),
         )
         checks.choice("precision", self.precision, PRECISIONS)
+        if self.pressure_unit is not None:
+            checks.choice("pressure_unit", self.pressure_unit, tuple(PRESSURES))
         check_indenter(self.indenter, self.num_points, self.period)
         check_layer(self.layer, self.period)
         self._check_scales()
@@ -83,8 +89,11 @@ class Scene:
     def __repr__(self) -> str:
         """What is pressed against what, in a few lines with units; arrays and long texts are left out."""
         rows = (self._row(name, value) for name, value in [*self._load, *self._grid[:2]])
-        parts = (repr(part).replace("[length]", f"[{self.length_unit}]") for part in (self.layer, self.indenter))
-        lines = "\n".join([f"{display.sentence('Scene', rows)}, {self.precision}", *parts])
+        lines = "\n".join(
+            [f"{display.sentence('Scene', rows)}, {self.precision}", *map(repr, (self.layer, self.indenter))]
+        )
+        for word, name in self.units.items():
+            lines = lines.replace(f"[{word}]", f"[{name}]")
         return lines.replace("\n", "\n  ")
 
     def _repr_html_(self) -> str:
@@ -101,10 +110,15 @@ class Scene:
     @property
     def length_unit(self) -> str:
         """The unit of length, where a scan has brought one with it; 'length' where it is the user's own."""
-        return length_unit(self.indenter.to_dict())
+        return self.units["length"]
+
+    @property
+    def units(self) -> dict[str, str]:
+        """The units of 'length' and 'pressure', as far as a scan or `pressure_unit` names them."""
+        return named(self.to_dict())
 
     def _row(self, name: str, value: Any) -> display.Row:
-        return display.row(name, value, self.length_unit)
+        return display.row(name, value, self.units)
 
     def _check_scales(self) -> None:
         """Refuse units and ratios whose products would overflow or underflow."""
@@ -140,7 +154,7 @@ class Scene:
 
     @property
     def _grid(self) -> list[tuple[str, Any]]:
-        return [(name, getattr(self, name)) for name in ("period", "num_points", "precision")]
+        return [(name, getattr(self, name)) for name in ("period", "num_points", "precision", "pressure_unit")]
 
     def on_grid(self, num_points: int) -> Self:
         """The same scene on another grid."""
@@ -151,4 +165,4 @@ class Scene:
     def to_dict(self) -> dict[str, Any]:
         """Flat, JSON-ready description under the command line's names; an infinite thickness becomes 'inf'."""
         described = {**self.indenter.to_dict(), **dict(self._load), **self.layer.to_dict(), **dict(self._grid)}
-        return {name: checks.plain(value) for name, value in described.items()}
+        return {name: checks.plain(value) for name, value in described.items() if value is not None}

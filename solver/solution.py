@@ -15,6 +15,7 @@ from .grid.observables import Observables
 from .grid.patch_table import PatchTable
 from .provenance import provenance
 from .scene import Scene
+from .value import Value
 from .warnings import SolutionWarning, find_warnings
 
 MEANINGLESS = 0.2
@@ -25,7 +26,7 @@ MOST_ENERGY = 0.1
 
 
 @dataclass(frozen=True)
-class Level:
+class Level(Value):
     """What a coarser grid gave."""
 
     num_points: int
@@ -85,7 +86,7 @@ class Choice:
 
 
 @dataclass(frozen=True)
-class Solution:
+class Solution(Value):
     """A displacement, what it means, how it was found and how wrong it can be."""
 
     scene: Scene
@@ -138,7 +139,7 @@ class Solution:
     def __repr__(self) -> str:
         """What was found, in a few lines with units, and the scene; arrays are left out."""
         rows = self._rows()
-        told = [display.sentence("Solution", rows[:4]), display.sentence("found", rows[4:])]
+        told = [display.sentence("Solution", rows[:4]), display.sentence("found, +- numerical errors", rows[4:])]
         warned = [f"warning, {warning.kind}: {warning.text}" for warning in self.warnings]
         return "\n".join([*told, *warned, repr(self.scene)]).replace("\n", "\n  ")
 
@@ -149,7 +150,7 @@ class Solution:
 
     def _rows(self) -> list[display.Row]:
         """What was found, as it is shown: how it ended and what it took first."""
-        found, length = self.observables, self.scene.length_unit
+        found, units = self.observables, self.scene.units
         area, peak, kappa, approach = (
             display.number(value) + (f" +- {display.rounded_up(error)}" if error < math.inf else "")
             for value, error in (
@@ -165,11 +166,11 @@ class Solution:
             display.Row("transform_pairs", f"{self.transform_pairs:.3g}", "-"),
             display.Row("seconds", f"{self.seconds.get('total', 0.0):.3g}", "s"),
             display.Row("contact_area_subgrid", area, "-"),
-            display.row("contact_width", self.contact_width, length),
+            display.row("contact_width", self.contact_width, units),
             display.row("num_patches", found.num_patches),
-            display.Row("peak_pressure", peak, "pressure"),
+            display.Row("peak_pressure", peak, units["pressure"]),
             display.Row("kappa_subgrid", kappa, "-"),
-            display.Row("approach", approach, length),
+            display.Row("approach", approach, units["length"]),
         ]
 
     @cached_property
@@ -201,8 +202,8 @@ class Solution:
     def plot(self, path: str | os.PathLike[str] | None = None, overwrite: bool = False) -> Any:
         """The figure of the solution, as a Matplotlib `Figure`; see `linecontact.plot`.
 
-        path: where to write it, too, for instance as .png or .pdf. overwrite: whether an existing file may be replaced.
-        Raises `ValueError` for a file that cannot be written.
+        path: where to write it, too, for instance as .png or .pdf. overwrite: whether a file may be replaced that is no
+        figure of linecontact's. Raises `ValueError` for a file that cannot be written.
         """
         import linecontact  # the package's front knows how solutions are drawn
 

@@ -1,10 +1,14 @@
 """Units of the quantities in scenes and results, by their names."""
 
+import re
 from collections.abc import Collection, Mapping
 from typing import Any
 
 SCENE = "the scene's"
 """The unit of length that the scene is in, where nobody has said which one it is."""
+
+PRESSURES: dict[str, float] = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9}
+"""Units of pressure in pascals."""
 
 _UNITS = {
     "x": "length",
@@ -25,6 +29,7 @@ _UNITS = {
     "contact_modulus": "pressure",
     "youngs_modulus": "pressure",
     "base_modulus": "pressure",
+    "base_youngs_modulus": "pressure",
     "contact_stiffness": "pressure/length",
     "profile_scan_length": "length",
     "profile_spacing": "length",
@@ -71,9 +76,19 @@ def declare(own: Mapping[str, str], fields: Collection[str]) -> None:
 
 
 def length_unit(about: Mapping[str, Any], prefix: str = "") -> str:
-    """The unit of length of what is described by these names; 'length' where nobody has said which one it is.
+    """The unit of length among `named`."""
+    return named(about, prefix)["length"]
 
-    about: of an indenter, or of results, where `prefix` stands before the indenter's names.
+
+def named(about: Mapping[str, Any], prefix: str = "") -> dict[str, str]:
+    """The units of 'length' and 'pressure' of a scene, these words themselves where nobody has said which.
+
+    about: what describes the scene, or results, where `prefix` stands before the scene's names.
     """
-    known = str(about.get(f"{prefix}profile_length_unit", SCENE))
-    return "length" if known == SCENE else known
+    said = {"length": about.get(f"{prefix}profile_length_unit"), "pressure": about.get(f"{prefix}pressure_unit")}
+    return {word: word if unit in (None, SCENE) else str(unit) for word, unit in said.items()}
+
+
+def shown(of: str, names: Mapping[str, str]) -> str:
+    """A unit as `unit` tells it with the names of a scene's own, and '-' for what is dimensionless."""
+    return re.sub("length|pressure", lambda found: names[found[0]], "-" if of == "1" else of)

@@ -39,7 +39,9 @@ _SMOOTH = 1 / 3  # of half a shortest wave: in patches narrower on the average t
 _MOST_OMITTED = 0.001  # share of the mean square slope in waves that the grid leaves out
 _FEWEST_NODES = 3  # of a patch that is resolved
 _WAVE_POINTS = 3  # half a shortest wave on fewer points needs as many more nodes to a patch
-_SHARE_OF_LOAD = 0.05  # on patches as narrow as two values of a scan
+_SHARE_OF_LOAD = 0.02  # on patches as narrow as two values of a scan
+
+_FAR_APART = 1e-5, 1e3  # thickness over the period of a scan
 
 
 class WarningKind(StrEnum):
@@ -53,6 +55,8 @@ class WarningKind(StrEnum):
     """The edges of the contact lie between so few nodes that the area is not well known."""
     ESTIMATE = "estimate"
     """Peak pressure or approach is less than the error that is estimated for it, or the peak is not resolved."""
+    UNITS = "units"
+    """Two numbers are so far from each other that they may be in different units."""
     STRAIN = "strain"
     """Strains are beyond small ones."""
     SLOPE = "slope"
@@ -85,7 +89,8 @@ def find_warnings(
     if not (area > 0 and patches.nodes.size):
         yield SolutionWarning(WarningKind.GRID, "nothing is in contact; more num_points, or another start")
         return
-    if doubts := scene.indenter.doubts:  # first, because it may be the cause of the others
+    yield from _of_units(scene)
+    if doubts := scene.indenter.doubts:  # like the units early, because it may be the cause of the others
         yield SolutionWarning(WarningKind.PROFILE, doubts)
     yield from _of_grid(scene, found, patches)
     yield from _of_estimates(found, patches)
@@ -96,6 +101,18 @@ def find_warnings(
         if found.unseen_gap_area > 1 - area:
             text += "; gaps may be left between the nodes, and with them the contact stiffness is less"
         yield SolutionWarning(WarningKind.FULL, text)
+
+
+def _of_units(scene: Scene) -> Iterator[SolutionWarning]:
+    """Whether pressure and modulus, and the lengths of a scan and of its layer, are likely in one unit each."""
+    thickness, period, unit = scene.layer.thickness, scene.period, scene.length_unit
+    (low, high), found = _FAR_APART, list[str]()
+    if scene.reduced_load > 1:
+        found.append(f"the mean pressure is {scene.reduced_load:.2g} times the contact modulus E*")
+    if unit != "length" and math.isfinite(thickness) and not low < thickness / period < high:
+        found.append(f"the layer is {thickness:.3g} {unit} thick, and the period of the scan is {period:.3g} {unit}")
+    if found:
+        yield SolutionWarning(WarningKind.UNITS, f"{'; '.join(found)}: check that they are in one unit")
 
 
 def _of_grid(scene: Scene, found: Observables, patches: PatchTable) -> Iterator[SolutionWarning]:
@@ -167,14 +184,10 @@ def _strain(scene: Scene, found: Observables, patches: PatchTable, displacement:
 
 def _of_elasticity(scene: Scene, found: Observables, strain: float) -> Iterator[SolutionWarning]:
     """Whether strains and slopes are small, as linear elasticity takes them to be."""
+    slope, taken = found.rms_gradient_subgrid, "are not small, but taken to be"
     if strain > LARGEST_STRAIN:
-        text = f"strains reach about {strain:.2g}"
-        yield SolutionWarning(
-            WarningKind.STRAIN, f"{text}: above {LARGEST_STRAIN:g} they are not small, but taken to be"
-        )
-    slope = found.rms_gradient_subgrid
+        text = f"strains reach about {strain:.2g}: above {LARGEST_STRAIN:g} they {taken}"
+        yield SolutionWarning(WarningKind.STRAIN, text)
     if slope > LARGEST_SLOPE:
-        text = f"the rms slope in the contact is {slope:.2g}"
-        yield SolutionWarning(
-            WarningKind.SLOPE, f"{text}: above {LARGEST_SLOPE:g} slopes are not small, but taken to be"
-        )
+        text = f"the rms slope in the contact is {slope:.2g}: above {LARGEST_SLOPE:g} slopes {taken}"
+        yield SolutionWarning(WarningKind.SLOPE, text)

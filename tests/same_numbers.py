@@ -66,7 +66,7 @@ def draw(number):
             heights = np.fft.irfft(modes * np.exp(-np.arange(modes.size) / 4), n)
         if kind == 3 and n % 2 == 0:  # a scan joined to its mirror image
             heights[n // 2 :] = heights[: n // 2][::-1]
-        indenter = MeasuredIndenter(heights)
+        indenter = MeasuredIndenter(heights, convention="gap")
         load *= 0.1
     layer = Layer(thickness, nu, float(rng.choice([1.0, 3.7e6])))
     scene = {"layer": layer, "indenter": indenter, "pressure": load * layer.contact_modulus, "num_points": n}

@@ -29,7 +29,7 @@ def error(solution, exact):
 
 def mirrored(num_points):
     half = ROUGH.profile(num_points // 2, 1.0)
-    return MeasuredIndenter(np.concatenate([half, half[::-1]]))
+    return MeasuredIndenter(np.concatenate([half, half[::-1]]), convention="gap")
 
 
 def test_a_thick_layer_is_a_half_space():
@@ -55,7 +55,7 @@ def test_a_thick_layer_is_a_half_space():
 @pytest.mark.parametrize("nu", [-0.9, 0.0, 0.3, 0.49, 0.5])
 def test_the_half_space_is_off_by_no_more_than_estimated(nu):
     """Power profiles, and a sinusoidal one next to full contact, where the area is most sensitive."""
-    wave = MeasuredIndenter(0.01 * (1 - np.cos(2 * np.pi * np.arange(1024) / 1024)))
+    wave = MeasuredIndenter(0.01 * (1 - np.cos(2 * np.pi * np.arange(1024) / 1024)), convention="gap")
     used = 0
     for thickness in (0.7, 0.9, 1.1, 1.4):
         replaced, choices = plan._half_space(Scene(Layer(thickness, nu)), 5e-3)
@@ -181,7 +181,7 @@ def test_a_scene_that_is_nearly_even(noise):
     """The contact of a scan and its mirror image is as even as its heights."""
     heights = mirrored(2**14).heights
     heights = heights + noise * np.ptp(heights) * np.random.default_rng(0).random(heights.size)
-    solution = solve(Scene(Layer(0.1), MeasuredIndenter(heights), 1e-2, num_points=2**14))
+    solution = solve(Scene(Layer(0.1), MeasuredIndenter(heights, convention="gap"), 1e-2, num_points=2**14))
     assert solution.status is Status.CONVERGED
     assert not solution.handed_over
     pressure = solution.contact_pressure
@@ -206,7 +206,7 @@ def test_no_measured_roughness_is_left_out():
     profiles = [RoughIndenter(hurst, 1, 1 / 8, 1 / 512).profile(n, 1.0) for hurst in (0.3, 0.8)]
     for heights in (*profiles, waves, 1e-3 * np.cos(6000 * np.pi * x)):
         for layer, pressure in ((Layer(0.1, 0.3), 5e-3), (Layer(1e-3, 0.3), 0.1), (Layer(1e-6, 0.3), 0.5)):
-            scene = Scene(layer, MeasuredIndenter(heights), pressure, num_points=n)
+            scene = Scene(layer, MeasuredIndenter(heights, convention="gap"), pressure, num_points=n)
             exact = solve(scene).observables.contact_area_subgrid
             for accuracy in (0.1, 1e-2):
                 solution = solve(scene, accuracy=accuracy)

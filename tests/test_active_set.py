@@ -34,7 +34,7 @@ def test_patches_that_share_an_unknown_take_longer(monkeypatch):
     """They were taken for a set that rounding does not let be solved: 2^21 of them went to FIRE, for hours."""
     monkeypatch.setattr(deflation, "_unknowns", lambda n: 16)
     monkeypatch.setattr("linecontact.solver.methods.active_set.contact_set.MOST_ITERATIONS", 20)
-    teeth = MeasuredIndenter(2e-7 * (np.arange(4097) % 2))
+    teeth = MeasuredIndenter(2e-7 * (np.arange(4097) % 2), convention="gap")
     solution = solve(Scene(Layer(), teeth, 5e-15, num_points=4097))
     assert solution.status is Status.CONVERGED
     assert not solution.handed_over
@@ -51,7 +51,9 @@ def scenes():
     rough = st.builds(RoughIndenter, st.floats(0.1, 1), st.integers(0, 99), st.just(0.25), st.floats(0.02, 0.2))
     power = st.builds(PowerIndenter, st.floats(1.3, 5))
     walk = st.integers(0, 99).map(
-        lambda seed: MeasuredIndenter(1e-2 * np.random.default_rng(seed).standard_normal(1024).cumsum())
+        lambda seed: MeasuredIndenter(
+            1e-2 * np.random.default_rng(seed).standard_normal(1024).cumsum(), convention="gap"
+        )
     )
     return st.builds(
         Scene,
@@ -158,7 +160,9 @@ def test_warm_start_from_a_displacement(length, modulus):
 
 def test_thousands_of_patches_share_unknowns():
     heights = 1e-4 * np.random.default_rng(0).standard_normal(2**14)
-    solution = solve(Scene(indenter=MeasuredIndenter(heights), pressure=0.5, num_points=2**14), nested=False)
+    solution = solve(
+        Scene(indenter=MeasuredIndenter(heights, convention="gap"), pressure=0.5, num_points=2**14), nested=False
+    )
     assert solution.status is Status.CONVERGED
     assert solution.observables.num_patches > 1000
     assert not solution.handed_over
@@ -251,7 +255,7 @@ def test_a_cold_start_has_not_much_more_contact_than_the_solution(hurst, thickne
 
 def test_the_typical_stiffness_is_at_least_the_longest_wave_s():
     wave = Problem.from_scene(
-        Scene(indenter=MeasuredIndenter(1 - np.cos(2 * np.pi * np.arange(16) / 16)), num_points=16)
+        Scene(indenter=MeasuredIndenter(1 - np.cos(2 * np.pi * np.arange(16) / 16), convention="gap"), num_points=16)
     )
     for problem in (wave, replace(wave, height=np.zeros(16))):
         assert typical_stiffness(problem) == problem.stiffness[1]

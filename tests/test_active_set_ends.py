@@ -52,7 +52,9 @@ def test_beyond_rounding_the_search_ends_soon_and_keeps_its_contact(num_points):
 )
 @pytest.mark.parametrize("d", [math.inf, 0.01, 1e-5])
 def test_every_search_ends(heights, load, d, nested):
-    solution = solve(Scene(Layer(d, 0.3), MeasuredIndenter(heights), load, num_points=2048), nested=nested)
+    solution = solve(
+        Scene(Layer(d, 0.3), MeasuredIndenter(heights, convention="gap"), load, num_points=2048), nested=nested
+    )
     assert solution.status is Status.CONVERGED
     assert solution.contact_pressure.mean() == pytest.approx(load, rel=1e-6)
     assert (solution.displacement <= solution.scene.profile).all()

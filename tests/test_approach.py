@@ -247,7 +247,7 @@ def test_contact_stiffness_of_few_nodes(width, num_points):
     exact = -math.pi / (2 * math.log(math.sin(math.pi * width / num_points / 2)))
     for beside in np.linspace(-0.5, 0.45, 7):
         x = (np.arange(num_points) - num_points // 2 - beside) / num_points
-        indenter = MeasuredIndenter(0.01 * (1 - np.cos(2 * np.pi * x)))
+        indenter = MeasuredIndenter(0.01 * (1 - np.cos(2 * np.pi * x)), convention="gap")
         solution = solve(Scene(Layer(), indenter, load, num_points=num_points))
         assert solution.contact_stiffness == pytest.approx(exact, rel=1e-5 if num_points > 256 else 1e-4)
 
@@ -268,7 +268,7 @@ def test_contact_stiffness_of_few_nodes_on_thin_layers(spacings, most, width):
 def test_contact_stiffness_under_a_sine_wave(num_points, share):
     """Westergaard: sin^2(pi a/L) = p L/(pi E* D) and d(approach)/dp = -(2 L/(pi E*)) ln sin(pi a/L); second order."""
     x = np.arange(num_points) / num_points
-    indenter = MeasuredIndenter(0.01 * (1 - np.cos(2 * np.pi * (x - 0.5))))
+    indenter = MeasuredIndenter(0.01 * (1 - np.cos(2 * np.pi * (x - 0.5))), convention="gap")
     load = math.pi * 0.01 * math.sin(math.pi * share / 2) ** 2
     solution = solve(Scene(Layer(), indenter, load, num_points=num_points), tolerance=1e-10)
     exact = -2 / math.pi * math.log(math.sin(math.pi * share / 2))
@@ -334,7 +334,7 @@ def test_coarse_grids_that_mislead(approach):
     """The flat bottom of a step has ripples on them, and on an incompressible layer one node there sinks in far more
     (found by a stress test: the search ended at a fifth of the approach)."""
     heights = np.repeat([0.02, 0.006, 0.0, 0.03], 2**10)
-    scene = Scene(Layer(7e-5, 0.5), MeasuredIndenter(heights), approach=approach, num_points=2**12)
+    scene = Scene(Layer(7e-5, 0.5), MeasuredIndenter(heights, convention="gap"), approach=approach, num_points=2**12)
     found = solve(scene)
     assert found.status is Status.CONVERGED
     assert found.observables.approach == pytest.approx(approach, rel=1e-8)

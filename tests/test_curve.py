@@ -233,7 +233,7 @@ def test_a_scan_with_lengths_in_units(tmp_path, capsys):
             "youngs_modulus is 3; allowed: none with --over c",
         ),
         ("--over youngs_modulus --from 1 --to 10", "over is 'youngs_modulus'; allowed: contact_modulus, E/(1 - nu^2)"),
-        ("--from 1kPa --to 2kPa", "from is '1kPa'; allowed: a number alone, all pressures and moduli in one unit"),
+        ("--from 1kPa --to 2kPa", "from is '1kPa'; allowed: a number alone, the pressures of this scene"),
         ("--values 1e-3,2e-3 --points 3", "points is 3; allowed: none with --values"),
         ("--values 1e-3,2e-3 --points 30", "points is 30; allowed: none with --values"),
         (
@@ -250,7 +250,7 @@ def test_a_scan_with_lengths_in_units(tmp_path, capsys):
         ("--over approach --from 1e-3 --to 1", "to is 1; allowed: up to 0.041666"),
         (
             "--layer coated --thickness 0.1",
-            "base_modulus is missing; allowed: a number alone, all pressures and moduli in one unit, for instance Pa, ",
+            "base_modulus (or base_youngs_modulus) is missing; allowed: one of the two",
         ),
     ],
 )

@@ -6,7 +6,6 @@ import io
 import json
 import re
 import shlex
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -89,7 +88,7 @@ NEEDED = {
 """Files that a page speaks of and does not make itself, and what they are copies of, or their text."""
 
 SCANS = ("scan.csv", "dektak-1.csv")
-"""Copies of the file that the tutorial makes."""
+"""The file that the tutorial makes, and another with its values."""
 
 MPI = """from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
@@ -192,7 +191,8 @@ def place(tmp_path, monkeypatch):
         if page not in (TUTORIAL, ROOT / "README.md") and any(scan in page.read_text() for scan in SCANS):
             (block,) = re.findall(r"```python\n([^`]*savetxt[^`]*)```", TUTORIAL.read_text())
             run([("python", block)], tmp_path)
-            shutil.copy(tmp_path / SCANS[0], tmp_path / SCANS[1])
+            scan = (tmp_path / SCANS[0]).read_text().replace("# x [um],z [nm]", "Lateral um,Raw Micrometer")
+            (tmp_path / SCANS[1]).write_text(scan)  # the labels of its instrument
         (tmp_path / "mpi4py").mkdir()
         (tmp_path / "mpi4py" / "futures.py").write_text(MPI)
         monkeypatch.chdir(tmp_path)

@@ -19,7 +19,10 @@ def row(width, gap, repeats=1):
     wave = 1 - np.cos(2 * np.pi * np.arange(period * repeats) / period)
     full = math.pi * amplitude * repeats
     load = full * math.sin(math.pi * width / period / 2) ** 2
-    return solve(Scene(Layer(), MeasuredIndenter(amplitude * wave), load, num_points=period * repeats), tolerance=1e-11)
+    return solve(
+        Scene(Layer(), MeasuredIndenter(amplitude * wave, convention="gap"), load, num_points=period * repeats),
+        tolerance=1e-11,
+    )
 
 
 @pytest.mark.parametrize(
@@ -66,7 +69,9 @@ def test_ends_are_not_moved_one_by_one_where_patches_share_the_load():
     wave = 1 - np.cos(2 * np.pi * np.arange(n) / period)
     amplitude = 1e-2 / repeats
     load = math.pi * amplitude * repeats * math.sin(math.pi * width / period / 2) ** 2
-    solution = solve(Scene(Layer(), MeasuredIndenter(amplitude * wave), load, num_points=n), tolerance=1e-11)
+    solution = solve(
+        Scene(Layer(), MeasuredIndenter(amplitude * wave, convention="gap"), load, num_points=n), tolerance=1e-11
+    )
     patches = Patches.of(solution.contact_pressure > 0)
     ends = find_edges(patches, solution.contact_pressure[patches.nodes], Layer(), 1.0)
     assert patches.count == repeats

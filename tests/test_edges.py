@@ -303,7 +303,7 @@ def test_westergaard(share):
     n, amplitude = 2**11, 1e-2
     load = math.pi * amplitude * math.sin(math.pi * share / 2) ** 2
     heights = amplitude * (1 - np.cos(2 * np.pi * np.arange(n) / n))
-    found = solve(Scene(indenter=MeasuredIndenter(heights), pressure=load, num_points=n)).observables
+    found = solve(Scene(indenter=MeasuredIndenter(heights, convention="gap"), pressure=load, num_points=n)).observables
     assert closed_forms.westergaard_area(amplitude, load) == pytest.approx(share, rel=1e-12)
     assert abs(found.contact_area_subgrid - share) < 0.01 / n
     assert abs(found.contact_area_subgrid - share) < found.contact_area_error
@@ -312,7 +312,9 @@ def test_westergaard(share):
 def test_small_patches_are_counted_and_flagged():
     heights = np.ones(256)
     heights[[20, 90, 91, 200, 201, 202, 203]] = 0
-    o = solve(Scene(indenter=MeasuredIndenter(1e-3 * heights), pressure=1e-5, num_points=256)).observables
+    o = solve(
+        Scene(indenter=MeasuredIndenter(1e-3 * heights, convention="gap"), pressure=1e-5, num_points=256)
+    ).observables
     assert o.num_patches == 3
     assert o.num_counted_patches == 2
     patches = Patches.of(heights == 0)

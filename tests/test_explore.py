@@ -7,6 +7,7 @@ import re
 import shlex
 import threading
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -99,7 +100,7 @@ def test_a_link_gives_back_its_scene():
         ({"thickness": [b"-1"]}, "thickness is -1"),
         ({"thickness": [b"thin"]}, "thickness is 'thin'; allowed: a number"),
         ({"pressure": [b"nan"]}, "pressure is 'nan'"),
-        ({"thickness": [b"1e400"]}, "thickness is '1e400'; allowed: a number below"),
+        ({"thickness": [b"1e400"]}, "thickness is '1e400'; allowed: a number alone .length., below"),
         ({"profile": [b"file"]}, "profile is 'file'; allowed: power, rough"),
         ({"profile_file": [b"/etc/passwd"]}, "the link gives profile_file; allowed"),
         ({"profile": [b"rough"]}, "num_points is 1024"),
@@ -247,8 +248,33 @@ def test_the_mirror_image_of_a_scan_is_marked(tmp_path):
         labels = [item.label.value for item in fields.shape.legend[0].items]
         made.page.end(PATIENCE)
         assert [strip.x0 for strip in drawn if isinstance(strip, VStrip)] == pytest.approx([150] * halves)
-        assert ("mirror image of the scan" in labels) == bool(halves)
-        assert any("peaks point down" in label for label in labels)
+        assert ("mirror image" in labels) == bool(halves)
+        assert "peaks down" in fields.shape.yaxis.axis_label
+
+
+@pytest.mark.parametrize(
+    ("options", "pressure_unit", "thickness", "pressure", "along"),
+    [
+        ({}, None, "thickness d [um]", "mean pressure p/E* (dimensionless)", "position x [um]"),
+        ({"length_unit": "nm"}, "MPa", "thickness d [nm]", "mean pressure p [MPa]", "position x [nm]"),
+    ],
+)
+def test_a_scan_s_page_speaks_its_units(tmp_path, options, pressure_unit, thickness, pressure, along):
+    scan = read_scan(write_scan(tmp_path), **options)
+    um = 1e-6 if not options else 1e3
+    scene = replace(scan.scene(Layer(10 * um, contact_modulus=2.0), 2e-3), pressure_unit=pressure_unit)
+    made = Screen(scene)
+    made.settle()
+    sliders = {slider.name: slider for slider in made.page._sliders.values()}
+    made.page.end(PATIENCE)
+    assert [sliders[name].title for name in ("thickness", "pressure")] == [thickness, pressure]
+    assert made.page._fields.pressure.xaxis.axis_label == along
+    size = 10 if not options else 10_000
+    assert 10 ** sliders["thickness"].value == pytest.approx(size)
+    assert 10 ** sliders["pressure"].value == pytest.approx(1e-3 if pressure_unit is None else 2e-3)
+    assert f"{thickness[-6:].strip()} = {size}" in made["answer"].value
+    with pytest.raises(ValueError, match=r"thickness is '5um'; allowed: a number alone \[n?m\], below"):
+        made.start.read_link({"thickness": [b"5um"]})
 
 
 def test_the_surface_on_the_screen_is_the_solution(screen):
@@ -350,7 +376,7 @@ def test_curves_take_a_grid_that_holds_the_surface():
     rough = Scene(Layer(), RoughIndenter(), num_points=2**14)
     assert grid(rough) == 2**14
     assert grid(Scene(num_points=2**14)) == 2**12
-    smooth = MeasuredIndenter(1 - np.cos(2 * np.pi * np.arange(2**14) / 2**14))
+    smooth = MeasuredIndenter(1 - np.cos(2 * np.pi * np.arange(2**14) / 2**14), convention="gap")
     assert grid(Scene(Layer(), smooth, num_points=2**14)) == 2**12
     curve = Curve(LOAD)
     curve.aim(rough)

@@ -240,7 +240,7 @@ def test_a_scan_that_went_away_is_told_and_nothing_is_lost(tmp_path):
             file.unlink()
             for position in (-1, -0.5):
                 client.move("thickness", position)
-                client.settle(holds=f"d/L = {10**position:.3g}")
+                client.settle(holds=f"d [um] = {10**position:.3g}")
             assert "no longer there" in client.text("note")
         status, said = program.end()
         assert status == 130

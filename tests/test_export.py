@@ -73,7 +73,7 @@ def test_a_study_is_read_back_by_pandas(study, tmp_path):
 @pytest.mark.parametrize(("about", "unit"), [({}, "length"), ({"profile_length_unit": "um"}, "um")])
 def test_a_solution_s_fields_are_exported(tmp_path, about, unit):
     heights = np.cos(np.arange(64) / 64 * 2 * np.pi) / 100
-    indenter = MeasuredIndenter(heights, description=about)
+    indenter = MeasuredIndenter(heights, description=about, convention="gap")
     solution = solve(Scene(Layer(0.5), indenter, 1e-3, num_points=64))
     solution_files.save_solution(tmp_path / "run.h5", solution)
     assert cli.main(["export", str(tmp_path / "run.h5"), "--csv", str(tmp_path / "out.csv")]) == 0

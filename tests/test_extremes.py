@@ -33,7 +33,9 @@ from linecontact.studies.extremes import verdicts
 
 def measured(heights, layer=None, pressure=1e-3, **changes):
     heights = np.asarray(heights, dtype=np.float64)
-    return Scene(layer or Layer(), MeasuredIndenter(heights), pressure, num_points=heights.size, **changes)
+    return Scene(
+        layer or Layer(), MeasuredIndenter(heights, convention="gap"), pressure, num_points=heights.size, **changes
+    )
 
 
 @pytest.mark.parametrize("num_points", [4, 5, 6, 7, 8, 9, 13, 27, 31, 64])

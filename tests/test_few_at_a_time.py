@@ -150,7 +150,9 @@ def test_noise_under_a_stiff_coating(num_points, thickness, base, pressure, even
     heights = 1e-3 * np.random.default_rng(num_points).standard_normal(num_points)
     if even:
         heights[num_points // 2 :] = heights[: num_points // 2][::-1]
-    scene = Scene(CoatedHalfSpace(thickness, base), MeasuredIndenter(heights), pressure, num_points=num_points)
+    scene = Scene(
+        CoatedHalfSpace(thickness, base), MeasuredIndenter(heights, convention="gap"), pressure, num_points=num_points
+    )
     solution = solve(scene)
     assert solution.status is Status.CONVERGED
     assert solution.certificate.free_residual < 3e-8  # of which rounding leaves 1e-8
@@ -176,7 +178,7 @@ def test_few_nodes_at_a_time_find_the_same_contact(even, most, monkeypatch):
     heights = RoughIndenter(0.8, 1, 1 / 8, 1 / 8).profile(2**10, 1.0)
     if even:
         heights[2**9 :] = heights[: 2**9][::-1]
-    indenter = MeasuredIndenter(heights - heights.min())
+    indenter = MeasuredIndenter(heights - heights.min(), convention="gap")
     scenes = [Scene(Layer(d), indenter, 0.02, num_points=2**10) for d in (math.inf, 1e-3)]
     usual = [solve(scene).contact_pressure for scene in scenes]
 

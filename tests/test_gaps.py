@@ -12,7 +12,9 @@ DEPTH = 0.01
 
 def wave(num_points, beside, waves=1):
     """Heights DEPTH (1 - cos), the middle of a gap `beside` spacings from a node."""
-    return MeasuredIndenter(DEPTH * (1 + np.cos(2 * np.pi * waves * (np.arange(num_points) - beside) / num_points)))
+    return MeasuredIndenter(
+        DEPTH * (1 + np.cos(2 * np.pi * waves * (np.arange(num_points) - beside) / num_points)), convention="gap"
+    )
 
 
 def open_share(load, waves=1):
@@ -61,7 +63,7 @@ def test_the_curve_of_a_wave_from_first_touch_to_full_contact(share):
 def test_gaps_tell_nothing_where_the_profile_is_not_known_between_the_nodes():
     """Noise from node to node: the ends are those that the pressures tell."""
     n = 2**10
-    noisy = MeasuredIndenter(wave(n, 0.3, 5).heights + np.random.default_rng(2).uniform(0, 3e-4, n))
+    noisy = MeasuredIndenter(wave(n, 0.3, 5).heights + np.random.default_rng(2).uniform(0, 3e-4, n), convention="gap")
     solution = solve(Scene(indenter=noisy, pressure=0.6 * math.pi * 5 * DEPTH, num_points=n))
     patches, edges = contact_edges(solution.scene, solution.contact_pressure, displacement=solution.displacement)
     _, by_pressures = contact_edges(solution.scene, solution.contact_pressure)

@@ -75,19 +75,28 @@ def test_unresolved_waves_name_the_three_ratios():
         (lambda: RoughIndenter(roll_off_ratio=2.0), "roll_off_ratio is 2.0"),
         (lambda: RoughIndenter(cut_off_ratio=0.0), "cut_off_ratio is 0.0"),
         (lambda: RoughIndenter(rms_gradient=math.inf), "rms_gradient is inf"),
-        (lambda: MeasuredIndenter(np.zeros(64)), "constant"),
-        (lambda: MeasuredIndenter(np.arange(3.0)), r"shape \(3,\)"),
-        (lambda: MeasuredIndenter(np.ones((16, 2))), "shape"),
-        (lambda: MeasuredIndenter(np.append(np.arange(30.0), np.nan)), r"heights\[30\] is nan"),
-        (lambda: MeasuredIndenter(["high"] * 32), "not an array of real numbers"),
-        (lambda: MeasuredIndenter(["1", "2", "3", "4"]), "not an array of real numbers"),
-        (lambda: MeasuredIndenter(1j * np.arange(16)), "not an array of real numbers"),
-        (lambda: MeasuredIndenter(np.arange(4) > 1), "not an array of real numbers"),
-        (lambda: MeasuredIndenter(np.array(["1", "2", "3", "4"], dtype=object)), "not an array of real numbers"),
-        (lambda: MeasuredIndenter(np.array([1, 2, 3, 4j], dtype=object)), "not an array of real numbers"),
-        (lambda: MeasuredIndenter([10**400, 1, 2, 3]), "not an array of real numbers"),
-        (lambda: MeasuredIndenter(np.ma.masked_equal(np.arange(16.0), 3)), "heights are masked"),
-        (lambda: Scene(indenter=MeasuredIndenter(np.arange(64.0)), num_points=128), "num_points is 128; allowed: 64"),
+        (lambda: MeasuredIndenter(np.zeros(64), convention="gap"), "constant"),
+        (lambda: MeasuredIndenter(np.arange(3.0), convention="gap"), r"shape \(3,\)"),
+        (lambda: MeasuredIndenter(np.ones((16, 2)), convention="gap"), "shape"),
+        (lambda: MeasuredIndenter(np.append(np.arange(30.0), np.nan), convention="gap"), r"heights\[30\] is nan"),
+        (lambda: MeasuredIndenter(["high"] * 32, convention="gap"), "not an array of real numbers"),
+        (lambda: MeasuredIndenter(["1", "2", "3", "4"], convention="gap"), "not an array of real numbers"),
+        (lambda: MeasuredIndenter(1j * np.arange(16), convention="gap"), "not an array of real numbers"),
+        (lambda: MeasuredIndenter(np.arange(4) > 1, convention="gap"), "not an array of real numbers"),
+        (
+            lambda: MeasuredIndenter(np.array(["1", "2", "3", "4"], dtype=object), convention="gap"),
+            "not an array of real numbers",
+        ),
+        (
+            lambda: MeasuredIndenter(np.array([1, 2, 3, 4j], dtype=object), convention="gap"),
+            "not an array of real numbers",
+        ),
+        (lambda: MeasuredIndenter([10**400, 1, 2, 3], convention="gap"), "not an array of real numbers"),
+        (lambda: MeasuredIndenter(np.ma.masked_equal(np.arange(16.0), 3), convention="gap"), "heights are masked"),
+        (
+            lambda: Scene(indenter=MeasuredIndenter(np.arange(64.0), convention="gap"), num_points=128),
+            "num_points is 128; allowed: 64",
+        ),
     ],
 )
 def test_bad_input_is_named(make, named):
@@ -96,14 +105,16 @@ def test_bad_input_is_named(make, named):
 
 
 def test_heights_may_be_any_real_numbers():
-    expected = MeasuredIndenter([0.0, 1.0, 0.5, 2.0]).heights
+    expected = MeasuredIndenter([0.0, 1.0, 0.5, 2.0], convention="gap").heights
     for kind in (Fraction, Decimal, np.float32):
-        np.testing.assert_array_equal(MeasuredIndenter([kind(h) for h in ("0", "1", "0.5", "2")]).heights, expected)
+        np.testing.assert_array_equal(
+            MeasuredIndenter([kind(h) for h in ("0", "1", "0.5", "2")], convention="gap").heights, expected
+        )
 
 
 def test_measured_heights_are_taken_as_they_are():
     heights = np.random.default_rng(0).standard_normal(256).cumsum() + 5
-    indenter = MeasuredIndenter(heights)
+    indenter = MeasuredIndenter(heights, convention="gap")
     np.testing.assert_allclose(indenter.profile(256, 2.0), (heights - heights.min()) / 2)
     heights[:] = 0  # a copy was taken
     assert indenter.heights.max() > 0
@@ -113,7 +124,7 @@ def test_measured_heights_are_taken_as_they_are():
 
 def test_a_power_profile_given_as_heights_gives_the_same_answer():
     scene = Scene(Layer(0.1), num_points=1024)
-    measured = Scene(Layer(0.1), MeasuredIndenter(scene.profile), num_points=1024)
+    measured = Scene(Layer(0.1), MeasuredIndenter(scene.profile, convention="gap"), num_points=1024)
     one, other = solve(scene), solve(measured)
     np.testing.assert_array_equal(one.contact, other.contact)
     np.testing.assert_allclose(one.contact_pressure, other.contact_pressure, atol=1e-6 * scene.pressure)
@@ -127,7 +138,7 @@ def test_heights_of_a_rough_surface_have_its_slopes():
     """With eight points to the shortest wave, where simple differences are a tenth too small."""
     rough = RoughIndenter(0.3, 0, 1 / 8, 1 / 8)
     exact = rough.slope(512, 1.0)
-    found = MeasuredIndenter(rough.profile(512, 1.0)).slope(512, 1.0)
+    found = MeasuredIndenter(rough.profile(512, 1.0), convention="gap").slope(512, 1.0)
     assert np.std(found) == pytest.approx(np.std(exact), rel=2e-3)
     np.testing.assert_allclose(found, exact, atol=0.01)
 

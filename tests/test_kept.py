@@ -1,11 +1,23 @@
 """What is kept of layers and indenters for the next solve: the same answers, nothing that may be changed, few grids."""
 
 import concurrent.futures
+import copy
+import pickle
 from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from linecontact.solver import CoatedHalfSpace, Layer, PowerIndenter, RoughIndenter, Scene, Status, solve
+from linecontact.solver import (
+    CoatedHalfSpace,
+    Indenter,
+    Layer,
+    MeasuredIndenter,
+    PowerIndenter,
+    RoughIndenter,
+    Scene,
+    Status,
+    solve,
+)
 from linecontact.solver.grid import kept as kept_module
 from linecontact.solver.grid.kept import forget, kept
 from linecontact.solver.grid.problem import Problem
@@ -125,3 +137,74 @@ def test_what_cannot_be_hashed_or_is_large_is_made_anew_and_few_grids_are_kept(m
     make(Layer(), 19, 1.0)
     make(Layer(), 0, 1.0)
     assert made == [0]
+
+
+COPIES = [copy.copy, copy.deepcopy, lambda value: pickle.loads(pickle.dumps(value))]
+HEIGHTS = np.random.default_rng(0).random(2**10)
+
+
+@pytest.mark.parametrize("copied", COPIES)
+@pytest.mark.parametrize(
+    "scene",
+    [
+        Scene(approach=0.01, num_points=2**10),
+        Scene(Layer(0.1), MeasuredIndenter(HEIGHTS, convention="heights"), 0.1, num_points=2**10),
+        Scene(CoatedHalfSpace(0.1, 2.0), approach=0.01, num_points=2**10),
+    ],
+)
+def test_copies_are_equal_and_as_read_only(copied, scene):
+    solution = solve(scene)
+    _ = solution.warnings, solution.contact_stiffness  # computed on first use: no part of what is compared
+    assert copied(scene) == scene
+    assert hash(copied(scene)) == hash(scene)
+    assert copied(solution) == solution
+    assert copied(scene) != replace(scene, period=2.0)
+    assert copied(Layer()).has_default_modulus
+    if isinstance(scene.indenter, MeasuredIndenter):
+        with pytest.raises(ValueError, match="read-only"):
+            copied(scene.indenter).heights[0] = 1.0
+        assert copied(scene.indenter) != MeasuredIndenter(HEIGHTS[::-1], convention="heights")
+
+
+class Own(Indenter):
+    """An indenter of one's own."""
+
+    name = "own"
+
+    def profile(self, num_points, period):
+        return (self.heights - self.heights.min())[:: self.heights.size // num_points]
+
+    def shortest_wave(self, num_points):
+        return 0
+
+    def to_dict(self):
+        return {"profile": self.name}
+
+
+@dataclass(frozen=True, eq=False)
+class Frozen(Own):
+    """Its array can be written to."""
+
+    heights: np.ndarray
+
+
+class Plain(Own):
+    """Its attributes can be set."""
+
+    def __init__(self, heights):
+        self.heights = heights
+
+
+def wave(depth):
+    return depth * (1 - np.cos(2 * np.pi * np.arange(2**12) / 2**12))
+
+
+@pytest.mark.parametrize("kind", [Frozen, Plain])
+def test_an_indenter_that_is_changed_after_a_solve_is_solved_as_it_is_now(kind):
+    indenter, found = kind(wave(0.1)), []
+    scene = Scene(Layer(), indenter, 0.1, num_points=2**12)
+    for depth in (0.1, 0.5):
+        indenter.heights[:] = wave(depth)
+        found.append(solve(scene).observables.contact_area_subgrid)
+    westergaard = [2 / np.pi * np.arcsin(np.sqrt(0.1 / np.pi / depth)) for depth in (0.1, 0.5)]
+    assert found == pytest.approx(westergaard, rel=1e-3)

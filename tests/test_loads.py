@@ -145,7 +145,7 @@ def test_a_lone_patch_of_few_nodes_anywhere_between_them(num_points, width):
     kappa = area / pressure * 2 * math.pi * depth * math.sqrt(0.5 - math.sin(2 * math.pi * area) / (4 * math.pi * area))
     for beside in np.linspace(-0.5, 0.45, 7):
         x = (np.arange(num_points) - num_points // 2 - beside) / num_points
-        heights = MeasuredIndenter(depth * (1 - np.cos(2 * np.pi * x)))
+        heights = MeasuredIndenter(depth * (1 - np.cos(2 * np.pi * x)), convention="gap")
         solution = solve(Scene(indenter=heights, pressure=pressure, num_points=num_points))
         found, patches = solution.observables, solution.patches
         assert patches.left.size == 1
@@ -166,7 +166,7 @@ def test_a_lone_patch_on_a_layer_lies_below_the_tip(layer, width, beside):
     n, depth = 1024, 0.01
     load = math.pi * depth * math.sin(math.pi * width / n / 2) ** 2
     for tip in (n // 2 + beside, beside):
-        heights = MeasuredIndenter(depth * (1 - np.cos(2 * np.pi * (np.arange(n) - tip) / n)))
+        heights = MeasuredIndenter(depth * (1 - np.cos(2 * np.pi * (np.arange(n) - tip) / n)), convention="gap")
         patches = solve(Scene(layer, heights, load, num_points=n)).patches
         middle = (patches.left[0] + patches.right[0]) / 2 * n
         assert patches.left.size == 1
@@ -200,7 +200,9 @@ def test_loads_serve_layers_too():
 def test_the_load_says_nothing_where_the_profile_is_not_known_between_the_nodes():
     """Noise: the pressures go on telling, or nodes are counted; the error says how little is known."""
     noise = np.random.default_rng(1).uniform(0, 1e-3, 2**10)
-    found = solve(Scene(indenter=MeasuredIndenter(noise), pressure=1e-4, num_points=2**10)).observables
+    found = solve(
+        Scene(indenter=MeasuredIndenter(noise, convention="gap"), pressure=1e-4, num_points=2**10)
+    ).observables
     assert found.contact_area_error > 0.05 * found.contact_area_subgrid
 
 
@@ -241,7 +243,7 @@ def bumps(layer, pressure, num_points):
     """Twenty bumps of different height in the period."""
     x = np.arange(num_points) / num_points - 0.5
     heights = -1e-3 * np.cos(40 * np.pi * x) - 2e-3 * np.cos(2 * np.pi * x)
-    return Scene(layer, MeasuredIndenter(heights), pressure, num_points=num_points)
+    return Scene(layer, MeasuredIndenter(heights, convention="gap"), pressure, num_points=num_points)
 
 
 @pytest.mark.parametrize("base", [1e3, 0.5, 0.1, 0.01, 0.003])
@@ -278,7 +280,8 @@ def test_a_mirror_image_has_the_same_area(points):
     for seed in range(12):
         heights = RoughIndenter(0.8, seed, 0.25, 1 / 8).profile(n, 1.0)
         one, other = (
-            solve(Scene(indenter=MeasuredIndenter(h), pressure=0.005, num_points=n)) for h in (heights, heights[::-1])
+            solve(Scene(indenter=MeasuredIndenter(h, convention="gap"), pressure=0.005, num_points=n))
+            for h in (heights, heights[::-1])
         )
         assert one.observables.contact_area_subgrid == pytest.approx(other.observables.contact_area_subgrid, rel=1e-9)
         assert one.observables.contact_area_error == pytest.approx(other.observables.contact_area_error, rel=1e-6)
@@ -290,7 +293,7 @@ def test_a_narrow_patch_beside_one_that_is_longer_than_half_of_the_period():
     def bump(num_points):
         x = np.arange(num_points) / num_points
         heights = 0.01 * (1 + np.cos(2 * np.pi * x)) - 0.02 * np.exp(-((np.minimum(x, 1 - x) / 0.006) ** 2))
-        indenter = MeasuredIndenter(heights - heights.min())
+        indenter = MeasuredIndenter(heights - heights.min(), convention="gap")
         return solve(Scene(Layer(0.1), indenter, pressure=0.06, num_points=num_points))
 
     found, finer = bump(1024), bump(4096)

@@ -7,6 +7,7 @@ import pydoc
 import re
 from pathlib import Path
 
+import h5py
 import linecontact
 import matplotlib
 import numpy as np
@@ -32,6 +33,7 @@ from linecontact.studies.figures import solution as solution_figure
 from linecontact.studies.figures import titles
 from linecontact.studies.figures.style import ONE_COLUMN, STYLE, TWO_COLUMNS, panels
 from linecontact.studies.figures.ticks import few_ticks, in_plain_text
+from linecontact.studies.files.hdf5 import new_file
 from linecontact.studies.files.study_files import load_study
 from linecontact.studies.multilevel import figures as ensemble_figures
 from linecontact.studies.multilevel import report as ensemble_report
@@ -71,6 +73,23 @@ def test_printed_results_are_short_and_have_units(solution):
     assert all(f"{name} " in repr(solution.certificate) for name in known)
 
 
+@pytest.mark.parametrize(
+    ("name", "told"), [(b"warnings.\xff", "warning, \ufffd: "), (b"warnings.grid", "warning, grid: ")]
+)
+def test_a_file_whose_texts_are_not_utf_8_is_read_and_printed(solution, tmp_path, name, told):
+    solution.save(tmp_path / "run.h5")
+    with h5py.File(tmp_path / "run.h5") as old, new_file(tmp_path / "odd.h5") as new:
+        for field in old:
+            old.copy(field, new)
+        for known, value in old.attrs.items():
+            new.attrs[known] = value
+        new.attrs.create(name, np.array(b"\xff"), dtype=h5py.string_dtype("utf-8", 1))
+    found = load(tmp_path / "odd.h5")
+    assert told in repr(found)
+    assert repr(found).encode()
+    assert found == load(tmp_path / "odd.h5") != load(tmp_path / "run.h5")
+
+
 def test_a_half_space_is_called_one():
     for text in (repr(Layer()), repr(Scene(num_points=64)), Scene(num_points=64)._repr_html_()):
         assert "half-space" in text
@@ -87,7 +106,7 @@ def test_a_warning_is_printed_with_the_solution():
 def test_the_unit_of_a_scan_stands_at_its_lengths():
     heights = np.cos(np.arange(64) / 64 * 2 * np.pi) / 100
     about = {"profile_file": "<script>alert('x')</script> & more", "profile_length_unit": "um"}
-    scene = Scene(Layer(0.5), MeasuredIndenter(heights, description=about), 1e-4, num_points=64)
+    scene = Scene(Layer(0.5), MeasuredIndenter(heights, description=about, convention="gap"), 1e-4, num_points=64)
     assert "period 1 [um]" in repr(scene)
     assert "thickness 0.5 [um]" in repr(scene)
     assert "[length]" not in repr(scene)
@@ -98,7 +117,7 @@ def test_the_unit_of_a_scan_stands_at_its_lengths():
 
 
 def test_what_comes_of_a_scan_is_printed_with_its_unit(tmp_path):
-    np.savetxt(tmp_path / "scan.csv", np.random.default_rng(0).random((40, 1)), header="z um")
+    np.savetxt(tmp_path / "scan.csv", np.random.default_rng(0).random((40, 1)), header="z [um]")
     scan = read_scan(tmp_path / "scan.csv", scan_length=1 / 3, length_unit="mm")
     assert repr(scan).startswith("Scan: period 0.666667 [mm], num_points 512; MeasuredIndenter: 512 heights, 0 to ")
     assert repr(scan).endswith(" [mm], from scan.csv")
@@ -229,7 +248,7 @@ def test_a_figure_of_many_patches_shows_each_and_the_largest_pressure():
 def test_a_scan_is_drawn_in_its_units_with_its_mirror_image(tmp_path):
     x = np.arange(300)
     scan = np.stack([0.5 * x, 20 * np.sin(x / 20) + np.random.default_rng(0).standard_normal(300)], axis=1)
-    np.savetxt(tmp_path / "scan.csv", scan, delimiter=",", header="x um, z nm")
+    np.savetxt(tmp_path / "scan.csv", scan, delimiter=",", header="x [um], z [nm]")
     solution = solve(read_scan(tmp_path / "scan.csv").scene(Layer(2e-3, 0.49, 1e6), 50.0))
     figure = solution.plot()
     text = texts(figure)
@@ -247,6 +266,33 @@ def test_a_scan_is_drawn_in_its_units_with_its_mirror_image(tmp_path):
     for axes in (heights, pressure):  # the hatch lies over the bodies and below the curves
         bodies = [filled.get_zorder() for filled in axes.collections if filled.get_zorder() < 0]
         assert all(below < axes.patches[0].get_zorder() < axes.get_lines()[0].get_zorder() for below in bodies)
+    check_places(figure)
+
+
+@pytest.mark.parametrize(
+    ("options", "x", "z", "size", "thickness"),
+    [
+        ({"length_unit": "nm"}, "nm", "nm", 1e3, "$d=2000$ nm"),
+        ({"length_unit": "mm"}, "mm", "mm", 1e-3, "$d=0.002$ mm"),
+        ({"x_unit": "um", "z_unit": "nm"}, "\u00b5m", "nm", 1.0, "$d=2$ \u00b5m"),
+        ({"scene_units": True}, "own unit", "own unit", 1.0, "$d=2$ own unit"),
+    ],
+)
+def test_a_scan_is_drawn_in_the_unit_that_is_asked_for(tmp_path, options, x, z, size, thickness):
+    heights = np.sin(np.arange(300) / 20) + 0.05 * np.random.default_rng(0).standard_normal(300)
+    named = "x [um],z [um]" if "length_unit" in options else ""
+    np.savetxt(tmp_path / "scan.csv", np.stack([0.5 * np.arange(300), heights], axis=1), delimiter=",", header=named)
+    scan = read_scan(tmp_path / "scan.csv", **options)
+    scene = scan.scene(Layer(2 * scan.period / 300, 0.49, 3.0), 1e-3)
+    figure = solve(dataclasses.replace(scene, pressure_unit="MPa")).plot()
+    text = texts(figure)
+    assert f"position $x$ ({x})" in text
+    assert f"height ({z})" in text
+    assert f"{thickness}, " in text
+    assert "pressure (MPa)" in text
+    assert "$p=0.001$ MPa" in text
+    assert "Dimensionless" not in text
+    assert figure.axes[0].get_xlim() == pytest.approx((0, 300 * size))
     check_places(figure)
 
 
@@ -455,6 +501,37 @@ def test_a_solution_s_figure_is_known_as_linecontact_s(solution, tmp_path):
     (tmp_path / "run.pdf").write_text("mine")
     assert main.main(["plot", str(tmp_path / "run.h5")]) == 2
     assert (tmp_path / "run.pdf").read_text() == "mine"
+
+
+@pytest.mark.parametrize("ending", ["png", "pdf", "svg", "eps", "PNG"])
+def test_a_figure_is_drawn_again_over_itself_and_over_no_other(solution, tmp_path, ending):
+    path = tmp_path / f"run.{ending}"
+    solution.plot(path)
+    solution.plot(path)
+    Figure().savefig(path)
+    with pytest.raises(ValueError, match="exists; allowed: a new name, or overwriting it"):
+        solution.plot(path)
+    solution.plot(path, overwrite=True)
+    solution.plot(path)
+
+
+def test_what_linecontact_has_made_it_makes_again_and_data_never(solution, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    solution.plot("run.png")
+    words = ["solve", "--num-points", "256", "--plot", "--patches", "patches.csv", "--save"]
+    assert main.main([*words, "run.h5"]) == 0
+    assert main.main([*words, "run.h5"]) == 2
+    assert "run.h5 exists" in capsys.readouterr().err
+    assert main.main([*words, "other.h5", "--pressure", "1kPa", "--contact-modulus", "1MPa"]) == 0
+    assert main.main(["export", "run.h5", "--csv", "patches.csv"]) == 2
+    assert main.main(["export", "run.h5", "--csv", "run.csv"]) == 0
+    assert main.main(["export", "other.h5", "--csv", "run.csv"]) == 0
+    assert (
+        Path("run.csv").read_text().startswith("x [length],profile [length],displacement [length],contact_pressure [k")
+    )
+    Path("patches.csv").write_text("left,right\n0,1\n")
+    assert main.main([*words, "third.h5"]) == 2
+    assert Path("patches.csv").read_text() == "left,right\n0,1\n"
 
 
 def test_an_infinite_stiffness_of_a_curve_is_drawn_at_the_top():

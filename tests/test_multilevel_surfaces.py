@@ -69,7 +69,7 @@ def test_the_mean_of_real_surfaces():
     assert abs(found.mean - plain.mean()) < 3.5 * error + found.bias
 
 
-@pytest.mark.parametrize("indenter", [PowerIndenter(), MeasuredIndenter(np.arange(8.0) ** 2)])
+@pytest.mark.parametrize("indenter", [PowerIndenter(), MeasuredIndenter(np.arange(8.0) ** 2, convention="gap")])
 def test_what_is_not_random(indenter):
     with pytest.raises(ValueError, match=r"profile is .*; allowed: one with a seed, like rough"):
         ensemble_mean(Scene(indenter=indenter, num_points=8), 0.1)

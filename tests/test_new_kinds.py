@@ -533,7 +533,7 @@ def test_own_lengths_are_lengths_everywhere(tmp_path, capsys):
 def test_options_of_another_kind_are_refused(capsys):
     assert main.main(["solve", "--layer", "frictionless", "--poisson-ratio", "0.3"]) == 2
     assert capsys.readouterr().err == (
-        "linecontact: poisson_ratio is 0.3; allowed: only with --layer bonded or coated, not frictionless\n"
+        "linecontact: poisson_ratio is 0.3; allowed: only with --layer bonded or sliding or coated, not frictionless\n"
     )
     assert main.main(["solve", "--layer", "frictionles"]) == 2
     assert capsys.readouterr().err.startswith(

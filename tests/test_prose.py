@@ -20,7 +20,7 @@ from linecontact.solver.transforms import four_step, half_length
 from linecontact.studies.explore import controls
 from linecontact.studies.figures.style import ONE_COLUMN, TWO_COLUMNS
 from linecontact.studies.files import confined
-from linecontact.studies.scans import columns, preparation, text
+from linecontact.studies.scans import columns, missing, preparation, text
 from prose import digits, words_of
 
 pytestmark = pytest.mark.once
@@ -77,12 +77,14 @@ def patches_of_a_few_nodes():
     for width in np.linspace(0.5, 4, 15):
         pressure = math.pi * (width / coarse / 2) ** 2 / 4
         exact = solve(
-            Scene(indenter=MeasuredIndenter(parabola(fine, 0)), pressure=pressure, num_points=fine)
+            Scene(indenter=MeasuredIndenter(parabola(fine, 0), convention="gap"), pressure=pressure, num_points=fine)
         ).observables
         for beside in np.linspace(0, 0.5, 5):
             h = parabola(coarse, beside)
             if exact.approach > h.min():
-                scene = Scene(indenter=MeasuredIndenter(h), approach=exact.approach - h.min(), num_points=coarse)
+                scene = Scene(
+                    indenter=MeasuredIndenter(h, convention="gap"), approach=exact.approach - h.min(), num_points=coarse
+                )
                 found = solve(scene)
                 nodes = int(found.contact.sum())
                 forces[nodes].append(100 * (found.scene.pressure / pressure - 1))
@@ -116,7 +118,7 @@ def limits_of_precision():
 
 def stiffness_under_a_sine_wave():
     x = np.arange(2**14) / 2**14
-    sine = MeasuredIndenter(0.01 * (1 - np.cos(2 * np.pi * x)))
+    sine = MeasuredIndenter(0.01 * (1 - np.cos(2 * np.pi * x)), convention="gap")
     worst = 0.0
     for area in (0.1, 0.3, 0.6, 0.8):
         pressure = math.pi * 0.01 * math.sin(math.pi * area / 2) ** 2
@@ -153,10 +155,12 @@ def what_is_kept():
 
 
 def limits_of_scans():
-    yield f"up to {text._MAX_HEADER} lines of header; empty columns at the end; up to {text.MAX_TEXT / 2**20:.0f} MiB."
+    yield f"up to {text.MAX_TEXT / 2**20:.0f} MiB"
     yield f"with up to 2^{math.log2(columns.MAX_VALUES):.0f} numbers."
     yield f"with {confined.MEMORY / 2**30:.0f} GiB (and the file's size) of memory and {confined.SECONDS} s"
-    yield f"a gap of more than {100 * preparation._LONGEST_GAP:.0f} % of the scan is refused"
+    yield f"A gap of more than {100 * missing.LONGEST_GAP:.0f} % of the scan is refused"
+    yield f"more than {100 * missing.DOUBTED:.0f} % of the scan had no values"
+    assert (preparation._ROOM, preparation._BETWEEN, preparation._FORM) == (2 / 8, 1 / 4, 5)
     yield f"its ends are smoothed away over {100 * preparation._TAPER:.0f} % or 50 % of the length"
     yield "at most sixteen for each value"
     assert columns.MAX_REFINEMENT == 16

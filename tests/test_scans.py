@@ -162,7 +162,7 @@ def doubts(path, **options):
 
 def test_what_was_made_of_a_scan_is_doubted_where_it_may_be_wrong(tmp_path):
     x = np.arange(400.0)
-    z = np.cos(2 * np.pi * x / 400)
+    z = np.cos(2 * np.pi * x / 50)
     assert doubts(write(tmp_path, ".txt", [x, z]), window="none") == []
     assert doubts(write(tmp_path, ".txt", [x[::-1], z]), window="none") == []
     tilted = write(tmp_path, ".txt", [x, z + 0.01 * x])
@@ -175,7 +175,7 @@ def test_what_was_made_of_a_scan_is_doubted_where_it_may_be_wrong(tmp_path):
     assert text == "2.8% of the scan, where it has no values, were filled by straight lines"
     many = x % 20 > 1
     (text,) = doubts(write(tmp_path, ".txt", [x[many], z[many]]))
-    assert text.startswith("14.4% of the scan")
+    assert text.startswith("9.6% of the scan")
     jittered = np.cumsum(np.random.default_rng(5).uniform(0.5, 1.5, 100))
     (text,) = doubts(write(tmp_path, ".txt", [jittered, np.sin(jittered)]))
     assert (
@@ -203,14 +203,17 @@ def test_where_values_are_missing_the_others_stay(tmp_path):
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        (lambda z: np.put(z, [40, 41, 300], -9999), "3 of 512 values, the first is -9999 nm in row 41, lie far"),
-        (lambda z: np.put(z, [0], 512), "1 of 512 values, the first is 512 nm in row 1, lie far"),
-        (lambda z: np.put(z, [511], 99999), "1 of 512 values, the first is 99999 nm in row 512, lie far"),
+        (
+            lambda z: np.put(z, [40, 41, 300], -9999),
+            "3 of 512 values, the first -9999 in line 42, may stand for missing",
+        ),
+        (lambda z: np.put(z, [0], 512), "1 of 512 values, the first 512 in line 2, may stand for missing"),
+        (lambda z: np.put(z, [511], 99999), "1 of 512 values, the first 99999 in line 513, may stand for missing"),
         (lambda z: np.copyto(z, np.arange(512) % 40 < 3), ""),  # a grating
         (lambda z: np.copyto(z, z / 20 + 50 * (np.arange(512) % 40 < 3)), ""),  # a rough one
         (lambda z: np.copyto(z, np.arange(512) % 20 == 7), ""),  # hardly more than one digit
         (lambda z: np.copyto(z, np.where(np.arange(512) == 9, -9999, z + 20 * np.arange(512))), "1 of 512 values"),
-        (lambda z: np.put(z, [7], 60), ""),  # a high peak
+        (lambda z: np.put(z, [7], 40), ""),  # a high peak
         (lambda z: np.put(z, range(100, 121), -500 * (1 - np.linspace(-1, 1, 21) ** 2)), ""),  # a deep scratch
     ],
 )
@@ -219,8 +222,8 @@ def test_values_that_may_stand_for_missing_ones_are_doubted(tmp_path, change, sa
     change(z)
     (tmp_path / "scan.csv").write_text("x [um],z [nm]\n" + "".join(f"{i},{h}\n" for i, h in enumerate(z)))
     indenter = read_scan(tmp_path / "scan.csv", length_unit="um").indenter
-    assert indenter.doubts.startswith(said)
-    assert bool(indenter.doubts) == bool(said)
+    doubts = [doubt for doubt in indenter.doubts.split("; ") if doubt and not doubt.startswith("between")]
+    assert [doubt.startswith(said) for doubt in doubts] == [True] * bool(said)
 
 
 def test_headers_and_line_ends(tmp_path):
@@ -282,33 +285,31 @@ ROWS = "".join(f"{i} {i % 7}\n" for i in range(40))
         (text("1 2 3\n" * 40), {}, "columns is missing: .* has 3 columns of numbers, the first row 1, 2, 3"),
         (text("1 2 3\n" * 40), {"columns": "1,4"}, "columns is '1,4'; allowed: numbers from 1 to 3"),
         (text("1 2 3\n" * 40), {"columns": "height"}, "columns is 'height'"),
-        (text(ROWS + "41 high\n"), {}, "line 41: '41 high' is not 2 numbers"),
+        (text(ROWS + "41 high\n"), {}, "line 41: '41 high' has no number in column 2"),
         (text(ROWS + "41\n"), {}, "line 41"),
-        (text("1\n2\n" * 20 + "3 4\n"), {}, r"line 41: '3 4' is not 1 number; allowed: .* \(one column\)"),
+        (text("1\n2\n" * 20 + "3 4\n"), {}, "line 41: '3 4' has no number in column 1"),
         (text("1\n2\n"), {}, "holds 2 values; allowed: at least 16"),
-        (text("1_0 2\n2_0 3\n" * 20), {}, "allowed: plain numbers"),
         (text("1 5\n2 5\n" * 20), {}, "every height is 5.0"),
-        (text(ROWS + "39 1\n"), {}, "x goes from 39.0 to 39.0 at value 41"),
-        (text(ROWS + "38 1\n"), {}, "x goes from 39.0 to 38.0 at value 41; .* columns, like 2,1"),
+        (text(ROWS + "39 1\n"), {}, "line 41: x goes from 39.0 to 39.0"),
+        (text(ROWS + "38 1\n"), {}, "line 41: x goes from 39.0 to 38.0; .* columns, like 2,1"),
         (
             text("x z\n" + ROWS + "41 nan\n"),
             {},
-            "line 42: height is nan; .* you may delete lines whose value is missing",
+            "line 42: a value is missing, and 1 of 41 in all; allowed: all values, or missing, with interpolate",
         ),
         (text(ROWS + "inf 3\n"), {}, "line 41: x is inf; allowed: finite numbers up to 1e.100"),
-        (text("40 -1e101\n" + ROWS[:-5]), {}, r"line 1: height is -1e\+101; .* \(1 of 40\)"),
+        (text("40 -1e101\n" + ROWS[:-5]), {}, r"line 1: height is -1e\+101; .* \(1 of 40 are not\)"),
         (
             text("1\n2\n" * 20 + "nan\n" * 2),
             {},
-            r"line 41: height is nan; .*; fill values that are missing \(2 of 42\)",
+            "line 41: a value is missing, and 2 of 42 in all",
         ),
         (text(ROWS), {"num_points": 4096}, "num_points is 4096; allowed: up to 16 times the 40 values"),
         (text(ROWS), {"period": 3.0}, "period is 3.0; allowed: none with a file, whose scan is the period"),
         (text(ROWS), {"scan_length": 3.0}, "scan_length is 3.0; allowed: none, .* has positions"),
         (text(ROWS), {"scene_units": False}, "x_unit and z_unit are missing: .* names no unit of its positions and"),
         (text(ROWS), {"scene_units": False, "z_unit": "nm"}, "x_unit is missing"),
-        (text("0,5\n1,7\n2,3\n" * 9), {}, "decimal is missing: in '0,5', line 1 of .*; allowed: comma, point"),
-        (text("1.234,5 1\n2.234,5 2\n" * 9), {}, "no table"),
+        (text("0,5\n1,7\n2,3\n" * 9), {}, "decimal is missing: in '0,5' of .*; allowed: comma, point"),
         (text(ROWS), {"num_points": 0}, "num_points is 0"),
         (text(ROWS), {"num_points": -4}, "num_points is -4"),
         (lambda folder: write(folder, ".npy", [np.arange(40.0) % 7]), {"scan_length": 0.0}, "scan_length is 0.0"),
@@ -316,14 +317,14 @@ ROWS = "".join(f"{i} {i % 7}\n" for i in range(40))
         (
             lambda folder: write(folder, ".npy", [np.append(np.arange(40.0), np.nan)]),
             {},
-            "row 41: height is nan; .* fill",
+            "row 41: a value is missing, and 1 of 41",
         ),
         (lambda folder: write(folder, ".npy", [np.arange(40.0)]), {}, "straight line"),
         (empty_dataset, {}, "not an array of numbers"),
         (no_dataset, {}, "holds no dataset"),
         (lambda folder: write(folder, ".npy", [np.arange(40.0) % 7]), {"profile_dataset": "z"}, "profile_dataset is z"),
-        (text("256\n0.5\n\n" + "1\n2\n" * 20), {}, "line 3 is empty; allowed: rows of numbers to the end"),
-        (text("1\n2\n" * 20 + "\nRa = 3 nm\n"), {}, "line 41 is empty, and 'Ra = 3 nm' stands behind the table"),
+        (text("256\n0.5\n\n" + "1\n2\n" * 20), {}, "line 3 is empty; allowed: rows like '256' in line 1 to the end"),
+        (text("1\n2\n" * 20 + "\nRa = 3 nm\n"), {}, "line 41 is empty; allowed: rows like"),
         (lambda folder: write(folder, ".npy", [np.array(["a"] * 20)]), {}, "holds <U1"),
         (lambda folder: write(folder, ".npy", [np.array([{}] * 20)]), {}, "not a plain array"),
         (
@@ -378,7 +379,7 @@ def test_a_scan_that_names_its_unit(tmp_path, monkeypatch):
     assert np.ptp(indenter.profile(64, period)) * period == pytest.approx(
         1e-3 * np.ptp(heights), rel=0.1
     )  # tilt removed
-    with pytest.raises(ValueError, match=r"z_unit is nm, but .* names um \(its format, 'µm'\); allowed: um, or none"):
+    with pytest.raises(ValueError, match=r"z_unit is nm, but .* names um \('its format .µm.'\); allowed: um, or none"):
         read(path, z_unit="nm")
 
 
@@ -391,7 +392,7 @@ def test_a_scan_that_names_its_unit(tmp_path, monkeypatch):
         ({"scene_units": True, "scan_length": None}, "scan_length is missing: .*; allowed: .* a number alone in the"),
         ({"profile_convention": "gaps"}, "profile_convention is 'gaps'; allowed: heights, gap"),
         ({"window": "foo"}, "window is 'foo'; allowed: mirror, tukey, hann, none"),
-        ({"detrend": "quad"}, "detrend is 'quad'; allowed: linear, mean, none"),
+        ({"detrend": "quad"}, "detrend is 'quad'; allowed: curvature, linear, mean, none"),
         ({"decimal": ","}, "decimal is ','; allowed: point, comma"),
         ({"scene_units": "yes"}, "scene_units is 'yes'; allowed: True or False"),
         ({"columns": (1, 2)}, r"columns is \(1, 2\); allowed: text, like '2,3'"),
@@ -427,7 +428,7 @@ def test_the_scene_of_a_scan(tmp_path):
     with pytest.raises(ValueError, match=r"^period is 1; allowed: 0.002, for which the heights were given"):
         Scene(layer, scan.indenter, 1e-6, num_points=256)
     with pytest.raises(ValueError, match=r"^given_period is -1"):
-        MeasuredIndenter(scan.indenter.heights, given_period=-1)
+        MeasuredIndenter(scan.indenter.heights, given_period=-1, convention="gap")
     assert scan.indenter.in_units(1e3).given_period == pytest.approx(2.0)
 
 
@@ -438,18 +439,15 @@ LAYER = Layer(thickness=2e-3, poisson_ratio=0.49, contact_modulus=3e6 / (1 - 0.4
 @pytest.mark.parametrize(
     ("name", "units", "length", "values", "area"),
     [
-        ("dektak-1.csv", {}, 1.5e-3, 9600, (0.98957, 3e-4)),
-        ("opdx-3.txt", {"x_unit": "m", "z_unit": "m"}, 5e-5, 3001, (0.8634, 5e-3)),
+        ("dektak-1.csv", "um", 1.5e-3, 9600, (0.98964, 1e-4)),
+        ("opdx-3.txt", "m", 5e-5, 3001, (0.8886, 2e-3)),
     ],
 )
 def test_real_scans(name, units, length, values, area):
-    """A rubber layer of 2 mm under 0.05 MPa; the areas are those of four times as many points."""
-    if not units:
-        scan = read_scan(REAL / name)
-    else:
-        with pytest.raises(ValueError, match="x_unit and z_unit are missing"):
-            read_scan(REAL / name)
-        scan = read_scan(REAL / name, **units)
+    """A rubber layer of 2 mm under 0.05 MPa; the areas are those of as many points as are allowed."""
+    with pytest.raises(ValueError, match="x_unit and z_unit are missing"):
+        read_scan(REAL / name)
+    scan = read_scan(REAL / name, x_unit=units, z_unit=units)
     assert scan.indenter.description["profile_values"] == values
     assert scan.period == pytest.approx(2 * length, rel=1e-3)  # mirrored
     assert "taken as even" in scan.indenter.description["profile_steps"]

@@ -305,7 +305,10 @@ def test_scaling_is_exact(length, pressure, d, precision):
         (lambda: Scene(indenter=PowerIndenter(2.0, 1e-61)), "radius/period is 1e-61; allowed: from 1e-60 to 1e\\+60"),
         (lambda: Scene(Layer(1e-61)), "thickness/period"),
         (lambda: Scene(indenter=RoughIndenter(rms_gradient=1e-61)), "rms_gradient"),
-        (lambda: Scene(indenter=MeasuredIndenter(1e-320 * np.arange(16.0)), num_points=16), "largest height/period"),
+        (
+            lambda: Scene(indenter=MeasuredIndenter(1e-320 * np.arange(16.0), convention="gap"), num_points=16),
+            "largest height/period",
+        ),
         (lambda: Scene(period=1e-61), "period"),
         (lambda: Scene(Layer(contact_modulus=1e61), pressure=1e61), "contact_modulus"),
         (lambda: solve(hertz(), method="cg"), "method is 'cg'.*active-set, mass-weighted-fire, fire"),

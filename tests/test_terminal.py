@@ -108,7 +108,7 @@ def test_what_is_not_known_is_said():
     assert printed(solution_table(single), 200).count("not known") == 2  # approach and peak pressure
     assert "by counting nodes: a_r" in rows(single)
     heights = np.cos(np.arange(64) / 64 * 2 * np.pi)
-    scan = MeasuredIndenter(heights, description={"profile_length_unit": "um"})
+    scan = MeasuredIndenter(heights, description={"profile_length_unit": "um"}, convention="gap")
     assert rows(solve(Scene(Layer(), scan, 0.1, num_points=64)))["contact width a_r L"][1] == "um"
 
 
@@ -166,7 +166,7 @@ def test_estimated_errors_are_rounded_up_wherever_they_are_shown(solution):
     table = printed(solution_table(solution), 200)
     assert f"+- {area} (relative {relative})" in table
     for error in (found.contact_area_error, found.kappa_error, found.approach_error, found.peak_pressure_error):
-        assert re.search(rf"its absolute error, estimated +\S +{re.escape(rounded_up(error))} ", table)
+        assert re.search(rf"its numerical error, estimated +\S +{re.escape(rounded_up(error))} ", table)
     (choice,) = (choice for choice in solution.choices if choice.what == "grid")
     assert re.search(rf"grid +\S +\S+ points +\S +{rounded_up(choice.error)} ", printed(choices_table(solution), 200))
     assert f"error {rounded_up(choice.error)} [-]" in repr(choice)

@@ -25,11 +25,12 @@ from ..arrays import Array64, Mask, parts
 from ..transforms.four_step import LongPair
 from ..transforms.pair import Pair
 from ..transforms.plain import guard, pair
+from ..value import Value
 from .problem import Problem
 
 
 @dataclass(frozen=True)
-class Certificate:
+class Certificate(Value):
     """Errors of a displacement, all dimensionless."""
 
     free_residual: float

@@ -67,7 +67,8 @@ def contact_edges(
     if profile is None:
         profile = scene.period * scene.indenter.profile(pressure.size, scene.period)
     scale = scene.reduced_load / (float(pressure.mean()) or 1.0)
-    patches, edges = ends(scene.layer, scene.period, profile, pressure, scale, displacement)
+    kinks = scene.indenter.kinked or not scene.indenter.shortest_wave(pressure.size)
+    patches, edges = ends(scene.layer, scene.period, profile, pressure, scale, kinks, displacement)
     # all ends, the same way, those of other patches by the share of the load; no width is known worse than by counting
     middle = pressure.size // 2
     at_tip = np.flatnonzero((patches.first <= middle) & (middle <= patches.last) | (patches.count == 1))
@@ -81,14 +82,16 @@ def ends(
     profile: Array64,
     pressure: Array64,
     scale: float,
+    kinks: bool,
     displacement: Array64 | None = None,
 ) -> tuple[Patches, Edges]:
     """Patches and their sub-grid edges. profile: h [length], pressure: 0 off the contact, both shape (N,); scale: what
-    makes of that pressure the one over E*; displacement: as in `contact_edges`.
+    makes of that pressure the one over E*; kinks: whether the profile may have some; displacement: as in
+    `contact_edges`.
     """
     patches = Patches.of(pressure > 0)
     inside = pressure[patches.nodes] * scale
-    edges = replace(find_edges(patches, inside, layer, period), unseen=unseen_gaps(patches, inside))
+    edges = replace(find_edges(patches, inside, layer, period), unseen=unseen_gaps(patches, inside, kinks))
     if displacement is None or patches.full or not patches.count:
         return patches, edges
     n, spacings = pressure.size, pressure.size / period

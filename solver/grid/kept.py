@@ -11,6 +11,7 @@ Made = TypeVar("Made")
 _GRIDS = 7  # whose results are kept, which is those of one scene on nested grids
 MOST_POINTS = 2**20
 """Of a grid whose results are kept: they take up to 60 bytes a point."""
+_BY_IDENTITY: Any = object.__hash__
 _clearing: list[Callable[[], None]] = []  # of every function: forgets what it has kept
 
 
@@ -18,7 +19,8 @@ def kept(make: Callable[[Any, int, float], Made]) -> Callable[[Any, int, float],
     """A function of a layer or an indenter, the grid's points and the period, whose latest results are kept.
 
     What it makes is used again and must not be changed: arrays should be made read-only. Layers and indenters that
-    cannot be hashed, and grids of more than 2^20 points, are computed anew every time.
+    cannot be hashed, or whose hash does not know of a change, and grids of more than 2^20 points are computed anew
+    every time.
     """
     known = lru_cache(maxsize=_GRIDS)(make)
     _clearing.append(known.cache_clear)
@@ -29,7 +31,8 @@ def kept(make: Callable[[Any, int, float], Made]) -> Callable[[Any, int, float],
             hash(part)
         except TypeError:
             return make(part, num_points, period)
-        return (known if num_points <= MOST_POINTS else make)(part, num_points, period)
+        by_value = type(part).__hash__ is not _BY_IDENTITY
+        return (known if by_value and num_points <= MOST_POINTS else make)(part, num_points, period)
 
     return call
 

@@ -10,6 +10,7 @@ from ..arrays import Array64, Mask, parts
 from ..indenters import Indenter
 from ..reference.closed_forms import kappa_half_space
 from ..scene import SMALLEST, Scene
+from ..value import Value
 from .contact import contact_edges
 from .edges import COUNTED_BELOW, Edges
 from .patch_table import PatchTable, patch_table
@@ -18,7 +19,7 @@ from .problem import squared_slope, squared_slope_doubt
 
 
 @dataclass(frozen=True)
-class Observables:
+class Observables(Value):
     """What is measured on a solution; dimensionless unless a unit is given.
 
     Areas and kappa come in two ways: by counting nodes, and with every contact edge located between two nodes

@@ -10,12 +10,13 @@ import numpy as np
 
 from .. import display
 from ..arrays import Array64
+from ..value import Value
 from .edges import Edges
 from .patches import Patches
 
 
-@dataclass(frozen=True, eq=False)
-class PatchTable:
+@dataclass(frozen=True)
+class PatchTable(Value):
     """The M patches of a contact; ends lie between nodes where pressures or loads tell them. Its length is M."""
 
     left: Array64

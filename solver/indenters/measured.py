@@ -1,16 +1,16 @@
 """A profile that is given point by point, for instance a measured scan."""
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import InitVar, dataclass, field, replace
 from functools import cached_property
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
 
 from .. import checks, display
 from ..arrays import Array64, Modes
 from ..transforms.plain import irfft, rfft
-from ..units import length_unit
+from ..units import named
 from .indenter import Indenter
 
 _MOST_CURVATURE = 0.99  # of the mean square curvature, in the waves that decide how fine a grid has to be
@@ -19,10 +19,12 @@ _ROUNDING = 1e-15  # of the largest height, in second differences
 _SMOOTHER = 4  # times longer without its kinks: from then on a profile counts as kinked
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class MeasuredIndenter(Indenter):
     """Heights given point by point, one for each grid point of the scene, periodic as they stand.
 
+    convention, which must be named: "heights" of a surface, whose peaks touch first, as a scan has them; or "gap", the
+    distance h of the indenter from the layer at first touch, whose lowest points touch first. It is kept as the gap.
     Coarser grids take the Fourier modes that they hold. Slopes are differences, see `Indenter`. Raises `ValueError`.
     """
 
@@ -30,14 +32,17 @@ class MeasuredIndenter(Indenter):
     """Heights, shape (N,) [length], in the user's unit; kept shifted so that the lowest is 0."""
     measured_points: int | None = None
     """Values in the period that were measured, where the heights were made from fewer or more; None: all heights."""
-    description: dict[str, Any] = field(default_factory=dict)
+    description: dict[str, Any] = field(default_factory=dict, hash=False)
     """What is known of their origin, flat and JSON-ready; it travels with every result."""
     given_period: float | None = None
     """The period that they belong to [length], and no other; None: any."""
+    convention: InitVar[Literal["heights", "gap"]] = field(kw_only=True)
+    """Whether `heights` are given as those of a surface; `replace` must name it, too."""
 
     name: ClassVar[str] = "file"
+    _remade: ClassVar[dict[str, Any]] = {"convention": "gap"}
 
-    def __post_init__(self) -> None:
+    def __post_init__(self, convention: str) -> None:
         allowed = "allowed: at least 4 finite real numbers, not all equal"
         heights = checks.array(self.heights)
         if heights is None:
@@ -47,7 +52,8 @@ class MeasuredIndenter(Indenter):
         bad = np.flatnonzero(~np.isfinite(heights))
         if bad.size:
             raise ValueError(f"heights[{bad[0]}] is {heights[bad[0]]}; {allowed}")
-        heights -= heights.min()
+        checks.choice("convention", convention, ("heights", "gap"))
+        heights = heights.max() - heights if convention == "heights" else heights - heights.min()
         if not 0 < heights.max() < math.inf:
             raise ValueError(f"heights are constant or too far apart; {allowed}")
         if self.measured_points is not None:
@@ -59,7 +65,7 @@ class MeasuredIndenter(Indenter):
         checks.assign(self, heights=heights)
 
     def __repr__(self) -> str:
-        height = display.row("profile", float(self.heights.max()), length_unit(self.description))
+        height = display.row("profile", float(self.heights.max()), named(self.description))
         origin = self.description.get("profile_file")
         told = f"{self.heights.size} heights, 0 to {height.value}{display.bracketed(height.unit)}"
         return f"{type(self).__name__}: {told}" + (f", from {display.row('', origin).value}" if origin else "")
@@ -133,11 +139,12 @@ class MeasuredIndenter(Indenter):
         if num_points == self.heights.size:
             return self
         measured = self.measured_points or self.heights.size
-        return replace(self, heights=self.profile(num_points, period) * period, measured_points=measured)
+        heights = self.profile(num_points, period) * period
+        return replace(self, heights=heights, measured_points=measured, **self._remade)
 
     def in_units(self, length: float) -> Self:
         period = None if self.given_period is None else self.given_period * length
-        return replace(self, heights=self.heights * length, given_period=period)
+        return replace(self, heights=self.heights * length, given_period=period, **self._remade)
 
     def ratios(self, period: float) -> dict[str, float]:
         return {"largest height/period": float(self.heights.max()) / period}

@@ -25,7 +25,7 @@ from .. import checks
 from ..arrays import Array64
 from .edge_shift import wiener_hopf_shift
 from .exponentials import sinh_minus_argument
-from .layer import DEFAULT_MODULUS, ElasticLayer
+from .layer import DEFAULT_MODULUS, ElasticLayer, check_modulus
 
 _HALF_SPACE_FROM = 25.0  # q d from which f differs from 1 by less than rounding: by 2000 exp(-50), nu = 1/2
 
@@ -106,19 +106,7 @@ class Layer(ElasticLayer):
             thickness=checks.real("thickness", self.thickness, "a length > 0, or inf", 0, infinite=True),
             poisson_ratio=checks.real("poisson_ratio", self.poisson_ratio, "-1 < nu <= 0.5", -1, 0.5),
         )
-        if self.youngs_modulus is not None:
-            if not self.has_default_modulus:
-                allowed = "one of the two, E* = E/(1-nu^2)"
-                given = f"youngs_modulus is {self.youngs_modulus!r}, and contact_modulus {self.contact_modulus!r}"
-                raise ValueError(f"{given}; allowed: {allowed}")
-            young = checks.real("youngs_modulus", self.youngs_modulus, "a finite pressure > 0", 0)
-            modulus = young / (1 - self.poisson_ratio**2)
-            checks.real("youngs_modulus", modulus, "one whose E* = E/(1-nu^2) is finite", 0)
-            checks.assign(self, contact_modulus=modulus, youngs_modulus=None)
-        checks.assign(
-            self,
-            contact_modulus=checks.real("contact_modulus", self.contact_modulus, "a finite pressure > 0", 0),
-        )
+        check_modulus(self)
 
     def stiffness(self, wave_numbers: Array64, period: float) -> Array64:
         return stiffness(wave_numbers, self.thickness / period, self.poisson_ratio)

@@ -15,6 +15,7 @@ E* the layer's. Every bracket is positive, and those that cancel for small x com
 for equal materials the half-space; long waves find the half-space below, short ones that of the layer's material.
 """
 
+import math
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
 
@@ -23,7 +24,7 @@ import numpy as np
 from .. import checks
 from ..arrays import Array64
 from .exponentials import sinh_minus_argument
-from .layer import DEFAULT_MODULUS, ElasticLayer
+from .layer import DEFAULT_MODULUS, ElasticLayer, check_modulus
 
 _HALF_SPACE_FROM = 25.0  # q d from which f differs from 1 by less than rounding
 _LEAST_RATIO, _MOST_RATIO = 1e-6, 1e6
@@ -64,27 +65,31 @@ class CoatedHalfSpace(ElasticLayer):
 
     thickness: float
     """Layer thickness d > 0 [length]."""
-    base_modulus: float
-    """E* = E/(1-nu^2) > 0 of the half-space below [pressure], from 1e-6 to 1e6 of the layer's."""
+    base_modulus: float = math.nan
+    """E* = E/(1-nu^2) > 0 of the half-space below [pressure], from 1e-6 to 1e6 of the layer's; it must be given."""
     poisson_ratio: float = 0.25
     """Poisson's ratio of the layer, -1 < nu <= 0.5 (dimensionless)."""
     base_poisson_ratio: float = 0.25
     """Poisson's ratio of the half-space below, -1 < nu <= 0.5 (dimensionless)."""
     contact_modulus: float = DEFAULT_MODULUS
     """E* = E/(1-nu^2) > 0 of the layer [pressure]."""
+    youngs_modulus: float | None = None
+    """E > 0 of the layer [pressure], to give instead of E*, which is computed from it."""
+    base_youngs_modulus: float | None = None
+    """E > 0 of the half-space below [pressure], to give instead of its E*."""
 
     name: ClassVar[str] = "coated"
 
     def __post_init__(self) -> None:
-        pressure, ratio = "a finite pressure > 0", "-1 < nu <= 0.5"
+        ratio = "-1 < nu <= 0.5"
         checks.assign(
             self,
             thickness=checks.real("thickness", self.thickness, "a finite length > 0", 0),
-            contact_modulus=checks.real("contact_modulus", self.contact_modulus, pressure, 0),
-            base_modulus=checks.real("base_modulus", self.base_modulus, pressure, 0),
             poisson_ratio=checks.real("poisson_ratio", self.poisson_ratio, ratio, -1, 0.5),
             base_poisson_ratio=checks.real("base_poisson_ratio", self.base_poisson_ratio, ratio, -1, 0.5),
         )
+        check_modulus(self)
+        check_modulus(self, ("base_modulus", "base_youngs_modulus", "base_poisson_ratio"))
         if not _LEAST_RATIO <= self.base_modulus / self.contact_modulus <= _MOST_RATIO:
             allowed = (
                 f"from {_LEAST_RATIO:g} to {_MOST_RATIO:g} of the layer's contact_modulus, {self.contact_modulus:g}"

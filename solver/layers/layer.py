@@ -4,14 +4,41 @@ A new layer is a frozen dataclass that inherits from `ElasticLayer`. It must off
 the defaults of the rest say "not known", and then no shortcut is taken.
 """
 
+import math
 from abc import abstractmethod
 from typing import Any, ClassVar, Protocol, Self
 
+from .. import checks
 from ..arrays import Array64
 from ..kind import Kind
 
 DEFAULT_MODULUS = float(1)
 """The default E* [pressure], an object of its own: a modulus that is given is another one."""
+
+
+MODULUS = ("contact_modulus", "youngs_modulus", "poisson_ratio")
+"""Fields of E*, of E, which may be given instead, and of Poisson's ratio."""
+
+
+def check_modulus(layer: Any, names: tuple[str, str, str] = MODULUS) -> None:
+    """Check E* > 0 of a layer that is being made, and compute it where E is given instead. Raises `ValueError`.
+
+    names: of the fields, as in `MODULUS`.
+    """
+    modulus, young, ratio = names
+    known, given, nu = (getattr(layer, name) for name in names)
+    missing = known is type(layer).__dataclass_fields__[modulus].default
+    both = "allowed: one of the two, E* = E/(1-nu^2)"
+    if given is None and missing and math.isnan(known):
+        raise ValueError(f"{modulus} (or {young}) is missing; {both}")
+    if given is not None:
+        if not missing:
+            raise ValueError(f"{young} is {given!r}, and {modulus} {known!r}; {both}")
+        if nu is None:
+            raise ValueError(f"{ratio} is missing; allowed: -1 < nu <= 0.5 beside {young}, for E* = E/(1-nu^2)")
+        known = checks.real(young, given, "a finite pressure > 0", 0) / (1 - nu**2)
+        checks.real(young, known, "one whose E* = E/(1-nu^2) is finite", 0)
+    checks.assign(layer, **{modulus: checks.real(modulus, known, "a finite pressure > 0", 0), young: None})
 
 
 class ElasticLayer(Kind, Protocol):

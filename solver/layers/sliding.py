@@ -19,7 +19,7 @@ import numpy as np
 
 from .. import checks
 from ..arrays import Array64
-from .layer import DEFAULT_MODULUS, ElasticLayer
+from .layer import DEFAULT_MODULUS, ElasticLayer, check_modulus
 
 _HALF_SPACE_FROM = 25.0  # q d from which f differs from 1 by less than rounding
 
@@ -45,15 +45,21 @@ class SlidingLayer(ElasticLayer):
     """Layer thickness d > 0 [length]; inf is the half-space."""
     contact_modulus: float = DEFAULT_MODULUS
     """E* = E/(1-nu^2) > 0 [pressure]."""
+    youngs_modulus: float | None = None
+    """E > 0 [pressure], to give with Poisson's ratio instead of E*, which is computed from them."""
+    poisson_ratio: float | None = None
+    """Poisson's ratio, -1 < nu <= 0.5, of Young's modulus (dimensionless); without that E* tells all."""
 
     name: ClassVar[str] = "sliding"
 
     def __post_init__(self) -> None:
-        checks.assign(
-            self,
-            thickness=checks.real("thickness", self.thickness, "a length > 0, or inf", 0, infinite=True),
-            contact_modulus=checks.real("contact_modulus", self.contact_modulus, "a finite pressure > 0", 0),
-        )
+        thickness = checks.real("thickness", self.thickness, "a length > 0, or inf", 0, infinite=True)
+        if self.poisson_ratio is not None:
+            checks.real("poisson_ratio", self.poisson_ratio, "-1 < nu <= 0.5", -1, 0.5)
+            if self.youngs_modulus is None:
+                raise ValueError(f"poisson_ratio is {self.poisson_ratio}; allowed: with youngs_modulus; E* tells all")
+        check_modulus(self)
+        checks.assign(self, thickness=thickness, poisson_ratio=None)
 
     def stiffness(self, wave_numbers: Array64, period: float) -> Array64:
         k = wave_numbers / 2

@@ -2,6 +2,7 @@
 
 import sys
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 
 from ..files import csv_tables, writing
@@ -26,18 +27,19 @@ class Options:
     csv: Path = OUTPUT
     """The file to write, of comma-separated values; - is standard output."""
     overwrite: bool = False
-    """Let --csv replace an existing file."""
+    """Let --csv replace a file with other columns than these."""
 
 
 def command(options: Options) -> int:
     """Write the table; returns the exit status."""
-    if options.csv == OUTPUT:
-        for part in csv_tables.table(options.file):
-            sys.stdout.buffer.write(part)
-        return 0
     if options.csv.suffix.lower() in _OTHER:
         other = options.csv.with_suffix(".csv")
         raise ValueError(f"csv is {options.csv}; allowed: a name for comma-separated values, like {other}")
-    writing.check_targets([("file", options.file)], [("csv", options.csv)], options.overwrite)
-    writing.write_bytes(options.csv, csv_tables.table(options.file))
+    parts = csv_tables.table(options.file)
+    if options.csv == OUTPUT:
+        sys.stdout.buffer.writelines(parts)
+        return 0
+    head = next(parts)
+    writing.check_targets([("file", options.file)], [("csv", options.csv)], options.overwrite, head.decode().strip())
+    writing.write_bytes(options.csv, chain([head], parts))
     return 0

@@ -1,13 +1,13 @@
 """The tables of `linecontact solve`: what was found, with units, and what was chosen for the user."""
 
 import math
-import re
 from collections.abc import Iterator
 from typing import Any
 
 from linecontact.solver import METHODS, Solution, Status
 from linecontact.solver.display import rounded_up
 from linecontact.solver.reference.closed_forms import kappa_half_space
+from linecontact.solver.units import shown
 
 from ..scans.preparation import mirrored
 from ..terminal.tables import Whole
@@ -24,16 +24,17 @@ def solution_table(solution: Solution) -> Whole:
     area, error = solution.observables.contact_area_subgrid, solution.observables.contact_area_error
     relative = f" (relative {rounded_up(error / area)})" if area and math.isfinite(error) else ""
     how = "converged on its grid" if solution.status is Status.CONVERGED and solution.certificate else solution.status
-    known = f"+- {rounded_up(error)}{relative}" if math.isfinite(error) else "(error not known)"
+    known = f"+- {rounded_up(error)} numerical error{relative}" if math.isfinite(error) else "(error not known)"
     title = f"{solution.method}{handed}, {record['precision']}: {how},\na_r = {area:.6g} {known}"
     table = Whole(title=title)
     table.add_column("quantity")
     table.add_column("value", justify="right", no_wrap=True)
     table.add_column("unit")
+    names = solution.scene.units
     for rows in (_contact(solution), _of_nodes(solution), _movement(solution, record), _effort(record)):
         for name, value, unit in rows:
-            unit = re.sub(r"\blength\b", solution.scene.length_unit, unit)
-            table.add_row(name, f"{value:.7g}" if isinstance(value, float) else str(value), unit)
+            told = f"{value:.7g}" if isinstance(value, float) else str(value)
+            table.add_row(name, told, shown(unit, names))
         table.add_section()
     return table
 
@@ -46,7 +47,7 @@ def _contact(solution: Solution) -> Iterator[Row]:
     own = " (edges only)" if alone else ""
     width, gaps, power = solution.contact_width, found.unseen_gap_area, scene.indenter.power_law
     yield "contact area a_r", f"{area:.10g}", "-"
-    yield f"  its absolute error, estimated{own}", _error(found.contact_area_error), "-"
+    yield f"  its numerical error, estimated{own}", _error(found.contact_area_error), "-"
     if gaps:
         yield "  gaps and patches that no node shows", rounded_up(gaps), "-"
     yield "contact width a_r L", width, "length"
@@ -58,7 +59,7 @@ def _contact(solution: Solution) -> Iterator[Row]:
     yield "rms gradient in contact g_c", found.rms_gradient_subgrid, "-"
     yield "reduced pressure p* = p/(E* g_c)", area / kappa if kappa else math.inf, "-"
     yield "kappa = a_r/p*", kappa, "-"
-    yield "  its absolute error, estimated", _error(found.kappa_error), "-"
+    yield "  its numerical error, estimated", _error(found.kappa_error), "-"
     if power:
         yield "kappa over kappa_inf of the half-space", kappa / kappa_half_space(power[0]), "-"
     yield "thickness over width d/(a_r L)", scene.layer.thickness / width if width else math.inf, "-"
@@ -78,11 +79,11 @@ def _movement(solution: Solution, record: dict[str, Any]) -> Iterator[Row]:
     unknown = "" if "contact_stiffness" in record else " (needs a result as asked)"
     stiffness = record.get("contact_stiffness", "not computed")
     yield "approach", found.approach, "length"
-    yield "  its absolute error, estimated", _error(found.approach_error), "length"
+    yield "  its numerical error, estimated", _error(found.approach_error), "length"
     yield "mean gap", found.mean_gap, "length"
     yield f"contact stiffness dp/d(approach){unknown}", stiffness, "pressure/length"
     yield "peak pressure", found.peak_pressure, "pressure"
-    yield "  its absolute error, estimated", _error(found.peak_pressure_error), "pressure"
+    yield "  its numerical error, estimated", _error(found.peak_pressure_error), "pressure"
 
 
 def _effort(record: dict[str, Any]) -> Iterator[Row]:
@@ -112,6 +113,6 @@ def choices_table(solution: Solution) -> Whole:
         table.add_column(heading, no_wrap=heading == "error")
     for choice in solution.choices:
         error = rounded_up(choice.error) if choice.error else ""
-        chosen = f"{choice.chosen} [pressure]" if choice.what == "pressure" else choice.chosen
+        chosen = f"{choice.chosen} [{solution.scene.units['pressure']}]" if choice.what == "pressure" else choice.chosen
         table.add_row(choice.what, chosen, error, choice.reason)
     return table

@@ -10,9 +10,10 @@ from linecontact.solver import METHODS, QUANTITIES, MeasuredIndenter, Scene, Sol
 from linecontact.solver.scene import PRECISIONS
 from linecontact.solver.transforms.device import DEVICES
 from linecontact.solver.transforms.planner import PLANNING
+from linecontact.solver.units import named
 
-from ..figures.names import names
 from ..files import solution_files, writing
+from ..files.marks import names
 from ..scans import summary
 from ..scenes import making
 from ..scenes.making import Given, make_scene
@@ -70,7 +71,7 @@ class Options(making.Options):
     patches: Path | None = None
     """Write the contact patches to this CSV file: left and right end, width, nodes, load, largest pressure."""
     overwrite: bool = False
-    """Let --save, --plot and --patches replace an existing file."""
+    """Let --save replace an existing file, and --plot and --patches one that linecontact has not made."""
     strict: bool = False
     """Give exit status 3 if there is a warning."""
 
@@ -162,4 +163,4 @@ def check_targets(options: Options, given: Given) -> None:
         written += [("plot", figure) for figure in names(options.save, [""] * options.plot)]
     if options.patches:
         written.append(("patches", options.patches))
-    writing.check_targets(read, written, options.overwrite)
+    writing.check_targets(read, written, options.overwrite, solution_files.patches_head(named({})))

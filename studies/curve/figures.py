@@ -10,12 +10,11 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from ..figures import titles
-from ..figures.scales import shown
+from ..figures.scales import of_scene, shown, sign
 from ..figures.style import COLOURS, ONE_COLUMN, NothingToDraw, load, panels
 from ..figures.ticks import few_ticks
-from ..figures.titles import scan_units
+from ..figures.units import shown_units
 from ..files.study_files import StudyFile
-from ..scans.units import UNITS
 from .tasks import column
 
 _DECADE = 10.0  # ratio of the ends from which an axis is logarithmic
@@ -68,30 +67,25 @@ _PANELS = (
 
 
 def _shown(study: StudyFile, name: str, stored: str = "") -> tuple[Array64, str]:
-    """A quantity over the runs as it is drawn, shape (M,), and what it is over: E*, L, or the unit of a scan.
+    """A quantity over the runs as it is drawn, shape (M,), and its unit, or what it is over.
 
     name: of the quantity; stored: name of its column, by default the same.
     """
     values = study.column(stored or name).astype(np.float64)
-    dimension, units = unit(name), scan_units(study.runs[0])
-    if dimension == "1":
+    if unit(name) == "1":
         return values, "dimensionless"
-    scales = [np.array([float(run.get(f"scene.{of}", np.nan)) for run in study.runs]) for of in _SCALES]
-    if name in _SCALES or np.isnan(scales).any():
-        return values, "in the scene's unit"
-    modulus, period = scales
-    length, over = period, "$L$"
-    if units:
-        own, along = units
-        length, over = np.full_like(period, UNITS[along] / UNITS[own]), shown(along)
-    if dimension == "pressure":
-        return values / modulus, "over $E^*$"
-    if dimension == "length":
-        return values / length, over if units else f"over {over}"
-    return values / modulus * length, f"over $E^*$/{over}"
+    told = []
+    for place, of in enumerate(unit(name).split("/")):
+        scales = [shown_units(of_scene(run))[0 if of == "length" else 2] for run in study.runs]
+        if not scales[0].unit and (name in _SCALES or sign(scales[0]) not in _SIGNS):
+            return values, "in the scene's unit"
+        values = values * np.array([scale.factor for scale in scales]) ** (-1 if place else 1)
+        told.append(shown(scales[0].unit) or sign(scales[0]))
+    return values, "over " * (told[0] in _SIGNS) + "/".join(told)
 
 
 _SCALES = ("contact_modulus", "period")
+_SIGNS = ("$E^*$", "$L$")
 
 
 def _panel(axes: Axes, x: Array64, y: Array64, error: Array64 | None, joined: bool) -> int:

@@ -64,7 +64,7 @@ class Summary:
 
     def _table(self, headings: Sequence[str], more: str) -> Table:
         over = self.file.configuration["over"]
-        caption = "a_r, kappa and p* between sub-grid edges, +-: the estimated error of a_r; stiffness: dp/d(approach);"
+        caption = "a_r, kappa and p* between sub-grid edges, +-: estimated numerical error; stiffness: dp/d(approach);"
         steps = next((run.get("scene.profile_steps") for run in self.file.runs), "")
         image = ", mirror image too" * mirrored({"profile_steps": steps})
         if any(math.isinf(float(run["contact_stiffness"])) for run in self.file.runs):

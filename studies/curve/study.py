@@ -78,22 +78,24 @@ def plan(options: Options, given: Given) -> Plan:
     over, accuracy, of = options.over, options.accuracy, options.accuracy_of
     told: dict[str, Any] = {name: getattr(options, name) for name in _SCENE}
     _check_options(options, given, told)
-    own = making.own_unit(options, given)
-    any_number = 1.0 if own.said else f"1{own.unit}"  # will do for the scene whose number is varied
+    own, pressures = making.own_units(options, given)
+    any_number = {of.of: 1.0 if of.said else f"1{of.unit}" for of in (own, pressures)}  # will do for what is varied
     if over in making.LOADS:
-        told[over] = any_number if over == "approach" else 1.0
+        told[over] = any_number[unit(over)]
     every = {title: dict(group) for title, group in given.items()}
     for what in ("layer", "profile"):
         kind = told[what]
         option = options_of(kinds.classes(what)[kind]).get(over) if kind in kinds.classes(what) else None
         if not option or option.type is Path:
             continue
-        if option.default is MISSING or (over == "contact_modulus" and own.unit):
-            every[kinds.title(what, kind)][over] = any_number if option.length else 1.0
+        needed = over == "base_modulus" or (over == "contact_modulus" and (own.unit or pressures.unit))
+        if option.default is MISSING or needed:
+            every[kinds.title(what, kind)][over] = any_number.get(option.dimension, 1.0)
     description = described(told, every)
     scene = base_scene(description)
     _check_over(over, number.numbers(scene))
-    values = _values(options, scene, own._replace(unit=scene.length_unit))
+    varied = {"length": own._replace(unit=scene.length_unit), "pressure": pressures}.get(unit(over))
+    values = _values(options, scene, varied)
     number.check(scene, over, values)
     return Plan(
         kind=NAME,
@@ -112,10 +114,8 @@ def _check_over(over: str, numbers: Collection[str]) -> None:
     """Raise `ValueError` for a number that the scene does not have, with the option that gives it one."""
     if over in numbers:
         return
-    if over == "youngs_modulus":
-        raise ValueError(
-            "over is 'youngs_modulus'; allowed: contact_modulus, E/(1 - nu^2), which is proportional to it"
-        )
+    if over in _YOUNGS:
+        raise ValueError(f"over is {over!r}; allowed: {_YOUNGS[over]}, E/(1 - nu^2), which is proportional to it")
     takers = [
         f"with --{what} {name}, or "
         for what in kinds.CHOICES
@@ -133,11 +133,12 @@ def _check_options(options: Options, given: Given, told: Mapping[str, Any]) -> N
     for name in fixed:
         if known.get(name) is not None:
             raise ValueError(f"{name} is {known[name]}; allowed: none with --over {over}")
-    if over in ("poisson_ratio", "contact_modulus") and known.get("youngs_modulus") is not None:
-        allowed = f"none with --over {over}"
-        if over == "poisson_ratio":
-            allowed += ", which keeps E* = E/(1 - nu^2), not E; give contact_modulus"
-        raise ValueError(f"youngs_modulus is {known['youngs_modulus']:g}; allowed: {allowed}")
+    for young, modulus in _YOUNGS.items():
+        if over in (modulus, f"{young.removesuffix('youngs_modulus')}poisson_ratio") and known.get(young) is not None:
+            why = f", which keeps E* = E/(1 - nu^2), not E; give {modulus}" * (over != modulus)
+            raise ValueError(
+                f"{young} is {str(known[young]).removesuffix('.0')}; allowed: none with --over {over}{why}"
+            )
     check_accuracy(options.accuracy, options.accuracy_of)
     if options.accuracy is not None and (over in ("approach", "num_points") or options.approach is not None):
         what = "an approach" if over != "num_points" else "--over num_points"
@@ -148,14 +149,17 @@ def _check_options(options: Options, given: Given, told: Mapping[str, Any]) -> N
                 raise ValueError(f"{name} is {getattr(options, name)}; allowed: none with --values")
 
 
+_YOUNGS = {"youngs_modulus": "contact_modulus", "base_youngs_modulus": "base_modulus"}
+"""The modulus E* that each E stands for."""
+
 _NO_NUMBERS = ("profile", "layer", "precision", "accuracy", "accuracy_of")
 """Options of a scene that are refused as what varies, whether they are given or not."""
 
-_SCENE = (*_NO_NUMBERS, *making.LOADS, "period", "num_points")
+_SCENE = (*_NO_NUMBERS, *making.LOADS, "period", "num_points", "pressure_unit")
 """All that make a scene."""
 
 
-def _values(options: Options, scene: Scene, own: Own) -> tuple[float, ...]:
+def _values(options: Options, scene: Scene, own: Own | None) -> tuple[float, ...]:
     ends = {"from": options.from_, "to": options.to}
     given = {name: text for name, text in ends.items() if text is not None}
     if options.values is not None:
@@ -210,9 +214,8 @@ def _check_ends(over: str, scene: Scene, found: Mapping[str, float], given: Mapp
             raise ValueError(f"{name} is {given[name]}{why}") from None
 
 
-def _read(options: Options, own: Own, option: str, text: str) -> float:
-    kind = unit(options.over)
-    return read(option, text, kind == "length", own, PRESSURE if kind == "pressure" else "a number")
+def _read(options: Options, own: Own | None, option: str, text: str) -> float:
+    return read(option, text, own, PRESSURE if unit(options.over) == "pressure" else "a number")
 
 
 def draw(path: Path) -> "dict[str, Figure]":

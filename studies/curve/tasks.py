@@ -5,7 +5,7 @@ from typing import ClassVar
 
 from linecontact.solver import Scene, Status, solve
 from linecontact.solver.methods import Progress
-from linecontact.solver.units import length_unit, unit
+from linecontact.solver.units import named, shown, unit
 
 from ..files.records import run_record, warnings
 from ..files.study_files import StudyFile
@@ -21,8 +21,7 @@ def column(over: str) -> str:
 
 def unit_in(file: StudyFile, name: str) -> str:
     """The unit of a quantity of the scenes in a curve's file, '-' where it is dimensionless."""
-    length = length_unit(file.runs[0] if file.runs else {}, "scene.")
-    return "-" if unit(name) == "1" else unit(name).replace("length", length)
+    return shown(unit(name), named(file.runs[0] if file.runs else {}, "scene."))
 
 
 @dataclass(frozen=True)

@@ -2,9 +2,11 @@
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from linecontact.solver import Scene
+
+from ..figures.units import Shown
 
 HALF_SPACE = "half-space"
 _DIGITS = 3  # of a number from a logarithmic slider: its steps are 5 %
@@ -12,7 +14,7 @@ _DIGITS = 3  # of a number from a logarithmic slider: its steps are 5 %
 
 @dataclass(frozen=True)
 class Control:
-    """A slider. Its position is the number that it moves, dimensionless, or the decimal logarithm of that."""
+    """A slider. Its position is the number that it moves, dimensionless or in a unit, or that number's logarithm."""
 
     name: str
     """Of the field that it moves, as on the command line."""
@@ -30,12 +32,25 @@ class Control:
     """Whether positions are decimal logarithms."""
     endless: bool = False
     """Whether one position more, at the end, stands for infinity."""
+    unit: float | None = None
+    """The unit that the number is shown in, in the scene's; None: it is dimensionless."""
 
     def scale(self, scene: Scene) -> float:
-        """The unit that makes the field's number dimensionless: the period L [length], E* [pressure], or 1."""
+        """What the field's number is divided by: its unit, else the period L [length], E* [pressure], or 1."""
+        if self.unit:
+            return self.unit
         if self.name == "thickness":
             return scene.period
         return scene.layer.contact_modulus if self.name == "pressure" else 1.0
+
+    def shown_as(self, shown: Shown, scene: Scene) -> "Control":
+        """The same slider, of lengths or pressures of a scene, as these are shown."""
+        if not shown.unit:
+            return self
+        shift = math.log10(self.scale(scene) * shown.factor)
+        low, high = math.floor(self.low + shift), math.ceil(self.high + shift)
+        title = self.title.partition("/")[0] + shown.symbol
+        return replace(self, title=title, low=low, high=high, unit=1 / shown.factor)
 
     def span(self, values: Iterable[float]) -> tuple[float, float]:
         """Lowest and highest position of a slider on which all these numbers, divided by `scale`, have a place."""
@@ -60,15 +75,15 @@ class Control:
         return math.log10(value) if self.logarithmic else value
 
 
-THICKNESS = Control("thickness", "layer", "thickness d/L", -5, 1, 0.02, logarithmic=True, endless=True)
-LOAD = Control("pressure", "scene", "mean pressure p/E*", -6, -1, 0.02, logarithmic=True)
+THICKNESS = Control("thickness", "layer", "thickness d/L (dimensionless)", -5, 1, 0.02, logarithmic=True, endless=True)
+LOAD = Control("pressure", "scene", "mean pressure p/E* (dimensionless)", -6, -1, 0.02, logarithmic=True)
 
 CONTROLS = (
     THICKNESS,
-    Control("poisson_ratio", "layer", "Poisson's ratio nu", 0, 0.5, 0.01),
+    Control("poisson_ratio", "layer", "Poisson's ratio nu (dimensionless)", 0, 0.5, 0.01),
     LOAD,
-    Control("exponent", "indenter", "exponent n", 1.1, 8, 0.05),
-    Control("hurst", "indenter", "Hurst exponent H", 0.05, 1, 0.01),
+    Control("exponent", "indenter", "exponent n (dimensionless)", 1.1, 8, 0.05),
+    Control("hurst", "indenter", "Hurst exponent H (dimensionless)", 0.05, 1, 0.01),
     Control("seed", "indenter", "seed of the random phases", 0, 99, 1),
 )
 """All of them, in the order of the page; one whose field a scene's layer or indenter lacks is not shown."""

@@ -9,7 +9,7 @@ from linecontact.solver import Indenter, Scene
 from linecontact.solver.arrays import Array64
 
 from .answers import answer
-from .controls import LOAD, Control
+from .controls import Control
 
 _COARSEST = 2**12
 _MOST_OMITTED = 1e-3  # share of the mean square slope in waves that the grid of a curve leaves out
@@ -78,7 +78,7 @@ class Curve:
 
 def own_value(control: Control, scene: Scene) -> float:
     """A scene's number on a slider, divided by its scale."""
-    owner = scene if control is LOAD else scene.layer
+    owner = scene if control.part == "scene" else scene.layer
     return float(getattr(owner, control.name)) / control.scale(scene)
 
 
@@ -102,6 +102,6 @@ def _holds(indenter: Indenter, num_points: int) -> bool:
 def _put(control: Control, scene: Scene, value: float) -> Scene:
     """The scene with another number, divided by the slider's scale, on it."""
     number = value * control.scale(scene)
-    if control is LOAD:
+    if control.part == "scene":
         return replace(scene, pressure=number)
     return replace(scene, layer=replace(scene.layer, **{control.name: number}))  # type: ignore[type-var]

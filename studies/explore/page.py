@@ -143,7 +143,7 @@ class Page:
         number = self._values[control.name] / control.scale(self._start.first)
         slider = Slider(
             name=control.name,
-            title=f"{control.title} (dimensionless)",
+            title=control.title,
             start=low,
             end=high + control.step * control.endless,
             step=control.step,
@@ -159,7 +159,8 @@ class Page:
 
     def _slid(self, control: Control, position: float) -> None:
         number = control.value(position, self._spans[control][1])
-        self._moved(control.name, number * control.scale(self._start.first))
+        value = number * control.scale(self._start.first)
+        self._moved(control.name, float(f"{value:.12g}") if control.logarithmic else value)
 
     def _moved(self, name: str, value: Any) -> None:
         self._values[name] = value

@@ -14,10 +14,10 @@ from numpy.typing import ArrayLike
 
 from ..figures.style import COLOURS
 from ..figures.thinning import extremes, merged
+from ..figures.units import shown_units
 from ..scans.preparation import mirrored
 from .controls import HALF_SPACE, Control
 from .curves import Curve, own_value
-from .units import lengths
 
 _UNKNOWN_WIDTH = 1000  # pixels, until the browser has said
 NARROWEST = 340
@@ -97,7 +97,7 @@ class Fields:
     """Indenter and surface above, contact pressure and patches below, over the position in the period."""
 
     def __init__(self, scene: Scene) -> None:
-        self._along, self._heights = lengths(scene)
+        self._along, self._heights, self._pressures = shown_units(scene.to_dict())
         self._whole = scene.period * self._along.factor
         self._solution: Solution | None = None
         self._pixels = _UNKNOWN_WIDTH
@@ -105,13 +105,13 @@ class Fields:
         self._indenter = ColumnDataSource({"x": [], "h": []})
         # one source for all that every solution changes: each that is sent costs the browser some milliseconds
         self._found = ColumnDataSource({name: [] for name in ("u_x", "u", "p_x", "p", "left", "right")})
-        label = f"height{self._heights.symbol}"
+        label = f"height{self._heights.symbol}, peaks down"
         self.shape = _figure(label, 275, x_range=self.x_range, y_range=Range1d(0, 1))
-        self.pressure = _figure("pressure/E* (dimensionless)", 255, x_range=self.x_range, y_range=Range1d(0, 1))
+        self.pressure = _figure(f"pressure{self._pressures.symbol}", 255, x_range=self.x_range, y_range=Range1d(0, 1))
         self.shape.xaxis.visible = False
         self.pressure.xaxis.axis_label = f"position x{self._along.symbol}"
-        down = "indenter h: its peaks point down"
-        self.shape.line("x", "h", source=self._indenter, color="black", legend_label=down)
+        self.pressure.xaxis.formatter = CustomJSTickFormatter(code=_LABEL)
+        self.shape.line("x", "h", source=self._indenter, color="black", legend_label="indenter h")
         self.shape.line("u_x", "u", source=self._found, color=COLOURS[0], legend_label="surface u")
         self.pressure.line("p_x", "p", source=self._found, color=COLOURS[3], legend_label="pressure")
         bar = {"source": self._found, "y0": 0, "y1": 0, "line_width": 6, "color": COLOURS[1]}
@@ -120,7 +120,7 @@ class Fields:
             half = {"x0": self._whole / 2, "x1": self._whole, "level": "underlay"}
             plain = {"fill_color": None, "line_color": None}
             hatch = {"hatch_pattern": "/", "hatch_color": _MIRROR, "hatch_weight": 0.5, "hatch_scale": 14}
-            for panel, named in ((self.shape, {"legend_label": "mirror image of the scan"}), (self.pressure, {})):
+            for panel, named in ((self.shape, {"legend_label": "mirror image"}), (self.pressure, {})):
                 panel.vstrip(**half, **plain, **hatch, **named)
         for panel in (self.shape, self.pressure):
             panel.legend.orientation, panel.legend.padding, panel.legend.border_line_color = "horizontal", 3, None
@@ -159,7 +159,7 @@ class Fields:
         height = self._heights.factor
         indenter = solution.scene.profile[part] * height
         surface = solution.displacement[part] * height
-        pressure = solution.contact_pressure[part] / solution.scene.layer.contact_modulus
+        pressure = solution.contact_pressure[part] * self._pressures.factor
 
         def thinned(values: Array64, x: str, y: str) -> dict[str, Array64]:
             places = extremes(values, pixels)
@@ -202,7 +202,7 @@ class Surroundings:
         self.figure = _figure(
             "contact area a_r (dimensionless)", 280, x_axis_type="log", y_axis_type="log", y_range=Range1d(0.01, 1)
         )
-        self.figure.xaxis.axis_label = f"{control.title} (dimensionless)"
+        self.figure.xaxis.axis_label = control.title
         self.figure.x_range.update(start=10 ** (span[0] - 0.2), end=10 ** (span[1] + 0.7))
         self.figure.title.text_font_style = "normal"
         _label_logarithmic(self.figure.yaxis[0])

@@ -14,7 +14,9 @@ from urllib.parse import urlencode
 
 from linecontact.solver import Indenter, MeasuredIndenter, PowerIndenter, RoughIndenter, Scene
 from linecontact.solver.scene import PRECISIONS
+from linecontact.solver.units import shown, unit
 
+from ..figures.units import shown_units
 from ..scans import reading
 from ..terminal.options import flag
 from ..terminal.text import number
@@ -85,7 +87,10 @@ class Start:
 
     def controls(self) -> tuple[Control, ...]:
         """Those whose field one of the scenes has; the thickness of a layer that cannot be a half-space has an end."""
+        along, _, pressures = shown_units(self.first.to_dict())
+        units = {"thickness": along, "pressure": pressures}
         found = (control for control in CONTROLS if control.name in self.values())
+        found = (c.shown_as(units[c.name], self.first) if c.name in units else c for c in found)
         return tuple(
             control if not control.endless or self._may_be_infinite(control) else replace(control, endless=False)
             for control in found
@@ -96,7 +101,7 @@ class Start:
         found: dict[str, Any] = {"profile": self.first.indenter.name}
         for control in CONTROLS:
             for owner in self._owners(control):
-                if control.name in _names(owner):
+                if getattr(owner, control.name, None) is not None:
                     found.setdefault(control.name, getattr(owner, control.name))
         return found
 
@@ -125,7 +130,8 @@ class Start:
                 continue  # of the server's own client
             if name not in found:
                 raise ValueError(f"the link gives {name}; allowed: {', '.join(found)}")
-            found[name] = _choice(text, self.indenters) if name == "profile" else _number(name, text)
+            own = shown(unit(name), self.first.units)
+            found[name] = _choice(text, self.indenters) if name == "profile" else _number(name, text, own)
         for profile, indenter in self.indenters.items():
             if profile == found["profile"] or _names(indenter) & set(arguments):
                 self.scene(found | {"profile": profile})  # refuses what is out of bounds
@@ -175,7 +181,7 @@ def _choice(text: str, indenters: Mapping[str, Indenter]) -> str:
     return text
 
 
-def _number(name: str, text: str) -> float:
+def _number(name: str, text: str, unit: str) -> float:
     for kind in (int, number):
         try:
             found = kind(text)
@@ -183,4 +189,4 @@ def _number(name: str, text: str) -> float:
                 return found
         except (ValueError, OverflowError):
             continue
-    raise ValueError(f"{name} is {text[:_SHOWN]!r}; allowed: a number below {_LARGEST:g}")
+    raise ValueError(f"{name} is {text[:_SHOWN]!r}; allowed: a number alone [{unit}], below {_LARGEST:g}")

@@ -5,10 +5,10 @@ import math
 from linecontact.solver import Scene, Solution
 from linecontact.solver.display import rounded_up
 
+from ..figures.units import shown_units
 from ..scans.preparation import mirrored
 from .answers import Answer
 from .controls import HALF_SPACE
-from .units import lengths
 
 
 def said(answer: Answer, seconds: float) -> str:
@@ -29,14 +29,12 @@ def doubted(answer: Answer) -> str:
 
 
 def _scene(scene: Scene) -> str:
-    """What was pressed against what, dimensionless and in the scan's unit."""
-    thickness = scene.layer.thickness
-    along, _ = lengths(scene)
-    over = f"d/L = {thickness / scene.period:.3g}" if math.isfinite(thickness) else HALF_SPACE
-    if math.isfinite(thickness) and along.symbol != "/L":
-        over += f" (d = {thickness * along.factor:.4g}{along.symbol})"
-    parts = [over, f"p/E* = {scene.reduced_load:.3g}"]
-    given = scene.to_dict()
+    """What was pressed against what, in the scan's units or dimensionless."""
+    given, thickness = scene.to_dict(), scene.layer.thickness
+    along, _, pressures = shown_units(given)
+    told = f"{thickness * along.factor:.5g}" if math.isfinite(thickness) else HALF_SPACE
+    parts = [f"d{along.symbol} = {told}" * (told != HALF_SPACE) or told]
+    parts.append(f"p{pressures.symbol} = {scene.pressure * pressures.factor:.5g}")
     if "base_modulus" in given:
         ratio = float(given["base_modulus"]) / scene.layer.contact_modulus
         parts.append(f"base E2*/E* = {ratio:.3g}, nu2 = {given['base_poisson_ratio']:g}")
@@ -50,9 +48,10 @@ def _scene(scene: Scene) -> str:
 def _found(solution: Solution) -> list[str]:
     o = solution.observables
     area, error = o.contact_area_subgrid, o.contact_area_error
-    along, _ = lengths(solution.scene)
+    along, _, pressures = shown_units(solution.scene.to_dict())
     image = " (its mirror image's among them)" * mirrored(solution.scene.indenter.to_dict())
     width = solution.contact_width * along.factor
+    peak = f"peak pressure{pressures.symbol} = {o.peak_pressure * pressures.factor:.4g}"
     # of one kind with a_r and kappa: `reduced_pressure` and `reduced_thickness` are of counted nodes
     reduced_pressure = area / o.kappa_subgrid if o.kappa_subgrid else math.inf
     reduced_thickness = solution.scene.layer.thickness / (area * solution.scene.period) if area else math.inf
@@ -60,8 +59,7 @@ def _found(solution: Solution) -> list[str]:
         f"contact area a_r = {area:.6g} \N{PLUS-MINUS SIGN} {rounded_up(error)} (dimensionless, estimated relative "
         f"error {rounded_up(error / area)}), {solution.status} on its grid",
         f"kappa = {o.kappa_subgrid:.5g} \N{PLUS-MINUS SIGN} {rounded_up(o.kappa_error)}, p* = {reduced_pressure:.4g}, "
-        f"d/(a_r L) = {reduced_thickness:.4g}, peak pressure/E* = "
-        f"{o.peak_pressure / solution.scene.layer.contact_modulus:.4g} (dimensionless)",
+        f"d/(a_r L) = {reduced_thickness:.4g}, {peak}",
         f"{o.num_patches} contact {'patch' if o.num_patches == 1 else 'patches'}{image}, "
         f"contact width{along.symbol} = {width:.5g}",
     ]

@@ -110,7 +110,7 @@ def _draw_indenter(rng: Generator, num_points: int) -> tuple[str, PowerIndenter 
     heights = _HEIGHTS[shape](num_points, rng)
     if not np.ptp(heights):
         heights[0] += 1
-    return shape, MeasuredIndenter(gradient * heights)
+    return shape, MeasuredIndenter(gradient * heights, convention="gap")
 
 
 def _flat_punch(n: int, rng: Generator) -> Array64:

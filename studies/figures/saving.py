@@ -8,8 +8,8 @@ from pathlib import Path
 import matplotlib
 from matplotlib.figure import Figure
 
+from ..files.marks import FORMATS, is_ours, marked, names
 from ..files.writing import StoreError, expecting, write_bytes
-from .names import FORMATS, is_ours, marked, names
 from .style import STYLE
 from .ticks import in_plain_text
 
@@ -31,7 +31,10 @@ def save(path: Path, draw: Callable[[Path], dict[str, Figure]], overwrite: bool 
     with matplotlib.rc_context(STYLE), expecting(path):
         drawn = draw(path)
         for file in names(path, () if overwrite else drawn):
-            _check_ours(file)
+            if file.is_file() and not is_ours(file):
+                reason = "has the name of a figure, and is not one that this version of linecontact has drawn"
+                allowed = "to move it away, or linecontact plot --overwrite"
+                raise ForeignFileError(f"file {file} {reason}; allowed: {allowed}")
         for ending, figure in drawn.items():
             in_plain_text(figure)
             _lay_out(figure)
@@ -43,13 +46,6 @@ def save(path: Path, draw: Callable[[Path], dict[str, Figure]], overwrite: bool 
             if pyplot := sys.modules.get("matplotlib.pyplot"):  # then it may have made the figure, and keeps it
                 pyplot.close(figure)
     return written
-
-
-def _check_ours(file: Path) -> None:
-    """Raise `ForeignFileError` if there is such a file, and it is no figure of linecontact's."""
-    if file.is_file() and not is_ours(file):
-        reason = "has the name of a figure, and is not one that this version of linecontact has drawn"
-        raise ForeignFileError(f"file {file} {reason}; allowed: to move it away, or linecontact plot --overwrite")
 
 
 def _lay_out(figure: Figure) -> None:

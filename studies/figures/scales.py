@@ -1,92 +1,61 @@
-"""In which units the figure of a solution is drawn: those of the scan, where it has brought some; else it is said that
-numbers are dimensionless.
-"""
+"""What figures say of lengths, pressures and layers, in the units in which they show them."""
 
 import math
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
 from typing import Any
 
-from ..files.solution_files import StoredSolution
-from ..scans.preparation import mirrored
-from ..scans.units import UNITS, axis_units
-from .style import kind, layer, typeset
+from ..scans.units import UNITS
+from .style import layer, typeset
+from .units import Shown, shown_units
 
 
-@dataclass(frozen=True)
-class Scales:
-    """What the numbers of a stored solution are divided by, and what the axes are called then."""
-
-    period: float
-    """L, as it is stored."""
-    x: float
-    """The unit of positions."""
-    z: float
-    """The unit of heights."""
-    pressure: float
-    """The unit of pressures."""
-    x_label: str
-    """The axis of positions."""
-    x_unit: str
-    """What that unit is called."""
-    z_label: str
-    """The axis of heights."""
-    pressure_label: str
-    """The axis of pressures."""
-    thickness: str
-    """The layer's thickness in words, with the kind of the layer unless it is bonded."""
-    base: str
-    """The half-space below a coating; empty for a layer on a rigid base."""
-    load: str
-    """The mean pressure over E*; empty where E* is not known."""
-    told: str
-    """What is dimensionless, and by what it was divided."""
-    mirrored: bool
-    """Whether the second half of the period is the mirror image of a scan."""
+def told(units: tuple[Shown, ...]) -> str:
+    """What is dimensionless, and by what it was divided; empty where nothing is. units: as `shown_units` gives them."""
+    along, _, pressures = units
+    over = [f"lengths over the period {sign(along)}"] * (not along.unit)
+    over += [f"pressures over {sign(pressures)}"] * (not pressures.unit)
+    return f"Dimensionless: {', '.join(over)}." * bool(over)
 
 
-def scales(solution: StoredSolution) -> Scales:
-    """The scales of a stored solution: the units of its scan, or the period; pressures over E*, or over their mean."""
-    results = solution.results
-    period, pressure = float(results["scene.period"]), float(results["scene.pressure"])
-    about = {name.removeprefix("scene."): value for name, value in results.items()}
-    units = axis_units(about)
-    x = z = period
-    along, up, distance = "position $x/L$", "height/$L$", "$L$"
-    if units:
-        own, along_unit, up_unit = units
-        x, z = (UNITS[unit] / UNITS[own] for unit in (along_unit, up_unit))
-        along, distance = f"position $x$ ({shown(along_unit)})", shown(along_unit)
-        up = f"height ({shown(up_unit)})"
-    modulus = results.get("scene.contact_modulus")  # not every layer names one
-    over = "$E^*$" if modulus else "their mean"
-    lengths = "" if units else "lengths over the period $L$, "
-    thickness = float(results["scene.thickness"])
-    size = thickness_in(thickness, units[0]) if units else layer(thickness / period)
-    return Scales(
-        period=period,
-        x=x,
-        z=z,
-        pressure=float(modulus) if modulus else pressure,
-        x_label=along,
-        x_unit=distance,
-        z_label=up,
-        pressure_label="pressure/$E^*$" if modulus else "pressure / mean",
-        told=f"Dimensionless: {lengths}pressures over {over}.",
-        thickness=", ".join(filter(None, (kind(str(results.get("scene.layer", "bonded"))), size))),
-        base=base(results),
-        load=f"$p={typeset(pressure / float(modulus))}\\,E^*$" if modulus else "",
-        mirrored=mirrored(about),
-    )
+def of(what: Shown) -> str:
+    """What stands after the name of a quantity at an axis."""
+    return f" ({shown(what.unit)})" if what.unit else f"/{sign(what)}"
 
 
-def thickness_in(thickness: float, unit: str) -> str:
-    """A layer's thickness, in that unit, as people write it."""
-    if math.isinf(thickness):
-        return layer(thickness)
-    size = thickness * UNITS[unit]
-    best = next((one for one in ("m", "mm", "um", "nm") if size >= UNITS[one]), "nm") if unit != "inch" else unit
-    return f"$d={typeset(size / UNITS[best])}$ {shown(best)}"
+def sign(what: Shown) -> str:
+    """What a quantity is divided by, in a formula if it has a sign."""
+    return {"L": "$L$", "E*": "$E^*$"}.get(what.over, what.over)
+
+
+def of_scene(results: Mapping[str, Any]) -> dict[str, Any]:
+    """What results say of their scene, by the names of `Scene.to_dict`."""
+    return {name.removeprefix("scene."): value for name, value in results.items() if name.startswith("scene.")}
+
+
+def load(about: Mapping[str, Any]) -> str:
+    """The mean pressure as people write it, in its unit or over E*; empty where neither is known.
+
+    about: the scene, as `Scene.to_dict` describes it.
+    """
+    (*_, pressures), pressure = shown_units(about), float(about["pressure"])
+    unit = {"E*": "\\,E^*$", "": f"$ {pressures.unit}"}.get(pressures.over)
+    return f"$p={typeset(pressure * pressures.factor)}{unit}" if unit and math.isfinite(pressure) else ""
+
+
+def thickness(about: Mapping[str, Any]) -> str:
+    """A layer's thickness as people write it: in the user's unit, in one that suits it, or over the period.
+
+    about: the scene, as `Scene.to_dict` describes it.
+    """
+    size, (along, *_) = float(about["thickness"]), shown_units(about)
+    if math.isinf(size) or not along.unit:
+        return layer(size * along.factor)
+    size, unit = size * along.factor, along.unit
+    if unit != about["profile_length_unit"] and unit in UNITS:
+        size *= UNITS[unit]
+        unit = next((one for one in ("m", "mm", "um", "nm") if size >= UNITS[one]), "nm")
+        size /= UNITS[unit]
+    return f"$d={typeset(size)}$ {shown(unit)}"
 
 
 def base(results: Mapping[str, Any], but: Collection[str] = ()) -> str:
@@ -100,5 +69,5 @@ def base(results: Mapping[str, Any], but: Collection[str] = ()) -> str:
 
 
 def shown(unit: str) -> str:
-    """A unit of length as a figure writes it."""
+    """A unit as a figure writes it."""
     return {"um": "\u00b5m", "angstrom": "\u00c5"}.get(unit, unit)

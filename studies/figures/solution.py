@@ -2,18 +2,14 @@
 
 import io
 import math
-from collections.abc import Mapping
-from dataclasses import MISSING, dataclass, fields
 from pathlib import Path
 from typing import Any
 
 import matplotlib
 import numpy as np
-from linecontact.solver import LAYERS, Solution, Status
+from linecontact.solver import Solution, Status
 from linecontact.solver.arrays import Array64
-from linecontact.solver.grid.contact import ends
 from linecontact.solver.grid.patches import Patches
-from linecontact.solver.layers import ElasticLayer
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -22,13 +18,15 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from ..files import solution_files, writing
+from ..files.marks import is_ours, marked
 from ..files.solution_files import Name, StoredSolution
+from ..scans.preparation import mirrored
 from . import titles
-from .names import marked
-from .scales import Scales, scales
-from .style import COLOURS, ONE_COLUMN, STYLE, typeset, typeset_error
+from .scales import base, load, of, of_scene, shown, sign, thickness, told
+from .style import COLOURS, ONE_COLUMN, STYLE, kind, typeset, typeset_error
 from .thinning import extremes, merged
 from .ticks import few_ticks
+from .units import Shown, shown_units
 
 _PLACES = 2000  # along an axis: more than a page can show
 _INDENTER, _SURFACE, _CONTACT, _ENLARGED = "k", COLOURS[0], COLOURS[3], COLOURS[4]
@@ -50,30 +48,6 @@ class Drawing(Figure):  # type: ignore[misc]  # Matplotlib has no types here
         return image.getvalue()
 
 
-@dataclass(frozen=True)
-class Contact:
-    """The contact patches, each between its edges."""
-
-    left: Array64
-    """Left edges, shape (number of patches,), in the solution's own unit of length."""
-    right: Array64
-    """Right edges; beyond the period for a patch that goes on at its beginning."""
-
-    @property
-    def widest(self) -> int:
-        """The number of the widest patch, counted from 0."""
-        return int(np.argmax(self.right - self.left))
-
-    def width(self, number: int) -> float:
-        """The width of a patch."""
-        return float(self.right[number] - self.left[number])
-
-    def up_to(self, x: float) -> "Contact":
-        """The patches that begin before x; all if none does."""
-        chosen = self.left < x
-        return Contact(self.left[chosen], self.right[chosen]) if chosen.any() else self
-
-
 def draw(path: Path) -> dict[str, Figure]:
     """The figure of a stored solution."""
     return {"": figure(solution_files.load(path))}
@@ -85,15 +59,16 @@ def plot(solution: Solution | StoredSolution, path: Name | None = None, overwrit
     Heights and pressure over the period with the contact patches, and the widest patch enlarged; lengths in the units
     of the scan if there is one, else over the period; pressures over E*.
 
-    path: where to write it, as .png, .pdf, .svg or what else Matplotlib writes. overwrite: whether an existing file may
-    be replaced. Raises `ValueError` for anything else, and for a file that cannot be written.
+    path: where to write it, as .png, .pdf, .svg or what else Matplotlib writes. overwrite: whether a file may be
+    replaced that is no figure of linecontact's. Raises `ValueError` for anything else, and for a file that cannot be
+    written.
     """
     if not isinstance(solution, Solution | StoredSolution):
         raise ValueError(f"solution is {str(solution)[:40]!r}; allowed: a Solution, or what `load` returns")
     stored = solution_files.stored(solution) if isinstance(solution, Solution) else solution
     file = None if path is None else writing.as_path("path", path)
     if file:
-        writing.check_target(file, overwrite)
+        writing.check_target(file, overwrite or is_ours(file))
     with matplotlib.rc_context(STYLE):
         drawn = figure(stored)
         known = drawn.canvas.get_supported_filetypes()
@@ -110,8 +85,11 @@ def plot(solution: Solution | StoredSolution, path: Name | None = None, overwrit
 
 def figure(solution: StoredSolution) -> Figure:
     """Profile and surface, contact pressure, and one patch enlarged; pyplot knows nothing of the figure."""
-    units, contact = scales(solution), _contact(solution)
-    enlarged = bool(contact.left.size) and contact.width(contact.widest) < _WIDE * units.period
+    about, (left, right) = of_scene(solution.results), _ends(solution)
+    period, image = float(about["period"]), mirrored(about)
+    along, up, pressures = units = shown_units(about)
+    own = _widest(left, right, period / 2 if image else period) if left.size else (0.0, period)
+    enlarged = own[1] - own[0] < _WIDE * period
     rows = [["heights", "heights"], ["pressure", "pressure"]] + [["near heights", "near pressure"]] * enlarged
     drawn = Drawing(figsize=(ONE_COLUMN, 5.0 if enlarged else 3.8), dpi=160, layout="constrained")
     axes: dict[str, Axes] = drawn.subplot_mosaic(rows)
@@ -119,54 +97,42 @@ def figure(solution: StoredSolution) -> Figure:
     axes["heights"].tick_params(labelbottom=False)
     whole = (solution.profile, solution.displacement, solution.contact_pressure)
     h, u, pressure = (np.append(values, values[0]) for values in whole)  # up to where the period begins again
-    x = np.append(solution.x, units.period)
-    _heights(axes["heights"], x / units.x, h / units.z, u / units.z)
-    _pressure(axes["pressure"], x / units.x, pressure / units.pressure)
-    axes["heights"].set(ylabel=units.z_label)
-    axes["pressure"].set(ylabel=units.pressure_label)
-    axes["pressure"].set(xlabel=units.x_label, xlim=(0, units.period / units.x))
-    note = f"The indenter presses from above: its peaks point down.\n{units.told}"
-    note += "\nPatches of the mirror image are counted, too." * units.mirrored
-    axes["heights"].set_title(note, fontsize=7)
+    x, end = np.append(solution.x, period) * along.factor, period * along.factor
+    _heights(axes["heights"], x, h * up.factor, u * up.factor)
+    _pressure(axes["pressure"], x, pressure * pressures.factor)
+    axes["heights"].set(ylabel=f"height{of(up)}")
+    axes["pressure"].set(ylabel=f"pressure{of(pressures)}")
+    axes["pressure"].set(xlabel=f"position $x${of(along)}", xlim=(0, end))
+    notes = ["The indenter presses from above: its peaks point down.", told(units)]
+    notes += ["Patches of the mirror image are counted, too."] * image
+    axes["heights"].set_title("\n".join(filter(None, notes)), fontsize=7)
     for name in ("heights", "pressure"):
-        _bars(axes[name], contact.left / units.x, contact.right / units.x, units.period / units.x)
-        if units.mirrored:
-            half = units.period / units.x / 2
-            axes[name].axvspan(
-                half, 2 * half, fc="none", ec=_MIRROR, hatch="////", lw=0, zorder=-0.5
-            )  # over the bodies
+        _bars(axes[name], left * along.factor, right * along.factor, end)
+        if image:  # over the bodies
+            axes[name].axvspan(end / 2, end, fc="none", ec=_MIRROR, hatch="////", lw=0, zorder=-0.5)
     if enlarged:
-        _enlarge(axes, units, contact, solution)
-    titles.put(drawn, _title(solution.results, units, contact.left.size))
-    drawn.legend(
-        handles=_legend(units, contact.left.size > 0, enlarged), loc="outside lower center", ncols=2, columnspacing=1.2
-    )
+        _enlarge(axes, units, (left, right), own, solution)
+    titles.put(drawn, _title(solution.results, left.size))
+    handles = _legend(left.size > 0, enlarged, image)
+    drawn.legend(handles=handles, loc="outside lower center", ncols=2, columnspacing=1.2)
     return drawn
 
 
-def _contact(solution: StoredSolution) -> Contact:
-    """The patches between their edges; half a spacing from the nodes where the results do not tell the layer."""
-    pressure, results = solution.contact_pressure, solution.results
-    patches = Patches.of(pressure > 0)
-    if not patches.count:
-        return Contact(np.zeros(0), np.zeros(0))
-    spacing = float(solution.x[1] - solution.x[0])
-    layer = _layer(results)
-    if layer is None:
-        return Contact(*(np.asarray(end * spacing) for end in (patches.first - 0.5, patches.last + 0.5)))
-    scale = float(results["scene.pressure"]) / layer.contact_modulus / float(pressure.mean())
-    patches, edges = ends(layer, spacing * pressure.size, solution.profile, pressure, scale, solution.displacement)
-    return Contact(edges.left * spacing, (edges.left + edges.width) * spacing)
+def _ends(solution: StoredSolution) -> tuple[Array64, Array64]:
+    """Left and right ends of the patches, shape (their number,); half a spacing from their nodes where they are not
+    stored, as in a file of an earlier version.
+    """
+    if solution.patches is not None:
+        return solution.patches.left, solution.patches.right
+    patches, spacing = Patches.of(solution.contact_pressure > 0), float(solution.x[1])
+    return np.asarray((patches.first - 0.5) * spacing), np.asarray((patches.last + 0.5) * spacing)
 
 
-def _layer(results: Mapping[str, Any]) -> ElasticLayer | None:
-    """The layer of a solution; None where the results do not tell all of it, as of a table or a kind not known here."""
-    kind: Any = LAYERS.get(str(results.get("scene.layer")))
-    if kind is None:
-        return None
-    told = {field.name: results[f"scene.{field.name}"] for field in fields(kind) if f"scene.{field.name}" in results}
-    needed = {field.name for field in fields(kind) if field.default is field.default_factory is MISSING}
-    return kind(**told) if needed <= told.keys() else None
+def _widest(left: Array64, right: Array64, before: float) -> tuple[float, float]:
+    """The ends of the widest patch that begins before a place; of any if none does. There must be one."""
+    inside = left < before if (left < before).any() else np.full(left.shape, True)
+    widest = int(np.argmax(np.where(inside, right - left, -np.inf)))
+    return float(left[widest]), float(right[widest])
 
 
 def _thinned(x: Array64, *curves: Array64) -> list[Array64]:
@@ -212,36 +178,42 @@ def _bars(axes: Axes, left: Array64, right: Array64, period: float) -> None:
     axes.set_xlim(low, high)
 
 
-def _enlarge(axes: dict[str, Axes], units: Scales, contact: Contact, solution: StoredSolution) -> None:
-    """The widest patch, of a scan rather than of its mirror image, with its edges, and where it is."""
-    own = contact.up_to(units.period / 2) if units.mirrored else contact
-    left, right = float(own.left[own.widest]), float(own.right[own.widest])
+def _enlarge(
+    axes: dict[str, Axes],
+    units: tuple[Shown, Shown, Shown],
+    ends: tuple[Array64, Array64],
+    own: tuple[float, float],
+    solution: StoredSolution,
+) -> None:
+    """A patch with its edges, and where it is. ends: of all patches; own: of this one."""
+    along, up, pressures = units
+    left, right = own
     count, middle = solution.x.size, (left + right) / 2
-    spacing = units.period / count
-    reach = min(0.8 * (right - left) + 2 * spacing, units.period / 2)
+    spacing = float(solution.results["scene.period"]) / count
+    reach = min(0.8 * (right - left) + 2 * spacing, spacing * count / 2)
     nodes = np.arange(round((middle - reach) / spacing), round((middle + reach) / spacing) + 1)
     marker = "." if right - left < _FEW * spacing else ""
-    power = math.floor(math.log10(reach / units.x))
+    power = math.floor(math.log10(reach * along.factor))
     power = 0 if -2 < power < 4 else power
-    size = units.x * 10.0**power
+    size = 10.0**power / along.factor
     x, inside = np.asarray((nodes * spacing - middle) / size), nodes % count
     near = axes["near heights"], axes["near pressure"]
-    _heights(near[0], x, solution.profile[inside] / units.z, solution.displacement[inside] / units.z, marker)
-    _pressure(near[1], x, solution.contact_pressure[inside] / units.pressure, marker)
-    for panel, label in zip(near, (units.z_label, units.pressure_label), strict=True):
-        unit = f"$10^{{{power}}}$ {units.x_unit}" if power else units.x_unit
+    _heights(near[0], x, solution.profile[inside] * up.factor, solution.displacement[inside] * up.factor, marker)
+    _pressure(near[1], x, solution.contact_pressure[inside] * pressures.factor, marker)
+    for panel, label in zip(near, (f"height{of(up)}", f"pressure{of(pressures)}"), strict=True):
+        unit = f"$10^{{{power}}}$ " * bool(power) + (shown(along.unit) or sign(along))
         panel.set(xlabel=f"distance ({unit})", ylabel=label, xlim=(-reach / size, reach / size))
         panel.xaxis.set_major_locator(MaxNLocator(3, steps=[1, 2, 5, 10]))
         panel.spines[:].set_color(_ENLARGED)
-        for edge in (left, right):
+        for edge in own:
             panel.axvline((edge - middle) / size, color=_ENLARGED, lw=0.7, ls="--", zorder=0)
-        _bars(panel, (contact.left - middle) / size, (contact.right - middle) / size, units.period / size)
+        _bars(panel, (ends[0] - middle) / size, (ends[1] - middle) / size, spacing * count / size)
     for name in ("heights", "pressure"):
-        place = (middle % units.period) / units.x
+        place = middle % (spacing * count) * along.factor
         axes[name].plot(place, 1, "v", color=_ENLARGED, ms=4, transform=axes[name].get_xaxis_transform(), clip_on=False)
 
 
-def _legend(units: Scales, touching: bool, enlarged: bool) -> list[Line2D | Patch]:
+def _legend(touching: bool, enlarged: bool, image: bool) -> list[Line2D | Patch]:
     found: list[Line2D | Patch] = [
         Line2D([], [], color=_INDENTER, lw=0.8, label="indenter $h$"),
         Line2D([], [], color=_SURFACE, lw=0.8, label="surface $u$ of the layer"),
@@ -250,16 +222,19 @@ def _legend(units: Scales, touching: bool, enlarged: bool) -> list[Line2D | Patc
         found.append(Patch(fc=_CONTACT, label="contact patches"))
     if enlarged:
         found.append(Line2D([], [], color=_ENLARGED, ls="--", lw=0.7, marker="v", ms=4, label="enlarged, its edges"))
-    if units.mirrored:
+    if image:
         found.append(Patch(fc="none", ec=_MIRROR, hatch="////", lw=0, label="mirror image of the scan"))
     return found
 
 
-def _title(results: dict[str, Any], units: Scales, patches: int) -> str:
+def _title(results: dict[str, Any], patches: int) -> str:
     area, error = results["contact_area_subgrid"], results["contact_area_error"]
     found = f"$a_r = {typeset(area, 6)} \\pm {typeset_error(error)}$ in {patches} patch{'es' if patches != 1 else ''}"
     status = Status(results["status"])  # a file's text is not drawn if it is none of these
     ended = "" if status is Status.CONVERGED else f"\nNot as asked: {status}"
-    below = f"\n{units.base}" * bool(units.base)  # on a line of its own
-    told = ", ".join(filter(None, (units.thickness, titles.poisson(results), below, units.load)))
+    about, below = of_scene(results), base(results)
+    of_layer = [kind(str(about.get("layer", "bonded"))), thickness(about), titles.poisson(results)]
+    told = ", ".join(
+        filter(None, (*of_layer, f"\n{below}" * bool(below), load(about)))
+    )  # the base on a line of its own
     return "\n".join(filter(None, (titles.pressed(results), told, found))) + ended

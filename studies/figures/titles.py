@@ -11,9 +11,8 @@ from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
 from matplotlib.textpath import text_to_path
 
-from ..scans.units import axis_units
-from .scales import base, thickness_in
-from .style import ONE_COLUMN, kind, layer, plain, typeset
+from .scales import base, load, of_scene, thickness
+from .style import ONE_COLUMN, kind, plain, typeset
 
 _SIZE = 8  # points
 _MOST_LETTERS = 100  # of a name that are looked at
@@ -85,8 +84,7 @@ def pressed(results: Mapping[str, Any], but: Collection[str] = ()) -> str:
     """
     if scan := str(results.get("scene.profile_file", "")):
         return plain(_shortened(scan))
-    numbers = {name.removeprefix("scene."): value for name, value in results.items() if name.startswith("scene.")}
-    known = {name: value for name, value in numbers.items() if name not in but}
+    known = {name: value for name, value in of_scene(results).items() if name not in but}
     told = [f"profile: {plain(str(results['scene.profile']))}"]
     told += [f"${sign}={typeset(float(known[name]))}$" for name, sign in _NUMBERS.items() if name in known]
     for name, (sign, usual) in _UNUSUAL.items():
@@ -111,25 +109,16 @@ def scene(results: Mapping[str, Any], but: Collection[str]) -> str:
     if "poisson_ratio" not in but:
         told.append(poisson(results))
     told.append(base(results, but))
-    load = float(results["scene.pressure"]) / float(results.get("scene.contact_modulus", np.nan))
-    if not {"pressure", "approach"} & set(but) and np.isfinite(load):
-        told.append(f"$p={typeset(load)}\\,E^*$")
+    if not {"pressure", "approach"} & set(but):
+        told.append(load(of_scene(results)))
     if "num_points" not in but:
         told.append(f"{results['scene.num_points']} points")
     return ", ".join(filter(None, told))
 
 
-def scan_units(results: Mapping[str, Any]) -> tuple[str, str] | None:
-    """Units of a scene's lengths and of a scan's positions; None where they are not known."""
-    units = axis_units({name.removeprefix("scene."): value for name, value in results.items()})
-    return units[:2] if units else None
-
-
 def _thickness(results: Mapping[str, Any], but: Collection[str]) -> str:
-    """The layer's thickness in a scan's units, else over the period if that is told."""
-    thickness, units = float(results["scene.thickness"]), scan_units(results)
-    if units:
-        return thickness_in(thickness, units[0])
-    if "period" in but and np.isfinite(thickness):
-        return f"$d={typeset(thickness)}$"
-    return layer(thickness / float(results["scene.period"]))
+    """The layer's thickness, without a unit also where the period varies."""
+    size = float(results["scene.thickness"])
+    if "period" in but and np.isfinite(size):  # it is no scan's
+        return f"$d={typeset(size)}$"
+    return thickness(of_scene(results))

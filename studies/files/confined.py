@@ -9,6 +9,7 @@ import contextlib
 import json
 import math
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Callable
@@ -27,6 +28,8 @@ SECONDS = 6
 """Of processor time, and one more for each 64 MiB of the file; three times that by the clock."""
 
 _FILTERS = {1: "gzip", 2: "shuffle", 3: "fletcher32", 4: "szip", 5: "nbit", 6: "scaleoffset", 32000: "lzf"}
+_PACKED = ("scale_factor", "add_offset", "_FillValue", "missing_value", "valid_min", "valid_max", "valid_range")
+_PACKING = re.compile(r"(?!DIMENSION_).*(?:scale|factor|gain|offset|calibration|multiplier|unsigned)", re.I)
 _DEPTH = 3  # of groups in a result: lines/name/column
 _LEAST = 2**26  # bytes of a result that are allowed in any case
 _TEXT = 2**20  # bytes of an attribute
@@ -47,6 +50,8 @@ class Columns(NamedTuple):
     """As the file has them."""
     unit: str
     """The file's own unit, empty if it names none."""
+    label: str = ""
+    """What the file calls them."""
 
 
 def read_dataset(path: Path, most: int, name: str | None) -> Columns:
@@ -86,7 +91,7 @@ def _run(what: str, path: Path, *more: str) -> Columns:
     if "broken" in answer:
         raise BrokenError(answer["broken"])
     values = np.frombuffer(done.stdout, answer["dtype"], offset=len(head))
-    return Columns(values.reshape(answer["shape"]), answer["unit"])
+    return Columns(values.reshape(answer["shape"]), answer["unit"], answer["label"])
 
 
 def _dataset(path: str, most: str, name: str | None = None) -> Columns:
@@ -111,9 +116,42 @@ def _dataset(path: str, most: str, name: str | None = None) -> Columns:
         if math.prod(data.shape) > int(most):
             raise RefusedError(f"profile_dataset is {name!r} of shape {data.shape}; allowed: up to {most} numbers")
         _check_storage(data, f"profile_dataset is {name!r}", 16 * int(most))
-        unit = np.ravel(data.attrs.get("unit", data.attrs.get("units", "")))
-        words = [one.decode(errors="replace") if isinstance(one, bytes) else str(one) for one in unit]
-        return Columns(data[()], " ".join(words)[:100])
+        label = [
+            str(name).rpartition("/")[2],
+            *(_text(data, key) for key in ("long_name", "standard_name", "positive")),
+        ]
+        unit = _text(data, "unit") or _text(data, "units")
+        return Columns(_unpacked(data[()], data.attrs, f"profile_dataset is {name!r}"), unit, " ".join(label).strip())
+
+
+def _text(data: "h5py.Dataset", name: str) -> str:
+    """An attribute as text, empty without it."""
+    found = np.ravel(data.attrs.get(name, ""))
+    return " ".join(one.decode(errors="replace") if isinstance(one, bytes) else str(one) for one in found)[:100]
+
+
+def _unpacked(values: NDArray[Any], attributes: "h5py.AttributeManager", what: str) -> NDArray[Any]:
+    """Values times `scale_factor` plus `add_offset`, NaN where missing: the attributes of the CF conventions, 8.1."""
+    given = dict[str, NDArray[np.float64]]()
+    for name in attributes:
+        if name in _PACKED:
+            number = np.ravel(attributes[name])
+            good = number.dtype.kind in "fiu" and (
+                name not in _PACKED[:2] or (number.size == 1 and np.isfinite(number[0]))
+            )
+            if not good or (name == "scale_factor" and number[0] == 0):
+                raise RefusedError(f"{what}, whose attribute {name} is {str(attributes[name])[:40]}; allowed: a number")
+            given[name] = number.astype(np.float64)
+        elif _PACKING.match(name):
+            raise RefusedError(f"{what}, whose attribute {name!r} may change it; allowed: {', '.join(_PACKED)}")
+    if not given:
+        return values
+    found = values.astype(np.float64)
+    low, high = given.get("valid_range", np.array([-np.inf, np.inf]))
+    wrong = np.isin(found, [*given.get("_FillValue", ()), *given.get("missing_value", ())])
+    wrong |= (found < given.get("valid_min", low)) | (found > given.get("valid_max", high))
+    found[wrong] = np.nan
+    return found * given.get("scale_factor", 1.0) + given.get("add_offset", 0.0)
 
 
 def _check_storage(data: "h5py.Dataset", what: str, most: int) -> None:
@@ -203,8 +241,8 @@ def _main(what: str, seconds: str, *arguments: str) -> None:
     values = np.zeros(0)
     answer: dict[str, Any]
     try:
-        values, unit = tasks[what](*arguments)
-        answer = {"unit": unit, "dtype": values.dtype.str, "shape": values.shape}
+        values, unit, label = tasks[what](*arguments)
+        answer = {"unit": unit, "label": label, "dtype": values.dtype.str, "shape": values.shape}
     except RefusedError as error:
         answer = {"refused": str(error)}
     except Exception as error:  # libraries raise anything

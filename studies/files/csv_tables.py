@@ -6,12 +6,12 @@ have all their digits, and those that are not finite are nan, inf and -inf.
 
 import csv
 import io
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from linecontact.solver.units import length_unit
+from linecontact.solver.units import named, shown
 from numpy.typing import NDArray
 
 from .hdf5 import file_kind
@@ -40,8 +40,8 @@ def table(path: Path) -> Iterator[bytes]:
 def _fields(path: Path) -> Columns:
     """The fields of a solution by their headings."""
     solution = load(path)
-    length = length_unit(solution.results, "scene.")
-    return {_heading(name, length): getattr(solution, name) for name in FIELDS}
+    names = named(solution.results, "scene.")
+    return {_heading(name, names): getattr(solution, name) for name in FIELDS}
 
 
 def _runs(path: Path) -> Columns:
@@ -51,14 +51,13 @@ def _runs(path: Path) -> Columns:
         raise StoreError(f"file {path} holds no finished run yet; allowed: a study with at least one")
     columns = {name: [run[name] for run in study.runs] for name in study.runs[0]}
     texts = {name for name, values in columns.items() if any(isinstance(value, str) for value in values)}
-    known = {length_unit(run, "scene.") for run in study.runs}
-    length = known.pop() if len(known) == 1 else "length"
-    return {name if name in texts else _heading(name, length): values for name, values in columns.items()}
+    first, *others = (named(run, "scene.") for run in study.runs)
+    names = first if all(one == first for one in others) else named({})
+    return {name if name in texts else _heading(name, names): values for name, values in columns.items()}
 
 
-def _heading(name: str, length: str) -> str:
-    own = "-" if unit(name) == "1" else unit(name)
-    return f"{name} [{own.replace('length', length)}]"
+def _heading(name: str, names: Mapping[str, str]) -> str:
+    return f"{name} [{shown(unit(name), names)}]"
 
 
 def _written(columns: Columns) -> Iterator[bytes]:

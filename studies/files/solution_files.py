@@ -6,6 +6,7 @@ dots).
 """
 
 import os
+from collections.abc import Mapping
 from dataclasses import astuple, dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,7 +15,8 @@ import numpy as np
 from linecontact.solver import Solution
 from linecontact.solver.display import row, sentence
 from linecontact.solver.grid.patch_table import PatchTable
-from linecontact.solver.units import length_unit
+from linecontact.solver.units import named, shown
+from linecontact.solver.value import Value
 from numpy.typing import NDArray
 
 from .hdf5 import column_of_numbers, new_file, open_file, scalar
@@ -36,8 +38,8 @@ _PATCH_UNITS = {field.name: _OTHER_UNITS.get(field.name, "length") for field in 
 """Of the columns of the contact patches."""
 
 
-@dataclass(frozen=True, eq=False)
-class StoredSolution:
+@dataclass(frozen=True)
+class StoredSolution(Value):
     """What a solution file holds."""
 
     x: NDArray[np.float64]
@@ -61,8 +63,8 @@ class StoredSolution:
 
     def __repr__(self) -> str:
         names = ("status", "contact_area_subgrid", "contact_area_error", "num_patches", "scene.thickness")
-        length = length_unit(self.results, "scene.")
-        rows = [row(name, self.results[name], length) for name in names if name in self.results]
+        own = named(self.results, "scene.")
+        rows = [row(name, self.results[name], own) for name in names if name in self.results]
         title = f"{type(self).__name__}: fields of {self.x.size} points, and {len(self.results)} results"
         return "\n  ".join(
             [sentence(title, rows), *(f"warning, {kind}: {text}" for kind, text in self.warnings.items())]
@@ -97,7 +99,7 @@ def load(path: Name) -> StoredSolution:
         arrays = {name: column_of_numbers(file[name]) for name in FIELDS}
         if len({values.size for values in arrays.values()}) > 1 or arrays["x"].size < 2:
             raise ValueError("its fields are of different lengths, or shorter than 2")
-        results = renamed({name: scalar(value) for name, value in file.attrs.items()})
+        results = renamed({scalar(name): scalar(value) for name, value in file.attrs.items()})
         return StoredSolution(**arrays, results=results, patches=_patches(file))
 
 
@@ -111,10 +113,14 @@ def _patches(file: "h5py.File") -> PatchTable | None:
     return PatchTable(**columns)
 
 
+def patches_head(names: Mapping[str, str]) -> str:
+    """The first line of the table of contact patches. names: of the scene's units."""
+    return ",".join(f"{name} [{shown(unit, names)}]" for name, unit in _PATCH_UNITS.items())
+
+
 def save_patches(path: Name, solution: Solution) -> None:
     """Write the table of contact patches as CSV, with a line of names and units first."""
-    own = solution.scene.length_unit
-    head = ",".join(f"{name} [{unit.replace('length', own)}]" for name, unit in _PATCH_UNITS.items())
+    head = patches_head(solution.scene.units)
     lines = (",".join(f"{value:.12g}" for value in row) for row in zip(*astuple(solution.patches), strict=True))
     write_bytes(Path(path), ["\n".join([head, *lines, ""]).encode()])
 

@@ -11,6 +11,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from ..terminal import console
+from .marks import is_ours
 
 MAX_NAME = 200
 """Bytes of a file's name: most systems take 255, and the names of other files are made from it."""
@@ -67,18 +68,18 @@ def check_target(path: Path, overwrite: bool) -> None:
     check_folder(path.parent)
 
 
-def check_targets(read: Iterable[Named], written: Iterable[Named], overwrite: bool) -> None:
+def check_targets(read: Iterable[Named], written: Iterable[Named], overwrite: bool, head: str) -> None:
     """Raise `StoreError` before any work if a file to be written is one that is read or written, too, or cannot become
-    a new file.
+    a new file; figures and tables that linecontact has made are replaced.
 
-    read, written: the options that name the files, and the files.
+    read, written: the options that name the files, and the files. head: the first line of the table among them.
     """
     names = {os.path.realpath(path): name for name, path in read}
     for name, path in written:
         other = names.setdefault(os.path.realpath(path), name)
         if other != name:
             raise StoreError(f"{name} is {path}, which is taken by {other}; allowed: another file")
-        check_target(path, overwrite)
+        check_target(path, overwrite or is_ours(path, head))
 
 
 def check_folder(folder: Path) -> None:

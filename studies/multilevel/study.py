@@ -54,6 +54,7 @@ class Options(making.Options, study.Options):
     """Solves that may be planned."""
 
 
+_SCENE = ("profile", "layer", "pressure", "pressure_unit", "period", "precision")
 _FINEST = 2**20
 _ANY = 0.01  # standard error of a plan that nobody asked for
 
@@ -62,7 +63,7 @@ def plan(options: Options, given: Given) -> Plan:
     """The first tasks. Raises `ValueError`."""
     limits = options.max_seconds, options.max_samples
     asked = check_wanted(options.observable.split(","), options.standard_error, options.relative, *limits)
-    told = {name: getattr(options, name) for name in ("profile", "layer", "pressure", "period", "precision")}
+    told = {name: getattr(options, name) for name in _SCENE}
     told["num_points"] = _FINEST if options.num_points is None else options.num_points
     description = described(told, given)
     scene = base_scene(description)

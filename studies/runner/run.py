@@ -9,9 +9,9 @@ from pathlib import Path
 
 from linecontact.solver.display import counted
 
-from ..figures.names import is_ours, names
 from ..figures.style import NothingToDraw
 from ..files import study_files, writing
+from ..files.marks import is_ours, names
 from ..files.records import plain
 from ..files.study_files import StudyFile
 from ..terminal import console

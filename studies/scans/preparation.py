@@ -8,23 +8,25 @@ import numpy as np
 from linecontact.solver.arrays import Array64, Indices
 from linecontact.solver.transforms.plain import irfft, rfft
 
-Detrend = Literal["linear", "mean", "none"]
+from .missing import DOUBTED, LONGEST_GAP
+
+Detrend = Literal["curvature", "linear", "mean", "none"]
 Window = Literal["mirror", "tukey", "hann", "none"]
 
 _TAPER = 0.1  # share of the length over which a Tukey window falls, at each end
 _ROUNDING = 0.6  # of the positions' last digit: by how much rounding puts them off
 _ROUNDED = 0.9  # spacings that the last digit may be worth: one spacing is a value left out
 _EVEN = 0.01  # spacings by which positions may be off without that
-_LONGEST_GAP = 0.05  # share of the scan that may be without values
-_DOUBTED = 0.01  # share of the scan that may be filled without a warning
 _SPARSE = 1.1  # places for each value, up to which the others are taken for missing ones
 _COARSE = 0.3  # spacings: with a last digit worth more, single steps do not tell how many places they are
 _TIMES = 5  # that the spacing is made better
 _UNEVEN = 0.05  # relative difference of a step from the mean, from which there is a warning
 _GAP = 1.8  # spacings from which values are missing
 _JUMP = 2.0  # from the last value to the first, over the largest step between neighbours
-_FAR = 10.0  # times as far from the median as nine in ten values
-_SUDDEN = 0.8  # of that distance, covered by one step: no peak or valley of a surface looks like that
+_FORM = 5.0  # rms heights of the rest, above which a bow is doubted
+_ROOM = 0.25  # of the second difference, that waves may pass the values on both sides: twice a parabola's
+_BETWEEN = 0.25  # rms heights that waves may pass them without a doubt
+_EXACT = 1e-9  # of the height, in Fourier modes
 _MIRROR = "made periodic by its mirror image"
 
 
@@ -46,16 +48,28 @@ class Profile:
         """Distance of two values [length]."""
         return self.length / self.z.size
 
-    def detrend(self, how: Detrend) -> None:
-        """Remove the mean, or a straight line by least squares."""
-        if how == "linear":
-            i = np.arange(self.z.size) - (self.z.size - 1) / 2
-            slope = float(i @ self.z) / float(i @ i)
-            self.steps.append(f"tilt of {slope / self.spacing:.4g} (dimensionless) removed by least squares")
-            self.z = self.z - slope * i
-        if how != "none":
+    def detrend(self, how: Detrend | None) -> None:
+        """Remove the mean, a straight line or a parabola by least squares; None: a line, and a bow is doubted."""
+        degree = {"none": -1, "mean": 0, "curvature": 2}.get(how or "", 1)
+        i = np.linspace(-1.0, 1.0, self.z.size)
+        fitted = np.polynomial.legendre.legfit(i, self.z, 2)
+        bow = np.polynomial.legendre.legval(i, [0.0, 0.0, fitted[2]])
+        if degree > 0:
+            slope = 2 * fitted[1] / (self.length - self.spacing)
+            self.steps.append(f"tilt of {slope:.4g} (dimensionless) removed by least squares")
+        if degree > 1:
+            self.steps.append(
+                f"bow of {float(np.ptp(bow)):.4g} (parabola, in the scene's unit) removed by least squares"
+            )
+        if degree >= 0:
             self.steps.append("mean removed")
-            self.z = self.z - self.z.mean()
+            rest = self.z - np.polynomial.legendre.legval(i, fitted)
+            if how is None and np.ptp(bow) > _FORM * rest.std() > 0:
+                self.doubts.append(
+                    f"a bow of {float(np.ptp(bow) / rest.std()):.3g} times the rms height of the rest was kept and may "
+                    "carry the load: detrend curvature removes it, linear says that it is meant"
+                )
+            self.z = self.z - np.polynomial.legendre.legval(i, fitted[: degree + 1])
 
     def make_periodic(self, window: Window) -> None:
         """Let the ends meet, by the mirror image, which doubles the length but keeps the roughness, or by a window.
@@ -83,19 +97,37 @@ class Profile:
                 f"{taper:g} of it at each end, whose roughness is lost and which may touch nearly everywhere"
             )
 
-    def resample(self, num_points: int, mirrored: bool) -> None:
-        """The Fourier modes on another number of points; mirrored: keep the axes of a mirror image between two."""
-        count = self.z.size
+    def resample(self, num_points: int) -> None:
+        """The profile on another number of points by its Fourier modes, or straight lines where waves overshoot.
+
+        Between two values waves may leave the straight line by `_ROOM` of the larger second difference there, and pass
+        the values by that of the smaller one if both bend one way: a parabola does by an eighth, beside a step nothing.
+        """
+        z, count = self.z, self.z.size
         if count == num_points:
             return
+        modes = rfft(z)[: num_points // 2 + 1]
+        if min(num_points, count) % 2 == 0:
+            modes[-1] *= 0.5 * (num_points > count)  # an unpaired one
+        waves = irfft(modes, num_points) * (num_points / count)
         self.steps.append(f"resampled from {count} to {num_points} points by Fourier modes")
-        modes = rfft(self.z)
-        held = (min(num_points, count) + 1) // 2  # all but an unpaired highest mode
-        modes[held:] = 0
-        if mirrored:
-            modes *= np.exp(1j * np.pi * np.arange(modes.size) * (1 / num_points - 1 / count))
-        z = irfft(modes[: held + 1], num_points) * (num_points / count)
-        self.z = (z + z[::-1]) / 2 if mirrored else z  # even to the last bit
+        if num_points > count:
+            at = np.arange(num_points) * (count / num_points)
+            straight, i, after = np.interp(at, np.arange(count + 1), np.append(z, z[0])), at.astype(int), np.roll(z, -1)
+            bend = after - 2 * z + np.roll(z, 1)
+            less, more = _ROOM * np.sort(np.abs([bend, np.roll(bend, -1)]), axis=0)
+            beyond = np.maximum(np.minimum(z, after)[i] - waves, waves - np.maximum(z, after)[i])
+            apart = np.maximum(np.abs(waves - straight) - more[i], beyond - (less * (bend * np.roll(bend, -1) > 0))[i])
+            replaced = (np.bincount(i, apart > _EXACT * np.ptp(z), count) > 0)[i]
+            above = float(np.max((np.minimum(z, after)[i] - waves)[replaced], initial=0.0) / z.std())
+            self.steps.append(f"straight lines in {replaced.mean():.0%} of the scan, where modes would overshoot")
+            if above > _BETWEEN:  # of h, whose summits are its lowest points
+                self.doubts.append(
+                    f"between its values, waves would rise up to {above:.2g} rms heights above them, so straight lines "
+                    "were taken: the scan does not resolve its steps or summits"
+                )
+            waves = np.where(replaced, straight, waves)
+        self.z = waves
 
 
 def mirrored(about: Mapping[str, Any]) -> bool:
@@ -109,45 +141,36 @@ def mirrored(about: Mapping[str, Any]) -> bool:
 def evenly_spaced(x: Array64, z: Array64) -> Profile:
     """A profile from heights at increasing positions, shape (number of values,) each [length].
 
-    Positions that are even but for the rounding of their digits, to less than their spacing, are taken as even. So are
-    those of which some are missing, whose heights are filled. Others are interpolated. The length of the scan is one
-    spacing for each place. Raises `ValueError` for a gap that is too long for that.
+    Positions that are even except for the rounding of their digits, to less than their spacing, are taken as even. So
+    are those of which some are missing, whose heights are filled. Others are interpolated. The length of the scan is
+    one spacing for each place. Raises `ValueError` for a gap that is too long for that.
     """
     x = x - x[0]
-    spacing, off = _spacing(x, np.arange(x.size))
-    digit = _last_digit(x)
-
-    def even(off: float, spacing: float) -> bool:
-        return off <= max(_EVEN * spacing, _ROUNDING * digit if digit < _ROUNDED * spacing else 0.0)
-
-    if even(off, spacing):
-        return Profile(z, spacing * x.size, [f"positions even to {off / spacing:.2g} of their spacing, taken as even"])
-    steps = np.diff(x)
-    gap = float(steps.max())
-    if gap > _LONGEST_GAP * x[-1] and gap > 1.5 * spacing:
-        raise ValueError(f"x has a gap of {gap / x[-1]:.1%} of the scan; allowed: up to {_LONGEST_GAP:.0%}")
-    place = _places(steps)
-    spacing, off = _spacing(x, place)
-    count = int(place[-1]) + 1
-    coarse = _COARSE < digit / spacing < _ROUNDED
+    steps, digit = np.diff(x), _last_digit(x)
+    for place in (np.arange(x.size), _places(steps)):
+        spacing, off = _spacing(x, place)
+        count, rounding = int(place[-1]) + 1, digit / spacing if digit < _ROUNDED * spacing else 0.0
+        sure = count == x.size or (count <= _SPARSE * x.size and rounding <= _COARSE)
+        if even := sure and off <= max(_EVEN, _ROUNDING * rounding) * spacing:
+            break
+    gap, long = float(steps.max()), steps > _GAP * np.median(steps)
+    if gap > LONGEST_GAP * x[-1] and gap > 1.5 * spacing and not (even and count == x.size):
+        raise ValueError(f"x has a gap of {gap / x[-1]:.1%} of the scan; allowed: up to {LONGEST_GAP:.0%}")
     doubts = []
-    if even(off, spacing) and count <= _SPARSE * x.size and not coarse:
-        missing, even_x = count - x.size, np.arange(count)
-        told = f"positions even to {off / spacing:.2g} of their spacing, {missing} missing, "
-        told += "whose heights were filled by straight lines"
-        place_x, filled = place.astype(np.float64), missing / count
+    if even:
+        told = f"positions even to {off / spacing:.2g} of their spacing"
+        told += f", {count - x.size} missing, whose heights were filled" if count > x.size else ", taken as even"
     else:
-        spacing, even_x, place_x = float(x[-1]) / (x.size - 1), np.arange(x.size), x / x[-1] * (x.size - 1)
+        count, spacing, place = x.size, float(x[-1]) / (x.size - 1), x / x[-1] * (x.size - 1)
         told = f"interpolated linearly to even spacing, the largest gap {gap / spacing:.3g} spacings"
-        filled = float((steps[steps > _GAP * np.median(steps)]).sum() / x[-1])
-        usual = steps[steps <= _GAP * np.median(steps)]
-        uneven = float(np.abs(usual / usual.mean() - 1).max())
+        uneven = float(np.abs(steps[~long] / steps[~long].mean() - 1).max())
         if uneven > _UNEVEN and digit < _ROUNDED * spacing:
             apart = f"steps between positions differ from their mean by up to {uneven:.0%}"
             doubts = [f"{apart}; heights were interpolated by straight lines, which flattens short waves"]
-    if filled > _DOUBTED:
-        doubts.append(f"{filled:.1%} of the scan, where it has no values, were filled by straight lines")
-    return Profile(np.asarray(np.interp(even_x, place_x, z)), spacing * even_x.size, [told], doubts)
+    empty = float((steps[long] - np.median(steps)).sum() / x[-1])
+    if empty > DOUBTED and not (even and count == x.size):
+        doubts.append(f"{empty:.1%} of the scan, where it has no values, were filled by straight lines")
+    return Profile(np.asarray(np.interp(np.arange(count), place, z)), spacing * count, [told], doubts)
 
 
 def _places(steps: Array64) -> Indices:
@@ -167,35 +190,6 @@ def _spacing(x: Array64, place: Indices) -> tuple[float, float]:
     i = place - place.mean()
     spacing = float(i @ x) / float(i @ i)
     return spacing, float(np.abs(x - x.mean() - spacing * i).max())
-
-
-def may_be_missing(z: Array64) -> Indices:
-    """Which heights may stand for missing values, like -9999: one or two numbers, in up to a tenth of the scan, far
-    from all others and from one value to the next; or what begins the scan, like the number of its values.
-
-    z: shape (number of values,) [any unit].
-    """
-    steps = np.diff(z)
-    level = z - np.median(steps) * np.arange(z.size)
-    away = np.abs(level - np.median(level))
-    usual = max(float(np.quantile(away, 0.9)), float(np.abs(steps[steps != 0]).min(initial=np.inf)))
-    far = np.concatenate([[False], away > _FAR * usual, [False]])
-    first, last = np.flatnonzero(np.diff(far.astype(int)) > 0), np.flatnonzero(np.diff(far.astype(int)) < 0) - 1
-    runs = [
-        np.arange(a, b + 1)
-        for a, b in zip(first, last, strict=True)
-        if _is_sudden(z, away, int(a), -1) and _is_sudden(z, away, int(b), 1)
-    ]
-    found = np.concatenate([np.zeros(0, dtype=np.int64), *runs])
-    if np.unique(z[found]).size <= 2:
-        return found
-    return found[: int(found[0] == 0 and found[1] != 1)]  # the first value, if it stands alone
-
-
-def _is_sudden(z: Array64, away: Array64, inside: int, side: int) -> bool:
-    """Whether the step from a far value to its neighbour is most of the way back; True at the end of the scan."""
-    outside = inside + side
-    return not 0 <= outside < z.size or abs(float(z[inside] - z[outside])) > _SUDDEN * away[inside]
 
 
 def _last_digit(x: Array64) -> float:

@@ -6,7 +6,7 @@ what to add. Every step goes into the result.
 
 import math
 import os
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, get_args
 
@@ -22,13 +22,16 @@ from ..files.writing import as_path
 from ..terminal.options import refused
 from . import columns
 from .columns import MAX_REFINEMENT
-from .preparation import Detrend, Profile, Window, evenly_spaced, may_be_missing
+from .missing import DOUBTED, Missing, doubtful, filled, marked, spikes
+from .preparation import Detrend, Profile, Window, evenly_spaced
 from .text import Decimal
 from .units import UNITS, Unit
 
 _POINTS_PER_VALUE, _ENOUGH = 4, 2**18
 """Of the default grid, as long as it has no more points than that: contact edges lie between values."""
 
+
+_FEWEST = 16  # values
 
 Convention = Literal["heights", "gap"]
 
@@ -39,6 +42,7 @@ _WORDS = {
     "decimal": Decimal,
     "profile_convention": Convention,
     "detrend": Detrend,
+    "missing": Missing,
     "window": Window,
 }
 """The options that are one of a few words."""
@@ -72,8 +76,16 @@ class Options:
     """Heights have their peaks up, as a scan has them; gap is h, the distance of the indenter. Default: heights."""
     profile_dataset: str | None = None
     """Name of the dataset in an .h5 file that holds several."""
+    missing: Missing | None = None
+    """Missing values: interpolate fills them by straight lines, drop leaves their rows out. Default: refuse, but
+    interpolate for those that --invalid and --despike name."""
+    invalid: str | None = None
+    """Number that stands for a missing height in the file, like -9999, or several, parted by commas."""
+    despike: bool = False
+    """Take values that stand out like dust for missing ones."""
     detrend: Detrend | None = None
-    """What is removed of the tilt; default: linear, but none with --window none."""
+    """What is removed: the mean, the tilt, too (linear), or a bow, too (curvature); default: linear, but none with
+    --window none."""
     window: Window = "mirror"
     """What makes the profile periodic: its mirror image, a window, or nothing if it is periodic."""
     period: float | None = refused()
@@ -88,9 +100,10 @@ class Options:
         for name, allowed in _WORDS.items():
             if getattr(self, name) is not None or name == "window":
                 checks.choice(name, getattr(self, name), get_args(allowed))
-        if not isinstance(self.scene_units, bool):
-            raise ValueError(f"scene_units is {self.scene_units!r}; allowed: True or False")
-        for name in ("columns", "profile_dataset"):
+        for name in ("scene_units", "despike"):
+            if not isinstance(getattr(self, name), bool):
+                raise ValueError(f"{name} is {getattr(self, name)!r}; allowed: True or False")
+        for name in ("columns", "profile_dataset", "invalid"):
             if not isinstance(getattr(self, name), str | None):
                 raise ValueError(f"{name} is {getattr(self, name)!r}; allowed: text, like '2,3'")
         check_accuracy(self.accuracy, DEFAULT_QUANTITY)
@@ -161,23 +174,20 @@ def read(options: Options) -> Scan:
         found = columns.load(path, options.profile_dataset, options.columns, options.decimal)
     except (OSError, EOFError, UnicodeError) as error:
         raise ValueError(f"profile_file {path} cannot be read: {error}") from None
+    found, told, doubts = _complete(found, options)
     profile, units = _measured(found, options)
-    if (odd := may_be_missing(found.z)).size:
-        unit = units["profile_z_unit"].replace(SCENE, "")
-        profile.doubts.append(
-            f"{odd.size} of {counted(found.z.size, 'value')}, the first is {found.z[odd[0]]:g} {unit}".rstrip()
-            + f" in row {odd[0] + 1}, lie far from all others; leave out what stands for missing values"
-        )
+    profile.steps[:0], profile.doubts[:0] = told, doubts
     count, scan = profile.z.size, _statistics(profile)
     _turn_over(profile, found, options)
     height = np.ptp(profile.z)
-    profile.detrend(options.detrend or ("none" if options.window == "none" else "linear"))
+    profile.detrend("none" if options.window == "none" and options.detrend is None else options.detrend)
     if np.ptp(profile.z) <= 1e-12 * height:
-        raise ValueError(f"profile_file {path} holds a straight line; allowed: a profile that is not")
+        form = "a parabola" if options.detrend == "curvature" else "a straight line"
+        raise ValueError(f"profile_file {path} holds {form}; allowed: a profile that is not")
     profile.make_periodic(options.window)
     measured = profile.z.size
     n = _choose_grid(options, count, measured)
-    profile.resample(n, mirrored=options.window == "mirror")
+    profile.resample(n)
     known = set(units.values()) - {SCENE}
     description = {
         "profile_file": columns.shown_name(path),
@@ -186,49 +196,71 @@ def read(options: Options) -> Scan:
         **units,
         "profile_length_unit": own_unit(options.length_unit) if known else SCENE,
         **scan,
+        **({"profile_missing": "; ".join(told)} if told else {}),
         **({"profile_doubts": "; ".join(profile.doubts)} if profile.doubts else {}),
         "profile_steps": "; ".join([found.origin, *profile.steps, "shifted to h >= 0"]),
     }
-    return Scan(MeasuredIndenter(profile.z, measured, description, profile.length), profile.length, n)
+    indenter = MeasuredIndenter(profile.z, measured, description, profile.length, convention="gap")
+    return Scan(indenter, profile.length, n)
+
+
+def _complete(found: columns.Columns, options: Options) -> tuple[columns.Columns, list[str], list[str]]:
+    """The columns without missing values, what was done, and what there is to doubt. Raises `ValueError`."""
+    path, x, z = options.profile_file, found.x, found.z
+    columns.check_values(path, found)
+    if x is None and z[0] == z.size - 1 >= _FEWEST:
+        seen = f"{found.row(0)}: {z[0]:g} is the number of the values below it"
+        raise ValueError(f"profile_file {path}, {seen}; allowed: heights alone")
+    gone = np.isnan(z) if x is None else np.isnan(z) | np.isnan(x)
+    if gone.any() and options.missing in (None, "refuse"):
+        seen = f"{found.row(int(gone.argmax()))}: a value is missing, and {int(gone.sum())} of {z.size} in all"
+        raise ValueError(f"profile_file {path}, {seen}; allowed: all values, or missing, with interpolate or drop")
+    told, up = list[str](), -1.0 if options.profile_convention == "gap" else 1.0
+    if options.missing == "refuse" and (options.invalid is not None or options.despike):
+        raise ValueError("missing is refuse; allowed: interpolate or drop, with invalid or despike")
+    if options.invalid is not None:
+        z = marked(z, options.invalid)
+    if options.despike and (rows := np.flatnonzero(np.isfinite(z))[spikes(z[np.isfinite(z)], both=True)]).size:
+        where = found.row(int(rows[0]))
+        told = [f"{counted(rows.size, 'value')} that stood out as spikes, the first in {where}, taken for missing"]
+        z = np.where(np.isin(np.arange(z.size), rows), np.nan, z)
+    there = np.flatnonzero(np.isfinite(z))
+    if there.size < _FEWEST:
+        raise ValueError(f"profile_file {path} holds {counted(there.size, 'value')}; allowed: at least {_FEWEST}")
+    doubts = []
+    for rows, reason in doubtful(up * z[there]):
+        first = int(there[rows[0]])
+        doubts.append(f"{rows.size} of {z.size} values, the first {z[first]:g} in {found.row(first)}, {reason}")
+    if z.size - there.size > DOUBTED * z.size:
+        doubts.append(f"{z.size - there.size} of {z.size} values were missing")
+    try:
+        x, z, done = filled(x, z, options.missing or "interpolate")
+    except ValueError as error:
+        raise ValueError(f"profile_file {path}: {error}; cut the scan") from None
+    return replace(found, x=x, z=z), told + [done] * bool(done), doubts
 
 
 def _measured(found: columns.Columns, options: Options) -> tuple[Profile, dict[str, str]]:
     """The values at even spacing in the scene's unit of length, and the units of the file. Raises `ValueError`."""
     path, x, z = options.profile_file, found.x, found.z
     length = _given_length(options, z.size) if x is None else 0.0
-    named = {"z": found.z_units} if x is None else {"x": found.x_units, "z": found.z_units}
     unknown = (options.length_unit or SCENE) if options.scene_units else None
-    units = columns.units(path, named, {"x": options.x_unit, "z": options.z_unit}, unknown, found.unread)
-    own = UNITS[own_unit(options.length_unit)]
-    scene = {SCENE: 1.0} | {unit: size / own for unit, size in UNITS.items()}
+    units = columns.units(path, found, {"x": options.x_unit, "z": options.z_unit}, unknown)
+    scene = {SCENE: 1.0} | {unit: size / UNITS[own_unit(options.length_unit)] for unit, size in UNITS.items()}
     described = {f"profile_{axis}_unit": unit for axis, unit in units.items()}
-    if x is None:
-        columns.check_values(path, None, z)
-        return Profile(z * scene[units["z"]], length), described
-    if options.scan_length is not None:
+    if x is not None and options.scan_length is not None:
         raise ValueError(f"scan_length is {options.scan_length}; allowed: none, {path} has positions")
-    _check_no_count(found, options)
-    turned = x[-1] < x[0]
-    x, z = (x[::-1], z[::-1]) if turned else (x, z)
-    columns.check_values(path, x, z)
+    turned = x is not None and bool(x[-1] < x[0])
+    if x is not None and turned:
+        x, z = x[::-1], z[::-1]
+    if x is None:
+        return Profile(z * scene[units["z"]], length), described
     try:
         profile = evenly_spaced(x * scene[units["x"]], z * scene[units["z"]])
     except ValueError as error:
         raise ValueError(f"profile_file {path}: {error}; cut or fill it") from None
-    if turned:
-        profile.steps.insert(0, "positions decrease: read from the end")
+    profile.steps[:0] = ["positions decrease: read from the end"] * turned
     return profile, described
-
-
-def _check_no_count(found: columns.Columns, options: Options) -> None:
-    """Raise `ValueError` for positions 0, 1, 2, ... whose unit stands neither at their column nor in an option."""
-    x = found.x
-    asked = options.x_unit or options.scene_units or not any(w.startswith("the line") for w in found.x_units.values())
-    if x is not None and not asked and np.array_equal(x, np.round(x)) and np.ptp(np.diff(x)) == 0:
-        raise ValueError(
-            f"x_unit is missing: {options.profile_file} has positions {x[0]:g}, {x[1]:g}, ..., which may count the "
-            "values; allowed: their unit, or columns of the heights alone and scan_length"
-        )
 
 
 def _given_length(options: Options, count: int) -> float:
@@ -237,14 +269,10 @@ def _given_length(options: Options, count: int) -> float:
     if options.x_unit:
         raise ValueError(f"x_unit is {options.x_unit}; allowed: none, {path} has no positions (give scan_length)")
     if options.scan_length is None:
-        own = f"the scene's unit (length_unit, {own_unit(options.length_unit)})"
-        allowed = f"on the command line with its unit, like 1.5mm, else in {own}"
-        if options.scene_units and options.length_unit is None:
-            allowed = "a number alone in the scene's unit, or with a unit, like 1.5mm, if length_unit says that one"
-        raise ValueError(
-            f"scan_length is missing: {path} holds {counted(count, 'height')} and no positions; allowed: its length, "
-            f"{allowed}"
-        )
+        alone = options.scene_units and options.length_unit is None
+        allowed = "a number alone in the scene's unit" if alone else "with its unit, like 1.5mm, or in length_unit"
+        seen = f"{path} holds {counted(count, 'height')} and no positions"
+        raise ValueError(f"scan_length is missing: {seen}; allowed: its length, {allowed}")
     return checks.real("scan_length", options.scan_length, "a finite length > 0", 0)
 
 
@@ -263,10 +291,10 @@ def _statistics(profile: Profile) -> dict[str, float]:
 
 def _turn_over(profile: Profile, found: columns.Columns, options: Options) -> None:
     """Make h of heights, unless the file holds h."""
-    if options.profile_convention is None and found.is_depth:
+    if options.profile_convention is None and found.depth:
         raise ValueError(
-            f"profile_convention is missing: {options.profile_file} speaks of depths or gaps; allowed: heights, if its "
-            "values grow towards the peaks, or gap, if they grow into the valleys"
+            f"profile_convention is missing: {options.profile_file} speaks of depths or gaps ({found.depth[:60]!r}); "
+            "allowed: heights, if its values grow towards the peaks, or gap, if they grow into the valleys"
         )
     if options.profile_convention != "gap":
         profile.z = -profile.z

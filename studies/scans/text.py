@@ -1,10 +1,12 @@
-"""Tables of numbers in text files as instruments write them: any encoding, separator, decimal sign and header."""
+"""Tables of numbers in text files: any encoding, separator and decimal sign, with a header above."""
 
 import codecs
-import itertools
+import math
 import re
+from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
@@ -12,129 +14,132 @@ import numpy as np
 from linecontact.solver.arrays import Array64
 from linecontact.solver.display import counted
 
-from .header import Label, is_downwards, labels, like_labels, stated_units
+from . import header
 
 Decimal = Literal["point", "comma"]
 
 MAX_TEXT = 2**25
 """Bytes of a text file."""
 
-_MAX_LINE = 1000  # characters of a line of numbers
-_MAX_HEADER = 1000  # lines before them
-_SAMPLE = 200  # lines of the table, that tell how it is written
-_AROUND = ' \t"'  # what may stand around a number
-_COMMA = re.compile(r"[-+]?(?:\d+,?\d*|,\d+)(?:[eE][-+]?\d+)?")
+_SAMPLE = 200  # lines at the end of the table, which tell how it is written
+_BETWEEN = "'\u2019\u00a0\u202f"  # thousands, besides the other decimal sign
+_NUMBER = r"[-+]?(?=\d|{0}\d)(?:\d{{1,3}}(?:[{1}]\d{{3}})+|\d*)(?:{0}{2})?(?:[eE][-+]?\d+)?|[-+]?inf"
+_NUMBERS = {
+    "point": re.compile(_NUMBER.format(r"\.", "," + _BETWEEN, r"\d*")),
+    "comma": re.compile(_NUMBER.format(",", "." + _BETWEEN, r"\d+")),
+}
+_PLAIN = {"point": str.maketrans("", "", "," + _BETWEEN), "comma": str.maketrans(",", ".", "." + _BETWEEN)}
 _THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}(?:,\d{3})+")
+_MISSING = re.compile(r"\W*|[-+]?(?:1\.)?#?(?:nan|qnan|ind)|n\.?/?a\.?|#\w+/?\w*!?|null|none|missing|invalid|bad", re.I)
+"""Cells that stand for a missing value: nothing, stars, hyphens, NaN, N/A and the like."""
+_TORN = re.compile(r"(?=.*\d)(?=.*[,;\s])[-+\d.,;\s]*")
+"""A cell of digits and separators that is no number: its line is parted in another way."""
 _NAMES = {";": "semicolons", "\t": "tabs", ",": "commas", None: "spaces"}
 
 
 @dataclass(frozen=True)
-class Writing:
-    """How the numbers of a line are written."""
+class Table:
+    """A table of numbers, and the header above it."""
 
-    delimiter: str | None
-    """What parts columns; None for spaces."""
-    decimal: Decimal
-    """The decimal sign."""
-
-    def cells(self, line: str) -> list[str]:
-        """The cells of a line, without empty ones at its end."""
-        cells = [cell.strip(_AROUND) for cell in line.split(self.delimiter)] if len(line) <= _MAX_LINE else []
-        while cells and not cells[-1]:
-            cells.pop()
-        return cells
-
-    def numbers(self, line: str) -> int:
-        """How many numbers a line consists of; 0 if there is anything else."""
-        cells = self.cells(line)
-        return len(cells) if all(map(self._is_number, cells)) else 0
-
-    def _is_number(self, cell: str) -> bool:
-        if self.decimal == "comma":
-            return bool(_COMMA.fullmatch(cell))
-        try:
-            float(cell)
-        except ValueError:
-            return False
-        return True
-
-    def plain(self, line: str) -> str:
-        """The line with decimal points and without empty cells at its end, for NumPy."""
-        line = line.replace('"', " ").rstrip(f"{self.delimiter or ''}{_AROUND}")
-        return line.replace(",", ".") if self.decimal == "comma" else line
-
-    def told(self, count: int) -> str:
-        """The same in words, for that many columns."""
-        between = f"{_NAMES[self.delimiter]} between columns" if count > 1 else "one column"
-        return f"{between}, decimal commas" if self.decimal == "comma" else between
+    values: Array64
+    """The numbers, shape (rows, columns); NaN for missing ones and text."""
+    origin: str
+    """How they were found, in words."""
+    numeric: Sequence[int]
+    """Columns that hold numbers."""
+    head: header.Header = field(default_factory=header.Header)
+    """Text above the columns."""
+    odd: dict[int, str] = field(default_factory=dict)
+    """For some columns the first cell that is neither a number nor missing, with its line, in words."""
+    line: int = 0
+    """Line of the first row in a text; 0 elsewhere."""
 
 
 @dataclass(frozen=True)
-class Table:
-    """A table of numbers, and what its file says of it."""
+class _Writing:
+    """How the rows of a table are written."""
 
-    values: Array64
-    """The numbers, shape (rows, columns)."""
-    origin: str
-    """How they were found, in words."""
-    labels: Sequence[Label] = ()
-    """What is written above each column; empty if there is nothing."""
-    stated: Sequence[tuple[str, str, str]] = ()
-    """Units that the file names elsewhere, see `header.stated_units`."""
-    is_downwards: bool = False
-    """Whether the header says that heights may grow into the valleys."""
-    unread: str = ""
-    """A line that may be labels but is not taken for them, see `header.like_labels`."""
-    line: int = 0
-    """That of the first row in a text; 0 elsewhere."""
+    delimiter: str | None  # None for spaces
+    decimal: str
+    numeric: Sequence[int] = ()  # columns of numbers
+    count: int = 0  # of columns
+    share: float = 0.0  # of the cells, that are numbers or missing
+
+    def number(self, cell: str) -> float | None:
+        """The number in a cell, NaN for a missing one, None for anything else."""
+        if _NUMBERS[self.decimal].fullmatch(cell):
+            return float(cell.translate(_PLAIN[self.decimal]))
+        return float("nan") if _MISSING.fullmatch(cell) else None
+
+    def row(self, line: str) -> list[float | None]:
+        """The numbers in the numeric columns of a line; empty if the line has not the columns of the table."""
+        cells = header.cells(line, self.delimiter)
+        more = [cell for cell in cells[self.count :] if cell]
+        torn = bool(more) and (self.delimiter is not None or any(self.number(cell) is not None for cell in more))
+        if torn or len(cells) <= self.numeric[-1] or not line.strip():
+            return []
+        if self.decimal == "point" and "_" not in line:
+            with suppress(ValueError):  # the usual row, in a third of the time
+                plain = [float(cells[i]) for i in self.numeric]
+                if all(map(math.isfinite, plain)):
+                    return list(plain)
+        return [self.number(cells[i]) for i in self.numeric]
+
+    def is_row(self, line: str) -> bool:
+        """Whether all numeric columns of a line hold numbers or nothing, and at least one a number."""
+        row = self.row(line)
+        return None not in row and any(value == value for value in row)
+
+    def counted(self, lines: Sequence[str]) -> "_Writing":
+        """The same with the columns that it finds in some lines; without numeric ones if it tears numbers apart."""
+        split = [header.cells(line, self.delimiter) for line in lines]
+        count = Counter(map(len, split)).most_common(1)[0][0] if split else 0
+        numeric, cells = [], 0
+        for i, column in enumerate(zip(*(cells for cells in split if len(cells) == count), strict=True)):
+            known = [value for cell in column if (value := self.number(cell)) is not None]
+            if any(value == value for value in known) and 2 * len(known) >= len(column):
+                numeric.append(i)
+                cells += len(known)
+            elif any(map(_TORN.fullmatch, column)):
+                return self
+        return _Writing(self.delimiter, self.decimal, numeric, count, cells / max(1, count * len(split)))
+
+    def told(self) -> str:
+        """The same in words."""
+        between = f"{_NAMES[self.delimiter]} between columns" if self.count > 1 else "one column"
+        return f"{between}, decimal commas" if self.decimal == "comma" else between
 
 
 def read_text(path: Path, name: str, decimal: Decimal | None) -> Table:
-    """The table in a text file. It begins where two lines in a row hold nothing but numbers, and as many of them.
+    """The table at the end of a text file. It begins with the first line that is a row like the last ones.
 
     name: of the file, for records; decimal: the decimal sign, None for the one that is found. Raises `ValueError`.
     """
     lines = _decoded(path).replace("\r\r\n", "\n").replace("\u2212", "-").splitlines()  # a minus as it is printed
     while lines and not lines[-1].strip(" \t,;"):
         lines.pop()
-    found = _find(path, lines, decimal)
-    writing, first, count = found.writing, found.first, found.count
-    if writing.delimiter == "," and decimal is None and _are_decimal_too(lines, found):
-        row = lines[first].strip()[:40]
-        raise ValueError(
-            f"profile_file {path}, line {first + 1}: commas seem to stand for decimal points and between columns, too, "
-            f"in {row!r}; allowed: semicolons or tabs between columns, or, for integers, --decimal point"
-        )
-    for i in range(first, len(lines)):
-        if not lines[i].strip():  # what is before may be a header of numbers
-            after = next((line.strip() for line in lines[i:] if line.strip()), "")
-            behind = "" if writing.numbers(after) == count else f", and {after[:40]!r} stands behind the table"
-            raise ValueError(f"profile_file {path}, line {i + 1} is empty{behind}; allowed: rows of numbers to the end")
-    if writing.decimal == "comma" and any("." in line for line in lines[first:]):
-        i = next(i for i in range(first, len(lines)) if "." in lines[i])
-        raise ValueError(
-            f"profile_file {path}, line {i + 1}: {lines[i].strip()[:40]!r} has a point; allowed: decimal commas, as in "
-            "other lines, and nothing that parts thousands"
-        )
-    try:
-        values = np.loadtxt(map(writing.plain, lines[first:]), delimiter=writing.delimiter, ndmin=2, comments=None)
-    except ValueError as error:
-        for i in range(first, len(lines)):
-            if writing.numbers(lines[i]) != count:
-                raise ValueError(_not_a_row(path, lines, i, writing, count)) from None
-        # what float() reads and NumPy does not, like 1_0
-        raise ValueError(f"profile_file {path}: {error}; allowed: plain numbers") from None
-    head = lines[:first]
-    cells = writing.cells(head[-1]) if head else []
-    if len(cells) == count and any(writing.numbers(cell) for cell in cells if cell):
-        raise ValueError(
-            f"profile_file {path}, line {first}: {head[-1].strip()[:40]!r} looks like a row of the table below; "
-            f"allowed: {counted(count, 'number')} there, or an empty line between header and table"
-        )
-    origin = f"numbers of {name}, {writing.told(count)}, {counted(first, 'line')} of header"
-    labelled = labels(head, writing.delimiter, count)
-    unread = "" if labelled else like_labels(head, writing.delimiter, count)
-    return Table(values, origin, labelled, tuple(stated_units(head)), is_downwards(head), unread, first + 1)
+    writing = _find(path, lines, decimal)
+    first = next((i for i, line in enumerate(lines) if writing.is_row(line)), 0)
+    while first and any(value == value for value in writing.row(lines[first - 1]) if value is not None):
+        first -= 1
+    head = header.read(lines[:first], writing.delimiter, writing.count, writing.numeric[-1] + 1)
+    if writing.delimiter == "," and decimal is None and not head.labels and re.fullmatch(r"[-+\d, ]+", lines[first]):
+        raise ValueError(_unclear(path, lines[first], "point, if they part columns of integers; else other separators"))
+    rows, odd = [], dict[int, str]()
+    for i, line in enumerate(lines[first:], first):
+        row = writing.row(line)
+        if not row:
+            text = f": {line.strip()[:40]!r} is not {counted(writing.count, 'cell')}" if line.strip() else " is empty"
+            allowed = f"rows like {lines[first].strip()[:40]!r} in line {first + 1} to the end ({writing.told()})"
+            raise ValueError(f"profile_file {path}, line {i + 1}{text}; allowed: {allowed}")
+        for column, value in zip(writing.numeric, row, strict=True) if None in row else ():
+            if value is None:
+                odd.setdefault(column, f"line {i + 1}: {line.strip()[:40]!r}")
+        rows.append(row)
+    values = np.full((len(rows), writing.count), np.nan)
+    values[:, list(writing.numeric)] = np.array(rows, dtype=np.float64)
+    origin = f"numbers of {name}, {writing.told()}, {counted(first, 'line')} of header"
+    return Table(values, origin, writing.numeric, head, odd, first + 1)
 
 
 def _decoded(path: Path) -> str:
@@ -145,9 +150,8 @@ def _decoded(path: Path) -> str:
         raise ValueError(f"profile_file {path} is too long; allowed: {MAX_TEXT} bytes of text, or .npy or .h5")
     if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         return content.decode("utf-16", errors="replace")
-    start = content[:1000]
-    for encoding, zeros in (("utf-16-le", start[1::2]), ("utf-16-be", start[0::2])):
-        if zeros and zeros.count(0) > 0.8 * len(zeros) and not len(content) % 2:
+    for encoding, zeros in (("utf-16-le", content[1:1000:2]), ("utf-16-be", content[:1000:2])):
+        if zeros and zeros.count(0) > 0.8 * len(zeros):
             return content.decode(encoding, errors="replace")
     try:
         return content.decode("utf-8-sig")
@@ -155,113 +159,28 @@ def _decoded(path: Path) -> str:
         return content.decode("latin-1")
 
 
-@dataclass(frozen=True)
-class _Found:
-    """A table, as one way of writing numbers has it."""
-
-    writing: Writing
-    """The way."""
-    first: int
-    """Its first line."""
-    count: int
-    """Its columns."""
-    run: int
-    """Lines that are rows of it, as far as was looked."""
-
-
-def _find(path: Path, lines: Sequence[str], decimal: Decimal | None) -> _Found:
-    """Where the table is, and how it is written. Raises `ValueError` if that is not clear."""
-    points = [Writing(delimiter, "point") for delimiter in (";", "\t", ",", None)]
-    commas = [Writing(delimiter, "comma") for delimiter in (";", "\t", None)]
-    ways = points + commas if decimal is None else commas if decimal == "comma" else points
-    found = [table for table in (_table(lines, writing, decimal is None) for writing in ways) if table]
-    if not found:
+def _find(path: Path, lines: Sequence[str], decimal: Decimal | None) -> _Writing:
+    """How the table at the end of a text is written. Raises `ValueError` if that is not clear."""
+    last = [line for line in lines[-_SAMPLE:] if line.strip()]
+    pairs = [(delimiter, sign) for sign in _NUMBERS for delimiter in _NAMES if (delimiter, sign) != (",", "comma")]
+    ways = [_Writing(*pair).counted(last) for pair in pairs]
+    ways = [way for way in ways if way.numeric and decimal in (None, way.decimal)]
+    if not ways:
         signs = "" if decimal is None else f", with decimal {decimal}s"
-        allowed = (
-            f"columns of numbers behind up to {_MAX_HEADER} lines of header, line after line, a number in every cell, "
-            "parted by commas, semicolons, tabs or spaces"
-        )
         seen = f"; the last line is {lines[-1].strip()[:40]!r}" if lines else ""
+        allowed = "rows of numbers to the last line, parted by commas, semicolons, tabs or spaces"
         raise ValueError(f"profile_file {path} holds no table of numbers{signs}{seen}; allowed: {allowed}")
-    longest = max(table.run for table in found)
-    best, *others = [table for table in found if table.run == longest]
-    labelled = next((one for one in found if one.writing.delimiter == "," and _after_labels(lines, one)), None)
-    if labelled:  # as many labels between commas as numbers: these part columns
-        if labelled.run < longest:  # written in another way, lines above it would be rows, too
-            _check_rows(path, lines, labelled)
-        return labelled
-    unclear = any((other.first, other.count) != (best.first, best.count) for other in others)
-    if unclear or (decimal is None and _may_be_thousands(best.writing, lines[best.first :])):
-        raise ValueError(
-            f"decimal is missing: in {lines[best.first].strip()[:40]!r}, line {best.first + 1} of {path}, the comma "
-            "may be a decimal sign or not; allowed: comma, point"
-        )
+    best = max(ways, key=lambda way: (way.share, way.count))  # the first of equal ones
+    others = [way for way in ways if way.share == best.share and (way.decimal, way.count) != (best.decimal, best.count)]
+    commas = [cell for line in last for cell in header.cells(line, best.delimiter) if "," in cell]
+    unclear = bool(others) and (bool(commas) or best.delimiter == ",")
+    if unclear and best.delimiter == ",":
+        above = lines[: next((i for i, line in enumerate(lines) if best.is_row(line)), 0)]
+        unclear = not any(label.bracket for label in header.read(above, ",", best.count, best.numeric[-1] + 1).labels)
+    if decimal is None and (unclear or (best.decimal == "comma" and commas and all(map(_THOUSANDS.fullmatch, commas)))):
+        raise ValueError(_unclear(path, last[0], "comma, point"))
     return best
 
 
-def _are_decimal_too(lines: Sequence[str], table: _Found) -> bool:
-    """Whether the commas between the cells of a table of integers may be decimal signs, too: every other cell begins
-    with zeros and its neighbours do not, or there is one label with a unit for two cells.
-    """
-    rows = [table.writing.cells(line) for line in lines[table.first : table.first + _SAMPLE]]
-    rows = [row for row in rows if len(row) == table.count]
-    if table.count % 2 or not all(re.fullmatch(r"[-+]?\d+", cell) for row in rows for cell in row):
-        return False
-    if _after_labels(lines, table):
-        return False
-    whole, fractions = ([cell for row in rows for cell in row[i::2]] for i in (0, 1))
-    head = lines[: table.first]
-    labelled = table.count > 2 and any(label.names_unit for label in labels(head, ",", table.count // 2))
-    zeros = any(re.fullmatch(r"0\d+", cell) for cell in fractions)
-    zeros &= not any(re.fullmatch(r"[-+]?0\d+", cell) for cell in whole)
-    return (labelled or zeros) and not any(cell[0] in "+-" for cell in fractions)
-
-
-def _after_labels(lines: Sequence[str], table: _Found) -> int:
-    """The line after the last one above a table that labels its columns with units; 0 without one."""
-    for end in range(table.first, 0, -1):
-        if any(label.names_unit for label in labels(lines[:end], table.writing.delimiter, table.count)):
-            return end
-    return 0
-
-
-def _check_rows(path: Path, lines: Sequence[str], table: _Found) -> None:
-    """Whether all lines between the labels and a table are rows of it, or empty. Raises `ValueError`."""
-    for i in range(_after_labels(lines, table), table.first):
-        if lines[i].strip() and table.writing.numbers(lines[i]) != table.count:
-            raise ValueError(_not_a_row(path, lines, i, table.writing, table.count))
-
-
-def _not_a_row(path: Path, lines: Sequence[str], i: int, writing: Writing, count: int) -> str:
-    numbers, cells = counted(count, "number"), lines[i].split(writing.delimiter)
-    lacking = len(cells) == count and any(map(writing.numbers, cells))
-    without = "; you may delete lines whose value is missing" * lacking
-    return (
-        f"profile_file {path}, line {i + 1}: {lines[i].strip()[:40]!r} is not {numbers}; allowed: {numbers} in every "
-        f"line ({writing.told(count)}){without}"
-    )
-
-
-def _table(lines: Sequence[str], writing: Writing, with_sign: bool) -> _Found | None:
-    """The table that begins where two lines in a row have as many numbers; None without one.
-
-    with_sign: whether a table of decimal commas must show one.
-    """
-    counts = [writing.numbers(line) for line in lines[: _MAX_HEADER + _SAMPLE]]
-    starts = (i for i, (a, b) in enumerate(itertools.pairwise(counts[: _MAX_HEADER + 2])) if a and a == b)
-    first = next(starts, None)
-    if first is None:
-        return None
-    count, rows = counts[first], counts[first : first + _SAMPLE]
-    run = next((i for i, other in enumerate(rows) if other != count), len(rows))
-    if with_sign and writing.decimal == "comma" and not any("," in line for line in lines[first : first + run]):
-        return None
-    return _Found(writing, first, count, run)
-
-
-def _may_be_thousands(writing: Writing, lines: Sequence[str]) -> bool:
-    """Whether all decimal commas could as well part thousands."""
-    if writing.decimal == "point":
-        return False
-    with_comma = [cell for line in lines[:_SAMPLE] for cell in writing.cells(line) if "," in cell]
-    return bool(with_comma) and all(map(_THOUSANDS.fullmatch, with_comma))
+def _unclear(path: Path, line: str, allowed: str) -> str:
+    return f"decimal is missing: in {line.strip()[:40]!r} of {path}, commas may be decimal signs; allowed: {allowed}"

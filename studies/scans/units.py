@@ -1,13 +1,12 @@
-"""Units of length, in the spellings that instruments and people use."""
+"""Units of length and pressure, in the spellings that instruments and people use."""
 
 import math
 import re
 import unicodedata
-from collections.abc import Mapping
 from decimal import Decimal
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
-from linecontact.solver.units import SCENE
+from linecontact.solver.units import PRESSURES, SCENE
 
 from ..terminal.text import IN_RANGE, number, pointed
 
@@ -34,34 +33,49 @@ _SPELLINGS = {
     **dict.fromkeys(("\u00e5", "angstroms", "\u00e5ngstr\u00f6m", "\u00e5ngstrom", "angstr\u00f6m"), "angstrom"),
     **dict.fromkeys(("in", "inches", '"'), "inch"),
 }
+_PRESSURE_SPELLINGS = {**{unit: unit for unit in PRESSURES}, "N/m2": "Pa", "N/mm2": "MPa"}
 _LARGE = {"Mm", "Pm"}
 """Not millimetres and picometres: the capital letter makes them 10^6 and 10^15 m."""
 _SHORT = {"m", "in", '"', "\u03bc", "\u00e5"}
 """Units only where a unit is expected: elsewhere they are words, or letters."""
 
 
-_NUMBER_AND_UNIT = re.compile(r"(.*[\d.])\s*([^\d.]+)")
+_NUMBER_AND_UNIT = re.compile(r"(.*?[\d.])\s*((?!e[-+]?\d)(?:[^\W\d_]|\").*)", re.I)
+_LINE_LOAD = re.compile(r"[kmM]?N/(?:m|mm|um)")
+_SIZES = {"length": UNITS, "pressure": PRESSURES}
 
 
 class Own(NamedTuple):
-    """A scene's own unit of length."""
+    """A scene's own unit of length, or of pressure."""
 
     unit: str
-    """One of `UNITS`; any other text where there is none."""
+    """One that is known; any other text where there is none."""
     said: bool = True
-    """Whether the user chose it, so that lengths may be numbers alone."""
+    """Whether the user chose it, so that lengths or pressures may be numbers alone."""
+    of: str = "length"
+    """The unit of what: 'length' or 'pressure'."""
 
 
-def read(name: str, text: str, length: bool, own: Own, allowed: str = "a number") -> float:
-    """A number as it is written on the command line, like 0.1 or 2^18, or a length with its unit, like 50um.
+def pressure_unit(text: str) -> str | None:
+    """The unit of pressure behind a number; None if there is none."""
+    parted = _NUMBER_AND_UNIT.fullmatch(text.strip())
+    return _PRESSURE_SPELLINGS.get(plain(parted[2]).replace("^", "")) if parted else None
 
-    name: of the option, for messages. length: whether it is one. own: the unit of the scene's lengths. allowed:
+
+def read(name: str, text: str, own: Own | None, allowed: str = "a number") -> float:
+    """A number as it is written on the command line, like 0.1 or 2^18, or a length or a pressure with its unit.
+
+    name: of the option, for messages. own: the unit of the scene's lengths or pressures; None: it has none. allowed:
         what is said of a text that is no number. Raises `ValueError`.
     """
     text = text.strip()
-    parted = _NUMBER_AND_UNIT.fullmatch(text)
-    digits, written = parted.groups() if parted and length else (text, "")
-    known = unit_of(written)
+    parted = _NUMBER_AND_UNIT.fullmatch(text) if own else None
+    digits, written = parted.groups() if parted else (text, "")
+    own = own or Own("")
+    sizes = _SIZES[own.of]
+    known = unit_of(written) if own.of == "length" else pressure_unit(text)
+    if own.of == "pressure" and _LINE_LOAD.fullmatch(written):
+        raise ValueError(f"{name} is {text!r}, a load F' per length; allowed: the mean pressure p = F'/L, L the period")
     try:
         value = number(digits)
         if written and not known:
@@ -69,37 +83,25 @@ def read(name: str, text: str, length: bool, own: Own, allowed: str = "a number"
     except OverflowError:
         raise ValueError(f"{name} is {text!r}; allowed: {IN_RANGE}") from None
     except ValueError:
-        more = ", or a length with its unit, like 50um" * (length and own.unit in UNITS)
+        more = ", or a length with its unit, like 50um" * (own.unit in UNITS)
         better = pointed(digits, written) if known or not written else ""
         raise ValueError(f"{name} is {text!r}; allowed: {better or allowed + more}") from None
-    if known and own.unit not in UNITS:
-        hint = ", unless --length-unit names one" * (own.unit == SCENE)
-        raise ValueError(f"{name} is {text!r}; allowed: a number alone, the lengths of this scene have no unit{hint}")
-    if length and not (own.said or known or value == 0 or not math.isfinite(value)):
-        hint = f"with its unit, like {text}{own.unit}, or --length-unit, that of all lengths of this scene"
+    if known and own.unit not in sizes:
+        hint = f", unless --{own.of}-unit names one" * (own.unit == SCENE or own.of == "pressure")
+        raise ValueError(f"{name} is {text!r}; allowed: a number alone, the {own.of}s of this scene have no unit{hint}")
+    if not (own.said or known or value == 0 or not math.isfinite(value)):
+        like = f"{text}{own.unit}" if own.of == "length" else "0.1MPa, as another one has it"
+        hint = f"with its unit, like {like}, or --{own.of}-unit, that of all {own.of}s of this scene"
         raise ValueError(f"{name} is {text!r}; allowed: {hint}")
-    found = _converted(value, known, own.unit) if known else value
+    found = _converted(value, sizes[known], sizes[own.unit]) if known else value
     if (math.isinf(found) and not math.isinf(value)) or (found == 0 and value != 0):
         raise ValueError(f"{name} is {text!r}; allowed: {IN_RANGE}, in {own.unit}")
     return found
 
 
-def _converted(value: float, unit: str, own: str) -> float:
-    """A length in another unit, from the digits that it is written in: 200 um are 0.0002 m and not 1e-20 less."""
-    sizes = (Decimal(repr(UNITS[name])) for name in (unit, own))
-    return float(Decimal(repr(value)) * next(sizes) / next(sizes))
-
-
-def axis_units(about: Mapping[str, Any]) -> tuple[str, str, str] | None:
-    """Units of the scene's lengths, of positions and of heights; None where they are not known.
-
-    about: what travels with a scan's results, see `MeasuredIndenter.description`.
-    """
-    own = str(about.get("profile_length_unit"))
-    if own not in UNITS:
-        return None
-    x, z = (unit if (unit := str(about.get(f"profile_{axis}_unit"))) in UNITS else own for axis in "xz")
-    return own, x, z
+def _converted(value: float, unit: float, own: float) -> float:
+    """A number in another unit, from the digits that it is written in: 200 um are 0.0002 m and not 1e-20 less."""
+    return float(Decimal(repr(value)) * Decimal(repr(unit)) / Decimal(repr(own)))
 
 
 def plain(text: str) -> str:

@@ -6,11 +6,12 @@ from dataclasses import MISSING, dataclass
 from typing import Any
 
 from linecontact.solver import INDENTERS, LAYERS, MeasuredIndenter, Scene, TabulatedLayer
-from linecontact.solver.units import SCENE
+from linecontact.solver.units import PRESSURES, SCENE
+from linecontact.solver.units import unit as unit_named
 
 from ..scans import reading
-from ..scans.units import UNITS, Own, read
-from ..terminal.options import one_of, options_of, told
+from ..scans.units import UNITS, Own, pressure_unit, read
+from ..terminal.options import PRESSURE, one_of, options_of, told
 from . import kinds, stiffness_file
 
 Given = Mapping[str, Mapping[str, Any]]
@@ -26,9 +27,11 @@ class Options:
     layer: str = one_of(LAYERS, next(iter(LAYERS)))
     """Layer; what each one is, and takes, is told below."""
     pressure: float | None = None
-    """Mean external pressure p >= 0 [pressure]; default 0.002, but for a file it must be given."""
+    """Mean external pressure p >= 0 [pressure]; default 0.002, but beside a file or a unit it must be given."""
     period: float | None = None
     """Period L > 0 [length]; default 1; not for a file, whose scan is the period, or half of it."""
+    pressure_unit: str | None = one_of(PRESSURES, None)
+    """Unit of pressures and moduli that are numbers alone. Without it all have their own, like 0.1MPa, or none."""
 
 
 def make_scene(options: Any, given: Given) -> Scene:
@@ -36,8 +39,8 @@ def make_scene(options: Any, given: Given) -> Scene:
 
     Raises `ValueError`.
     """
-    unit = own_unit(options, given)
-    profile = _made("profile", options, given, unit)
+    unit, pressures = own_units(options, given)
+    profile = _made("profile", options, given, (unit, pressures))
     own = {name: getattr(options, name, None) for name in (*LOADS, "period", "num_points")}
     more: dict[str, Any] = {}
     if isinstance(profile, reading.Options):
@@ -45,18 +48,21 @@ def make_scene(options: Any, given: Given) -> Scene:
         unit = unit._replace(unit=indenter.description["profile_length_unit"])
         if unit.unit in UNITS and profile.scene_units and "length_unit" not in given[_SCAN]:
             raise ValueError("length_unit is missing; allowed: the unit of the scene, where one of the file is known")
-        _check_scales(options, given)
         own |= {"period": None, "num_points": None}
         more = {"period": period, "num_points": num_points}
     else:
         indenter = profile
-    layer = _made("layer", options, given, unit)
+    layer = _made("layer", options, given, (unit, pressures))
+    if isinstance(profile, reading.Options) or pressures.unit:
+        _check_scales(options, given)
     if isinstance(layer, stiffness_file.Options):
-        if not unit.said:
-            raise ValueError(f"stiffness_file is {layer.stiffness_file}; allowed: with --length-unit, the unit of 1/q")
+        for needed, of in ((unit, "1/q"), (pressures, "K times length")):
+            if not needed.said:
+                option = f"--{needed.of}-unit"
+                raise ValueError(f"stiffness_file is {layer.stiffness_file}; allowed: with {option}, the unit of {of}")
         layer = stiffness_file.read(layer, unit.unit)
-    lengths = ("approach", "period")
-    more |= {n: _length(n, value, unit) if n in lengths else value for n, value in own.items() if value is not None}
+    more |= {n: _number(n, value, (unit, pressures)) for n, value in own.items() if value is not None}
+    more |= {"pressure_unit": pressures.unit or None}
     scene = Scene(layer=layer, indenter=indenter, precision=options.precision, **more)
     if isinstance(layer, TabulatedLayer) and layer.wave_numbers[0] > math.pi * scene.num_points / scene.period:
         raise ValueError(
@@ -74,7 +80,7 @@ LOADS = ("pressure", "approach")
 
 
 def _check_scales(options: Any, given: Given) -> None:
-    """Raise `ValueError` where a file, whose lengths have units, would meet a load or modulus that nobody gave."""
+    """Raise `ValueError` where numbers with units would meet a load or modulus that nobody gave."""
     own = given[kinds.title("layer", options.layer)]
     known = {"contact_modulus", "youngs_modulus"} & own.keys()
     modulus = options_of(kinds.classes("layer")[options.layer]).get("contact_modulus")
@@ -85,35 +91,46 @@ def _check_scales(options: Any, given: Given) -> None:
     missing = [f"contact_modulus{either}"] * needed + [f"pressure{alternative}"] * unloaded
     if missing:
         names = f"{' and '.join(missing)} {'are' if len(missing) > 1 else 'is'} missing"
-        other = "youngs_modulus" in {name for fields in given.values() for name in fields} - known
-        not_taken = f" (layer {options.layer} takes no youngs_modulus)" * other
         raise ValueError(
-            f"{names}{not_taken}; allowed: with a file, whose lengths have units, modulus and load must be given, in "
-            "one unit"
+            f"{names}; allowed: where lengths or pressures have units, modulus and load must be given, too"
         )
 
 
-def own_unit(options: Any, given: Given) -> Own:
-    """The unit of the scene's lengths, as far as the options tell it before a scan is read."""
+def own_units(options: Any, given: Given) -> tuple[Own, Own]:
+    """The units of the scene's lengths and pressures, as far as the options tell them before a scan is read.
+
+    That of the pressures is the one that they all have, or of the first of them that has one.
+    """
     told = given[_SCAN]
     if options.profile != MeasuredIndenter.name:
-        return Own("")
-    if told.get("scene_units") and "length_unit" not in told:
-        return Own(SCENE)
-    return Own(reading.own_unit(told.get("length_unit")), "length_unit" in told)
+        length = Own("")
+    elif told.get("scene_units") and "length_unit" not in told:
+        length = Own(SCENE)
+    else:
+        length = Own(reading.own_unit(told.get("length_unit")), "length_unit" in told)
+    if said := getattr(options, "pressure_unit", None):
+        return length, Own(said, of="pressure")
+    texts = [options.pressure, *(value for group in given.values() for value in group.values())]
+    first = next(filter(None, (pressure_unit(text) for text in texts if isinstance(text, str))), "")
+    return length, Own(first, not first, "pressure")
 
 
-def _length(name: str, value: Any, unit: Own) -> Any:
-    """The value of an option that is a length, in the scene's unit. Raises `ValueError`."""
-    if unit.said and not isinstance(value, str):
+def _number(name: str, value: Any, units: tuple[Own, Own], dimension: str | None = None) -> Any:
+    """The value of an option, in the scene's unit if it is a length or a pressure. Raises `ValueError`."""
+    known = unit_named(name) if dimension is None else dimension
+    own = next((own for own in units if own.of == known), None)
+    if own is None or (own.said and not isinstance(value, str)):
         return value
-    return read(name, value if isinstance(value, str) else repr(value).removesuffix(".0"), True, unit)
+    return read(name, value if isinstance(value, str) else repr(value).removesuffix(".0"), own, _ALLOWED[own.of])
 
 
-def _made(what: str, options: Any, given: Given, unit: Own) -> Any:
+_ALLOWED = {"length": "a number", "pressure": PRESSURE}
+
+
+def _made(what: str, options: Any, given: Given, units: tuple[Own, Own]) -> Any:
     """The layer or the profile that the option `what` chooses, with its own options.
 
-    unit: the unit of the scene's lengths.
+    units: of the scene's lengths and of its pressures.
 
     Raises `ValueError` if one of them is missing, and for those of another kind.
     """
@@ -133,7 +150,7 @@ def _made(what: str, options: Any, given: Given, unit: Own) -> Any:
         raise ValueError(f"{what} {chosen} lacks {', '.join(sorted(missing))}; allowed: one that offers what it must")
     return classes[chosen](
         **{
-            name: _length(name, value, unit) if own[name].length and not own[name].refused else value
+            name: value if own[name].refused else _number(name, value, units, own[name].dimension)
             for name, value in values.items()
         }
     )

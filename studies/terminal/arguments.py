@@ -77,7 +77,6 @@ def _check_once(found: Mapping[str, Any], positional: Collection[str]) -> None:
 def _check_names(words: Sequence[str], names: Iterable[str], prog: str) -> None:
     """Raise `ValueError` for an option that is none of these names."""
     known = _HELP | {flag(name) for name in names}
-    words = _plain(words)
     for word in words[: words.index("--")] if "--" in words else words:
         name = word.partition("=")[0]
         if name.startswith("-") and name != "-" and not _is_number(name) and name not in known:

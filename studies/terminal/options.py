@@ -15,7 +15,7 @@ from .text import IN_RANGE, number, pointed
 _TYPES = {int: "an integer, in digits or like 2^10 or 1e6", float: "a number", str: "some text", Path: "a path"}
 """What a value of each type is called."""
 
-PRESSURE = "a number alone, all pressures and moduli in one unit, for instance Pa"
+PRESSURE = "a number alone, or each pressure and modulus with its unit, like 0.1MPa"
 _EXACT = 2.0**53  # up to here a float holds every integer
 
 
@@ -48,8 +48,8 @@ class Option:
     """The words that are allowed; empty where others are."""
     default: Any
     """The value if the option is not given; `dataclasses.MISSING` if it must be."""
-    length: bool
-    """Whether it is a length of a scene, which may have its unit."""
+    dimension: str
+    """'length' or 'pressure' where it is one of a scene, which may have its unit; empty for all else."""
     said: str
     """What is allowed of one value where there are no choices; empty for a flag."""
     refused: bool = False
@@ -74,7 +74,7 @@ class Option:
     def value(self, words: str | list[str] | bool) -> Any:
         """The value that a word stands for, or several; True is a flag that is given. Raises `ValueError`.
 
-        A length that is no number alone stays a text, until it is known in which unit the scene is.
+        A length or pressure that is no number alone stays a text, until it is known in which units the scene is.
         """
         if isinstance(words, bool):
             return words
@@ -87,7 +87,7 @@ class Option:
             except OverflowError:
                 allowed = IN_RANGE if self.type is float else allowed
             except ValueError:
-                if self.length:
+                if self.dimension:
                     return words
                 allowed = (pointed(words) if self.type is float else "") or allowed
         raise ValueError(f"{self.name} is {words!r}; allowed: {allowed}")
@@ -155,7 +155,8 @@ def _option(entry: Field[Any], hint: Any) -> Option:
         allowed = "a number, text, a path, words, or a flag that is False by default"
         raise TypeError(f"field {entry.name} is of type {hint}; allowed for an option: {allowed}")
     count = 0 if value is bool else len(values)
-    length = value is float and "length" in (unit(entry.name), unit(f"profile_{entry.name}"))
-    called = PRESSURE if value is float and unit(entry.name) == "pressure" else _TYPES.get(value, "")
+    known = {unit(entry.name), unit(f"profile_{entry.name}")} if value is float else set()
+    dimension = next((one for one in ("length", "pressure") if one in known), "")
+    called = PRESSURE if dimension == "pressure" else _TYPES.get(value, "")
     said, no = entry.metadata.get("said", called), entry.metadata.get("refused", False)
-    return Option(entry.name, value, count, choices, default, length, said, no)
+    return Option(entry.name, value, count, choices, default, dimension, said, no)

@@ -1,0 +1,108 @@
+"""Heights that are missing, stand for missing ones, or stick out like dust: found, and filled or left out."""
+
+import itertools
+from typing import Any, Literal
+
+import numpy as np
+from linecontact.solver.arrays import Array64, Indices
+
+Missing = Literal["interpolate", "drop", "refuse"]
+
+LONGEST_GAP = 0.05
+"""Share of a scan that may be without values in one place."""
+DOUBTED = 0.01
+"""Share of a scan that may be filled without a warning."""
+
+_ISOLATED = 0.5  # ranges of all other values, between them and a number that stands for missing ones
+_OFTEN, _SUDDEN = 3, 3.0  # times that such a number stands nearer, behind steps so many times the usual
+_RARE = 0.99  # quantile that is called usual
+_SPIKE = 3  # values in the width of a spike
+_HIGH, _UNLIKE, _MANY = 2.0, 3.0, 0.95  # rms heights, and times that quantile of heights above valleys on both sides
+_STEP, _FEW = 10.0, 3  # times the usual step, for up to so many that stand alone
+
+
+def marked(z: Array64, numbers: str) -> Array64:
+    """Heights with NaN for the numbers that the user says are none, like "-9999,-32768". Raises `ValueError`."""
+    for word in numbers.split(","):
+        try:
+            found = np.isclose(z, float(word), rtol=1e-9, atol=0.0)
+        except ValueError:
+            found = np.zeros(z.size, dtype=np.bool_)
+        if not found.any():
+            raise ValueError(f"invalid is {numbers!r}; allowed: numbers among the heights, like -9999 or -9999,-1")
+        z = np.where(found, np.nan, z)
+    return z
+
+
+def filled(x: Array64 | None, z: Array64, how: Missing) -> tuple[Array64 | None, Array64, str]:
+    """Positions and heights without missing ones, and what was done, in words.
+
+    Raises `ValueError` for a gap that is too long to be filled.
+    """
+    gone = np.isnan(z) if x is None else np.isnan(z) | np.isnan(x)
+    there = np.flatnonzero(~gone)
+    if there.size == z.size:
+        return x, z, ""
+    told = f"{z.size - there.size} of {z.size} values were missing and"
+    if how == "drop" or (x is not None and np.isnan(x).any()):
+        return None if x is None else x[there], z[there], f"{told} left out"
+    longest = int(np.diff(there, prepend=-1, append=z.size).max()) - 1
+    if longest > LONGEST_GAP * z.size:
+        raise ValueError(f"{longest} of {z.size} values are missing in one place; allowed: up to {LONGEST_GAP:.0%}")
+    return x, np.interp(np.arange(z.size), there, z[there]), f"{told} filled by straight lines"
+
+
+def doubtful(z: Array64) -> list[tuple[Indices, str]]:
+    """Indices of heights, shape (number of values,) [any unit], that may be none, each with the reason in words."""
+    numbers = _sentinels(z)
+    found = [(np.flatnonzero(z == number), "may stand for missing values (invalid)") for number in numbers]
+    there = np.flatnonzero(~np.isin(z, numbers))
+    found.append((there[spikes(z[there])], "stand out as spikes (despike)"))
+    steps = np.abs(np.diff(z[there]))
+    jumps = np.flatnonzero(steps > max(_STEP * _usual(steps), float(z[there].std())))
+    if jumps.size <= _FEW:
+        found.append((there[1:][jumps], "begin behind a step that stands alone"))
+    return [(rows, reason) for rows, reason in found if rows.size]
+
+
+def spikes(z: Array64, both: bool = False) -> Indices:
+    """Indices of values that stand out by themselves: upwards, where they would carry the load alone, or both ways."""
+    kept = np.ones(z.size, dtype=np.bool_)
+    while (there := np.flatnonzero(kept)).size > _SPIKE:
+        level = z[there] - np.polynomial.Polynomial.fit(there, z[there], 2)(there)
+        high = _stand_out(level) | (_stand_out(-level) if both else False)
+        if not high.any():
+            break
+        kept[there[high]] = False
+    return np.flatnonzero(~kept)
+
+
+def _stand_out(level: Array64) -> np.ndarray[Any, np.dtype[np.bool_]]:
+    """Whether heights are far above the valleys on both sides, compared with most others."""
+    windows = np.lib.stride_tricks.sliding_window_view
+    lowest = windows(np.pad(level, _SPIKE, mode="edge"), _SPIKE + 1).min(axis=1)
+    above = level - windows(lowest, _SPIKE + 1).max(axis=1)
+    return np.asarray(above > max(_HIGH * float(level.std()), _UNLIKE * float(np.quantile(above, _MANY))))
+
+
+def _usual(sizes: Array64) -> float:
+    return float(np.quantile(sizes, _RARE)) if sizes.size else 0.0
+
+
+def _sentinels(z: Array64) -> Array64:
+    """Up to three of the lowest and of the highest numbers, if they are isolated from all others."""
+    values = np.unique(z)
+    ends = range(min(4, values.size // 3))
+    for low, high in sorted(itertools.product(ends, ends), key=sum, reverse=True):
+        rest, below, above = values[low : values.size - high], values[:low], values[values.size - high :]
+        away = [rest[0] - below[-1:], above[:1] - rest[-1]]
+        if low + high and all((gap > _ISOLATED * np.ptp(rest)).all() for gap in away):
+            return np.concatenate([below, above])
+    for number in (values[0], values[-1]):
+        is_number, steps = z == number, np.abs(np.diff(z))
+        usual = _usual(steps[~(is_number[1:] | is_number[:-1])])
+        sudden = float(np.median(steps[is_number[1:] != is_number[:-1]])) > _SUDDEN * usual
+        away = np.abs(values[[1, -2]] - number).min()
+        if values.size > _FEW and sudden and away > usual and np.count_nonzero(is_number) >= _OFTEN:
+            return np.array([number])
+    return values[:0]
