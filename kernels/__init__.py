@@ -3,15 +3,14 @@
 Knows arrays and numbers: no scene, no file, no transform.
 """
 
-from . import layout
-from .compiled import KERNELS, load, recompile, start_warp, started
+from . import layout, locks
+from .compiled import KERNELS, flags, load, recompile, start_warp, started
 from .interrupts import undivided
 from .layout import CHUNK, padded_length
 from .processor import instructions, processor
 from .record import BACKENDS, Call, record, share
 from .recording import record_launches
 from .sequences import sequence
-from .tuning import flags
 
 __all__ = [
     "BACKENDS",
@@ -22,6 +21,7 @@ __all__ = [
     "instructions",
     "layout",
     "load",
+    "locks",
     "padded_length",
     "processor",
     "recompile",

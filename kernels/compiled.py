@@ -1,21 +1,27 @@
-"""The Warp kernels, compiled: as the program uses them, or with another chunk and other flags for an experiment."""
+"""The Warp kernels, compiled: as the program uses them, or with another chunk and other flags for an experiment.
 
-import functools
-import gc
+Every array is one-dimensional and padded to a multiple of `CHUNK`; one thread works on one chunk. An inner loop whose
+length is a compile-time power of two is what LLVM turns into vector code; a thread per element, a run-time bound or a
+tail test stays scalar. The reassociation flags let it vectorise the sums as well. On a GPU the points of `LANES`
+threads take turns instead (`on_gpu`); on the CPU that is one thread.
+"""
+
 import importlib
 import logging
 import os
-import threading
+import sys
+import tempfile
 from collections.abc import Collection, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from . import locks
+from .derived import is_whole, seal
 from .interrupts import undivided
 from .layout import COLUMNS
 from .module_copies import copy_module
-from .tuning import flags
 
 MODULES = {
     "warp_fields": ("spectral_multiply", "paired_multiply", "advance_response", "count_below"),
@@ -28,29 +34,32 @@ ON_CPU_ONLY = ("warp_columns",)
 """Modules that no GPU needs."""
 GPU_BLOCK = 256
 """Threads of a block on a GPU; Warp compiles a module anew for another number."""
+_ROOM = 2**18
+"""Bytes that a compiled module takes at most."""
 KERNELS = tuple(name for names in MODULES.values() for name in names)
 
-_lock = threading.RLock()  # of several threads one compiles
 _logger = logging.getLogger("linecontact.kernels")
 
 
+def flags() -> str:
+    """All flags of the compiler for the kernels: Warp's own, and what sums need to become vector code."""
+    import warp as wp
+
+    return f"{wp.config.cpu_compiler_flags or ''} -mreassociate -fno-signed-zeros -ffp-contract=fast".strip()
+
+
+@locks.once
 def load() -> dict[str, Any]:
     """Compile every kernel in both precisions, or fetch it from Warp's kernel cache; Warp's kernels by name.
 
     Raises `ValueError` if the cache cannot be used.
     """
     start_warp()
-    with _lock:
-        return _load()
-
-
-@functools.cache
-def _load() -> dict[str, Any]:
     import warp as wp
 
     modules = [importlib.import_module(f"{__package__}.{name}") for name in MODULES]
     for module in modules:
-        wp.set_module_options({"cpu_compiler_flags": flags()[module.__name__.rpartition(".")[2]]}, module)
+        wp.set_module_options({"cpu_compiler_flags": flags()}, module)
     return compile_modules(modules)
 
 
@@ -66,15 +75,14 @@ def recompile(names: Collection[str], chunk: int, compiled_with: str | None) -> 
     if chunk < 2 * COLUMNS and (rows := set(names) & set(MODULES["warp_columns"])):
         raise ValueError(f"chunk is {chunk}; allowed for {min(rows)}: at least {2 * COLUMNS}, a row of it")
     start_warp()
-    with _lock:
-        needed = [module for module, there in MODULES.items() if not set(there).isdisjoint(names)]
-        copies = [_recompile(module, chunk, compiled_with) for module in needed]
+    needed = [module for module, there in MODULES.items() if not set(there).isdisjoint(names)]
+    copies = [_recompile(module, chunk, flags() if compiled_with is None else compiled_with) for module in needed]
     return {name: kernel for copy in copies for name, kernel in copy.items()}
 
 
-@functools.cache
-def _recompile(module: str, chunk: int, compiled_with: str | None) -> dict[str, Any]:
-    return compile_modules([copy_module(module, chunk, flags()[module] if compiled_with is None else compiled_with)])
+@locks.once
+def _recompile(module: str, chunk: int, compiled_with: str) -> dict[str, Any]:
+    return compile_modules([copy_module(module, chunk, compiled_with)])
 
 
 def compile_modules(modules: list[ModuleType], device: str = "cpu") -> dict[str, Any]:
@@ -92,32 +100,77 @@ def compile_modules(modules: list[ModuleType], device: str = "cpu") -> dict[str,
     if "advance_response" in kernels:
         single, double, state = wp.array(dtype=wp.float32), wp.array(dtype=wp.float64), wp.array(dtype=wp.float64)
         wp.overload(kernels["advance_response"], {"change": single, "state": state, "response": double})
-    if not all(_is_compiled(module.__name__, device) for module in modules):
+    compiled = [_is_compiled(module, device) for module in modules]
+    if not all(compiled):
         what = "this processor" if device == "cpu" else "the GPU"
         _logger.warning("linecontact: compiling kernels for %s, once; this takes some seconds", what)
-    for module in modules:
-        wp.load_module(module, device=device)
+    for module, there in zip(modules, compiled, strict=True):
+        _compile(module, device, there)
     return kernels
 
 
-def _is_compiled(module: str, device: str) -> bool:
-    """Whether Warp's cache holds this module for a device; for the CPU, where blocks are of one thread."""
+def _compile(module: ModuleType, device: str, there: bool) -> None:
+    """Have Warp load a module; there: compiled before. Raises `ValueError` if the kernel cache cannot be used."""
     import warp as wp
 
-    block, endings = (1, ("o",)) if device == "cpu" else (GPU_BLOCK, ("cubin", "ptx"))
-    folder = Path(str(wp.config.kernel_cache_dir)) / wp.get_module(module).get_module_identifier(block)
-    return any(file for ending in endings for file in folder.glob(f"*.{ending}"))
+    try:
+        if not there:
+            _check_room()
+        try:
+            wp.load_module(module, device=device)
+        except Exception as error:  # another process takes away what it finds without a seal
+            _logger.debug("linecontact: %s is compiled again: %s", module.__name__, error)
+            _check_room()
+            wp.get_module(module.__name__).mark_modified()
+            wp.load_module(module, device=device)
+    except OSError as error:
+        raise _unusable(error) from error
+    for file in _files(module, device):
+        seal(file)
+
+
+def _check_room() -> None:
+    """Raise `OSError` if the kernel cache cannot take a compiled module: LLVM would end the process."""
+    import warp as wp
+
+    with tempfile.TemporaryFile(dir=wp.config.kernel_cache_dir) as file:
+        file.write(bytes(_ROOM))
+
+
+def _unusable(error: OSError) -> ValueError:
+    import warp as wp
+
+    what = f"Warp's kernel cache {wp.config.kernel_cache_dir} cannot be used ({error.strerror or error})"
+    return ValueError(f"{what}; allowed: a writable folder with room, set WARP_CACHE_PATH")
+
+
+def _files(module: ModuleType, device: str) -> list[Path]:
+    """What Warp's cache holds of a module for a device; for the CPU, blocks are of one thread."""
+    import warp as wp
+
+    block, endings = (1, (".o", ".meta")) if device == "cpu" else (GPU_BLOCK, (".cubin", ".ptx", ".meta"))
+    folder = Path(str(wp.config.kernel_cache_dir)) / wp.get_module(module.__name__).get_module_identifier(block)
+    return [file for file in folder.glob("*") if file.suffix in endings]
+
+
+def _is_compiled(module: ModuleType, device: str) -> bool:
+    """Whether Warp's cache holds a module for a device; what is damaged, as a power cut leaves it, is taken away."""
+    for file in _files(module, device):
+        with suppress(OSError):  # of a cache that can only be read
+            if not is_whole(file):
+                file.unlink()
+    return {file.suffix == ".meta" for file in _files(module, device)} == {True, False}  # what is known of it, and code
 
 
 def started() -> bool:
-    """Whether Warp has been started, which takes half a second."""
-    return start_warp.cache_info().currsize > 0
+    """Whether Warp is there, whose start takes half a second."""
+    return "warp" in sys.modules
 
 
-@functools.cache
+@locks.once
 def start_warp() -> None:
     """Import and initialise Warp. Raises `ValueError` if its kernel cache cannot be used."""
-    with undivided(), _without_collection():  # what Ctrl-C has cut off cannot be imported again
+    with undivided():  # what Ctrl-C has cut off cannot be imported again
         import warp as wp  # takes as long as everything else together, and often is not needed
 
     wp.config.log_level = wp.LOG_WARNING
@@ -125,25 +178,19 @@ def start_warp() -> None:
         with _silent_stderr():
             wp.init()
     except OSError as error:
-        raise ValueError(f"Warp's kernel cache: {error}; allowed: a writable folder, set WARP_CACHE_PATH") from error
-
-
-@contextmanager
-def _without_collection() -> Iterator[None]:
-    """Python looks for no garbage within the block: Warp's import makes a hundred thousand objects that stay."""
-    before = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if before:
-            gc.enable()
+        raise _unusable(error) from error
 
 
 @contextmanager
 def _silent_stderr() -> Iterator[None]:
-    """Warp's native code reports a missing CUDA driver on file descriptor 2, whatever its log level."""
-    saved = os.dup(2)
+    """Warp's native code reports a missing CUDA driver on file descriptor 2, whatever its log level. That is the whole
+    process's: not for two threads at once.
+    """
+    try:
+        saved = os.dup(2)
+    except OSError:  # it is closed
+        yield
+        return
     with open(os.devnull, "w") as null:
         os.dup2(null.fileno(), 2)
         try:

@@ -3,13 +3,13 @@
 Nothing here is imported unless a GPU is asked for. A launch only puts the kernel into the queue of Warp's stream.
 """
 
-import functools
 import importlib
 from collections.abc import Callable, Sequence
 from typing import Any
 
 from .compiled import GPU_BLOCK, MODULES, ON_CPU_ONLY, compile_modules, start_warp
 from .layout import FOLDED
+from .locks import once
 from .module_copies import copy_module
 from .record import Call
 
@@ -23,7 +23,7 @@ def padded_length(length: int) -> int:
     return -(-length // (CHUNK * LANES)) * CHUNK * LANES
 
 
-@functools.cache
+@once
 def load() -> dict[str, Any]:
     """Compile every kernel for the GPU, or fetch it from Warp's kernel cache; Warp's kernels by name."""
     start_warp()

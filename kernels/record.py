@@ -17,13 +17,11 @@ from numpy.typing import NDArray
 from . import numpy_twin
 from .compiled import load
 from .layout import CHUNK
-from .recording import keep_launch, record_launches
+from .recording import record_launches
 
 Array = NDArray[Any]
 
 BACKENDS = ("warp", "numpy")
-
-_SHORT = 2**6  # threads of a launch, up to which recording it as a graph takes longer than some ten launches
 
 
 class Call(NamedTuple):
@@ -37,10 +35,8 @@ class Call(NamedTuple):
     """Arrays that it writes, and may also read, in the kernel's order."""
 
 
-def record(backend: str, calls: Sequence[Call], seldom: bool = False) -> Callable[[], None]:
+def record(backend: str, calls: Sequence[Call]) -> Callable[[], None]:
     """A function without arguments that runs `calls` in order.
-
-    seldom: whether it is to run some ten times only, so that the time of recording it matters more than that of a run.
 
     Raises `ValueError` for an unknown backend or an array that a kernel cannot take.
     """
@@ -53,7 +49,7 @@ def record(backend: str, calls: Sequence[Call], seldom: bool = False) -> Callabl
         if call.kernel != "fire_control" and call.inputs[0].size % CHUNK:
             raise ValueError(f"{call.kernel}: length is {call.inputs[0].size}; allowed: multiples of {CHUNK}")
     if backend == "warp":
-        return _record_warp(calls, seldom)
+        return _record_warp(calls)
     if backend == "numpy":
         return _record_numpy(calls)
     raise ValueError(f"backend is {backend!r}; allowed: {', '.join(BACKENDS)}")
@@ -69,14 +65,12 @@ def _record_numpy(calls: Sequence[Call]) -> Callable[[], None]:
     return replay
 
 
-def _record_warp(calls: Sequence[Call], seldom: bool) -> Callable[[], None]:
+def _record_warp(calls: Sequence[Call]) -> Callable[[], None]:
     kernels, launches = load(), []
     for call in calls:
         threads = 1 if call.kernel == "fire_control" else call.inputs[0].size // CHUNK
         arrays = [share(array) for array in call.inputs], [share(array) for array in call.outputs]
         launches.append((kernels[call.kernel], threads, *arrays))
-    if seldom and len(launches) == 1 and 0 < launches[0][1] <= _SHORT:
-        return keep_launch(launches[0])
     return record_launches(launches)
 
 

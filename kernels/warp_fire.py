@@ -1,5 +1,5 @@
 """Warp kernels of FIRE and the hard wall, float32 and float64 from one generic source; on their form, see
-`tuning`.
+`compiled`.
 
 The unknown u is the displacement towards the indenter, limited by the wall u <= h. Pressures are in units of the mean
 external pressure, so the net force on a node is r = 1 - (K u). A node is *held* where u = h and r > 0 (the wall carries

@@ -1,6 +1,5 @@
-"""The Warp kernels of FIRE that make four sums in one pass, float32 and float64 from one generic source.
-
-They are a module of their own because other flags of the compiler suit them than suit the rest, see `tuning`.
+"""The Warp kernels of FIRE that make four sums in one pass, float32 and float64 from one generic source; on their
+form, see `compiled`.
 """
 
 from typing import Any

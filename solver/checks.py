@@ -96,18 +96,21 @@ def offers(name: str, value: object, kind: type[Any], allowed: str) -> None:
 
 
 @contextmanager
-def own_code(what: str, allowed: str) -> Iterator[None]:
+def own_code(what: str, allowed: str, part: object = None) -> Iterator[None]:
     """Raise `ValueError` with a name for whatever goes wrong in what may be one's own: a layer, an indenter, a variant.
 
-    A `ValueError` that says what is allowed is passed on.
+    A `ValueError` that says what is allowed keeps its words. part: whose code it is; what goes wrong in a part of the
+    program is its bug, and passed on.
     """
     try:
         yield
     except MemoryError:
         raise
     except Exception as error:
-        if isinstance(error, ValueError) and "allowed: " in str(error):
+        if type(part).__module__.partition(".")[0] == __name__.partition(".")[0]:
             raise
+        if isinstance(error, ValueError) and "allowed: " in str(error):
+            raise ValueError(str(error)) from error
         raise ValueError(f"{what} fails ({type(error).__name__}: {error}); {allowed}") from error
 
 

@@ -14,10 +14,12 @@ import sys
 from typing import Any, NoReturn
 
 from .one_thread import ONE_THREAD
+from .terminal.text import open_streams
 
 
 def main() -> int:
     """Run `linecontact`; returns the exit status."""
+    open_streams()
     for name, count in ONE_THREAD.items():
         os.environ.setdefault(name, count)
     interrupt, term = signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)
@@ -32,8 +34,7 @@ def main() -> int:
         try:
             run = prepare()
         except SystemExit:  # --help has been shown
-            sys.stdout.flush()
-            return 0
+            run = lambda: 0  # noqa: E731
         finally:
             gc.freeze()
             gc.enable()
@@ -41,16 +42,18 @@ def main() -> int:
             signal.signal(signal.SIGTERM, _as_ctrl_c)
         if interrupt is signal.default_int_handler:
             signal.signal(signal.SIGINT, interrupt)
-        return run()
+        status = run()
+        sys.stdout.flush()
+        return status
     except KeyboardInterrupt:  # outside of any command
         _leave()
-    except OSError as error:  # of --help: its reader has gone away, or the disk is full
+    except Exception as error:  # outside, too: the reader of --help has gone away, or the disk is full
         return _ended_by(error)
     finally:
         gc.freeze()
 
 
-def _ended_by(error: OSError) -> int:
+def _ended_by(error: Exception) -> int:
     """The exit status, as that of any command which ends like this."""
     from .terminal import console
 

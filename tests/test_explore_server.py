@@ -155,7 +155,13 @@ def test_whoever_is_not_meant_is_refused(server, path, headers):
 
 def test_only_scripts_are_served_as_files(server):
     assert server.ask("/static/js/bokeh.min.js")[0] == 200
-    for path in ("/static/../../server/server.py", "/static/%2e%2e/%2e%2e/__init__.py", "/static//etc/passwd"):
+    for path in (
+        "/static/../../server/server.py",
+        "/static/%2e%2e/%2e%2e/__init__.py",
+        "/static//etc/passwd",
+        "/static/%00",
+        "/static/%ff",
+    ):
         assert server.ask(path)[0] in (403, 404)
 
 

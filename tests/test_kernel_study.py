@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from linecontact import kernels
-from linecontact.kernels import CHUNK, tuning
+from linecontact.kernels import CHUNK, flags
 from linecontact.studies.command_line import main as cli
 from linecontact.studies.files import records, study_files
 from linecontact.studies.kernel_benchmark import (
@@ -115,7 +115,7 @@ def test_records(folder):
 def test_what_results_are_of(measured):
     about = measured["configuration"]["identity"]
     assert about["chunk"] == str(CHUNK)
-    assert tuning.base() in about["flags"]
+    assert flags() in about["flags"]
     assert {
         "source",
         "compiler",
@@ -347,7 +347,7 @@ def test_the_report_says_what_it_is_of(folder, monkeypatch):
     file.runs[0]["provenance.commit"] = "abc+dirty"
     text = "\n".join(part for part in report.parts(file) if isinstance(part, str))
     assert "commit abc, with changes that are not committed" in text
-    assert tuning.base() in text
+    assert flags() in text
     assert "Compiling all kernels takes 4.0 s once" in text
 
 

@@ -1,7 +1,5 @@
 """Every kernel against its NumPy twin, in both precisions, on lengths around the chunk; and proof of vector code."""
 
-import contextlib
-import json
 import os
 import re
 import subprocess
@@ -11,7 +9,7 @@ import threading
 import numpy as np
 import pytest
 import warp as wp
-from linecontact.kernels import CHUNK, KERNELS, Call, layout, padded_length, recompile, record, tuning
+from linecontact.kernels import CHUNK, KERNELS, Call, layout, padded_length, recompile, record
 
 PRECISIONS = ["float32", "float64"]
 LENGTHS = [1, CHUNK - 1, CHUNK, CHUNK + 1, 3 * CHUNK, 5 * CHUNK + 17]
@@ -259,11 +257,14 @@ def test_bad_arrays_and_backends_are_refused():
         record("cuda", [Call("spectral_multiply", (good,), (good,))])
 
 
-def test_a_launch_waits_while_another_thread_records_a_graph(monkeypatch):
-    """Beside the recording it would crash."""
+def test_a_recording_waits_while_another_thread_records_a_graph(monkeypatch):
+    """Beside the recording its launches would crash."""
     doubling, mine, other = np.full(CHUNK, 2.0), np.ones(CHUNK), np.ones(CHUNK)
-    repeat = record("warp", [Call("spectral_multiply", (doubling,), (mine,))], seldom=True)
-    launch, thread, waits = wp.launch, threading.Thread(target=repeat), []
+
+    def record_mine():
+        record("warp", [Call("spectral_multiply", (doubling,), (mine,))])()
+
+    launch, thread, waits = wp.launch, threading.Thread(target=record_mine), []
 
     def launch_beside(*given, **options):
         if not waits:
@@ -273,79 +274,11 @@ def test_a_launch_waits_while_another_thread_records_a_graph(monkeypatch):
         return launch(*given, **options)
 
     monkeypatch.setattr(wp, "launch", launch_beside)
-    record("warp", [Call("spectral_multiply", (doubling,), (other,))] * 2)
+    record("warp", [Call("spectral_multiply", (doubling,), (other,))] * 2)()
     thread.join()
     assert waits == [True]
     assert mine[0] == mine[-1] == 2.0
-    assert other[0] == 1.0
-
-
-@pytest.mark.parametrize("points", [CHUNK, 128 * CHUNK])
-@pytest.mark.parametrize("seldom", [False, True])
-def test_what_is_seldom_repeated_is_kept_as_a_launch_if_it_is_short(seldom, points, monkeypatch):
-    graphs = []
-    monkeypatch.setattr(wp, "ScopedCapture", lambda **given: graphs.append(1) or contextlib.nullcontext(Graph))
-    call = Call("spectral_multiply", (np.full(points, 2.0),), (np.ones(points),))
-    record("warp", [call], seldom=seldom)
-    assert len(graphs) == (0 if seldom and points == CHUNK else 1)
-
-
-class Graph:
-    graph = None
-
-
-@pytest.fixture
-def untuned(tmp_path, monkeypatch):
-    """A processor for which no flags have been chosen, and kernels that are quick to try."""
-    times = {"default": 1.0, "interleave-1": 0.5, "width-256-interleave-4": 0.7}
-    monkeypatch.setattr(tuning, "_file", lambda: tmp_path / "flags.json")
-    monkeypatch.setattr(tuning, "_relative_times", lambda module, kernels, names: {n: times[n] for n in names})
-    monkeypatch.delenv(tuning.VARIABLE, raising=False)
-    tuning.chosen.cache_clear()
-    yield times
-    tuning.chosen.cache_clear()
-
-
-def test_flags_are_chosen_once_and_kept(untuned, tmp_path, monkeypatch):
-    monkeypatch.setattr(tuning, "instructions", lambda: "avx avx2")
-    assert tuning.chosen() == {"warp_sums": "interleave-1", "warp_fire": "default"}
-    assert json.loads((tmp_path / "flags.json").read_text())["time over default's"]["warp_sums"] == {
-        "default": 1.0,
-        "interleave-1": 0.5,
-    }
-    untuned["interleave-1"] = 2.0  # found by another process, or later: the first choice stays
-    tuning.chosen.cache_clear()
-    assert tuning.chosen()["warp_sums"] == "interleave-1"
-    assert tuning._find()["warp_sums"] == "interleave-1"
-
-
-def test_narrower_vectors_are_tried_where_there_are_wider_ones(untuned, monkeypatch):
-    monkeypatch.setattr(tuning, "instructions", lambda: "avx avx2 avx512f")
-    untuned["interleave-1"] = 0.99  # within what counts as nothing
-    assert tuning.chosen() == dict.fromkeys(("warp_sums", "warp_fire"), "width-256-interleave-4")
-
-
-def test_a_broken_choice_is_made_again(untuned, tmp_path, monkeypatch):
-    monkeypatch.setattr(tuning, "instructions", lambda: "")
-    for text in ("", "[]", '{"chosen": "default"}', '{"chosen": {"warp_sums": "x", "warp_fire": "default"}}'):
-        (tmp_path / "flags.json").write_text(text)
-        tuning.chosen.cache_clear()
-        assert tuning.chosen() == {"warp_sums": "interleave-1", "warp_fire": "default"}, text
-
-
-def test_the_user_may_choose_the_flags(untuned, monkeypatch):
-    monkeypatch.setenv(tuning.VARIABLE, "default")
-    assert set(tuning.chosen().values()) == {"default"}
-    monkeypatch.setenv(tuning.VARIABLE, "fast")
-    tuning.chosen.cache_clear()
-    with pytest.raises(ValueError, match="LINECONTACT_KERNEL_FLAGS is 'fast'; allowed: default, interleave-1"):
-        tuning.chosen()
-
-
-def test_candidates_are_really_timed(tmp_path):
-    relative = tuning._relative_times("warp_sums", ("plain_sums",), ("default", "interleave-1"))
-    assert relative["default"] == 1
-    assert 0.1 < relative["interleave-1"] < 10
+    assert other[0] == other[-1] == 4.0
 
 
 @pytest.mark.parametrize("flags", [None, "-O1"])
@@ -366,14 +299,13 @@ def test_kernels_with_another_chunk_and_other_flags(flags):
 def compiled_afresh(tmp_path_factory):
     """What two processes say that load the kernels, the first with an empty cache; and the C++ that it compiled.
 
-    With the flags that were chosen on this processor before, and LLVM's remarks.
+    With LLVM's remarks.
     """
     folder = tmp_path_factory.mktemp("cache")
     program = (
         "import warp as wp\n"
         "wp.config.cpu_compiler_flags = (wp.config.cpu_compiler_flags or '') + ' -Rpass=loop-vectorize'\n"
         "import linecontact.kernels as k\n"
-        f"k.tuning.chosen = lambda: {tuning.chosen()!r}\n"
         "k.load()\n"
     )
     environment = {**os.environ, "WARP_CACHE_PATH": str(folder)}

@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from linecontact import load
-from linecontact.kernels import compiled, layout, module_copies, numpy_twin, on_gpu, tuning
+from linecontact.kernels import compiled, layout, module_copies, numpy_twin, on_gpu
 from linecontact.kernels.sequences import SEQUENCES, parse
 from linecontact.solver import METHODS, Layer, PowerIndenter, Scene, Status, solve
 from linecontact.solver import solve as solve_function
@@ -45,7 +45,7 @@ needs_gpu = pytest.mark.skipif(bool(MISSING), reason=f"needs a GPU: {MISSING}")
 def gpu_form():
     """The kernels in the form that a GPU has, compiled for the CPU."""
     names = [name for name in compiled.MODULES if name not in compiled.ON_CPU_ONLY]
-    copies = [module_copies.copy_module(m, on_gpu.CHUNK, tuning.flags()[m], on_gpu.LANES) for m in names]
+    copies = [module_copies.copy_module(m, on_gpu.CHUNK, compiled.flags(), on_gpu.LANES) for m in names]
     return compiled.compile_modules([*copies, importlib.import_module("linecontact.kernels.warp_folds")])
 
 

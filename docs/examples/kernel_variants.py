@@ -9,23 +9,28 @@ from typing import Any
 
 import warp as wp
 from linecontact import kernels
-from linecontact.kernels import tuning
 from linecontact.kernels.warp_fire import CHUNK_LENGTH
 from linecontact.studies.kernel_benchmark.variants import Arrays, Runs, launched, recompiled, replanned, variant
 
 # The program's kernels with another number of points for each thread, and with each of the flags that were tried.
 recompiled("fire_step", "chunk-256", chunk=256)
 recompiled("fire_step", "chunk-4096", chunk=4096)
-for name, more in tuning.CANDIDATES.items():
-    recompiled("plain_sums", name, compiled_with=f"{tuning.base()} {more}")
-    recompiled("plain_move", name, compiled_with=f"{tuning.base()} {more}")
+INTERLEAVE = "-mllvm -force-vector-interleave="
+MORE = {
+    "default": "",
+    "interleave-1": f"{INTERLEAVE}1",
+    "width-256-interleave-4": f"-mprefer-vector-width=256 {INTERLEAVE}4",
+}
+for name, more in MORE.items():
+    recompiled("plain_sums", name, compiled_with=f"{kernels.flags()} {more}")
+    recompiled("plain_move", name, compiled_with=f"{kernels.flags()} {more}")
 
 # A whole iteration with transforms on two threads.
 replanned("plain_iteration", "2-threads", threads=2)
 
 # A kernel of one's own, here as it was before a choice became a factor. LLVM makes a masked store of the
 # choice, which took 1.6 to 5 times as long on AMD's Zen 3 (docs/kernels.md). The flags are those of the program's own.
-wp.set_module_options({"enable_backward": False, "cpu_compiler_flags": tuning.flags()["warp_fire"]})
+wp.set_module_options({"enable_backward": False, "cpu_compiler_flags": kernels.flags()})
 
 
 @wp.kernel

@@ -37,7 +37,7 @@ def _profile(indenter: Indenter, num_points: int, period: float) -> Array64:
     """The indenter's heights on a grid, shape (num_points,) [L], read-only. Raises `ValueError` for anything else."""
     what = f"profile of indenter {indenter.name}"
     allowed = f"allowed: {num_points} finite floating-point heights, the lowest 0, in units of the period"
-    with checks.own_code(what, allowed):
+    with checks.own_code(what, allowed, indenter):
         heights = np.asarray(indenter.profile(num_points, period)).view()
     if heights.shape != (num_points,) or heights.dtype.kind != "f":
         raise ValueError(f"{what} is of type {heights.dtype} and shape {heights.shape}; {allowed}")
@@ -74,7 +74,7 @@ def half_spectrum(layer: ElasticLayer, num_points: int, period: float) -> Array6
     stiffness = np.zeros(num_points // 2 + 1)
     wave_numbers = 2 * np.pi * np.arange(1, stiffness.size, dtype=np.float64)
     what = f"stiffness of layer {layer.name}"
-    with checks.own_code(what, "allowed: a function of an array of wave numbers"):
+    with checks.own_code(what, "allowed: a function of an array of wave numbers", layer):
         found = np.asarray(layer.stiffness(wave_numbers, period))
     if found.shape != wave_numbers.shape or found.dtype.kind not in "fiu":
         allowed = f"real numbers of the wave numbers' shape, {wave_numbers.shape}"

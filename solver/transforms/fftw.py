@@ -1,12 +1,15 @@
-"""pyFFTW without SciPy and Dask, which its interfaces would import although nothing here uses them.
+"""pyFFTW without SciPy and Dask, which its interfaces would import although nothing here uses them; and its planner.
 
 They are hidden only while pyFFTW is being imported; afterwards they can be imported as ever. pyFFTW's interfaces for
 them are then missing: who wants those imports pyFFTW first.
 """
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import Any
+
+from ...kernels.locks import PLANNING
 
 
 @contextmanager
@@ -25,4 +28,23 @@ def _hidden(*names: str) -> Iterator[None]:
 with _hidden("scipy", "dask"):
     import pyfftw
 
-__all__ = ["pyfftw"]
+__all__ = ["Plan", "pyfftw"]
+
+
+class Plan:
+    """A plan of FFTW's, made as `pyfftw.FFTW` is and done by calling it.
+
+    pyFFTW takes its planner's lock to make and to remove one, and a child of a fork would wait for ever for a thread
+    of its parent that held it.
+    """
+
+    def __init__(self, *arrays: Any, **options: Any) -> None:
+        with PLANNING:
+            self._execute: Callable[[], None] = pyfftw.FFTW(*arrays, **options).execute
+
+    def __call__(self) -> None:
+        self._execute()
+
+    def __del__(self) -> None:
+        with PLANNING:
+            self.__dict__.clear()

@@ -96,7 +96,7 @@ class FourStep:
         by_halves = batches.reshape(-1, _ROWS, 2, self._row // layout.COLUMNS, layout.COLUMNS)
         return by_halves.swapaxes(2, 3)
 
-    def multiplication(self, symbol: Array64, target: Array, seldom: bool) -> Callable[[], None]:
+    def multiplication(self, symbol: Array64, target: Array) -> Callable[[], None]:
         """See `planned.Transforms.multiplication`; the rows are transformed before, and back after it. It is the same
         for every target, and recorded in any case.
         """

@@ -16,7 +16,7 @@ import numpy as np
 
 from ...kernels import CHUNK, Call
 from ..arrays import Array, Array64
-from .fftw import pyfftw
+from .fftw import Plan, pyfftw
 from .planner import Planner
 
 _FASTER = 2**17, 2**19
@@ -43,7 +43,7 @@ class HalfLength:
         """A buffer for N values that are transformed there and back."""
         return self.planner.buffer(self.num_points)
 
-    def multiplication(self, symbol: Array64, target: Array, seldom: bool) -> Callable[[], None]:
+    def multiplication(self, symbol: Array64, target: Array) -> Callable[[], None]:
         """See `planned.Transforms.multiplication`."""
         half = self.num_points // 2
         sine = np.sin(np.pi / half * np.arange(half // 2 + 1))  # of mode k, and of N/2 - k
@@ -52,7 +52,7 @@ class HalfLength:
         crossed, difference = difference * sine[::-1], difference * sine
         straight = self.planner.doubled(np.concatenate([mean - difference, (mean + difference)[-2:0:-1]]))
         crossed = self.planner.doubled(np.concatenate([crossed, crossed[-2:0:-1]]))
-        return self.planner.record([Call("paired_multiply", (straight, crossed, self.spectrum), (target,))], seldom)
+        return self.planner.record([Call("paired_multiply", (straight, crossed, self.spectrum), (target,))])
 
     def forward(self, source: Array) -> Callable[[], None]:
         """Plan source[:N] -> spectrum."""
@@ -80,4 +80,4 @@ class HalfLength:
 def _keep_tables(num_points: int) -> object:
     """A plan that keeps FFTW's tables of that length, whose making takes as long as the transform; see `real`."""
     values = pyfftw.empty_aligned(num_points // 2, dtype=np.complex128)
-    return pyfftw.FFTW(values, values, flags=["FFTW_ESTIMATE"])
+    return Plan(values, values, flags=["FFTW_ESTIMATE"])

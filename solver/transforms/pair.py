@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ..arrays import Array64, Modes, parts
-from .fftw import pyfftw
+from .fftw import Plan, pyfftw
 
 
 class Pair:
@@ -18,12 +18,10 @@ class Pair:
     def __init__(self, length: int) -> None:
         self.real: Array64 = pyfftw.empty_aligned(length)
         self.modes: Modes = pyfftw.empty_aligned(length // 2 + 1, dtype=np.complex128)
-        forward = pyfftw.FFTW(self.real, self.modes, flags=["FFTW_ESTIMATE"])
-        flags = ["FFTW_ESTIMATE", "FFTW_DESTROY_INPUT"]
-        inverse = pyfftw.FFTW(self.modes, self.real, direction="FFTW_BACKWARD", flags=flags)
-        self.forward: Callable[[], None] = forward.execute
+        self.forward: Callable[[], None] = Plan(self.real, self.modes, flags=["FFTW_ESTIMATE"])
         """real -> modes."""
-        self.inverse: Callable[[], None] = inverse.execute
+        flags = ["FFTW_ESTIMATE", "FFTW_DESTROY_INPUT"]
+        self.inverse: Callable[[], None] = Plan(self.modes, self.real, direction="FFTW_BACKWARD", flags=flags)
         """modes -> real, times n; destroys the modes."""
 
     def multiply(self, values: Array64, symbol: Array64) -> None:

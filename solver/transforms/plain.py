@@ -3,7 +3,6 @@
 Short ones are NumPy's own, which need no plan. What is done often on arrays of one length goes through `planned`.
 """
 
-import threading
 from contextlib import AbstractContextManager, nullcontext
 from functools import lru_cache
 from typing import Any
@@ -11,9 +10,10 @@ from typing import Any
 import numpy as np
 
 from ...kernels import started
+from ...kernels.locks import BUFFERS
 from ..arrays import Array64, Modes
 from . import four_step
-from .fftw import pyfftw
+from .fftw import Plan, pyfftw
 from .four_step import LongPair
 from .pair import Pair
 
@@ -29,12 +29,11 @@ _AT_ONCE = 16  # short transforms
 
 _kept = lru_cache(maxsize=10)(Pair)
 _kept_long = lru_cache(maxsize=1)(LongPair)
-_busy = threading.Lock()  # of the buffers that are kept
 
 
 def guard(num_points: int) -> AbstractContextManager[Any]:
     """For the `with` block in which a `pair` of N values is used; it takes no other transform of this module."""
-    return _busy if num_points <= _KEPT_UP_TO else nullcontext()
+    return BUFFERS if num_points <= _KEPT_UP_TO else nullcontext()
 
 
 def _in_four_steps(num_points: int) -> bool:
@@ -55,14 +54,14 @@ def rfft(values: Array64) -> Modes:
     if values.size < _PLANNED_FROM:
         return np.fft.rfft(values)
     if values.size <= _KEPT_UP_TO:
-        with _busy:
+        with BUFFERS:
             kept = _kept(values.size)
             kept.real[:] = values
             kept.forward()
             return kept.modes.copy()
     source = np.require(values, np.float64, ["C", "W"])
     modes: Modes = pyfftw.empty_aligned(values.size // 2 + 1, dtype=np.complex128)
-    pyfftw.FFTW(source, modes, flags=["FFTW_ESTIMATE"]).execute()
+    Plan(source, modes, flags=["FFTW_ESTIMATE"])()
     return modes
 
 
@@ -77,7 +76,7 @@ def irfft(modes: Modes | Array64, num_points: int) -> Array64:
     if num_points >= _FEW * held.size and num_points % (32 * _AT_ONCE) == 0:
         return _from_few(held, num_points)
     if num_points <= _KEPT_UP_TO:
-        with _busy:
+        with BUFFERS:
             kept = _kept(num_points)
             np.multiply(held, 1 / num_points, out=kept.modes[: held.size])
             kept.modes[held.size :] = 0
@@ -89,7 +88,7 @@ def irfft(modes: Modes | Array64, num_points: int) -> Array64:
     np.multiply(held, 1 / num_points, out=source[: held.size])
     values: Array64 = source.view(np.float64)[:num_points]  # in place
     flags = ["FFTW_ESTIMATE", "FFTW_DESTROY_INPUT"]
-    pyfftw.FFTW(source, values, direction="FFTW_BACKWARD", flags=flags).execute()
+    Plan(source, values, direction="FFTW_BACKWARD", flags=flags)()
     return values
 
 
@@ -106,7 +105,7 @@ def _from_few(modes: Modes | Array64, num_points: int) -> Array64:
     spectra: Modes = pyfftw.zeros_aligned((_AT_ONCE, length // 2 + 1), dtype=np.complex128)
     short: Array64 = pyfftw.empty_aligned((_AT_ONCE, length))
     flags = ["FFTW_ESTIMATE", "FFTW_DESTROY_INPUT"]
-    transform = pyfftw.FFTW(spectra, short, axes=(1,), direction="FFTW_BACKWARD", flags=flags).execute
+    transform = Plan(spectra, short, axes=(1,), direction="FFTW_BACKWARD", flags=flags)
     values = np.empty((length, num_points // length))
     for start in range(0, values.shape[1], _AT_ONCE):
         np.multiply(turned, np.exp(start * angle), out=spectra[:, :count])

@@ -27,7 +27,7 @@ class Way(Protocol):
 
     def field(self) -> Array: ...
 
-    def multiplication(self, symbol: Array64, target: Array, seldom: bool) -> Callable[[], None]: ...
+    def multiplication(self, symbol: Array64, target: Array) -> Callable[[], None]: ...
 
     def forward(self, source: Array) -> Callable[[], None]: ...
 
@@ -87,9 +87,9 @@ class Transforms(OnCpu, Place):
         """A buffer for N values that are transformed there and back; it may share the spectrum's memory."""
         return self._way.field()
 
-    def multiplication(self, symbol: Array64, target: Array, seldom: bool = False) -> Callable[[], None]:
-        """As `Place.multiplication`. seldom: see `kernels.record`."""
-        return self._way.multiplication(symbol, target, seldom)
+    def multiplication(self, symbol: Array64, target: Array) -> Callable[[], None]:
+        """As `Place.multiplication`."""
+        return self._way.multiplication(symbol, target)
 
     def forward(self, source: Array) -> Callable[[], None]:
         """Plan source[:N] -> spectrum; the plan keeps `source`. Plan before filling it."""

@@ -1,21 +1,19 @@
 """What ways of transforming are made from: staggered buffers, FFTW's plans, and kernels."""
 
-import os
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 
 import numpy as np
 
-from ...kernels import Call, padded_length, record
+from ...kernels import Call, locks, padded_length, record
 from .. import checks
 from ..arrays import Array, Array64
 from . import wisdom
-from .fftw import pyfftw
+from .fftw import Plan, pyfftw
 
 PLANNING = ("estimate", "measure", "patient")
 """Planning effort. 'estimate' plans at once, and takes what wisdom holds of an earlier, greater effort."""
 
-_threaded_in: list[int] = []  # the process in which FFTW has threads of its own; empty where it has none yet
 _STAGGER = 1024  # bytes: buffers that start at equal page offsets slow each other down
 
 
@@ -42,7 +40,7 @@ class Planner:
         modes = self.complex(pyfftw.empty_aligned(2 * (num_points // 2 + 1), dtype=self.real))
         for values in (pyfftw.empty_aligned(num_points, dtype=self.real), modes.view(self.real)[:num_points]):
             with suppress(RuntimeError):  # wisdom does not hold it
-                pyfftw.FFTW(values, modes, threads=self.threads, flags=["FFTW_MEASURE", "FFTW_WISDOM_ONLY"])
+                Plan(values, modes, threads=self.threads, flags=["FFTW_MEASURE", "FFTW_WISDOM_ONLY"])
                 return False
         return True
 
@@ -66,9 +64,9 @@ class Planner:
         found: Array = values.view(np.result_type(self.real, np.complex64))
         return found
 
-    def record(self, calls: Sequence[Call], seldom: bool = False) -> Callable[[], None]:
-        """A function without arguments that runs kernels in order; seldom: see `kernels.record`."""
-        return record(self._backend, calls, seldom)
+    def record(self, calls: Sequence[Call]) -> Callable[[], None]:
+        """A function without arguments that runs kernels in order."""
+        return record(self._backend, calls)
 
     def plan(
         self, source: Array, target: Array, direction: str, axis: int = -1, threads: int | None = None
@@ -83,14 +81,9 @@ class Planner:
             flags = [f"FFTW_{effort.upper()}", *more]
             if direction == "FFTW_BACKWARD":
                 flags.append("FFTW_DESTROY_INPUT")
-            made = pyfftw.FFTW(
-                source, target, axes=(axis,), direction=direction, threads=threads or self.threads, flags=flags
-            )
-            execute: Callable[[], None] = made.execute
-            return execute
+            count = threads or self.threads
+            return Plan(source, target, axes=(axis,), direction=direction, threads=count, flags=flags)
 
-        if (threads or self.threads) > 1:
-            _threaded_in[:] = [os.getpid()]
         estimated = self.planning == "estimate"
         with suppress(RuntimeError):  # wisdom does not hold it
             known = plan("measure" if estimated else self.planning, "FFTW_WISDOM_ONLY")
@@ -111,11 +104,11 @@ def library() -> str:
 
 
 def check_settings(threads: int, planning: str) -> tuple[int, str]:
-    """Both, if they are allowed. Raises `ValueError`, too, in a process that was forked from one in which FFTW had
-    threads: it would wait for these for ever.
+    """Both, if they are allowed. Raises `ValueError`, too, for threads in a process that was forked: had FFTW threads
+    before, by whatever called it, it would wait for these for ever.
     """
     allowed = checks.integer("threads", threads, "an integer from 1 to 1024", 1, 1024)
-    if allowed > 1 and _threaded_in and os.getpid() not in _threaded_in:
-        here = "1 in a process that was forked after a solve with more (by 'spawn' or 'forkserver' it may have more)"
+    if allowed > 1 and locks.forked:
+        here = "1 in a process that was forked (by 'spawn' or 'forkserver' it may have more)"
         raise ValueError(f"threads is {allowed}; allowed: {here}")
     return allowed, checks.choice("planning", planning, PLANNING)

@@ -31,10 +31,10 @@ class Real:
             return self.planner.buffer(self.num_points)
         return self.spectrum[: padded_length(self.num_points)]
 
-    def multiplication(self, symbol: Array64, target: Array, seldom: bool) -> Callable[[], None]:
+    def multiplication(self, symbol: Array64, target: Array) -> Callable[[], None]:
         """See `planned.Transforms.multiplication`."""
         call = Call("spectral_multiply", (self.planner.doubled(symbol / self.num_points),), (self.spectrum,))
-        return self.planner.record([call], seldom)
+        return self.planner.record([call])
 
     def forward(self, source: Array) -> Callable[[], None]:
         """Plan source[:N] -> spectrum."""

@@ -4,8 +4,10 @@ import json
 import os
 import tempfile
 import warnings
+from contextlib import suppress
 from pathlib import Path
 
+from ...kernels.locks import PLANNING
 from .fftw import pyfftw
 
 _MOST = 2**24  # bytes; a plan takes some hundred
@@ -24,11 +26,12 @@ def wisdom_file() -> Path:
 
 
 def load() -> None:
-    """Import the stored wisdom once per process; a broken file is ignored with a `RuntimeWarning`."""
+    """Import the stored wisdom once per process; a broken file is removed with a `RuntimeWarning`."""
     global _loaded
-    if not _loaded:
-        _loaded = True
-        _import()
+    with PLANNING:
+        if not _loaded:
+            _loaded = True
+            _import()
 
 
 def _import() -> None:
@@ -49,7 +52,9 @@ def _import() -> None:
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         done = False
     if not done:
-        warnings.warn(f"FFTW wisdom in {path} is broken and ignored", RuntimeWarning, stacklevel=3)
+        with suppress(OSError):
+            path.unlink()  # what is planned from now on is kept in a new one
+        warnings.warn(f"FFTW wisdom in {path} was broken and is ignored", RuntimeWarning, stacklevel=3)
 
 
 def save() -> None:
@@ -57,10 +62,10 @@ def save() -> None:
     try:
         path = wisdom_file()
         path.parent.mkdir(parents=True, exist_ok=True)
-        with warnings.catch_warnings():
+        with PLANNING, warnings.catch_warnings():
             warnings.simplefilter("ignore", RuntimeWarning)
             _import()
-        double, single, long_double = (part.decode("ascii") for part in pyfftw.export_wisdom())
+            double, single, long_double = (part.decode("ascii") for part in pyfftw.export_wisdom())
         text = json.dumps({"double": double, "single": single, "long double": long_double})
         with tempfile.TemporaryDirectory(dir=path.parent, prefix=path.name) as folder:
             new = Path(folder) / path.name

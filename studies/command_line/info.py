@@ -1,17 +1,16 @@
 """`linecontact info`: what this installation consists of, and where it keeps its caches."""
 
-import os
 import platform
 import sys
 from dataclasses import dataclass
 
 import warp as wp
 from linecontact import kernels
-from linecontact.kernels import tuning
 from linecontact.solver import provenance
 from linecontact.solver.transforms import planner, wisdom
 from linecontact.solver.transforms.device import check_device, gpu_libraries
 
+from ..runner.executors import usable_cores
 from ..terminal import console
 from ..terminal.tables import Whole
 
@@ -40,11 +39,9 @@ def command(_: Options) -> int:
     rows = {
         **provenance.provenance(),
         "FFTW": planner.library(),
-        "threads": f"transforms 1 by default (--threads), kernels 1; {len(os.sched_getaffinity(0))} cores usable"
-        if hasattr(os, "sched_getaffinity")
-        else str(os.cpu_count()),
+        "threads": f"transforms 1 by default (--threads), kernels 1; {usable_cores()} cores usable",
         "instruction sets": kernels.instructions() or "unknown",
-        "flags of the kernels": ", ".join(f"{module} {name}" for module, name in tuning.chosen().items()),
+        "kernel flags": kernels.flags(),
         "Warp kernel cache": str(wp.config.kernel_cache_dir),
         "FFTW wisdom": f"{wisdom.wisdom_file()} ({'present' if wisdom.wisdom_file().exists() else 'none yet'})",
         "devices": ", ".join(["cpu (by default)", *_gpus()]),

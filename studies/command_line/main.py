@@ -37,6 +37,8 @@ def prepare(words: Sequence[str] | None = None) -> Callable[[], int]:
     try:
         return _command(list(sys.argv[1:] if words is None else words))
     except ValueError as error:
+        if not text.is_refusal(error):
+            raise
         text.complain(error)
         return lambda: BAD_INPUT
 

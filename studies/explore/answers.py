@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 from linecontact.solver import Scene, Solution, Status, solve
 
+from ..terminal.text import is_refusal
+
 _ONE_AT_A_TIME = threading.Lock()
 """Pages share the solver's plans and workspaces."""
 
@@ -48,10 +50,9 @@ def answer(make: Callable[[], Scene], dropped: Callable[[], bool]) -> Answer:
             solution = solve(scene, progress=check)
     except DroppedError:
         raise
-    except ValueError as error:
-        return Answer(scene, None, f"Refused: {error}", time.perf_counter() - began)
     except Exception as error:  # also of an indenter or a layer of one's own: the page must say so and go on
-        return Answer(scene, None, f"Failed: {type(error).__name__}: {error}", time.perf_counter() - began)
+        why = f"Refused: {error}" if is_refusal(error) else f"Failed: {type(error).__name__}: {error}"
+        return Answer(scene, None, why, time.perf_counter() - began)
     seconds = time.perf_counter() - began
     if solution.status is not Status.CONVERGED:
         return Answer(scene, None, f"Not converged ({solution.status}): {solution.reason}", seconds)

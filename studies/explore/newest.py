@@ -1,14 +1,23 @@
 """The newest event wins: a thread that works on the newest request, and on none that a newer one has replaced."""
 
+import sys
 import threading
+import traceback
 from collections.abc import Callable
 from typing import Generic, TypeVar
+
+from ..terminal.text import BUG
 
 Request = TypeVar("Request")
 
 
 class Newest(Generic[Request]):
-    """Does requests one at a time on a thread of its own. Those that wait when a newer one comes are dropped."""
+    """Does requests one at a time on a thread of its own. Those that wait when a newer one comes are dropped, and one
+    that fails is told on standard error.
+    """
+
+    told = 5.0
+    """Time within which whoever closes a document ends the work for it [s]."""
 
     def __init__(self, work: Callable[[Request], None]) -> None:
         """work: does a request; where it takes long, it asks `outdated` whether to go on."""
@@ -50,4 +59,11 @@ class Newest(Generic[Request]):
                 if self._ended:
                     return
                 request = self._waiting.pop()
-            self._work(request)
+            try:
+                self._work(request)
+            except Exception:
+                with self._changed:  # a document is gone a little before its page is told to end
+                    if self._changed.wait_for(lambda: self._ended, self.told):
+                        return
+                print(BUG, file=sys.stderr)
+                traceback.print_exc()

@@ -6,6 +6,7 @@ What cannot be read or written raises `StoreError`, whose message names the file
 import contextlib
 import itertools
 import os
+import secrets
 import tempfile
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -18,9 +19,6 @@ MAX_NAME = 200
 
 Named = tuple[str, Path]
 """An option of the command line, and a file that it names."""
-
-_UMASK = os.umask(0)
-os.umask(_UMASK)
 
 
 class StoreError(ValueError):
@@ -95,14 +93,12 @@ def write_bytes(path: Path, parts: Iterable[bytes]) -> None:
     """Write a file, part by part, beside its final name and rename it; a link is followed. Raises `StoreError`."""
     path = path.resolve()
     try:
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
-        temporary = Path(name)
+        temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
         try:
-            with os.fdopen(handle, "wb") as target:
+            with temporary.open("xb") as target:
                 target.writelines(parts)
                 target.flush()
                 os.fsync(target.fileno())
-            temporary.chmod(0o666 & ~_UMASK)
             temporary.replace(path)
         finally:
             temporary.unlink(missing_ok=True)

@@ -9,7 +9,7 @@ import tempfile
 from pathlib import Path
 from typing import NamedTuple
 
-from linecontact.kernels import instructions, layout, processor
+from linecontact.kernels import derived, instructions, layout, processor
 from linecontact.solver.transforms.wisdom import cache_folder
 
 from .benchmark import READS, Benchmark
@@ -156,25 +156,16 @@ def compile_c() -> Compiled:
 
 
 def _loaded(compiler: str, flags: list[str], key: str) -> ctypes.CDLL:
-    """The library with this key; one that cannot be loaded is built anew."""
-    try:
-        return ctypes.CDLL(str(_build(compiler, flags, key)))
-    except OSError:
-        (cache_folder() / "c" / f"{key}.so").unlink(missing_ok=True)
-        return ctypes.CDLL(str(_build(compiler, flags, key)))
-
-
-def _build(compiler: str, flags: list[str], key: str) -> Path:
     """The library with this key, from the cache or compiled into it."""
     folder = cache_folder() / "c"
     library = folder / f"{key}.so"
-    if library.exists():
-        return library
-    folder.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=folder) as temporary:
-        code, made = Path(temporary) / "loops.c", Path(temporary) / "loops.so"
-        code.write_text(source())
-        command = [compiler, *flags, "-shared", "-fPIC", "-o", str(made), str(code), "-lm"]
-        subprocess.run(command, capture_output=True, text=True, check=True)
-        made.replace(library)
-    return library
+    if not derived.is_whole(library):
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=folder) as temporary:
+            code, made = Path(temporary) / "loops.c", Path(temporary) / "loops.so"
+            code.write_text(source())
+            command = [compiler, *flags, "-shared", "-fPIC", "-o", str(made), str(code), "-lm"]
+            subprocess.run(command, capture_output=True, text=True, check=True)
+            made.replace(library)
+        derived.seal(library)
+    return ctypes.CDLL(str(library))

@@ -17,7 +17,6 @@ from pathlib import Path
 from typing import Any
 
 from linecontact import kernels, solver
-from linecontact.kernels import tuning
 from linecontact.solver.provenance import provenance
 from linecontact.solver.transforms import planner
 
@@ -39,22 +38,15 @@ def identity() -> dict[str, str]:
     libraries |= {"FFTW": planner.library(), "Python": platform.python_version()}
     found = {
         "source": source_hash(),
-        "flags": _flags(),
+        "flags": kernels.flags(),
         "chunk": str(kernels.CHUNK),
         "compiler": compile_c().compiler,
-        "target": wp.get_cpu_kernel_cache_key(cpu_compiler_flags=kernels.flags()["warp_fire"]),
+        "target": wp.get_cpu_kernel_cache_key(cpu_compiler_flags=kernels.flags()),
         "processor": provenance()["processor"],
         "caches": ", ".join(f"{name} {size >> 10} KiB" for name, size in caches().items()),
         "instructions": kernels.instructions(),
     }
     return found | libraries | {name: _version(name) for name in LIBRARIES if name not in libraries}
-
-
-def _flags() -> str:
-    """The flags of all modules of kernels, then those that a module has besides."""
-    common = tuning.base()
-    own = {module: flags.removeprefix(common).strip() for module, flags in sorted(kernels.flags().items())}
-    return "; ".join([common, *(f"{module} also {flags}" for module, flags in own.items() if flags)])
 
 
 def _version(library: str) -> str:
@@ -153,7 +145,7 @@ def compile_seconds() -> dict[str, float]:
     found = {}
     with tempfile.TemporaryDirectory() as folder:
         for name in ("cold", "warm"):
-            environment = os.environ | {"WARP_CACHE_PATH": folder, tuning.VARIABLE: "default"}
+            environment = os.environ | {"WARP_CACHE_PATH": folder}
             command = [sys.executable, "-c", program]
             said = subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout
             found[f"seconds.compile.{name}"] = float(said.split()[-1])

@@ -24,6 +24,7 @@ from dataclasses import dataclass
 from linecontact.solver.methods import Progress
 
 from ..terminal import console
+from ..terminal.text import is_refusal
 from . import executors
 from .tasks import Record, Task, TaskFolder, check_record, identity
 
@@ -41,7 +42,7 @@ def perform(task: Task, report: Progress | None = None) -> Record:
         record = task.run(report)
         check_record(record)
     except Exception as error:
-        where = "" if isinstance(error, ValueError) else f", {console.place(error)}"
+        where = "" if is_refusal(error) else f", {console.place(error)}"
         raise TaskError(" ".join(f"{type(error).__name__}: {error}{where}".split())) from None
     if record.get("status") == "interrupted":
         raise KeyboardInterrupt

@@ -97,9 +97,12 @@ def _compute(plans: Sequence[Plan], options: Options, folder: Path) -> Files:
     ensemble: Ensemble
 
     def report(iteration: int, residual: float) -> None:
-        known = "" if math.isnan(residual) else f", residual {residual:.1e}"
-        share, state = progress(ensemble)
-        bar.show(share, f"{state}; iteration {iteration}{known}")
+        def tell() -> tuple[float, str]:
+            known = "" if math.isnan(residual) else f", residual {residual:.1e}"
+            share, state = progress(ensemble)
+            return share, f"{state}; iteration {iteration}{known}"
+
+        bar.show(tell)
 
     def more() -> list[Task]:
         """What the plans ask for when they have the records so far."""
@@ -116,9 +119,9 @@ def _compute(plans: Sequence[Plan], options: Options, folder: Path) -> Files:
         with writing.expecting(folder):
             ensemble = _begin(plans, options, folder)
         with console.Bar(", ".join(plan.kind for plan in plans)) as bar:
-            bar.start, _ = progress(ensemble)
+            bar.show(lambda: progress(ensemble))
             try:
-                ensemble.run(pool.make, pool.limit, lambda now: bar.show(*progress(now)), more)
+                ensemble.run(pool.make, pool.limit, lambda now: bar.show(lambda: progress(now)), more)
             except BaseException:
                 # a full disk: the tasks' files are there; a finished file, of another accuracy, is worth more
                 with contextlib.suppress(writing.StoreError):

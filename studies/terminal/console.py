@@ -1,7 +1,6 @@
 """What the terminal shows: progress with residual and remaining time, and the exit statuses."""
 
 import contextlib
-import errno
 import math
 import os
 import sys
@@ -9,7 +8,7 @@ import time
 import traceback
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TextIO, TypeVar
 
 from linecontact.solver import Status
 from linecontact.solver.methods import Progress as Report
@@ -20,7 +19,7 @@ from rich.text import Text
 
 from . import arguments
 from .tables import Whole
-from .text import printable
+from .text import BUG, OUTPUT, is_refusal, printable
 
 KEPT = "; finished tasks are kept"
 Parsed = TypeVar("Parsed")
@@ -30,9 +29,6 @@ EXIT_NOT_CONVERGED = 3
 EXIT_FAILED = 4
 EXIT_INTERRUPTED = 130
 EXIT_BROKEN_PIPE = 141
-
-_FULL = {errno.ENOSPC, errno.EFBIG, errno.EIO}
-"""Error numbers of a disk that cannot be written to."""
 
 
 class Plain(Console):
@@ -55,19 +51,19 @@ class Plain(Console):
 
 
 class _Messages(Plain):
-    """Standard error. Without a reader nothing more is said, and the command ends as it would have."""
+    """Standard error. Where it cannot be written nothing more is said, and the command ends as it would have."""
 
-    def print(self, *objects: Any, **options: Any) -> None:
-        """As of any console; older versions of Rich do not ask `on_broken_pipe`."""
+    def _check_buffer(self) -> None:
+        """What all of Rich's output goes through, its thread's, too."""
         try:
-            super().print(*objects, **options)
-        except BrokenPipeError:
+            super()._check_buffer()
+        except OSError:
             self.on_broken_pipe()
 
     def on_broken_pipe(self) -> None:
         """Rich would end the process with status 1."""
         self.quiet = True
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stderr.fileno())
+        silence(sys.stderr)
 
 
 class Output(Plain):
@@ -76,6 +72,11 @@ class Output(Plain):
     def on_broken_pipe(self) -> None:
         """Rich would end the process with status 1."""
         raise BrokenPipeError
+
+
+def silence(stream: TextIO) -> None:
+    """Let a stream that cannot be written go nowhere: the flush at exit must not fail again."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 errors = _Messages(stderr=True, highlight=False)
@@ -98,11 +99,11 @@ class Bar:
     """Progress on standard error: a bar on a terminal, a plain line every `every` seconds elsewhere."""
 
     every = 5.0
-    start = 0.0
-    """Share of the work that was done before."""
 
     def __init__(self, what: str) -> None:
         self._what, self._begin, self._said = what, time.monotonic(), time.monotonic()
+        self._start: float | None = None  # share of the work when it was shown first
+        self._broken = False
         columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:3.0f} %"))
         state = TextColumn("{task.fields[state]}")
         self._progress = Progress(*columns, state, TimeElapsedColumn(), console=errors, transient=True)
@@ -117,9 +118,22 @@ class Bar:
         if errors.is_terminal:
             self._progress.stop()
 
-    def show(self, done: float, state: str) -> None:
-        """`done`: share of the work, 0 to 1; `state`: what to say beside it and the time left."""
-        since = (done - self.start) / max(1e-9, 1 - self.start)
+    def show(self, tell: Callable[[], tuple[float, str]]) -> None:
+        """Show what `tell` gives: the share of the work that is done, 0 to 1, and a text to stand before the time left.
+
+        Whatever goes wrong in that, or in showing it, is said once and ends no work.
+        """
+        if not self._broken:
+            try:
+                self._show(*tell())
+            except Exception as error:
+                self._broken = True
+                errors.print(f"{BUG}: the progress cannot be shown ({type(error).__name__}: {error}, {place(error)})")
+
+    def _show(self, done: float, state: str) -> None:
+        done = min(max(done, 0.0), 1.0) if done == done else 0.0
+        self._start = done if self._start is None else self._start
+        since = (done - self._start) / max(1e-9, 1 - self._start)
         text = f"{state}, {remaining(since, time.monotonic() - self._begin)}"
         self._progress.update(self._task, completed=done, state=text)
         if not errors.is_terminal and time.monotonic() - self._said > self.every:
@@ -135,18 +149,23 @@ def remaining(done: float, elapsed: float) -> str:
     return f"about {seconds:.0f} s left" if seconds < 100 else f"about {seconds / 60:.0f} min left"
 
 
+_LARGEST = 10.0  # residual from which on decades are counted
+
+
 @contextlib.contextmanager
 def solve_progress(tolerance: float) -> Iterator[Report]:
     """Reports a solve: progress counts decades of the residual, which fall at an even pace on the average."""
     worst = tolerance
     with Bar("solve") as progress:
 
-        def report(iteration: int, residual: float) -> None:
+        def share(residual: float) -> float:
             nonlocal worst
-            worst = max(worst, min(residual, 10.0))
-            total = math.log(worst / tolerance)
-            done = max(0.0, math.log(worst / max(residual, tolerance)) / total) if total > 0 else 1.0
-            progress.show(done, f"iteration {iteration}, residual {residual:.1e}")
+            left = min(max(residual, tolerance), _LARGEST) if residual == residual else _LARGEST
+            worst = max(worst, left)
+            return math.log(worst / left) / math.log(worst / tolerance) if worst > tolerance else 1.0
+
+        def report(iteration: int, residual: float) -> None:
+            progress.show(lambda: (share(residual), f"iteration {iteration}, residual {residual:.1e}"))
 
         yield report
 
@@ -160,33 +179,39 @@ def place(error: BaseException) -> str:
 def guard(command: Callable[[], int], kept: str = "") -> int:
     """Run a command; bad input ends in one line and status 2, Ctrl-C in 130, a reader that went away in 141.
 
-    kept: what Ctrl-C leaves, to be said.
+    kept: what Ctrl-C leaves, to be said. Whatever else ends it is a bug: it is passed on, for a traceback and status 1.
     """
     try:
         status = command()
         sys.stdout.flush()
         return status
-    except ValueError as error:
-        errors.print(f"linecontact: {' '.join(str(error).split())}")
-        return EXIT_BAD_INPUT
     except KeyboardInterrupt:
         errors.print(f"linecontact: interrupted{kept}")
         return EXIT_INTERRUPTED
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # the flush at exit must not fail again
+        silence(sys.stdout)
         return EXIT_BROKEN_PIPE
-    except MemoryError as error:
-        errors.print(f"linecontact: not enough memory ({' '.join(str(error).split())}); allowed: fewer points")
-        return EXIT_BAD_INPUT
-    except OSError as error:
-        of_output = error.filename is None and error.errno in _FULL  # of a file it would be a `StoreError`
-        said = f"standard output could not be written ({error.strerror})" if of_output else str(error)
+    except Exception as error:
+        said = _refusal(error)
+        if not said:
+            if BUG not in getattr(error, "__notes__", ()):
+                error.add_note(BUG)
+            raise
         errors.print(f"linecontact: {said}")
-        try:
-            sys.stdout.flush()
-        except OSError:
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return EXIT_BAD_INPUT
+
+
+def _refusal(error: Exception) -> str:
+    """What to say of an error that is no bug; empty for a bug."""
+    text = " ".join(str(error).split())
+    if isinstance(error, MemoryError):
+        return f"not enough memory ({text}); allowed: fewer points"
+    if isinstance(error, OSError) and error.filename == OUTPUT:
+        silence(sys.stdout)
+        return f"{OUTPUT} could not be written ({error.strerror})"
+    if isinstance(error, OSError):
+        return text if error.filename else ""
+    return text if is_refusal(error) else ""
 
 
 def run(options: type[Parsed], command: Callable[[Parsed], int], prog: str) -> int:

@@ -44,6 +44,8 @@ def read(kind: str) -> Declaration | None:
     if found is None:
         return None
     module, node = found
+    if module == "typing":  # its classes have no fields, and since Python 3.12 not all have a source
+        return Declaration("", {})
     text = ast.get_docstring(node) or ""
     fields: dict[str, str] = {}
     for base in reversed(node.bases):

@@ -1,7 +1,10 @@
 """Text for a terminal, whatever it holds. Imports nothing that takes time: a mistyped option is refused at once."""
 
+import io
 import math
+import os
 import sys
+from typing import Any, TextIO
 
 IN_RANGE = f"a number of {math.ulp(0.0):.1e} to {sys.float_info.max:.1e} in size"
 """What is allowed where `number` raises `OverflowError`."""
@@ -55,3 +58,54 @@ def printable(text: str) -> str:
 def complain(message: object) -> None:
     """Write one line on standard error that says what is wrong."""
     print(f"linecontact: {printable(' '.join(str(message).split()))}", file=sys.stderr)
+
+
+OUTPUT = "standard output"
+BUG = "linecontact: a bug, please report it with this traceback"
+
+
+def is_refusal(error: BaseException) -> bool:
+    """Whether a `raise` of ours has raised a `ValueError`, which says what is wrong with the input.
+
+    One that Python or a library has raised, like that of the logarithm of 0, is a bug of ours.
+    """
+    import dis
+
+    place = error.__traceback__
+    while place and place.tb_next:
+        place = place.tb_next
+    if place is None or not isinstance(error, ValueError):
+        return False
+    ours = str(place.tb_frame.f_globals.get("__package__")).partition(".")[0] == __name__.partition(".")[0]
+    return ours and dis.opname[place.tb_frame.f_code.co_code[place.tb_lasti]] == "RAISE_VARARGS"
+
+
+class _Standard(io.FileIO):
+    """A standard stream that is written to; what goes wrong there has the stream for its file."""
+
+    def write(self, data: Any, /) -> int:
+        """As of any file."""
+        try:
+            return super().write(data)
+        except OSError as error:
+            error.filename = OUTPUT if self.fileno() == 1 else "standard error"
+            raise
+
+
+def open_streams() -> None:
+    """Open the standard streams as the program needs them: those that it was started without lead nowhere, and what the
+    terminal's encoding does not have is spelled out.
+    """
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:  # the first free number is given next, and children must not be without it either
+            os.set_inheritable(os.open(os.devnull, os.O_RDWR), True)
+    sys.stdout, sys.stderr = (_open(number, now) for number, now in ((1, sys.stdout), (2, sys.stderr)))
+
+
+def _open(number: int, now: TextIO | None) -> TextIO:
+    raw = _Standard(number, "w", closefd=False)
+    lines = number == 2 or raw.isatty()
+    known = now.encoding if now else "utf-8"
+    return io.TextIOWrapper(io.BufferedWriter(raw), known, "backslashreplace", line_buffering=lines)

@@ -15,7 +15,7 @@ class Compliance:
         """Makes a field of the target's length and type."""
         self.target = transforms.field()
         forward, inverse = transforms.forward(self.target), transforms.inverse(self.target)
-        multiply = transforms.multiplication(symbol, self.target, seldom=True)
+        multiply = transforms.multiplication(symbol, self.target)
         self._parts = forward, multiply, inverse
 
     def apply(self, places: Indices | slice, values: Array64) -> None:

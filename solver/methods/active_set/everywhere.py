@@ -49,7 +49,7 @@ class Everywhere:
     @cached_property
     def _advance(self) -> Callable[[], None]:
         call = Call("advance_response", (self._operators[0].target, self._state), (self.field,))
-        return record(self._backend, [call], seldom=True)
+        return record(self._backend, [call])
 
     def rest(self) -> None:
         """Give back the operators on a large grid; they are made anew when they are needed."""
@@ -59,7 +59,7 @@ class Everywhere:
     @cached_property
     def _count(self) -> Callable[[], None]:
         call = Call("count_below", (self.field, self._height, self._state), (self._counts,))
-        return record(self._backend, [call], seldom=True)
+        return record(self._backend, [call])
 
     def renew(self, places: Indices, pressure: Array64) -> None:
         """Make the response to a pressure at these places, 0 elsewhere [p]."""

@@ -1,0 +1,31 @@
+"""Files that can be made again, with checksums beside them: what a power cut has left of one is not taken for it."""
+
+import hashlib
+import os
+from contextlib import suppress
+from pathlib import Path
+
+
+def is_whole(file: Path) -> bool:
+    """Whether a file is there with the content that it was sealed with."""
+    try:
+        return _seal(file).read_bytes() == _checksum(file)
+    except OSError:
+        return False
+
+
+def seal(file: Path) -> None:
+    """Note what a file holds now, if the folder can be written to; it is made anew by the next process if not."""
+    new = _seal(file).with_suffix(f".{os.getpid()}")
+    with suppress(OSError):
+        if not is_whole(file):
+            new.write_bytes(_checksum(file))
+            new.replace(_seal(file))
+
+
+def _seal(file: Path) -> Path:
+    return file.with_name(f"{file.name}.sha256")
+
+
+def _checksum(file: Path) -> bytes:
+    return hashlib.sha256(file.read_bytes()).hexdigest().encode()

@@ -1,0 +1,320 @@
+"""Processes as they happen to be: with threads, forked, after a power cut, without streams, on full disks, or wrong."""
+
+import math
+import os
+import subprocess
+import sys
+
+import linecontact
+import pytest
+from linecontact.kernels import derived
+from linecontact.solver import MeasuredIndenter
+from linecontact.studies.explore.newest import Newest
+from linecontact.studies.kernel_benchmark import c_code
+from linecontact.studies.terminal import console
+from linecontact.studies.terminal.text import BUG, is_refusal
+
+CLI = [sys.executable, "-m", "linecontact.studies"]
+SOLVE = [*CLI, "solve", "--num-points", "64", "--json"]
+posix = pytest.mark.skipif(os.name != "posix", reason="as POSIX has it")
+
+
+def run(command, **options):
+    return subprocess.run(command, capture_output=True, text=True, timeout=300, **options)
+
+
+def python(program, **environment):
+    return run([sys.executable, "-W", "ignore", "-c", program], env={**os.environ, **environment})
+
+
+THREADS = """
+import os, threading
+from linecontact import Scene, solve
+
+begin, before = threading.Barrier(4), os.fstat(2)
+
+def work():
+    begin.wait()
+    solve(Scene(num_points=64), method="fire", tolerance=0.1)
+
+threads = [threading.Thread(target=work) for _ in range(4)]
+for thread in threads:
+    thread.start()
+for thread in threads:
+    thread.join()
+after = os.fstat(2)
+print((before.st_dev, before.st_ino) == (after.st_dev, after.st_ino))
+"""
+
+
+def test_threads_that_start_warp_at_once_leave_standard_error_as_it_is():
+    said = python(THREADS)
+    assert said.stdout == "True\n"
+    assert said.stderr.count("\n") <= 1  # where the kernels are compiled once
+
+
+FORKS = """
+import os, signal, threading
+from linecontact import Layer, Scene, solve
+
+METHODS, ended = ("active-set", "mass-weighted-fire"), []
+
+def work(start):
+    i = start
+    while not ended:
+        i += 1
+        scene = Scene(Layer(thickness=0.1 + i * 1e-4), num_points=2 ** (10 + i % 4))
+        solve(scene, method=METHODS[i % 2], tolerance=1e-3)
+
+solve(Scene(num_points=64), method="fire", tolerance=0.1)
+threads = [threading.Thread(target=work, args=(1000 * i,)) for i in range(2)]
+for thread in threads:
+    thread.start()
+for i in range(20):
+    child = os.fork()
+    if not child:
+        signal.alarm(60)
+        solution = solve(Scene(Layer(thickness=0.3 + i * 1e-3), num_points=2 ** (10 + i % 4)), method=METHODS[i % 2])
+        os._exit(solution.status != "converged")
+    print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+ended.append(True)
+"""
+
+
+@posix
+def test_children_of_a_process_that_is_solving_solve_too():
+    said = python(FORKS)
+    assert said.stdout.split() == ["0"] * 20, said.stderr
+
+
+OWN_THREADS = """
+import os
+import pyfftw
+from linecontact import Scene, solve
+
+values = pyfftw.zeros_aligned(2**16)
+pyfftw.FFTW(values, pyfftw.zeros_aligned(2**15 + 1, dtype=complex), threads=2)()
+child = os.fork()
+if not child:
+    solve(Scene(num_points=64))
+    try:
+        solve(Scene(num_points=2**16), threads=2)
+    except ValueError as error:
+        os._exit(17 if "threads is 2; allowed: 1 in a process that was forked" in str(error) else 1)
+    os._exit(2)
+print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+"""
+
+
+@posix
+def test_a_forked_process_waits_for_no_threads_of_the_user_s_own_transforms():
+    assert python(OWN_THREADS).stdout == "17\n"
+
+
+DAMAGES = {
+    "empty": lambda content: b"",
+    "truncated": lambda content: content[: len(content) // 2],
+    "garbage": lambda content: bytes(reversed(content)),
+    "one bit": lambda content: content[:-1] + bytes([content[-1] ^ 1]) if content else b"x",
+}
+LOAD = (
+    "import linecontact.kernels as k; k.load(); import linecontact as l; print(l.solve(l.Scene(num_points=64)).status)"
+)
+
+
+@pytest.fixture(scope="module")
+def kernel_cache(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("kernels")
+    assert python(LOAD, WARP_CACHE_PATH=str(folder)).stdout == "converged\n"
+    return folder
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_a_damaged_kernel_cache_is_made_again_once(kernel_cache, damage):
+    files = [file for file in kernel_cache.rglob("*") if file.suffix in (".o", ".meta", ".cpp")]
+    whole = {file: file.read_bytes() for file in files}
+    assert len(files) == 12
+    for file, content in whole.items():
+        file.write_bytes(DAMAGES[damage](content))
+    for said in ("linecontact: compiling kernels for this processor, once; this takes some seconds\n", ""):
+        again = python(LOAD, WARP_CACHE_PATH=str(kernel_cache))
+        assert (again.stdout, again.stderr) == ("converged\n", said)
+    assert all(derived.is_whole(file) for file in files if file.suffix != ".cpp")
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_a_damaged_library_of_c_is_made_again(tmp_path, monkeypatch, damage):
+    """A process that loads a truncated one may end at once, so it is not loaded."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    if not c_code.compile_c.__wrapped__().libraries:
+        pytest.skip("no C compiler")
+    for library in tmp_path.rglob("*.so"):
+        content = library.read_bytes()
+        library.unlink()  # this process has loaded it
+        library.write_bytes(DAMAGES[damage](content))
+        assert not derived.is_whole(library)
+    assert (
+        python(
+            "from linecontact.studies.kernel_benchmark.c_code import compile_c; print(len(compile_c().libraries))",
+            XDG_CACHE_HOME=str(tmp_path),
+        ).stdout
+        == f"{len(c_code.BUILDS)}\n"
+    )
+    assert all(derived.is_whole(library) for library in tmp_path.rglob("*.so"))
+
+
+@posix
+@pytest.mark.parametrize("closed", ["<&-", ">&-", "2>&-", "<&- >&- 2>&-"])
+@pytest.mark.parametrize("words", ["solve --num-points 64 --save run.h5", "info", "--version", "solve --help"])
+def test_closed_streams(tmp_path, words, closed):
+    ended = run(["sh", "-c", f'"$0" -m linecontact.studies {words} {closed}', sys.executable], cwd=tmp_path)
+    assert (ended.returncode, ended.stderr) == (0, "")
+    assert (tmp_path / "run.h5").exists() == ("save" in words)
+    assert bool(ended.stdout) == (">&-" not in closed.split())
+    refused = run(["sh", "-c", f'"$0" -m linecontact.studies plot nothing.h5 {closed}', sys.executable], cwd=tmp_path)
+    assert refused.returncode == 2
+
+
+@posix
+@pytest.mark.parametrize("name", ["ü.csv", os.fsdecode(b"b\xffd.csv")])
+@pytest.mark.parametrize(
+    "locale", [{"PYTHONIOENCODING": "ascii"}, {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}]
+)
+def test_a_terminal_that_knows_few_characters(tmp_path, name, locale):
+    rows = "".join(f"{i},{math.sin(i / 9):.4f}\n" for i in range(64))
+    (tmp_path / name).write_text("x [um],z [um]\n" + rows)
+    words = [
+        *CLI,
+        "solve",
+        "--profile",
+        "file",
+        "--profile-file",
+        name,
+        "--thickness",
+        "1mm",
+        "--contact-modulus",
+        "1e6",
+    ]
+    words += ["--save", name[:-4] + ".h5", "--plot"]
+    environment = {**os.environ, **locale}
+    for status, more in (
+        (0, ["--pressure", "200"]),
+        (2, ["--pressure", "200"]),
+        (2, ["--pressure", "-1", "--overwrite"]),
+    ):
+        ended = subprocess.run([*words, *more], capture_output=True, cwd=tmp_path, env=environment, timeout=300)
+        assert ended.returncode == status, ended.stderr
+        assert b"Traceback" not in ended.stderr
+        assert ended.stdout.isascii()
+    assert len(list(tmp_path.iterdir())) == 4
+
+
+SMALL_FILES = """
+import resource, sys
+resource.setrlimit(resource.RLIMIT_FSIZE, (2**15, 2**15))
+from linecontact.studies.__main__ import main
+sys.exit(main())
+"""
+
+
+@posix
+def test_a_disk_that_is_full_is_named(tmp_path):
+    """A limit on files stands for it."""
+    words = [sys.executable, "-c", SMALL_FILES, "solve", "--num-points", "2^14"]
+    cold = run([*words, "--method", "fire", "--tolerance", "0.1"], env={**os.environ, "WARP_CACHE_PATH": str(tmp_path)})
+    assert cold.returncode == 2
+    told = rf"linecontact: Warp's kernel cache {tmp_path}"
+    assert cold.stderr.splitlines()[-1].startswith(told)
+    assert "WARP_CACHE_PATH" in cold.stderr
+    file = run([*words, "--save", tmp_path / "run.h5"])
+    assert file.returncode == 2
+    assert file.stderr.startswith(f"linecontact: file {tmp_path / 'run.h5'} could not be written")
+    with (tmp_path / "out").open("wb") as out:
+        out.write(bytes(2**15))
+        out.flush()
+        ended = subprocess.run([*words, "--json"], stdout=out, stderr=subprocess.PIPE, text=True, timeout=300)
+    assert ended.returncode == 2
+    assert ended.stderr == "linecontact: standard output could not be written (File too large)\n"
+
+
+def refused(make):
+    with pytest.raises(ValueError, match=r".") as caught:
+        make()
+    return is_refusal(caught.value)
+
+
+def test_only_what_we_raise_ourselves_is_bad_input():
+    assert refused(lambda: linecontact.Layer(thickness=-1))
+    assert refused(lambda: MeasuredIndenter([[1]]))
+    for bug in (lambda: math.log(0), lambda: float("x"), lambda: int("9" * 5000), lambda: max([]), lambda: [].index(1)):
+        assert not refused(bug)
+        with pytest.raises(ValueError, match=r".") as caught:
+            console.guard(bug)
+        assert caught.value.__notes__ == [BUG]
+
+
+BROKEN = """
+import math, sys
+from linecontact.solver.strategy import to_tolerance
+to_tolerance.solve_to_tolerance.__globals__["_prepare"] = lambda *_: math.log(0)
+from linecontact.studies.__main__ import main
+sys.exit(main())
+"""
+
+
+def test_a_bug_is_a_traceback_and_status_1():
+    ended = run([sys.executable, "-c", BROKEN, "solve", "--num-points", "64"])
+    assert ended.returncode == 1
+    assert ended.stderr.startswith("Traceback")
+    assert ended.stderr.endswith(f"{BUG}\n")
+    assert "a bug, please report" in BUG
+
+
+ODD = [math.inf, math.nan, -math.inf, 0.0, -0.0, -1.0, 5e-324, 1e-8, 1e308, 3.0]
+
+
+@pytest.mark.parametrize("terminal", [True, False])
+@pytest.mark.parametrize("tolerance", [1e-14, 0.5, 10.0])
+def test_progress_takes_any_residual(capsys, monkeypatch, terminal, tolerance):
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setattr(console, "errors", type(console.errors)(stderr=True, highlight=False, force_terminal=terminal))
+    monkeypatch.setattr(console.Bar, "every", -1.0)
+    real = console.Progress.update
+    monkeypatch.setattr(console.Progress, "update", lambda *given, **named: real(*given, **named, refresh=True))
+    for first in ODD:
+        with console.solve_progress(tolerance) as report:
+            for i, residual in enumerate([first, *ODD, *reversed(ODD)]):
+                report(i, residual)
+    said = capsys.readouterr().err
+    assert BUG not in said
+    assert "solve" in said
+
+
+def test_progress_that_fails_is_told_once_and_ends_nothing(capsys):
+    with console.Bar("work") as bar:
+        for share in (lambda: (math.nan, ""), lambda: (math.inf, ""), lambda: (math.log(0), ""), lambda: 1 / 0):
+            bar.show(share)
+    assert capsys.readouterr().err.count(BUG) == 1
+
+
+def test_a_callback_of_the_user_s_own_may_end_a_solve(monkeypatch):
+    monkeypatch.setattr("linecontact.solver.methods.relaxation.time.monotonic", iter(range(100)).__next__)
+    with pytest.raises(ZeroDivisionError):
+        linecontact.solve(linecontact.Scene(num_points=2**12), progress=lambda *_: 1 / 0)
+
+
+@pytest.mark.parametrize("ended", [True, False])
+def test_work_for_a_page_that_is_closed_is_no_traceback(capsys, ended):
+    def work(_):
+        if ended:
+            newest._ended = True
+        raise AttributeError("the document is gone")
+
+    newest = Newest(work)
+    if not ended:
+        newest.told = 0.0
+    newest.ask(None)
+    newest._thread.join(1.0)
+    assert newest._thread.is_alive() != ended
+    newest.end(10.0)
+    assert ("AttributeError" in capsys.readouterr().err) != ended
