@@ -24,7 +24,7 @@ from .layout import COLUMNS
 from .module_copies import copy_module
 
 MODULES = {
-    "warp_fields": ("spectral_multiply", "mirror_multiply", "paired_multiply", "advance_response", "count_below"),
+    "warp_fields": ("spectral_multiply", "paired_multiply", "advance_response", "count_below"),
     "warp_fire": ("restrict_to_free", "fire_control", "fire_step", "plain_step"),
     "warp_sums": ("net_force", "plain_sums"),
     "warp_columns": ("unpack_columns", "pack_columns"),

@@ -26,7 +26,5 @@ def copy_module(name: str, chunk: int, compiled_with: str, lanes: int = 1) -> Mo
     spec.loader.exec_module(copy)
     vars(copy)["CHUNK_LENGTH"] = wp.constant(chunk)
     vars(copy)["LANES"], vars(copy)["SPAN"] = wp.constant(lanes), wp.constant(lanes * chunk)
-    if "HALF_CHUNK" in vars(copy):
-        vars(copy)["HALF_CHUNK"] = wp.constant(chunk // 2)
     wp.set_module_options({"cpu_compiler_flags": compiled_with}, copy)
     return copy

@@ -24,13 +24,6 @@ def spectral_multiply(coefficient: Array, spectrum: Array) -> None:
     spectrum *= coefficient
 
 
-def mirror_multiply(straight: Array, crossed: Array, spectrum: Array) -> None:
-    """Real part re' = straight re + crossed im, imaginary part im' = straight im + crossed re; flat real views."""
-    swapped = spectrum.reshape(-1, 2)[:, ::-1].ravel()
-    spectrum *= straight
-    spectrum += crossed * swapped
-
-
 def paired_multiply(straight: Array, crossed: Array, modes: Array, product: Array) -> None:
     """straight z_k + i crossed conj(z_-k) of N/2 complex modes; flat real views, of the modes N + 2 values or more."""
     product[:] = straight * modes[: product.size] + crossed * modes[product.size + 1 : 1 : -1]

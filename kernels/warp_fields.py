@@ -16,7 +16,6 @@ wp.set_module_options({"enable_backward": False})
 CHUNK_LENGTH = wp.constant(CHUNK)
 LANES = wp.constant(1)
 SPAN = wp.constant(CHUNK)
-HALF_CHUNK = wp.constant(CHUNK // 2)
 
 
 @wp.kernel
@@ -27,19 +26,6 @@ def spectral_multiply(coefficient: wp.array[Any], spectrum: wp.array[Any]):
     for j in range(CHUNK_LENGTH):
         i = start + j * LANES
         spectrum[i] = coefficient[i] * spectrum[i]
-
-
-@wp.kernel
-def mirror_multiply(straight: wp.array[Any], crossed: wp.array[Any], spectrum: wp.array[Any]):
-    """re = straight re + crossed im, im = straight im + crossed re: any real-linear map of a mode with equal entries
-    across, on flat real views; what an even field's operator does to the modes of its packed half."""
-    start = wp.tid() * CHUNK_LENGTH
-    for j in range(HALF_CHUNK):
-        i = start + 2 * j
-        re = spectrum[i]
-        im = spectrum[i + 1]
-        spectrum[i] = straight[i] * re + crossed[i] * im
-        spectrum[i + 1] = straight[i + 1] * im + crossed[i + 1] * re
 
 
 @wp.kernel

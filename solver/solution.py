@@ -38,11 +38,11 @@ class Level(Value):
     peak_pressure: float
     """Largest contact pressure [pressure]."""
     peak_pressure_sampling: float
-    """By how much the pressure between the nodes may pass that [pressure]."""
+    """By how much the largest pressure may differ from that [pressure]."""
     approach: float
     """Rigid approach since first touch [length]."""
     approach_sampling: float
-    """By how much it may be larger, because the lowest point may lie between the nodes [length]."""
+    """By how much it may be off because the lowest point may lie between the nodes [length]."""
     num_patches: int
     """Contact patches."""
     num_patches_by_load: int
@@ -52,7 +52,7 @@ class Level(Value):
     kappa_edges_error: float
     """The same for kappa (dimensionless)."""
     unseen_gap_area: float
-    """Estimated share of the period in gaps that lie between two contact nodes (dimensionless)."""
+    """Share of the period that gaps and patches between two nodes may have (dimensionless)."""
     iterations: int
     """Iterations on this grid."""
     transform_pairs: float

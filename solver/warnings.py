@@ -54,7 +54,7 @@ class WarningKind(StrEnum):
     ERROR = "error"
     """The edges of the contact lie between so few nodes that the area is not well known."""
     ESTIMATE = "estimate"
-    """Peak pressure or approach is less than the error that is estimated for it."""
+    """Peak pressure or approach is less than the error that is estimated for it, or the peak is not resolved."""
     UNITS = "units"
     """Two numbers are so far from each other that they may be in different units."""
     STRAIN = "strain"
@@ -93,13 +93,14 @@ def find_warnings(
     if doubts := scene.indenter.doubts:  # like the units early, because it may be the cause of the others
         yield SolutionWarning(WarningKind.PROFILE, doubts)
     yield from _of_grid(scene, found, patches)
-    yield from _of_estimates(found)
+    yield from _of_estimates(found, patches)
     yield from _of_elasticity(scene, found, _strain(scene, found, patches, displacement))
     if area > NEARLY_FULL:
         text = f"{area:.4f} of the period is in contact; above {NEARLY_FULL} there is hardly anything"
-        yield SolutionWarning(
-            WarningKind.FULL, f"{text} but finer grids to compare areas and their estimated errors with"
-        )
+        text += " but finer grids to compare areas and their estimated errors with"
+        if found.unseen_gap_area > 1 - area:
+            text += "; gaps may be left between the nodes, and with them the contact stiffness is less"
+        yield SolutionWarning(WarningKind.FULL, text)
 
 
 def _of_units(scene: Scene) -> Iterator[SolutionWarning]:
@@ -143,17 +144,22 @@ def _of_grid(scene: Scene, found: Observables, patches: PatchTable) -> Iterator[
             yield SolutionWarning(WarningKind.SCAN, f"{text}: roughness that it does not resolve would change the area")
 
 
-def _of_estimates(found: Observables) -> Iterator[SolutionWarning]:
+def _of_estimates(found: Observables, patches: PatchTable) -> Iterator[SolutionWarning]:
     """Whether peak pressure and approach say more than their estimated errors; for kappa the area's warnings do."""
     estimated = {
         "peak pressure": (found.peak_pressure, found.peak_pressure_error),
         "approach": (found.approach, found.approach_error),
     }
     large = [name for name, (value, error) in estimated.items() if 0 < value < error < math.inf]
+    texts = []
+    if found.peak_pressure_sampling == math.inf:
+        nodes = int(patches.nodes[np.argmax(patches.peak_pressure)])
+        texts.append(f"the peak pressure is not resolved, with {nodes} node{'s' * (nodes > 1)} in its patch")
     if large:
         text = f"the error estimated of the {' and of the '.join(large)} is larger than the value"
-        why = "it has not settled from one nested grid to the next; more num_points"
-        yield SolutionWarning(WarningKind.ESTIMATE, f"{text}: {why}")
+        texts.append(f"{text}: it has not settled from one nested grid to the next")
+    if texts:
+        yield SolutionWarning(WarningKind.ESTIMATE, f"{'; '.join(texts)}; more num_points")
 
 
 def _strain(scene: Scene, found: Observables, patches: PatchTable, displacement: Array64) -> float:

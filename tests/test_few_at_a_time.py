@@ -21,7 +21,6 @@ from linecontact.solver.methods.active_set.contact_set import ContactSet
 from linecontact.solver.methods.active_set.few_at_a_time import FewAtATime, first_nodes
 from linecontact.solver.methods.active_set.greens_function import GreensFunction, Tables
 from linecontact.solver.methods.active_set.search import Search
-from linecontact.solver.methods.active_set.storage import Whole
 
 
 def test_when_a_search_has_failed():
@@ -195,30 +194,9 @@ def test_few_nodes_at_a_time_find_the_same_contact(even, most, monkeypatch):
         assert np.abs(found.contact_pressure - pressure).max() < 1e-6 * pressure.max()
 
 
-def test_beginning_anew_on_an_even_scene():
-    """With the lowest node and its mirror image, which carry the same."""
-    n = 2**13
-    heights = RoughIndenter(0.8, 1, 1 / 8, 1 / 8).profile(n, 1.0)
-    heights[n // 2 :] = heights[: n // 2][::-1]
-    search = active_set.begin(
-        Problem.from_scene(
-            Scene(
-                CoatedHalfSpace(1e-3, 1e-4), MeasuredIndenter(heights - heights.min(), convention="gap"), num_points=n
-            )
-        ),
-        Setting(1e-8),
-    )
-    assert search.even
-    search.start_cold()
-    search._search.circling = True
-    assert search._begun_anew()
-    assert search._now.pressure.tolist() == [n / 2, n / 2]
-    assert search._now.nodes.sum() == n - 1
-
-
 def test_sets_that_are_hard_to_iterate_on_are_eliminated():
     nodes = np.arange(0, 1200, 2)
-    now = ContactSet.of(nodes, np.ones(nodes.size), Whole(2**12))
+    now = ContactSet.of(nodes, np.ones(nodes.size), 2**12)
     assert not elimination.suits(now, Search())
     now.iterations = 41
     assert elimination.suits(now, Search())
@@ -248,7 +226,7 @@ def test_refined_elimination():
     """What rounding of the longest waves has left in a pressure is taken from it."""
     rough = RoughIndenter(0.8, 1, 1 / 8, 1 / 64)
     problem = Problem.from_scene(Scene(CoatedHalfSpace(2e-3, 1e-5), rough, 1e-3, num_points=2**13))
-    green, storage = GreensFunction(Tables(problem.rigidity.response)), Whole(2**13)
+    green = GreensFunction(Tables(problem.rigidity.response))
     modes = np.append(0.0, 1 / problem.stiffness[1:])
 
     def spread(now):
@@ -260,7 +238,7 @@ def test_refined_elimination():
         pressure[now.nodes] = now.pressure
         return pressure
 
-    now = ContactSet.of(np.arange(0, 2**13, 64), np.ones(128), storage)
+    now = ContactSet.of(np.arange(0, 2**13, 64), np.ones(128), 2**13)
     now.pressure, _ = green.solve(now.nodes, problem.height[now.nodes])
     touching, before = spread(now)
     assert elimination.refine(now, green, touching, Search())

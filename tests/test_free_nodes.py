@@ -5,7 +5,6 @@ import pytest
 from linecontact.solver import (
     CoatedHalfSpace,
     Layer,
-    MeasuredIndenter,
     PowerIndenter,
     RoughIndenter,
     Scene,
@@ -20,7 +19,6 @@ from linecontact.solver.methods.active_set.active_set import ActiveSet
 from linecontact.solver.methods.active_set.free_nodes import FreeNodes
 from linecontact.solver.methods.active_set.gap_by_gap import GapByGap
 from linecontact.solver.methods.active_set.greens_function import GreensFunction, Tables
-from linecontact.solver.methods.active_set.storage import Half, Whole
 from linecontact.solver.transforms.plain import irfft
 
 TOLERANCE = 1e-9
@@ -85,23 +83,6 @@ def test_the_preconditioner_inverts_a_short_gap_exactly():
     green = GreensFunction(Tables(problem.rigidity.response))
     found = GapByGap(green, Patches.of(free)).apply(force)
     np.testing.assert_allclose(found, np.linalg.solve(column[abs(nodes[:, None] - nodes)], force), rtol=1e-9)
-
-
-def test_a_scan_and_its_mirror_image_take_half_of_the_nodes():
-    heights = np.cumsum(np.random.default_rng(1).standard_normal(2**12)) / 2**12
-    indenter = MeasuredIndenter(np.concatenate([heights, heights[::-1]]), convention="gap")
-    scene = Scene(Layer(), indenter, 1.0, num_points=2**13)
-    problem = Problem.from_scene(Scene(Layer(), indenter, 0.4 * full_contact_pressure(scene), num_points=2**13))
-    found = [
-        active_set.begin(problem, Setting(TOLERANCE, contact_share=0.5), storage(2**13)) for storage in (Whole, Half)
-    ]
-    for one in found:
-        one.start_from_pressure((problem.height < np.median(problem.height)).astype(float))
-        assert relax(one, 2000) is Status.CONVERGED
-    assert [one.even for one in found] == [False, True]
-    assert found[1].transform_pairs < found[0].transform_pairs
-    whole, half = (one.contact_pressure for one in found)
-    np.testing.assert_allclose(whole, half, atol=100 * TOLERANCE * whole.max())
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,6 @@ LENGTHS = [1, CHUNK - 1, CHUNK, CHUNK + 1, 3 * CHUNK, 5 * CHUNK + 17]
 
 ELEMENTWISE = {
     "spectral_multiply": ("coefficient", "spectrum"),
-    "mirror_multiply": ("straight", "crossed", "spectrum"),
     "paired_multiply": ("straight", "crossed", "modes", "product"),
     "net_force": ("load", "elastic", "v", "force", "sum", "sum", "sum", "sum"),
     "plain_sums": ("elastic", "v", "sum", "sum", "sum", "sum"),
@@ -28,7 +27,6 @@ ELEMENTWISE = {
 }
 NUM_OUTPUTS = {
     "spectral_multiply": 1,
-    "mirror_multiply": 1,
     "paired_multiply": 1,
     "net_force": 5,
     "plain_sums": 4,

@@ -132,9 +132,7 @@ SCENES = [
 def test_same_contact_as_on_all_nodes(scene, nested, monkeypatch):
     near = solve(scene, nested=nested)
     response = active_set.Response
-    monkeypatch.setattr(
-        active_set, "Response", lambda problem, storage, split, *rest: response(problem, storage, None, *rest)
-    )
+    monkeypatch.setattr(active_set, "Response", lambda problem, split, *rest: response(problem, None, *rest))
     everywhere = solve(scene, nested=nested)
     assert near.status is everywhere.status is Status.CONVERGED
     np.testing.assert_array_equal(near.contact, everywhere.contact)
@@ -186,8 +184,7 @@ def test_a_poor_start_is_not_followed_everywhere():
     state = active_set.begin(problem, Setting(1e-8))
     state.start_from_pressure(pressure)
     response, now = state._response, state._now
-    held = response._nearby or response._storage
-    np.testing.assert_array_equal(now.places, held.places(now.nodes))
+    np.testing.assert_array_equal(now.places, response._nearby.places(now.nodes))
     assert response._nearby.nodes.size < 2**10
     # and where blocks do not pay any more, nodes have their values in the whole field again
     response._surround(now, np.arange(2**16))

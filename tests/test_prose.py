@@ -13,7 +13,7 @@ from linecontact.solver import METHODS, Layer, MeasuredIndenter, RoughIndenter, 
 from linecontact.solver.display import rounded_up
 from linecontact.solver.grid import contact, edges, heights, kept, problem, shares, surroundings
 from linecontact.solver.layers import coated
-from linecontact.solver.methods.active_set import elimination, storage
+from linecontact.solver.methods.active_set import elimination
 from linecontact.solver.reference import closed_forms
 from linecontact.solver.strategy import certification, precision
 from linecontact.solver.transforms import four_step, half_length
@@ -136,7 +136,6 @@ def limits_of_the_methods():
     most = certification._MOST_WORK
     assert heavy.max_iterations == most / 2**16 == 20_000
     yield f"20 000 iterations on up to 2^16 points, {most / certification._MOST_POINTS:.0f} on 2^18,"
-    yield f"half of the nodes from 2^{math.log2(storage._EVEN_FROM):.0f} points on."
 
 
 def limits_of_scenes():

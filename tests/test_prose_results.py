@@ -104,7 +104,7 @@ def errors_of_the_hertz_study():
         yield f"| {name} | rough | 1 | 0 or {rough} | {pressures} | {loads} |"
     for name, formula in (
         ("peak-pressure", r"\sqrt{{(c/{})^2 + (c'/{})^2 + s^2}}"),
-        ("approach", r"\sqrt{{(c/{})^2 + (c'/{})^2}}"),
+        ("approach", r"\sqrt{{(c/{})^2 + (c'/{})^2 + s^2}}"),
     ):
         last, before, _ = errors.QUANTITIES[name].of_changes
         yield formula.format(round(1 / last), round(1 / before))

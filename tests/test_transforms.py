@@ -56,27 +56,6 @@ def test_a_symbol_applied_in_every_way(threads, n, way, precision, backend):
         np.testing.assert_array_equal(source, values)
 
 
-@pytest.mark.parametrize("backend", ["warp", "numpy"])
-@pytest.mark.parametrize("precision", ["float32", "float64"])
-@pytest.mark.parametrize("way", ["real", "four-step"])
-@pytest.mark.parametrize("threads", [1, 3])
-@pytest.mark.parametrize("n", [1024, 3072])
-def test_conjugate_modes_multiplied_and_added(n, threads, way, precision, backend):
-    plan = Transforms(n, precision, threads, backend=backend, way=way)
-    rng = np.random.default_rng(0)
-    values, symbol = rng.standard_normal(n).astype(precision), rng.standard_normal(n // 2 + 1)
-    turned = symbol * np.exp(1j * rng.standard_normal(symbol.size))
-    turned[[0, -1]] = turned[[0, -1]].real
-    field = plan.field()
-    parts = plan.forward(field), plan.multiplication(symbol, field, turned), plan.inverse(field)
-    field[:n] = values
-    for part in parts:
-        part()
-    modes = np.fft.rfft(values.astype(np.float64))
-    exact = np.fft.irfft(modes * symbol + modes.conj() * turned, n)
-    np.testing.assert_allclose(field[:n], exact, rtol=0, atol=6 * np.finfo(precision).eps * np.log2(n))
-
-
 def test_shared_work_is_done_once_and_what_fails_is_raised():
     done = []
     sharing.do_all("abc", range(20), lambda worker, part: done.append((part, worker)))

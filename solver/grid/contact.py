@@ -67,9 +67,12 @@ def contact_edges(
     if profile is None:
         profile = scene.period * scene.indenter.profile(pressure.size, scene.period)
     scale = scene.reduced_load / (float(pressure.mean()) or 1.0)
-    patches, edges = ends(scene.layer, scene.period, profile, pressure, scale, displacement)
-    # both ends, the same way; no width is known worse than by counting; patches beside each other have left the tip
-    tip = min(2 * scene.indenter.tip_error(float(edges.width[0])), 1.0) if patches.count == 1 else 0.0
+    kinks = scene.indenter.kinked or not scene.indenter.shortest_wave(pressure.size)
+    patches, edges = ends(scene.layer, scene.period, profile, pressure, scale, kinks, displacement)
+    # all ends, the same way, those of other patches by the share of the load; no width is known worse than by counting
+    middle = pressure.size // 2
+    at_tip = np.flatnonzero((patches.first <= middle) & (middle <= patches.last) | (patches.count == 1))
+    tip = min(2 * scene.indenter.tip_error(float(edges.width[at_tip[0]])), 1.0) if at_tip.size else 0.0
     return patches, replace(edges, end_errors=np.hypot(edges.end_errors, tip * math.sqrt(0.5)))
 
 
@@ -79,14 +82,16 @@ def ends(
     profile: Array64,
     pressure: Array64,
     scale: float,
+    kinks: bool,
     displacement: Array64 | None = None,
 ) -> tuple[Patches, Edges]:
     """Patches and their sub-grid edges. profile: h [length], pressure: 0 off the contact, both shape (N,); scale: what
-    makes of that pressure the one over E*; displacement: as in `contact_edges`.
+    makes of that pressure the one over E*; kinks: whether the profile may have some; displacement: as in
+    `contact_edges`.
     """
     patches = Patches.of(pressure > 0)
     inside = pressure[patches.nodes] * scale
-    edges = replace(find_edges(patches, inside, layer, period), unseen=unseen_gaps(patches, inside))
+    edges = replace(find_edges(patches, inside, layer, period), unseen=unseen_gaps(patches, inside, kinks))
     if displacement is None or patches.full or not patches.count:
         return patches, edges
     n, spacings = pressure.size, pressure.size / period

@@ -7,11 +7,12 @@ import numpy as np
 
 from .. import display
 from ..arrays import Array64, Mask, parts
+from ..indenters import Indenter
 from ..reference.closed_forms import kappa_half_space
-from ..scene import Scene
+from ..scene import SMALLEST, Scene
 from ..value import Value
 from .contact import contact_edges
-from .edges import Edges
+from .edges import COUNTED_BELOW, Edges
 from .patch_table import PatchTable, patch_table
 from .patches import Patches
 from .problem import squared_slope, squared_slope_doubt
@@ -66,11 +67,11 @@ class Observables(Value):
     kappa_edges_error: float
     """The same for kappa."""
     peak_pressure_sampling: float
-    """By how much the pressure between the nodes may pass the largest one, see `peak_sampling` [pressure]."""
+    """By how much the largest pressure may differ from that of the nodes, see `peak_sampling` [pressure]."""
     approach_sampling: float
-    """By how much the approach may be larger, because the lowest point may lie between the nodes [length]."""
+    """By how much the approach may be off because the lowest point may lie between the nodes [length]."""
     unseen_gap_area: float
-    """Estimated share of the period in gaps between two contact nodes, and in patches between two open ones; part of
+    """Share of the period that gaps between two contact nodes, and patches between two open ones, may have; part of
     `contact_area_error`."""
     peak_pressure_error: float = math.inf
     """Estimated error of the largest contact pressure [pressure]; `inf` where no coarser grid tells."""
@@ -118,8 +119,8 @@ def observe(
         kappa_error=kappa_error,
         contact_area_edges_error=area_error,
         kappa_edges_error=kappa_error,
-        peak_pressure_sampling=peak_sampling(contact_pressure),
-        approach_sampling=scene.indenter.hidden_depth(profile),
+        peak_pressure_sampling=peak_sampling(scene.indenter, contact_pressure, patches, edges),
+        approach_sampling=approach_sampling(scene.indenter, profile, patches),
         unseen_gap_area=edges.unseen / scene.num_points,
     )
     return found, patch_table(patches, edges, contact_pressure, scene.period)
@@ -135,16 +136,46 @@ def first_node(scene: Scene) -> float:
     return scene.indenter.depth_between_nodes(scene.profile)
 
 
-def peak_sampling(pressure: Array64) -> float:
-    """By how much the pressure between the nodes may pass the largest one, in the pressure's unit.
+def peak_sampling(indenter: Indenter, pressure: Array64, patches: Patches, edges: Edges) -> float:
+    """By how much the largest pressure may differ from the largest one at a node, in the pressure's unit.
 
-    A parabola passes the largest of its nodes by an eighth of the second difference at most. 0 where a neighbour of the
-    largest node is not in contact. pressure: shape (N,).
+    Between the nodes of a patch a parabola passes the largest of them by an eighth of the second difference at most.
+    One or two nodes carry the load P of their patch and tell nothing of its pressure. With a the half-width that the
+    load tells, the largest is 2P/(pi a) below a parabola (K. L. Johnson, Contact Mechanics (1985), section 4.2), n/(n -
+    1) P/(pi a) below a sharper tip (flat punches of all widths up to a, one on the other), and on a layer that the grid
+    does not resolve at most that of a thin incompressible one, 15/16 P/a. `inf` where nothing tells a.
+
+    pressure: shape (N,); patches, edges: its contact.
     """
+    if not patches.count:
+        return 0.0
     at = int(np.argmax(pressure))
-    before, largest, after = (float(pressure[(at + step) % pressure.size]) for step in (-1, 0, 1))
-    inside = min(before, after) > 0
-    return max(2 * largest - before - after, 0.0) / 8 if inside else 0.0
+    before, highest, after = (float(pressure[(at + step) % pressure.size]) for step in (-1, 0, 1))
+    bent = max(2 * highest - before - after, 0.0) / 8 if min(before, after) > 0 else 0.0
+    few = patches.size < COUNTED_BELOW
+    if not few.any():
+        return bent
+    inside = pressure[patches.nodes]
+    largest = np.maximum.reduceat(inside, patches.offset)
+    if (largest[few & edges.counted] == highest).any():
+        return math.inf
+    exponent = indenter.power_law[0] if indenter.power_law else 2.0
+    share = np.where(edges.by_load, 2 / math.pi * max(2.0, exponent / (exponent - 1)), 15 / 8)
+    told = few & ~edges.counted
+    width = np.maximum(edges.width, SMALLEST)
+    expected = np.where(told, share * patches.sums(inside) / width, largest)
+    lead = int(np.argmax(expected))
+    doubt = expected[lead] * edges.error[lead] / width[lead] if told[lead] else 0.0
+    return max(bent, abs(float(expected[lead]) - highest) + float(doubt))
+
+
+def approach_sampling(indenter: Indenter, profile: Array64, patches: Patches) -> float:
+    """By how much the approach may be off because the lowest point may lie between the nodes, in the profile's unit.
+
+    Patches of one or two nodes do not tell how deep it is in contact before a node touches. profile: h, shape (N,).
+    """
+    resolved = patches.count > 0 and int(patches.size.max()) >= COUNTED_BELOW
+    return indenter.hidden_depth(profile) + (0.0 if resolved else indenter.depth_between_nodes(profile))
 
 
 def approach(scene: Scene, displacement: Array64, profile: Array64) -> float:

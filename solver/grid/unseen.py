@@ -2,34 +2,52 @@
 is theirs.
 """
 
+import math
+
 import numpy as np
+from numpy.polynomial.polynomial import polyval
 
 from ..arrays import Array64, parts
+from .few_nodes import response
 from .patches import Patches
 
+_THROUGH_SIX = np.linalg.inv(np.vander(np.arange(-2.5, 3), increasing=True))  # to coefficients of the polynomial
 _TURNS = 5  # until the width of a patch agrees with its depth
 
 
-def unseen_gaps(patches: Patches, pressure: Array64) -> float:
-    """Widths of gaps that lie between two contact nodes, their sum [grid spacings].
+def unseen_gaps(patches: Patches, pressure: Array64, kinks: bool) -> float:
+    """How wide gaps between two contact nodes may be, their sum [grid spacings].
 
-    pressure: as for `edges.find_edges`. In full contact the pressure beside the middle of a narrow gap of the width g
-    would be proportional to y^2 - g^2/8, with y the distance from it (H. M. Westergaard, J. Appl. Mech. 6, 49 (1939)),
-    and a grid on which no node lies in the gap has just that. So there is a gap where the parabola through four
-    pressures (least squares) is negative somewhere between the middle ones. On thin compressible layers the widths come
-    out up to 1.4 times too large, on thin incompressible ones many times. Where the pressure is no parabola, a gap near
-    a node may be missed.
+    pressure: as for `edges.find_edges`; kinks: whether the heights may have some. A gap may hide where the pressure
+    falls from both sides towards the two nodes at a minimum, in two ways:
+
+    - In full contact the pressure beside the middle of a narrow gap of the width g would be proportional to y^2 -
+      g^2/8, with y the distance from it (H. M. Westergaard, J. Appl. Mech. 6, 49 (1939)), and a grid on which no node
+      lies in the gap has just that, up to g = sqrt(2). The least pressure is that of the parabola through four nodes
+      (least squares), or of the polynomial through six there, and may be less by as much as the two differ.
+    - The pressure falls the faster the nearer. Beside a gap at a kink of the heights, which no load closes, it goes
+      like arcosh(2 y/g), far away ln(4 y/g). For a kink anywhere between the two nodes the grid has that logarithm, in
+      the mean of both nodes and of the next ones, at the y of `few_nodes.response`, 0.407 and 1.379.
     """
-    four = np.flatnonzero(patches.label[3:] == patches.label[:-3])
-    if patches.full:
-        four = np.arange(pressure.size)
-    a, b, c, d = (pressure[(four + k) % pressure.size] for k in range(4))
-    slope, bend, inner = 3 * (a - d) + b - c, a + d - b - c, b + c
-    inside = np.abs(slope) < 2.5 * bend  # the middle of the gap lies between the middle nodes
-    slope, bend, inner = slope[inside], bend[inside], inner[inside]
-    beside = slope / (5 * bend)  # [grid spacings] from halfway between them
-    squared = 2 - 16 * inner / bend + 8 * beside**2
-    return float(np.sqrt(np.maximum(squared, 0.0)).sum())
+    size, label = pressure.size, patches.label
+    four = np.arange(size) if patches.full else np.flatnonzero(label[3:] == label[:-3])
+    a, b, c, d = (pressure[(four + k) % size] for k in range(4))
+    four = four[(a > b) & (d > c) & np.where(b <= c, c <= a, b < d)]  # of two pairs beside one node the lower one
+    nodes = (four + np.arange(-1, 5)[:, None]) % size
+    six = np.where(label[nodes] == label[nodes[1]], pressure[nodes], 0.0)
+    steps = -np.diff(six, axis=0)
+    before, falls, across = steps[[0, 4]], steps[[1, 3]], steps[[2, 2]]  # towards the pair, and within it
+    before[1], falls[1], across[1] = -before[1], -falls[1], -across[1]
+    kinked = kinks & ((falls > before) | (across > falls)).all(axis=0)
+    bend, inner = falls.sum(axis=0), six[2] + six[3]
+    near, far = np.exp(-np.pi / 4 * (response()[:2] + response()[1:3]))
+    at_kink = 4 * near * (far / near) ** (-inner / bend)
+    middle = np.clip((3 * (six[1] - six[4]) + six[2] - six[3]) / (5 * bend), -0.5, 0.5)
+    by_four = inner / 2 - bend * (1 + 4 * middle**2) / 16
+    by_six = polyval(middle, _THROUGH_SIX @ six, tensor=False)
+    least = np.minimum(by_four, by_six) - np.abs(by_four - by_six)
+    smooth = np.minimum(np.sqrt(32 * np.maximum(-least, 0.0) / bend), math.sqrt(2))
+    return float(np.where(kinked, at_kink, smooth).sum())
 
 
 def unseen_patches(profile: Array64, displacement: Array64, half_space: bool) -> float:

@@ -46,13 +46,14 @@ class Indenter(Kind, Protocol):
         """By how much more the lowest point may lie below the lowest node, in the unit of `heights`, shape (N,).
 
         Between straight flanks that is up to the second difference there, in a wave an eighth of it. 0 where the lowest
-        point is known, or part of a plateau.
+        point is known, or part of a plateau. Grids that share their lowest node do not tell of it by their changes.
         """
         at = int(np.argmin(heights))
         left, lowest, right, next_one = (float(heights[(at + i) % heights.size]) for i in (-1, 0, 1, 2))
         if self.knows_lowest or lowest == right == next_one:
             return 0.0
-        return (left - 2 * lowest + right) / (8 if self.shortest_wave(heights.size) else 1)
+        wave = self.shortest_wave(heights.size) and not self.kinked
+        return (left - 2 * lowest + right) / (8 if wave else 1)
 
     @abstractmethod
     def shortest_wave(self, num_points: int) -> int:

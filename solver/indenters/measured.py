@@ -83,10 +83,6 @@ class MeasuredIndenter(Indenter):
         heights = irfft(modes, num_points) * num_points
         return np.asarray(heights - heights.min()) / period
 
-    def hidden_depth(self, heights: Array64) -> float:
-        """0: coarser grids have another lowest value, so that changes from grid to grid contain this error."""
-        return 0.0
-
     def shortest_wave(self, num_points: int) -> int:
         """The shortest wave that the values and the grid hold, see `Indenter`."""
         return min(num_points, self.heights.size, self.measured_points or self.heights.size) // 2

@@ -75,11 +75,6 @@ class Method(Protocol):
         """Whether it works in float32 with residuals in float64."""
         return False
 
-    @property
-    def even(self) -> bool:
-        """Whether it works on half of the nodes, because the scene is its own mirror image."""
-        return False
-
     def demand_every_node(self) -> None:
         """From now on every node must be right; called before the last relaxation on a grid that was begun with
         `Setting.wrong_nodes_per_patch`.

@@ -8,9 +8,9 @@ of the patches alone is e. On a surface with w points to its shortest wave its e
     peak pressure    sqrt((c/3)^2 + (c'/32)^2 + s^2)
     approach         sqrt((c/4)^2 + (c'/32)^2 + s^2)
 
-with c' the change before c and s what the nodes may miss of a peak, or of the lowest point, between them; with one
-coarser grid alone they are c and 2 c. Of scans and own indenters, which do not tell the lowest point between the nodes,
-the approach's is twice as much, and area and kappa have a further c/48 under the root.
+with c' the change before c and s what the nodes may miss of a peak, or of the lowest point, between them, which grids
+that share a node do not tell by their changes; with one coarser grid alone they are c and 2 c. Of scans and own
+indenters, which do not tell what lies between the nodes, area and kappa have a further c/48 under the root.
 
 On smooth profiles b = 0, and area and kappa have 0.36 and 0.5 of e, and c/13 and c/8 beside it. The order of pressure
 and approach is measured there, and at best the first is believed: sqrt((m c)^2 + (c'/16)^2), m = 1/(c'/c - 1) between
@@ -21,11 +21,11 @@ may have no limit, as below a kink or at a step: `inf`.
 
 Under smooth profiles e is taken whole for patches of fewer than 20 nodes, and where a table ends with the grid's
 shortest wave. b is what the errors of many patches have in common: up to 0.02 (16/w)^2.5 grid spacings for the area of
-each patch whose pressures tell where it ends (0.03 for kappa), and 0.002 (16/w)^2.5 (0.003) if its load does. g is one
-and a half times the widths of gaps and patches that lie between two nodes, over the period; in kappa it is the same
-share. Under a power profile with n > 2 the width has a further 2/s^3 spacings, up to 2, with s those in which the slope
-at its ends becomes e times as large. Under heights with a few kinks each patch of m nodes on the average has a further
-2/m (6/m for kappa), and c counts in full. What these numbers stand for is said in docs/accuracy.md.
+each patch whose pressures tell where it ends (0.03 for kappa), and 0.002 (16/w)^2.5 (0.003) if its load does. g is the
+most that gaps and patches between two nodes may be wide, over the period, see `unseen`; in kappa it is the same share.
+Under a power profile with n > 2 the width has a further 2/s^3 spacings, up to 2, with s those in which the slope at its
+ends becomes e times as large. Under heights with a few kinks, and where a power profile's contact has split, c counts
+in full. What these numbers stand for is said in docs/accuracy.md.
 
 Under a stiff coating thinner than a grid spacing the nodes may miss anything of the peak pressure (`inf`), and under
 one of a few spacings the contact of a sharp tip (n < 2) may split between them: then nothing but the approach has an
@@ -69,13 +69,11 @@ class Quantity:
     per_patch: tuple[float, float] = (0.0, 0.0)
     """Error that patches have in common at 16 points to the shortest wave, in the width of each, where pressures and
     where loads tell their ends [grid spacings]."""
-    of_kinks: float = 0.0
-    """Error in the width of a patch, times that width, where the profile has a few kinks [grid spacings squared]."""
     of_changes: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Of what does not depend on edges, the shares of the last change and the one before that are left under rough
     profiles, and of the only one where there is no other (dimensionless)."""
     of_lowest: bool = False
-    """Whether it counts from the profile's lowest point, so that more is left where only the nodes tell that."""
+    """Whether it counts from the profile's lowest point, and does not depend on the largest pressure."""
     sampling: str | None = None
     """The name, in both, of what nodes may miss of it; None where it depends on edges."""
     of_slopes: bool = False
@@ -97,7 +95,6 @@ QUANTITIES = {
         of_edges=0.36,
         of_change=(1 / 13, 1 / 48),
         per_patch=(0.02, 0.002),
-        of_kinks=2.0,
     ),
     "kappa": Quantity(
         "kappa_subgrid",
@@ -106,7 +103,6 @@ QUANTITIES = {
         of_edges=0.5,
         of_change=(1 / 8, 1 / 48),
         per_patch=(0.03, 0.003),
-        of_kinks=6.0,
         of_slopes=True,
         sensitivity=2.0,
     ),
@@ -124,13 +120,11 @@ DEFAULT_QUANTITY = "contact-area"
 _CAREFUL_FROM_IF_SMOOTH = 20.0
 """Nodes of a patch under a smooth profile, on the average, from which on its edges are known better than estimated."""
 _KNOWN = 0.001  # error of a layer's edge up to which that is so [grid spacings]
-_OF_UNSEEN = 1.5  # of the widths of gaps and patches between two nodes
 _COMMON, _COMMON_POWER = 16.0, 2.5  # points to the shortest wave, and the power with which their share falls
 _LEAST, _MOST = 1.25, 4.0  # factor by which changes fall from grid to grid, as far as that is believed
 _WAVE_OF_TIP = 8.0  # that a sharp tip brings with it [grid spacings]
 _STIFF = 0.9  # 2K/(E* q) of the shortest wave, below which shorter ones find the layer stiffer
 _STEEP, _MOST_STEEP = 2.0, 2.0  # errors of a contact's width below a steep side [grid spacings]
-_LOWEST_NODE = 2.0  # factor of the approach's error where only the nodes tell the lowest point
 _HARDLY = 1e-3  # relative change that is no matter of the tolerance, or of chance
 _EARLIER = 1 / 16  # share of the change before the last
 
@@ -157,11 +151,9 @@ def estimated(
     if area < 1 and _splits(scene, num_points):
         return math.inf
     by_load = found.num_patches_by_load
-    gaps = _OF_UNSEEN * found.unseen_gap_area / area * abs(values[-1])
+    gaps = found.unseen_gap_area / area * abs(values[-1])
     each = [share * of for share, of in zip(quantity.per_patch, (found.num_patches - by_load, by_load), strict=True)]
     spacings = sum(each) * math.pow(_COMMON * waves, _COMMON_POWER)
-    if scene.indenter.kinked:
-        spacings += quantity.of_kinks * found.num_patches**2 / (area * num_points)
     spacings += sensitivity(quantity, scene) * _of_steep_sides(scene, found.contact_area_subgrid * num_points)
     common = spacings / num_points / area * abs(values[-1])
     if not coarser:
@@ -170,7 +162,7 @@ def estimated(
     careful = not rough and area * num_points >= _CAREFUL_FROM_IF_SMOOTH * found.num_patches
     careful &= edge_curve(scene.layer, num_points, scene.period).error < _KNOWN
     of_edges = quantity.of_edges if careful else 1.0
-    if scene.indenter.kinked:
+    if scene.indenter.kinked or (scene.indenter.power_law and found.num_patches > 1):
         of_change = 1.0
     elif rough:
         of_change = 0.0 if scene.indenter.knows_lowest else quantity.of_change[1]
@@ -204,7 +196,6 @@ def _of_nodes(
         return math.inf
     if rough:
         left = _by_shares(values, quantity.of_changes)
-        left *= _LOWEST_NODE if quantity.of_lowest and not scene.indenter.knows_lowest else 1.0
     elif quantity.of_lowest:
         left = _by_order(values)
     elif power:

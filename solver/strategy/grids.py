@@ -11,7 +11,7 @@ from ..arrays import Array64
 from ..endings import Status
 from ..grid.contact import contact_edges
 from ..grid.edges import Edges
-from ..grid.observables import approach, peak_sampling, subgrid_measures
+from ..grid.observables import approach, approach_sampling, peak_sampling, subgrid_measures
 from ..grid.patches import Patches
 from ..grid.problem import squared_slope
 from ..methods import Method
@@ -91,9 +91,9 @@ class Reached:
             contact_area_subgrid=area,
             kappa_subgrid=kappa,
             peak_pressure=scene.pressure * float(self.pressure.max(initial=0.0)),
-            peak_pressure_sampling=scene.pressure * peak_sampling(self.pressure),
+            peak_pressure_sampling=scene.pressure * peak_sampling(scene.indenter, self.pressure, *self.contact),
             approach=approach(scene, self.displacement * unit, profile),
-            approach_sampling=scene.indenter.hidden_depth(profile),
+            approach_sampling=approach_sampling(scene.indenter, profile, self.contact[0]),
             num_patches=self.contact[0].count,
             num_patches_by_load=edges.num_by_load,
             contact_area_edges_error=error,

@@ -264,8 +264,6 @@ def _finish(
     certified = certify_or_fall_back(effort, problem, state, status, tolerance, own_tolerance=False)
     task.chose("method", effort.kind.name, "the fastest on every scene measured")
     task.chose("precision", "float64", "mixed saves next to nothing where transforms are few")
-    even = state.even
-    task.chose("symmetry", "even" if even else "none", f"h_i {'=' if even else '!='} h_(N-1-i) on this grid")
     area = reached.level.contact_area_subgrid
     left, largest = certified.certificate.free_residual, certified.certificate.largest_residual
     share = iteration_share(left, area)

@@ -96,20 +96,18 @@ class FourStep:
         by_halves = batches.reshape(-1, _ROWS, 2, self._row // layout.COLUMNS, layout.COLUMNS)
         return by_halves.swapaxes(2, 3)
 
-    def multiplication(self, symbol: Array64, target: Array, turned: Modes | None) -> Callable[[], None]:
+    def multiplication(self, symbol: Array64, target: Array) -> Callable[[], None]:
         """See `planned.Transforms.multiplication`; the rows are transformed before, and back after it. It is the same
         for every target, and recorded in any case.
         """
-        factors = self._factors(symbol, turned)
-        threads = min(self.planner.threads, self._num_batches)
-        workers = [_Worker(self._row, self.planner, len(factors)) for _ in range(threads)]
-        batches = list(zip(self._batches, *factors, strict=True))
+        factors = self._by_row(symbol)
+        factors /= self.num_points
+        workers = [_Worker(self._row, self.planner) for _ in range(min(self.planner.threads, self._num_batches))]
+        batches = list(zip(self._batches, self._in_batches(factors), strict=True))
 
-        def work(worker: _Worker, batch: tuple[Array, ...]) -> None:
-            values, *given = batch
+        def work(worker: _Worker, batch: tuple[Array, Array]) -> None:
+            values, worker.factors[:] = batch
             worker.values[:] = values
-            for buffer, factor in zip(worker.factors, given, strict=True):
-                buffer[:] = factor
             worker.transform()
             worker.multiply()
             worker.transform_back()
@@ -157,21 +155,11 @@ class FourStep:
             worker.transform_back()
             values[:] = worker.values
 
-    def _factors(self, symbol: Array64, turned: Modes | None) -> list[Array]:
-        """What the kernel multiplies the rows by, shape (batches of rows, values) each."""
-        n, values = self.num_points, self._by_row(symbol)
-        if turned is None:
-            values /= n
-            return [self._in_batches(values, values)]
-        real, imaginary = self._by_row(turned.real), self._by_row(turned.imag, conjugate=True)
-        pairs = (values + real, values - real), (imaginary, imaginary)
-        return [self._in_batches(re / n, im / n) for re, im in pairs]
-
-    def _in_batches(self, re: Array64, im: Array64) -> Array:
+    def _in_batches(self, values: Array64) -> Array:
+        """What the kernel multiplies the rows by, shape (batches of rows, values): each value twice."""
         size = self._num_batches * self._batch_size
         factors = self.planner.buffer(size)[:size]
-        both = factors[: 2 * re.size].reshape(*re.shape, 2)
-        both[..., 0], both[..., 1] = re, im
+        factors[: 2 * values.size].reshape(-1, 2)[:] = values.reshape(-1, 1)
         return factors.reshape(self._num_batches, -1)
 
     def _by_row(self, half: Array64, conjugate: bool = False) -> Array64:
@@ -229,13 +217,12 @@ class _Worker:
     value; modes: the same, shape (rows, C); factors: what `multiply` multiplies them by.
     """
 
-    def __init__(self, row: int, planner: Planner, num_factors: int = 1) -> None:
-        """row: C; num_factors: 2 where conjugate modes are multiplied, too."""
+    def __init__(self, row: int, planner: Planner) -> None:
+        """row: C."""
         rows = planner.buffer(2 * row * _ROWS)
         self.values = rows.reshape(_ROWS, -1, 2, layout.COLUMNS)
         self.modes = modes = planner.complex(rows).reshape(_ROWS, row)
         self.transform = planner.plan(modes, modes, "FFTW_FORWARD", threads=1)
         self.transform_back = planner.plan(modes, modes, "FFTW_BACKWARD", threads=1)
-        self.factors = tuple(planner.buffer(rows.size) for _ in range(num_factors))
-        kernel = "spectral_multiply" if num_factors == 1 else "mirror_multiply"
-        self.multiply = planner.record([Call(kernel, self.factors, (rows,))])
+        self.factors = planner.buffer(rows.size)
+        self.multiply = planner.record([Call("spectral_multiply", (self.factors,), (rows,))])

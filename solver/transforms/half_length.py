@@ -15,7 +15,7 @@ from functools import lru_cache
 import numpy as np
 
 from ...kernels import CHUNK, Call
-from ..arrays import Array, Array64, Modes
+from ..arrays import Array, Array64
 from .fftw import Plan, pyfftw
 from .planner import Planner
 
@@ -43,10 +43,8 @@ class HalfLength:
         """A buffer for N values that are transformed there and back."""
         return self.planner.buffer(self.num_points)
 
-    def multiplication(self, symbol: Array64, target: Array, turned: Modes | None) -> Callable[[], None]:
+    def multiplication(self, symbol: Array64, target: Array) -> Callable[[], None]:
         """See `planned.Transforms.multiplication`."""
-        if turned is not None:
-            raise NotImplementedError("conjugate modes are not multiplied by transforms of half the length")
         half = self.num_points // 2
         sine = np.sin(np.pi / half * np.arange(half // 2 + 1))  # of mode k, and of N/2 - k
         here, mirrored = symbol[: half // 2 + 1] / half, symbol[: half // 2 - 1 : -1] / half

@@ -8,7 +8,7 @@ import copy
 from collections.abc import Callable
 from typing import Protocol
 
-from ..arrays import Array, Array64, Modes
+from ..arrays import Array, Array64
 from . import four_step, half_length
 from .four_step import FourStep
 from .half_length import HalfLength
@@ -27,7 +27,7 @@ class Way(Protocol):
 
     def field(self) -> Array: ...
 
-    def multiplication(self, symbol: Array64, target: Array, turned: Modes | None) -> Callable[[], None]: ...
+    def multiplication(self, symbol: Array64, target: Array) -> Callable[[], None]: ...
 
     def forward(self, source: Array) -> Callable[[], None]: ...
 
@@ -87,11 +87,9 @@ class Transforms(OnCpu, Place):
         """A buffer for N values that are transformed there and back; it may share the spectrum's memory."""
         return self._way.field()
 
-    def multiplication(self, symbol: Array64, target: Array, turned: Modes | None = None) -> Callable[[], None]:
-        """As `Place.multiplication`. turned: what is to be added, times the conjugate mode, shape (N//2 + 1,); not for
-        'half-length'.
-        """
-        return self._way.multiplication(symbol, target, turned)
+    def multiplication(self, symbol: Array64, target: Array) -> Callable[[], None]:
+        """As `Place.multiplication`."""
+        return self._way.multiplication(symbol, target)
 
     def forward(self, source: Array) -> Callable[[], None]:
         """Plan source[:N] -> spectrum; the plan keeps `source`. Plan before filling it."""

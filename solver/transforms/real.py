@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 
 from ...kernels import Call, padded_length
-from ..arrays import Array, Array64, Modes
+from ..arrays import Array, Array64
 from .pair import Pair
 from .planner import Planner
 
@@ -31,16 +31,9 @@ class Real:
             return self.planner.buffer(self.num_points)
         return self.spectrum[: padded_length(self.num_points)]
 
-    def multiplication(self, symbol: Array64, target: Array, turned: Modes | None) -> Callable[[], None]:
+    def multiplication(self, symbol: Array64, target: Array) -> Callable[[], None]:
         """See `planned.Transforms.multiplication`."""
-        symbol = symbol / self.num_points
-        if turned is None:
-            call = Call("spectral_multiply", (self.planner.doubled(symbol),), (self.spectrum,))
-        else:
-            turned = turned / self.num_points
-            straight, crossed = self.planner.buffer(2 * symbol.size), self.planner.doubled(turned.imag)
-            straight[: 2 * symbol.size] = np.stack([symbol + turned.real, symbol - turned.real], axis=1).ravel()
-            call = Call("mirror_multiply", (straight, crossed), (self.spectrum,))
+        call = Call("spectral_multiply", (self.planner.doubled(symbol / self.num_points),), (self.spectrum,))
         return self.planner.record([call])
 
     def forward(self, source: Array) -> Callable[[], None]:

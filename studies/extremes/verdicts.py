@@ -29,7 +29,7 @@ GRID_FREE = ("collocation", "winkler-foundation")
 
 _REASON = re.compile(r"\S+ is .+; allowed: .+", re.DOTALL)
 _ASKED = ("tolerance", "accuracy")
-_ERRORS = {"kappa_error", "kappa_edges_error", "peak_pressure_error", "approach_error"}
+_ERRORS = {"kappa_error", "kappa_edges_error", "peak_pressure_error", "peak_pressure_sampling", "approach_error"}
 _INFINITE = _ERRORS | {"thickness", "reduced_thickness", "reduced_pressure", "contact_stiffness"}
 _COARSE = 0.1  # tolerance from which the area may be anything (`inf`)
 _OTHER_UNITS = 2.0**-60, 2.0**80  # times those of length and pressure: ratios are the same to the last bit

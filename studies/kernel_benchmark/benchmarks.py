@@ -119,17 +119,6 @@ def _of_columns(name: str, arguments: str, pair: str) -> Benchmark:
 _KERNELS = (
     _kernel("spectral_multiply", "coefficient:in spectrum:inout", 1, "spectrum[i] *= coefficient[i];"),
     _kernel(
-        "mirror_multiply",
-        "straight:in crossed:in spectrum:inout",
-        3,
-        """if (i < n / 2) {  // gcc splits the loop there
-        long k = 2 * i;
-        REAL re = spectrum[k], im = spectrum[k + 1];
-        spectrum[k] = straight[k] * re + crossed[k] * im;
-        spectrum[k + 1] = straight[k + 1] * im + crossed[k + 1] * re;
-    }""",
-    ),
-    _kernel(
         "paired_multiply",
         "straight:in crossed:in modes:in product:out",
         3,

@@ -22,11 +22,10 @@ def shipped(benchmark: Benchmark) -> list[Variant]:
     built = [Variant(library.build, functools.partial(_c, library)) for library in compile_c().libraries]
     if benchmark.group == "roofs":
         return built
-    # a thread for each point is what one would write first; one kernel works on pairs of values
-    least = 2 if benchmark.name == "mirror_multiply" else 1
+    # a thread for each point is what one would write first
     found = [Variant("warp", lambda arrays: warp_lines(arrays, kernels.load())), *built]
     if benchmark.group == "kernels" and benchmark.c:
-        found += [Variant("element", lambda arrays: compiled_again(arrays, least), slow=True)]
+        found += [Variant("element", lambda arrays: compiled_again(arrays, 1), slow=True)]
         for library in compile_c().libraries:
             name = library.build.replace("c", "roof", 1)
             found.append(Variant(name, functools.partial(_c, library, prefix="roof_")))

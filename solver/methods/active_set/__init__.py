@@ -4,7 +4,7 @@
 update their set, `contact_set` what belongs to one set of nodes, `elimination` what solves small ones, `free_residual`
 what the certificate is going to find, `few_at_a_time` how a search that has failed begins anew, `response` what the
 surface does under its pressure, on all nodes in `everywhere` by the operator `compliance`, near the contact in `nearby`
-by that of `packed`, `storage` where nodes have their values, `spare` what one solve leaves to the next,
+by that of `packed`, `spare` what one solve leaves to the next,
 `preconditioner` with `local_inverses`, `long_patch` and `greens_function` what makes its iterations few.
 
 May import: method, linecontact.solver.arrays, linecontact.solver.transforms, linecontact.solver.grid,
@@ -18,29 +18,25 @@ from .free_nodes import FreeNodes, suits
 from .greens_function import GreensFunction, Tables
 from .response import Response
 from .spare import Spare
-from .storage import Whole, choose
 
 __all__ = ["KIND", "ActiveSet", "begin"]
 
 
-def begin(problem: Problem, setting: Setting, storage: Whole | None = None) -> ActiveSet | FreeNodes:
-    """The active set on a grid, in the form that suits the contact's share of it; storage: of its fields, by default
-    what suits the scene.
-    """
-    storage = storage or choose(problem, setting.tolerance)
+def begin(problem: Problem, setting: Setting) -> ActiveSet | FreeNodes:
+    """The active set on a grid, in the form that suits the contact's share of it."""
     made = problem.rigidity.made
     of_layer = problem.rigidity.response
     tables: Tables = made.setdefault("active set", Tables(of_layer))
     spare: Spare = made.setdefault("spare", Spare())
     green = GreensFunction(tables)
     if suits(problem, setting):
-        loan = spare.lend(problem.stiffness, "K", storage, setting)
-        return loan.to(FreeNodes(problem, setting, green, storage, loan.everywhere))
-    loan = spare.lend(of_layer.compliance, "G", storage, setting)
+        loan = spare.lend(problem.stiffness, "K", problem.num_points, setting)
+        return loan.to(FreeNodes(problem, setting, green, loan.everywhere))
+    loan = spare.lend(of_layer.compliance, "G", problem.num_points, setting)
     loan.everywhere.begin(problem.height)
-    response = Response(problem, storage, of_layer.split, loan.everywhere)
+    response = Response(problem, of_layer.split, loan.everywhere)
     few = setting.wrong_nodes_per_patch
-    return loan.to(ActiveSet(problem, setting.tolerance, green, storage, response, few, setting.reduction))
+    return loan.to(ActiveSet(problem, setting.tolerance, green, response, few, setting.reduction))
 
 
 def _bytes_per_point(contact_share: float) -> float:

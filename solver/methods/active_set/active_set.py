@@ -32,7 +32,6 @@ from .greens_function import GreensFunction
 from .preconditioner import PatchDeflation
 from .response import Response
 from .search import HARDER, LOOSEST, SAFETY, Search
-from .storage import Whole
 
 _OVER_FLOOR = 0.3  # error of the pressure over the free residual, both as rounding leaves them
 _OVER_DRIFT = 2.0  # times what images may have added to the residual: below, the response has to be made anew
@@ -50,23 +49,22 @@ class ActiveSet(Method):
     residual = math.inf
     stopped = False
     patience = None  # the residual starts anew with every set
-    mixed = even = False
+    mixed = False
 
     def __init__(
         self,
         problem: Problem,
         tolerance: float,
         green: GreensFunction,
-        storage: Whole,
         response: Response,
         wrong_nodes_per_patch: float,
         reduction: float,
     ) -> None:
         self.problem, self.tolerance, self._reduction = problem, tolerance, reduction
-        self.mixed, self.even = response.mixed, response.even
+        self.mixed = response.mixed
         self._wrong_nodes_per_patch = wrong_nodes_per_patch
         self._certified = not (wrong_nodes_per_patch or reduction)  # what coarser grids give is not
-        self._green, self._storage, self._response = green, storage, response
+        self._green, self._response = green, response
         self._target = SAFETY * tolerance
         self._floor = 0.0  # of the residual: below, sets would be decided on rounding
         # a single node that penetrates so much takes a tenth of the tolerance as its force
@@ -97,7 +95,6 @@ class ActiveSet(Method):
         if not pressure.any():
             self.start_cold()
             return
-        pressure = self._storage.symmetric(pressure)
         nodes = self._start = np.flatnonzero(pressure > 0)
         self._take_set(nodes, nodes, pressure[nodes])
         patches = 0 if self._soft_base else self._now.patches.count  # there other remedies help
@@ -165,7 +162,7 @@ class ActiveSet(Method):
 
     def _eliminate(self) -> None:
         """Solve on a small set by elimination, as well as rounding allows, and update it."""
-        now = elimination.solve(self._now, self._green, self._storage, self.problem.height, self._search)
+        now = elimination.solve(self._now, self._green, self.problem.height, self._search)
         if now is None:  # iterate
             return
         self._set = now
@@ -233,7 +230,6 @@ class ActiveSet(Method):
         first = first_nodes(self.problem.height, start, self._now.nodes.size)
         if first is None:
             return False
-        first = self._storage.with_images(first)
         self._take_set(first, first, np.ones(first.size))
         self._search = Search(few_at_a_time=FewAtATime(), forcing_term=FORCING_TERM)
         self.stopped, self._last_preconditioner = False, None
@@ -248,10 +244,9 @@ class ActiveSet(Method):
 
     def _take_set(self, nodes: Indices, loaded: Indices, pressure: Array64) -> None:
         """A new set of nodes, in ascending order, of which some are loaded by a pressure, shape (loaded nodes,) [p]."""
-        nodes = self._storage.with_images(nodes)
         everywhere = np.zeros(nodes.size)
         everywhere[np.searchsorted(nodes, loaded)] = pressure
-        self._set = ContactSet.of(nodes, everywhere, self._storage)
+        self._set = ContactSet.of(nodes, everywhere, self.problem.num_points)
 
     def _update_set(self) -> bool:
         """Drop nodes that pull, add nodes that penetrate; False if there are none, or no more than may be wrong."""
@@ -267,8 +262,7 @@ class ActiveSet(Method):
             if 0 < new.size * reach < self.problem.num_points:
                 new = now.patches.open_around(new, reach)
         elif self._search.few_at_a_time:
-            gap = self._response.gap(new)
-            new = self._storage.with_images(self._search.few_at_a_time.to_add(new, gap, pulling, now.nodes.size))
+            new = self._search.few_at_a_time.to_add(new, self._response.gap(new), pulling, now.nodes.size)
         nodes, kept = now.changed(new, self._search.may_move_ends())
         self._take_set(nodes, now.nodes[kept], now.pressure[kept])
         self.stopped = self._search.in_circles(self._now.key)

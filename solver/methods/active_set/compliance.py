@@ -2,26 +2,23 @@
 
 from ...arrays import Array64, Indices
 from ...transforms.planned import Transforms
-from .storage import Whole
 
 
 class Compliance:
     """G = 1/K without the mean mode, or K, applied by one pair of transforms, in the precision of the transforms.
 
-    The symbol, G(q_k) or K(q_k), has the shape (N//2 + 1,). The transforms have the storage's length.
+    The symbol, G(q_k) or K(q_k), has the shape (N//2 + 1,).
     """
 
-    def __init__(self, symbol: Array64, storage: Whole, transforms: Transforms) -> None:
+    def __init__(self, symbol: Array64, transforms: Transforms) -> None:
         self.new_field = transforms.buffer
         """Makes a field of the target's length and type."""
         self.target = transforms.field()
         forward, inverse = transforms.forward(self.target), transforms.inverse(self.target)
-        multiply = storage.multiplication(symbol, transforms, self.target)
+        multiply = transforms.multiplication(symbol, self.target)
         self._parts = forward, multiply, inverse
-        self.pair_length = storage.length / storage.num_points
-        """Length of its transforms over N (dimensionless)."""
 
-    def apply(self, places: Indices, values: Array64) -> None:
+    def apply(self, places: Indices | slice, values: Array64) -> None:
         """target = G values, or K values; values: 0 at all other places, of the places' shape."""
         self.target[:] = 0
         self.target[places] = values

@@ -10,7 +10,6 @@ from ...grid.patches import Patches
 from .ends import moved_ends
 from .preconditioner import PatchDeflation
 from .search import MOST_ITERATIONS
-from .storage import Whole
 
 _PATIENCE = 25  # iterations in which the residual does not become less; then it is rounding, too, and may grow
 
@@ -23,8 +22,6 @@ class ContactSet:
     """Its runs of neighbouring nodes."""
     nodes: Indices
     """Grid index of each contact node, shape (contact nodes,)."""
-    mirrored: Indices | None
-    """Index of each node's mirror image, shape (contact nodes,); None without symmetry."""
     pressure: Array64
     """Contact pressure, shape (contact nodes,) [p]; negative where the wall would have to pull."""
     direction: Array64
@@ -50,14 +47,13 @@ class ContactSet:
     """Iterations since then."""
 
     @classmethod
-    def of(cls, nodes: Indices, pressure: Array64, storage: Whole) -> "ContactSet":
-        """The set of nodes in ascending order, with their pressure [p], shape (contact nodes,) each."""
-        patches = Patches.of_nodes(nodes, storage.num_points)
+    def of(cls, nodes: Indices, pressure: Array64, num_points: int) -> "ContactSet":
+        """The set of nodes in ascending order, with their pressure [p], shape (contact nodes,) each; num_points: N."""
+        patches = Patches.of_nodes(nodes, num_points)
         compact = patches.nodes
         if compact[0] != nodes[0]:  # a patch goes on at node 0
             pressure = np.roll(pressure, -int(np.searchsorted(nodes, compact[0])))
-        direction = np.zeros(nodes.size)
-        return cls(patches, compact, storage.mirrored(compact), pressure, direction)
+        return cls(patches, compact, pressure, np.zeros(nodes.size))
 
     @property
     def key(self) -> int:
@@ -120,7 +116,4 @@ class ContactSet:
     def precondition(self, residual: Array64) -> Array64:
         """The preconditioned residual, a pressure; both of shape (contact nodes,)."""
         assert self.preconditioner is not None
-        z = self.preconditioner.apply(residual)
-        if self.mirrored is None:
-            return z
-        return np.asarray(z + z[self.mirrored]) / 2  # keeps both halves equal in spite of rounding
+        return self.preconditioner.apply(residual)

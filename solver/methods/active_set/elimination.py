@@ -6,7 +6,6 @@ from ...arrays import Array64
 from .contact_set import ContactSet
 from .greens_function import GreensFunction
 from .search import Search
-from .storage import Whole
 
 _SMALL = 256  # nodes up to which elimination takes less time than the iterations
 _HARD = 1024  # nodes up to which a set is eliminated, too, that is hard to iterate on
@@ -24,7 +23,7 @@ def suits(now: ContactSet, search: Search) -> bool:
     return now.nodes.size <= most and not now.eliminated and not now.patches.full
 
 
-def solve(now: ContactSet, green: GreensFunction, storage: Whole, height: Array64, search: Search) -> ContactSet | None:
+def solve(now: ContactSet, green: GreensFunction, height: Array64, search: Search) -> ContactSet | None:
     """The set with the pressure at which all of its nodes touch; None where rounding or too little memory has made that
     impossible.
 
@@ -42,13 +41,11 @@ def solve(now: ContactSet, green: GreensFunction, storage: Whole, height: Array6
     if not np.isfinite(pressure).all():
         return None
     if nodes.size < now.nodes.size:
-        everywhere = np.zeros(storage.num_points)
-        everywhere[nodes] = pressure
-        nodes = storage.with_images(np.sort(nodes))
-        now = ContactSet.of(nodes, everywhere[nodes], storage)
+        order = np.argsort(nodes)
+        now = ContactSet.of(nodes[order], pressure[order], height.size)
         now.eliminated, pressure = True, now.pressure
     now.begin_anew()  # the search direction belongs to another pressure
-    now.pressure = pressure if now.mirrored is None else (pressure + pressure[now.mirrored]) / 2
+    now.pressure = pressure
     return now
 
 
@@ -67,5 +64,5 @@ def refine(now: ContactSet, green: GreensFunction, touching: Array64, search: Se
         return False
     if not np.isfinite(change).all():
         return False
-    now.pressure = now.pressure + (change if now.mirrored is None else (change + change[now.mirrored]) / 2)
+    now.pressure = now.pressure + change
     return True

@@ -1,4 +1,4 @@
-"""A field of all nodes that an operator makes and adds to, in the storage's order, and the kernels that work on it.
+"""A field of all nodes that an operator makes and adds to, and the kernels that work on it.
 
 With G it is the response w = G sigma to the contact pressure: a node's gap is h + w - level, the level being the rigid
 approach. With K it is the net force r = 1 - K u.
@@ -12,7 +12,8 @@ import numpy as np
 from ....kernels import CHUNK, Call, layout, record
 from ...arrays import Array, Array64, Indices
 from .compliance import Compliance
-from .storage import Whole
+
+_FAR = 1e30  # height of the padding, which never touches
 
 Operators = tuple[Compliance, Compliance]
 """For search directions and for the field itself: two objects in mixed precision, else the same one."""
@@ -21,22 +22,23 @@ Operators = tuple[Compliance, Compliance]
 class Everywhere:
     """The field of an operator, on all nodes."""
 
-    def __init__(self, storage: Whole, make_operators: Callable[[], Operators], backend: str, large: bool) -> None:
+    def __init__(self, make_operators: Callable[[], Operators], backend: str, large: bool) -> None:
         """large: whether the operators are given back while the field rests."""
-        self._storage, self._make_operators, self._backend, self._large = storage, make_operators, backend, large
+        self._make_operators, self._backend, self._large = make_operators, backend, large
         directions, whole = self._operators
         self.mixed = directions is not whole
         """Whether images of search directions are float32 and the field is float64."""
-        self.pair_length = whole.pair_length
-        """Length of the transforms over N (dimensionless)."""
         self.field = whole.new_field()
-        """w [u] or r [p], of the storage's length and padding."""
+        """w [u] or r [p], shape (N,) and padding."""
         self._state = np.zeros(layout.GAP_STATE_LENGTH)
 
     def begin(self, height: Array64) -> None:
         """Turn to another scene. height: h, shape (N,) [u]."""
         self.field[:] = 0  # what an earlier solve has left
-        self._height = self._storage.heights(height, self.field)
+        self._height: Array = height
+        if self.field.shape != height.shape or self.field.dtype != height.dtype:
+            self._height = np.full_like(self.field, _FAR)
+            self._height[: height.size] = height
         self._counts = np.zeros(self._height.size // CHUNK)
         self.__dict__.pop("_count", None)
 
@@ -65,10 +67,10 @@ class Everywhere:
         whole.apply(places, pressure)
         self.field[:] = whole.target
 
-    def renew_force(self, places: Indices, displacement: Array64) -> None:
-        """Make the net force 1 - K u of a displacement at these places, 0 elsewhere [u]."""
+    def renew_force(self, displacement: Array64) -> None:
+        """Make the net force 1 - K u of a displacement, shape (N,) [u]."""
         whole = self._operators[1]
-        whole.apply(places, displacement)
+        whole.apply(slice(displacement.size), displacement)
         np.subtract(1, whole.target, out=self.field)
 
     def image(self, places: Indices, direction: Array64) -> Array:
@@ -89,8 +91,4 @@ class Everywhere:
         chunks = np.flatnonzero(self._counts)
         height, response = (array.reshape(-1, CHUNK)[chunks] for array in (self._height, self.field))
         row, column = np.nonzero(height + response < bound)
-        return self._storage.nodes_at(chunks[row] * CHUNK + column)
-
-    def at(self, nodes: Indices) -> Array:
-        """The values at some nodes."""
-        return np.asarray(self.field[self._storage.places(nodes)])
+        return np.asarray(chunks[row] * CHUNK + column)

@@ -21,7 +21,6 @@ from .everywhere import Everywhere
 from .free_set import FreeSet
 from .greens_function import GreensFunction
 from .search import HARDER, LOOSEST, SAFETY, Search
-from .storage import Whole
 
 _LEAST = 0.23  # share of the nodes in contact from which this form takes less time than that in the pressure
 _FIRST_FORCING_TERM = 0.01
@@ -49,23 +48,16 @@ class FreeNodes(Method):
     patience = None  # the residual starts anew with every set
     mixed = False
 
-    def __init__(
-        self, problem: Problem, setting: Setting, green: GreensFunction, storage: Whole, everywhere: Everywhere
-    ) -> None:
+    def __init__(self, problem: Problem, setting: Setting, green: GreensFunction, everywhere: Everywhere) -> None:
         """everywhere: the net force of all nodes, by K."""
         self.problem, self.tolerance, self._reduction = problem, setting.tolerance, setting.reduction
         self._wrong_nodes_per_patch = setting.wrong_nodes_per_patch
-        self._green, self._storage, self._all = green, storage, everywhere
+        self._green, self._all = green, everywhere
         self._target, self._floor, self._pairs = SAFETY * self.tolerance, 0.0, 0.0
         self._search = Search()
         self._displacement = np.zeros(problem.num_points)
-        self._set = FreeSet.of(self._displacement < problem.height, storage)
+        self._set = FreeSet.of(self._displacement < problem.height)
         self._all.field[:] = 1
-
-    @property
-    def even(self) -> bool:
-        """Whether the fields hold half of the nodes."""
-        return self._storage.length < self.problem.num_points
 
     @property
     def transform_pairs(self) -> float:
@@ -75,13 +67,12 @@ class FreeNodes(Method):
         if (displacement < self.problem.height).all():  # K knows no load without contact
             self.start_from_pressure(np.zeros(displacement.size))
         else:
-            displacement = np.minimum(self._storage.symmetric(displacement), self.problem.height)
+            displacement = np.minimum(displacement, self.problem.height)
             self._take(displacement, displacement < self.problem.height)
 
     def start_from_pressure(self, pressure: Array64) -> None:
         if not pressure.any():
             pressure = foundation_pressure(self.problem, typical_stiffness(self.problem))
-        pressure = self._storage.symmetric(pressure)
         # nodes that penetrate stay free at first: the pressure is only about right, and most of them belong outside
         self._take(self.problem.surface_under(pressure), ~(pressure > 0))
         self._pairs += 1
@@ -89,7 +80,7 @@ class FreeNodes(Method):
     def _take(self, displacement: Array64, free: Mask) -> None:
         """Begin from a displacement [u] and the nodes that are free, both shape (N,)."""
         self._displacement, self.stopped, self._search = displacement, False, Search()
-        self._set = FreeSet.of(free, self._storage)
+        self._set = FreeSet.of(free)
         self._make_force()
         self._floor = _FLOOR * rounding_floor(self.problem.stiffness, displacement, "float64")
 
@@ -97,8 +88,8 @@ class FreeNodes(Method):
         """The net force of all nodes from their displacement, those in contact on the exact wall."""
         held = ~self._set.free
         self._displacement[held] = self.problem.height[held]
-        self._all.renew_force(self._storage.places(np.arange(self._displacement.size)), self._displacement)
-        self._pairs += self._all.pair_length
+        self._all.renew_force(self._displacement)
+        self._pairs += 1
 
     def try_harder(self) -> bool:
         self._target *= HARDER
@@ -114,7 +105,7 @@ class FreeNodes(Method):
     def step(self) -> None:
         """One iteration on the free nodes; where they are solved well enough, update which nodes are free instead."""
         now = self._set
-        force = self._all.field[now.places]
+        force = self._all.field[now.gaps.nodes]
         self.residual = math.sqrt(float(force @ force) / max(1, force.size))
         if math.isinf(now.first_residual):
             now.first_residual = self.residual
@@ -141,8 +132,8 @@ class FreeNodes(Method):
         now.iterations += 1
         self.iteration += 1
         product = now.turn(force, self._green)
-        curvature = float(now.direction @ self._all.image(now.places, now.direction))
-        self._pairs += self._all.pair_length
+        curvature = float(now.direction @ self._all.image(now.gaps.nodes, now.direction))
+        self._pairs += 1
         if not curvature > 0:
             return False
         step = product / curvature
@@ -154,7 +145,7 @@ class FreeNodes(Method):
         """Put nodes that penetrate onto the wall, set nodes free that pull; False if no more than may be wrong do."""
         height, nodes = self.problem.height, self._set.gaps.nodes
         penetrating = nodes[self._displacement[nodes] > height[nodes]]
-        pull = self._storage.get(self._all.field) < -_SMALLEST_PULL * self.tolerance
+        pull = self._all.field[: self.problem.num_points] < -_SMALLEST_PULL * self.tolerance
         pull &= ~self._set.free
         changed = penetrating.size + int(np.count_nonzero(pull))
         if changed <= self._wrong_nodes_per_patch * max(1, self._set.gaps.count):
@@ -164,7 +155,7 @@ class FreeNodes(Method):
         free[penetrating] = False
         if free.all():  # K knows no load without contact
             free[np.argmax(self._displacement - height)] = False
-        self._set = FreeSet.of(free, self._storage)
+        self._set = FreeSet.of(free)
         self._make_force()
         self.residual = math.inf
         self.stopped = self._search.in_circles(self._set.key)
@@ -173,7 +164,7 @@ class FreeNodes(Method):
     @property
     def punch_approach(self) -> float:
         """As `ActiveSet.punch_approach`: what is left of the free force does its share of the work [u]."""
-        u, force = self._displacement[self._set.gaps.nodes], self._all.field[self._set.places]
+        u, force = self._displacement[self._set.gaps.nodes], self._all.field[self._set.gaps.nodes]
         return (float(u.sum()) + float(u @ force)) / self.problem.num_points
 
     @property
@@ -184,4 +175,4 @@ class FreeNodes(Method):
     @property
     def contact_pressure(self) -> Array64:
         """sigma, shape (N,) [p]."""
-        return np.where(self._set.free, 0.0, np.maximum(self._storage.get(self._all.field), 0.0))
+        return np.where(self._set.free, 0.0, np.maximum(self._all.field[: self.problem.num_points], 0.0))

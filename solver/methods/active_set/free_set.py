@@ -5,12 +5,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...arrays import Array64, Indices, Mask
+from ...arrays import Array64, Mask
 from ...grid.patches import Patches
 from .gap_by_gap import GapByGap
 from .greens_function import GreensFunction
 from .search import MOST_ITERATIONS
-from .storage import Whole
 
 
 @dataclass(eq=False)
@@ -21,8 +20,6 @@ class FreeSet:
     """Its runs of neighbouring nodes."""
     free: Mask
     """Which nodes are free, shape (N,)."""
-    places: Indices
-    """Where the free nodes have their values in the stored field, shape (free nodes,)."""
     inverse: GapByGap | None = None
     """The preconditioner; made when it is needed."""
     direction: Array64 = field(default_factory=lambda: np.zeros(0))
@@ -38,12 +35,9 @@ class FreeSet:
     """On this set."""
 
     @classmethod
-    def of(cls, free: Mask, storage: Whole) -> "FreeSet":
-        """The set of the nodes that are free, shape (N,), and of their mirror images."""
-        gaps = Patches.of_nodes(storage.with_images(np.flatnonzero(free)), free.size)
-        with_images = np.zeros_like(free)
-        with_images[gaps.nodes] = True
-        return cls(gaps, with_images, storage.places(gaps.nodes))
+    def of(cls, free: Mask) -> "FreeSet":
+        """The set of the nodes that are free, shape (N,)."""
+        return cls(Patches.of(free), free)
 
     @property
     def key(self) -> int:

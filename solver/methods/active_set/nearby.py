@@ -5,7 +5,6 @@ import numpy as np
 from ...arrays import Array64, Indices
 from ...grid.split import Split
 from .packed import Packed
-from .storage import Whole
 
 _HALO = 4  # nodes on either side of the contact whose gap is watched, too; less than a block
 _TOO_MANY = 2.0  # blocks over those that are needed, beyond which fewer are taken
@@ -15,18 +14,16 @@ _WORTH = 0.5  # length of the packed transforms over that of the field's, up to 
 class Nearby:
     """The nodes of some blocks, in order, shape (nodes,) for all fields. height: h of all nodes, shape (N,) [u]."""
 
-    def __init__(self, operator: Packed, storage: Whole, height: Array64) -> None:
+    def __init__(self, operator: Packed, height: Array64) -> None:
         self._operator, self._block = operator, operator.split.block
         self.nodes = (operator.blocks[:, None] * self._block + np.arange(self._block)).ravel()
         self._index = np.full(operator.split.num_blocks, -1)
         self._index[operator.blocks] = np.arange(operator.blocks.size)
-        self.in_field = storage.places(self.nodes)
-        """Where the nodes have their values in a field of the storage."""
         self.height = height[self.nodes]
         """h [u]."""
         self.response = np.zeros(self.nodes.size)
         """G sigma, up to a constant [u]."""
-        self.pair_length = (operator.length + operator.split.num_blocks) / storage.num_points
+        self.pair_length = (operator.length + operator.split.num_blocks) / height.size
         """Length of the transforms over N (dimensionless)."""
         self.error = operator.split.error
         """Of an image, see `Split`."""
@@ -51,7 +48,7 @@ class Nearby:
         return self._operator(values.reshape(-1, self._block)).ravel()
 
 
-def surround(split: Split, storage: Whole, nodes: Indices, height: Array64, held: Nearby | None) -> Nearby | None:
+def surround(split: Split, nodes: Indices, height: Array64, held: Nearby | None) -> Nearby | None:
     """The blocks around some nodes; None where the packed transforms would take as long as the field's.
 
     held: blocks that serve again if they hold the nodes and are not many more than needed.
@@ -62,8 +59,8 @@ def surround(split: Split, storage: Whole, nodes: Indices, height: Array64, held
     needed = int(near.sum()) * split.block
     if held and held.nodes.size <= _TOO_MANY * needed and held.covers(nodes):
         return held
-    if needed > _WORTH * storage.length:
+    if needed > _WORTH * height.size:
         return None
     operator = Packed(split, np.flatnonzero(near))
-    worth = operator.length + split.num_blocks <= _WORTH * storage.length
-    return Nearby(operator, storage, height) if worth else None
+    worth = operator.length + split.num_blocks <= _WORTH * height.size
+    return Nearby(operator, height) if worth else None

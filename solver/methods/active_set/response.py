@@ -19,7 +19,6 @@ from ...grid.split import Split
 from .contact_set import ContactSet
 from .everywhere import Everywhere
 from .nearby import Nearby, surround
-from .storage import Whole
 
 _SAMPLE = 2**14  # nodes that tell the size of u
 _FAR = 0.25  # nodes that penetrate far from the contact, over those in contact: more of them are a poor start
@@ -29,11 +28,11 @@ _MOST_RENEWALS = 8  # after work near the contact, before all nodes are worked o
 class Response:
     """w = G sigma of one grid, and what is read off it. Units are the problem's."""
 
-    def __init__(self, problem: Problem, storage: Whole, split: Split | None, everywhere: Everywhere) -> None:
+    def __init__(self, problem: Problem, split: Split | None, everywhere: Everywhere) -> None:
         """everywhere: the response on all nodes. split: of G, to work near the contact only where that pays; None: on
         all nodes.
         """
-        self._problem, self._storage, self._split = problem, storage, split
+        self._problem, self._split = problem, split
         self._nearby: Nearby | None = None
         self._renewals = 0
         self._all = everywhere
@@ -63,11 +62,6 @@ class Response:
         """Whether the response on all nodes is made in float64."""
         return bool(self._all.field.dtype == np.float64)
 
-    @property
-    def even(self) -> bool:
-        """Whether the fields hold half of the nodes."""
-        return self._storage.length < self._problem.num_points
-
     def _scale(self, now: ContactSet) -> None:
         load = float(now.pressure.sum())
         if not load > 0:  # a set of new nodes only, or a load that rounding has eaten
@@ -77,9 +71,9 @@ class Response:
     def renew(self, now: ContactSet) -> None:
         """Scale the pressure of a set to the load, and make the response to it anew on all nodes."""
         self._scale(now)
-        now.places = self._storage.places(now.nodes)
+        now.places = now.nodes
         self._all.renew(now.places, now.pressure)
-        self.pairs += self._all.pair_length
+        self.pairs += 1
         self._renewals += bool(self._nearby and self.drift)
         self.drift = 0.0
         if self._renewals > _MOST_RENEWALS:  # the packed operator errs by more than it says
@@ -110,10 +104,10 @@ class Response:
     def _surround(self, now: ContactSet, nodes: Indices) -> None:
         """From now on carry the response along near these nodes only, if that pays."""
         if self._split:
-            self._nearby = surround(self._split, self._storage, nodes, self._problem.height, self._nearby)
+            self._nearby = surround(self._split, nodes, self._problem.height, self._nearby)
         if self._nearby:
-            self._nearby.response[:] = self._all.field[self._nearby.in_field]
-        now.places = (self._nearby or self._storage).places(now.nodes)
+            self._nearby.response[:] = self._all.field[self._nearby.nodes]
+        now.places = self._nearby.places(now.nodes) if self._nearby else now.nodes
 
     def follow(self, before: ContactSet, now: ContactSet, changed: bool) -> None:
         """Turn to another set. changed: whether its pressure differs from that before, because nodes were dropped."""
@@ -122,7 +116,7 @@ class Response:
             self._surround(now, np.union1d(before.nodes, now.nodes))
         nearby = self._nearby
         if nearby is None or not nearby.covers(now.nodes):
-            now.places = self._storage.places(now.nodes)
+            now.places = now.nodes
             if changed or earlier:
                 self.renew(now)
             return
@@ -142,7 +136,7 @@ class Response:
             image = whole[now.places]
         else:
             image = self._all.image(now.places, direction)
-            self.pairs += self._all.pair_length
+            self.pairs += 1
         curvature = float(direction @ image)
         if not curvature > 0:
             return False
@@ -187,12 +181,12 @@ class Response:
 
     def gap(self, nodes: Indices) -> Array64:
         """h + w on some nodes, on all of which the response is carried along, of their shape [u]."""
-        return np.asarray(self._problem.height[nodes] + self._all.at(nodes))
+        return np.asarray(self._problem.height[nodes] + self._all.field[nodes])
 
     def floor(self, now: ContactSet) -> float:
         """The rms free residual over p that rounding leaves here (dimensionless)."""
         sample = np.arange(0, self._problem.num_points, max(1, self._problem.num_points // _SAMPLE))
-        response = self._all.at(sample)
+        response = self._all.field[sample]
         displacement = np.minimum(self.level(now) - response, self._problem.height[sample])
         return rounding_floor(self._problem.stiffness, displacement, response.dtype.name)
 
@@ -202,8 +196,8 @@ class Response:
             self.renew(now)
         height = self._problem.height
         # not `level`: an interruption may have come before `places`
-        level = float((height[now.nodes] + self._all.at(now.nodes)).mean())
-        u = level - self._storage.get(self._all.field).astype(np.float64, copy=False)
+        level = float((height[now.nodes] + self._all.field[now.nodes]).mean())
+        u = level - self._all.field[: height.size].astype(np.float64, copy=False)
         np.minimum(u, height, out=u)
         u[now.nodes] = height[now.nodes]
         return u

@@ -17,7 +17,6 @@ from ...transforms.planned import Transforms
 from ..method import Setting
 from .compliance import Compliance
 from .everywhere import Everywhere, Operators
-from .storage import Whole
 
 _MOST_POINTS = 2**18
 """Of a grid whose fields are kept: they take 40 bytes a point."""
@@ -53,21 +52,20 @@ class Spare:
     def __init__(self) -> None:
         self._shelves: dict[tuple[object, ...], list[Everywhere]] = defaultdict(list)
 
-    def lend(self, symbol: Array64, name: str, storage: Whole, setting: Setting) -> Loan:
+    def lend(self, symbol: Array64, name: str, num_points: int, setting: Setting) -> Loan:
         """The field of an operator: one that is free, or a new one.
 
-        symbol: of the operator, shape (N//2 + 1,), always the same by that name.
+        symbol: of the operator, shape (N//2 + 1,), always the same by that name; num_points: N.
         """
-        kept = storage.num_points <= _MOST_POINTS
-        whole = storage.length == storage.num_points
-        apart = not whole or setting.tolerance <= _TIMES_ROUNDING * _rounding_of(symbol)
+        kept = num_points <= _MOST_POINTS
+        apart = setting.tolerance <= _TIMES_ROUNDING * _rounding_of(symbol)
         means = setting.precision, setting.threads, setting.planning, setting.backend
-        shelf = self._shelves[name, storage.length, apart, *means]
+        shelf = self._shelves[name, apart, *means]
         try:
             return Loan(shelf.pop(), shelf, kept)
         except IndexError:  # all are in use
-            make = partial(_operators, symbol, storage, setting, apart=apart)
-            return Loan(Everywhere(storage, make, setting.backend, large=not kept), shelf, kept)
+            make = partial(_operators, symbol, num_points, setting, apart=apart)
+            return Loan(Everywhere(make, setting.backend, large=not kept), shelf, kept)
 
 
 def _rounding_of(symbol: Array64) -> float:
@@ -76,12 +74,12 @@ def _rounding_of(symbol: Array64) -> float:
     return float(np.finfo(np.float64).eps) * float(symbol.max()) / weakest if weakest > 0 else math.inf
 
 
-def _operators(symbol: Array64, storage: Whole, setting: Setting, apart: bool) -> Operators:
+def _operators(symbol: Array64, num_points: int, setting: Setting, apart: bool) -> Operators:
     """For search directions and for the field itself."""
 
     def operator(precision: str) -> Compliance:
         how = setting.threads, setting.planning, setting.backend
-        return Compliance(symbol, storage, Transforms(storage.length, precision, *how, apart=apart))
+        return Compliance(symbol, Transforms(num_points, precision, *how, apart=apart))
 
     directions = operator(setting.working_precision)
     return directions, operator("float64") if setting.precision == "mixed" else directions
