@@ -43,6 +43,7 @@ READ = {
     "a blank label": (" ,Distance (microns),Height (um)\n" + rows(order="nxz"), {}),
     "whole numbers with labels": ("x [um],z [nm]\n" + "".join(f"{i},{i % 7}\n" for i in range(COUNT)), {}),
     "two returns": (("x [um],z [um]\n" + rows()).replace("\n", "\r\r\n"), {}),
+    "two brackets": ("x (lateral) [um],Height (raw) [nm]\n" + rows(z="nm"), {}),
     "inch": ("x (in),z (inch)\n" + rows(x="inch", z="inch"), {}),
     "Angstrom sign": ("Lateral (um),Height (\u00c5)\n" + rows(z="angstrom"), {}),
     "upper case": ("X(MM),Z(UM)\n" + rows(x="mm"), {}),
@@ -121,7 +122,7 @@ REFUSED = {
     "a scan along a diagonal": ("x [um],y [um],z [nm]\n" + rows(order="xxz", z="nm"), {}, "columns is missing"),
     "a range": ("Height range [um]\n" + rows(order="z"), {"scan_length": 1.0}, "range"),
     "a factor before": ("x [um],10*z [nm]\n" + rows(z="nm"), {}, "\\*"),
-    "two units in a label": ("x [um],Height [nm] (mm)\n" + rows(z="nm"), {}, "its line 'x .um.,Height"),
+    "two units in a label": ("x [um],Height [nm] (mm)\n" + rows(z="nm"), {}, "Height .nm. .mm."),
     "columns against labels": (
         "x [um],z [nm]\n" + rows(z="nm"),
         {"columns": "2,1"},
@@ -165,9 +166,9 @@ OTHERWISE = {
         "Depth",
     ),
     "a line of units": ("Units;um;nm\nx,z\n" + rows(z="nm"), NM, "Units;um;nm"),
+    "one unit for all": ("Unit;um\nx;z\n" + rows(sep=";"), UNITS, "Unit;um"),
     "a sentence": ("x in um, z in nm\n" + rows(z="nm", sep=" "), NM, "x in um, z in nm"),
     "an axis a line": ("X Unit: um\nZ Unit: nm\n" + rows(z="nm"), NM, "X Unit: um"),
-    "two brackets": ("x (lateral) [um],Height (raw) [nm]\n" + rows(z="nm"), NM, "lateral"),
     "parameters too": (PARAMETERS + "Lateral um,Raw um,\n" + rows(end=",,"), UNITS, "Lateral um"),
 }
 
@@ -192,6 +193,9 @@ def test_what_is_not_understood_is_quoted_and_never_contradicted(tmp_path, name)
         ("x-position [mm]; y-slope [urad]", "'urad', which is no length|no lengths for 'slope'"),
         ("x [um] | z [V]", "'V', which is no length"),
         ("x [um],Height (nm)/LSB", "LSB"),
+        ("Unit Z [V]\nx,z", "'V', which is no length"),
+        ("Signal in mV\nx,z", "'mV', which is no length"),
+        ("Bit2nm = 0.1\nx [um],z [um]", "'Bit2nm = 0.1'|names um"),
     ],
 )
 @pytest.mark.parametrize("sep", ["\t", ","])
@@ -256,6 +260,11 @@ def test_missing_heights_are_filled_or_left_out_and_told(tmp_path, cell):
     [
         (f"x [um],z [nm]\n{rows()}32,\n", {}, "line 202: a value is missing, and 1 of 201"),
         (f"x [um],z [nm]\n{rows()}32,high\n", {}, "line 202: '32,high' has no number in column 2"),
+        (
+            rows(sep=";", decimal=",", keep=slice(90)) + rows(sep=";", keep=slice(90, None)),
+            UNITS,
+            "line 1: .*not written",
+        ),
         (f"x [um],z [nm]\n{rows()}\n32,1\n", {}, "line 202 is empty; allowed: rows like"),
         (f"x [um],z [nm]\n0,1\n1\n{rows()}", {}, "line 3: '1' is not 2 cells; allowed: rows like '0,1' in line 2"),
         (f"x [um],z [nm]\n{rows()}x [um],z [nm]\n{rows()}", {}, "line 202: .* has no number"),
