@@ -109,7 +109,8 @@ def _name(name: str, thing: Any) -> str:
     if isinstance(thing, enum.EnumType):
         given, members = "", [f"| `{member.name}` | '{member.value}' |" for member in thing]
     elif declared:
-        given = f"({', '.join(f.name + _default(f) for f in fields if f.init)})"
+        named = sorted({*inspect.signature(thing).parameters} - {f.name for f in fields})  # which are not kept
+        given = f"({', '.join([*(f.name + _default(f) for f in fields if f.init), *['*'][: len(named)], *named])})"
         members = [f"| `{field}` | {_cell(said)} |" for field, said in declared.fields.items()]
         members += [f"| `{member}` | {_cell(inspect.getdoc(value))} |" for member, value in _methods(thing)]
     else:

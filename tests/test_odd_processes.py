@@ -245,7 +245,7 @@ def refused(make):
 
 def test_only_what_we_raise_ourselves_is_bad_input():
     assert refused(lambda: linecontact.Layer(thickness=-1))
-    assert refused(lambda: MeasuredIndenter([[1]]))
+    assert refused(lambda: MeasuredIndenter([[1]], convention="gap"))
     for bug in (lambda: math.log(0), lambda: float("x"), lambda: int("9" * 5000), lambda: max([]), lambda: [].index(1)):
         assert not refused(bug)
         with pytest.raises(ValueError, match=r".") as caught:

@@ -164,7 +164,7 @@ def test_estimated_errors_are_rounded_up_wherever_they_are_shown(solution):
         rounded_up(found.contact_area_error / found.contact_area_subgrid),
     )
     table = printed(solution_table(solution), 200)
-    assert f"+- {area} (relative {relative})" in table
+    assert f"+- {area} numerical error (relative {relative})" in table
     for error in (found.contact_area_error, found.kappa_error, found.approach_error, found.peak_pressure_error):
         assert re.search(rf"its numerical error, estimated +\S +{re.escape(rounded_up(error))} ", table)
     (choice,) = (choice for choice in solution.choices if choice.what == "grid")
