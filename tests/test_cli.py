@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from linecontact.studies.command_line.main import main
 from linecontact.studies.files import solution_files, study_files
-from linecontact.studies.scans import units
+from linecontact.studies.terminal import units
 
 CLI = [sys.executable, "-m", "linecontact.studies"]
 

@@ -16,12 +16,12 @@ from ..runner import study
 from ..runner.run import run_study
 from ..runner.study import Plan, Study
 from ..scans import summary
-from ..scans.units import Own, read
 from ..scenes import kinds, making
 from ..scenes.described import base_scene, described, shown
 from ..scenes.making import Given
 from ..terminal import console
 from ..terminal.options import PRESSURE, one_of, options_of, text
+from ..terminal.units import Own, read
 from . import even_areas, number
 from .report import report
 from .tasks import Task

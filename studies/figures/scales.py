@@ -4,7 +4,7 @@ import math
 from collections.abc import Collection, Mapping
 from typing import Any
 
-from ..scans.units import UNITS
+from ..terminal.units import UNITS
 from .style import layer, typeset
 from .units import Shown, shown_units
 

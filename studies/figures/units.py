@@ -6,7 +6,7 @@ from typing import Any
 
 from linecontact.solver.units import PRESSURES
 
-from ..scans.units import UNITS
+from ..terminal.units import UNITS
 
 _DEFAULT = "m"  # of a scan's scene, where nobody has asked for a unit
 _UNKNOWN = "own unit"  # of a scan whose unit nobody has told

@@ -13,9 +13,9 @@ from linecontact.solver.arrays import Array64
 from linecontact.solver.scene import MAX_POINTS
 
 from ..files import confined
+from ..terminal.units import UNITS, unit_of
 from .header import Header, Label
 from .text import Decimal, Table, read_text
-from .units import UNITS, unit_of
 
 MAX_REFINEMENT = 16  # grid points over values in the file
 MAX_VALUES = MAX_POINTS // MAX_REFINEMENT  # numbers in a file: enough for the largest grid

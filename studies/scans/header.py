@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from .units import plain, unit_of
+from ..terminal.units import plain, unit_of
 
 _LONGEST = 1000  # characters of a line that is looked at
 _NEAR = 3  # lines above the rows, in which labels are looked for

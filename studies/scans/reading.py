@@ -20,12 +20,12 @@ from linecontact.solver.units import SCENE, length_unit
 
 from ..files.writing import as_path
 from ..terminal.options import refused
+from ..terminal.units import UNITS, Unit
 from . import columns
 from .columns import MAX_REFINEMENT
 from .missing import DOUBTED, Missing, doubtful, filled, marked, spikes
 from .preparation import Detrend, Profile, Window, evenly_spaced
 from .text import Decimal
-from .units import UNITS, Unit
 
 _POINTS_PER_VALUE, _ENOUGH = 4, 2**18
 """Of the default grid, as long as it has no more points than that: contact edges lie between values."""

@@ -4,7 +4,7 @@ from linecontact.solver import Scene
 from linecontact.solver.units import SCENE
 
 from ..terminal.tables import Whole
-from .units import UNITS
+from ..terminal.units import UNITS
 
 
 def table(scene: Scene, over: str = "") -> Whole:

@@ -10,8 +10,8 @@ from linecontact.solver.units import PRESSURES, SCENE
 from linecontact.solver.units import unit as unit_named
 
 from ..scans import reading
-from ..scans.units import UNITS, Own, pressure_unit, read
 from ..terminal.options import PRESSURE, one_of, options_of, told
+from ..terminal.units import UNITS, Own, pressure_unit, read
 from . import kinds, stiffness_file
 
 Given = Mapping[str, Mapping[str, Any]]

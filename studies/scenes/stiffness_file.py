@@ -11,7 +11,7 @@ import numpy as np
 from linecontact.solver import TabulatedLayer
 from linecontact.solver.display import counted
 
-from ..scans.units import UNITS, plain, unit_of
+from ..terminal.units import UNITS, plain, unit_of
 
 _MOST_BYTES = 2**24
 _SPEAKS = re.compile(r"\W*(?:(q|k|wave\s?numbers?|stiffness)|(?:length\s)?units?)\b(.*)", re.I)

@@ -8,7 +8,7 @@ from typing import Literal, NamedTuple
 
 from linecontact.solver.units import PRESSURES, SCENE
 
-from ..terminal.text import IN_RANGE, number, pointed
+from .text import IN_RANGE, number, pointed
 
 Unit = Literal["m", "cm", "mm", "um", "nm", "pm", "angstrom", "inch"]
 
