@@ -15,7 +15,8 @@ from typing import ParamSpec, TypeVar
 _Given = ParamSpec("_Given")
 _Made = TypeVar("_Made")
 
-BUFFERS, COMPILING, RECORDING, PLANNING = (threading.RLock() for _ in range(4))
+BUFFERS = threading.Lock()
+COMPILING, RECORDING, PLANNING = (threading.RLock() for _ in range(3))
 """Of the buffers that `solver.transforms.plain` keeps; of Warp's modules; of the launches that Warp records, beside
 which another launch would crash; and of FFTW's planner and wisdom."""
 

@@ -75,11 +75,6 @@ def declare(own: Mapping[str, str], fields: Collection[str]) -> None:
     _OWN.update(own)
 
 
-def length_unit(about: Mapping[str, Any], prefix: str = "") -> str:
-    """The unit of length among `named`."""
-    return named(about, prefix)["length"]
-
-
 def named(about: Mapping[str, Any], prefix: str = "") -> dict[str, str]:
     """The units of 'length' and 'pressure' of a scene, these words themselves where nobody has said which.
 

@@ -114,13 +114,11 @@ def _check_over(over: str, numbers: Collection[str]) -> None:
     """Raise `ValueError` for a number that the scene does not have, with the option that gives it one."""
     if over in numbers:
         return
-    if over in _YOUNGS:
-        raise ValueError(f"over is {over!r}; allowed: {_YOUNGS[over]}, E/(1 - nu^2), which is proportional to it")
     takers = [
         f"with --{what} {name}, or "
         for what in kinds.CHOICES
         for name, kind in kinds.classes(what).items()
-        if (option := options_of(kind).get(over)) and option.type in (int, float) and name != MeasuredIndenter.name
+        if (option := options_of(kind).get(over)) and option.type in (int, float) and option.default is not None
     ]
     raise ValueError(f"over is {over!r}; allowed: {''.join(takers)}{', '.join(numbers)}")
 
@@ -128,6 +126,8 @@ def _check_over(over: str, numbers: Collection[str]) -> None:
 def _check_options(options: Options, given: Given, told: Mapping[str, Any]) -> None:
     """Raise `ValueError` for options that do not go together."""
     over = options.over
+    if over in _YOUNGS:
+        raise ValueError(f"over is {over!r}; allowed: {_YOUNGS[over]}, E/(1 - nu^2), which is proportional to it")
     known = {name: value for group in given.values() for name, value in group.items()} | dict(told)
     fixed = making.LOADS if over in making.LOADS else () if over in _NO_NUMBERS else (over,)
     for name in fixed:

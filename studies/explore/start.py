@@ -17,7 +17,6 @@ from linecontact.solver.scene import PRECISIONS
 from linecontact.solver.units import shown, unit
 
 from ..figures.units import shown_units
-from ..scans import reading
 from ..terminal.options import flag
 from ..terminal.text import number
 from .controls import CONTROLS, Control
@@ -44,7 +43,7 @@ class Scan:
     def of(cls, path: Path, options: Mapping[str, Any]) -> Self:
         """The scan that a file holds now; options: those that read it, by name."""
         words: list[str] = []
-        own = {} if options.get("scene_units") else {"length_unit": reading.own_unit(None)}  # what the numbers are in
+        own = {} if options.get("scene_units") else {"length_unit": "m"}  # what the numbers are in
         for name, value in {**own, **options}.items():
             if name not in ("num_points", "period"):  # the scene says them
                 words += [flag(name)] if value is True else [flag(name), str(value)]

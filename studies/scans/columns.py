@@ -234,7 +234,9 @@ def check_values(path: Path, found: Columns) -> None:
         if 0 < np.nanmax(values) - np.nanmin(values) < 1 / LARGEST:
             raise ValueError(f"profile_file {path}: {name} ranges over less than allowed: {1 / LARGEST:g}")
     if np.nanmin(z, initial=np.inf) == np.nanmax(z, initial=-np.inf):
-        raise ValueError(f"profile_file {path}: every height is {z[0]}; allowed: a profile that is not constant")
+        raise ValueError(
+            f"profile_file {path}: every height is {np.nanmax(z)}; allowed: a profile that is not constant"
+        )
     known = np.zeros(0, dtype=np.int64) if x is None else np.flatnonzero(~np.isnan(x))
     if x is not None and known.size > 1 and (back := np.diff(x[known]) * np.diff(x[known[:2]]) <= 0).any():
         at = known[int(back.argmax()) + 1]

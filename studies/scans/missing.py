@@ -50,7 +50,8 @@ def filled(x: Array64 | None, z: Array64, how: Missing) -> tuple[Array64 | None,
     longest = int(np.diff(there, prepend=-1, append=z.size).max()) - 1
     if longest > LONGEST_GAP * z.size:
         raise ValueError(f"{longest} of {z.size} values are missing in one place; allowed: up to {LONGEST_GAP:.0%}")
-    return x, np.interp(np.arange(z.size), there, z[there]), f"{told} filled by straight lines"
+    at = np.arange(z.size) if x is None else np.abs(x - x[0])
+    return x, np.interp(at, at[there], z[there]), f"{told} filled by straight lines"
 
 
 def doubtful(z: Array64) -> list[tuple[Indices, str]]:

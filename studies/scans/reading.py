@@ -8,7 +8,7 @@ import math
 import os
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import Any, Literal, NamedTuple, get_args
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from linecontact.solver import ElasticLayer, MeasuredIndenter, Scene, checks
@@ -16,10 +16,10 @@ from linecontact.solver.display import counted
 from linecontact.solver.scene import MAX_POINTS, MIN_POINTS
 from linecontact.solver.strategy.errors import DEFAULT_QUANTITY
 from linecontact.solver.strategy.to_accuracy import check_accuracy
-from linecontact.solver.units import SCENE, length_unit
+from linecontact.solver.units import SCENE, named
 
 from ..files.writing import as_path
-from ..terminal.options import refused
+from ..terminal.options import options_of, refused, text
 from ..terminal.units import UNITS, Unit
 from . import columns
 from .columns import MAX_REFINEMENT
@@ -32,20 +32,9 @@ _POINTS_PER_VALUE, _ENOUGH = 4, 2**18
 
 
 _FEWEST = 16  # values
+_DEFAULT: Unit = "m"  # of the scene's lengths
 
 Convention = Literal["heights", "gap"]
-
-_WORDS = {
-    "x_unit": Unit,
-    "z_unit": Unit,
-    "length_unit": Unit,
-    "decimal": Decimal,
-    "profile_convention": Convention,
-    "detrend": Detrend,
-    "missing": Missing,
-    "window": Window,
-}
-"""The options that are one of a few words."""
 
 
 @dataclass(frozen=True)
@@ -68,18 +57,18 @@ class Options:
     lengths are written with their units, like 2mm, or with --scene-units as numbers alone."""
     scan_length: float | None = None
     """Length of a scan without positions [length], its spacing times its number of values."""
-    columns: str | None = None
+    columns: str | None = text("text, like '2,3'", None)
     """Columns of x and z, counted from 1, like 2,3; or of z alone, like 3."""
     decimal: Decimal | None = None
     """Decimal sign of a text, where the file leaves it open."""
     profile_convention: Convention | None = None
     """Heights have their peaks up, as a scan has them; gap is h, the distance of the indenter. Default: heights."""
-    profile_dataset: str | None = None
+    profile_dataset: str | None = text("text, the name of a dataset", None)
     """Name of the dataset in an .h5 file that holds several."""
     missing: Missing | None = None
     """Missing values: interpolate fills them by straight lines, drop leaves their rows out. Default: refuse, but
     interpolate for those that --invalid and --despike name."""
-    invalid: str | None = None
+    invalid: str | None = text("text, like '-9999'", None)
     """Number that stands for a missing height in the file, like -9999, or several, parted by commas."""
     despike: bool = False
     """Take values that stand out like dust for missing ones."""
@@ -95,23 +84,13 @@ class Options:
 
     def __post_init__(self) -> None:
         """What the command line makes sure of, for those who come from Python. Raises `ValueError`."""
-        if not isinstance(self.profile_file, Path):
-            raise ValueError(f"profile_file is {self.profile_file!r}; allowed: a path")
-        for name, allowed in _WORDS.items():
-            if getattr(self, name) is not None or name == "window":
-                checks.choice(name, getattr(self, name), get_args(allowed))
-        for name in ("scene_units", "despike"):
-            if not isinstance(getattr(self, name), bool):
-                raise ValueError(f"{name} is {getattr(self, name)!r}; allowed: True or False")
-        for name in ("columns", "profile_dataset", "invalid"):
-            if not isinstance(getattr(self, name), str | None):
-                raise ValueError(f"{name} is {getattr(self, name)!r}; allowed: text, like '2,3'")
+        for name, option in options_of(Options).items():
+            value = getattr(self, name)
+            if option.choices and not (value is option.default is None):
+                checks.choice(name, value, option.choices)
+            elif option.type in (bool, str, Path) and not (isinstance(value, option.type) or value is option.default):
+                raise ValueError(f"{name} is {value!r}; allowed: {option.said or 'True or False'}")
         check_accuracy(self.accuracy, DEFAULT_QUANTITY)
-
-
-def own_unit(length_unit: Unit | None) -> Unit:
-    """The unit that the lengths of a scan's scene are in, if they have one. length_unit: the user's."""
-    return length_unit or "m"
 
 
 class Scan(NamedTuple):
@@ -125,7 +104,7 @@ class Scan(NamedTuple):
     """Grid points of the scene."""
 
     def __repr__(self) -> str:
-        unit = length_unit(self.indenter.description)
+        unit = named(self.indenter.description)["length"]
         return (
             f"{type(self).__name__}: period {self.period:.6g} [{unit}], num_points {self.num_points}; {self.indenter}"
         )
@@ -194,7 +173,7 @@ def read(options: Options) -> Scan:
         "profile_convention": options.profile_convention or "heights",
         "profile_values": count,
         **units,
-        "profile_length_unit": own_unit(options.length_unit) if known else SCENE,
+        "profile_length_unit": (options.length_unit or _DEFAULT) if known else SCENE,
         **scan,
         **({"profile_missing": "; ".join(told)} if told else {}),
         **({"profile_doubts": "; ".join(profile.doubts)} if profile.doubts else {}),
@@ -207,7 +186,6 @@ def read(options: Options) -> Scan:
 def _complete(found: columns.Columns, options: Options) -> tuple[columns.Columns, list[str], list[str]]:
     """The columns without missing values, what was done, and what there is to doubt. Raises `ValueError`."""
     path, x, z = options.profile_file, found.x, found.z
-    columns.check_values(path, found)
     if x is None and z[0] == z.size - 1 >= _FEWEST:
         seen = f"{found.row(0)}: {z[0]:g} is the number of the values below it"
         raise ValueError(f"profile_file {path}, {seen}; allowed: heights alone")
@@ -224,6 +202,7 @@ def _complete(found: columns.Columns, options: Options) -> tuple[columns.Columns
         where = found.row(int(rows[0]))
         told = [f"{counted(rows.size, 'value')} that stood out as spikes, the first in {where}, taken for missing"]
         z = np.where(np.isin(np.arange(z.size), rows), np.nan, z)
+    columns.check_values(path, replace(found, z=z))
     there = np.flatnonzero(np.isfinite(z))
     if there.size < _FEWEST:
         raise ValueError(f"profile_file {path} holds {counted(there.size, 'value')}; allowed: at least {_FEWEST}")
@@ -246,7 +225,7 @@ def _measured(found: columns.Columns, options: Options) -> tuple[Profile, dict[s
     length = _given_length(options, z.size) if x is None else 0.0
     unknown = (options.length_unit or SCENE) if options.scene_units else None
     units = columns.units(path, found, {"x": options.x_unit, "z": options.z_unit}, unknown)
-    scene = {SCENE: 1.0} | {unit: size / UNITS[own_unit(options.length_unit)] for unit, size in UNITS.items()}
+    scene = {SCENE: 1.0} | {unit: size / UNITS[options.length_unit or _DEFAULT] for unit, size in UNITS.items()}
     described = {f"profile_{axis}_unit": unit for axis, unit in units.items()}
     if x is not None and options.scan_length is not None:
         raise ValueError(f"scan_length is {options.scan_length}; allowed: none, {path} has positions")

@@ -107,7 +107,7 @@ def own_units(options: Any, given: Given) -> tuple[Own, Own]:
     elif told.get("scene_units") and "length_unit" not in told:
         length = Own(SCENE)
     else:
-        length = Own(reading.own_unit(told.get("length_unit")), "length_unit" in told)
+        length = Own(told.get("length_unit", "m"), "length_unit" in told)
     if said := getattr(options, "pressure_unit", None):
         return length, Own(said, of="pressure")
     texts = [options.pressure, *(value for group in given.values() for value in group.values())]

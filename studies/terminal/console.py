@@ -128,7 +128,7 @@ class Bar:
                 self._show(*tell())
             except Exception as error:
                 self._broken = True
-                errors.print(f"{BUG}: the progress cannot be shown ({type(error).__name__}: {error}, {place(error)})")
+                errors.print(f"a bug, please report it: no progress is shown ({error!r}, {place(error)})", markup=False)
 
     def _show(self, done: float, state: str) -> None:
         done = min(max(done, 0.0), 1.0) if done == done else 0.0
