@@ -54,7 +54,7 @@ class Scene(Value):
     """Rigid approach since first touch [length], to give instead of the pressure, which is then found; up to 0 nothing
     touches. See `Observables.approach`."""
     pressure_unit: str | None = None
-    """What the unit of pressures and moduli is called where they are shown, 'Pa', 'kPa', 'MPa' or 'GPa'; it converts
+    """Name of the unit of pressures and moduli where they are shown, 'Pa', 'kPa', 'MPa' or 'GPa'; it converts
     nothing."""
 
     def __post_init__(self) -> None:

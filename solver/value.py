@@ -11,11 +11,11 @@ class Value(Protocol):
     """A dataclass of its own equality, in which NaN equals NaN and arrays are compared value by value.
 
     A copy comes from the constructor, which checks it and makes its arrays read-only as it did with the first one's.
-    What can still be changed has no hash: nothing that is kept by it may outlive a change.
+    A dataclass that can still be changed has no hash: nothing that is kept by it may outlive a change.
     """
 
     _remade: ClassVar[Mapping[str, Any]] = {}
-    """What the constructor of a copy is given besides the fields: values of its `InitVar`s."""
+    """Values of the `InitVar`s, for the constructor of a copy."""
 
     def __init_subclass__(cls, **more: Any) -> None:
         super().__init_subclass__(**more)

@@ -1,4 +1,4 @@
-"""What figures say of lengths, pressures and layers, in the units in which they show them."""
+"""Words of figures for lengths, pressures and layers, in the units of the figures."""
 
 import math
 from collections.abc import Collection, Mapping
@@ -18,12 +18,12 @@ def told(units: tuple[Shown, ...]) -> str:
 
 
 def of(what: Shown) -> str:
-    """What stands after the name of a quantity at an axis."""
+    """The end of an axis label, after the name of a quantity."""
     return f" ({shown(what.unit)})" if what.unit else f"/{sign(what)}"
 
 
 def sign(what: Shown) -> str:
-    """What a quantity is divided by, in a formula if it has a sign."""
+    """The divisor of a quantity, in a formula if it has a sign."""
     return {"L": "$L$", "E*": "$E^*$"}.get(what.over, what.over)
 
 

@@ -56,8 +56,8 @@ def draw(path: Path) -> dict[str, Figure]:
 def plot(solution: Solution | StoredSolution, path: Name | None = None, overwrite: bool = False) -> Figure:
     """The figure of a solution, or of what `load` has read from its file; no window is opened.
 
-    Heights and pressure over the period with the contact patches, and the widest patch enlarged; lengths in the units
-    of the scan if there is one, else over the period; pressures over E*.
+    Heights and pressure over the period with the contact patches, and the widest patch enlarged; in the units of
+    the scene, where it has some; else lengths over the period, pressures over E*.
 
     path: where to write it, as .png, .pdf, .svg or what else Matplotlib writes. overwrite: whether a file may be
     replaced that is no figure of linecontact's. Raises `ValueError` for anything else, and for a file that cannot be

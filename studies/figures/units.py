@@ -17,15 +17,15 @@ class Shown:
     """How quantities of a scene are shown."""
 
     factor: float
-    """What they are multiplied by."""
+    """Their factor."""
     unit: str
     """Their unit then; empty where they are dimensionless."""
     over: str = ""
-    """What they are divided by then."""
+    """Their divisor then."""
 
     @property
     def symbol(self) -> str:
-        """What stands after their symbol: a divisor, or a unit in brackets."""
+        """The divisor after their symbol, or the unit in brackets."""
         return f" [{self.unit}]" if self.unit else f"/{self.over}"
 
 

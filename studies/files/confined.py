@@ -55,7 +55,7 @@ class Columns(NamedTuple):
     unit: str
     """The file's own unit, empty if it names none."""
     label: str = ""
-    """What the file calls them."""
+    """Their name in the file, and words about them there."""
 
 
 def read_dataset(path: Path, most: int, name: str | None) -> Columns:

@@ -161,6 +161,7 @@ def _places(path: Path, table: Table, labels: Sequence[Label]) -> dict[str, int]
     if len(numeric) == 2 and roles[0] != "z" and roles[1] not in ("x", "index"):
         return {"z": last} if roles[0] == "index" else {"x": first, "z": last}
     texts = f" labelled {', '.join(repr(labels[i].text) for i in numeric)}" if table.head.labels else ""
+    texts += "".join(f", none below {a.text!r}" for i, a in enumerate(labels) if a.text and i not in numeric)
     row = ", ".join(f"{value:g}" for value in table.values[0, numeric[:8]])
     raise ValueError(
         f"columns is missing: {path} has {len(numeric)} columns of numbers{texts}, the first row {row}; allowed: the "

@@ -57,9 +57,12 @@ def filled(x: Array64 | None, z: Array64, how: Missing) -> tuple[Array64 | None,
 def doubtful(z: Array64) -> list[tuple[Indices, str]]:
     """Indices of heights, shape (number of values,) [any unit], that may be none, each with the reason in words."""
     numbers = _sentinels(z)
-    found = [(np.flatnonzero(z == number), "may stand for missing values (invalid)") for number in numbers]
+    found = [
+        (np.flatnonzero(z == number), "may stand for missing values (--invalid) or be dust (--despike)")
+        for number in numbers
+    ]
     there = np.flatnonzero(~np.isin(z, numbers))
-    found.append((there[spikes(z[there])], "stand out as spikes (despike)"))
+    found.append((there[spikes(z[there])], "stand out as spikes (--despike)"))
     steps = np.abs(np.diff(z[there]))
     jumps = np.flatnonzero(steps > max(_STEP * _usual(steps), float(z[there].std())))
     if jumps.size <= _FEW:

@@ -1,5 +1,6 @@
 """From the heights of a scan to a periodic profile on a grid. Every step is told in words."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
@@ -54,19 +55,18 @@ class Profile:
         i = np.linspace(-1.0, 1.0, self.z.size)
         fitted = np.polynomial.legendre.legfit(i, self.z, 2)
         bow = np.polynomial.legendre.legval(i, [0.0, 0.0, fitted[2]])
+        rest = float((self.z - np.polynomial.legendre.legval(i, fitted)).std())
+        ratio = float(np.ptp(bow)) / rest if rest else math.inf
         if degree > 0:
             slope = 2 * fitted[1] / (self.length - self.spacing)
             self.steps.append(f"tilt of {slope:.4g} (dimensionless) removed by least squares")
         if degree > 1:
-            self.steps.append(
-                f"bow of {float(np.ptp(bow)):.4g} (parabola, in the scene's unit) removed by least squares"
-            )
+            self.steps.append(f"bow removed by least squares (parabola, {ratio:.3g} rms heights of the rest)")
         if degree >= 0:
             self.steps.append("mean removed")
-            rest = self.z - np.polynomial.legendre.legval(i, fitted)
-            if how is None and np.ptp(bow) > _FORM * rest.std() > 0:
+            if how is None and _FORM < ratio < math.inf:
                 self.doubts.append(
-                    f"a bow of {float(np.ptp(bow) / rest.std()):.3g} times the rms height of the rest was kept and may "
+                    f"a bow of {ratio:.3g} times the rms height of the rest was kept and may "
                     "carry the load: detrend curvature removes it, linear says that it is meant"
                 )
             self.z = self.z - np.polynomial.legendre.legval(i, fitted[: degree + 1])

@@ -198,7 +198,10 @@ def _complete(found: columns.Columns, options: Options) -> tuple[columns.Columns
         raise ValueError("missing is refuse; allowed: interpolate or drop, with invalid or despike")
     if options.invalid is not None:
         z = marked(z, options.invalid)
-    if options.despike and (rows := np.flatnonzero(np.isfinite(z))[spikes(z[np.isfinite(z)], both=True)]).size:
+    rows = np.flatnonzero(np.isfinite(z))[spikes(z[np.isfinite(z)], both=True)] if options.despike else np.zeros(0, int)
+    if options.despike and not rows.size:
+        told = ["no value stands out from those three places away as a spike does"]
+    if rows.size:
         where = found.row(int(rows[0]))
         told = [f"{counted(rows.size, 'value')} that stood out as spikes, the first in {where}, taken for missing"]
         z = np.where(np.isin(np.arange(z.size), rows), np.nan, z)

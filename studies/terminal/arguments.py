@@ -167,7 +167,8 @@ def _parser(
 def _default(option: Option) -> str:
     if option.default is None:
         return "not needed"
-    return "must be given" if option.default is MISSING else f"default: {option.default}"
+    missing = option.default is MISSING or option.default != option.default
+    return "must be given" if missing else f"default: {option.default}"
 
 
 def _declaration(kind: type) -> declarations.Declaration:
@@ -177,8 +178,8 @@ def _declaration(kind: type) -> declarations.Declaration:
 
 def _add(section: Any, option: Option, positional: bool, said: str) -> None:
     """Add an option to a parser or a group of it."""
-    hidden = any(option.default is nothing for nothing in (MISSING, None, False)) or "Default: " in said
-    text = (said if hidden else f"{said} (default: {option.default})".strip()).replace("%", "%%")
+    hidden = option.default is None or option.default is False or _default(option) == "must be given"
+    text = (said if hidden or "Default: " in said else f"{said} (default: {option.default})".strip()).replace("%", "%%")
     common = {"default": argparse.SUPPRESS, "help": text}
     if option.count == 0:
         section.add_argument(flag(option.name), dest=option.name, action="append_const", const=True, **common)

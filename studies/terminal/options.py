@@ -15,7 +15,7 @@ from .text import IN_RANGE, number, pointed
 _TYPES = {int: "an integer, in digits or like 2^10 or 1e6", float: "a number", str: "some text", Path: "a path"}
 """What a value of each type is called."""
 
-PRESSURE = "a number alone, or each pressure and modulus with its unit, like 0.1MPa"
+PRESSURE = "a number alone, or each pressure and modulus with its unit (Pa, kPa, MPa, GPa), like 0.1MPa"
 _EXACT = 2.0**53  # up to here a float holds every integer
 
 

@@ -54,7 +54,7 @@ class Own(NamedTuple):
     said: bool = True
     """Whether the user chose it, so that lengths or pressures may be numbers alone."""
     of: str = "length"
-    """The unit of what: 'length' or 'pressure'."""
+    """The quantity: 'length' or 'pressure'."""
 
 
 def pressure_unit(text: str) -> str | None:
