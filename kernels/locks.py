@@ -4,25 +4,38 @@ A child of `os.fork` has one thread, and every lock that another thread held wou
 thread that forks takes them all first, in the order in which they are taken one inside of the other.
 """
 
+import atexit
 import functools
 import gc
 import os
 import sys
 import threading
 from collections.abc import Callable
+from pathlib import Path
 from typing import ParamSpec, TypeVar
 
 _Given = ParamSpec("_Given")
 _Made = TypeVar("_Made")
 
-BUFFERS, COMPILING, RECORDING, PLANNING = (threading.RLock() for _ in range(4))
-"""Of the buffers that `solver.transforms.plain` keeps; of Warp's modules; of the launches that Warp records, beside
+IMPORTING, BUFFERS, COMPILING, RECORDING, PLANNING = (threading.RLock() for _ in range(5))
+"""Of what the package's front imports, because a module that is half imported would stay so; of the buffers that `solver.transforms.plain` keeps; of Warp's modules; of the launches that Warp records, beside
 which another launch would crash; and of FFTW's planner and wisdom."""
 
-_ALL = (BUFFERS, COMPILING, RECORDING, PLANNING)
+_ALL = (IMPORTING, BUFFERS, COMPILING, RECORDING, PLANNING)
 
-forked = False
-"""Whether this process was forked from one that had this module, and so perhaps threads of FFTW, or a GPU."""
+
+
+def _had_fftw() -> bool:
+    """Whether pyFFTW was there before, in a process that was forked (on Linux: it says so) and runs no other program."""
+    try:
+        flags = int(Path("/proc/self/stat").read_text().rpartition(")")[2].split()[6])
+    except (OSError, IndexError, ValueError):
+        return False
+    return "pyfftw" in sys.modules and "multiprocessing.forkserver" not in sys.modules and bool(flags & 0x40)
+
+
+forked = _had_fftw()
+"""Whether this process was forked from one that had this module or pyFFTW, and so perhaps threads of FFTW, or a GPU."""
 
 
 def once(make: Callable[_Given, _Made]) -> Callable[_Given, _Made]:
@@ -57,5 +70,6 @@ def _begin_child() -> None:
                 one.lock = threading.RLock()  # type: ignore[attr-defined]
 
 
+atexit.register(PLANNING.acquire)  # FFTW is cleared away at the end, which a thread that plans would not survive
 if hasattr(os, "register_at_fork"):
     os.register_at_fork(before=_take, after_in_parent=_give_back, after_in_child=_begin_child)

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from bokeh.application import Application
 from bokeh.application.handlers.function import FunctionHandler
 from bokeh.document import Document
+from bokeh.protocol.exceptions import ProtocolError
 from bokeh.server.server import BaseServer
 from bokeh.server.tornado import BokehTornado
 from bokeh.server.util import bind_sockets
@@ -59,6 +60,11 @@ def _refuse(request: HTTPServerRequest) -> None:
     request.connection.finish()
 
 
+def _is_ours(record: logging.LogRecord) -> bool:
+    """Whether something is worth a report: not if a program that is no page of ours speaks another protocol."""
+    return not (record.exc_info and isinstance(record.exc_info[1], ProtocolError))
+
+
 class _Pages:
     """The pages that are open, one for each tab of a browser."""
 
@@ -97,6 +103,7 @@ def served(start: Start, port: int) -> Iterator[tuple[str, IOLoop]]:
         raise ValueError(f"port is {port}, {why}; allowed: another one, or 0 for any that is free") from None
     address = f"http://{ADDRESS}:{port}/"
     logging.getLogger("bokeh.server").setLevel(logging.ERROR)  # a tab that is closed is nothing to warn of
+    logging.getLogger("tornado.application").addFilter(_is_ours)
     settings.resources = "server"  # whatever the environment says: no script from elsewhere
     pages = _Pages(start, address)
     origins = [f"{host}:{port}" for host in _HOSTS]
