@@ -114,9 +114,9 @@ def __getattr__(name: str) -> Any:
         return _version()
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from .help_texts import with_fields
-
     with IMPORTING:
+        from .help_texts import with_fields
+
         module = importlib.import_module(_ELSEWHERE.get(name, "linecontact.solver"))
     return with_fields(getattr(module, name))
 

@@ -182,8 +182,8 @@ def start_warp() -> None:
 
 @contextmanager
 def _silent() -> Iterator[None]:
-    """Warp's native code reports a missing CUDA driver on C's `stderr`, whatever its log level. Where that is a variable
-    (on Linux), it is a stream to nowhere meanwhile; Python and descriptor 2, which all threads share, stay as they are.
+    """Warp's native code reports a missing CUDA driver on C's `stderr`, whatever its log level. Where that is a
+    variable (on Linux), it leads nowhere meanwhile; Python and descriptor 2, which all threads share, stay as they are.
     """
     try:
         libc = ctypes.CDLL(None)

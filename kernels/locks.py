@@ -5,12 +5,15 @@ thread that forks takes them all first, in the order in which they are taken one
 """
 
 import atexit
+import concurrent.futures.thread  # noqa: F401  # its lock and logging's are registered first, so taken after ours
 import functools
 import gc
+import importlib
 import os
 import sys
 import threading
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import ParamSpec, TypeVar
 
@@ -18,15 +21,15 @@ _Given = ParamSpec("_Given")
 _Made = TypeVar("_Made")
 
 IMPORTING, BUFFERS, COMPILING, RECORDING, PLANNING = (threading.RLock() for _ in range(5))
-"""Of what the package's front imports, because a module that is half imported would stay so; of the buffers that `solver.transforms.plain` keeps; of Warp's modules; of the launches that Warp records, beside
-which another launch would crash; and of FFTW's planner and wisdom."""
+"""Of what the package's front imports, for a module that is half imported would stay so; of the buffers that
+`solver.transforms.plain` keeps; of Warp's modules; of the launches that Warp records, beside which another launch would
+crash; and of FFTW's planner and wisdom."""
 
 _ALL = (IMPORTING, BUFFERS, COMPILING, RECORDING, PLANNING)
 
 
-
 def _had_fftw() -> bool:
-    """Whether pyFFTW was there before, in a process that was forked (on Linux: it says so) and runs no other program."""
+    """Whether pyFFTW was there before, in a process that was forked and runs no other program (as Linux says)."""
     try:
         flags = int(Path("/proc/self/stat").read_text().rpartition(")")[2].split()[6])
     except (OSError, IndexError, ValueError):
@@ -53,6 +56,9 @@ def once(make: Callable[_Given, _Made]) -> Callable[_Given, _Made]:
 def _take() -> None:
     for lock in _ALL:
         lock.acquire()
+    for name in {"pyfftw", "warp", "linecontact.solver"} & sys.modules.keys():
+        with suppress(ImportError):  # another thread's own import, too: a child would wait for ever for its end
+            importlib.import_module(name)
 
 
 def _give_back() -> None:

@@ -4,17 +4,18 @@ import contextlib
 import errno
 import logging
 import re
+import time
 import webbrowser
 from collections.abc import Iterator
 
 from bokeh.application import Application
 from bokeh.application.handlers.function import FunctionHandler
 from bokeh.document import Document
-from bokeh.protocol.exceptions import ProtocolError
 from bokeh.server.server import BaseServer
 from bokeh.server.tornado import BokehTornado
 from bokeh.server.util import bind_sockets
 from bokeh.settings import settings
+from bokeh.util.token import get_session_id, get_token_payload
 from tornado.httpserver import HTTPServer
 from tornado.httputil import HTTPHeaders, HTTPServerRequest, ResponseStartLine
 from tornado.ioloop import IOLoop
@@ -43,6 +44,7 @@ class _Ours:
         origin = request.headers.get("Origin")
         host = request.headers.get("Host", "").rpartition(":")
         known = (host[0] or host[2]) in _HOSTS and (origin is None or origin in self._origins)
+        known = known and (request.path != "/ws" or _has_token(request))
         return {} if known and _PATHS.fullmatch(request.path) else None
 
 
@@ -60,9 +62,14 @@ def _refuse(request: HTTPServerRequest) -> None:
     request.connection.finish()
 
 
-def _is_ours(record: logging.LogRecord) -> bool:
-    """Whether something is worth a report: not if a program that is no page of ours speaks another protocol."""
-    return not (record.exc_info and isinstance(record.exc_info[1], ProtocolError))
+def _has_token(request: HTTPServerRequest) -> bool:
+    """Whether a request to talk comes from a page that was served here; Bokeh's answer to others is a traceback."""
+    protocol, _, token = request.headers.get("Sec-WebSocket-Protocol", "").replace(" ", "").partition(",")
+    try:
+        get_session_id(token)
+        return protocol == "bokeh" and time.time() < get_token_payload(token)["session_expiry"]
+    except Exception:  # whatever it is that is no token
+        return False
 
 
 class _Pages:
@@ -103,7 +110,6 @@ def served(start: Start, port: int) -> Iterator[tuple[str, IOLoop]]:
         raise ValueError(f"port is {port}, {why}; allowed: another one, or 0 for any that is free") from None
     address = f"http://{ADDRESS}:{port}/"
     logging.getLogger("bokeh.server").setLevel(logging.ERROR)  # a tab that is closed is nothing to warn of
-    logging.getLogger("tornado.application").addFilter(_is_ours)
     settings.resources = "server"  # whatever the environment says: no script from elsewhere
     pages = _Pages(start, address)
     origins = [f"{host}:{port}" for host in _HOSTS]
