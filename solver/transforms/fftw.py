@@ -56,9 +56,9 @@ class Plan:
     """
 
     def __init__(self, *arrays: Any, **options: Any) -> None:
+        if locks.forked:
+            _await_planner()
         with PLANNING:
-            if locks.forked:
-                _await_planner()
             self._execute: Callable[[], None] = pyfftw.FFTW(*arrays, **options).execute
 
     def __call__(self) -> None:
