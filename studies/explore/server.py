@@ -67,7 +67,7 @@ def _has_token(request: HTTPServerRequest) -> bool:
     protocol, _, token = request.headers.get("Sec-WebSocket-Protocol", "").replace(" ", "").partition(",")
     try:
         get_session_id(token)
-        return protocol == "bokeh" and time.time() < get_token_payload(token)["session_expiry"]
+        return protocol == "bokeh" and bool(time.time() < get_token_payload(token)["session_expiry"])
     except Exception:  # whatever it is that is no token
         return False
 
