@@ -45,6 +45,8 @@ The names are imported when the first of them is used.
 import importlib
 from typing import TYPE_CHECKING, Any
 
+from .kernels.locks import IMPORTING
+
 if TYPE_CHECKING:
     from .solver import (
         Certificate,
@@ -112,9 +114,11 @@ def __getattr__(name: str) -> Any:
         return _version()
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from .help_texts import with_fields
+    with IMPORTING:
+        from .help_texts import with_fields
 
-    return with_fields(getattr(importlib.import_module(_ELSEWHERE.get(name, "linecontact.solver")), name))
+        module = importlib.import_module(_ELSEWHERE.get(name, "linecontact.solver"))
+    return with_fields(getattr(module, name))
 
 
 def __dir__() -> list[str]:

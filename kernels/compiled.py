@@ -6,19 +6,19 @@ tail test stays scalar. The reassociation flags let it vectorise the sums as wel
 threads take turns instead (`on_gpu`); on the CPU that is one thread.
 """
 
+import ctypes
 import importlib
 import logging
-import os
 import sys
 import tempfile
 from collections.abc import Collection, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 from . import locks
-from .derived import is_whole, seal
+from .derived import discard, is_whole, seal
 from .interrupts import undivided
 from .layout import COLUMNS
 from .module_copies import copy_module
@@ -156,9 +156,8 @@ def _files(module: ModuleType, device: str) -> list[Path]:
 def _is_compiled(module: ModuleType, device: str) -> bool:
     """Whether Warp's cache holds a module for a device; what is damaged, as a power cut leaves it, is taken away."""
     for file in _files(module, device):
-        with suppress(OSError):  # of a cache that can only be read
-            if not is_whole(file):
-                file.unlink()
+        if not is_whole(file):
+            discard(file)
     return {file.suffix == ".meta" for file in _files(module, device)} == {True, False}  # what is known of it, and code
 
 
@@ -175,26 +174,26 @@ def start_warp() -> None:
 
     wp.config.log_level = wp.LOG_WARNING
     try:
-        with _silent_stderr():
+        with _silent():
             wp.init()
     except OSError as error:
         raise _unusable(error) from error
 
 
 @contextmanager
-def _silent_stderr() -> Iterator[None]:
-    """Warp's native code reports a missing CUDA driver on file descriptor 2, whatever its log level. That is the whole
-    process's: not for two threads at once.
+def _silent() -> Iterator[None]:
+    """Warp's native code reports a missing CUDA driver on C's `stderr`, whatever its log level. Where that is a
+    variable (on Linux), it leads nowhere meanwhile; Python and descriptor 2, which all threads share, stay as they are.
     """
     try:
-        saved = os.dup(2)
-    except OSError:  # it is closed
+        libc = ctypes.CDLL(None)
+        stderr = ctypes.c_void_p.in_dll(libc, "stderr")
+        libc.fmemopen.restype = ctypes.c_void_p
+    except (TypeError, ValueError, AttributeError):  # on Windows, and on macOS
         yield
         return
-    with open(os.devnull, "w") as null:
-        os.dup2(null.fileno(), 2)
-        try:
-            yield
-        finally:
-            os.dup2(saved, 2)
-            os.close(saved)
+    before, stderr.value = stderr.value, libc.fmemopen(None, ctypes.c_size_t(2**12), b"w")
+    try:
+        yield
+    finally:
+        stderr.value = before  # another thread may be writing to the other stream, so that stays open

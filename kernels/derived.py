@@ -2,6 +2,7 @@
 
 import hashlib
 import os
+import shutil
 from contextlib import suppress
 from pathlib import Path
 
@@ -21,6 +22,13 @@ def seal(file: Path) -> None:
         if not is_whole(file):
             new.write_bytes(_checksum(file))
             new.replace(_seal(file))
+
+
+def discard(file: Path) -> None:
+    """Take away what stands in a file's place, and its seal, which may be folders, as far as the folder lets us."""
+    for one in (file, _seal(file)):
+        with suppress(OSError):
+            shutil.rmtree(one) if one.is_dir() and not one.is_symlink() else one.unlink(missing_ok=True)
 
 
 def _seal(file: Path) -> Path:

@@ -4,26 +4,42 @@ A child of `os.fork` has one thread, and every lock that another thread held wou
 thread that forks takes them all first, in the order in which they are taken one inside of the other.
 """
 
+import atexit
+import concurrent.futures.thread  # noqa: F401  # its lock and logging's are registered first, so taken after ours
 import functools
 import gc
+import importlib
 import os
 import sys
 import threading
 from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
 from typing import ParamSpec, TypeVar
 
 _Given = ParamSpec("_Given")
 _Made = TypeVar("_Made")
 
+IMPORTING, COMPILING, RECORDING, PLANNING = (threading.RLock() for _ in range(4))
 BUFFERS = threading.Lock()
-COMPILING, RECORDING, PLANNING = (threading.RLock() for _ in range(3))
-"""Of the buffers that `solver.transforms.plain` keeps; of Warp's modules; of the launches that Warp records, beside
-which another launch would crash; and of FFTW's planner and wisdom."""
+"""Of what the package's front imports, for a module that is half imported would stay so; of Warp's modules; of the
+launches that Warp records, beside which another launch would crash; of FFTW's planner and wisdom; and of the buffers
+that `solver.transforms.plain` keeps."""
 
-_ALL = (BUFFERS, COMPILING, RECORDING, PLANNING)
+_ALL = (IMPORTING, BUFFERS, COMPILING, RECORDING, PLANNING)
 
-forked = False
-"""Whether this process was forked from one that had this module, and so perhaps threads of FFTW, or a GPU."""
+
+def _had_fftw() -> bool:
+    """Whether pyFFTW was there before, in a process that was forked and runs no other program (as Linux says)."""
+    try:
+        flags = int(Path("/proc/self/stat").read_text().rpartition(")")[2].split()[6])
+    except (OSError, IndexError, ValueError):
+        return False
+    return "pyfftw" in sys.modules and "multiprocessing.forkserver" not in sys.modules and bool(flags & 0x40)
+
+
+forked = _had_fftw()
+"""Whether this process was forked from one that had this module or pyFFTW, and so perhaps threads of FFTW, or a GPU."""
 
 
 def once(make: Callable[_Given, _Made]) -> Callable[_Given, _Made]:
@@ -41,6 +57,9 @@ def once(make: Callable[_Given, _Made]) -> Callable[_Given, _Made]:
 def _take() -> None:
     for lock in _ALL:
         lock.acquire()
+    for name in {"pyfftw", "warp", "linecontact.solver"} & sys.modules.keys():
+        with suppress(ImportError):  # another thread's own import, too: a child would wait for ever for its end
+            importlib.import_module(name)
 
 
 def _give_back() -> None:
@@ -58,5 +77,6 @@ def _begin_child() -> None:
                 one.lock = threading.RLock()  # type: ignore[attr-defined]
 
 
+atexit.register(PLANNING.acquire)  # FFTW is cleared away at the end, which a thread that plans would not survive
 if hasattr(os, "register_at_fork"):
     os.register_at_fork(before=_take, after_in_parent=_give_back, after_in_child=_begin_child)

@@ -13,6 +13,7 @@ from urllib.parse import urlsplit
 import browser
 import pytest
 from bokeh.client import pull_session
+from bokeh.util.token import generate_jwt_token
 from linecontact.solver import Layer, Scene, solve
 from linecontact.studies.command_line import main
 from test_explore import resident, write_scan
@@ -165,11 +166,15 @@ def test_only_scripts_are_served_as_files(server):
         assert server.ask(path)[0] in (403, 404)
 
 
-def test_a_websocket_of_a_foreign_origin_is_refused(server):
+def test_a_websocket_of_a_foreign_origin_or_without_a_token_is_refused(server):
     upgrade = {"Upgrade": "websocket", "Connection": "Upgrade", "Sec_WebSocket_Version": "13"}
     upgrade |= {"Sec_WebSocket_Key": "dGhlIHNhbXBsZSBub25jZQ=="}
-    assert server.ask("/ws", **upgrade, Origin="http://example.org")[0] == 403
-    assert server.ask("/ws", **upgrade, Origin=f"http://127.0.0.1:{server.port}")[0] != 403
+    known = {"Sec_WebSocket_Protocol": f"bokeh, {generate_jwt_token('a' * 44)}"}
+    origin = f"http://127.0.0.1:{server.port}"
+    assert server.ask("/ws", **upgrade, **known, Origin="http://example.org")[0] == 403
+    assert server.ask("/ws", **upgrade, **known, Origin=origin)[0] == 101
+    for said in ("", "bokeh", "bokeh, x", "bokeh, \xff", known["Sec_WebSocket_Protocol"].replace("bokeh", "x")):
+        assert server.ask("/ws", **upgrade, Sec_WebSocket_Protocol=said, Origin=origin)[0] == 403
 
 
 def test_other_machines_cannot_connect(server):

@@ -2,6 +2,7 @@
 
 import math
 import os
+import signal
 import subprocess
 import sys
 
@@ -111,6 +112,94 @@ def test_a_forked_process_waits_for_no_threads_of_the_user_s_own_transforms():
     assert python(OWN_THREADS).stdout == "17\n"
 
 
+COLD_FORK = """
+import os, signal, threading, time
+import linecontact
+
+def work():
+    import pyfftw
+    linecontact.solve(linecontact.Scene(num_points=64), method="fire", tolerance=0.1)
+
+thread = threading.Thread(target=work)
+thread.start()
+children = []
+for _ in range(6):
+    time.sleep(0.06)
+    children.append(os.fork())
+    if not children[-1]:
+        signal.alarm(60)
+        solution = linecontact.solve(linecontact.Scene(num_points=64), method="fire", tolerance=0.1)
+        os._exit(solution.status != "converged")
+print(*(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) for child in children))
+"""
+
+
+@posix
+def test_children_of_a_process_whose_first_solve_is_under_way_solve_too():
+    """What a thread imports at the fork would stay half imported."""
+    said = python(COLD_FORK)
+    assert said.stdout.split() == ["0"] * 6, said.stderr
+
+
+LATE_IMPORT = OWN_THREADS.replace("from linecontact import Scene, solve\n", "").replace(
+    "    solve(Scene(num_points=64))", "    from linecontact import Scene, solve\n    solve(Scene(num_points=64))"
+)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="Linux says that a process was forked")
+def test_a_forked_process_that_imports_the_package_late_waits_for_no_threads_either():
+    assert LATE_IMPORT != OWN_THREADS
+    assert python(LATE_IMPORT).stdout == "17\n"
+
+
+OWN_PLANNING = """
+import os, threading, time
+import pyfftw
+from linecontact import Scene, solve
+from linecontact.solver.transforms import fftw
+
+fftw._PATIENCE = 1.0
+values = pyfftw.empty_aligned(2**18, dtype=complex)
+plan = {"args": (values, values), "kwargs": {"flags": ["FFTW_PATIENT"]}, "daemon": True}
+threading.Thread(target=pyfftw.FFTW, **plan).start()
+time.sleep(0.3)
+child = os.fork()
+if not child:
+    for _ in range(2):
+        try:
+            solve(Scene(num_points=64), method="fire")
+        except ValueError as error:
+            refused = "forked while another of its threads planned" in str(error)
+    os._exit(17 if refused else 1)
+print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)
+os._exit(0)
+"""
+
+
+@posix
+def test_a_forked_process_does_not_wait_for_the_user_s_own_planning():
+    assert python(OWN_PLANNING).stdout == "17\n"
+
+
+WRITES = """
+import os, threading
+from linecontact.kernels import start_warp
+
+thread = threading.Thread(target=start_warp)
+thread.start()
+count = 0
+while thread.is_alive():
+    os.write(2, b"line\\n")
+    count += 1
+print(count)
+"""
+
+
+def test_nothing_that_is_written_while_warp_starts_is_lost():
+    said = python(WRITES)
+    assert said.stderr == "line\n" * int(said.stdout)
+
+
 DAMAGES = {
     "empty": lambda content: b"",
     "truncated": lambda content: content[: len(content) // 2],
@@ -142,7 +231,20 @@ def test_a_damaged_kernel_cache_is_made_again_once(kernel_cache, damage):
     assert all(derived.is_whole(file) for file in files if file.suffix != ".cpp")
 
 
-@pytest.mark.parametrize("damage", DAMAGES)
+def test_a_folder_in_a_derived_file_s_place_is_taken_away(kernel_cache):
+    python(LOAD, WARP_CACHE_PATH=str(kernel_cache))  # seals
+    kept = {".o": 0, ".meta": 1, ".cpp": 2, ".sha256": 3}
+    modules = sorted(folder for folder in kernel_cache.rglob("*linecontact*") if folder.is_dir())
+    for file in [file for i, folder in enumerate(modules) for file in folder.iterdir() if kept.get(file.suffix) == i]:
+        file.unlink()
+        (file / "inside").mkdir(parents=True)
+    for _ in range(2):
+        again = python(LOAD, WARP_CACHE_PATH=str(kernel_cache))
+        assert again.stdout == "converged\n", again.stderr
+    assert again.stderr == ""
+
+
+@pytest.mark.parametrize("damage", ["truncated", "one bit"])
 def test_a_damaged_library_of_c_is_made_again(tmp_path, monkeypatch, damage):
     """A process that loads a truncated one may end at once, so it is not loaded."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
@@ -318,3 +420,14 @@ def test_work_for_a_page_that_is_closed_is_no_traceback(capsys, ended):
     assert newest._thread.is_alive() != ended
     newest.end(10.0)
     assert ("AttributeError" in capsys.readouterr().err) != ended
+
+
+def test_ctrl_c_while_a_bar_begins_leaves_the_cursor(capsys, monkeypatch):
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setattr(console, "errors", type(console.errors)(stderr=True, highlight=False, force_terminal=True))
+    begin = console.Progress.start
+    monkeypatch.setattr(console.Progress, "start", lambda bar: (begin(bar), signal.raise_signal(signal.SIGINT)))
+    with pytest.raises(KeyboardInterrupt), console.Bar("work"):
+        raise AssertionError
+    said = capsys.readouterr().err
+    assert said.rfind("\x1b[?25h") > said.rfind("\x1b[?25l") >= 0

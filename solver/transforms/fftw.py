@@ -5,10 +5,12 @@ them are then missing: who wants those imports pyFFTW first.
 """
 
 import sys
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
+from ...kernels import locks
 from ...kernels.locks import PLANNING
 
 
@@ -31,6 +33,21 @@ with _hidden("scipy", "dask"):
 __all__ = ["Plan", "pyfftw"]
 
 
+_PATIENCE = 20.0  # s, for a plan that takes microseconds
+
+
+@locks.once
+def _await_planner() -> None:
+    """Raise `ValueError` if a thread that a fork has left behind has FFTW's planner: one of the user's own."""
+    values = pyfftw.empty_aligned(2, dtype=complex)
+    thread = threading.Thread(target=pyfftw.FFTW, args=(values, values), daemon=True)
+    thread.start()
+    thread.join(_PATIENCE)
+    if thread.is_alive():
+        what = "the process was forked while another of its threads planned a transform of its own"
+        raise ValueError(f"{what}, and waits for that for ever; allowed: 'spawn' or 'forkserver'")
+
+
 class Plan:
     """A plan of FFTW's, made as `pyfftw.FFTW` is and done by calling it.
 
@@ -39,6 +56,8 @@ class Plan:
     """
 
     def __init__(self, *arrays: Any, **options: Any) -> None:
+        if locks.forked:
+            _await_planner()
         with PLANNING:
             self._execute: Callable[[], None] = pyfftw.FFTW(*arrays, **options).execute
 

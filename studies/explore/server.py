@@ -4,6 +4,7 @@ import contextlib
 import errno
 import logging
 import re
+import time
 import webbrowser
 from collections.abc import Iterator
 
@@ -14,6 +15,7 @@ from bokeh.server.server import BaseServer
 from bokeh.server.tornado import BokehTornado
 from bokeh.server.util import bind_sockets
 from bokeh.settings import settings
+from bokeh.util.token import get_session_id, get_token_payload
 from tornado.httpserver import HTTPServer
 from tornado.httputil import HTTPHeaders, HTTPServerRequest, ResponseStartLine
 from tornado.ioloop import IOLoop
@@ -42,6 +44,7 @@ class _Ours:
         origin = request.headers.get("Origin")
         host = request.headers.get("Host", "").rpartition(":")
         known = (host[0] or host[2]) in _HOSTS and (origin is None or origin in self._origins)
+        known = known and (request.path != "/ws" or _has_token(request))
         return {} if known and _PATHS.fullmatch(request.path) else None
 
 
@@ -57,6 +60,16 @@ def _refuse(request: HTTPServerRequest) -> None:
     headers = HTTPHeaders({"Content-Type": "text/plain", "Content-Length": str(len(text))})
     request.connection.write_headers(ResponseStartLine("HTTP/1.1", 403, "Forbidden"), headers, text)
     request.connection.finish()
+
+
+def _has_token(request: HTTPServerRequest) -> bool:
+    """Whether a request to talk comes from a page that was served here; Bokeh's answer to others is a traceback."""
+    protocol, _, token = request.headers.get("Sec-WebSocket-Protocol", "").replace(" ", "").partition(",")
+    try:
+        get_session_id(token)
+        return protocol == "bokeh" and bool(time.time() < get_token_payload(token)["session_expiry"])
+    except Exception:  # whatever it is that is no token
+        return False
 
 
 class _Pages:

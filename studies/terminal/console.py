@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, TextIO, TypeVar
 
+from linecontact.kernels import undivided
 from linecontact.solver import Status
 from linecontact.solver.methods import Progress as Report
 from rich import box
@@ -110,13 +111,19 @@ class Bar:
         self._task = self._progress.add_task(what, total=1.0, state="")
 
     def __enter__(self) -> "Bar":
-        if errors.is_terminal:  # elsewhere rich before 14.3 ends it with an empty line
-            self._progress.start()
+        try:
+            if errors.is_terminal:  # elsewhere rich before 14.3 ends it with an empty line
+                with undivided():  # half begun it would hide the cursor for good
+                    self._progress.start()
+        except KeyboardInterrupt:
+            self.__exit__()
+            raise
         return self
 
     def __exit__(self, *_: object) -> None:
         if errors.is_terminal:
-            self._progress.stop()
+            with undivided():
+                self._progress.stop()
 
     def show(self, tell: Callable[[], tuple[float, str]]) -> None:
         """Show what `tell` gives: the share of the work that is done, 0 to 1, and a text to stand before the time left.
