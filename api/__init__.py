@@ -45,7 +45,7 @@ The names are imported when the first of them is used.
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from .kernels.locks import IMPORTING
+from .locks import IMPORTING
 
 if TYPE_CHECKING:
     from .solver import (

@@ -3,7 +3,7 @@
 Knows arrays and numbers: no scene, no file, no transform.
 """
 
-from . import layout, locks
+from . import layout
 from .compiled import KERNELS, flags, load, recompile, start_warp, started
 from .interrupts import undivided
 from .layout import CHUNK, padded_length
@@ -21,7 +21,6 @@ __all__ = [
     "instructions",
     "layout",
     "load",
-    "locks",
     "padded_length",
     "processor",
     "recompile",

@@ -17,7 +17,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from . import locks
+from .. import locks
 from .derived import discard, is_whole, seal
 from .interrupts import undivided
 from .layout import COLUMNS

@@ -7,9 +7,9 @@ import importlib
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from ..locks import once
 from .compiled import GPU_BLOCK, MODULES, ON_CPU_ONLY, compile_modules, start_warp
 from .layout import FOLDED
-from .locks import once
 from .module_copies import copy_module
 from .record import Call
 

@@ -4,7 +4,7 @@ import functools
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from .locks import RECORDING
+from ..locks import RECORDING
 
 Launch = tuple[Any, int, Sequence[Any], Sequence[Any]]
 """A Warp kernel, its number of threads, and the Warp arrays that it reads and that it writes."""

@@ -10,8 +10,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from ...kernels import locks
-from ...kernels.locks import PLANNING
+from ... import locks
+from ...locks import PLANNING
 
 
 @contextmanager

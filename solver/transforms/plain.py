@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...kernels import started
-from ...kernels.locks import BUFFERS
+from ...locks import BUFFERS
 from ..arrays import Array64, Modes
 from . import four_step
 from .fftw import Plan, pyfftw

@@ -5,7 +5,8 @@ from contextlib import suppress
 
 import numpy as np
 
-from ...kernels import Call, locks, padded_length, record
+from ... import locks
+from ...kernels import Call, padded_length, record
 from .. import checks
 from ..arrays import Array, Array64
 from . import wisdom

@@ -7,7 +7,7 @@ import warnings
 from contextlib import suppress
 from pathlib import Path
 
-from ...kernels.locks import PLANNING
+from ...locks import PLANNING
 from .fftw import pyfftw
 
 _MOST = 2**24  # bytes; a plan takes some hundred

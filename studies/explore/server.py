@@ -57,8 +57,9 @@ class _Any:
 
 def _refuse(request: HTTPServerRequest) -> None:
     text = b"Only the page itself is served, to this machine's own browser.\n"
+    body = None if request.method == "HEAD" else text
     headers = HTTPHeaders({"Content-Type": "text/plain", "Content-Length": str(len(text))})
-    request.connection.write_headers(ResponseStartLine("HTTP/1.1", 403, "Forbidden"), headers, text)
+    request.connection.write_headers(ResponseStartLine("HTTP/1.1", 403, "Forbidden"), headers, body)
     request.connection.finish()
 
 
