@@ -14,7 +14,6 @@ DOUBTED = 0.01
 """Share of a scan that may be filled without a warning."""
 
 _ISOLATED = 0.5  # ranges of all other values, between them and a number that stands for missing ones
-_OFTEN, _SUDDEN = 3, 3.0  # times that such a number stands nearer, behind steps so many times the usual
 _RARE = 0.99  # quantile that is called usual
 _SPIKE = 3  # values in the width of a spike
 _HIGH, _UNLIKE, _MANY = 2.0, 4.5, 0.8  # rms heights, and times that quantile of heights above valleys on both sides
@@ -81,7 +80,8 @@ def spikes(z: Array64, both: bool = False) -> Indices:
         kept[there[high]] = False
     found = np.flatnonzero(~kept)
     apart = np.diff(found[np.diff(found, prepend=-2) > 1])
-    return found[:0] if found.size > _TEXTURE * z.size and apart.std() < _REGULAR * apart.mean() else found
+    many = found.size > _TEXTURE * z.size and apart.size > 1
+    return found[:0] if many and apart.std() < _REGULAR * apart.mean() else found
 
 
 def _stand_out(level: Array64) -> np.ndarray[Any, np.dtype[np.bool_]]:
@@ -105,11 +105,4 @@ def _sentinels(z: Array64) -> Array64:
         away = [rest[0] - below[-1:], above[:1] - rest[-1]]
         if low + high and all((gap > _ISOLATED * np.ptp(rest)).all() for gap in away):
             return np.concatenate([below, above])
-    for number in (values[0], values[-1]):
-        is_number, steps = z == number, np.abs(np.diff(z))
-        usual = _usual(steps[~(is_number[1:] | is_number[:-1])])
-        sudden = float(np.median(steps[is_number[1:] != is_number[:-1]])) > _SUDDEN * usual
-        away = np.abs(values[[1, -2]] - number).min()
-        if values.size > _FEW and sudden and away > usual and np.count_nonzero(is_number) >= _OFTEN:
-            return np.array([number])
     return values[:0]
