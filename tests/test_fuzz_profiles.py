@@ -102,7 +102,7 @@ def test_what_is_too_much_is_refused(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("content", [b"1 " * 10**6, b"\0" * 1000, b"\xff\xfe" + "a\nb\n".encode("utf-16le") * 40])
 def test_text_that_is_none(tmp_path, content):
-    with pytest.raises(ValueError, match="no table"):
+    with pytest.raises(ValueError, match=r"no table|columns is missing"):
         read(tmp_path / "scan.txt", content)
 
 

@@ -44,6 +44,10 @@ READ = {
     "whole numbers with labels": ("x [um],z [nm]\n" + "".join(f"{i},{i % 7}\n" for i in range(COUNT)), {}),
     "two returns": (("x [um],z [um]\n" + rows()).replace("\n", "\r\r\n"), {}),
     "two brackets": ("x (lateral) [um],Height (raw) [nm]\n" + rows(z="nm"), {}),
+    "words that only sound like another quantity": (
+        "x [um],High resolution triangle height (orange) [nm]\n" + rows(z="nm"),
+        {},
+    ),
     "inch": ("x (in),z (inch)\n" + rows(x="inch", z="inch"), {}),
     "Angstrom sign": ("Lateral (um),Height (\u00c5)\n" + rows(z="angstrom"), {}),
     "upper case": ("X(MM),Z(UM)\n" + rows(x="mm"), {}),
@@ -195,6 +199,7 @@ def test_what_is_not_understood_is_quoted_and_never_contradicted(tmp_path, name)
         ("x [um],Height (nm)/LSB", "LSB"),
         ("Unit Z [V]\nx,z", "'V', which is no length"),
         ("Signal in mV\nx,z", "'mV', which is no length"),
+        ("Signal mV\nx,z", "'mV', which is no length"),
         ("Bit2nm = 0.1\nx [um],z [um]", "'Bit2nm = 0.1'|names um"),
     ],
 )
@@ -273,6 +278,7 @@ def test_missing_heights_are_filled_or_left_out_and_told(tmp_path, cell):
             {"invalid": "-1", "scan_length": 1.0},
             "invalid is '-1'; allowed: numbers",
         ),
+        ("z [nm]\n" + "nan\n" * 2 + rows(order="z"), {"missing": "drop", "scan_length": 1.0}, "missing is drop"),
         (
             "16\n" + rows(order="z", keep=slice(16)),
             {"scan_length": 1.0},

@@ -28,7 +28,8 @@ SECONDS = 6
 """Of processor time, and one more for each 64 MiB of the file; three times that by the clock."""
 
 _FILTERS = {1: "gzip", 2: "shuffle", 3: "fletcher32", 4: "szip", 5: "nbit", 6: "scaleoffset", 32000: "lzf"}
-_PACKED = ("scale_factor", "add_offset", "_FillValue", "missing_value", "valid_min", "valid_max", "valid_range")
+_PACKED = {"scale_factor": 1, "add_offset": 1, "valid_min": 1, "valid_max": 1, "valid_range": 2}
+_PACKED |= {"_FillValue": 0, "missing_value": 0}  # numbers in each; 0: any
 _PACKING = re.compile(
     r"(?!DIMENSION_).*(?:scale|factor|gain|offset|calibration|multiplier|unsigned|conversion|lsb|bit2|_per_|sensitivity"
     r"|quantum)",
@@ -125,7 +126,9 @@ def _dataset(path: str, most: str, name: str | None = None) -> Columns:
         unit = ",".join({_text(data, key): 0 for key in data.attrs if re.search(r"(?:^|_)units?$", key, re.I)})
         for above in (file, data.parent):
             for key in filter(_PACKING.match, above.attrs):
-                raise RefusedError(f"profile_dataset is {name!r}, in a group whose attribute {key!r} may change it")
+                raise RefusedError(
+                    f"profile_dataset is {name!r}, in a group whose attribute {key!r} may change it; allowed: none"
+                )
         return Columns(_unpacked(data[()], data.attrs, f"profile_dataset is {name!r}"), unit, " ".join(label).strip())
 
 
@@ -141,10 +144,9 @@ def _unpacked(values: NDArray[Any], attributes: "h5py.AttributeManager", what: s
     for name in attributes:
         if name in _PACKED:
             number = np.ravel(attributes[name])
-            good = number.dtype.kind in "fiu" and (
-                name not in _PACKED[:2] or (number.size == 1 and np.isfinite(number[0]))
-            )
-            if not good or (name == "scale_factor" and number[0] == 0):
+            good = number.dtype.kind in "fiu" and number.size == (_PACKED[name] or number.size)
+            linear = name in ("scale_factor", "add_offset")
+            if not good or (linear and not np.isfinite(number[0])) or (name == "scale_factor" and number[0] == 0):
                 raise RefusedError(f"{what}, whose attribute {name} is {str(attributes[name])[:40]}; allowed: a number")
             given[name] = number.astype(np.float64)
         elif _PACKING.match(name):

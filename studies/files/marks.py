@@ -13,11 +13,8 @@ _PROGRAM = "linecontact"
 _MARKS = {
     ".png": ("Software", f"Software\0{_PROGRAM}"),
     ".pdf": ("Creator", f"/Creator ({_PROGRAM})"),
-    ".svg": ("Creator", f"<dc:title>{_PROGRAM}</dc:title>"),
-    ".eps": ("Creator", f"%%Creator: {_PROGRAM}"),
-    ".ps": ("Creator", f"%%Creator: {_PROGRAM}"),
 }
-"""Where the program's name stands in the files of figures, and how."""
+"""How figures bear the program's name. Vector graphics that people edit, like .svg, bear none."""
 
 _UNIT = re.compile(r" \[[^]]*\]")
 

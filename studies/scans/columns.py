@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 from linecontact.solver.arrays import Array64
+from linecontact.solver.display import counted
 from linecontact.solver.scene import MAX_POINTS
 
 from ..files import confined
@@ -135,7 +136,7 @@ def _choose(path: Path, table: Table, columns: str | None) -> Columns:
 
 def _asked(columns: str, table: Table, labels: Sequence[Label]) -> dict[str, int]:
     """The places of x and z from the user's "2,3", or "3" for heights alone."""
-    numbers = [int(word) - 1 if word.strip().isdecimal() else -1 for word in columns.split(",")]
+    numbers = [int(word) - 1 if word.strip().isdecimal() and len(word) < 9 else -1 for word in columns.split(",")]
     if len(numbers) > 2 or len(set(numbers)) < len(numbers) or not set(numbers) <= set(table.numeric):
         count, listed = table.values.shape[1], ", ".join(str(i + 1) for i in table.numeric)
         allowed = f"numbers from 1 to {count}" if len(table.numeric) == count else f"{listed}, the columns of numbers"
@@ -154,7 +155,8 @@ def _places(path: Path, table: Table, labels: Sequence[Label]) -> dict[str, int]
     numeric = list(table.numeric)
     first, last, roles = numeric[0], numeric[-1], [labels[i].role for i in numeric]
     second = len(numeric) > 2 and any(re.match(r"y\b", label.text.lower()) for label in labels)
-    if len(numeric) == 1 and roles[0] not in ("x", "index"):
+    unread = any(label.role == "x" for i, label in enumerate(labels) if i not in numeric)
+    if len(numeric) == 1 and roles[0] not in ("x", "index") and not unread:
         return {"z": first}
     if roles.count("x") == roles.count("z") == 1 and not second:
         return {axis: numeric[roles.index(axis)] for axis in "xz"}
@@ -164,8 +166,8 @@ def _places(path: Path, table: Table, labels: Sequence[Label]) -> dict[str, int]
     texts += "".join(f", none below {a.text!r}" for i, a in enumerate(labels) if a.text and i not in numeric)
     row = ", ".join(f"{value:g}" for value in table.values[0, numeric[:8]])
     raise ValueError(
-        f"columns is missing: {path} has {len(numeric)} columns of numbers{texts}, the first row {row}; allowed: the "
-        "numbers of those of x and z like 1,2, or of z alone"
+        f"columns is missing: {path} has {counted(len(numeric), 'column')} of numbers{texts}, the first row {row}; "
+        "allowed: the numbers of those of x and z like 1,2, or of z alone"
     )
 
 

@@ -30,9 +30,9 @@ _DEEP = re.compile(
 )
 """Heights under such words may grow into the valleys."""
 _NO_HEIGHT = re.compile(
-    r"slope|gradient|steigung|curvature|angle|winkel|volt|spannung|phase|force|kraft|current|intensity|deflection|psd"
-    r"|spe[ck]tr|density|correlation|\bln\b|\blog|sqrt|wurzel|squared|divided|multiplied|range|cut-?off|tolerance"
-    r"|resolution|spacing|radius|\bper\s|\bdb\b|fft|\bbits?\b|counts?\b|lsb|[*^\u00b1]|/\s*\d|^\d+[a-z]|(?!^x\d$)\bx\s?\d",
+    r"slope|gradient|steigung|curvature|\bangle|winkel|volt|spannung|phase|\bforce\b|kraft|\bcurrent$|intensity"
+    r"|deflection|psd|spe[ck]tr|density|correlation|\bln\b|\blog(?:\d|\b)|sqrt|wurzel|squared|divided|multiplied"
+    r"|\brange\b|cut-?off|tolerance|resolution$|spacing|radius|\bper\s|\bdb\b|fft|\bbits?\b|counts?\b|lsb|[*^\u00b1]|/\s*\d|^\d+[a-z]|(?!^x\d$)\bx\s?\d",
     re.I,
 )
 """Columns under such a name are no positions or heights, or something made of them."""
@@ -132,7 +132,8 @@ class Header:
                 return factor[0].strip(), line
             brackets = re.findall(_BRACKET, line) if line in self.rest[-_NEAR:] else []
             about = _UNIT_LINE.search(line)
-            words = re.split(r"[\s:=,;\"]+", line[about.start() :])[1:] if about else []
+            start = about.start() if about else 0 if _SUBJECT.search(line) else len(line)
+            words = re.split(r"[\s:=,;\"]+", line[start:])[1:]
             found = _NO_HEIGHT.search(line) if brackets or _SUBJECT.search(line) else None
             other = next(filter(_OTHER_UNIT.fullmatch, [*brackets, *words]), found[0].strip() if found else "")
             if other and not self._has_units:
@@ -141,12 +142,14 @@ class Header:
 
 
 def cells(line: str, delimiter: str | None) -> list[str]:
-    """The cells of a line; delimiter: None for spaces. None in a line of over 1000 characters."""
-    if len(line) > _LONGEST:
-        return []
+    """The cells of a line; delimiter: None for spaces."""
     if delimiter is None:
         return line.replace('"', " ").split()
-    quoted = next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), []) if '"' in line else None
+    quoted = (
+        next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])
+        if '"' in line and len(line) <= _LONGEST
+        else None
+    )
     return [cell.strip() for cell in (line.split(delimiter) if quoted is None else quoted)]
 
 

@@ -66,15 +66,14 @@ class Options:
     profile_dataset: str | None = text("text, the name of a dataset", None)
     """Name of the dataset in an .h5 file that holds several."""
     missing: Missing | None = None
-    """Missing values: interpolate fills them by straight lines, drop leaves their rows out. Default: refuse, but
-    interpolate for those that --invalid and --despike name."""
+    """Missing values: interpolate fills them by straight lines, drop leaves their rows out, which needs positions.
+    Default: refuse, but interpolate for those that --invalid and --despike name."""
     invalid: str | None = text("text, like '-9999'", None)
     """Number that stands for a missing height in the file, like -9999, or several, parted by commas."""
     despike: bool = False
-    """Take values that stand out like dust for missing ones."""
+    """Take outliers, which stand out from the values around them like dust, for missing values."""
     detrend: Detrend | None = None
-    """What is removed: the mean, the tilt, too (linear), or a bow, too (curvature); default: linear, but none with
-    --window none."""
+    """Remove the mean, also the tilt (linear), also a bow (curvature); default: linear, but none with --window none."""
     window: Window = "mirror"
     """What makes the profile periodic: its mirror image, a window, or nothing if it is periodic."""
     period: float | None = refused()
@@ -209,6 +208,8 @@ def _complete(found: columns.Columns, options: Options) -> tuple[columns.Columns
     there = np.flatnonzero(np.isfinite(z))
     if there.size < _FEWEST:
         raise ValueError(f"profile_file {path} holds {counted(there.size, 'value')}; allowed: at least {_FEWEST}")
+    if x is None and options.missing == "drop" and there.size < z.size:
+        raise ValueError(f"missing is drop; allowed: interpolate, because {path} has no positions to tell the gaps")
     doubts = []
     for rows, reason in doubtful(up * z[there]):
         first = int(there[rows[0]])

@@ -124,7 +124,10 @@ def read_text(path: Path, name: str, decimal: Decimal | None) -> Table:
         lines.pop()
     writing = _find(path, lines, decimal)
     first = next((i for i, line in enumerate(lines) if writing.is_row(line)), 0)
-    while first and any(value == value for value in writing.row(lines[first - 1]) if value is not None):
+    while first and (row := writing.row(lines[first - 1])):
+        told = None not in row and re.search(r"[^\W\d_]|\*\*", lines[first - 1])  # missing in all columns, and no rule
+        if not told and not any(value == value for value in row if value is not None):
+            break
         first -= 1
     for i, pair in enumerate(itertools.pairwise(lines[:first])):
         if all(map(_LIKE_ROW.match, pair)):
