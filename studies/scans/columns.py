@@ -154,16 +154,16 @@ def _places(path: Path, table: Table, labels: Sequence[Label]) -> dict[str, int]
     """The places of x and z, as the labels of the columns have them, or their usual order."""
     numeric = list(table.numeric)
     first, last, roles = numeric[0], numeric[-1], [labels[i].role for i in numeric]
+    without = [labels[i] for i in sorted({*range(len(labels))} - {*numeric})]
     second = len(numeric) > 2 and any(re.match(r"y\b", label.text.lower()) for label in labels)
-    unread = any(label.role == "x" for i, label in enumerate(labels) if i not in numeric)
-    if len(numeric) == 1 and roles[0] not in ("x", "index") and not unread:
+    if len(numeric) == 1 and roles[0] not in ("x", "index") and "x" not in [label.role for label in without]:
         return {"z": first}
     if roles.count("x") == roles.count("z") == 1 and not second:
         return {axis: numeric[roles.index(axis)] for axis in "xz"}
     if len(numeric) == 2 and roles[0] != "z" and roles[1] not in ("x", "index"):
         return {"z": last} if roles[0] == "index" else {"x": first, "z": last}
-    texts = f" labelled {', '.join(repr(labels[i].text) for i in numeric)}" if table.head.labels else ""
-    texts += "".join(f", none below {a.text!r}" for i, a in enumerate(labels) if a.text and i not in numeric)
+    texts = f" labelled {', '.join(repr(labels[i].text) for i in numeric[:8])}" if table.head.labels else ""
+    texts += "".join(f", none below {label.text!r}" for label in without[:8] if label.text)
     row = ", ".join(f"{value:g}" for value in table.values[0, numeric[:8]])
     raise ValueError(
         f"columns is missing: {path} has {counted(len(numeric), 'column')} of numbers{texts}, the first row {row}; "
