@@ -1,11 +1,10 @@
 """The active set: the method that needs fewest transforms, put together from its parts.
 
 `active_set` is the method, `free_nodes` the same with displacements as unknown, with `gap_by_gap`, `search` when they
-update their set, `contact_set` what belongs to one set of nodes, `elimination` what solves small ones, `free_residual`
-what the certificate is going to find, `few_at_a_time` how a search that has failed begins anew, `response` what the
-surface does under its pressure, on all nodes in `everywhere` by the operator `compliance`, near the contact in `nearby`
-by that of `packed`, `spare` what one solve leaves to the next,
-`preconditioner` with `local_inverses`, `long_patch` and `greens_function` what makes its iterations few.
+update their set, `contact_set` what belongs to one set of nodes, `elimination` what solves small ones, `response` what
+the surface does under its pressure, on all nodes in `everywhere` by the operator `compliance`, near the contact in
+`nearby` by that of `packed`, `spare` what one solve leaves to the next, `preconditioner` with `local_inverses`,
+`long_patch` and `greens_function` what makes its iterations few.
 
 May import: method, linecontact.solver.arrays, linecontact.solver.transforms, linecontact.solver.grid,
 linecontact.kernels.

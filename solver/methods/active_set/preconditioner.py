@@ -20,6 +20,7 @@ from ...grid.patches import Patches
 from .greens_function import GreensFunction, patch_sums
 from .local_inverses import LocalInverse, local_inverse
 
+_MOST = 2048  # coarse unknowns of a search that is cautious
 _EXACT_SHARE = 16  # patches of one unknown whose mutual influence is summed up, patch by patch
 
 
@@ -31,13 +32,14 @@ class PatchDeflation:
         green: GreensFunction,
         patches: Patches,
         previous: "PatchDeflation | None" = None,
-        most: int = 0,
+        cautious: bool = False,
     ) -> None:
         """`previous`: of a similar set, whose coarse inverse serves again if the patches are as many, and whose long
-        patches do if they have the same size. most: coarse unknowns; at least as many as cost a few transform pairs.
+        patches do if they have the same size. cautious: more coarse unknowns than cost a few
+        transform pairs: patches that share one make a set under a stiff coating ill-conditioned.
         """
         self.patches, self._green = patches, green
-        self._most = max(most, _unknowns(patches.num_points))
+        self._most = max(_MOST if cautious else 0, _unknowns(patches.num_points))
         self._local: LocalInverse = local_inverse(green, patches, previous._local if previous else None)
         self._build, self._borders, self._factor = 0, np.zeros(0), np.ones((1, 1))
         if patches.full:
