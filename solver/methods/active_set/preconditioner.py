@@ -2,8 +2,7 @@
 
 Unknown is the contact pressure on the contact nodes C; the operator is G_CC, G = 1/K without the mean mode.
 
-Local part. Every patch on its own, or all patches through the stiffness of all nodes where they fill most of the period
-(`local_inverses`).
+Local part. Every patch on its own (`local_inverses`); in full contact K of all nodes, which is the inverse.
 
 Coarse part (deflation). One unknown per patch: the load of its flat punch, G_bb^-1 1. The entries of Z'GZ need no
 transform: the sum of the Green's function over two patches is a four-term difference of its second running sum
@@ -18,7 +17,8 @@ import numpy as np
 from ...arrays import Array64
 from ...grid.patches import Patches
 from .greens_function import GreensFunction, patch_sums
-from .local_inverses import LocalInverse, local_inverse
+from .local_inverses import PatchByPatch
+from .long_patch import LongPatch
 
 _MOST = 2048  # coarse unknowns of a search that is cautious
 _EXACT_SHARE = 16  # patches of one unknown whose mutual influence is summed up, patch by patch
@@ -40,10 +40,13 @@ class PatchDeflation:
         """
         self.patches, self._green = patches, green
         self._most = max(_MOST if cautious else 0, _unknowns(patches.num_points))
-        self._local: LocalInverse = local_inverse(green, patches, previous._local if previous else None)
         self._build, self._borders, self._factor = 0, np.zeros(0), np.ones((1, 1))
+        self.long_patches: dict[int, LongPatch] = {}
+        """By their size."""
         if patches.full:
             return
+        self._local = PatchByPatch(green, patches, previous.long_patches if previous else {})
+        self.long_patches = self._local.long_patches
         self._punch = self._local.punch
         loads = patches.sums(self._punch)
         if previous and patches.count == previous._build:
@@ -93,7 +96,8 @@ class PatchDeflation:
     def apply(self, residual: Array64) -> Array64:
         """Preconditioned residual (a pressure), both shape (contact nodes,) in compact order; its sum is 0."""
         if self.patches.full:
-            return self._local(residual)
+            whole = self._green.convolution(residual.size)
+            return whole(whole.rigidity, residual)
         loads = np.maximum(self._loads, 1e-300)  # 0 where an unknown has lost its patches
         moments = self._sums(self._punch * residual)
         z = self._local(residual - (moments / loads)[self._of_node])
