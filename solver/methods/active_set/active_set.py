@@ -97,7 +97,6 @@ class ActiveSet(Method):
             self._response.stay_everywhere(self._now)
         else:
             self._response.renew(self._now)
-            self._response.watch_penetrating(self._now, self._smallest_gap)
         self._floor = _OVER_FLOOR * self._response.floor(self._now)
 
     def try_harder(self) -> bool:
