@@ -9,9 +9,10 @@ from functools import partial
 import numpy as np
 
 from ..arrays import Array64, Indices
+from ..calibration import FITTED
 from ..layers import ElasticLayer
 from ..scene import Scene
-from .edges import COUNTED_BELOW, Edges, apart, find_edges
+from .edges import COUNTED_BELOW, COUNTED_ERROR, Edges, apart, find_edges
 from .few_nodes import MOST_NODES
 from .gaps import gap_ends
 from .heights import Heights
@@ -31,23 +32,10 @@ four grid spacings."""
 _FARTHEST = 0.5
 """By how much the ends may differ from those by pressures to be believed [grid spacings]."""
 
-# The estimated error of a patch's width by its load [grid spacings]: fitted so that it holds in 97 of 100 patches of
-# rough surfaces with 4 to 32 points to the shortest wave, on half-spaces, layers of one spacing and more, and coatings.
-_ALWAYS = 0.0013
-_OF_SIXTH, _MOST_SIXTH = 0.045, 2.0  # share of the sixth over the second difference of the heights, and its most
-_OVER_GAP_SQUARED = 0.12  # over the square of the nodes between neighbouring patches
-_OF_THICKNESS = 1.0  # share of s/(1 + s), s = r^2/(1 + r) d^-1.5, d the thickness [grid spacings], r the nodes over d
-_ESTIMATED, _LEAST = 0.3, 0.25
-"""Share of the nodes of a patch on a layer that the grid does not resolve; at least half the difference between its
-nodes and its width is taken. And the share of its nodes below which the width is not believed."""
-
-# That of a gap's width: fitted so that it holds in 95 of 100 under loads of 0.1 to 0.95 of full contact.
-_ALWAYS_OF_GAP = 0.0005
-_OF_FOURTH, _MOST_FOURTH = 0.15, 2.0  # share of the fourth over the second difference of the heights, and its most
-_OVER_THICKNESS_SQUARED = 0.8  # over the square of the layer's thickness [grid spacings]
+_LEAST = 0.25
+"""Share of the nodes of a patch on a layer that the grid does not resolve, below which its width is not believed."""
 
 _DIFFERENCES = np.array([[0, 0, 1, -2, 1, 0, 0], [0, 1, -4, 6, -4, 1, 0], [1, -6, 15, -20, 15, -6, 1]]).T
-_OF_SHARED = 1.25  # of what a patch's width changes by when its load is put right
 _SHORT = 8  # nodes
 _FEW, _MANY = (np.polynomial.legendre.leggauss(points) for points in (8, 32))
 """Places and weights of the integral of h'^2 over patches of up to so many nodes, and over others."""
@@ -69,11 +57,11 @@ def contact_edges(
     scale = scene.reduced_load / (float(pressure.mean()) or 1.0)
     kinks = scene.indenter.kinked or not scene.indenter.shortest_wave(pressure.size)
     patches, edges = ends(scene.layer, scene.period, profile, pressure, scale, kinks, displacement)
-    # all ends, the same way, those of other patches by the share of the load; no width is known worse than by counting
+    # all ends, the same way, those of other patches by the share of the load; no end is known worse than by counting
     middle = pressure.size // 2
     at_tip = np.flatnonzero((patches.first <= middle) & (middle <= patches.last) | (patches.count == 1))
-    tip = min(2 * scene.indenter.tip_error(float(edges.width[at_tip[0]])), 1.0) if at_tip.size else 0.0
-    return patches, replace(edges, end_errors=np.hypot(edges.end_errors, tip * math.sqrt(0.5)))
+    tip = min(scene.indenter.tip_error(float(edges.width[at_tip[0]])), COUNTED_ERROR) if at_tip.size else 0.0
+    return patches, replace(edges, end_errors=edges.end_errors + tip)
 
 
 def ends(
@@ -167,24 +155,21 @@ def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array
         green = layer_response(surface.layer, n, surface.period)
         loads = shared_loads(patches, chosen, pressure, found, level, green)
         found = from_loads(around, heights, loads[chosen], found.centre, found.half_width)
-        moved = 2 * np.abs(found.half_width - before)
+        moved = np.abs(found.half_width - before)
     left, right = found.centre - found.half_width, found.centre + found.half_width
     size = patches.size[chosen]
     fourth, sixth = _differences(heights.profile, patches.first[chosen], size)
-    if resolved:
-        error = _estimated(patches, chosen, sixth.max(axis=1), surface.thickness)
-    else:
-        width = 2 * found.half_width
-        error = np.maximum(_ESTIMATED * size, np.abs(size - width) / 2)
-        error[width < _LEAST * size] = math.inf
+    error = _known(sixth.max(axis=1), size, surface.thickness)
+    if not resolved:  # not known better than by counting, but narrower
+        error = np.where(2 * found.half_width < _LEAST * size, math.inf, COUNTED_ERROR)
     differ = np.maximum(np.abs(left - edges.left[chosen]), np.abs(right - edges.right[chosen]))
-    better = found.solved & (error < edges.error[chosen])
+    better = found.solved & (2 * error <= edges.error[chosen])
     better &= differ < np.where(edges.counted[chosen], size, _FARTHEST)
     better &= ~(fourth.min(axis=1) > _JAGGED)
-    error = np.hypot(error, _OF_SHARED * moved)
+    error = error + moved
     lefts, rights, errors = edges.left.copy(), edges.right.copy(), edges.end_errors.copy()
     counted, by_load, which = edges.counted.copy(), edges.by_load.copy(), chosen[better]
-    lefts[which], rights[which], errors[:, which] = left[better], right[better], error[better] * math.sqrt(0.5)
+    lefts[which], rights[which], errors[:, which] = left[better], right[better], error[better]
     counted[which], by_load[which] = False, resolved
     lefts, rights = apart(lefts, rights, n)
     return replace(edges, left=lefts, right=rights, end_errors=errors, counted=counted, by_load=by_load)
@@ -209,19 +194,17 @@ def _by_gaps(surface: _Surface, patches: Patches, edges: Edges) -> Edges:
     right = right + np.where(behind == 0, n, 0)
     found = gap_ends(closed, left, right)
     fourth, _ = _differences(heights.profile, first, size)
-    # the fewer nodes there are in a gap, the more it matters what lies between them
-    error = _ALWAYS_OF_GAP + _OF_FOURTH * np.minimum(fourth.max(axis=1), _MOST_FOURTH) * (1 + 1 / size)
-    error += _OVER_THICKNESS_SQUARED / surface.thickness**2
-    known = np.hypot(edges.end_errors[1, before], edges.end_errors[0, behind])
+    error = _known(fourth.max(axis=1), size, surface.thickness)
+    known = edges.end_errors[1, before] + edges.end_errors[0, behind]
     inwards, outwards = found.left - left, found.right - right
-    better = found.solved & (error < known) & (np.maximum(np.abs(inwards), np.abs(outwards)) < _FARTHEST)
+    better = found.solved & (2 * error < known) & (np.maximum(np.abs(inwards), np.abs(outwards)) < _FARTHEST)
     better &= ~(fourth.min(axis=1) > _JAGGED)
     lefts, rights, errors = edges.left.copy(), edges.right.copy(), edges.end_errors.copy()
     one, other, by_gap = before[better], behind[better], edges.by_gap.copy()
     by_gap[one] = True
     rights[one] += inwards[better]
     lefts[other] += outwards[better]
-    errors[1, one] = errors[0, other] = error[better] * math.sqrt(0.5)
+    errors[1, one] = errors[0, other] = error[better]
     return replace(edges, left=lefts, right=rights, end_errors=errors, by_gap=by_gap)
 
 
@@ -232,16 +215,14 @@ def _start(patches: Patches, edges: Edges, pressure: Array64, heights: Heights) 
     return np.where(edges.counted, np.clip(hertz, 0.05, patches.size), edges.width / 2)
 
 
-def _estimated(patches: Patches, chosen: Indices, sixth: Array64, thickness: float) -> Array64:
-    """Estimated errors of the widths of the chosen patches, shape (patches,) [grid spacings].
+def _known(uneven: Array64, size: Indices, thickness: float) -> Array64:
+    """Estimated errors of the ends of some patches by their loads, or of some gaps, shape (runs,) [grid spacings].
 
-    sixth: over the second difference of the heights, of their shape; thickness: of the layer [grid spacings].
+    uneven: sixth over second difference of the heights, for gaps the fourth, of their shape; size: their nodes;
+    thickness: of the layer [grid spacings].
     """
-    before, after = patches.to_neighbours[:, chosen] - 1
-    wide = patches.size[chosen] / thickness
-    of_layer = wide**2 / (1 + wide) / thickness**1.5
-    error = _ALWAYS + _OF_SIXTH * np.minimum(sixth, _MOST_SIXTH) + _OF_THICKNESS * of_layer / (1 + of_layer)
-    return np.asarray(error + _OVER_GAP_SQUARED * (1 / before**2 + 1 / after**2))
+    error = FITTED.always + FITTED.of_heights * uneven + FITTED.of_layer * size / thickness**2
+    return np.minimum(error, COUNTED_ERROR)
 
 
 def _differences(profile: Array64, first: Indices, size: Indices) -> tuple[Array64, Array64]:

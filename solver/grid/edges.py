@@ -31,6 +31,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array64, Mask
+from ..calibration import FITTED
 from ..layers import ElasticLayer
 from .edge_curves import EdgeCurve, edge_curve, edge_distance, edge_function, half_space_curve
 from .layer_on_grid import thickness_on_grid
@@ -43,29 +44,19 @@ _NARROW, _NARROW_GAP, _THINNEST = 8.0, 0.5, 2.5
 """Layer thicknesses; narrower patches, and patches beside narrower gaps, have the half-space's edge if their pressures
 look like it, on layers of so many grid spacings and more."""
 
-# The estimated error of an edge [grid spacings]: fitted so that it holds in 97 of 100 on rough surfaces with 8 to 64
-# points to the shortest wave, and where collocation knows the edges of smooth profiles (Hertz, sharp and
-# blunt ones, nu = -0.9 to 1/2, layers of 0.03 spacings to the half-space). First of patches on the half-space, and of
-# those narrower than two thicknesses of a layer.
-_ON_THICK = 2.0  # layer thicknesses
-_OF_SPREAD, _OF_SPREAD_OVER_SIZE = 0.4, 5.0  # of the difference between two estimates, and of that over the nodes
-_OVER_SIZE, _OVER_SIZE_SQUARED = 0.05, 1.0  # over the nodes of the patch and over their square
-_OVER_SIZE_FOURTH = 40.0  # over their fourth power: patches of three nodes, which may be of any shape
-_OVER_GAP_SQUARED = 0.3  # over the square of the nodes between neighbouring patches
-# In wider ones.
-_OF_SPREAD_IF_WIDE = 0.3  # where the difference is below `_CLOSE`
-_OVER_SIZE_IF_WIDE, _OVER_SIZE_SQUARED_IF_WIDE = 0.3, 10.0
-_OVER_GAP_SQUARED_IF_WIDE = 3.0
-# By the layer.
-_OVER_THICKNESS, _OVER_THICKNESS_SQUARED = 0.05, 0.25  # over the thickness [grid spacings], of narrow patches
-_OF_LAYER, _OF_LAYER_OVER_SIZE = 0.001, 0.4  # of patches that are wide beside the layer
+_ON_THICK = 2.0
+"""Layer thicknesses; in narrower patches the load tells what the pressures leave to the second order."""
+COUNTED_ERROR = math.sqrt(0.5)
+"""Error of an end halfway between two nodes, as counting has it, at most [grid spacings]."""
+_UNKNOWN = 1.0
+"""Error of an end at which the pressures do not look like one [grid spacings]."""
 
 _NARROWEST = 0.5  # gap between two patches that is believed [grid spacings]
 _TURNS = 4  # until ends and pressures agree
 _NO_DISTANCE = 1e-9  # of a node from an edge, over the wave of the row
 
-_CLOSE, _ALIKE = 0.05, 0.15
-"""Grid spacings by which two estimates of an edge may differ to be as good as equal, and to be of an edge at all."""
+_ALIKE = 0.15
+"""Grid spacings by which two estimates of an edge may differ to be of an edge at all."""
 
 
 def edge_offset(curve: EdgeCurve, pressures: Array64) -> tuple[Array64, Array64, Array64]:
@@ -104,8 +95,8 @@ class Edges:
     right: Array64
     """Right ends, shape (M,) [grid spacings]."""
     end_errors: Array64
-    """Estimated errors of left and right ends, shape (2, M) [grid spacings]; together, as the root of the sum of their
-    squares, they are that of the width."""
+    """Estimated errors of left and right ends, shape (2, M) [grid spacings]. They add up, because what causes them is
+    much the same at all ends."""
     counted: Mask
     """Which patches have as many spacings as nodes because nothing better is known, shape (M,)."""
     by_load: Mask
@@ -128,7 +119,7 @@ class Edges:
     @property
     def error(self) -> Array64:
         """Estimated errors of the widths, shape (M,) [grid spacings]."""
-        return np.asarray(np.hypot(*self.end_errors))
+        return np.asarray(self.end_errors.sum(axis=0))
 
     @property
     def num_by_load(self) -> int:
@@ -138,7 +129,7 @@ class Edges:
     @property
     def total_error(self) -> float:
         """Estimated error of the sum of the widths, without what is unseen [grid spacings]."""
-        return math.sqrt(float(self.error @ self.error))
+        return float(self.end_errors.sum())
 
 
 def find_edges(patches: Patches, pressure: Array64, layer: ElasticLayer, period: float) -> Edges:
@@ -147,55 +138,38 @@ def find_edges(patches: Patches, pressure: Array64, layer: ElasticLayer, period:
     Patches of fewer than three nodes end half a spacing outside their last nodes, as counting has it, and a full
     contact has no edge at all.
 
-    period: L [length]. The error is an estimate, see the constants of this module; where the pressures do not look like
-    an edge, because the profile bends within a few spacings, it is as large as two estimates of the edge differ, from
-    half a spacing, as by counting, to one.
+    period: L [length]. The error is an estimate, see `calibration`; it is a spacing where the pressures do not look
+    like an edge, because the profile bends within a few spacings.
     """
     none = np.zeros(patches.count, dtype=bool)
     if patches.full:
-        half, error = np.array([0.5]), np.full((2, 1), math.sqrt(0.5))  # a gap that not even `unseen` finds
+        half, error = np.array([0.5]), np.full((2, 1), 0.5)  # a gap that not even `unseen` finds
         return Edges(patches.first - half, patches.last + half, error, none, none, none)
     thickness = thickness_on_grid(layer, patches.num_points, period)
     theta, spread = _in_row(patches, pressure)
     narrow = (patches.size < _NARROW * thickness) | (patches.to_neighbours - 1 < _NARROW_GAP * thickness)
     narrow &= (thickness > _THINNEST) & (spread < _ALIKE)
-    by_layer = np.full(narrow.shape, _OVER_THICKNESS / thickness + _OVER_THICKNESS_SQUARED / thickness**2)
+    by_layer = np.broadcast_to(FITTED.of_layer * patches.size / thickness**2, narrow.shape)
     if thickness < math.inf and not narrow.all():
         curve = edge_curve(layer, patches.num_points, period)
         wide, _, spread_of_wide = edge_offset(curve, lone_ends(curve, patches, pressure).reshape(-1, 3))
         theta = np.where(narrow, theta, wide.reshape(2, -1))
         spread = np.where(narrow, spread, spread_of_wide.reshape(2, -1))
-        by_layer = np.where(narrow, by_layer, _OF_LAYER + _OF_LAYER_OVER_SIZE / patches.size + curve.error)
+        by_layer = np.where(narrow, by_layer, curve.error)
     on_thick = (patches.size < _ON_THICK * thickness) & (thickness > _THINNEST)
     counted = patches.size < COUNTED_BELOW
     theta = theta + _by_load(patches, theta, on_thick & narrow & ~counted)
     outside = np.where(counted, 0.5, -theta)
     left, right = apart(patches.first - outside[0], patches.last + outside[1], patches.num_points)
-    error = np.where(counted, math.sqrt(0.5), _estimated(patches, spread, by_layer, on_thick))
-    alike = on_thick & (patches.count == 1)  # both err the same way, under a blunt profile for instance
-    return Edges(left, right, np.where(alike, error.sum(axis=0) * math.sqrt(0.5), error), counted, none, none)
+    error = np.minimum(FITTED.of_difference * spread + FITTED.of_size / patches.size**1.5, COUNTED_ERROR) + by_layer
+    error = np.where(spread < _ALIKE, error, _UNKNOWN)
+    return Edges(left, right, np.where(counted, COUNTED_ERROR, error), counted, none, none)
 
 
 def apart(left: Array64, right: Array64, num_points: int) -> tuple[Array64, Array64]:
     """Ends of patches in a period of `num_points` spacings, those of neighbours not beyond each other."""
     overlap = np.maximum(right - np.append(left[1:], left[:1] + num_points), 0.0) / 2
     return left + np.append(overlap[-1:], overlap[:-1]), right - overlap
-
-
-def _estimated(patches: Patches, spread: Array64, layer: Array64, on_thick: Mask) -> Array64:
-    """Estimated errors of the left and the right ends, shape (2, M) [grid spacings].
-
-    spread: how little the pressures look like an edge, shape (2, M); layer: the layer's share, of the same shape;
-    on_thick: which patches lie on a layer that is thick beside them, shape (M,).
-    """
-    size, gap = patches.size.astype(np.float64), patches.to_neighbours - 1
-    fitted = (_OF_SPREAD + _OF_SPREAD_OVER_SIZE / size) * spread + _OVER_SIZE / size + _OVER_SIZE_SQUARED / size**2
-    fitted = fitted + _OVER_SIZE_FOURTH / size**4 + _OVER_GAP_SQUARED / gap**2
-    if_wide = np.where(spread < _CLOSE, _OF_SPREAD_IF_WIDE * spread, spread) + _OVER_GAP_SQUARED_IF_WIDE / gap**2
-    if_wide = if_wide + _OVER_SIZE_IF_WIDE / size + _OVER_SIZE_SQUARED_IF_WIDE / size**2
-    counting = np.maximum(layer, 0.5)  # an edge is known as well as by counting, unless the layer spoils it
-    known = np.minimum(np.where(on_thick, fitted, if_wide) + layer, counting)
-    return np.where(spread < _ALIKE, known, np.clip(spread, counting, np.maximum(counting, 1.0)))
 
 
 def _ends(patches: Patches, pressure: Array64) -> Array64:

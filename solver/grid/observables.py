@@ -221,14 +221,11 @@ def subgrid_measures(
     gradient = math.sqrt(mean_square)
     per_area = gradient * scene.layer.contact_modulus / scene.pressure
     kappa = per_area * width / num_points
-    # d(a g) = g da + da (s_e^2 - g^2)/(2 g), s_e the slope at the edge: of a power profile s_e^2 is (2 n - 1) g^2
-    power = scene.indenter.power_law
-    at_edges = 2 * power[0] - 1 if power and patches.count == 1 else float(at.mean()) / mean_square
-    sensitivity = per_area * (1 + abs(at_edges - 1) / 2)
-    by_edges = sensitivity * edges.total_error / num_points if edges.total_error else 0.0
+    # as for a power profile, whose kappa goes like a_r^n
+    exponent = scene.indenter.power_law[0] if scene.indenter.power_law else 2.0
+    by_edges = max(exponent, 2.0) * kappa * edges.total_error / width
     doubt = squared_slope_doubt(scene.indenter, num_points, scene.period)
-    # of h'^2, twice that of its root: `estimated` takes about half of what is returned, but slopes keep theirs
-    by_slopes = 0.0
+    by_slopes = 0.0  # of h'^2, twice that of its root
     if doubt is not None:
         by_slopes = float(np.abs(patches.sums(doubt[patches.nodes]))[unknown].sum()) / width / mean_square
     return width / num_points, gradient, kappa, math.hypot(by_edges, by_slopes * kappa)

@@ -7,12 +7,11 @@ import numpy as np
 
 from .. import checks
 from ..arrays import Array64
+from ..calibration import FITTED
 from ..layers import ElasticLayer
 from ..reference.closed_forms import guessed_half_width
 from ..reference.gradient_equation import STEEPEST
 from .indenter import Indenter
-
-_TIP = 0.15  # C over (2 - n)^2; measured are up to 0.1
 
 
 @dataclass(frozen=True)
@@ -86,7 +85,7 @@ class PowerIndenter(Indenter):
         edge by C (2/width)^n spacings. C was measured on the half-space, against its closed form, and serves all
         layers; from n = 2 on other errors are larger.
         """
-        return float(_TIP * max(0.0, 2 - self.exponent) ** 2 * (2 / width) ** self.exponent)
+        return float(FITTED.of_tip * max(0.0, 2 - self.exponent) ** 2 * (2 / width) ** self.exponent)
 
     def _steepness(self, distance: Array64, period: float) -> Array64:
         """|h'| = (x/R)^(n-1) at x/L; steeper than `STEEPEST` makes no difference, but overflows."""

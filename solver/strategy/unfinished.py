@@ -8,35 +8,32 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array64
+from ..calibration import FITTED
 from ..grid.certificate import Certificate
 from ..grid.observables import Observables
 from ..grid.patches import Patches
 from ..scene import Scene
-from ..solution import Level
+from ..solution import MEANINGLESS, Level
 from .errors import QUANTITIES, estimated, sensitivity
-
-_OF_PRESSURE = 5.0  # error of the nodes' pressures over the rms residual,
-_OF_LARGEST = 2.0  # and of the pressure of one node over the largest
 
 
 def iteration_share(free_residual: float, area: float = 0.0) -> float:
     """Estimated relative error of a_r that a free residual leaves; `inf` where the area may be anything.
 
-    Measured: up to 0.12 of residuals below 1e-3, 0.3 below blunt indenters on thin layers; 0.8 of one of 0.03, and of
-    no meaning beyond. area: a_r. If that is nearly the whole period, a load that is off by the residual moves the ends
-    of the last gaps, as under H. M. Westergaard's wave: p = p_full [1 - cos^2(pi a_r/2)].
+    Measured: up to 0.12 of residuals below 1e-3, 0.3 below blunt indenters on thin layers, 0.8 of one of 0.03. area:
+    a_r. If that is nearly the whole period, a load that is off by the residual moves the ends of the last gaps, as
+    under H. M. Westergaard's wave: p = p_full [1 - cos^2(pi a_r/2)].
     """
     open_part = math.cos(math.pi / 2 * area)
     of_gaps = 2 / math.pi * (math.hypot(open_part, math.sqrt(free_residual)) - open_part) if area < 1 else 0.0
-    share = max(0.4 * free_residual, of_gaps) + 30 * free_residual**2
-    return share if share < 1 else math.inf
+    return max(free_residual, of_gaps) if free_residual < MEANINGLESS else math.inf
 
 
 def near_full_contact(area: float) -> float:
     """How many times more of a small residual is left in an area that is nearly the whole period, see
     `iteration_share`; at least 1.
     """
-    return max(1.0, math.tan(math.pi / 2 * area) / (0.4 * math.pi)) if area < 1 else 1.0
+    return max(1.0, math.tan(math.pi / 2 * area) / math.pi) if area < 1 else 1.0
 
 
 def left_at_ends(free_residual: float, patches: Patches, pressure: Array64, largest: float | None = None) -> float:
@@ -55,8 +52,8 @@ def left_at_ends(free_residual: float, patches: Patches, pressure: Array64, larg
     if largest is None:
         largest = free_residual * math.sqrt(pressure.size - patches.nodes.size)
     unit = float(pressure.mean())
-    common = _off_at_ends(_OF_PRESSURE * free_residual * unit, patches, pressure)
-    single = _off_at_ends(_OF_LARGEST * largest * unit, patches, pressure)
+    common = _off_at_ends(FITTED.of_residual * free_residual * unit, patches, pressure)
+    single = _off_at_ends(FITTED.of_largest_residual * largest * unit, patches, pressure)
     return max(float(common.sum()), float(np.linalg.norm(single))) / pressure.size
 
 
