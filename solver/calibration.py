@@ -16,16 +16,18 @@ class Calibration:
     of_difference: float
     """Error of an end by pressures, over the difference of two estimates of it."""
     of_size: float
-    """The same times the nodes of its patch to the power 3/2 [grid spacings]."""
+    """The same times the nodes between it and the next end to the power 3/2 [grid spacings]."""
     of_heights: float
-    """Error of an end by a load or a gap, over the unevenness of the heights there, see `contact` [grid spacings]."""
+    """Error of an end by a load, over the unevenness of the heights there, see `contact` [grid spacings]."""
+    of_heights_at_gaps: float
+    """The same of an end by a gap."""
     always: float
     """Least error of such an end [grid spacings]."""
     of_layer: float
-    """Error of an end beside which the layer looks like a half-space, over the nodes of its patch, times the square of
+    """Error of an end beside which the layer looks like a half-space, over the nodes of its patch, times the cube of
     the layer's thickness in grid spacings [grid spacings]."""
     of_tip: float
-    """Error of the ends beside a tip, see `PowerIndenter.tip_error`."""
+    """Error of the ends beside a tip, see `PowerIndenter.end_error`."""
     of_ends: float
     """Share of the last change from grid to grid that is left in area and kappa."""
     of_peak_if_smooth: float

@@ -26,6 +26,7 @@ STUDIES = {
     "extremes": "linecontact.studies.extremes.study",
     "soak": "linecontact.studies.extremes.soak",
     "pressure": "linecontact.studies.pressure.study",
+    "calibration": "linecontact.studies.calibration.study",
     "curve": "linecontact.studies.curve.study",
     "ensemble": "linecontact.studies.multilevel.study",
 }

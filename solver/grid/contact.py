@@ -57,11 +57,11 @@ def contact_edges(
     scale = scene.reduced_load / (float(pressure.mean()) or 1.0)
     kinks = scene.indenter.kinked or not scene.indenter.shortest_wave(pressure.size)
     patches, edges = ends(scene.layer, scene.period, profile, pressure, scale, kinks, displacement)
-    # all ends, the same way, those of other patches by the share of the load; no end is known worse than by counting
+    # all ends, the same way, those of other patches by the share of the load
     middle = pressure.size // 2
     at_tip = np.flatnonzero((patches.first <= middle) & (middle <= patches.last) | (patches.count == 1))
-    tip = min(scene.indenter.tip_error(float(edges.width[at_tip[0]])), COUNTED_ERROR) if at_tip.size else 0.0
-    return patches, replace(edges, end_errors=edges.end_errors + tip)
+    tip = scene.indenter.end_error(float(edges.width[at_tip[0]])) if at_tip.size else 0.0
+    return patches, replace(edges, end_errors=np.maximum(edges.end_errors, tip))
 
 
 def ends(
@@ -159,7 +159,7 @@ def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array
     left, right = found.centre - found.half_width, found.centre + found.half_width
     size = patches.size[chosen]
     fourth, sixth = _differences(heights.profile, patches.first[chosen], size)
-    error = _known(sixth.max(axis=1), size, surface.thickness)
+    error = _known(FITTED.of_heights * sixth.max(axis=1), size, surface.thickness)
     if not resolved:  # not known better than by counting, but narrower
         error = np.where(2 * found.half_width < _LEAST * size, math.inf, COUNTED_ERROR)
     differ = np.maximum(np.abs(left - edges.left[chosen]), np.abs(right - edges.right[chosen]))
@@ -194,7 +194,7 @@ def _by_gaps(surface: _Surface, patches: Patches, edges: Edges) -> Edges:
     right = right + np.where(behind == 0, n, 0)
     found = gap_ends(closed, left, right)
     fourth, _ = _differences(heights.profile, first, size)
-    error = _known(fourth.max(axis=1), size, surface.thickness)
+    error = _known(FITTED.of_heights_at_gaps * fourth.max(axis=1), size, surface.thickness)
     known = edges.end_errors[1, before] + edges.end_errors[0, behind]
     inwards, outwards = found.left - left, found.right - right
     better = found.solved & (2 * error < known) & (np.maximum(np.abs(inwards), np.abs(outwards)) < _FARTHEST)
@@ -215,13 +215,13 @@ def _start(patches: Patches, edges: Edges, pressure: Array64, heights: Heights) 
     return np.where(edges.counted, np.clip(hertz, 0.05, patches.size), edges.width / 2)
 
 
-def _known(uneven: Array64, size: Indices, thickness: float) -> Array64:
+def _known(by_heights: Array64, size: Indices, thickness: float) -> Array64:
     """Estimated errors of the ends of some patches by their loads, or of some gaps, shape (runs,) [grid spacings].
 
-    uneven: sixth over second difference of the heights, for gaps the fourth, of their shape; size: their nodes;
-    thickness: of the layer [grid spacings].
+    by_heights: a share of the sixth over the second difference of the heights, for gaps of the fourth, of their shape;
+    size: their nodes; thickness: of the layer [grid spacings].
     """
-    error = FITTED.always + FITTED.of_heights * uneven + FITTED.of_layer * size / thickness**2
+    error = FITTED.always + by_heights + FITTED.of_layer * size / thickness**3
     return np.minimum(error, COUNTED_ERROR)
 
 

@@ -151,9 +151,9 @@ class Indenter(Kind, Protocol):
         """
         return None
 
-    def tip_error(self, width: float) -> float:
-        """How far an edge may be moved by a tip between smooth flanks, of which the nodes do not tell enough [grid
-        spacings]; 0 without one. width: of the contact that has the tip in its middle [grid spacings].
+    def end_error(self, width: float) -> float:
+        """How far an end may be moved by a tip between smooth flanks, or by steep sides, of which the nodes do not tell
+        enough [grid spacings]; 0 without. width: of the contact with the lowest point in its middle [grid spacings].
         """
         return 0.0
 

@@ -80,12 +80,15 @@ class PowerIndenter(Indenter):
         thickness, nu = layer.bonded
         return guessed_half_width(reduced_load, self.exponent, self.radius / period, thickness / period, nu)
 
-    def tip_error(self, width: float) -> float:
+    def end_error(self, width: float) -> float:
         """See `Indenter`. The sum over nodes of |x|^n is off at its tip by a power n + 1 of the spacing, which moves an
-        edge by C (2/width)^n spacings. C was measured on the half-space, against its closed form, and serves all
-        layers; from n = 2 on other errors are larger.
+        end by C (2/width)^n spacings, by half a spacing at most. For n > 2 it is one over the cube of the nodes in
+        which the slope at the ends becomes e times as large, and a spacing at most.
         """
-        return float(FITTED.of_tip * max(0.0, 2 - self.exponent) ** 2 * (2 / width) ** self.exponent)
+        n = self.exponent
+        if n < 2:
+            return min(float(FITTED.of_tip * (2 - n) ** 2 * (2 / width) ** n), 0.5)
+        return min((2 * (n - 1) / width) ** 3, 1.0) if n > 2 else 0.0
 
     def _steepness(self, distance: Array64, period: float) -> Array64:
         """|h'| = (x/R)^(n-1) at x/L; steeper than `STEEPEST` makes no difference, but overflows."""

@@ -4,8 +4,8 @@
 
 c is the change from a grid with a quarter of the points to the present one, and a the share of it that is left, which
 was fitted (`calibration`). Peak pressure and approach may change by little by chance: their c is at least 1/16 of the
-change before, as the second order has it, or, of two grids alone, 1/m^2 of the value, with m nodes to a patch. Below the
-tip of a power profile with n < 2 the peak pressure is of the order n - 1: there c/(4^(n-1) - 1) takes the place of c.
+change before, as the second order has it, or, of two grids alone, 1/m^2 of the value, with m nodes to a patch. Below
+the tip of a power profile with n < 2 the peak pressure is of the order n - 1, and a = 1/(4^(n-1) - 1).
 
 e is told by the present grid alone: for area and kappa what the ends of the patches may be off (`grid.edges`), for peak
 pressure and approach what may lie between the nodes. g is the most that gaps and patches between two nodes may be wide
@@ -13,8 +13,9 @@ pressure and approach what may lie between the nodes. g is the most that gaps an
 
 Under heights with a few kinks, and where a power profile's contact has split, all of c is taken. Nothing is known
 (`inf`) of peak pressure and approach without a coarser grid; of the peak pressure where its changes under a profile
-without a shortest wave hardly fall, as below a kink or at a step, where it may have no limit; and under a stiff coating
-thinner than a grid spacing, where the nodes may miss anything.
+without a shortest wave hardly fall, as below a kink or at a step, where it may have no limit, and under a stiff coating
+thinner than a grid spacing, where the nodes may miss anything; and of all but the approach where a sharp tip (n < 2)
+presses a coating of a few spacings on a softer base down, which may split the contact between the nodes.
 """
 
 import math
@@ -80,7 +81,9 @@ _LEAST_FALL = 1.25
 _HARDLY = 1e-3
 """Relative change that is no matter of a limit, but of the tolerance, or of chance."""
 _STIFF = 0.9
-"""2K/(E* q) of the grid's shortest wave, below which shorter ones find the layer stiffer."""
+"""2K/(E* q) of a wave, below which shorter ones find the layer stiffer."""
+_WAVE_OF_TIP = 8.0
+"""That a sharp tip brings with it [grid spacings]."""
 
 
 def estimated(
@@ -97,10 +100,10 @@ def estimated(
     """
     values = [abs(float(getattr(level, quantity.value))) for level in (*coarser[-2:], found)]
     alone, area, unseen = float(getattr(found, quantity.alone)), found.contact_area_subgrid, 0.0
+    if not (quantity.of_area or coarser) or (area and _unknown(quantity, scene, num_points, area)):
+        return math.inf
     if quantity.of_area and area:
         unseen = sensitivity(quantity, scene) * found.unseen_gap_area / area * values[-1]
-    elif not quantity.of_area and (not coarser or (not quantity.of_lowest and _hides_peaks(scene, num_points))):
-        return math.inf
     left = _left(quantity, scene, num_points, found, values) if coarser else 0.0
     return math.hypot(left, alone) + unseen
 
@@ -125,15 +128,21 @@ def _left(
         nodes = found.contact_area_subgrid * num_points / found.num_patches
         last = max(last, values[-1] / nodes**2)
     if power and power[0] < 2 and not quantity.of_lowest:
-        share /= _FACTOR ** (power[0] - 1) - 1
+        share = 1 / (_FACTOR ** (power[0] - 1) - 1)
     return float(share * last)
 
 
-def _hides_peaks(scene: Scene, num_points: int) -> bool:
-    """Whether waves that the grid has not find the layer stiffer, as on a coating thinner than a spacing on a softer
-    base: then the pressure may have peaks between the nodes, at edges and tips.
+def _unknown(quantity: Quantity, scene: Scene, num_points: int, area: float) -> bool:
+    """Whether the nodes may miss anything because shorter waves find the layer stiffer, as a coating on a softer base:
+    peaks at edges and tips, if the grid's shortest wave does not find it stiff, or a split of the contact by a tip.
     """
-    return bool(modulus_on_grid(scene.layer, np.array([np.pi]), num_points, scene.period)[0] < _STIFF)
+    if quantity.of_lowest:
+        return False
+    waves = np.array([2 * np.pi / _WAVE_OF_TIP, np.pi])
+    of_tip, shortest = modulus_on_grid(scene.layer, waves, num_points, scene.period)
+    sharp = scene.indenter.power_law and scene.indenter.power_law[0] < 2
+    splits = sharp and area < 1 and of_tip < min(_STIFF, shortest)
+    return bool(splits or (not quantity.of_area and shortest < _STIFF))
 
 
 def grid_error(quantity: Quantity, scene: Scene, level: Level, coarser: Sequence[Level]) -> float:
