@@ -16,7 +16,10 @@ class Calibration:
     of_difference: float
     """Error of an end by pressures, over the difference of two estimates of it."""
     of_size: float
-    """The same times the nodes between it and the next end to the power 3/2 [grid spacings]."""
+    """The same on layers that are thick beside the patch, times the square of the nodes to the next end [grid
+    spacings],"""
+    of_size_if_wide: float
+    """and in other patches, times these nodes [grid spacings]."""
     of_heights: float
     """Error of an end by a load, over the unevenness of the heights there, see `contact` [grid spacings]."""
     of_heights_at_gaps: float
@@ -28,10 +31,8 @@ class Calibration:
     the layer's thickness in grid spacings [grid spacings]."""
     of_tip: float
     """Error of the ends beside a tip, see `PowerIndenter.end_error`."""
-    of_ends: float
-    """Share of the last change from grid to grid that is left in area and kappa."""
     of_peak_if_smooth: float
-    """The same in the peak pressure under smooth profiles,"""
+    """Share of the last change from grid to grid that is left in the peak pressure under smooth profiles,"""
     of_peak_if_rough: float
     """and under rough ones."""
     of_approach_if_smooth: float

@@ -45,8 +45,6 @@ class Level(Value):
     """By how much it may be off because the lowest point may lie between the nodes [length]."""
     num_patches: int
     """Contact patches."""
-    num_patches_by_load: int
-    """Of these, those whose ends are found by their load."""
     contact_area_edges_error: float
     """a_r's error, estimated from the edges alone (dimensionless)."""
     kappa_edges_error: float

@@ -20,6 +20,7 @@ from linecontact.solver import (
     Status,
     solve,
 )
+from linecontact.solver.calibration import FITTED
 from linecontact.solver.grid.patches import Patches
 from linecontact.solver.grid.unseen import unseen_gaps, unseen_patches
 from linecontact.solver.reference import closed_forms, collocation
@@ -311,27 +312,27 @@ def test_what_many_patches_have_in_common_is_estimated():
     assert max(beyond) < 1.5
 
 
-def test_few_points_to_the_shortest_wave_are_told():
-    """What patches have in common there: at 16 points 0.02 spacings each where pressures tell their ends, 0.002 where
-    loads do."""
-    quantity = QUANTITIES["contact-area"]
-    coarse, fine = (
-        Scene(indenter=RoughIndenter(0.8, 0, 1 / 8, ratio), pressure=0.02, num_points=2**12)
-        for ratio in (1 / 32, 1 / 8)
-    )
-    found = solve(coarse)
-    estimates = [estimated(quantity, scene, 2**12, found.observables, found.levels) for scene in (coarse, fine)]
-    by_load = found.observables.num_patches_by_load
-    assert 0 < by_load < found.observables.num_patches
-    spacings = 0.02 * (found.observables.num_patches - by_load) + 0.002 * by_load
-    common = [spacings / 2**12 * (16 / w) ** 2.5 for w in (16, 64)]
-    assert common[0] > 0.1 * estimates[0]
-    random = [math.sqrt(e**2 - c**2) for e, c in zip(estimates, common, strict=True)]
-    assert random[0] == pytest.approx(random[1])
+def test_the_wave_that_matters():
     smooth = MeasuredIndenter(np.cos(2 * np.pi * np.arange(2**12) / 2**12), convention="gap")
     assert smooth.effective_wave(2**12) == 1  # not the shortest that the values could hold
     rough = MeasuredIndenter(RoughIndenter(0.8, 0, 1 / 8, 1 / 32).profile(2**12, 1.0), convention="gap")
     assert rough.effective_wave(2**12) == pytest.approx(256, rel=0.02)
+
+
+def test_an_estimate_is_the_rule_of_its_parts():
+    """sqrt((a c)^2 + e^2) + g, with the numbers of the file."""
+    scene = Scene(Layer(), QUICK_ROUGH, 2e-2, num_points=2**14)
+    found = solve(scene)
+    o, (*_, before, last) = found.observables, found.levels
+    for name, share in (("peak-pressure", FITTED.of_peak_if_rough), ("approach", FITTED.of_approach_if_rough)):
+        quantity = QUANTITIES[name]
+        values = [getattr(level, quantity.value) for level in (before, last, o)]
+        change = max(abs(values[2] - values[1]), abs(values[1] - values[0]) / 16)
+        expected = math.hypot(share * change, getattr(o, quantity.alone))
+        assert estimated(quantity, scene, 2**14, o, found.levels) == pytest.approx(expected)
+        assert estimated(quantity, scene, 2**14, o, []) == math.inf
+    area = QUANTITIES["contact-area"]
+    assert estimated(area, scene, 2**14, o, []) == o.contact_area_edges_error + o.unseen_gap_area
 
 
 KINKED = {

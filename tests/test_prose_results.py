@@ -8,6 +8,7 @@ from collections import defaultdict
 import numpy as np
 import pytest
 from linecontact.solver import RoughIndenter, Scene, solve
+from linecontact.solver.calibration import FITTED
 from linecontact.solver.strategy import errors, plan, to_accuracy
 from linecontact.studies.multilevel import allocation
 from linecontact.studies.paper import statements
@@ -96,19 +97,16 @@ def errors_of_the_hertz_study():
         for n in [run["scene.num_points"]]
     ]
     yield f"known to {digits(max(off for thickness, off in edges if thickness > 5))} grid spacings, as long as"
-    area, kappa = errors.QUANTITIES["contact-area"], errors.QUANTITIES["kappa"]
-    for name, of in (("area", area), ("kappa", kappa)):
-        smooth, rough = (f"1/{1 / change:.0f}" for change in of.of_change)
-        pressures, loads = of.per_patch
-        yield f"| {name} | smooth | {of.of_edges} | {smooth} | 0 | 0 |"
-        yield f"| {name} | rough | 1 | 0 or {rough} | {pressures} | {loads} |"
-    for name, formula in (
-        ("peak-pressure", r"\sqrt{{(c/{})^2 + (c'/{})^2 + s^2}}"),
-        ("approach", r"\sqrt{{(c/{})^2 + (c'/{})^2 + s^2}}"),
-    ):
-        last, before, _ = errors.QUANTITIES[name].of_changes
-        yield formula.format(round(1 / last), round(1 / before))
-    yield "with one coarser grid alone they are $c$ and $2c$."
+    yield f"{FITTED.of_difference:g} of the difference between two estimates, and {FITTED.of_size:g}$/m^2$"
+    yield f"the same with {FITTED.of_size_if_wide:g}$/m$"
+    yield f"{FITTED.of_heights:g} of the sixth over the second difference of the heights"
+    yield f"{FITTED.of_heights_at_gaps:g} of the fourth over the second difference of the heights"
+    yield f"is off by {FITTED.of_layer:g}$\\,m/d^3$ more"
+    yield f"| peak pressure | {FITTED.of_peak_if_smooth:g} | {FITTED.of_peak_if_rough:g} |"
+    yield f"| approach | {FITTED.of_approach_if_smooth:g} | {FITTED.of_approach_if_rough:g} |"
+    yield f"may be off by {FITTED.of_residual:g} times the `free_residual`"
+    yield f"by {FITTED.of_largest_residual:g} times the `largest_residual`"
+    assert (errors._LEAST_FALL, errors._FACTOR**2) == (1.25, 16)
     long, longest = 2 * plan._LONG_ASPERITY, 2 * plan._LONGEST_ASPERITY
     yield f"contacts of up to {long:.0f} thicknesses ({longest:.0f} for A below 1e-5)"
     yield f"of the contact area, from 1e-9 to {to_accuracy.MOST_ACCURACY}."

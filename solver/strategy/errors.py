@@ -3,9 +3,10 @@
     sqrt((a c)^2 + e^2) + g.
 
 c is the change from a grid with a quarter of the points to the present one, and a the share of it that is left, which
-was fitted (`calibration`). Peak pressure and approach may change by little by chance: their c is at least 1/16 of the
-change before, as the second order has it, or, of two grids alone, 1/m^2 of the value, with m nodes to a patch. Below
-the tip of a power profile with n < 2 the peak pressure is of the order n - 1, and a = 1/(4^(n-1) - 1).
+was fitted (`calibration`); in area and kappa nothing, because the ends of the patches tell more. Peak pressure and
+approach may change by little by chance: their c is at least 1/16 of the change before, as the second order has it, or,
+of two grids alone, 1/m^2 of the value, with m nodes to a patch. Below the tip of a power profile with n < 2 the peak
+pressure is of the order n - 1, and a = 1/(4^(n-1) - 1).
 
 e is told by the present grid alone: for area and kappa what the ends of the patches may be off (`grid.edges`), for peak
 pressure and approach what may lie between the nodes. g is the most that gaps and patches between two nodes may be wide
@@ -42,23 +43,23 @@ class Quantity:
     """The name of its error in `Observables`."""
     alone: str
     """The name, in both, of the part of its error that a grid tells alone."""
-    of_change: tuple[str, str]
-    """The names in `Calibration` of the share of changes that is left, under smooth profiles and under rough ones."""
-    of_area: bool = False
-    """Whether its error follows from that of the contact area."""
+    of_change: tuple[str, str] | None = None
+    """The names in `Calibration` of the share of changes that is left, under smooth profiles and under rough ones; None
+    where this grid knows more than changes tell."""
     of_lowest: bool = False
     """Whether it counts from the profile's lowest point, and does not depend on the largest pressure."""
     of_slopes: bool = False
     """Whether slopes matter, too."""
 
+    @property
+    def of_area(self) -> bool:
+        """Whether its error follows from that of the contact area."""
+        return self.of_change is None
+
 
 QUANTITIES = {
-    "contact-area": Quantity(
-        "contact_area_subgrid", "contact_area_error", "contact_area_edges_error", ("of_ends", "of_ends"), of_area=True
-    ),
-    "kappa": Quantity(
-        "kappa_subgrid", "kappa_error", "kappa_edges_error", ("of_ends", "of_ends"), of_area=True, of_slopes=True
-    ),
+    "contact-area": Quantity("contact_area_subgrid", "contact_area_error", "contact_area_edges_error"),
+    "kappa": Quantity("kappa_subgrid", "kappa_error", "kappa_edges_error", of_slopes=True),
     "peak-pressure": Quantity(
         "peak_pressure", "peak_pressure_error", "peak_pressure_sampling", ("of_peak_if_smooth", "of_peak_if_rough")
     ),
@@ -114,11 +115,11 @@ def _left(
     """What the changes leave of a quantity. values: on two or three grids, from coarse to fine."""
     power, rough = scene.indenter.power_law, scene.indenter.effective_wave(num_points) > 0
     changes = [abs(after - before) for before, after in pairwise(values)]
-    last, share = changes[-1], getattr(FITTED, quantity.of_change[rough])
+    last, share = changes[-1], getattr(FITTED, quantity.of_change[rough]) if quantity.of_change else 0.0
     if scene.indenter.kinked or (power and found.num_patches > 1):
         share = 1.0
     if quantity.of_area:
-        return float(share * last)
+        return share * last
     if len(changes) == 2:
         limited = rough or power or quantity.of_lowest
         if not limited and last > max(changes[0] / _LEAST_FALL, _HARDLY * values[-1]):

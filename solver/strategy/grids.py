@@ -95,7 +95,6 @@ class Reached:
             approach=approach(scene, self.displacement * unit, profile),
             approach_sampling=approach_sampling(scene.indenter, profile, self.contact[0]),
             num_patches=self.contact[0].count,
-            num_patches_by_load=edges.num_by_load,
             contact_area_edges_error=error,
             kappa_edges_error=kappa_error,
             unseen_gap_area=edges.unseen / self.num_points,

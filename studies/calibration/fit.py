@@ -1,111 +1,107 @@
 """The numbers of `solver.calibration`, fitted so that nearly all estimates hold and are as small as they can be."""
 
-from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass, fields, replace
+import itertools
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
-from linecontact.solver import QUANTITIES, Solution
+from linecontact.solver import QUANTITIES, Observables, Solution
 from linecontact.solver.arrays import Array64
-from linecontact.solver.calibration import FITTED, Calibration
+from linecontact.solver.calibration import FITTED
 from linecontact.solver.grid.observables import observe
 from linecontact.solver.grid.patches import Patches
 from linecontact.solver.strategy.unfinished import with_errors
 
-FLOOR = 1e-8
-"""Relative error that the references have themselves."""
+Numbers = dict[str, float]
 
-_HELD = 0.985
-"""Share of the estimates that are to hold in the scenes of a fit, so that 97 of 100 do in others."""
-_FACTORS = (4.0, 2.0, 1.3)
-_LARGEST = 12.0
-"""Logarithm of estimate over error beyond which it makes no difference."""
+_HELD = 0.985  # share of the estimates that are to hold in the scenes of a fit, so that 97 of 100 do in others
+_FACTORS, _GAIN = (2.0, 1.3), 1e-4  # by which one number after the other is changed, and what that has to gain
+_FLOOR, _LARGEST = 1e-8, 12.0  # relative error of references, and logarithm of estimate over error that is enough
 
 
 @dataclass(frozen=True)
-class Fitted:
-    """A scene of the fit."""
+class Known:
+    """A scene whose errors are known."""
 
     family: str
     """Of the scene."""
-    solution: Solution
+    found: Solution
     """On the grid whose errors are estimated."""
-    errors: Array64
-    """True errors of the quantities, relative, shape (4,)."""
+    true: Array64
+    """Values of the quantities, shape (4,) [units of each]."""
     unfinished: bool
     """Whether what the iteration left is all that counts."""
 
-    def claims(self) -> Array64:
-        """Estimated errors by the present numbers, relative, shape (4,)."""
-        one = self.solution
-        assert one.certificate
+    def ratios(self) -> Array64:
+        """Estimated errors by the present numbers over true errors, shape (4,)."""
+        one, certificate = self.found, self.found.certificate
+        assert certificate
         found, _ = observe(one.scene, one.scene.profile, one.displacement, one.contact_pressure, one.contact)
-        shape = Patches.of(one.contact), one.contact_pressure
-        known = with_errors(one.scene, found, one.levels, one.certificate, *shape)
-        estimates = relative(known)
+        contact = Patches.of(one.contact), one.contact_pressure
+
+        def estimates(**left: float) -> Array64:
+            errors = with_errors(one.scene, found, one.levels, replace(certificate, **left), *contact)
+            return np.array([getattr(errors, quantity.error) for quantity in QUANTITIES.values()])
+
+        estimated, value, true = estimates(), values(found), self.true
         if self.unfinished:
-            done = replace(one.certificate, free_residual=0.0, largest_residual=0.0)
-            by_grid = relative(with_errors(one.scene, found, one.levels, done, *shape))
-            estimates = estimates - np.where(np.isfinite(by_grid), by_grid, 0.0)
-        return np.maximum(estimates, FLOOR)
+            by_grid = estimates(free_residual=0.0, largest_residual=0.0)
+            estimated = estimated - np.where(np.isfinite(by_grid), by_grid, 0.0)
+        floor = _FLOOR * np.abs(true)
+        return np.asarray(np.maximum(estimated, floor) / np.maximum(np.abs(value - true), floor))
 
 
-def relative(found: object) -> Array64:
-    """Estimated errors of the four quantities over their values, shape (4,); found: `Observables`."""
-    names = [(quantity.error, quantity.value) for quantity in QUANTITIES.values()]
-    return np.array([getattr(found, error) / max(abs(getattr(found, value)), 1e-300) for error, value in names])
+def values(found: Observables) -> Array64:
+    """Of the quantities, shape (4,) [units of each]."""
+    return np.array([getattr(found, quantity.value) for quantity in QUANTITIES.values()])
 
 
-def numbers(scenes: Sequence[Fitted]) -> Calibration:
-    """The best numbers, from those in use on by multiplying one at a time; those in use are not changed."""
-    begin, weights = asdict(FITTED), _weights(scenes)
-    best = _loss(scenes, weights)
-    for factor in _FACTORS:
-        for name in (field.name for field in fields(FITTED)):
+def fitted(scenes: Sequence[Known]) -> Numbers:
+    """The best numbers, from those in use on by multiplying one at a time."""
+    families = [one.family for one in scenes]
+    weights = np.array([1 / families.count(family) for family in families])  # all families count the same
+
+    def loss() -> float:
+        """How far the estimates are off the quantile of the errors that they are meant to be (quantile regression)."""
+        above = np.minimum(np.log([one.ratios() for one in scenes]), _LARGEST)
+        return float(weights @ np.where(above > 0, (1 - _HELD) * above, -_HELD * above).sum(axis=1) / weights.sum())
+
+    with _in_use(asdict(FITTED)):
+        best = loss()
+        for factor, name in itertools.product(_FACTORS, asdict(FITTED)):
             for times in (factor, 1 / factor):
-                while True:
+                better = True
+                while better:
                     before = getattr(FITTED, name)
                     setattr(FITTED, name, before * times)
-                    loss = _loss(scenes, weights)
-                    if loss > best - 1e-4:
+                    now = loss()
+                    if better := now < best - _GAIN:
+                        best = now
+                    else:
                         setattr(FITTED, name, before)
-                        break
-                    best = loss
-    found = replace(FITTED)
-    _set(begin.items())
-    return found
+        return {name: float(f"{value:.2g}") for name, value in asdict(FITTED).items()}
 
 
-def held(scenes: Sequence[Fitted], by: Calibration) -> dict[str, dict[str, list[float]]]:
-    """Of each family and quantity the share of estimates by some numbers that hold, and the median of estimate over
-    error.
+def held(scenes: Sequence[Known], numbers: Numbers) -> dict[str, dict[str, list[float]]]:
+    """Of each family and quantity the share of estimates by some numbers that hold, in per cent, and the median of
+    estimate over error.
     """
-    begin = asdict(FITTED)
-    _set(asdict(by).items())
     found: dict[str, dict[str, list[float]]] = {}
-    for family in dict.fromkeys(one.family for one in scenes):
-        some = [one for one in scenes if one.family == family]
-        ratios = np.array([one.claims() for one in some]) / np.maximum([one.errors for one in some], FLOOR)
-        found[family] = {
-            name: [round(float(np.mean(ratio >= 1)), 4), float(f"{np.median(ratio):.3g}")]
-            for name, ratio in zip(QUANTITIES, ratios.T, strict=True)
-        }
-    _set(begin.items())
+    with _in_use(numbers):
+        for family in dict.fromkeys(one.family for one in scenes):
+            ratios = np.array([one.ratios() for one in scenes if one.family == family]).T
+            shown = [[round(100 * float(np.mean(r >= 1)), 1), float(f"{np.median(r):.3g}")] for r in ratios]
+            found[family] = dict(zip(QUANTITIES, shown, strict=True))
     return found
 
 
-def _set(values: Iterable[tuple[str, float]]) -> None:
-    for name, value in values:
-        setattr(FITTED, name, value)
-
-
-def _weights(scenes: Sequence[Fitted]) -> Array64:
-    """All families count the same, shape (scenes,)."""
-    families = [one.family for one in scenes]
-    return np.array([1 / families.count(family) for family in families]) / len(set(families))
-
-
-def _loss(scenes: Sequence[Fitted], weights: Array64) -> float:
-    """How far the estimates are off the quantile of the errors that they are meant to be (quantile regression)."""
-    errors = np.maximum([one.errors for one in scenes], FLOOR)
-    above = np.minimum(np.log(np.array([one.claims() for one in scenes])) - np.log(errors), _LARGEST)
-    return float(weights @ np.where(above > 0, (1 - _HELD) * above, -_HELD * above).sum(axis=1))
+@contextmanager
+def _in_use(numbers: Numbers) -> Iterator[None]:
+    """The solver takes these numbers, and those before afterwards."""
+    before = asdict(FITTED)
+    try:
+        vars(FITTED).update(numbers)
+        yield
+    finally:
+        vars(FITTED).update(before)

@@ -30,10 +30,11 @@ def draw(family: str, seed: int) -> tuple[Scene, Scene]:
     rng = np.random.default_rng([FAMILIES.index(family), seed])
     n = int(2 ** rng.integers(10, 13))
     layer = _layer(rng)
-    if family in ("power", UNFINISHED):
-        exponent = float(rng.choice([2.0, rng.uniform(1.05, 6)]))
-        load = 10 ** rng.uniform(-5, -1) * max(1.0, _stiffness(layer, 30.0))
-        scene = Scene(layer, PowerIndenter(exponent, float(10 ** rng.uniform(-1, 0.5))), float(load), num_points=n)
+    if family in ("power", UNFINISHED) or (family == "few nodes" and rng.random() < 0.3):
+        exponent = float(rng.choice([2.0, rng.uniform(1.05, 5)]))
+        half = _few(rng, n) if family == "few nodes" else float(10 ** rng.uniform(math.log10(2 / n), -0.6))
+        load = math.pi / 4 * half**exponent * _stiffness(layer, 1 / half)
+        scene = Scene(layer, PowerIndenter(exponent), load, num_points=n)
         return scene, scene if family == UNFINISHED else scene.on_grid(_FINER * n)
     if family == "waves":
         return _waves(rng, layer, n)
@@ -54,7 +55,7 @@ def _layer(rng: np.random.Generator) -> ElasticLayer:
     kind, thickness = rng.random(), float(10 ** rng.uniform(-4, 0))
     if kind < 0.35:
         return Layer()
-    if kind < 0.65:
+    if kind < 0.6:
         return Layer(thickness, float(rng.uniform(-0.5, 0.5)))
     if kind < 0.85:
         return CoatedHalfSpace(thickness, float(10 ** rng.uniform(-3, 2.5)))
@@ -73,13 +74,18 @@ def _rough(rng: np.random.Generator, seed: int, num_points: int) -> RoughIndente
     return RoughIndenter(float(rng.uniform(0.2, 0.95)), seed, roll_off, min(1.0, 1 / (roll_off * shortest)))
 
 
+def _few(rng: np.random.Generator, num_points: int) -> float:
+    """Half-width of a contact of a tenth of a node to five [period]."""
+    return float(rng.choice([rng.uniform(0.1, 5), 10 ** rng.uniform(-1, 0.5)])) / 2 / num_points
+
+
 def _load_of_few(rng: np.random.Generator, layer: ElasticLayer, rough: Indenter, num_points: int) -> float:
-    """A load under which the lowest summit has a tenth of a node to five, by Hertz' law."""
+    """A load under which the lowest summit touches few nodes, by Hertz' law."""
     fine = _FINER * num_points
     h = rough.profile(fine, 1.0)
     lowest = int(h.argmin())
     curvature = (h[(lowest + 1) % fine] + h[lowest - 1] - 2 * h[lowest]) * fine**2
-    half = float(rng.choice([rng.uniform(0.1, 5), 10 ** rng.uniform(-1, 0.5)])) / 2 / num_points
+    half = _few(rng, num_points)
     return float(math.pi / 4 * half**2 * curvature * max(1.0, _stiffness(layer, 1 / half)) * 10 ** rng.uniform(0, 0.5))
 
 
