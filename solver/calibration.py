@@ -16,16 +16,17 @@ class Calibration:
     of_difference: float
     """Error of an end by pressures, over the difference of two estimates of it."""
     of_size: float
-    """The same on layers that are thick beside the patch, times the square of the nodes to the next end [grid
-    spacings],"""
+    """The same on layers that are thick beside the patch, times the square of its nodes [grid spacings],"""
     of_size_if_wide: float
-    """and in other patches, times these nodes [grid spacings]."""
+    """and in wider patches, times the nodes [grid spacings]."""
+    beside_gap: float
+    """Error of an end by pressures or by a load, times the square of the nodes of the gap beside it [grid spacings]."""
     of_heights: float
-    """Error of an end by a load, over the unevenness of the heights there, see `contact` [grid spacings]."""
+    """Error of an end by a load, over the sixth over the second difference of the heights [grid spacings]."""
     of_heights_at_gaps: float
-    """The same of an end by a gap."""
+    """Error of an end by a gap, over the fourth over the second difference of the heights [grid spacings]."""
     always: float
-    """Least error of such an end [grid spacings]."""
+    """Least error of an end by a load or a gap [grid spacings]."""
     of_layer: float
     """Error of an end beside which the layer looks like a half-space, over the nodes of its patch, times the cube of
     the layer's thickness in grid spacings [grid spacings]."""

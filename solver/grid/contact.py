@@ -148,25 +148,23 @@ def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array
     begin = first_centre(around, heights, resolved), half_width
     found = from_loads(around, heights, loads[chosen], *begin, None if resolved else surface.modulus)
     chosen, around, found = chosen[found.solved], around.part(found.solved), found.part(found.solved)
-    moved = np.zeros(chosen.size)
     if resolved and chosen.size and patches.count > 1 and n <= MOST_POINTS:
-        before = found.half_width
         level = level_error(found, around, heights, loads[chosen])
         green = layer_response(surface.layer, n, surface.period)
         loads = shared_loads(patches, chosen, pressure, found, level, green)
         found = from_loads(around, heights, loads[chosen], found.centre, found.half_width)
-        moved = np.abs(found.half_width - before)
     left, right = found.centre - found.half_width, found.centre + found.half_width
     size = patches.size[chosen]
     fourth, sixth = _differences(heights.profile, patches.first[chosen], size)
-    error = _known(FITTED.of_heights * sixth.max(axis=1), size, surface.thickness)
+    gap = patches.to_neighbours[:, chosen].min(axis=0) - 1
+    uneven = FITTED.of_heights * sixth.max(axis=1) + FITTED.beside_gap / gap**2
+    error = _known(uneven, size, surface.thickness)
     if not resolved:  # not known better than by counting, but narrower
         error = np.where(2 * found.half_width < _LEAST * size, math.inf, COUNTED_ERROR)
     differ = np.maximum(np.abs(left - edges.left[chosen]), np.abs(right - edges.right[chosen]))
     better = found.solved & (2 * error <= edges.error[chosen])
     better &= differ < np.where(edges.counted[chosen], size, _FARTHEST)
     better &= ~(fourth.min(axis=1) > _JAGGED)
-    error = error + moved
     lefts, rights, errors = edges.left.copy(), edges.right.copy(), edges.end_errors.copy()
     counted, by_load, which = edges.counted.copy(), edges.by_load.copy(), chosen[better]
     lefts[which], rights[which], errors[:, which] = left[better], right[better], error[better]
@@ -215,13 +213,13 @@ def _start(patches: Patches, edges: Edges, pressure: Array64, heights: Heights) 
     return np.where(edges.counted, np.clip(hertz, 0.05, patches.size), edges.width / 2)
 
 
-def _known(by_heights: Array64, size: Indices, thickness: float) -> Array64:
+def _known(uneven: Array64, size: Indices, thickness: float) -> Array64:
     """Estimated errors of the ends of some patches by their loads, or of some gaps, shape (runs,) [grid spacings].
 
-    by_heights: a share of the sixth over the second difference of the heights, for gaps of the fourth, of their shape;
-    size: their nodes; thickness: of the layer [grid spacings].
+    uneven: what heights and neighbours leave, of their shape [grid spacings]; size: their nodes; thickness: of the
+    layer [grid spacings].
     """
-    error = FITTED.always + by_heights + FITTED.of_layer * size / thickness**3
+    error = FITTED.always + uneven + FITTED.of_layer * size / thickness**3
     return np.minimum(error, COUNTED_ERROR)
 
 

@@ -161,9 +161,9 @@ def find_edges(patches: Patches, pressure: Array64, layer: ElasticLayer, period:
     theta = theta + _by_load(patches, theta, on_thick & narrow & ~counted)
     outside = np.where(counted, 0.5, -theta)
     left, right = apart(patches.first - outside[0], patches.last + outside[1], patches.num_points)
-    to_next = np.minimum(patches.size, patches.to_neighbours - 1)  # nodes to the next end
-    by_size = np.where(on_thick, FITTED.of_size / to_next**2, FITTED.of_size_if_wide / to_next)
-    error = np.minimum(FITTED.of_difference * spread + by_size, COUNTED_ERROR) + by_layer
+    by_size = np.where(on_thick, FITTED.of_size / patches.size**2, FITTED.of_size_if_wide / patches.size)
+    by_gap = FITTED.beside_gap / (patches.to_neighbours - 1) ** 2
+    error = np.minimum(FITTED.of_difference * spread + by_size + by_gap, COUNTED_ERROR) + by_layer
     error = np.where(spread < _ALIKE, error, _UNKNOWN)
     return Edges(left, right, np.where(counted, COUNTED_ERROR, error), counted, none, none)
 
