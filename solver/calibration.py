@@ -16,9 +16,9 @@ class Calibration:
     of_difference: float
     """Error of an end by pressures, over the difference of two estimates of it."""
     of_size: float
-    """The same on layers that are thick beside the patch, times the square of its nodes [grid spacings],"""
+    """The same times the square of the nodes of its patch [grid spacings],"""
     of_size_if_wide: float
-    """and in wider patches, times the nodes [grid spacings]."""
+    """and in patches that are wide beside the layer, times these nodes, beside the former [grid spacings]."""
     beside_gap: float
     """Error of an end by pressures or by a load, times the square of the nodes of the gap beside it [grid spacings]."""
     of_heights: float
@@ -28,7 +28,7 @@ class Calibration:
     always: float
     """Least error of an end by a load or a gap [grid spacings]."""
     of_layer: float
-    """Error of an end beside which the layer looks like a half-space, over the nodes of its patch, times the cube of
+    """Error of an end beside which the layer looks like a half-space, over the nodes of its patch, times the square of
     the layer's thickness in grid spacings [grid spacings]."""
     of_tip: float
     """Error of the ends beside a tip, see `PowerIndenter.end_error`."""

@@ -219,7 +219,7 @@ def _known(uneven: Array64, size: Indices, thickness: float) -> Array64:
     uneven: what heights and neighbours leave, of their shape [grid spacings]; size: their nodes; thickness: of the
     layer [grid spacings].
     """
-    error = FITTED.always + uneven + FITTED.of_layer * size / thickness**3
+    error = FITTED.always + uneven + FITTED.of_layer * size / thickness**2
     return np.minimum(error, COUNTED_ERROR)
 
 

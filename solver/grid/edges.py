@@ -149,7 +149,7 @@ def find_edges(patches: Patches, pressure: Array64, layer: ElasticLayer, period:
     theta, spread = _in_row(patches, pressure)
     narrow = (patches.size < _NARROW * thickness) | (patches.to_neighbours - 1 < _NARROW_GAP * thickness)
     narrow &= (thickness > _THINNEST) & (spread < _ALIKE)
-    by_layer = np.broadcast_to(FITTED.of_layer * patches.size / thickness**3, narrow.shape)
+    by_layer = np.broadcast_to(FITTED.of_layer * patches.size / thickness**2, narrow.shape)
     if thickness < math.inf and not narrow.all():
         curve = edge_curve(layer, patches.num_points, period)
         wide, _, spread_of_wide = edge_offset(curve, lone_ends(curve, patches, pressure).reshape(-1, 3))
@@ -161,7 +161,7 @@ def find_edges(patches: Patches, pressure: Array64, layer: ElasticLayer, period:
     theta = theta + _by_load(patches, theta, on_thick & narrow & ~counted)
     outside = np.where(counted, 0.5, -theta)
     left, right = apart(patches.first - outside[0], patches.last + outside[1], patches.num_points)
-    by_size = np.where(on_thick, FITTED.of_size / patches.size**2, FITTED.of_size_if_wide / patches.size)
+    by_size = FITTED.of_size / patches.size**2 + np.where(on_thick, 0.0, FITTED.of_size_if_wide / patches.size)
     by_gap = FITTED.beside_gap / (patches.to_neighbours - 1) ** 2
     error = np.minimum(FITTED.of_difference * spread + by_size + by_gap, COUNTED_ERROR) + by_layer
     error = np.where(spread < _ALIKE, error, _UNKNOWN)
