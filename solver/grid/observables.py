@@ -63,7 +63,7 @@ class Observables(Value):
     kappa_error: float
     """Estimated error of `kappa_subgrid`; `inf` where the contact is flat."""
     contact_area_edges_error: float
-    """a_r's error, estimated from the edges alone; mostly too large, as it has to hold without a coarser grid."""
+    """a_r's error, estimated from the ends of the patches alone."""
     kappa_edges_error: float
     """The same for kappa."""
     peak_pressure_sampling: float

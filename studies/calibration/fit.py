@@ -16,7 +16,7 @@ from linecontact.solver.strategy.unfinished import with_errors
 Numbers = dict[str, float]
 
 _HELD = 0.99  # share of the estimates that are to hold in the scenes of a fit, so that 97 of 100 do in others
-_FACTORS, _GAIN = (2.0, 1.3), 1e-4  # by which one number after the other is changed, and what that has to gain
+_FACTOR, _GAIN = 1.4, 1e-4  # by which one number after the other is changed, and what that has to gain
 _FLOOR, _LARGEST = 1e-8, 12.0  # relative error of references, and logarithm of estimate over error that is enough
 
 
@@ -69,30 +69,27 @@ def fitted(scenes: Sequence[Known]) -> Numbers:
 
     with _in_use(asdict(FITTED)):
         best = loss()
-        for factor, name in itertools.product(_FACTORS, asdict(FITTED)):
-            for times in (factor, 1 / factor):
-                better = True
-                while better:
-                    before = getattr(FITTED, name)
-                    setattr(FITTED, name, before * times)
-                    now = loss()
-                    if better := now < best - _GAIN:
-                        best = now
-                    else:
-                        setattr(FITTED, name, before)
+        for name, times in itertools.product(asdict(FITTED), (_FACTOR, 1 / _FACTOR)):
+            better = True
+            while better:
+                before = getattr(FITTED, name)
+                setattr(FITTED, name, before * times)
+                now = loss()
+                if better := now < best - _GAIN:
+                    best = now
+                else:
+                    setattr(FITTED, name, before)
         return {name: float(f"{value:.2g}") for name, value in asdict(FITTED).items()}
 
 
-def held(scenes: Sequence[Known], numbers: Numbers) -> dict[str, dict[str, list[float]]]:
-    """Of each family and quantity the share of estimates by some numbers that hold, in per cent, and the median of
-    estimate over error.
-    """
-    found: dict[str, dict[str, list[float]]] = {}
+def held(scenes: Sequence[Known], numbers: Numbers) -> dict[str, dict[str, str]]:
+    """Of each family and quantity how many estimates by some numbers hold, and the median of estimate over error."""
+    found: dict[str, dict[str, str]] = {}
     with _in_use(numbers):
         for family in dict.fromkeys(one.family for one in scenes):
             ratios = np.array([one.ratios() for one in scenes if one.family == family]).T
-            shown = [[round(100 * float(np.mean(r >= 1)), 1), float(f"{np.median(r):.3g}")] for r in ratios]
-            found[family] = dict(zip(QUANTITIES, shown, strict=True))
+            told = [f"{sum(ratio >= 1)} of {ratio.size}, median {np.median(ratio):.3g}" for ratio in ratios]
+            found[family] = dict(zip(QUANTITIES, told, strict=True))
     return found
 
 

@@ -28,7 +28,7 @@ _FINER = 16
 def draw(family: str, seed: int) -> tuple[Scene, Scene]:
     """A scene, and the one that tells its errors. Raises `ValueError` for one that cannot be solved."""
     rng = np.random.default_rng([FAMILIES.index(family), seed])
-    n = int(2 ** rng.integers(10, 13))
+    n = int(2 ** rng.integers(10, 14))
     layer = _layer(rng)
     if family in ("power", UNFINISHED) or (family == "few nodes" and rng.random() < 0.3):
         exponent = float(rng.choice([2.0, rng.uniform(1.05, 5)]))
