@@ -37,8 +37,8 @@ def test_estimates_too_small_are_made_larger_and_others_smaller(monkeypatch):
     """The half-space and a thin layer; the numbers in use are the same afterwards."""
     known = []
     for load in (1e-3, 2e-3, 3e-3):
-        scene = Scene(Layer(0.05, 0.3), PowerIndenter(), load, num_points=2**10)
-        true = fit.values(solve(scene.on_grid(2**13), tolerance=1e-10).observables)
+        scene = Scene(Layer(0.05, 0.3), PowerIndenter(), load, num_points=2**12)
+        true = fit.values(solve(scene.on_grid(2**15), tolerance=1e-10).observables)
         known.append(fit.Known("power", solve(scene), true, False))
     before = asdict(FITTED)
     monkeypatch.setattr(fit, "_FACTOR", 4.0)

@@ -315,9 +315,9 @@ def test_reasons_name_what_helps():
     assert str(rounded_off).startswith("num_points is 8192, where rounding in float32 leaves")
     assert (rounded_off.cause, rounded_off.parameter) == (Cause.ROUNDING, "num_points")
     given = measured(1 - np.cos(2 * np.pi * np.arange(256) / 256))
-    reason = solve(given, accuracy=1e-4).reason
+    reason = solve(given, accuracy=1e-6).reason
     finer = "a finer grid: num_points above 256, with heights given there"
-    assert str(reason) == f"accuracy is 0.0001; allowed: above 0.00045, or {finer}"
+    assert str(reason) == f"accuracy is 1e-06; allowed: above 9.5e-06, or {finer}"
     assert (reason.cause, reason.parameter) == (Cause.GRID, "accuracy")
 
 
