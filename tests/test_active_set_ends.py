@@ -86,7 +86,7 @@ def test_stiff_coating_on_which_the_search_does_not_settle(monkeypatch):
     is met: by a cautious search, or, where that is not tried, by the other method. There a limit of
     one's own is kept, and what the search does not need of it is the other method's.
     """
-    scene = Scene(CoatedHalfSpace(20 / 2**14, base_modulus=1e-4), PowerIndenter(2), pressure=1e-4, num_points=2**10)
+    scene = Scene(CoatedHalfSpace(3e-3, base_modulus=1e-5), PowerIndenter(2), pressure=1e-4, num_points=2**10)
     anew = solve(scene)
     assert (anew.status, anew.handed_over, anew.observables.num_patches) == (Status.CONVERGED, False, 1)
     where_no_search_is_cautious(monkeypatch)
@@ -115,7 +115,7 @@ def test_grids_that_were_not_solved_do_not_count_in_an_estimated_error():
 
 
 def test_a_hand_over_in_vain_is_bounded(monkeypatch):
-    scene = Scene(CoatedHalfSpace(20 / 2**14, base_modulus=1e-4), PowerIndenter(2), pressure=1e-4, num_points=2**10)
+    scene = Scene(CoatedHalfSpace(3e-3, base_modulus=1e-5), PowerIndenter(2), pressure=1e-4, num_points=2**10)
     where_no_search_is_cautious(monkeypatch)
     monkeypatch.setattr(certification, "_MOST_WORK", 200 * 2**10)
     assert solve(scene).iterations == 2200

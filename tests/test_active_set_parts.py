@@ -83,7 +83,6 @@ def test_one_factor_inverts_every_patch(d, nu):
 def test_preconditioner(d, nu, unknowns, longest, monkeypatch):
     """Symmetric, positive on loads of zero sum, near the inverse; long patches and shared unknowns included."""
     monkeypatch.setattr(local_inverses, "LONGEST_DENSE", longest)
-    monkeypatch.setattr(local_inverses, "_FEW_PATCHES", 0)
     monkeypatch.setattr(deflation, "_unknowns", lambda n: unknowns)
     patches = Patches.of(PATCHES)
     check_preconditioner(d, nu, patches, 6 if unknowns == 100 else 60)
@@ -101,19 +100,6 @@ def check_preconditioner(d, nu, patches, condition):
     assert values[0] > 0
     # what deflation is for: a small condition number whatever the layer and the patches
     assert values[-1] / values[0] < condition
-
-
-def test_a_coarse_inverse_serves_the_next_set():
-    green = greens_function(512)
-    first = deflation.PatchDeflation(green, Patches.of(PATCHES))
-    moved = PATCHES.copy()
-    moved[[63, 62, 61, 60, 504]] = [False, False, False, False, True]
-    second = deflation.PatchDeflation(green, Patches.of(moved), first)
-    assert second._factor is first._factor
-    z = second.apply(np.random.default_rng(0).standard_normal(int(moved.sum())))
-    assert abs(z.sum()) < 1e-9 * np.abs(z).max()
-    more = deflation.PatchDeflation(green, Patches.of(moved | contact_map(512, (400, 2))), first)
-    assert more._factor is not first._factor
 
 
 def test_a_coarse_matrix_that_rounding_has_spoilt():

@@ -71,7 +71,6 @@ class ActiveSet(Method):
         soft_base = bool(problem.stiffness[1] * (problem.stiffness.size - 1) < _SOFT * problem.stiffness[-1])
         self._cautious = soft_base and response.exact
         self._set: ContactSet | None = None
-        self._last_preconditioner: PatchDeflation | None = None
         self._search = Search(self._cautious)
 
     @property
@@ -123,8 +122,7 @@ class ActiveSet(Method):
             self._eliminate()
             return
         if now.preconditioner is None:
-            now.preconditioner = PatchDeflation(self._green, now.patches, self._last_preconditioner, self._cautious)
-            self._last_preconditioner = now.preconditioner
+            now.preconditioner = PatchDeflation(self._green, now.patches, self._cautious)
         touching = self._response.touching(now)
         r = float(touching.mean()) - touching
         z = now.precondition(r)
