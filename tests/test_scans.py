@@ -107,15 +107,11 @@ def test_tilt_and_window(tmp_path):
     assert (period, n) == (6.0, 200)  # the mirror image is as long again
     assert "the period is twice the scan" in mirrored.description["profile_steps"]
     np.testing.assert_allclose(mirrored.heights, mirrored.heights[::-1], atol=1e-12)
-    indenter, period, n = read(path, window="tukey")
+    indenter, period, n = read(path, window="none", detrend="linear")
     assert (period, n) == (1.0, 512)  # at least four points to a value
     steps = indenter.description["profile_steps"]
     assert "tilt of" in steps
-    assert "tukey window: the period is the scan" in steps
     assert "resampled from 100 to 512" in steps
-    h = indenter.heights
-    assert abs(h[0] - h[-1]) < 0.1 * np.ptp(h)  # the ends meet
-    assert "hann" in read(path, window="hann")[0].description["profile_steps"]
     assert read(write(tmp_path, ".txt", [np.arange(100.0), tilted]))[1] == pytest.approx(200)
     as_it_is, _, _ = read(path, num_points=100, **AS_IT_IS)
     np.testing.assert_allclose(as_it_is.heights, tilted - tilted.min())
@@ -391,7 +387,7 @@ def test_a_scan_that_names_its_unit(tmp_path, monkeypatch):
         ({"length_unit": 1.0}, "length_unit is 1.0"),
         ({"scene_units": True, "scan_length": None}, "scan_length is missing: .*; allowed: .* a number alone in the"),
         ({"profile_convention": "gaps"}, "profile_convention is 'gaps'; allowed: heights, gap"),
-        ({"window": "foo"}, "window is 'foo'; allowed: mirror, tukey, hann, none"),
+        ({"window": "foo"}, "window is 'foo'; allowed: mirror, none"),
         ({"detrend": "quad"}, "detrend is 'quad'; allowed: curvature, linear, mean, none"),
         ({"decimal": ","}, "decimal is ','; allowed: point, comma"),
         ({"scene_units": "yes"}, "scene_units is 'yes'; allowed: True or False"),

@@ -12,9 +12,8 @@ from linecontact.solver.transforms.plain import irfft, rfft
 from .missing import DOUBTED, LONGEST_GAP
 
 Detrend = Literal["curvature", "linear", "mean", "none"]
-Window = Literal["mirror", "tukey", "hann", "none"]
+Window = Literal["mirror", "none"]
 
-_TAPER = 0.1  # share of the length over which a Tukey window falls, at each end
 _ROUNDING = 0.6  # of the positions' last digit: by how much rounding puts them off
 _ROUNDED = 0.9  # spacings that the last digit may be worth: one spacing is a value left out
 _EVEN = 0.01  # spacings by which positions may be off without that
@@ -72,14 +71,11 @@ class Profile:
             self.z = self.z - np.polynomial.legendre.legval(i, fitted[: degree + 1])
 
     def make_periodic(self, window: Window) -> None:
-        """Let the ends meet, by the mirror image, which doubles the length but keeps the roughness, or by a window.
-
-        A window smooths the ends away, which then touch nearly everywhere and add to the contact area.
-        """
+        """Let the ends meet by the mirror image, which doubles the length and keeps the roughness, if they do not."""
         if window == "mirror":
             self.steps.append(f"{_MIRROR}: the period is twice the scan")
             self.z, self.length = np.concatenate([self.z, self.z[::-1]]), 2 * self.length
-        elif window == "none":
+        else:
             self.steps.append("taken as periodic: the last value meets the first")
             jump, largest = abs(float(self.z[0] - self.z[-1])), float(np.abs(np.diff(self.z)).max())
             if jump > _JUMP * largest:
@@ -87,15 +83,6 @@ class Profile:
                     f"from the last value of the scan to the first, which it meets, is a step {round(jump / largest)} "
                     "times as high as any in the scan: it does not look periodic (window)"
                 )
-        else:
-            taper = 0.5 if window == "hann" else _TAPER
-            z = self.z - self.z.mean()
-            ramp = np.minimum(np.arange(z.size) + 0.5, z.size - 0.5 - np.arange(z.size)) / (taper * z.size)
-            self.z = z * np.sin(np.pi / 2 * np.minimum(ramp, 1.0)) ** 2
-            self.steps.append(
-                f"made periodic by a {window} window: the period is the scan; heights fall to the mean over "
-                f"{taper:g} of it at each end, whose roughness is lost and which may touch nearly everywhere"
-            )
 
     def resample(self, num_points: int) -> None:
         """The profile on another number of points by its Fourier modes, or straight lines where waves overshoot.

@@ -75,7 +75,7 @@ class Options:
     detrend: Detrend | None = None
     """Remove the mean, also the tilt (linear), also a bow (curvature); default: linear, but none with --window none."""
     window: Window = "mirror"
-    """What makes the profile periodic: its mirror image, a window, or nothing if it is periodic."""
+    """What makes the profile periodic: its mirror image, or nothing if it is periodic."""
     period: float | None = refused()
     """Not with a file."""
     accuracy: float | None = None
