@@ -100,10 +100,6 @@ class Header:
     labels: Sequence[Label] = ()
     rest: Sequence[str] = ()
 
-    def depth(self) -> str:
-        """The first of the other lines that speaks of depths; empty without one."""
-        return next(filter(_DEEP.search, self.rest), "")
-
     @property
     def _has_units(self) -> bool:
         return any(label.bracket for label in self.labels)
@@ -141,16 +137,18 @@ class Header:
         return "", ""
 
 
+def depth(labels: Sequence[Label], head: Header) -> str:
+    """The first of some labels, or of the header's other lines, that speaks of depths; empty without one."""
+    return next((text for text in (*(label.text for label in labels), *head.rest) if _DEEP.search(text)), "")
+
+
 def cells(line: str, delimiter: str | None) -> list[str]:
     """The cells of a line; delimiter: None for spaces."""
     if delimiter is None:
         return line.replace('"', " ").split()
-    quoted = (
-        next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])
-        if '"' in line and len(line) <= _LONGEST
-        else None
-    )
-    return [cell.strip() for cell in (line.split(delimiter) if quoted is None else quoted)]
+    if '"' in line and len(line) <= _LONGEST:
+        return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])]
+    return [cell.strip() for cell in line.split(delimiter)]
 
 
 def read(lines: Sequence[str], delimiter: str | None, count: int, least: int) -> Header:

@@ -48,7 +48,9 @@ def filled(x: Array64 | None, z: Array64, how: Missing) -> tuple[Array64 | None,
         return None if x is None else x[there], z[there], f"{told} left out"
     longest = int(np.diff(there, prepend=-1, append=z.size).max()) - 1
     if longest > LONGEST_GAP * z.size:
-        raise ValueError(f"{longest} of {z.size} values are missing in one place; allowed: up to {LONGEST_GAP:.0%}")
+        raise ValueError(
+            f"{longest} of {z.size} values are missing in one place; allowed: up to {LONGEST_GAP:.0%}, cut the scan"
+        )
     at = np.arange(z.size) if x is None else np.abs(x - x[0])
     return x, np.interp(at, at[there], z[there]), f"{told} filled by straight lines"
 

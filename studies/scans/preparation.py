@@ -126,13 +126,14 @@ def mirrored(about: Mapping[str, Any]) -> bool:
 
 
 def evenly_spaced(x: Array64, z: Array64) -> Profile:
-    """A profile from heights at increasing positions, shape (number of values,) each [length].
+    """A profile from heights at positions that go one way, shape (number of values,) each [length].
 
     Positions that are even except for the rounding of their digits, to less than their spacing, are taken as even. So
     are those of which some are missing, whose heights are filled. Others are interpolated. The length of the scan is
     one spacing for each place. Raises `ValueError` for a gap that is too long for that.
     """
-    x = x - x[0]
+    told = ["positions decrease: read from the end"] * bool(x[-1] < x[0])
+    x, z = (x[::-1] - x[-1], z[::-1]) if told else (x - x[0], z)
     steps, digit = np.diff(x), _last_digit(x)
     for place in (np.arange(x.size), _places(steps)):
         spacing, off = _spacing(x, place)
@@ -142,14 +143,16 @@ def evenly_spaced(x: Array64, z: Array64) -> Profile:
             break
     gap, long = float(steps.max()), steps > _GAP * np.median(steps)
     if gap > LONGEST_GAP * x[-1] and gap > 1.5 * spacing and not (even and count == x.size):
-        raise ValueError(f"x has a gap of {gap / x[-1]:.1%} of the scan; allowed: up to {LONGEST_GAP:.0%}")
+        raise ValueError(
+            f"x has a gap of {gap / x[-1]:.1%} of the scan; allowed: up to {LONGEST_GAP:.0%}; cut or fill it"
+        )
     doubts = []
     if even:
-        told = f"positions even to {off / spacing:.2g} of their spacing"
-        told += f", {count - x.size} missing, whose heights were filled" if count > x.size else ", taken as even"
+        missing = f"{count - x.size} missing, whose heights were filled" if count > x.size else "taken as even"
+        told.append(f"positions even to {off / spacing:.2g} of their spacing, {missing}")
     else:
         count, spacing, place = x.size, float(x[-1]) / (x.size - 1), x / x[-1] * (x.size - 1)
-        told = f"interpolated linearly to even spacing, the largest gap {gap / spacing:.3g} spacings"
+        told.append(f"interpolated linearly to even spacing, the largest gap {gap / spacing:.3g} spacings")
         uneven = float(np.abs(steps[~long] / steps[~long].mean() - 1).max())
         if uneven > _UNEVEN and digit < _ROUNDED * spacing:
             apart = f"steps between positions differ from their mean by up to {uneven:.0%}"
@@ -157,7 +160,7 @@ def evenly_spaced(x: Array64, z: Array64) -> Profile:
     empty = float((steps[long] - np.median(steps)).sum() / x[-1])
     if empty > DOUBTED and not (even and count == x.size):
         doubts.append(f"{empty:.1%} of the scan, where it has no values, were filled by straight lines")
-    return Profile(np.asarray(np.interp(np.arange(count), place, z)), spacing * count, [told], doubts)
+    return Profile(np.asarray(np.interp(np.arange(count), place, z)), spacing * count, told, doubts)
 
 
 def _places(steps: Array64) -> Indices:
