@@ -65,7 +65,6 @@ READ = {
     # encodings
     "UTF-16": (("x [\u00b5m],z [\u00b5m]\n" + rows()).encode("utf-16"), {}),
     "UTF-16, big end first": (b"\xfe\xff" + ("x [\u00b5m],z [\u00b5m]\n" + rows()).encode("utf-16-be"), {}),
-    "UTF-16 without a mark": (("x [um],z [um]\n" + rows()).encode("utf-16-le"), {}),
     "UTF-8 with a mark": (("x [\u00b5m],z [\u00b5m]\n" + rows()).encode("utf-8-sig"), {}),
     "decoded once too little": ("x [\u00c2\u00b5m],z [\u00c2\u00b5m]\n" + rows(), {}),
     "line ends": (("x [um],z [um]\n" + rows()).replace("\n", "\r\n"), {}),
@@ -96,6 +95,7 @@ READ = {
 
 REFUSED = {
     "no header": (rows(), {}, "x_unit and z_unit are missing"),
+    "UTF-16 without a mark": (("x [um],z [um]\n" + rows()).encode("utf-16-le"), {}, "no table of numbers"),
     "no header, one given": (rows(), {"x_unit": "um"}, "z_unit is missing"),
     "one label without": ("x [um],z\n" + rows(), {}, "z_unit is missing"),
     "labels without units": ("Lateral,Raw\n" + rows(), {}, "x_unit and z_unit are missing"),
@@ -278,7 +278,11 @@ def test_missing_heights_are_filled_or_left_out_and_told(tmp_path, cell):
             {"invalid": "-1", "scan_length": 1.0},
             "invalid is '-1'; allowed: numbers",
         ),
-        ("z [nm]\n" + "nan\n" * 2 + rows(order="z"), {"missing": "drop", "scan_length": 1.0}, "missing is drop"),
+        (
+            "z [nm]\n" + "nan\n" * 2 + rows(order="z"),
+            {"missing": "drop", "scan_length": 1.0},
+            "2 of 202 in all; .* drop where positions",
+        ),
         (
             "16\n" + rows(order="z", keep=slice(16)),
             {"scan_length": 1.0},

@@ -223,7 +223,7 @@ def check_values(found: Columns) -> None:
             raise ValueError(f"{found.row(bad[0])}: {name} is {values[bad[0]]}; allowed: {allowed}")
         low, high = np.nanmin(values), np.nanmax(values)
         if high - low < 1 / LARGEST:
-            raise ValueError(f"every {name} is from {low} to {high}; allowed: a range of at least {1 / LARGEST:g}")
+            raise ValueError(f"{name} ranges from {low} to {high}; allowed: a range of at least {1 / LARGEST:g}")
     known = np.zeros(0, dtype=np.int64) if x is None else np.flatnonzero(~np.isnan(x))
     if x is not None and known.size > 1 and (back := np.diff(x[known]) * np.diff(x[known[:2]]) <= 0).any():
         before, at = known[int(back.argmax()) :][:2]

@@ -209,8 +209,8 @@ def _complete(found: columns.Columns, options: Options) -> tuple[columns.Columns
     gone |= np.isnan(z)
     if gone.any() and (how == "refuse" or (how == "drop" and x is None)):
         seen = f"{found.row(int(gone.argmax()))}: a value is missing, and {int(gone.sum())} of {z.size} in all"
-        allowed = "or missing, with interpolate or drop" if x is not None else "or missing, with interpolate"
-        raise ValueError(f"{seen}; allowed: all values, {allowed}")
+        allowed = "all values, or missing, with interpolate, or drop where positions tell the gaps"
+        raise ValueError(f"{seen}; allowed: {allowed}")
     columns.check_values(replace(found, z=z))
     there = np.flatnonzero(np.isfinite(z))
     if there.size < _FEWEST:

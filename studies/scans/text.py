@@ -181,7 +181,7 @@ def _find(lines: Sequence[str], decimal: Decimal | None) -> tuple[_Writing, bool
     best = max(ways, key=lambda way: (way.share, way.count))  # the first of equal ones
     others = any(way.share == best.share and (way.decimal, way.count) != (best.decimal, best.count) for way in ways)
     commas = [cell for line in last for cell in header.cells(line, best.delimiter) if "," in cell]
-    whole = best.delimiter == "," and re.fullmatch(r"[-+\d, ]+", last[0])
+    whole = best.delimiter == "," and re.fullmatch(r"[-+\d, ]+", last[-1])
     thousands = best.decimal == "comma" and commas and all(map(_THOUSANDS.fullmatch, commas))
     unclear = thousands or whole or (others and (commas or best.delimiter == ","))
     return best, decimal is None and bool(unclear)
