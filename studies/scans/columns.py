@@ -178,10 +178,20 @@ def units(found: Columns, given: dict[str, str | None], unknown: str | None) -> 
             raise ValueError(f"{axis}_unit is {own}, but {seen}; allowed: {stated}, or none")
         if unit := known or own or unknown:
             units[axis] = unit
-    _check_rest(found, units)
+    for line, said, other in found.head.said():
+        role = Label(line).role
+        known = [units[role]] if role in units else list(dict.fromkeys(units.values()))
+        if other or (said and len(units) == len(found.axes) and said != known):
+            reason = f"which contradicts {', '.join(f'{axis} in {unit}' for axis, unit in units.items())}; allowed: "
+            reason += "the file's units, or a file without that line if it speaks of something else"
+            no_length = (
+                "which is no length; allowed: columns of lengths, labelled like 'x [um]', parted as the rows are"
+            )
+            named = other or " and ".join(said)
+            raise ValueError(f"its line {line[:60]!r} names {named!r}, {no_length if other else reason}")
     if missing := [axis for axis in found.axes if axis not in units]:
         said = [label.text for label in found.labels.values() if label.bare or not label.bracket]
-        _, line, _ = next(found.head.units(), ("", ", ".join(said), ""))
+        line = next((line for line, units, _ in found.head.said() if units), ", ".join(said))
         seen = f" (its line {line[:60]!r} is not understood: labels are like 'x [um]', parted as the rows are)"
         names, kinds = (" and ".join(of(axis) for axis in missing) for of in ("{}_unit".format, _KINDS.__getitem__))
         allowed = f"{', '.join(UNITS)}; or scene_units, if its numbers are in the scene's own unit"
@@ -189,27 +199,6 @@ def units(found: Columns, given: dict[str, str | None], unknown: str | None) -> 
         kinds += seen * bool(line)
         raise ValueError(f"{names} {many} missing: the file names no unit of its {kinds}; allowed: {allowed}")
     return units
-
-
-def _check_rest(found: Columns, units: dict[str, str]) -> None:
-    """Raise `ValueError` for lines of the header that contradict units that are known, or name other quantities."""
-    word, line = found.head.no_length()
-    reason = "which is no length; allowed: columns of lengths, labelled like 'x [um]', parted as the rows are"
-    if not word and len(units) == len(found.axes):
-        said, known = list(found.head.units()), list(units.values())
-        of_line = {line: {unit for unit, one, _ in said if one == line} for _, line, _ in said}
-        turned = len(set(known)) > 1 and list(dict.fromkeys(unit for unit, *_ in said)) == known[::-1]
-        for word, line, role in said:  # a unit without an axis is that of all, unless its line names two
-            if turned or (word != units[role] if role in units else len(of_line[line]) == 1 and {word} != set(known)):
-                break
-            if word not in known:
-                break
-        else:
-            word, line = "", ""
-        reason = f"which contradicts {', '.join(f'{axis} in {unit}' for axis, unit in units.items())}; allowed: the "
-        reason += "file's units, or a file without that line if it speaks of something else"
-    if word:
-        raise ValueError(f"its line {line[:60]!r} names {word!r}, {reason}")
 
 
 def check_values(found: Columns) -> None:
