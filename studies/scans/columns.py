@@ -111,10 +111,6 @@ def _choose(table: Table, columns: str | None) -> Columns:
     """The columns of x and z that are asked for, or that the file makes clear. Raises `ValueError` for any other."""
     labels = table.head.labels or [Label("")] * table.values.shape[1]
     places = _places(table, labels) if columns is None else _asked(columns, table, labels)
-    for place in places.values():
-        if place in table.odd:
-            seen = f"{table.odd[place]} has no number in column {place + 1}"
-            raise ValueError(f"{seen}; allowed: numbers, or with missing empty cells, NaN, ***")
     x, z = places.get("x"), places["z"]
     shown = ", no positions" if x is None else f", x from column {x + 1}"
     shown = "" if table.values.shape[1] == len(places) and z == len(places) - 1 else f"{shown}, z from column {z + 1}"
@@ -208,8 +204,9 @@ def check_values(found: Columns) -> None:
         if values is None or np.isnan(values).all():
             continue
         if (bad := np.flatnonzero(np.abs(values) > LARGEST)).size:
+            seen = f"{name} is {values[bad[0]]}".replace("is inf", "is text or inf")
             allowed = f"finite numbers up to {LARGEST:g} in size ({bad.size} of {values.size} are not)"
-            raise ValueError(f"{found.row(bad[0])}: {name} is {values[bad[0]]}; allowed: {allowed}")
+            raise ValueError(f"{found.row(bad[0])}: {seen}; allowed: {allowed}, or with missing empty cells, NaN, ***")
         low, high = np.nanmin(values), np.nanmax(values)
         if high - low < 1 / LARGEST:
             raise ValueError(f"{name} ranges from {low} to {high}; allowed: a range of at least {1 / LARGEST:g}")

@@ -24,7 +24,7 @@ _ROLES = {
 _DEEP = re.compile(
     r"depth|tief|diepte|profond|profun|creux|g\u0142\u0119bok|\u0433\u043b\u0443\u0431|\u6df1|penetrat|indentation|spalt|recess|below|bulk"
     r"|negativ|\bneg\b|invert|flipped|\bdown(?:wards?)?\b(?!\s*\d)|positive into|valleys? (?:are )?(?:positive|up)"
-    r"|\bgaps?\b(?! gauge)|separation|clearance|(?:^|\()\s*[-\u2013]\s*[^\W\d]|\bz\s*-\s*$",
+    r"|\bgaps?\b(?! gauge)|separation|clearance|(?:^|\()\s*-\s*[^\W\d]|\bz\s*-\s*$",
     re.I,
 )
 """Heights under such words may grow into the valleys."""

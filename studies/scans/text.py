@@ -6,7 +6,6 @@ import math
 import re
 from collections import Counter
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
@@ -24,13 +23,12 @@ MAX_TEXT = 2**25
 
 _SAMPLE = 200  # lines at the end of the table, which tell how it is written
 _BETWEEN = "'\u2019\u00a0\u202f"  # thousands, besides the other decimal sign
-_NUMBER = r"[-+]?(?=\d|{0}\d)(?:\d{{1,3}}(?:[{1}]\d{{3}})+|\d*)(?:{0}{2})?(?:[eE][-+]?\d+)?|[-+]?inf"
+_NUMBER = r"[-+]?(?=\d|{0}\d)(?:[1-9]\d{{0,2}}(?:[{1}]\d{{3}})+|\d*)(?:{0}{2})?(?:[eE][-+]?\d+)?|[-+]?inf"
 _NUMBERS = {
     "point": re.compile(_NUMBER.format(r"\.", "," + _BETWEEN, r"\d*")),
     "comma": re.compile(_NUMBER.format(",", "." + _BETWEEN, r"\d+")),
 }
 _PLAIN = {"point": str.maketrans("", "", "," + _BETWEEN), "comma": str.maketrans(",", ".", "." + _BETWEEN)}
-_THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}(?:,\d{3})+")
 _MISSING = re.compile(r"\W*|[-+]?(?:1\.)?#?(?:nan|qnan|ind)|n\.?/?a\.?|#\w+/?\w*!?|null|none|missing|invalid|bad", re.I)
 """Cells that stand for a missing value: nothing, stars, hyphens, NaN, N/A and the like."""
 _TORN = re.compile(r"(?=.*\d)(?=.*[,;\s])[-+\d.,;\s]*")
@@ -38,6 +36,7 @@ _TORN = re.compile(r"(?=.*\d)(?=.*[,;\s])[-+\d.,;\s]*")
 _FIGURE = r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?\"?"
 _LIKE_ROW = re.compile(rf"[\s\"]*{_FIGURE}(?:[\s\";,]+{_FIGURE}(?![\w:/.-])|\s*$)")
 """A line that begins with two numbers, or is one."""
+_MINUS = str.maketrans("\u2212\u2013", "--")  # as it is printed
 _NAMES = {";": "semicolons", "\t": "tabs", ",": "commas", None: "spaces"}
 
 
@@ -46,15 +45,13 @@ class Table:
     """A table of numbers, and the header above it."""
 
     values: Array64
-    """The numbers, shape (rows, columns); NaN for missing ones and text."""
+    """The numbers, shape (rows, columns); NaN for missing ones, inf for text."""
     origin: str
     """How they were found, in words."""
     numeric: Sequence[int]
     """Columns that hold numbers."""
     head: header.Header = field(default_factory=header.Header)
     """Text above the columns."""
-    odd: dict[int, str] = field(default_factory=dict)
-    """For some columns the first cell that is neither a number nor missing, with its line, in words."""
     line: int = 0
     """Line of the first row in a text; 0 elsewhere."""
 
@@ -69,24 +66,19 @@ class _Writing:
     count: int = 0  # of columns
     share: float = 0.0  # of the cells, that are numbers or missing
 
-    def number(self, cell: str) -> float | None:
-        """The number in a cell, NaN for a missing one, None for anything else."""
+    def number(self, cell: str) -> float:
+        """The number in a cell, NaN for a missing one, inf for anything else."""
         if _NUMBERS[self.decimal].fullmatch(cell):
             return float(cell.translate(_PLAIN[self.decimal]))
-        return float("nan") if _MISSING.fullmatch(cell) else None
+        return math.nan if _MISSING.fullmatch(cell) else math.inf
 
-    def row(self, line: str) -> list[float | None]:
+    def row(self, line: str) -> list[float]:
         """The numbers in the numeric columns of a line; empty if the line has not the columns of the table."""
         cells = header.cells(line, self.delimiter)
         more = [cell for cell in cells[self.count :] if cell]
-        torn = bool(more) and (self.delimiter is not None or any(self.number(cell) is not None for cell in more))
+        torn = bool(more) and (self.delimiter is not None or any(self.number(cell) != math.inf for cell in more))
         if torn or len(cells) <= self.numeric[-1] or not line.strip():
             return []
-        if self.decimal == "point" and "_" not in line:
-            with suppress(ValueError):  # the usual row, in a third of the time
-                plain = [float(cells[i]) for i in self.numeric]
-                if all(map(math.isfinite, plain)):
-                    return list(plain)
         return [self.number(cells[i]) for i in self.numeric]
 
     def counted(self, lines: Sequence[str]) -> "_Writing":
@@ -95,7 +87,7 @@ class _Writing:
         count = Counter(map(len, split)).most_common(1)[0][0] if split else 0
         numeric, cells = [], 0
         for i, column in enumerate(zip(*(cells for cells in split if len(cells) == count), strict=True)):
-            known = [value for cell in column if (value := self.number(cell)) is not None]
+            known = [value for cell in column if (value := self.number(cell)) != math.inf]
             if any(value == value for value in known) and 2 * len(known) >= len(column):
                 numeric.append(i)
                 cells += len(known)
@@ -114,15 +106,17 @@ def read_text(path: Path, name: str, decimal: Decimal | None) -> Table:
 
     name: of the file, for records; decimal: the decimal sign, None for the one that is found. Raises `ValueError`.
     """
-    lines = _decoded(path).replace("\r\r\n", "\n").replace("\u2212", "-").splitlines()  # a minus as it is printed
+    lines = _decoded(path).replace("\r\r\n", "\n").translate(_MINUS).splitlines()
     while lines and not lines[-1].strip(" \t,;"):
         lines.pop()
     writing, unclear = _find(lines, decimal)
     rows = [writing.row(line) for line in lines]
-    first = next((i for i, row in enumerate(rows) if None not in row and any(value == value for value in row)), 0)
+    first = next((i for i, row in enumerate(rows) if math.inf not in row and any(map(math.isfinite, row))), 0)
     while first and (row := rows[first - 1]):
-        told = None not in row and re.search(r"[^\W\d_]|\*\*", lines[first - 1])  # missing in all columns, and no rule
-        if not told and not any(value == value for value in row if value is not None):
+        told = math.inf not in row and re.search(
+            r"[^\W\d_]|\*\*", lines[first - 1]
+        )  # missing in all columns, and no rule
+        if not told and not any(map(math.isfinite, row)):
             break
         first -= 1
     for i, pair in enumerate(itertools.pairwise(lines[:first])):
@@ -140,15 +134,10 @@ def read_text(path: Path, name: str, decimal: Decimal | None) -> Table:
         )
         allowed = f"rows like {lines[first].strip()[:40]!r} in line {first + 1} to the end ({writing.told()})"
         raise ValueError(f"line {i + 1}{seen}; allowed: {allowed}")
-    odd = dict[int, str]()
-    for i in range(len(lines) - 1, first - 1, -1):
-        if None in rows[i]:
-            text = f"line {i + 1}: {lines[i].strip()[:40]!r}"
-            odd |= {column: text for column, value in zip(writing.numeric, rows[i], strict=True) if value is None}
     values = np.full((len(lines) - first, writing.count), np.nan)
-    values[:, list(writing.numeric)] = np.array(rows[first:], dtype=np.float64)
+    values[:, list(writing.numeric)] = rows[first:]
     origin = f"numbers of {name}, {writing.told()}, {counted(first, 'line')} of header"
-    return Table(values, origin, writing.numeric, head, odd, first + 1)
+    return Table(values, origin, writing.numeric, head, first + 1)
 
 
 def _decoded(path: Path) -> str:
@@ -182,6 +171,4 @@ def _find(lines: Sequence[str], decimal: Decimal | None) -> tuple[_Writing, bool
     others = any(way.share == best.share and (way.decimal, way.count) != (best.decimal, best.count) for way in ways)
     commas = [cell for line in last for cell in header.cells(line, best.delimiter) if "," in cell]
     whole = best.delimiter == "," and re.fullmatch(r"[-+\d, ]+", last[-1])
-    thousands = best.decimal == "comma" and commas and all(map(_THOUSANDS.fullmatch, commas))
-    unclear = thousands or whole or (others and (commas or best.delimiter == ","))
-    return best, decimal is None and bool(unclear)
+    return best, decimal is None and bool(whole or (others and (commas or best.delimiter == ",")))
