@@ -244,10 +244,9 @@ def _given_length(options: Options, count: int) -> float:
     if options.x_unit:
         raise ValueError(f"x_unit is {options.x_unit}; allowed: none, the file has no positions (give scan_length)")
     if options.scan_length is None:
-        alone = options.scene_units and options.length_unit is None
-        allowed = "a number alone in the scene's unit" if alone else "with its unit, like 1.5mm, or in length_unit"
         seen = f"the file holds {counted(count, 'height')} and no positions"
-        raise ValueError(f"scan_length is missing: {seen}; allowed: its length, {allowed}")
+        allowed = "its length with the unit, like 1.5mm, or a number alone in the scene's unit"
+        raise ValueError(f"scan_length is missing: {seen}; allowed: {allowed}")
     return checks.real("scan_length", options.scan_length, "a finite length > 0", 0)
 
 
