@@ -130,7 +130,7 @@ REFUSED = {
     "columns against labels": (
         "x [um],z [nm]\n" + rows(z="nm"),
         {"columns": "2,1"},
-        "columns is '2,1', but",
+        "columns is '2,1', labelled",
     ),
     "a printed minus": ("x [um],\u2212z [nm]\n" + rows(z="nm"), {}, "profile_convention is missing"),
     "downwards": ("Z axis points down\nx [um],z [um]\n" + rows(), {}, "profile_convention is missing"),

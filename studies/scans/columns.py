@@ -3,9 +3,8 @@
 import os
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from linecontact.solver.arrays import Array64
@@ -26,21 +25,15 @@ _TEXT, _HDF5 = (".csv", ".txt", ".dat", ".asc", ".tsv"), (".h5", ".hdf5")
 _KINDS = {"x": "positions", "z": "heights"}
 
 
-@dataclass(frozen=True)
-class Columns:
+class Columns(NamedTuple):
     """What a file holds, as it stands there."""
 
-    x: Array64 | None
-    """Positions, shape (number of values,); None if the file has none."""
-    z: Array64
-    """Heights or gaps, shape (number of values,); NaN where they are missing."""
-    origin: str
-    """Where they came from, in words."""
-    labels: dict[str, Label]
-    """Labels of 'x' and 'z', of those that have one."""
-    head: Header = field(default_factory=Header)
-    line: int = 0
-    """Line of the first value in a text; 0 elsewhere."""
+    x: Array64 | None  # positions, shape (number of values,); None if the file has none
+    z: Array64  # heights or gaps, shape (number of values,); NaN where they are missing
+    origin: str  # where they came from, in words
+    labels: dict[str, Label]  # of 'x' and 'z', of those that have one
+    head: Header = Header()
+    line: int = 0  # of the first value in a text; 0 elsewhere
 
     @property
     def axes(self) -> str:
@@ -73,7 +66,7 @@ def load(path: Path, dataset: str | None, columns: str | None, decimal: Decimal 
         if suffix in _HDF5:
             values, unit, said = confined.read_dataset(path, MAX_VALUES, dataset)
             found = _choose(_table(values, f"dataset {dataset or 'only one'} of {name}"), columns)
-            return replace(found, labels=dict.fromkeys(found.axes, Label(said, unit)))
+            return found._replace(labels=dict.fromkeys(found.axes, Label(said, unit)))
         (x, z), unit, _ = confined.read_scan(path, MAX_VALUES)
     except confined.BrokenError as error:
         more = "with `pip install SurfaceTopography` the formats that SurfaceTopography reads"
@@ -123,15 +116,12 @@ def _asked(columns: str, table: Table, labels: Sequence[Label]) -> dict[str, int
     """The places of x and z from the user's "2,3", or "3" for heights alone."""
     numbers = [int(word) - 1 if word.strip().isdecimal() and len(word) < 9 else -1 for word in columns.split(",")]
     if len(numbers) > 2 or len(set(numbers)) < len(numbers) or not set(numbers) <= set(table.numeric):
-        count, listed = table.values.shape[1], ", ".join(str(i + 1) for i in table.numeric)
-        allowed = f"numbers from 1 to {count}" if len(table.numeric) == count else f"{listed}, the columns of numbers"
+        allowed = f"{', '.join(str(i + 1) for i in table.numeric[:8])}, the columns of numbers"
         raise ValueError(f"columns is {columns!r}; allowed: {allowed}, those of x and z like 1,2, or of z alone")
     places = dict(zip("xz"[-len(numbers) :], numbers, strict=True))
     if labels[places["z"]].role == "x" or ("x" in places and labels[places["x"]].role == "z"):
-        texts = ", ".join(repr(label.text) for label in labels)
-        raise ValueError(
-            f"columns is {columns!r}, but the labels are {texts}; allowed: x and z as the labels have them"
-        )
+        texts = ", ".join(repr(labels[i].text) for i in numbers)
+        raise ValueError(f"columns is {columns!r}, labelled {texts}; allowed: x and z as the labels have them")
     return places
 
 
@@ -186,13 +176,13 @@ def units(found: Columns, given: dict[str, str | None], unknown: str | None) -> 
             named = other or " and ".join(said)
             raise ValueError(f"its line {line[:60]!r} names {named!r}, {no_length if other else reason}")
     if missing := [axis for axis in found.axes if axis not in units]:
-        said = [label.text for label in found.labels.values() if label.bare or not label.bracket]
-        line = next((line for line, units, _ in found.head.said() if units), ", ".join(said))
-        seen = f" (its line {line[:60]!r} is not understood: labels are like 'x [um]', parted as the rows are)"
         names, kinds = (" and ".join(of(axis) for axis in missing) for of in ("{}_unit".format, _KINDS.__getitem__))
+        labels = ", ".join(found.labels[axis].text for axis in missing if axis in found.labels)
+        line = next((line for line, said, _ in found.head.said() if said), labels)
+        seen = f" (its line {line[:60]!r} is not understood: labels are like 'x [um]', parted as the rows are)"
+        kinds += seen * bool(line)
         allowed = f"{', '.join(UNITS)}; or scene_units, if its numbers are in the scene's own unit"
         many = "are" if len(missing) > 1 else "is"
-        kinds += seen * bool(line)
         raise ValueError(f"{names} {many} missing: the file names no unit of its {kinds}; allowed: {allowed}")
     return units
 

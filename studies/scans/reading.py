@@ -6,7 +6,7 @@ what to add. Every step goes into the result.
 
 import math
 import os
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
@@ -211,7 +211,7 @@ def _complete(found: columns.Columns, options: Options) -> tuple[columns.Columns
         seen = f"{found.row(int(gone.argmax()))}: a value is missing, and {int(gone.sum())} of {z.size} in all"
         allowed = "all values, or missing, with interpolate, or drop where positions tell the gaps"
         raise ValueError(f"{seen}; allowed: {allowed}")
-    columns.check_values(replace(found, z=z))
+    columns.check_values(found._replace(z=z))
     there = np.flatnonzero(np.isfinite(z))
     if there.size < _FEWEST:
         raise ValueError(f"it holds {counted(there.size, 'value')}; allowed: at least {_FEWEST}")
@@ -222,7 +222,7 @@ def _complete(found: columns.Columns, options: Options) -> tuple[columns.Columns
     if z.size - there.size > DOUBTED * z.size:
         doubts.append(f"{z.size - there.size} of {z.size} values were missing")
     x, z, done = filled(x, z, how)
-    return replace(found, x=x, z=z), told + [done] * bool(done), doubts
+    return found._replace(x=x, z=z), told + [done] * bool(done), doubts
 
 
 def _measured(found: columns.Columns, options: Options) -> tuple[Profile, dict[str, str]]:

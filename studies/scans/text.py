@@ -6,9 +6,9 @@ import math
 import re
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from linecontact.solver.arrays import Array64
@@ -40,20 +40,14 @@ _MINUS = str.maketrans("\u2212\u2013", "--")  # as it is printed
 _NAMES = {";": "semicolons", "\t": "tabs", ",": "commas", None: "spaces"}
 
 
-@dataclass(frozen=True)
-class Table:
+class Table(NamedTuple):
     """A table of numbers, and the header above it."""
 
-    values: Array64
-    """The numbers, shape (rows, columns); NaN for missing ones, inf for text."""
-    origin: str
-    """How they were found, in words."""
-    numeric: Sequence[int]
-    """Columns that hold numbers."""
-    head: header.Header = field(default_factory=header.Header)
-    """Text above the columns."""
-    line: int = 0
-    """Line of the first row in a text; 0 elsewhere."""
+    values: Array64  # shape (rows, columns); NaN for missing ones, inf for text
+    origin: str  # how they were found, in words
+    numeric: Sequence[int]  # columns that hold numbers
+    head: header.Header = header.Header()
+    line: int = 0  # of the first row in a text; 0 elsewhere
 
 
 @dataclass(frozen=True)
