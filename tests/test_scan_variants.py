@@ -272,7 +272,7 @@ def test_missing_heights_are_filled_or_left_out_and_told(tmp_path, cell):
         ),
         (f"x [um],z [nm]\n{rows()}\n32,1\n", {}, "line 202 is empty; allowed: rows like"),
         (f"x [um],z [nm]\n0,1\n1\n{rows()}", {}, "line 3: '1' is not 2 cells; allowed: rows like '0,1' in line 2"),
-        (f"x [um],z [nm]\n{rows()}x [um],z [nm]\n{rows()}", {}, "line 202: x is text or inf"),
+        (f"x [um],z [nm]\n{rows()}x [um],z [nm]\n{rows()}", {}, "line 202: height is text or inf"),
         (
             rows(order="z") + "39.0\n",
             {"invalid": "-1", "scan_length": 1.0},

@@ -236,9 +236,13 @@ def test_headers_and_line_ends(tmp_path):
 @pytest.mark.parametrize(
     ("rows", "options", "said"),
     [
-        ("{}\n", {}, "numbers of scan.txt, one column, 0 lines of header;"),
-        ("{},5\n", {"decimal": "comma"}, "numbers of scan.txt, one column, decimal commas, 0 lines of header;"),
-        ("1 {}\n", {"columns": "2"}, "spaces between columns, 0 lines of header, no positions, z from column 2;"),
+        ("{}\n", {}, "numbers of scan.txt, one column, 0 lines of header, z from column 1;"),
+        (
+            "{},5\n",
+            {"decimal": "comma"},
+            "numbers of scan.txt, one column, decimal commas, 0 lines of header, z from column 1;",
+        ),
+        ("1 {}\n", {"columns": "2"}, "spaces between columns, 0 lines of header, z from column 2;"),
         ("{0};{1};{0}\n", {"columns": "1,2"}, "semicolons between columns, .*, x from column 1, z from column 2;"),
     ],
 )

@@ -31,13 +31,9 @@ class Columns(NamedTuple):
     x: Array64 | None  # positions, shape (number of values,); None if the file has none
     z: Array64  # heights or gaps, shape (number of values,); NaN where they are missing
     origin: str  # where they came from, in words
-    labels: dict[str, Label]  # of 'x' and 'z', of those that have one
+    labels: dict[str, Label]  # of 'x', if it is there, and 'z'; empty ones, too
     head: Header = Header()
     line: int = 0  # of the first value in a text; 0 elsewhere
-
-    @property
-    def axes(self) -> str:
-        return "z" if self.x is None else "xz"
 
     def row(self, i: int) -> str:
         """Where the value with index i stands."""
@@ -51,11 +47,8 @@ def load(path: Path, dataset: str | None, columns: str | None, decimal: Decimal 
     of z alone, from 1; None for those that the file makes clear. decimal: the decimal sign of a text.
     """
     suffix, name, known = path.suffix.lower(), shown_name(path), (*_TEXT, ".npy", *_HDF5)
-    for option, value, of in (
-        ("profile_dataset", dataset, _HDF5),
-        ("decimal", decimal, _TEXT),
-        ("columns", columns, known),
-    ):
+    fits = {"profile_dataset": (dataset, _HDF5), "decimal": (decimal, _TEXT), "columns": (columns, known)}
+    for option, (value, of) in fits.items():
         if value is not None and suffix not in of:
             raise ValueError(f"{option} is {value}; allowed: none, the file is not {', '.join(of)}")
     if suffix in _TEXT:
@@ -66,14 +59,12 @@ def load(path: Path, dataset: str | None, columns: str | None, decimal: Decimal 
         if suffix in _HDF5:
             values, unit, said = confined.read_dataset(path, MAX_VALUES, dataset)
             found = _choose(_table(values, f"dataset {dataset or 'only one'} of {name}"), columns)
-            return found._replace(labels=dict.fromkeys(found.axes, Label(said, unit)))
+            return found._replace(labels=dict.fromkeys(found.labels, Label(said, unit)))
         (x, z), unit, _ = confined.read_scan(path, MAX_VALUES)
     except confined.BrokenError as error:
-        more = "with `pip install SurfaceTopography` the formats that SurfaceTopography reads"
-        raise ValueError(
-            f"it is damaged, or of no known kind: {error}; allowed: {', '.join(known)}, and {more}"
-        ) from None
-    return Columns(x, z, f"{name} by SurfaceTopography", dict.fromkeys("xz", Label("its format", unit)) if unit else {})
+        allowed = f"{', '.join(known)}, and with `pip install SurfaceTopography` the formats that it reads"
+        raise ValueError(f"it is damaged, or of no known kind: {error}; allowed: {allowed}") from None
+    return Columns(x, z, f"{name} by SurfaceTopography", dict.fromkeys("xz", Label("its format" if unit else "", unit)))
 
 
 def shown_name(path: Path) -> str:
@@ -104,12 +95,10 @@ def _choose(table: Table, columns: str | None) -> Columns:
     """The columns of x and z that are asked for, or that the file makes clear. Raises `ValueError` for any other."""
     labels = table.head.labels or [Label("")] * table.values.shape[1]
     places = _places(table, labels) if columns is None else _asked(columns, table, labels)
-    x, z = places.get("x"), places["z"]
-    shown = ", no positions" if x is None else f", x from column {x + 1}"
-    shown = "" if table.values.shape[1] == len(places) and z == len(places) - 1 else f"{shown}, z from column {z + 1}"
-    named = {axis: labels[place] for axis, place in places.items() if labels[place].text}
-    chosen = None if x is None else table.values[:, x]
-    return Columns(chosen, table.values[:, z], table.origin + shown, named, table.head, table.line)
+    x = table.values[:, places["x"]] if "x" in places else None
+    shown = "".join(f", {axis} from column {place + 1}" for axis, place in places.items())
+    named = {axis: labels[place] for axis, place in places.items()}
+    return Columns(x, table.values[:, places["z"]], table.origin + shown, named, table.head, table.line)
 
 
 def _asked(columns: str, table: Table, labels: Sequence[Label]) -> dict[str, int]:
@@ -153,9 +142,8 @@ def units(found: Columns, given: dict[str, str | None], unknown: str | None) -> 
     where a unit is not known, or a word of the file contradicts the user or its own labels.
     """
     units = dict[str, str]()
-    for axis in found.axes:
-        label, own = found.labels.get(axis, Label("")), given[axis]
-        known = unit_of(label.bracket)
+    for axis, label in found.labels.items():
+        known, own = unit_of(label.bracket), given[axis]
         if label.no_length:
             kind = f"the {_KINDS[axis]}, {label.text!r}, are no lengths for {label.no_length!r}"
             raise ValueError(f"{kind}; allowed: columns of lengths, or other labels if they are")
@@ -167,17 +155,15 @@ def units(found: Columns, given: dict[str, str | None], unknown: str | None) -> 
     for line, said, other in found.head.said():
         role = Label(line).role
         known = [units[role]] if role in units else list(dict.fromkeys(units.values()))
-        if other or (said and len(units) == len(found.axes) and said != known):
-            reason = f"which contradicts {', '.join(f'{axis} in {unit}' for axis, unit in units.items())}; allowed: "
-            reason += "the file's units, or a file without that line if it speaks of something else"
-            no_length = (
-                "which is no length; allowed: columns of lengths, labelled like 'x [um]', parted as the rows are"
-            )
-            named = other or " and ".join(said)
-            raise ValueError(f"its line {line[:60]!r} names {named!r}, {no_length if other else reason}")
-    if missing := [axis for axis in found.axes if axis not in units]:
+        if other or (said and len(units) == len(found.labels) and said != known):
+            of = ", ".join(f"{axis} in {unit}" for axis, unit in units.items())
+            reason = f"contradicts {of}; allowed: the file's units, or a file without that line if it is about others"
+            if other:
+                reason = "is no length; allowed: columns of lengths, labelled like 'x [um]', parted as the rows are"
+            raise ValueError(f"its line {line[:60]!r} names {other or ' and '.join(said)!r}, which {reason}")
+    if missing := [axis for axis in found.labels if axis not in units]:
         names, kinds = (" and ".join(of(axis) for axis in missing) for of in ("{}_unit".format, _KINDS.__getitem__))
-        labels = ", ".join(found.labels[axis].text for axis in missing if axis in found.labels)
+        labels = ", ".join(filter(None, (found.labels[axis].text for axis in missing)))
         line = next((line for line, said, _ in found.head.said() if said), labels)
         seen = f" (its line {line[:60]!r} is not understood: labels are like 'x [um]', parted as the rows are)"
         kinds += seen * bool(line)
@@ -189,21 +175,19 @@ def units(found: Columns, given: dict[str, str | None], unknown: str | None) -> 
 
 def check_values(found: Columns) -> None:
     """Raise `ValueError` for columns that are no profile: infinite, constant, or positions that go back."""
-    x, z = found.x, found.z
-    for name, values in (("x", x), ("height", z)):
+    for name, values in (("height", found.z), ("x", found.x)):
         if values is None or np.isnan(values).all():
             continue
-        if (bad := np.flatnonzero(np.abs(values) > LARGEST)).size:
+        there = np.flatnonzero(~np.isnan(values))
+        if (bad := there[np.abs(values[there]) > LARGEST]).size:
             seen = f"{name} is {values[bad[0]]}".replace("is inf", "is text or inf")
             allowed = f"finite numbers up to {LARGEST:g} in size ({bad.size} of {values.size} are not)"
             raise ValueError(f"{found.row(bad[0])}: {seen}; allowed: {allowed}, or with missing empty cells, NaN, ***")
-        low, high = np.nanmin(values), np.nanmax(values)
+        low, high, steps = values[there].min(), values[there].max(), np.diff(values[there])
         if high - low < 1 / LARGEST:
             raise ValueError(f"{name} ranges from {low} to {high}; allowed: a range of at least {1 / LARGEST:g}")
-    known = np.zeros(0, dtype=np.int64) if x is None else np.flatnonzero(~np.isnan(x))
-    if x is not None and known.size > 1 and (back := np.diff(x[known]) * np.diff(x[known[:2]]) <= 0).any():
-        before, at = known[int(back.argmax()) :][:2]
-        raise ValueError(
-            f"{found.row(at)}: x goes from {x[before]} to {x[at]}; allowed: positions that go on in one direction; "
-            "columns, like 2,1, says which they are, and with those of z alone scan_length takes their place"
-        )
+        if name == "x" and (back := np.flatnonzero(steps * steps[0] <= 0)).size:
+            before, at = there[back[0] :][:2]
+            seen = f"{found.row(at)}: x goes from {values[before]} to {values[at]}"
+            more = "columns, like 2,1, says which they are, and with those of z alone scan_length takes their place"
+            raise ValueError(f"{seen}; allowed: positions that go on in one direction; {more}")

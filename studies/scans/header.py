@@ -7,7 +7,7 @@ other words is quoted where it contradicts the user, or where something is missi
 
 import csv
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 from ..terminal.units import plain, unit_of
@@ -102,13 +102,13 @@ class Header(NamedTuple):
         """
         without = not any(label.bracket for label in self.labels)
         for line in self.rest:
+            if (factor := _FACTOR.search(line)) and factor[1].rstrip(".,0;") != "1":
+                yield line, [], factor[0].strip()
             about = _UNIT_LINE.search(line)
             near = re.findall(_BRACKET, line) if line in self.rest[-_NEAR:] else []
             words = re.split(r"[\s:=,;\"]+", line[about.start() :])[1:] if about else []
             quantity = _NO_HEIGHT.search(line) if near or (about and about[1]) else None
             other = next(filter(_OTHER_UNIT.fullmatch, [*near, *words]), quantity[0].strip() if quantity else "")
-            if (factor := _FACTOR.search(line)) and factor[1].rstrip(".,0;") != "1":
-                other, without = factor[0].strip(), True
             bare = _QUANTITY.sub(lambda found: " " if unit_of(found[1] or found[2]) else found[0], line)
             known = (
                 unit_of(found[1] or found[2], expected=bool(found[1] or about))
@@ -117,9 +117,9 @@ class Header(NamedTuple):
             yield line, list(dict.fromkeys(filter(None, known))) if about or without else [], other * without
 
 
-def depth(labels: Sequence[Label], head: Header) -> str:
-    """The first of some labels, or of the header's other lines, that speaks of depths; empty without one."""
-    return next((text for text in (*(label.text for label in labels), *head.rest) if _DEEP.search(text)), "")
+def depth(texts: Iterable[str]) -> str:
+    """The first text that speaks of depths; empty without one."""
+    return next(filter(_DEEP.search, texts), "")
 
 
 def cells(line: str, delimiter: str | None) -> list[str]:
@@ -138,14 +138,13 @@ def read(lines: Sequence[str], delimiter: str | None, count: int, least: int) ->
     """
     lines = [line.replace("\u00b2", "^2").replace("\u00b3", "^3") for line in lines if len(line) <= _LONGEST]
     kept = [line for line in (plain(line).strip(_COMMENT) for line in lines) if line]
-    for i in range(len(kept) - 1, max(-1, len(kept) - 1 - _NEAR), -1):
+    for i in reversed(range(len(kept))[-_NEAR:]):
         labels, above = (_labels(line, delimiter, count, least) for line in (kept[i], kept[i - 1] if i else ""))
-        under = [label.bracket or label.name for label in labels if label.text]
-        if any(label.name for label in above) and under and all(unit_of(u) or _OTHER_UNIT.fullmatch(u) for u in under):
-            both = zip(above, labels, strict=True)
-            merged = [
-                Label(a.name, ",".join(dict.fromkeys(filter(None, (a.bracket, b.bracket or b.name))))) for a, b in both
-            ]
+        under = [label.bracket or label.name for label in labels]
+        units = all(not unit or unit_of(unit) or _OTHER_UNIT.fullmatch(unit) for unit in under)
+        if any(label.name for label in above) and any(under) and units:
+            brackets = (dict.fromkeys([a.bracket, unit]) for a, unit in zip(above, under, strict=True))
+            merged = [Label(a.name, ",".join(filter(None, both))) for a, both in zip(above, brackets, strict=True)]
             return Header(merged, kept[: i - 1] + kept[i + 1 :])
         if any(label.bracket or label.role for label in labels):
             return Header(labels, kept[:i] + kept[i + 1 :])

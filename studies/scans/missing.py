@@ -38,8 +38,7 @@ def filled(x: Array64 | None, z: Array64, how: Missing) -> tuple[Array64 | None,
 
     Raises `ValueError` for a gap that is too long to be filled.
     """
-    gone = np.isnan(z) if x is None else np.isnan(z) | np.isnan(x)
-    there = np.flatnonzero(~gone)
+    there = np.flatnonzero(~np.isnan(z if x is None else z + x))
     if there.size == z.size:
         return x, z, ""
     told = f"{z.size - there.size} of {z.size} values were missing and"

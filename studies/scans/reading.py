@@ -146,9 +146,9 @@ def read(options: Options) -> Scan:
     try:
         return _read(options)
     except (OSError, ValueError) as error:
-        if isinstance(error, ValueError) and not is_refusal(error):
-            raise
-        raise ValueError(f"profile_file {options.profile_file}: {error}") from None
+        if isinstance(error, OSError) or is_refusal(error):
+            raise ValueError(f"profile_file {options.profile_file}: {error}") from None
+        raise
 
 
 def _read(options: Options) -> Scan:
@@ -156,10 +156,8 @@ def _read(options: Options) -> Scan:
     if not os.path.isfile(options.profile_file):  # Path's own raises for some names
         raise ValueError("this is not a file; allowed: an existing file")
     if options.period is not None:
-        raise ValueError(
-            f"period is {options.period}; allowed: none with a file, whose scan is the period, with its mirror image "
-            "half of it (scan_length is for files without positions)"
-        )
+        allowed = "none with a file, whose scan is the period, with its mirror image half of it"
+        raise ValueError(f"period is {options.period}; allowed: {allowed} (without positions, scan_length tells it)")
     found = columns.load(options.profile_file, options.profile_dataset, options.columns, options.decimal)
     found, told, doubts = _complete(found, options)
     profile, units = _measured(found, options)
@@ -169,8 +167,9 @@ def _read(options: Options) -> Scan:
     height = np.ptp(profile.z)
     profile.detrend("none" if options.window == "none" and options.detrend is None else options.detrend)
     if np.ptp(profile.z) <= 1e-12 * height:
-        form = "a parabola" if options.detrend == "curvature" else "a straight line"
-        raise ValueError(f"it holds {form}; allowed: a profile that is not")
+        raise ValueError(
+            "it holds a straight line, or a parabola; allowed: a profile of which detrend leaves something"
+        )
     profile.make_periodic(options.window)
     measured = profile.z.size
     n = _choose_grid(options, count, measured)
@@ -192,10 +191,10 @@ def _read(options: Options) -> Scan:
 
 def _complete(found: columns.Columns, options: Options) -> tuple[columns.Columns, list[str], list[str]]:
     """The columns without missing values, what was done, and what there is to doubt. Raises `ValueError`."""
-    x, z, how = found.x, found.z.copy(), options.missing
+    x, z = found.x, found.z.copy()
     if x is None and z[0] == z.size - 1 >= _FEWEST:
         raise ValueError(f"{found.row(0)}: {z[0]:g} is the number of the values below it; allowed: heights alone")
-    gone = np.isnan(z) if x is None else np.isnan(z) | np.isnan(x)
+    gone = np.isnan(z) if x is None else np.isnan(z) | np.isnan(x)  # not of a sum: both may be infinite
     how = options.missing or ("refuse" if gone.any() else "interpolate")
     told = list[str]()
     if options.invalid is not None:
@@ -264,11 +263,10 @@ def _statistics(profile: Profile) -> dict[str, float]:
 
 def _turn_over(profile: Profile, found: columns.Columns, options: Options) -> None:
     """Make h of heights, unless the file holds h."""
-    if options.profile_convention is None and (said := depth([*found.labels.values()][-1:], found.head)):
-        raise ValueError(
-            f"profile_convention is missing: the file speaks of depths or gaps ({said[:60]!r}); "
-            "allowed: heights, if its values grow towards the peaks, or gap, if they grow into the valleys"
-        )
+    if options.profile_convention is None and (said := depth([found.labels["z"].text, *found.head.rest])):
+        seen = f"the file speaks of depths or gaps ({said[:60]!r})"
+        allowed = "heights, if its values grow towards the peaks, or gap, if they grow into the valleys"
+        raise ValueError(f"profile_convention is missing: {seen}; allowed: {allowed}")
     if options.profile_convention != "gap":
         profile.z = -profile.z
         profile.steps.append("heights turned over: peaks up become the indenter's lowest points")
