@@ -154,8 +154,8 @@ def units(found: Columns, given: dict[str, str | None], unknown: str | None) -> 
             units[axis] = unit
     for line, said, other in found.head.said():
         role = Label(line).role
-        known = [units[role]] if role in units else list(dict.fromkeys(units.values()))
-        if other or (said and len(units) == len(found.labels) and said != known):
+        expected = [units[role]] if role in units else list(dict.fromkeys(units.values()))
+        if other or (said and len(units) == len(found.labels) and said != expected):
             of = ", ".join(f"{axis} in {unit}" for axis, unit in units.items())
             reason = f"contradicts {of}; allowed: the file's units, or a file without that line if it is about others"
             if other:

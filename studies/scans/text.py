@@ -106,11 +106,9 @@ def read_text(path: Path, name: str, decimal: Decimal | None) -> Table:
     writing, unclear = _find(lines, decimal)
     rows = [writing.row(line) for line in lines]
     first = next((i for i, row in enumerate(rows) if math.inf not in row and any(map(math.isfinite, row))), 0)
-    while first and (row := rows[first - 1]):
-        told = math.inf not in row and re.search(
-            r"[^\W\d_]|\*\*", lines[first - 1]
-        )  # missing in all columns, and no rule
-        if not told and not any(map(math.isfinite, row)):
+    while first and (row := rows[first - 1]):  # also rows that miss all values, but no rule below the labels
+        missing = math.inf not in row and re.search(r"[^\W\d_]|\*\*", lines[first - 1])
+        if not missing and not any(map(math.isfinite, row)):
             break
         first -= 1
     for i, pair in enumerate(itertools.pairwise(lines[:first])):
@@ -123,9 +121,8 @@ def read_text(path: Path, name: str, decimal: Decimal | None) -> Table:
         raise ValueError(f"decimal is missing: {seen}; allowed: comma, or point, also for commas between whole numbers")
     if [] in rows[first:]:
         i = rows.index([], first)
-        seen = (
-            f": {lines[i].strip()[:40]!r} is not {counted(writing.count, 'cell')}" if lines[i].strip() else " is empty"
-        )
+        text = lines[i].strip()[:40]
+        seen = f": {text!r} is not {counted(writing.count, 'cell')}" if text else " is empty"
         allowed = f"rows like {lines[first].strip()[:40]!r} in line {first + 1} to the end ({writing.told()})"
         raise ValueError(f"line {i + 1}{seen}; allowed: {allowed}")
     values = np.full((len(lines) - first, writing.count), np.nan)
