@@ -10,7 +10,7 @@ from linecontact.solver.grid import response as grid_response
 from linecontact.solver.grid.patches import Patches
 from linecontact.solver.grid.problem import half_spectrum
 from linecontact.solver.grid.response import LayerResponse
-from linecontact.solver.methods.active_set import local_inverses, search
+from linecontact.solver.methods.active_set import local_inverses
 from linecontact.solver.methods.active_set import preconditioner as deflation
 from linecontact.solver.methods.active_set.greens_function import GreensFunction, Tables, inverse_cholesky, patch_sums
 
@@ -153,15 +153,3 @@ def test_what_is_kept_of_large_grids_makes_room(monkeypatch):
     assert "whole" not in large._kept
     np.testing.assert_array_equal(Tables(large).factor(64), Tables(small).factor(64))
     assert "whole" not in large._kept  # the values next to the node were enough
-
-
-def test_sets_that_keep_changing_are_decided_on_more_accurate_solutions():
-    sets = search.Search()
-    for changed in (1000, 700, 500, *[500] * 7):
-        sets.note(changed)
-    assert sets.forcing_term == search._FORCING_TERM
-    sets.note(500)
-    assert sets.forcing_term == pytest.approx(0.1 * search._FORCING_TERM)
-    for changed in (300, *[300] * 100):
-        sets.note(changed)
-    assert sets.forcing_term == search._TIGHT

@@ -1,7 +1,7 @@
 """The active set: the method that needs fewest transforms, put together from its parts.
 
-`active_set` is the method, `free_nodes` the same with displacements as unknown, with `gap_by_gap`, `search` when they
-update their set, `contact_set` what belongs to one set of nodes, `elimination` what solves small ones, `response` what
+`active_set` is the method, `free_nodes` the same with displacements as unknown, with `gap_by_gap`, `limits` what
+both share, `contact_set` what belongs to one set of nodes, `elimination` what solves small ones, `response` what
 the surface does under its pressure, on all nodes in `everywhere` by the operator `compliance`, near the contact in
 `nearby` by that of `packed`, `preconditioner` with `local_inverses`, `long_patch` and `greens_function` what makes its
 iterations few.

@@ -20,7 +20,7 @@ from ..method import Method, Setting
 from .everywhere import Everywhere
 from .free_set import FreeSet
 from .greens_function import GreensFunction
-from .search import HARDER, LOOSEST, SAFETY, Search
+from .limits import CAUTIOUS, FORCING_TERM, HARDER, LOOSEST, SAFETY
 
 _LEAST = 0.23  # share of the nodes in contact from which this form takes less time than that in the pressure
 _FIRST_FORCING_TERM = 0.01
@@ -54,7 +54,8 @@ class FreeNodes(Method):
         self._wrong_nodes_per_patch = setting.wrong_nodes_per_patch
         self._green, self._all = green, everywhere
         self._target, self._floor, self._pairs = SAFETY * self.tolerance, 0.0, 0.0
-        self._search = Search()
+        self._earlier: set[int] = set()  # keys of the sets so far
+        self._cautious = False
         self._displacement = np.zeros(problem.num_points)
         self._set = FreeSet.of(self._displacement < problem.height)
         self._all.field[:] = 1
@@ -79,7 +80,7 @@ class FreeNodes(Method):
 
     def _take(self, displacement: Array64, free: Mask) -> None:
         """Begin from a displacement [u] and the nodes that are free, both shape (N,)."""
-        self._displacement, self.stopped, self._search = displacement, False, Search()
+        self._displacement, self.stopped, self._earlier, self._cautious = displacement, False, set(), False
         self._set = FreeSet.of(free)
         self._make_force()
         self._floor = _FLOOR * rounding_floor(self.problem.stiffness, displacement, "float64")
@@ -113,7 +114,7 @@ class FreeNodes(Method):
                 self.tolerance = max(self.tolerance, min(self._reduction * self.residual, LOOSEST))
                 self._target, self._reduction = SAFETY * self.tolerance, 0.0
         target = max(self._target, self._floor)
-        forcing_term = self._search.forcing_term if self._search.fewest < math.inf else _FIRST_FORCING_TERM
+        forcing_term = CAUTIOUS if self._cautious else FORCING_TERM if self._earlier else _FIRST_FORCING_TERM
         part = 0.0 if now.settled else forcing_term * now.first_residual
         if self.residual <= max(target, part):
             self.iteration += 1
@@ -150,7 +151,6 @@ class FreeNodes(Method):
         changed = penetrating.size + int(np.count_nonzero(pull))
         if changed <= self._wrong_nodes_per_patch * max(1, self._set.gaps.count):
             return False
-        self._search.note(changed)
         free = self._set.free | pull
         free[penetrating] = False
         if free.all():  # K knows no load without contact
@@ -158,7 +158,9 @@ class FreeNodes(Method):
         self._set = FreeSet.of(free)
         self._make_force()
         self.residual = math.inf
-        self.stopped = self._search.in_circles(self._set.key)
+        if self._set.key in self._earlier:
+            self.stopped, self._cautious, self._earlier = self._cautious, True, set()
+        self._earlier.add(self._set.key)
         return True
 
     @property
