@@ -14,7 +14,7 @@ import numpy as np
 
 from ...arrays import Array64
 from ...transforms.planned import Transforms
-from ..method import Setting
+from ..method import ExecutionConfig
 from .compliance import Compliance
 from .everywhere import Everywhere, Operators
 
@@ -52,7 +52,7 @@ class Spare:
     def __init__(self) -> None:
         self._shelves: dict[tuple[object, ...], list[Everywhere]] = defaultdict(list)
 
-    def lend(self, symbol: Array64, name: str, num_points: int, setting: Setting) -> Loan:
+    def lend(self, symbol: Array64, name: str, num_points: int, setting: ExecutionConfig) -> Loan:
         """The field of an operator: one that is free, or a new one.
 
         symbol: of the operator, shape (N//2 + 1,), always the same by that name; num_points: N.
@@ -74,7 +74,7 @@ def _rounding_of(symbol: Array64) -> float:
     return float(np.finfo(np.float64).eps) * float(symbol.max()) / weakest if weakest > 0 else math.inf
 
 
-def _operators(symbol: Array64, num_points: int, setting: Setting, apart: bool) -> Operators:
+def _operators(symbol: Array64, num_points: int, setting: ExecutionConfig, apart: bool) -> Operators:
     """For search directions and for the field itself."""
 
     def operator(precision: str) -> Compliance:
