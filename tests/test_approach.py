@@ -119,8 +119,8 @@ def test_where_rounding_is_coarse_few_solves_do(precision):
 def test_ctrl_c_while_the_pressure_is_found_on_a_coarse_grid(monkeypatch):
     module = sys.modules["linecontact.solver.solve"]
 
-    def interrupted(effort, *rest):
-        return replace(solve_to_tolerance(effort, *rest), status=Status.INTERRUPTED)
+    def interrupted(run, *rest):
+        return replace(solve_to_tolerance(run, *rest), status=Status.INTERRUPTED)
 
     monkeypatch.setattr(module, "solve_to_tolerance", interrupted)
     with pytest.raises(KeyboardInterrupt):

@@ -15,7 +15,7 @@ from linecontact.solver import (
     solve,
 )
 from linecontact.solver.grid.problem import Problem
-from linecontact.solver.methods import Setting, active_set, relax
+from linecontact.solver.methods import ExecutionConfig, active_set, relax
 from linecontact.solver.methods.active_set import elimination, few_at_a_time, preconditioner
 from linecontact.solver.methods.active_set.contact_set import ContactSet
 from linecontact.solver.methods.active_set.few_at_a_time import FewAtATime, first_nodes
@@ -61,7 +61,7 @@ def test_with_which_nodes_a_search_begins_anew():
 def test_beginning_anew_on_a_large_grid():
     """With the nodes of the start, on all nodes, although the packed operator suits the few; and once only."""
     n = 2**17
-    search = active_set.begin(Problem.from_scene(Scene(Layer(), num_points=n)), Setting(1e-8))
+    search = active_set.begin(Problem.from_scene(Scene(Layer(), num_points=n)), ExecutionConfig(1e-8))
     pressure = np.zeros(n)
     pressure[:5000] = 1
     search.start_from_pressure(pressure)
@@ -101,7 +101,7 @@ def test_many_iterations_on_one_set_are_followed_by_more_coarse_unknowns(monkeyp
     monkeypatch.setattr(few_at_a_time, "_MANY", 3)
     monkeypatch.setattr(preconditioner, "_unknowns", lambda num_points: 4)
     scene = Scene(CoatedHalfSpace(0.1, 0.1), RoughIndenter(0.8, 1, 1 / 8, 1 / 64), 1e-2, num_points=2**12)
-    state = active_set.begin(Problem.from_scene(scene), Setting(1e-8))
+    state = active_set.begin(Problem.from_scene(scene), ExecutionConfig(1e-8))
     state.start_cold()
     state._search = Search(few_at_a_time=FewAtATime(work=1e13, unknowns=4), forcing_term=few_at_a_time.FORCING_TERM)
     state.step()

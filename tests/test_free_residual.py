@@ -5,7 +5,7 @@ import pytest
 from linecontact.solver import Layer, RoughIndenter, Scene, certify, solve
 from linecontact.solver.grid.patches import Patches
 from linecontact.solver.grid.problem import Problem
-from linecontact.solver.methods import Setting, active_set, relax
+from linecontact.solver.methods import ExecutionConfig, active_set, relax
 from linecontact.solver.methods.active_set import free_residual as module
 from linecontact.solver.methods.active_set.free_residual import free_residual
 from linecontact.solver.strategy import certification
@@ -20,7 +20,7 @@ def rough(hurst, d, seed=0, pressure=0.01):
 @pytest.mark.parametrize(("hurst", "d"), [(0.8, np.inf), (0.3, np.inf), (0.8, 0.01)])
 def test_against_the_certificate(hurst, d, pressure, tolerance):
     problem = Problem.from_scene(rough(hurst, d, 3, pressure))
-    state = active_set.begin(problem, Setting(tolerance, "float64"))
+    state = active_set.begin(problem, ExecutionConfig(tolerance, "float64"))
     relax(state, 1000)
     now = state._now
     touching = state._response.touching(now)

@@ -85,15 +85,6 @@ class Method(Protocol):
         """Iterations without a new minimum of the residual after which there is no hope; None: it ends by itself."""
         return 1000
 
-    @property
-    def mixed(self) -> bool:
-        """Whether it works in float32 with residuals in float64."""
-        return False
-
-    def require_exact_set(self) -> None:
-        """From now on every node must be right, on a grid begun with `ExecutionConfig.wrong_nodes_per_patch`."""
-        return
-
     def tighten(self) -> bool:
         """Aim at a smaller residual, after the certificate found the free residual too large; False: it cannot."""
         return False
@@ -161,8 +152,6 @@ class MethodKind:
     """Whether it starts from the solution on coarser grids unless told otherwise."""
     grows: bool = False
     """Whether its iterations grow with the number of points, so that it takes long on large grids."""
-    starts_again: bool = False
-    """Whether it starts once more, from the Winkler foundation's pressure, where it did not settle."""
     fallback: str | None = None
     """The method that takes over where it did not settle or its result could not be certified."""
     bytes_per_point: Callable[[float], float] = _most_bytes

@@ -31,8 +31,6 @@ _CONFIRMED = 0.5  # factor by which the base's residual has to fall
 class RebasedFire(Method):
     """FIRE, plain or mass-weighted, on the change of a base displacement."""
 
-    mixed = True
-
     def __init__(self, fire: Fire, net_force: Callable[[Array64], Array64]) -> None:
         """fire: works in float32, with a load of its own; its u, v, height and load become those of the change.
 

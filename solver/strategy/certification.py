@@ -15,8 +15,7 @@ from ..methods import METHODS
 from ..solution import MEANINGLESS, MOST_ENERGY
 from .run import CAUTION, Run, start_on_foundation
 
-_NEAR_THE_FLOOR = 1000  # times what rounding leaves: where the residual is below, rounding may be what keeps it up
-_NOT_FAR = 100  # times what rounding leaves: a default tolerance gives way to a residual below
+_NEAR_THE_FLOOR = 100  # times what rounding leaves: where the residual is below, rounding may be what keeps it up
 _MOST_WORK = 20_000 * 2**16  # iterations times points of a method that goes on where another one failed
 
 
@@ -56,7 +55,11 @@ def certify_or_fall_back(run: Run, problem: Problem) -> Certified:
         run.times[2] = time.perf_counter()
     if not _good(run, found) and run.status in (Status.STAGNATED, Status.CONVERGED):
         run.status = Status.STAGNATED  # the method's own precision cannot see the difference
-        if not run.own_tolerance and _bounded(run, found) and found.residual < min(_NOT_FAR * found.floor, MEANINGLESS):
+        if (
+            not run.own_tolerance
+            and _bounded(run, found)
+            and found.residual < min(_NEAR_THE_FLOOR * found.floor, MEANINGLESS)
+        ):
             run.tolerance = found.residual
     if _good(run, found) and run.status in (Status.STAGNATED, Status.ITERATION_LIMIT):
         run.status = Status.CONVERGED

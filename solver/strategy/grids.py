@@ -50,7 +50,7 @@ def over_grids(
                 run.state.rest()
             state = begin(size)
             start_from_contact(run, state)
-            state, status = run.settle(state)
+            status = run.relax(state)
             if measure_last or size < sizes[-1]:
                 # of an area, errors follow from the last two grids
                 level, contact = _measured(run.scene, state, by_loads=measure_last or size in sizes[-2:])
@@ -70,7 +70,7 @@ def over_grids(
 def start_from_contact(run: Run, finer: Method) -> None:
     """Begin on a finer grid from the contact of the last one that was measured; without one where the method does."""
     if run.contact:
-        finer.start_from_pressure(prolong(run.scene, *run.contact, finer.problem.num_points))
+        finer.start_from_pressure(prolong(*run.contact, finer.problem.num_points))
 
 
 def _measured(scene: Scene, state: Method, by_loads: bool) -> tuple[Level, Contact]:

@@ -12,7 +12,7 @@ from ..grid.patches import Patches
 from ..grid.problem import Problem, foundation_pressure
 from ..methods import DEFAULT, ExecutionConfig, Method, MethodKind, relax
 from ..scene import Scene
-from ..solution import MEANINGLESS, Choice, Level
+from ..solution import Choice, Level
 
 CAUTION = 0.95
 """Share of the tolerance that is the method's: the certificate's own rounding must not turn a solution away."""
@@ -20,7 +20,6 @@ CAUTION = 0.95
 SMALLEST_WARP = 2**13
 """Points; on smaller coarse grids recording Warp's launches takes longer than a few passes of the twins."""
 
-_SECOND_START = 20_000  # iterations for a start from elsewhere
 
 Contact = tuple[Array64, Patches, Edges]
 """Contact pressure of all nodes, shape (N,) [p], and its patches with their ends."""
@@ -115,26 +114,6 @@ class Run:
         budget.taken += state.iteration - iterations
         budget.points_transformed += (state.transform_pairs - pairs) * state.problem.num_points
         return status
-
-    def settle(self, state: Method) -> tuple[Method, Status]:
-        """Relax; a method that lost contact, on a thin and nearly incompressible layer, and did not settle starts anew.
-
-        Measured with FIRE on 150 of these, nu = 0.4999 to 1/2, d = 1e-9 to 0.03: from u = 0 three did not settle, and
-        these did from the pressure of a Winkler foundation as stiff as the layer's longest wave.
-        """
-        status = self.relax(state)
-        lost = status is not Status.INTERRUPTED and not state.residual < MEANINGLESS
-        if self.kind.starts_again and lost and not self.budget.spent:
-            self.budget.allow(max(self.budget.left, _SECOND_START))
-            try:
-                again = self.begin(state.problem, state.tolerance)
-                start_on_foundation(again)
-            except KeyboardInterrupt:
-                return state, Status.INTERRUPTED
-            except ValueError:  # a GPU has no memory for a second state
-                return state, status
-            return again, self.relax(again)
-        return state, status
 
 
 def start_on_foundation(state: Method) -> None:

@@ -36,8 +36,6 @@ _LEAST_EDGE, _TIMES_SHIFT = 0.6, 3.0
 if that is more (dimensionless)."""
 
 _LONG_ASPERITY = 100.0  # half-width over thickness above which collocation takes longer than a grid
-_FINE, _LONGEST_ASPERITY = 1e-5, 600.0  # accuracy that a grid may not reach, and up to where collocation is tried then
-_MOST_ASPERITY = 0.49  # half-widths in the period: beyond, neighbours merge
 _FIELD_POINTS, _FIELD_NODES = 2**12, 64  # of sampled fields: on the grid, or else in the contact
 _FULL = 0.98  # contact areas above are not those of one asperity any more
 
@@ -50,9 +48,8 @@ def decide(scene: Scene, accuracy: float, of: str = DEFAULT_QUANTITY) -> tuple[s
     thin = _LEAST_EDGE * thickness < 2 * half_width * accuracy and layer.foundation_modulus(scene.period) < math.inf
     if thin and layer.edge_shift is not None and QUANTITIES[of].of_area:
         models.append("winkler")
-    longest = _LONG_ASPERITY if accuracy > _FINE else _LONGEST_ASPERITY
     known = power and (power[0] >= 2 or of != "peak-pressure")
-    if known and layer.bonded and half_width < min(_MOST_ASPERITY, longest * thickness):
+    if known and layer.bonded and half_width < min(_FULL / 2, _LONG_ASPERITY * thickness):
         models.append("asperity")
     return tuple(models)
 

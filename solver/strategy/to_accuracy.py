@@ -8,14 +8,12 @@ from .. import checks, display
 from ..endings import Cause, Reason, Status
 from ..grid.problem import Problem
 from ..methods import Method
-from ..scene import Scene
 from ..solution import Choice, Solution
 from .errors import DEFAULT_QUANTITY, QUANTITIES, grid_error, sensitivity
 from .grids import FACTOR, coarser, grids, over_grids
 from .report import finish
 from .run import CAUTION, Run, check_memory
 from .small_models import MODELS, decide
-from .to_tolerance import COARSE
 from .unfinished import iteration_share
 
 MOST_ACCURACY = 0.1
@@ -85,8 +83,8 @@ def _on_grids(run: Run, accuracy: float, of: str) -> Solution:
     def begin(size: int) -> Method:
         check_memory(size, run.kind, run.contact_share, memory)
         run.budget.allow(run.kind.max_iterations)  # on each grid
-        run.tolerance, few = tolerance, COARSE["wrong_nodes_per_patch"]
-        return run.begin(Problem.from_scene(scene, size), CAUTION * tolerance, wrong_nodes_per_patch=few)
+        run.tolerance = tolerance
+        return run.begin(Problem.from_scene(scene, size), CAUTION * tolerance)
 
     sizes = grids(scene.num_points)
     if len(sizes) == 1 and sizes[0] >= FACTOR * _FEWEST_POINTS:  # without a coarser one there is no telling the error
@@ -106,19 +104,11 @@ def _on_grids(run: Run, accuracy: float, of: str) -> Solution:
                 Choice("precision", "float64", "mixed saves next to nothing where transforms are few"),
                 Choice("tolerance", f"{tolerance:g}", "small beside the accuracy", accuracy - budget),
             ]
-            solution = _judged(_finish(run, scene.on_grid(size)), accuracy, of)
+            solution = finish(run, scene.on_grid(size), run.state.problem)
+            if not solution.levels:  # without a coarser grid nothing is known, and edges alone are not believed
+                unknown = replace(solution.observables, contact_area_error=1.0, kappa_error=math.inf)
+                solution = replace(solution, observables=unknown)
+            solution = _judged(solution, accuracy, of)
             if last or solution.status is not Status.INACCURATE:
                 return solution
     raise AssertionError("the last grid returns")
-
-
-def _finish(run: Run, scene: Scene) -> Solution:
-    """Relax until no node is wrong any more, and have that certified."""
-    if run.status is not Status.INTERRUPTED:
-        run.state.require_exact_set()
-        run.status = run.relax(run.state)
-    solution = finish(run, scene, run.state.problem)
-    if not solution.levels:  # without a coarser grid nothing is known, and edges alone are not believed
-        unknown = replace(solution.observables, contact_area_error=1.0, kappa_error=math.inf)
-        solution = replace(solution, observables=unknown)
-    return solution

@@ -109,11 +109,6 @@ class ActiveSet(Method):
         self.stopped = False
         return True
 
-    def require_exact_set(self) -> None:
-        self._wrong_nodes_per_patch, self.stopped = 0.0, False
-        if self._set:
-            self._set.settled = False
-
     def rest(self) -> None:
         self._response.rest()
         self._green.tables.response.rest()

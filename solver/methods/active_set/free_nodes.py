@@ -101,9 +101,6 @@ class FreeNodes(Method):
         self._set.begin_anew()
         return True
 
-    def require_exact_set(self) -> None:
-        self._wrong_nodes_per_patch, self.stopped = 0.0, False
-
     def step(self) -> None:
         """One iteration on the free nodes; where they are solved well enough, update which nodes are free instead."""
         now = self._set
