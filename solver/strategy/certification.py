@@ -13,7 +13,7 @@ from ..grid.certificate import Certificate, certify
 from ..grid.problem import Problem, rounding_floor
 from ..methods import METHODS
 from ..solution import MEANINGLESS, MOST_ENERGY
-from .run import CAUTION, Run, start_on_foundation
+from .run import Run
 
 _NEAR_THE_FLOOR = 100  # times what rounding leaves: where the residual is below, rounding may be what keeps it up
 _MOST_WORK = 20_000 * 2**16  # iterations times points of a method that goes on where another one failed
@@ -55,11 +55,8 @@ def certify_or_fall_back(run: Run, problem: Problem) -> Certified:
         run.times[2] = time.perf_counter()
     if not _good(run, found) and run.status in (Status.STAGNATED, Status.CONVERGED):
         run.status = Status.STAGNATED  # the method's own precision cannot see the difference
-        if (
-            not run.own_tolerance
-            and _bounded(run, found)
-            and found.residual < min(_NEAR_THE_FLOOR * found.floor, MEANINGLESS)
-        ):
+        near = found.residual < min(_NEAR_THE_FLOOR * found.floor, MEANINGLESS)
+        if near and not run.own_tolerance and _bounded(run, found):
             run.tolerance = found.residual
     if _good(run, found) and run.status in (Status.STAGNATED, Status.ITERATION_LIMIT):
         run.status = Status.CONVERGED
@@ -99,7 +96,7 @@ def _rounded_off(run: Run, found: Certified) -> bool:
 
 
 def _tightened(run: Run, problem: Problem, found: Certified) -> Certified:
-    """What the same method finds when it aims at a smaller residual; the better of the two."""
+    """What the same method finds when it aims at a smaller residual, if it can."""
     if run.status is not Status.CONVERGED or not run.state.tighten():
         return found
     run.status = run.relax(run.state)
@@ -117,11 +114,8 @@ def _handed_over(run: Run, problem: Problem, found: Certified) -> Certified:
     before, kind = run.state, METHODS[run.kind.fallback or ""]
     run.handed_over = True
     run.budget.allow(min(kind.max_iterations, _MOST_WORK // problem.num_points))
-    run.state = run.begin(problem, CAUTION * run.tolerance, kind)
-    if found.residual < MEANINGLESS:
-        run.state.start(found.displacement)
-    else:  # then the displacement may be anything
-        start_on_foundation(run.state)
+    run.state = run.begin(problem, run.tolerance, kind)
+    run.state.start(found.displacement)
     run.status = run.relax(run.state)
     other = _tightened(run, problem, _certified(run, problem))
     if _good(run, other) or other.residual < found.residual:

@@ -9,13 +9,10 @@ from ..arrays import Array64
 from ..endings import Reason, Status
 from ..grid.edges import Edges
 from ..grid.patches import Patches
-from ..grid.problem import Problem, foundation_pressure
+from ..grid.problem import Problem
 from ..methods import DEFAULT, ExecutionConfig, Method, MethodKind, relax
 from ..scene import Scene
 from ..solution import Choice, Level
-
-CAUTION = 0.95
-"""Share of the tolerance that is the method's: the certificate's own rounding must not turn a solution away."""
 
 SMALLEST_WARP = 2**13
 """Points; on smaller coarse grids recording Warp's launches takes longer than a few passes of the twins."""
@@ -114,11 +111,6 @@ class Run:
         budget.taken += state.iteration - iterations
         budget.points_transformed += (state.transform_pairs - pairs) * state.problem.num_points
         return status
-
-
-def start_on_foundation(state: Method) -> None:
-    """Begin with the pressure of a Winkler foundation as stiff as the layer's longest wave."""
-    state.start_from_pressure(foundation_pressure(state.problem, float(state.problem.stiffness[1])))
 
 
 def check_memory(

@@ -12,7 +12,7 @@ from ..solution import Choice, Solution
 from .errors import DEFAULT_QUANTITY, QUANTITIES, grid_error, sensitivity
 from .grids import FACTOR, coarser, grids, over_grids
 from .report import finish
-from .run import CAUTION, Run, check_memory
+from .run import Run, check_memory
 from .small_models import MODELS, decide
 from .unfinished import iteration_share
 
@@ -84,7 +84,7 @@ def _on_grids(run: Run, accuracy: float, of: str) -> Solution:
         check_memory(size, run.kind, run.contact_share, memory)
         run.budget.allow(run.kind.max_iterations)  # on each grid
         run.tolerance = tolerance
-        return run.begin(Problem.from_scene(scene, size), CAUTION * tolerance)
+        return run.begin(Problem.from_scene(scene, size), tolerance)
 
     sizes = grids(scene.num_points)
     if len(sizes) == 1 and sizes[0] >= FACTOR * _FEWEST_POINTS:  # without a coarser one there is no telling the error

@@ -26,8 +26,7 @@ from .linearised import contact_compliance
 
 _COARSEST = 2**10  # points
 _EXACT, _GUESS = 1e-10, 1e-3  # relative error of the approach at which to stop, on the scene's grid and on coarse ones
-_SHARE = 0.01  # of the tolerance of the solves, where that is more
-_GOOD, _LOOSE = 1e-8, 1e-3  # relative error at which an approach is met; the tolerance of the solves between the two
+_GOOD = 1e-8  # relative error at which an approach is met, or the tolerance of the solves if that is more
 _FULL = 1e-9  # relative distance from the approach of full contact, within which that is the answer
 _OVER_FULL = 1e-7  # by which the pressure is taken higher there, so that rounding leaves no node without contact
 _MOST_SOLVES = 40  # on a grid
@@ -78,7 +77,7 @@ def solve_to_approach(scene: Scene, solve: Callable[[Scene], Solution]) -> Solut
     )
     found = _told(found, approach)
     off = abs(found.observables.approach / approach - 1)
-    if found.status is Status.CONVERGED and off > max(_GOOD, min(found.tolerance, _LOOSE)):
+    if found.status is Status.CONVERGED and off > max(_GOOD, found.tolerance):
         met = f"{approach:g}, and {found.observables.approach:.10g} was found"
         reason = Reason(Cause.METHOD, "approach", met, "another approach, or a smaller tolerance")
         return replace(found, status=Status.STAGNATED, reason=reason)
@@ -96,7 +95,7 @@ def _tried(scene: Scene, solve: Callable[[Scene], Solution], pressure: float, ex
         solution = solve(replace(scene, approach=None, pressure=pressure))
         tried.append(solution)
         off = _off(solution, approach)
-        if solution.status is not Status.CONVERGED or abs(off) <= max(exact, _SHARE * solution.tolerance):
+        if solution.status is not Status.CONVERGED or abs(off) <= max(exact, solution.tolerance / 100):
             break
         if off < 0:
             low = max(low, pressure)

@@ -14,9 +14,9 @@ from ..scene import Scene
 from ..solution import MEANINGLESS, Solution
 from .grids import grids, over_grids, start_from_contact
 from .report import finish
-from .run import CAUTION, Run, check_memory
+from .run import Run, check_memory
 
-COARSE = {"wrong_nodes_per_patch": 0.1, "reduction": 0.01}
+_COARSE = {"wrong_nodes_per_patch": 0.1, "reduction": 0.01}
 """On coarse grids: the nodes per patch that may still be wrong, and the part of the residual at the start beyond which
 nothing is gained, because the next grid starts no better (dimensionless)."""
 
@@ -46,10 +46,10 @@ def solve_to_tolerance(run: Run, nested: bool | None, tolerance: float | None, i
     def begin(num_points: int) -> Method:
         if num_points < scene.num_points:
             least = 0.0 if scene.precision == "float32" else run.tolerance
-            return run.begin(Problem.from_scene(scene, num_points), max(_COARSE_TOLERANCE, least), **COARSE)
+            return run.begin(Problem.from_scene(scene, num_points), max(_COARSE_TOLERANCE, least), **_COARSE)
         if run.contact:
             check_memory(num_points, kind, run.contact_share, memory)
-        finest = run.begin(problem, CAUTION * run.tolerance)
+        finest = run.begin(problem, run.tolerance)
         if start is not None:
             finest.start(start)
         return finest
