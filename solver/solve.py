@@ -84,6 +84,7 @@ def solve(
             raise ValueError(f"device is {device!r}; allowed with an accuracy: cpu alone, for the active set")
         run = Run(scene, DEFAULT, config)
         return without_contact(run) if nothing_touches(scene) else solve_to_accuracy(run, accuracy, accuracy_of)
+
     kind = METHODS[checks.choice("method", DEFAULT.name if method is None else method, tuple(METHODS))]
     if not isinstance(kind, MethodKind):
         raise ValueError(f"method {method} is {kind!r} in METHODS; allowed: a MethodKind")
@@ -91,14 +92,12 @@ def solve(
     if max_iterations is not None:
         max_iterations = checks.integer("max_iterations", max_iterations, "an integer from 1 to 2^53", 1, 2**53)
 
-    def run(scene: Scene) -> Run:
-        return Run(scene, kind, config, IterationBudget(max_iterations))
+    if nothing_touches(scene):
+        return without_contact(Run(scene, kind, config))
 
     def under_load(scene: Scene) -> Solution:
-        return solve_to_tolerance(run(scene), nested, tolerance, initial)
-
-    if nothing_touches(scene):
-        return without_contact(run(scene))
+        run = Run(scene, kind, config, IterationBudget(max_iterations))
+        return solve_to_tolerance(run, nested, tolerance, initial)
 
     with borrowed(device):
         return under_load(scene) if scene.approach is None else solve_to_approach(scene, under_load)

@@ -106,19 +106,21 @@ def without_contact(run: Run) -> Solution:
     displacement, pressure = np.full(scene.num_points, approach - first), np.zeros(scene.num_points)
     contact = np.zeros(scene.num_points, dtype=bool)
     found, patches = observe(scene, scene.profile, displacement, pressure, contact)
-    unknown = dict.fromkeys(
-        ("reduced_pressure", "kappa", "kappa_subgrid", "kappa_error", "kappa_edges_error"), math.nan
-    )
+    none = math.nan
     found = replace(
         found,
-        **unknown,
         contact_area_error=unseen,
         contact_area_edges_error=unseen,
         peak_pressure_sampling=0.0,
         peak_pressure_error=math.inf if unseen else 0.0,
         approach=approach,
         approach_error=0.0,
-        kappa_ratio=None if found.kappa_ratio is None else math.nan,
+        reduced_pressure=none,
+        kappa=none,
+        kappa_ratio=None if found.kappa_ratio is None else none,
+        kappa_subgrid=none,
+        kappa_error=none,
+        kappa_edges_error=none,
     )
     run.status, run.config = Status.CONVERGED, replace(run.config, device="cpu")
     return make_solution(run, scene, "no contact", displacement, pressure, contact, found, patches)

@@ -94,8 +94,13 @@ class Run:
         """
         size, own = problem.num_points, self.scene.num_points
         precision = self.scene.precision if size == own else "float64"
-        given = {"backend": self.backend_on(size), "precision": precision, "contact_share": self.contact_share} | how
-        return (kind or self.kind).begin(problem, replace(self.config, tolerance=tolerance, **given))
+        given: dict[str, Any] = {
+            "backend": self.backend_on(size),
+            "precision": precision,
+            "contact_share": self.contact_share,
+        }
+        config = replace(self.config, tolerance=tolerance, **given | how)
+        return (kind or self.kind).begin(problem, config)
 
     def backend_on(self, num_points: int) -> str:
         """What runs the kernels on a grid: the twins on small ones except the scene's own."""

@@ -2,6 +2,7 @@
 
 import math
 import time
+from typing import Any
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from .grids import grids, over_grids, start_from_contact
 from .report import finish
 from .run import Run, check_memory
 
-_COARSE = {"wrong_nodes_per_patch": 0.1, "reduction": 0.01}
+_COARSE: dict[str, Any] = {"wrong_nodes_per_patch": 0.1, "reduction": 0.01}
 """On coarse grids: the nodes per patch that may still be wrong, and the part of the residual at the start beyond which
 nothing is gained, because the next grid starts no better (dimensionless)."""
 
