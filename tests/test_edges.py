@@ -340,7 +340,7 @@ def test_patches_wrap_round():
 def finer(pressure, num_points):
     patches = Patches.of(pressure > 0)
     ends = edges.find_edges(patches, pressure[patches.nodes], Layer(), 1.0)
-    return prolong(pressure, patches, ends, num_points)
+    return prolong(Scene(), pressure, patches, ends, num_points)
 
 
 def test_grids_and_prolongation():

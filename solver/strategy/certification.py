@@ -10,12 +10,13 @@ from .. import display
 from ..arrays import Array64, Mask
 from ..endings import INTERRUPTED, Cause, Reason, Status
 from ..grid.certificate import Certificate, certify
-from ..grid.problem import Problem, rounding_floor
-from ..methods import METHODS
-from ..solution import MEANINGLESS, MOST_ENERGY
+from ..grid.problem import Problem, foundation_pressure, rounding_floor
+from ..methods import METHODS, MethodKind
+from ..solution import MEANINGLESS, MOST_ENERGY, Choice
 from .run import Run
 
-_NEAR_THE_FLOOR = 100  # times what rounding leaves: where the residual is below, rounding may be what keeps it up
+_NEAR_THE_FLOOR = 1000  # times what rounding leaves: where the residual is below, rounding may be what keeps it up
+_NOT_FAR = 100  # times what rounding leaves: a default tolerance gives way to a residual below
 _MOST_WORK = 20_000 * 2**16  # iterations times points of a method that goes on where another one failed
 
 
@@ -41,7 +42,8 @@ class Certified:
 
 
 def certify_or_fall_back(run: Run, problem: Problem) -> Certified:
-    """Certify a relaxed state; where that fails the method tries harder, and then another one goes on.
+    """Certify a relaxed state; where that fails the method aims at smaller residuals, and then begins once more, in
+    float64, from where it ended; at last its fallback does.
 
     problem: of the scene, which the certificate is for. The run gets its final status, with the reason, and a default
     tolerance that rounding does not allow becomes the residual that it does allow.
@@ -50,12 +52,13 @@ def certify_or_fall_back(run: Run, problem: Problem) -> Certified:
     found, begin = _certified(run, problem), time.perf_counter()
     if not _good(run, found):
         found = _tightened(run, problem, found)
-        if _may_help(run, found):
-            found = _handed_over(run, problem, found)
+        for name in (run.kind.name, run.kind.fallback) if run.kind.fallback else ():
+            if _may_help(run, found, METHODS[name]):
+                found = _from_there(run, problem, found, METHODS[name])
         run.times[2] += time.perf_counter() - begin  # further iterations are part of the solve
     if not _good(run, found) and run.status in (Status.STAGNATED, Status.CONVERGED):
         run.status = Status.STAGNATED  # the method's own precision cannot see the difference
-        near = found.residual < min(_NEAR_THE_FLOOR * found.floor, MEANINGLESS)
+        near = found.residual < min(_NOT_FAR * found.floor, MEANINGLESS)
         if near and not run.own_tolerance and _bounded(run, found):
             run.tolerance = found.residual
     if _good(run, found) and run.status in (Status.STAGNATED, Status.ITERATION_LIMIT):
@@ -74,9 +77,8 @@ def _certified(run: Run, problem: Problem) -> Certified:
         state.start(np.zeros_like(displacement))
         displacement = state.displacement
     state.rest()
-    precision = "float32" if run.scene.precision == "float32" else "float64"
     certificate, pressure, contact = certify(problem, displacement)
-    floor = rounding_floor(problem.stiffness, displacement, precision)
+    floor = rounding_floor(problem.stiffness, displacement, run.rounding)
     return Certified(certificate, displacement, pressure, contact, floor)
 
 
@@ -96,26 +98,39 @@ def _rounded_off(run: Run, found: Certified) -> bool:
 
 
 def _tightened(run: Run, problem: Problem, found: Certified) -> Certified:
-    """What the same method finds when it aims at a smaller residual, if it can."""
-    if run.status is not Status.CONVERGED or not run.state.tighten():
-        return found
-    run.status = run.relax(run.state)
-    return _certified(run, problem)
+    """What the same method finds when it aims at smaller residuals, as long as that helps."""
+    while run.status is Status.CONVERGED and not _good(run, found) and run.state.tighten():
+        residual, pressure = found.residual, run.state.contact_pressure
+        run.status = run.relax(run.state)
+        found = _certified(run, problem)
+        if not _good(run, found) and not found.residual < residual:  # rounding has changed the set: go back
+            run.state.start_from_pressure(pressure)
+            return _certified(run, problem)
+    return found
 
 
-def _may_help(run: Run, found: Certified) -> bool:
-    """Whether another method may find more."""
-    tried = _good(run, found) or run.status is Status.INTERRUPTED or run.budget.spent
-    return run.kind.fallback is not None and not tried and not _rounded_off(run, found)
+def _may_help(run: Run, found: Certified, kind: MethodKind) -> bool:
+    """Whether a method may find more from here; the same one not in float32, nor after its limit of iterations."""
+    if _good(run, found) or run.status is Status.INTERRUPTED or run.budget.spent or _rounded_off(run, found):
+        return False
+    return kind is not run.kind or (run.rounding == "float64" and run.status is not Status.ITERATION_LIMIT)
 
 
-def _handed_over(run: Run, problem: Problem, found: Certified) -> Certified:
-    """What the fallback finds from where the method ended; the better of the two."""
-    before, kind = run.state, METHODS[run.kind.fallback or ""]
-    run.handed_over = True
-    run.budget.allow(min(kind.max_iterations, _MOST_WORK // problem.num_points))
-    run.state = run.begin(problem, run.tolerance, kind)
-    run.state.start(found.displacement)
+def _from_there(run: Run, problem: Problem, found: Certified, kind: MethodKind) -> Certified:
+    """What a method finds from where the last one ended; the better of the two."""
+    before = run.state
+    if kind is not run.kind:
+        run.handed_over = True
+        run.budget.allow(min(kind.max_iterations, _MOST_WORK // problem.num_points))
+    elif run.scene.precision == "mixed":
+        run.choices.append(Choice("precision", "float64", f"mixed ends at a residual of {found.residual:.1g}"))
+    precision = run.scene.precision if run.handed_over else run.rounding
+    run.state = run.begin(problem, run.tolerance, kind, precision=precision, contact_share=0.0)
+    if kind is run.kind or found.residual < MEANINGLESS:
+        run.state.start(found.displacement)
+    else:  # then the displacement may be anything
+        longest = float(problem.stiffness[1])
+        run.state.start_from_pressure(foundation_pressure(problem, longest))
     run.status = run.relax(run.state)
     other = _tightened(run, problem, _certified(run, problem))
     if _good(run, other) or other.residual < found.residual:

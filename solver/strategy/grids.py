@@ -6,8 +6,7 @@ A finer grid begins from the coarse one's contact pressure. At the edges of its 
 which no interpolation follows; divided by the edge functions of both ends (`edge_curves.edge_function`, at the ends'
 sub-grid positions) it is smooth. So the smooth part is interpolated (cubic) and multiplied by the edge functions of the
 fine grid. The fine contact set comes out right except for a few nodes, and the error of the pressure is that of the
-coarse grid, not of the interpolation. On thin layers, too, the edge functions are the half-space's: their own save no
-iteration.
+coarse grid, not of the interpolation.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -17,8 +16,9 @@ import numpy as np
 from ..arrays import Array64, Indices
 from ..endings import Status
 from ..grid.contact import contact_edges
-from ..grid.edge_curves import half_space_curve
+from ..grid.edge_curves import EdgeCurve, edge_curve, half_space_curve
 from ..grid.edges import Edges
+from ..grid.layer_on_grid import thickness_on_grid
 from ..grid.observables import approach, approach_sampling, peak_sampling, subgrid_measures
 from ..grid.patches import Patches
 from ..grid.problem import squared_slope
@@ -30,6 +30,8 @@ from .run import Contact, Run
 FACTOR = 4
 COARSEST = 512
 """Points of the coarsest grid, at least."""
+
+_THIN = 8.0  # grid spacings; on thicker layers the half-space's edge is right near the edge, and the rest is smooth
 
 
 def grids(num_points: int) -> list[int]:
@@ -82,7 +84,7 @@ def over_grids(
 def start_from_contact(run: Run, finer: Method) -> None:
     """Begin on a finer grid from the contact of the last one that was measured; without one where the method does."""
     if run.contact and run.contact[0].any():
-        finer.start_from_pressure(prolong(*run.contact, finer.problem.num_points))
+        finer.start_from_pressure(prolong(run.scene, *run.contact, finer.problem.num_points))
 
 
 def _measured(scene: Scene, state: Method, by_loads: bool) -> tuple[Level, Contact]:
@@ -112,7 +114,7 @@ def _measured(scene: Scene, state: Method, by_loads: bool) -> tuple[Level, Conta
     return level, (pressure, patches, edges)
 
 
-def prolong(pressure: Array64, patches: Patches, ends: Edges, num_points: int) -> Array64:
+def prolong(scene: Scene, pressure: Array64, patches: Patches, ends: Edges, num_points: int) -> Array64:
     """A contact pressure, shape (N,), on a grid of `num_points`, shape (num_points,); both 0 off the contact [p].
 
     patches, ends: of that pressure, see `grid.contact.contact_edges`.
@@ -120,16 +122,19 @@ def prolong(pressure: Array64, patches: Patches, ends: Edges, num_points: int) -
     if not patches.count:  # none that rounding leaves
         return np.zeros(num_points)
     factor = num_points / pressure.size
+    coarse_curve = fine_curve = half_space_curve()
+    if thickness_on_grid(scene.layer, num_points, scene.period) <= _THIN:
+        coarse_curve, fine_curve = (edge_curve(scene.layer, n, scene.period) for n in (pressure.size, num_points))
     if patches.full:
         x = np.arange(num_points) / factor
         return np.asarray(np.interp(x, np.arange(pressure.size + 1), np.append(pressure, pressure[0])))
     # the nodes whose distance beyond the edge lies between -s and 1 - s
-    beyond = 1 - half_space_curve().shift
+    beyond = 1 - fine_curve.shift
     first = np.ceil(factor * ends.left - beyond).astype(np.int64)
     fine = Patches(num_points, first, np.maximum(first, np.floor(factor * ends.right + beyond).astype(np.int64)))
     nodes = np.arange(int(fine.size.sum())) - np.repeat(fine.offset - first, fine.size)
     p = fine.label
-    smooth = pressure[patches.nodes] / np.maximum(_edge_functions(patches, ends, 1.0), 1e-3)
+    smooth = pressure[patches.nodes] / np.maximum(_edge_functions(coarse_curve, patches, ends, 1.0), 1e-3)
     # Newton's polynomial through up to four nodes of the patch
     x = nodes / factor - patches.first[p]
     base = np.clip(np.floor(x).astype(np.int64) - 1, 0, np.maximum(patches.size - 4, 0)[p])
@@ -140,7 +145,7 @@ def prolong(pressure: Array64, patches: Patches, ends: Edges, num_points: int) -
     for k, difference in reversed([*enumerate(differences)]):
         values = (values + difference[base]) * (x - k) / (k + 1)
     values += first_nodes[base]
-    values *= _edge_functions(fine, ends, factor)
+    values *= _edge_functions(fine_curve, fine, ends, factor)
     # every patch keeps its load; nodes may lie outside of where that says that the patch ends
     values = np.maximum(values, 0.0)
     lost = fine.sums(values) <= 0
@@ -152,12 +157,12 @@ def prolong(pressure: Array64, patches: Patches, ends: Edges, num_points: int) -
     return fine_pressure
 
 
-def _edge_functions(patches: Patches, ends: Edges, factor: float) -> Array64:
+def _edge_functions(curve: EdgeCurve, patches: Patches, ends: Edges, factor: float) -> Array64:
     """The edge functions of both ends of the patches, multiplied, at their contact nodes; see `edge_function`.
 
     factor: grid spacings of the patches in one of the ends.
     """
-    curve, steps = half_space_curve(), np.arange(int(patches.size.max()))
+    steps = np.arange(int(patches.size.max()))
     known, before = curve.at(steps), curve.at(steps - 1)  # of every step once, for all ends
     inside, p = np.arange(patches.label.size) - np.repeat(patches.offset, patches.size), patches.label
 

@@ -87,6 +87,11 @@ class Run:
         """Share of the nodes that are in contact, 0 where that is not known (dimensionless)."""
         return self.contact[1].nodes.size / self.contact[0].size if self.contact else 0.0
 
+    @property
+    def rounding(self) -> str:
+        """The precision whose rounding limits the residual: 'float32', or 'float64' in mixed precision, too."""
+        return "float32" if self.scene.precision == "float32" else "float64"
+
     def begin(self, problem: Problem, tolerance: float, kind: MethodKind | None = None, **how: Any) -> Method:
         """A method on a grid; by default the one that was chosen. how: see `ExecutionConfig`.
 

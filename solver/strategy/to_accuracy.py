@@ -9,7 +9,7 @@ from ..endings import Cause, Reason, Status
 from ..grid.problem import Problem
 from ..methods import Method
 from ..solution import Choice, Solution
-from .errors import DEFAULT_QUANTITY, QUANTITIES, grid_error, sensitivity
+from .errors import DEFAULT_QUANTITY, QUANTITIES, grid_error
 from .grids import FACTOR, coarser, grids, over_grids
 from .report import finish
 from .run import Run, check_memory
@@ -76,8 +76,7 @@ def _on_grids(run: Run, accuracy: float, of: str) -> Solution:
     interruption returns what the grid at hand has given.
     """
     scene, quantity, memory = run.scene, QUANTITIES[of], checks.available_memory()
-    tolerance, before = min(max(0.2 * accuracy, 1e-10), 1e-5), tuple(run.choices)
-    budget = accuracy - sensitivity(quantity, scene) * iteration_share(tolerance)
+    tolerance, before = min(max(0.2 * accuracy, 1e-10), 1e-8), tuple(run.choices)
     run.times[1] = time.perf_counter()
 
     def begin(size: int) -> Method:
@@ -94,15 +93,15 @@ def _on_grids(run: Run, accuracy: float, of: str) -> Solution:
         settled = found and found[-1].num_points == size
         error = grid_error(quantity, scene, found[-1], found[:-1]) if settled else math.inf
         last = size == scene.num_points or run.status is Status.INTERRUPTED
-        if last or (error <= budget and scene.indenter.omitted(size) <= budget / 2):
-            why = "the coarsest that is good enough" if error <= budget else "the finest allowed, and not fine enough"
+        if last or (error <= accuracy and scene.indenter.omitted(size) <= accuracy / 2):
+            why = "the coarsest that is good enough" if error <= accuracy else "the finest allowed, and not fine enough"
             run.choices = [
                 *before,
                 Choice("model", "grid", "no smaller model will do"),
                 Choice("grid", f"{size} points", why, error),
                 Choice("method", run.kind.name, "the fastest on every scene measured"),
                 Choice("precision", "float64", "mixed saves next to nothing where transforms are few"),
-                Choice("tolerance", f"{tolerance:g}", "small beside the accuracy", accuracy - budget),
+                Choice("tolerance", f"{tolerance:g}", "small beside the accuracy", iteration_share(tolerance)),
             ]
             solution = finish(run, scene.on_grid(size), run.state.problem)
             if not solution.levels:  # without a coarser grid nothing is known, and edges alone are not believed
