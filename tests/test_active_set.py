@@ -22,11 +22,9 @@ from linecontact.solver import (
 )
 from linecontact.solver.grid import response as grid_response
 from linecontact.solver.grid.kept import forget
-from linecontact.solver.grid.patches import Patches
 from linecontact.solver.grid.problem import Problem, foundation_pressure, typical_stiffness
 from linecontact.solver.methods import ExecutionConfig, active_set, relax
 from linecontact.solver.methods.active_set import preconditioner as deflation
-from linecontact.solver.methods.active_set.search import Search
 from linecontact.solver.transforms import four_step, plain, real
 
 
@@ -95,23 +93,6 @@ def test_few_pairs_without_help(d, nu, indenter, small, monkeypatch):
     assert solution.status is Status.CONVERGED
     assert not solution.handed_over
     assert solution.transform_pairs < 60
-
-
-def test_how_far_ends_are_put_outwards():
-    search = Search(in_vain=2)
-    assert search.reach_out(0, 2) == 0
-    search.in_vain = 3
-    assert [search.reach_out(0, 2) for _ in range(7)] == [1, 3, 7, 15, 31, 63, 63]
-    assert search.reach_out(9, 2) == 0
-    assert [search.reach_out(0, 2) for _ in range(6)] == [1, 3, 7, 15, 31, 31]
-    search.in_vain = 16
-    assert search.reach_out(0, 2) == 63
-
-
-def test_nodes_around_nodes_that_are_not_in_contact():
-    patches = Patches.of(np.array([1, 1, 0, 0, 0, 0, 0, 0, 0, 1], dtype=bool))
-    assert patches.open_around(np.array([2, 8]), 1).tolist() == [2, 3, 7, 8]
-    assert patches.open_around(np.array([2]), 63).tolist() == [2, 3, 4, 5, 6, 7, 8]
 
 
 def test_pairs_do_not_grow():

@@ -22,7 +22,6 @@ from linecontact.solver.grid.edge_curves import edge_curve, edge_function, half_
 from linecontact.solver.grid.edges import find_edges
 from linecontact.solver.grid.patches import Patches
 from linecontact.solver.layers.bonded import edge_shift, foundation_modulus
-from linecontact.solver.methods.active_set.ends import edge_moves
 from linecontact.solver.reference import closed_forms, collocation
 from linecontact.solver.strategy.grids import grids, prolong
 from linecontact.studies.edge_curve.scenes import by_scene
@@ -358,19 +357,3 @@ def test_grids_and_prolongation():
     for n in (100, 514, 3000):
         assert finer(np.roll(coarse.contact_pressure, 512), n).mean() == pytest.approx(2e-3, rel=0.02)
     np.testing.assert_allclose(finer(np.full(16, 3.0), 40), 3.0)
-
-
-def test_moves_point_to_the_true_edge():
-    """Solve on contact sets that are wrong by a few nodes; the pressure at the edge tells by how many."""
-    scene = Scene(num_points=2**11)
-    truth = np.flatnonzero(solve(scene).contact)
-    k = np.pi * np.arange(2**10 + 1)
-    compliance = np.fft.irfft(np.append(0, 1 / k[1:]), 2**11)
-    for wrong in (-12, -5, -3, 3, 5, 12):  # nodes too many at each end
-        nodes = np.arange(truth[0] - wrong, truth[-1] + wrong + 1)
-        matrix = compliance[np.abs(nodes[:, None] - nodes)]
-        system = np.block([[matrix, np.ones((nodes.size, 1))], [np.ones((1, nodes.size)), np.zeros((1, 1))]])
-        pressure = np.linalg.solve(system, np.append(-scene.profile[nodes], 2e-3 * 2**11))[:-1]
-        moves = edge_moves(Patches(2**11, nodes[:1], nodes[-1:]), pressure)
-        assert (np.sign(moves) == np.sign(wrong)).all()
-        assert (abs(moves - wrong) <= max(1, abs(wrong) // 3)).all()

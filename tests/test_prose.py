@@ -161,7 +161,6 @@ def limits_of_scans():
     yield f"A gap of more than {100 * missing.LONGEST_GAP:.0f} % of the scan is refused"
     yield f"more than {100 * missing.DOUBTED:.0f} % of the scan had no values"
     assert (preparation._ROOM, preparation._BETWEEN, preparation._FORM) == (2 / 8, 1 / 4, 5)
-    yield f"its ends are smoothed away over {100 * preparation._TAPER:.0f} % or 50 % of the length"
     yield "at most sixteen for each value"
     assert columns.MAX_REFINEMENT == 16
     yield "more than a fifth of the contact nodes are in patches of fewer than three nodes"

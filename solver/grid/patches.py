@@ -69,13 +69,6 @@ class Patches:
         beyond: Mask = nodes <= self.last[-1] - self.num_points  # where the last patch goes on at node 0
         return np.asarray(inside | beyond)
 
-    def open_around(self, nodes: Indices, reach: int) -> Indices:
-        """Those of these nodes, and of as many as `reach` on either side of each, that are not contact nodes, in
-        ascending order.
-        """
-        near = np.unique((nodes[:, None] + np.arange(-reach, reach + 1)) % self.num_points)
-        return np.asarray(near[~self.hold(near)])
-
     @cached_property
     def label(self) -> Indices:
         """Patch of each contact node, in compact order."""

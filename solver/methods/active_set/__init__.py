@@ -1,11 +1,10 @@
 """The active set: the method that needs fewest transforms, put together from its parts.
 
 `active_set` is the method, `free_nodes` the same with displacements as unknown, with `gap_by_gap`, `search` when they
-update their set, `contact_set` what belongs to one set of nodes, `elimination` what solves small ones, `free_residual`
-what the certificate is going to find, `few_at_a_time` how a search that has failed begins anew, `response` what the
-surface does under its pressure, on all nodes in `everywhere` by the operator `compliance`, near the contact in `nearby`
-by that of `packed`, `spare` what one solve leaves to the next,
-`preconditioner` with `local_inverses`, `long_patch` and `greens_function` what makes its iterations few.
+update their set, `contact_set` what belongs to one set of nodes, `elimination` what solves small ones, `response` what
+the surface does under its pressure, on all nodes in `everywhere` by the operator `compliance`, near the contact in
+`nearby` by that of `packed`, `preconditioner` with `local_inverses`, `long_patch` and `greens_function` what makes its
+iterations few.
 
 May import: method, linecontact.solver.arrays, linecontact.solver.transforms, linecontact.solver.grid,
 linecontact.kernels.
@@ -14,10 +13,10 @@ linecontact.kernels.
 from ...grid.problem import Problem
 from ..method import ExecutionConfig, MethodKind
 from .active_set import ActiveSet
+from .everywhere import Everywhere
 from .free_nodes import FreeNodes, suits
 from .greens_function import GreensFunction, Tables
 from .response import Response
-from .spare import Spare
 
 __all__ = ["KIND", "ActiveSet", "begin"]
 
@@ -27,16 +26,12 @@ def begin(problem: Problem, setting: ExecutionConfig) -> ActiveSet | FreeNodes:
     made = problem.rigidity.made
     of_layer = problem.rigidity.response
     tables: Tables = made.setdefault("active set", Tables(of_layer))
-    spare: Spare = made.setdefault("spare", Spare())
     green = GreensFunction(tables)
     if suits(problem, setting):
-        loan = spare.lend(problem.stiffness, "K", problem.num_points, setting)
-        return loan.to(FreeNodes(problem, setting, green, loan.everywhere))
-    loan = spare.lend(of_layer.compliance, "G", problem.num_points, setting)
-    loan.everywhere.begin(problem.height)
-    response = Response(problem, of_layer.split, loan.everywhere)
+        return FreeNodes(problem, setting, green, Everywhere(problem.stiffness, problem.height, setting))
+    response = Response(problem, of_layer.split, Everywhere(of_layer.compliance, problem.height, setting))
     few = setting.wrong_nodes_per_patch
-    return loan.to(ActiveSet(problem, setting.tolerance, green, response, few, setting.reduction))
+    return ActiveSet(problem, setting.tolerance, green, response, few, setting.reduction)
 
 
 def _bytes_per_point(contact_share: float) -> float:

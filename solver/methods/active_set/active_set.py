@@ -8,8 +8,12 @@ nodes elsewhere and before anything is believed. Small sets are solved by elimin
 fallen to a given part (the forcing term) of what it was when the set last changed, the set is updated (primal-dual
 active set, M. Hintermueller et al., SIAM J. Optim. 13, 865 (2002)): nodes that pull are dropped, nodes that penetrate
 are added. The search ends when neither happens at the tolerance asked for. When a set comes back, or the updates go on
-changing as many nodes (thousands of patches disturb each other), the next ones are decided on more accurate solutions;
-when that does not help either, the search begins anew with few nodes at a time (`few_at_a_time`), or gives up.
+changing as many nodes, the next ones are decided on more accurate solutions; when that does not help, the search ends.
+
+Under a stiff coating on a soft base every node's pressure is felt by all others, and sets that are decided on rough
+solutions grow from hundreds of nodes to a quarter of all. There the search is cautious: it solves every set well,
+by elimination up to 2048 nodes, and adds nodes only when none pulls (C. L. Lawson and R. J. Hanson, Solving Least
+Squares Problems (1974), ch. 23, with the load fixed, and all nodes at once that penetrate).
 
 The residual is the preconditioned one, an estimate of the pressure's error: rms over all nodes, over the mean pressure.
 
@@ -26,8 +30,6 @@ from ...grid.problem import Problem, foundation_pressure, typical_stiffness
 from ..method import Method
 from . import elimination
 from .contact_set import ContactSet
-from .few_at_a_time import FORCING_TERM, FewAtATime, first_nodes
-from .free_residual import free_residual
 from .greens_function import GreensFunction
 from .preconditioner import PatchDeflation
 from .response import Response
@@ -36,10 +38,7 @@ from .search import HARDER, LOOSEST, SAFETY, Search
 _OVER_FLOOR = 0.3  # error of the pressure over the free residual, both as rounding leaves them
 _OVER_DRIFT = 2.0  # times what images may have added to the residual: below, the response has to be made anew
 _ROOM = 0.9  # residual to reach before the response is made anew at the end, over the one to stop at
-_FEW_PATCHES = 8  # largest number of patches whose ends are predicted on a cold start; more disturb each other
-_BY_ROUNDING = 4  # nodes that rounding may let join and leave a set again and again
 _SOFT = 0.1  # stiffness of a base over that of its coating, below which the coating is stiff
-_MOVES = 6  # updates of a cold start in which they are
 
 
 class ActiveSet(Method):
@@ -63,19 +62,16 @@ class ActiveSet(Method):
         self.problem, self.tolerance, self._reduction = problem, tolerance, reduction
         self.mixed = response.mixed
         self._wrong_nodes_per_patch = wrong_nodes_per_patch
-        self._certified = not (wrong_nodes_per_patch or reduction)  # what coarser grids give is not
         self._green, self._response = green, response
         self._target = SAFETY * tolerance
         self._floor = 0.0  # of the residual: below, sets would be decided on rounding
         # a single node that penetrates so much takes a tenth of the tolerance as its force
         self._smallest_gap = 0.1 * tolerance / float(problem.stiffness.mean())
-        self._longest_stiffest = bool(problem.stiffness[1] > problem.stiffness[-1])  # so the response is short
         # on a half-space K is q/2: below a stiff coating long waves find a base that is softer
-        self._soft_base = bool(problem.stiffness[1] * (problem.stiffness.size - 1) < _SOFT * problem.stiffness[-1])
+        soft_base = bool(problem.stiffness[1] * (problem.stiffness.size - 1) < _SOFT * problem.stiffness[-1])
+        self._cautious = soft_base and response.exact
         self._set: ContactSet | None = None
-        self._start: Indices | None = None
-        self._last_preconditioner: PatchDeflation | None = None
-        self._search = Search()
+        self._search = Search(self._cautious)
 
     @property
     def transform_pairs(self) -> float:
@@ -87,20 +83,19 @@ class ActiveSet(Method):
     def start_cold(self) -> None:
         """Begin with the pressure of a Winkler foundation as stiff as the layer is for this profile."""
         self.start_from_pressure(foundation_pressure(self.problem, typical_stiffness(self.problem)))
-        self._start = None
-        self._search.moves_left = _MOVES if self._now.patches.count <= _FEW_PATCHES else 0
 
     def start_from_pressure(self, pressure: Array64) -> None:
         """Begin from a contact pressure, shape (N,) [p]; without any, from `start_cold`."""
         if not pressure.any():
             self.start_cold()
             return
-        nodes = self._start = np.flatnonzero(pressure > 0)
+        nodes = np.flatnonzero(pressure > 0)
         self._take_set(nodes, nodes, pressure[nodes])
-        patches = 0 if self._soft_base else self._now.patches.count  # there other remedies help
-        self.stopped, self._search = False, Search.among(patches)
-        self._response.renew(self._now)
-        self._response.watch_penetrating(self._now, self._smallest_gap)
+        self.stopped, self._search = False, Search(self._cautious)
+        if self._cautious:
+            self._response.stay_everywhere(self._now)
+        else:
+            self._response.renew(self._now)
         self._floor = _OVER_FLOOR * self._response.floor(self._now)
 
     def tighten(self) -> bool:
@@ -118,24 +113,15 @@ class ActiveSet(Method):
         if self._set is None:
             self.start_cold()
         now, drift = self._now, self._response.drift
-        if self._response.plain and elimination.suits(now, self._search):
+        if self._response.plain and elimination.suits(now, self._cautious):
             self._eliminate()
             return
-        few = self._search.few_at_a_time
-        if few and now.preconditioner and few.takes_more(now.iterations, now.preconditioner.share):
-            now.preconditioner = self._last_preconditioner = None
-            now.begin_anew()
         if now.preconditioner is None:
-            most = few.unknowns if few else 0
-            now.preconditioner = PatchDeflation(self._green, now.patches, self._last_preconditioner, most)
-            self._last_preconditioner = now.preconditioner
+            now.preconditioner = PatchDeflation(self._green, now.patches, self._cautious)
         touching = self._response.touching(now)
         r = float(touching.mean()) - touching
         z = now.precondition(r)
         self.residual = math.sqrt(float(z @ z) / self.problem.num_points)
-        # the certificate looks at the free nodes; where it could not be met in this way, a small residual is enough
-        if self._certified and HARDER * self._target < self.residual <= self._target:
-            self.residual = max(self.residual, SAFETY * free_residual(self.problem, now.patches, r))
         if math.isinf(now.first_residual):
             now.first_residual = self.residual
             if self._reduction:  # known with the first set
@@ -145,8 +131,7 @@ class ActiveSet(Method):
             self._response.renew(now)
             now.last_product = 0.0
             self.iteration += 1
-            if not self._search.few_at_a_time:
-                self._update_set()  # the gap of all nodes is known only now
+            self._update_set()  # the gap of all nodes is known only now
         elif not self._updated():
             self._iterate(r, z)
 
@@ -157,13 +142,13 @@ class ActiveSet(Method):
 
     def _eliminate(self) -> None:
         """Solve on a small set by elimination, as well as rounding allows, and update it."""
-        now = elimination.solve(self._now, self._green, self.problem.height, self._search)
+        now = elimination.solve(self._now, self._green, self.problem.height, self._cautious)
         if now is None:  # iterate
             return
         self._set = now
         touching = self._renew_eliminated(now)
         target = max(self._target, self._floor)
-        if self.residual > target and elimination.refine(now, self._green, touching, self._search):
+        if self.residual > target and elimination.refine(now, self._green, touching):
             self._renew_eliminated(now)
         self.iteration += 1
         if not self._update_set():
@@ -196,7 +181,7 @@ class ActiveSet(Method):
         now = self._now
         useful = now.iterate(self.residual)
         if not math.isfinite(self.residual):
-            self.stopped = not self._begun_anew()
+            self.stopped = True
             return
         if self.stopped and useful:
             return
@@ -205,31 +190,9 @@ class ActiveSet(Method):
             if self._response.leave_nearby(now):  # it was the packed operator's error
                 now.begin_anew()
                 return
-            if self._begun_anew():
-                return
             # rounding does not let this set be solved any further; it may be the wrong one, unless it was examined
             # before: now what rounding has made of the pressure would decide
             self.stopped = now.settled or not self._update_set()
-
-    def _begun_anew(self, ended: bool = True) -> bool:
-        """Begin anew, with few nodes at a time, where the search has failed and that may help; whether it does.
-
-        ended: whether it would end here.
-        """
-        search, start = self._search, self._start
-        if search.few_at_a_time or not self._response.exact:
-            return False
-        early = self._soft_base and start is not None  # a cold start has too many nodes anyway
-        if not search.has_failed(self.residual, self.tolerance, ended, early):
-            return False
-        first = first_nodes(self.problem.height, start, self._now.nodes.size)
-        if first is None:
-            return False
-        self._take_set(first, first, np.ones(first.size))
-        self._search = Search(few_at_a_time=FewAtATime(), forcing_term=FORCING_TERM)
-        self.stopped, self._last_preconditioner = False, None
-        self._response.stay_everywhere(self._now)
-        return True
 
     @property
     def _now(self) -> ContactSet:
@@ -249,22 +212,12 @@ class ActiveSet(Method):
         new = self._response.penetrating(now, self._smallest_gap)
         if pulling + new.size <= self._wrong_nodes_per_patch * now.patches.count:
             return False
-        self._search.note(pulling + new.size, pulling / now.nodes.size)
-        if self._begun_anew(ended=False):
-            return True
-        if self._longest_stiffest:  # nodes hardly feel each other
-            reach = self._search.reach_out(pulling, new.size)
-            if 0 < new.size * reach < self.problem.num_points:
-                new = now.patches.open_around(new, reach)
-        elif self._search.few_at_a_time:
-            new = self._search.few_at_a_time.to_add(new, self._response.gap(new), pulling, now.nodes.size)
-        nodes, kept = now.changed(new, self._search.may_move_ends())
+        self._search.note(pulling + new.size)
+        if pulling and self._cautious:
+            new = new[:0]
+        nodes, kept = now.changed(new)
         self._take_set(nodes, now.nodes[kept], now.pressure[kept])
         self.stopped = self._search.in_circles(self._now.key)
-        if self.stopped and pulling + new.size > _BY_ROUNDING:
-            self._search.circling = True
-            if self._begun_anew():
-                return True
         self._response.follow(now, self._now, changed=not kept.all())
         return True
 

@@ -7,7 +7,6 @@ import numpy as np
 
 from ...arrays import Array64, Indices, Mask
 from ...grid.patches import Patches
-from .ends import moved_ends
 from .preconditioner import PatchDeflation
 from .search import MOST_ITERATIONS
 
@@ -71,25 +70,14 @@ class ContactSet:
         """Nodes on which the wall would have to pull, shape (number of nodes,)."""
         return self.nodes[self.pressure < 0]
 
-    def changed(self, new: Indices, move_ends: bool) -> tuple[Indices, Mask]:
+    def changed(self, new: Indices) -> tuple[Indices, Mask]:
         """Drop nodes that pull and add new ones: the nodes of the next set in ascending order, and which of this one's
         stay and keep their pressure.
-
-        move_ends: also put the ends of patches where the pressure there says that they belong.
         """
         kept: Mask = self.pressure >= 0
-        nodes = np.sort(np.concatenate([self.nodes[kept], new]), kind="stable")  # merges what is in order
-        if move_ends:
-            contact = np.zeros(self.patches.num_points, dtype=bool)
-            contact[nodes] = True
-            for moved, touch in moved_ends(self.patches, self.pressure):
-                contact[moved] = touch
-            nodes = np.flatnonzero(contact)
-            kept &= contact[self.nodes]
-        if not nodes.size:
+        if not (new.size or kept.any()):
             kept[np.argmax(self.pressure)] = True
-            nodes = self.nodes[kept]
-        return nodes, kept
+        return np.sort(np.concatenate([self.nodes[kept], new]), kind="stable"), kept  # merges what is in order
 
     def iterate(self, residual: float) -> bool:
         """Count an iteration that begins with this residual, over p; False if more of them are of no use."""

@@ -4,6 +4,7 @@ With G it is the response w = G sigma to the contact pressure: a node's gap is h
 approach. With K it is the net force r = 1 - K u.
 """
 
+import math
 from collections.abc import Callable
 from functools import cached_property
 
@@ -11,55 +12,63 @@ import numpy as np
 
 from ....kernels import CHUNK, Call, layout, record
 from ...arrays import Array, Array64, Indices
+from ...transforms.planned import Transforms
+from ..method import ExecutionConfig
 from .compliance import Compliance
 
 _FAR = 1e30  # height of the padding, which never touches
 
-Operators = tuple[Compliance, Compliance]
-"""For search directions and for the field itself: two objects in mixed precision, else the same one."""
+_LARGE = 2**18  # points beyond which the operators are given back while the field rests
+_TIMES_ROUNDING = 50
+"""Tolerance over the relative error that rounding of the strongest mode puts into the weakest, down to which transforms
+may be of half the length: these take less time, but mix the rounding of long and short waves."""
 
 
 class Everywhere:
-    """The field of an operator, on all nodes."""
+    """The field of an operator, on all nodes: w [u] or r [p]."""
 
-    def __init__(self, make_operators: Callable[[], Operators], backend: str, large: bool) -> None:
-        """large: whether the operators are given back while the field rests."""
-        self._make_operators, self._backend, self._large = make_operators, backend, large
-        directions, whole = self._operators
-        self.mixed = directions is not whole
+    def __init__(self, symbol: Array64, height: Array64, setting: ExecutionConfig) -> None:
+        """symbol: of the operator, shape (N//2 + 1,); height: h, shape (N,) [u]."""
+        self._symbol, self._setting, self._num_points = symbol, setting, height.size
+        self.mixed = setting.precision == "mixed"
         """Whether images of search directions are float32 and the field is float64."""
-        self.field = whole.new_field()
-        """w [u] or r [p], shape (N,) and padding."""
+        self.field = self._operators[1].new_field()
+        """Shape (N,) and padding."""
         self._state = np.zeros(layout.GAP_STATE_LENGTH)
-
-    def begin(self, height: Array64) -> None:
-        """Turn to another scene. height: h, shape (N,) [u]."""
-        self.field[:] = 0  # what an earlier solve has left
         self._height: Array = height
         if self.field.shape != height.shape or self.field.dtype != height.dtype:
             self._height = np.full_like(self.field, _FAR)
             self._height[: height.size] = height
         self._counts = np.zeros(self._height.size // CHUNK)
-        self.__dict__.pop("_count", None)
 
     @cached_property
-    def _operators(self) -> Operators:
-        return self._make_operators()
+    def _operators(self) -> tuple[Compliance, Compliance]:
+        """For search directions and for the field itself: two objects in mixed precision, else the same one."""
+        setting, weakest = self._setting, float(self._symbol[1:].min())
+        rounding = np.finfo(np.float64).eps * float(self._symbol.max()) / weakest if weakest > 0 else math.inf
+        apart = bool(setting.tolerance <= _TIMES_ROUNDING * rounding)
+
+        def operator(precision: str) -> Compliance:
+            how = setting.threads, setting.planning, setting.backend
+            return Compliance(self._symbol, Transforms(self._num_points, precision, *how, apart=apart))
+
+        directions = operator(setting.working_precision)
+        return directions, operator("float64") if self.mixed else directions
 
     @cached_property
     def _advance(self) -> Callable[[], None]:
         call = Call("advance_response", (self._operators[0].target, self._state), (self.field,))
-        return record(self._backend, [call])
+        return record(self._setting.backend, [call])
 
     def rest(self) -> None:
         """Give back the operators on a large grid; they are made anew when they are needed."""
-        for name in ("_advance", "_operators") if self._large else ():
+        for name in ("_advance", "_operators") if self._num_points > _LARGE else ():
             self.__dict__.pop(name, None)
 
     @cached_property
     def _count(self) -> Callable[[], None]:
         call = Call("count_below", (self.field, self._height, self._state), (self._counts,))
-        return record(self._backend, [call])
+        return record(self._setting.backend, [call])
 
     def renew(self, places: Indices, pressure: Array64) -> None:
         """Make the response to a pressure at these places, 0 elsewhere [p]."""

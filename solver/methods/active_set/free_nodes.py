@@ -112,7 +112,7 @@ class FreeNodes(Method):
                 self.tolerance = max(self.tolerance, min(self._reduction * self.residual, LOOSEST))
                 self._target, self._reduction = SAFETY * self.tolerance, 0.0
         target = max(self._target, self._floor)
-        forcing_term = self._search.forcing_term if self._search.updates else _FIRST_FORCING_TERM
+        forcing_term = self._search.forcing_term if self._search.fewest < math.inf else _FIRST_FORCING_TERM
         part = 0.0 if now.settled else forcing_term * now.first_residual
         if self.residual <= max(target, part):
             self.iteration += 1

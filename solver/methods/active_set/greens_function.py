@@ -110,17 +110,20 @@ class GreensFunction:
         self.tables, self.num_points = tables, tables.num_points
         self._convolutions: dict[int, Convolution] = {}
 
-    def solve(self, nodes: Indices, height: Array64, load: float = 1.0) -> tuple[Array64, float]:
-        """The pressure on some nodes, not all, whose gap h + G sigma is one constant.
+    def solve(self, nodes: Indices, height: Array64, load: float = 1.0) -> Array64 | None:
+        """The pressure on some nodes, not all, whose gap h + G sigma is one constant, shape (M,) [p]; None where
+        rounding or too little memory makes that impossible.
 
-        nodes: shape (M,); height: h there [u]; load: the pressure's mean over N [p]. Returns the pressure, shape (M,)
-        [p], and the constant [u]. Raises `numpy.linalg.LinAlgError` or
-        `ZeroDivisionError` where rounding has made it singular.
+        nodes: shape (M,); height: h there [u]; load: the pressure's mean over N [p].
         """
-        matrix = np.take(self.tables.response.whole, nodes[:, None] - nodes, mode="wrap")
-        punch, shape = np.linalg.solve(matrix, np.stack([np.ones(nodes.size), height], axis=1)).T
-        level = (load * self.num_points + float(shape.sum())) / float(punch.sum())
-        return np.asarray(level * punch - shape), level
+        try:
+            matrix = np.take(self.tables.response.whole, nodes[:, None] - nodes, mode="wrap")
+            punch, shape = np.linalg.solve(matrix, np.stack([np.ones(nodes.size), height], axis=1)).T
+        except (np.linalg.LinAlgError, MemoryError):
+            return None
+        with np.errstate(all="ignore"):
+            pressure = (load * self.num_points + shape.sum()) / punch.sum() * punch - shape
+        return pressure if np.isfinite(pressure).all() else None
 
     @property
     def transformed(self) -> int:

@@ -1,10 +1,7 @@
-"""Approximate inverses of the response G on the contact, patch by patch or of all patches together.
+"""Approximate inverses of the response G on the contact, patch by patch.
 
-Patch by patch: G is a Toeplitz matrix, so all patches share one inverse Cholesky factor, whose leading m x m block
-serves a patch of m nodes (`inverse_cholesky`). Patches too long for that use K restricted to the patch (`long_patch`).
-
-Where many patches fill most of the period, K restricted to all contact nodes is a better inverse, and takes less time
-than short transforms for each of them; not so on thin incompressible layers, whose longest waves are the stiffest.
+G is a Toeplitz matrix, so all patches share one inverse Cholesky factor, whose leading m x m block serves a patch of m
+nodes (`inverse_cholesky`). Patches too long for that use K restricted to the patch (`long_patch`).
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -17,10 +14,6 @@ from .greens_function import GreensFunction
 from .long_patch import LongPatch
 
 LONGEST_DENSE = 256  # nodes; the factor of longer patches costs more than short transforms
-
-_FEW_PATCHES = 8  # up to so many, the dense factor serves only patches of LONGEST_DENSE/4 nodes
-_MOST = 0.65  # share of the nodes in contact from which many patches are inverted together
-_SOFT = 0.1  # least G of the longest wave over the largest: where that is stiffer, K is no near inverse
 
 
 Block = tuple[Array64, Indices, Mask]
@@ -52,21 +45,11 @@ def invert_blocks(blocks: Iterable[Block], residual: Array64) -> Array64:
 class PatchByPatch:
     """Every patch on its own."""
 
-    def __init__(self, green: GreensFunction, patches: Patches, known: dict[int, LongPatch]) -> None:
-        """known: long patches of the same grid, by their size."""
-        self._green, self._patches = green, patches
-        dense = LONGEST_DENSE if patches.count > _FEW_PATCHES else LONGEST_DENSE // 4
-        self._long = {
-            p: known.get(int(patches.size[p])) or LongPatch(green, int(patches.size[p]))
-            for p in map(int, np.flatnonzero(patches.size > dense))
-        }
-        short = ~np.isin(np.arange(patches.count), list(self._long))
+    def __init__(self, green: GreensFunction, patches: Patches) -> None:
+        self._patches, short = patches, patches.size <= LONGEST_DENSE
         self._blocks = list(blocks_of(patches, short, green.tables.factor))
-
-    @property
-    def long_patches(self) -> dict[int, LongPatch]:
-        """The long ones, by their size."""
-        return {long.size: long for long in self._long.values()}
+        by_size = {size: LongPatch(green, size) for size in set(patches.size[~short].tolist())}
+        self._long = {p: by_size[int(patches.size[p])] for p in np.flatnonzero(~short).tolist()}
 
     @property
     def punch(self) -> Array64:
@@ -87,45 +70,3 @@ class PatchByPatch:
         for p, long in self._long.items():
             z[self._part(p)] = long.solve(residual[self._part(p)])
         return z
-
-
-class Together:
-    """K of all nodes, restricted to the contact."""
-
-    def __init__(self, green: GreensFunction, patches: Patches) -> None:
-        self._green, self._patches = green, patches
-        self._convolve = green.convolution(patches.num_points)
-        self._values = np.zeros(patches.num_points)
-        self.long_patches: dict[int, LongPatch] = {}
-        """None."""
-
-    @property
-    def punch(self) -> Array64:
-        """About the pressure of a flat punch on every patch, for a displacement of 1; in compact order.
-
-        The half-space's shape, with the load of a uniform pressure for that displacement on the average.
-        """
-        patches, response = self._patches, self._green.tables.response
-        second_sum, least, size = response.second_sum, response.compliance[1:].min(), patches.size
-        at = (2 * (np.arange(patches.nodes.size) - np.repeat(patches.offset, size)) + 1) / np.repeat(size, size) - 1
-        shape = 1 / np.sqrt(1 - at**2)
-        within = 2 * (np.take(second_sum, size, mode="wrap") - second_sum[0])  # the sum of G over a patch and itself
-        within = np.maximum(within, size * least)  # rounding may have eaten it
-        return np.asarray(shape * np.repeat(size**2 / within / patches.sums(shape), size))
-
-    def __call__(self, residual: Array64) -> Array64:
-        """About G_CC^-1 residual, but for the loads of the patches; in compact order."""
-        nodes = self._patches.nodes
-        self._values[nodes] = residual
-        return np.asarray(self._convolve(self._convolve.rigidity, self._values)[nodes])
-
-
-LocalInverse = PatchByPatch | Together
-
-
-def local_inverse(green: GreensFunction, patches: Patches, previous: LocalInverse | None) -> LocalInverse:
-    """The one that suits these patches. previous: of a similar set; its long patches serve again."""
-    many = patches.count > _FEW_PATCHES and patches.nodes.size > _MOST * patches.num_points
-    if patches.full or (many and green.tables.response.compliance[1] >= _SOFT * green.tables.response.compliance.max()):
-        return Together(green, patches)
-    return PatchByPatch(green, patches, previous.long_patches if previous else {})

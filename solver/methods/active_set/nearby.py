@@ -30,11 +30,7 @@ class Nearby:
 
     def covers(self, nodes: Indices) -> bool:
         """Whether all these nodes are among them."""
-        return not self.outside(nodes).size
-
-    def outside(self, nodes: Indices) -> Indices:
-        """Those of these nodes that are not among them, shape (number of these,)."""
-        return nodes[self._index[nodes // self._block] < 0]
+        return bool((self._index[nodes // self._block] >= 0).all())
 
     def places(self, nodes: Indices) -> Indices:
         """Where these nodes have their values."""

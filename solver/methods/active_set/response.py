@@ -21,7 +21,6 @@ from .everywhere import Everywhere
 from .nearby import Nearby, surround
 
 _SAMPLE = 2**14  # nodes that tell the size of u
-_FAR = 0.25  # nodes that penetrate far from the contact, over those in contact: more of them are a poor start
 _MOST_RENEWALS = 8  # after work near the contact, before all nodes are worked on; two or three are usual
 
 
@@ -79,15 +78,6 @@ class Response:
         if self._renewals > _MOST_RENEWALS:  # the packed operator errs by more than it says
             self._split = self._nearby = None
         self._surround(now, now.nodes)
-
-    def watch_penetrating(self, now: ContactSet, smallest: float) -> None:
-        """Carry the response along near nodes that penetrate far from the contact, too, if these are few: there are
-        patches that a coarser grid does not have. To be called where it has been made anew, and is known on all nodes.
-        """
-        if self._nearby:
-            far = self._nearby.outside(self.penetrating(now, smallest))
-            if 0 < far.size <= _FAR * now.nodes.size:
-                self._surround(now, np.union1d(now.nodes, far))
 
     def leave_nearby(self, now: ContactSet) -> bool:
         """From now on work on all nodes; False if that is so already."""

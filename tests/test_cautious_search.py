@@ -1,0 +1,117 @@
+"""Stiff coatings, and the sets that are solved by elimination."""
+
+import math
+
+import numpy as np
+import pytest
+from linecontact.solver import (
+    CoatedHalfSpace,
+    Layer,
+    MeasuredIndenter,
+    PowerIndenter,
+    RoughIndenter,
+    Scene,
+    Status,
+    solve,
+)
+from linecontact.solver.grid.problem import Problem
+from linecontact.solver.methods.active_set import active_set, elimination
+from linecontact.solver.methods.active_set.contact_set import ContactSet
+from linecontact.solver.methods.active_set.greens_function import GreensFunction, Tables
+
+
+@pytest.mark.parametrize("even", [False, True])
+@pytest.mark.parametrize(
+    ("thickness", "base", "pressure"), [(3e-3, 1e-3, 1e-4), (3e-3, 1e-5, 1e-2), (1e-3, 1e-4, 1e-3)]
+)
+@pytest.mark.parametrize("num_points", [2**9, 2**11, 2**13])
+def test_noise_under_a_stiff_coating(num_points, thickness, base, pressure, even):
+    """Every node's pressure is felt by all others, and sets on the way are too ill-conditioned to be iterated on."""
+    heights = 1e-3 * np.random.default_rng(num_points).standard_normal(num_points)
+    if even:
+        heights[num_points // 2 :] = heights[: num_points // 2][::-1]
+    scene = Scene(
+        CoatedHalfSpace(thickness, base), MeasuredIndenter(heights, convention="gap"), pressure, num_points=num_points
+    )
+    solution = solve(scene)
+    assert solution.status is Status.CONVERGED
+    assert solution.certificate.free_residual < 3e-8  # of which rounding leaves 1e-8
+    assert solution.certificate.energy_error_bound < 1e-9
+
+
+@pytest.mark.parametrize(("thickness", "base", "pressure", "hurst"), [(1e-3, 5e-5, 1e-5, 0.5), (2e-3, 1e-5, 1e-3, 0.8)])
+def test_a_rough_surface_under_a_stiff_coating(thickness, base, pressure, hurst):
+    """The coarser grid's few hundred nodes grow into thousands unless few are added at a time; the certificate is met
+    at once, although the longest waves are a million times as compliant as the shortest.
+    """
+    scene = Scene(CoatedHalfSpace(thickness, base), RoughIndenter(hurst, 1), pressure, num_points=2**15)
+    solution = solve(scene)
+    assert (solution.status, solution.handed_over) == (Status.CONVERGED, False)
+    assert solution.certificate.free_residual <= 1e-8
+    assert solution.certificate.energy_error_bound < 1e-12
+
+
+@pytest.mark.parametrize("small", [2048, 0])
+@pytest.mark.parametrize("even", [False, True])
+def test_a_cautious_search_finds_the_same_contact(even, small, monkeypatch):
+    """Where the usual search has no difficulty, either; sets are eliminated, or iterated on."""
+    heights = RoughIndenter(0.8, 1, 1 / 8, 1 / 8).profile(2**10, 1.0)
+    if even:
+        heights[2**9 :] = heights[: 2**9][::-1]
+    indenter = MeasuredIndenter(heights - heights.min(), convention="gap")
+    scenes = [Scene(Layer(d), indenter, 0.02, num_points=2**10) for d in (math.inf, 1e-3)]
+    usual = [solve(scene).contact_pressure for scene in scenes]
+    monkeypatch.setattr(active_set, "_SOFT", math.inf)
+    monkeypatch.setattr(elimination, "_HARD", small)
+    for scene, pressure in zip(scenes, usual, strict=True):
+        found = solve(scene, nested=False)
+        assert found.status is Status.CONVERGED
+        assert np.abs(found.contact_pressure - pressure).max() < 1e-6 * pressure.max()
+
+
+def test_larger_sets_are_eliminated_in_a_cautious_search():
+    nodes = np.arange(0, 1200, 2)
+    now = ContactSet.of(nodes, np.ones(nodes.size), 2**12)
+    assert not elimination.suits(now, cautious=False)
+    assert elimination.suits(now, cautious=True)
+    now.eliminated = True
+    assert not elimination.suits(now, cautious=True)
+
+
+def test_where_elimination_fails_conjugate_gradients_go_on(monkeypatch):
+    scene = Scene(Layer(0.01), PowerIndenter(), 1e-2, num_points=2**11)
+    expected = solve(scene)
+    monkeypatch.setattr(GreensFunction, "solve", lambda *_, **__: None)
+    solution = solve(scene)
+    assert solution.status is Status.CONVERGED
+    np.testing.assert_array_equal(solution.contact, expected.contact)
+
+
+def test_a_singular_set_has_no_pressure():
+    problem = Problem.from_scene(Scene(num_points=2**10))
+    green = GreensFunction(Tables(problem.rigidity.response))
+    assert green.solve(np.array([3, 3]), np.zeros(2)) is None
+
+
+def test_refined_elimination():
+    """What rounding of the longest waves has left in a pressure is taken from it."""
+    rough = RoughIndenter(0.8, 1, 1 / 8, 1 / 64)
+    problem = Problem.from_scene(Scene(CoatedHalfSpace(2e-3, 1e-5), rough, 1e-3, num_points=2**13))
+    green = GreensFunction(Tables(problem.rigidity.response))
+    modes = np.append(0.0, 1 / problem.stiffness[1:])
+
+    def spread(now):
+        touching = (problem.height + np.fft.irfft(modes * np.fft.rfft(everywhere(now)), 2**13))[now.nodes]
+        return touching, np.ptp(touching)
+
+    def everywhere(now):
+        pressure = np.zeros(2**13)
+        pressure[now.nodes] = now.pressure
+        return pressure
+
+    now = ContactSet.of(np.arange(0, 2**13, 64), np.ones(128), 2**13)
+    now.pressure = green.solve(now.nodes, problem.height[now.nodes])
+    touching, before = spread(now)
+    assert elimination.refine(now, green, touching)
+    assert spread(now)[1] < 0.01 * before
+    assert now.pressure.sum() == pytest.approx(2**13, rel=1e-12)
