@@ -15,6 +15,7 @@ from ..methods import METHODS, MethodKind
 from ..solution import MEANINGLESS, MOST_ENERGY, Choice
 from .run import Run
 
+_MOST_TRIES = 3  # of a method that can aim at a smaller residual
 _NEAR_THE_FLOOR = 1000  # times what rounding leaves: where the residual is below, rounding may be what keeps it up
 _NOT_FAR = 100  # times what rounding leaves: a default tolerance gives way to a residual below
 _MOST_WORK = 20_000 * 2**16  # iterations times points of a method that goes on where another one failed
@@ -98,12 +99,14 @@ def _rounded_off(run: Run, found: Certified) -> bool:
 
 
 def _tightened(run: Run, problem: Problem, found: Certified) -> Certified:
-    """What the same method finds when it aims at smaller residuals, as long as that helps."""
-    while run.status is Status.CONVERGED and not _good(run, found) and run.state.tighten():
+    """What the same method finds when it aims at smaller residuals, unless that makes them larger."""
+    for _ in range(_MOST_TRIES):
+        if run.status is not Status.CONVERGED or _good(run, found) or not run.state.tighten():
+            break
         residual, pressure = found.residual, run.state.contact_pressure
         run.status = run.relax(run.state)
         found = _certified(run, problem)
-        if not _good(run, found) and not found.residual < residual:  # rounding has changed the set: go back
+        if not _good(run, found) and found.residual > residual:  # rounding has changed the set: go back
             run.state.start_from_pressure(pressure)
             return _certified(run, problem)
     return found
