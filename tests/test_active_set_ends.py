@@ -18,11 +18,11 @@ from linecontact.solver import (
     solve,
 )
 from linecontact.solver.grid.problem import Problem
-from linecontact.solver.methods import Setting, active_set
+from linecontact.solver.methods import ExecutionConfig, active_set
 from linecontact.solver.methods.active_set import elimination
 from linecontact.solver.methods.active_set.active_set import ActiveSet
 from linecontact.solver.strategy import certification
-from linecontact.solver.strategy.effort import Effort, Means
+from linecontact.solver.strategy.run import IterationBudget
 
 
 @pytest.mark.parametrize("num_points", [2**12, 2**14])
@@ -119,16 +119,13 @@ def test_a_hand_over_in_vain_is_bounded(monkeypatch):
     where_no_search_is_cautious(monkeypatch)
     monkeypatch.setattr(certification, "_MOST_WORK", 200 * 2**10)
     assert solve(scene).iterations == 2200
-    monkeypatch.setattr(certification, "_MOST_POINTS", 2**9)
-    assert solve(scene).iterations == 2000
 
 
 def test_every_grid_of_an_accuracy_begins_with_the_search_s_own_limit():
-    found = []
-    effort = Effort(Scene(num_points=64), active_set.KIND, Means())
+    found, budget = [], IterationBudget()
     for iterations in (20_000, 2000):  # those of a hand-over, then the next grid's
-        effort.allow(iterations)
-        found.append(effort.left)
+        budget.allow(iterations)
+        found.append(budget.left)
     assert found == [20_000, 2000]
 
 
@@ -154,7 +151,7 @@ def test_interrupted_anywhere(monkeypatch, where, nested):
 def test_sets_that_come_back_are_noticed():
     """Alternating sets: decided on more accurate solutions, given up in the end."""
     problem = Problem.from_scene(Scene(num_points=256))
-    state = active_set.begin(problem, Setting(1e-8))
+    state = active_set.begin(problem, ExecutionConfig(1e-8))
     state.start_cold()
     state.step()
     first = np.sort(state._now.nodes)

@@ -23,7 +23,7 @@ from linecontact.solver.grid.kept import forget, kept
 from linecontact.solver.grid.problem import Problem
 from linecontact.solver.methods import active_set
 from linecontact.solver.methods.active_set.everywhere import Everywhere
-from linecontact.solver.methods.method import Setting
+from linecontact.solver.methods.method import ExecutionConfig
 
 ROUGH = RoughIndenter(0.8, 0, cut_off_ratio=1 / 32)
 SCENES = [
@@ -84,7 +84,7 @@ def test_fields_serve_one_solve_after_the_other(pressure, monkeypatch):
 
 def test_fields_that_are_in_use_are_not_lent_again():
     forget()
-    problem, setting = Problem.from_scene(SCENES[1]), Setting(1e-8)
+    problem, setting = Problem.from_scene(SCENES[1]), ExecutionConfig(1e-8)
     first, second = active_set.begin(problem, setting), active_set.begin(problem, setting)
     fields = [method._response._all.field for method in (first, second)]
     assert fields[0] is not fields[1]

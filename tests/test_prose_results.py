@@ -8,7 +8,7 @@ from collections import defaultdict
 import numpy as np
 import pytest
 from linecontact.solver import RoughIndenter, Scene, solve
-from linecontact.solver.strategy import errors, plan, to_accuracy
+from linecontact.solver.strategy import errors, small_models, to_accuracy
 from linecontact.studies.multilevel import allocation
 from linecontact.studies.paper import statements
 from linecontact.studies.peers import areas
@@ -109,8 +109,7 @@ def errors_of_the_hertz_study():
         last, before, _ = errors.QUANTITIES[name].of_changes
         yield formula.format(round(1 / last), round(1 / before))
     yield "with one coarser grid alone they are $c$ and $2c$."
-    long, longest = 2 * plan._LONG_ASPERITY, 2 * plan._LONGEST_ASPERITY
-    yield f"contacts of up to {long:.0f} thicknesses ({longest:.0f} for A below 1e-5)"
+    yield f"contacts of up to {2 * small_models._LONG_ASPERITY:.0f} thicknesses: milliseconds"
     yield f"of the contact area, from 1e-9 to {to_accuracy.MOST_ACCURACY}."
 
 

@@ -98,16 +98,11 @@ class ActiveSet(Method):
             self._response.renew(self._now)
         self._floor = _OVER_FLOOR * self._response.floor(self._now)
 
-    def try_harder(self) -> bool:
+    def tighten(self) -> bool:
         self._target *= HARDER
         self._floor *= HARDER
         self.stopped = False
         return True
-
-    def demand_every_node(self) -> None:
-        self._wrong_nodes_per_patch, self.stopped = 0.0, False
-        if self._set:
-            self._set.settled = False
 
     def rest(self) -> None:
         self._response.rest()

@@ -16,7 +16,7 @@ import numpy as np
 
 from ...arrays import Array64, Mask
 from ...grid.problem import Problem, foundation_pressure, rounding_floor, typical_stiffness
-from ..method import Method, Setting
+from ..method import ExecutionConfig, Method
 from .everywhere import Everywhere
 from .free_set import FreeSet
 from .greens_function import GreensFunction
@@ -32,7 +32,7 @@ _SMALLEST_PULL = 0.1  # of the tolerance on the residual, as a force over p: bel
 _FLOOR = 0.5  # of the residual that rounding leaves, below which it is not followed
 
 
-def suits(problem: Problem, setting: Setting) -> bool:
+def suits(problem: Problem, setting: ExecutionConfig) -> bool:
     """Whether this form takes less time than that in the pressure."""
     stiffness = problem.stiffness[1:]
     short_ranged = bool(stiffness[0] <= _STIFF * stiffness.min())
@@ -48,10 +48,12 @@ class FreeNodes(Method):
     patience = None  # the residual starts anew with every set
     mixed = False
 
-    def __init__(self, problem: Problem, setting: Setting, green: GreensFunction, everywhere: Everywhere) -> None:
+    def __init__(
+        self, problem: Problem, config: ExecutionConfig, green: GreensFunction, everywhere: Everywhere
+    ) -> None:
         """everywhere: the net force of all nodes, by K."""
-        self.problem, self.tolerance, self._reduction = problem, setting.tolerance, setting.reduction
-        self._wrong_nodes_per_patch = setting.wrong_nodes_per_patch
+        self.problem, self.tolerance, self._reduction = problem, config.tolerance, config.reduction
+        self._wrong_nodes_per_patch = config.wrong_nodes_per_patch
         self._green, self._all = green, everywhere
         self._target, self._floor, self._pairs = SAFETY * self.tolerance, 0.0, 0.0
         self._earlier: set[int] = set()  # keys of the sets so far
@@ -92,16 +94,13 @@ class FreeNodes(Method):
         self._all.renew_force(self._displacement)
         self._pairs += 1
 
-    def try_harder(self) -> bool:
+    def tighten(self) -> bool:
         self._target *= HARDER
         self._floor *= HARDER
         self.stopped = False
         self._make_force()  # what is carried along has lost touch with the displacement
         self._set.begin_anew()
         return True
-
-    def demand_every_node(self) -> None:
-        self._wrong_nodes_per_patch, self.stopped = 0.0, False
 
     def step(self) -> None:
         """One iteration on the free nodes; where they are solved well enough, update which nodes are free instead."""
