@@ -134,7 +134,7 @@ MARCHES = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("scene", "most"), [*((scene, 50) for scene in THIN), *((scene, 1000) for scene in MARCHES)])
+@pytest.mark.parametrize(("scene", "most"), [*((scene, 50) for scene in THIN), *((scene, 2000) for scene in MARCHES)])
 def test_thin_and_incompressible(scene, most):
     solution = solve(scene)
     assert solution.status is Status.CONVERGED
