@@ -19,7 +19,7 @@ from .solution import Choice, Solution
 from .solve import solve
 from .strategy.errors import QUANTITIES
 from .strategy.linearised import contact_stiffness
-from .strategy.precision import default_tolerance
+from .strategy.to_tolerance import default_tolerance
 
 __all__ = [
     "INDENTERS",

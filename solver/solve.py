@@ -5,13 +5,13 @@ import numpy as np
 from ..kernels import BACKENDS
 from . import checks
 from .arrays import Array64
-from .methods import DEFAULT, METHODS, MethodKind, Progress
+from .methods import DEFAULT, METHODS, ExecutionConfig, MethodKind, Progress
 from .one_thread import on_one_thread
 from .scene import Scene
 from .solution import Solution
-from .strategy.effort import Effort, Means
 from .strategy.errors import DEFAULT_QUANTITY
-from .strategy.no_contact import nothing_touches, without_contact
+from .strategy.report import nothing_touches, without_contact
+from .strategy.run import IterationBudget, Run
 from .strategy.to_accuracy import check_accuracy, solve_to_accuracy
 from .strategy.to_approach import solve_to_approach
 from .strategy.to_tolerance import solve_to_tolerance
@@ -69,7 +69,7 @@ def solve(
         raise ValueError(f"progress is {progress!r}; allowed: a function of an iteration and a residual, or None")
     threads, planning = check_settings(threads, planning)
     backend, device = checks.choice("backend", backend, BACKENDS), checks.choice("device", device, DEVICES)
-    means = Means(threads, planning, backend, device, progress)
+    config = ExecutionConfig(threads=threads, planning=planning, backend=backend, device=device, progress=progress)
     if scene.approach is not None and not (accuracy is None and initial is None):
         given = f"accuracy is {accuracy!r}" if initial is None else "initial is given"
         raise ValueError(f"{given}; allowed: none for a scene with an approach")
@@ -82,32 +82,33 @@ def solve(
                 raise ValueError(f"{name} is {value!r}; allowed: without accuracy only, which chooses it")
         if device != "cpu":
             raise ValueError(f"device is {device!r}; allowed with an accuracy: cpu alone, for the active set")
-        if nothing_touches(scene):
-            return without_contact(scene, means)
-        return solve_to_accuracy(scene, accuracy, accuracy_of, means)
+        run = Run(scene, DEFAULT, config)
+        return without_contact(run) if nothing_touches(scene) else solve_to_accuracy(run, accuracy, accuracy_of)
+
     kind = METHODS[checks.choice("method", DEFAULT.name if method is None else method, tuple(METHODS))]
     if not isinstance(kind, MethodKind):
         raise ValueError(f"method {method} is {kind!r} in METHODS; allowed: a MethodKind")
-    _check_device(means, kind)
+    _check_device(config, kind)
     if max_iterations is not None:
         max_iterations = checks.integer("max_iterations", max_iterations, "an integer from 1 to 2^53", 1, 2**53)
 
     if nothing_touches(scene):
-        return without_contact(scene, means)
+        return without_contact(Run(scene, kind, config))
 
     def under_load(scene: Scene) -> Solution:
-        return solve_to_tolerance(Effort(scene, kind, means, max_iterations), nested, tolerance, initial)
+        run = Run(scene, kind, config, IterationBudget(max_iterations))
+        return solve_to_tolerance(run, nested, tolerance, initial)
 
     with borrowed(device):
         return under_load(scene) if scene.approach is None else solve_to_approach(scene, under_load)
 
 
-def _check_device(means: Means, kind: MethodKind) -> None:
+def _check_device(config: ExecutionConfig, kind: MethodKind) -> None:
     """Raise `ValueError` for a device that the method cannot work on, or that is not there."""
-    if means.device not in kind.devices:
-        able = ", ".join(other.name for other in METHODS.values() if means.device in other.devices)
+    if config.device not in kind.devices:
+        able = ", ".join(other.name for other in METHODS.values() if config.device in other.devices)
         allowed = f"{', '.join(kind.devices)} for method {kind.name}, or one of the methods {able}"
-        raise ValueError(f"device is {means.device!r}; allowed: {allowed}")
-    if means.device != "cpu" and means.backend != "warp":
-        raise ValueError(f"backend is {means.backend!r}; allowed: warp, on device {means.device}")
-    check_device(means.device)
+        raise ValueError(f"device is {config.device!r}; allowed: {allowed}")
+    if config.device != "cpu" and config.backend != "warp":
+        raise ValueError(f"backend is {config.backend!r}; allowed: warp, on device {config.device}")
+    check_device(config.device)

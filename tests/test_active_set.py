@@ -23,7 +23,7 @@ from linecontact.solver import (
 from linecontact.solver.grid import response as grid_response
 from linecontact.solver.grid.kept import forget
 from linecontact.solver.grid.problem import Problem, foundation_pressure, typical_stiffness
-from linecontact.solver.methods import Setting, active_set, relax
+from linecontact.solver.methods import ExecutionConfig, active_set, relax
 from linecontact.solver.methods.active_set import preconditioner as deflation
 from linecontact.solver.transforms import four_step, plain, real
 
@@ -154,12 +154,12 @@ def test_a_method_that_rests_can_go_on(precision):
     problem = Problem.from_scene(Scene(indenter=RoughIndenter(0.8, 0, cut_off_ratio=1 / 32), num_points=2**12))
     found = []
     for rests in (False, True):
-        state = active_set.begin(problem, Setting(1e-4, precision))
+        state = active_set.begin(problem, ExecutionConfig(1e-4, precision))
         assert relax(state, 200) is Status.CONVERGED
         if rests:
             state.rest()
         found.append(state.displacement)
-        state.try_harder()
+        state.tighten()
         if rests:
             state.rest()
         assert relax(state, 400) is Status.CONVERGED

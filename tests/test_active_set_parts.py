@@ -10,7 +10,7 @@ from linecontact.solver.grid import response as grid_response
 from linecontact.solver.grid.patches import Patches
 from linecontact.solver.grid.problem import half_spectrum
 from linecontact.solver.grid.response import LayerResponse
-from linecontact.solver.methods.active_set import local_inverses, search
+from linecontact.solver.methods.active_set import local_inverses
 from linecontact.solver.methods.active_set import preconditioner as deflation
 from linecontact.solver.methods.active_set.greens_function import GreensFunction, Tables, inverse_cholesky, patch_sums
 
@@ -83,7 +83,6 @@ def test_one_factor_inverts_every_patch(d, nu):
 def test_preconditioner(d, nu, unknowns, longest, monkeypatch):
     """Symmetric, positive on loads of zero sum, near the inverse; long patches and shared unknowns included."""
     monkeypatch.setattr(local_inverses, "LONGEST_DENSE", longest)
-    monkeypatch.setattr(local_inverses, "_FEW_PATCHES", 0)
     monkeypatch.setattr(deflation, "_unknowns", lambda n: unknowns)
     patches = Patches.of(PATCHES)
     check_preconditioner(d, nu, patches, 6 if unknowns == 100 else 60)
@@ -101,19 +100,6 @@ def check_preconditioner(d, nu, patches, condition):
     assert values[0] > 0
     # what deflation is for: a small condition number whatever the layer and the patches
     assert values[-1] / values[0] < condition
-
-
-def test_a_coarse_inverse_serves_the_next_set():
-    green = greens_function(512)
-    first = deflation.PatchDeflation(green, Patches.of(PATCHES))
-    moved = PATCHES.copy()
-    moved[[63, 62, 61, 60, 504]] = [False, False, False, False, True]
-    second = deflation.PatchDeflation(green, Patches.of(moved), first)
-    assert second._factor is first._factor
-    z = second.apply(np.random.default_rng(0).standard_normal(int(moved.sum())))
-    assert abs(z.sum()) < 1e-9 * np.abs(z).max()
-    more = deflation.PatchDeflation(green, Patches.of(moved | contact_map(512, (400, 2))), first)
-    assert more._factor is not first._factor
 
 
 def test_a_coarse_matrix_that_rounding_has_spoilt():
@@ -167,15 +153,3 @@ def test_what_is_kept_of_large_grids_makes_room(monkeypatch):
     assert "whole" not in large._kept
     np.testing.assert_array_equal(Tables(large).factor(64), Tables(small).factor(64))
     assert "whole" not in large._kept  # the values next to the node were enough
-
-
-def test_sets_that_keep_changing_are_decided_on_more_accurate_solutions():
-    sets = search.Search()
-    for changed in (1000, 700, 500, *[500] * 7):
-        sets.note(changed)
-    assert sets.forcing_term == search._FORCING_TERM
-    sets.note(500)
-    assert sets.forcing_term == pytest.approx(0.1 * search._FORCING_TERM)
-    for changed in (300, *[300] * 100):
-        sets.note(changed)
-    assert sets.forcing_term == search._TIGHT

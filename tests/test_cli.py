@@ -132,7 +132,7 @@ def test_a_scan_from_file_to_figure_in_one_command(tmp_path):
     assert again.returncode == 2
     assert "run.png exists" in again.stderr
     assert fields.profile.max() < 5e-3  # nm to um
-    assert "1 line of header; positions even to " in result.stdout
+    assert "1 line of header, x from column 1, z from column 2; positions even to " in result.stdout
     assert re.search(r"of their spacing, taken as even; .*tilt of \S+ \(dimensionless\) removed", result.stdout)
 
 
@@ -346,7 +346,7 @@ def test_methods_and_grids(method, grids):
         (["solve", "--profile", "rough", "--num-points", "4096"], "dx/lambda_s is 1"),
         (["solve", "--profile", "rough", "--hurst", "2"], "hurst is 2.0"),
         (["solve", "--profile", "file"], "profile_file is missing"),
-        (["solve", "--profile", "file", "--profile-file", "no.txt"], "no.txt, which is not a file"),
+        (["solve", "--profile", "file", "--profile-file", "no.txt"], "no.txt: this is not a file"),
         (["solve", "--profile", "file", "--profile-file", __file__], "SurfaceTopography"),
         (["solve", "--plot"], "--plot is given without --save; allowed: both"),
         (["solve", "--save", "x.txt"], "file x.txt would hold HDF5; allowed: a name that ends in .h5 or .hdf5\n"),

@@ -387,9 +387,7 @@ def test_peak_pressure_at_a_sharp_tip_is_not_collocation_s():
 
 
 def test_smaller_models_stand_in_for_what_they_know_only():
-    thick, thin = Scene(Layer(1.8, 0.3), QUICK_ROUGH, 1e-2, num_points=2**12), Scene(Layer(1e-6, 0.25))
-    assert any(c.chosen == "half-space" for c in solve(thick, accuracy=1e-2).choices)
-    assert not any(c.chosen == "half-space" for c in solve(thick, accuracy=1e-2, accuracy_of="approach").choices)
+    thin = Scene(Layer(1e-6, 0.25))
     assert solve(thin, accuracy=1e-2, accuracy_of="kappa").method == "winkler-foundation"
     assert solve(thin, accuracy=1e-2, accuracy_of="peak-pressure").method != "winkler-foundation"
 
@@ -471,13 +469,6 @@ def test_a_peak_under_a_stiff_coating_thinner_than_a_spacing_is_not_known():
 def test_where_an_approach_is_given_its_error_is_how_well_it_was_met():
     found = solve(Scene(Layer(0.1), approach=1e-3, num_points=2**12)).observables
     assert found.approach_error == abs(found.approach - 1e-3)
-
-
-def test_where_the_layer_was_replaced_nothing_is_said_of_the_other_errors():
-    for scene in (Scene(Layer(1.8, 0.3), QUICK_ROUGH, 1e-2, num_points=2**12), Scene(Layer(1.8, 0.3))):
-        solution = solve(scene, accuracy=1e-2)
-        assert any(choice.chosen == "half-space" for choice in solution.choices)
-        assert solution.observables.approach_error == solution.observables.peak_pressure_error == math.inf
 
 
 def test_the_command_line(tmp_path, capsys):

@@ -144,9 +144,9 @@ def write_scan(folder):
 def test_the_command_line_reads_the_scan_on_the_screen(tmp_path, monkeypatch, capsys):
     file = write_scan(tmp_path)
     words = ["--profile", "file", "--profile-file", str(file), "--contact-modulus", "1e9", "--pressure", "5e5"]
-    more = ["--thickness", "2um", "--num-points", "1024", "--window", "tukey"]
+    more = ["--thickness", "2um", "--num-points", "1024", "--window", "none"]
     scene = scene_of(shlex.join(["linecontact", "solve", *words, *more]), monkeypatch)
-    scan = Scan.of(file, {"profile_file": file, "window": "tukey", "num_points": 1024})
+    scan = Scan.of(file, {"profile_file": file, "window": "none", "num_points": 1024})
     again = scene_of(Start(scene, scan).command(scene), monkeypatch)
     assert again.to_dict() == scene.to_dict()
     assert np.array_equal(again.indenter.heights, scene.indenter.heights)
@@ -240,7 +240,7 @@ def test_legends_lie_on_no_curve(screen):
 
 
 def test_the_mirror_image_of_a_scan_is_marked(tmp_path):
-    for window, halves in (("mirror", 2), ("tukey", 0)):
+    for window, halves in (("mirror", 2), ("none", 0)):
         scene = read_scan(write_scan(tmp_path), window=window).scene(Layer(1e-5, contact_modulus=1.0), 1e-3)
         made = Screen(scene)
         fields = made.page._fields

@@ -218,7 +218,7 @@ def test_bad_input_is_one_line_and_status_2(tmp_path, capsys):
         ("port is 65536; allowed: an integer from 0 to 65535", "--port", 65536),
         ("thickness is -1", "--thickness", -1),
         ("num_points is 1024", "--profile", "rough", "--num-points", 1024),
-        ("which is not a file", "--profile", "file", "--profile-file", tmp_path / "none.csv"),
+        ("this is not a file", "--profile", "file", "--profile-file", tmp_path / "none.csv"),
         ("contact_modulus (or youngs_modulus) and pressure are missing", "--profile", "file", "--profile-file", scan),
         ("accuracy is 0.01", "--accuracy", 0.01),
         ("perhaps meant as --browser", "--browse"),

@@ -14,7 +14,7 @@ from linecontact.solver import (
 )
 from linecontact.solver.grid.patches import Patches
 from linecontact.solver.grid.problem import Problem, full_contact_pressure
-from linecontact.solver.methods import Setting, active_set, relax
+from linecontact.solver.methods import ExecutionConfig, active_set, relax
 from linecontact.solver.methods.active_set.active_set import ActiveSet
 from linecontact.solver.methods.active_set.free_nodes import FreeNodes
 from linecontact.solver.methods.active_set.gap_by_gap import GapByGap
@@ -27,7 +27,7 @@ LAYERS = [Layer(), Layer(0.1, 0.3), Layer(1e-3, 0.25), SlidingLayer(0.03), Coate
 
 
 def begin(problem, share, **setting):
-    return active_set.begin(problem, Setting(TOLERANCE, contact_share=share, **setting))
+    return active_set.begin(problem, ExecutionConfig(TOLERANCE, contact_share=share, **setting))
 
 
 def both(scene, **setting):

@@ -69,8 +69,8 @@ def npz(array):
         (npy(np.array(1.0)), r"shape \(\)"),
         (npy(np.zeros((0, 2))), "damaged|shape"),
         (npy(1e308 * np.sign(HEIGHTS)), r"e\+308; allowed: finite numbers up to 1e\+100"),
-        (npy(5e-324 * np.arange(40.0) % 1e-322), "height ranges over"),
-        (npy(np.stack([np.append(np.arange(39.0), np.inf), HEIGHTS], 1)), "row 40: x is inf; allowed: finite"),
+        (npy(5e-324 * np.arange(40.0) % 1e-322), "height ranges from"),
+        (npy(np.stack([np.append(np.arange(39.0), np.inf), HEIGHTS], 1)), "row 40: x is text or inf; allowed: finite"),
         (npy(np.stack([np.append(-1e308, np.linspace(1, 1e308, 39)), HEIGHTS], 1)), r"row 1: x is -1e\+308"),
     ],
 )
@@ -90,7 +90,7 @@ def test_arrays_in_any_order_are_read(tmp_path):
 def test_what_is_too_much_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(columns, "MAX_VALUES", 39)
     monkeypatch.setattr(text, "MAX_TEXT", 1000)
-    with pytest.raises(ValueError, match="40 numbers; allowed: up to 39"):
+    with pytest.raises(ValueError, match=r"40 numbers; allowed: .* up to 39"):
         read(tmp_path / "scan.npy", npy(HEIGHTS))
     with pytest.raises(ValueError, match="allowed: 1000 bytes"):
         read(tmp_path / "scan.csv", b"1\n2\n" * 251)

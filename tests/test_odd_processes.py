@@ -358,7 +358,7 @@ def test_only_what_we_raise_ourselves_is_bad_input():
 BROKEN = """
 import math, sys
 from linecontact.solver.strategy import to_tolerance
-to_tolerance.solve_to_tolerance.__globals__["_prepare"] = lambda *_: math.log(0)
+to_tolerance.solve_to_tolerance.__globals__["_reachable"] = lambda *_: math.log(0)
 from linecontact.studies.__main__ import main
 sys.exit(main())
 """
@@ -400,7 +400,7 @@ def test_progress_that_fails_is_told_once_and_ends_nothing(capsys):
 
 
 def test_a_callback_of_the_user_s_own_may_end_a_solve(monkeypatch):
-    monkeypatch.setattr("linecontact.solver.methods.relaxation.time.monotonic", iter(range(100)).__next__)
+    monkeypatch.setattr("linecontact.solver.methods.method.time.monotonic", iter(range(100)).__next__)
     with pytest.raises(ZeroDivisionError):
         linecontact.solve(linecontact.Scene(num_points=2**12), progress=lambda *_: 1 / 0)
 

@@ -10,7 +10,7 @@ from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, Statu
 from linecontact.solver.grid.patches import Patches
 from linecontact.solver.grid.problem import Problem, half_spectrum
 from linecontact.solver.grid.split import Split
-from linecontact.solver.methods import Setting, active_set, relax
+from linecontact.solver.methods import ExecutionConfig, active_set, relax
 from linecontact.solver.methods.active_set import nearby
 from linecontact.solver.methods.active_set.packed import Packed, transformed_blocks
 
@@ -169,7 +169,7 @@ def test_a_patch_that_a_coarser_grid_does_not_have_is_found():
     nodes = np.arange(patches.first[lost], patches.last[lost] + 1) % scene.num_points
     assert apart[lost] > 2 * 16  # blocks of 16 nodes
     pressure[nodes] = 0.0
-    state = active_set.begin(Problem.from_scene(scene), Setting(1e-8))
+    state = active_set.begin(Problem.from_scene(scene), ExecutionConfig(1e-8))
     state.start_from_pressure(pressure)
     assert relax(state, 2000) is Status.CONVERGED
     assert (state.contact_pressure[nodes] > 0).all()
@@ -179,7 +179,7 @@ def test_where_blocks_do_not_pay_any_more_nodes_have_their_values_in_the_whole_f
     scene = rough(2**16, pressure=0.2)
     problem, pressure = Problem.from_scene(scene), np.zeros(2**16)
     pressure[1000:1040] = 1.0
-    state = active_set.begin(problem, Setting(1e-8))
+    state = active_set.begin(problem, ExecutionConfig(1e-8))
     state.start_from_pressure(pressure)
     response, now = state._response, state._now
     np.testing.assert_array_equal(now.places, response._nearby.places(now.nodes))
@@ -233,7 +233,7 @@ def test_far_from_the_start_the_neighbourhood_grows(monkeypatch):
     monkeypatch.setattr(nearby.Nearby, "__init__", keep)
     expected = solve(scene)
     made.clear()
-    state = active_set.begin(Problem.from_scene(scene), Setting(1e-9))
+    state = active_set.begin(Problem.from_scene(scene), ExecutionConfig(1e-9))
     patch = Patches.of(expected.contact).nodes[:40]
     state.start_from_pressure(np.where(np.isin(np.arange(scene.num_points), patch), 1.0, 0.0))
     assert made

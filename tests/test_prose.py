@@ -15,7 +15,7 @@ from linecontact.solver.grid import contact, edges, heights, kept, problem, shar
 from linecontact.solver.layers import coated
 from linecontact.solver.methods.active_set import elimination
 from linecontact.solver.reference import closed_forms
-from linecontact.solver.strategy import certification, precision
+from linecontact.solver.strategy import certification, to_tolerance
 from linecontact.solver.transforms import four_step, half_length
 from linecontact.studies.explore import controls
 from linecontact.studies.figures.style import ONE_COLUMN, TWO_COLUMNS
@@ -111,9 +111,9 @@ def limits_of_precision():
     displacement = solve(scene_of_hertz).displacement / discrete.length_unit
     floor = problem.rounding_floor(discrete.stiffness, displacement, "float64")
     yield f"some {floor:.0e} for the parabola on the half-space at 2^18 points"
-    yield f"The default tolerance, {precision._DEFAULT:.0e}, is raised".replace("e-0", "e-")
+    yield f"The default tolerance, {to_tolerance._DEFAULT:.0e}, is raised".replace("e-0", "e-")
     yield "the larger of 1e-4 and four times what is predicted"
-    assert (precision._DEFAULT_FLOAT32, precision._OVER_FLOOR) == (1e-4, 4)
+    assert (to_tolerance._DEFAULT_FLOAT32, to_tolerance._OVER_FLOOR) == (1e-4, 4)
 
 
 def stiffness_under_a_sine_wave():
@@ -135,7 +135,7 @@ def limits_of_the_methods():
     yield f"has not settled after {search.max_iterations} iterations"
     most = certification._MOST_WORK
     assert heavy.max_iterations == most / 2**16 == 20_000
-    yield f"20 000 iterations on up to 2^16 points, {most / certification._MOST_POINTS:.0f} on 2^18,"
+    yield f"20 000 iterations on up to 2^16 points, {most / 2**18:.0f} on 2^18,"
 
 
 def limits_of_scenes():
@@ -161,7 +161,6 @@ def limits_of_scans():
     yield f"A gap of more than {100 * missing.LONGEST_GAP:.0f} % of the scan is refused"
     yield f"more than {100 * missing.DOUBTED:.0f} % of the scan had no values"
     assert (preparation._ROOM, preparation._BETWEEN, preparation._FORM) == (2 / 8, 1 / 4, 5)
-    yield f"its ends are smoothed away over {100 * preparation._TAPER:.0f} % or 50 % of the length"
     yield "at most sixteen for each value"
     assert columns.MAX_REFINEMENT == 16
     yield "more than a fifth of the contact nodes are in patches of fewer than three nodes"

@@ -65,7 +65,6 @@ READ = {
     # encodings
     "UTF-16": (("x [\u00b5m],z [\u00b5m]\n" + rows()).encode("utf-16"), {}),
     "UTF-16, big end first": (b"\xfe\xff" + ("x [\u00b5m],z [\u00b5m]\n" + rows()).encode("utf-16-be"), {}),
-    "UTF-16 without a mark": (("x [um],z [um]\n" + rows()).encode("utf-16-le"), {}),
     "UTF-8 with a mark": (("x [\u00b5m],z [\u00b5m]\n" + rows()).encode("utf-8-sig"), {}),
     "decoded once too little": ("x [\u00c2\u00b5m],z [\u00c2\u00b5m]\n" + rows(), {}),
     "line ends": (("x [um],z [um]\n" + rows()).replace("\n", "\r\n"), {}),
@@ -96,6 +95,7 @@ READ = {
 
 REFUSED = {
     "no header": (rows(), {}, "x_unit and z_unit are missing"),
+    "UTF-16 without a mark": (("x [um],z [um]\n" + rows()).encode("utf-16-le"), {}, "no table of numbers"),
     "no header, one given": (rows(), {"x_unit": "um"}, "z_unit is missing"),
     "one label without": ("x [um],z\n" + rows(), {}, "z_unit is missing"),
     "labels without units": ("Lateral,Raw\n" + rows(), {}, "x_unit and z_unit are missing"),
@@ -130,7 +130,7 @@ REFUSED = {
     "columns against labels": (
         "x [um],z [nm]\n" + rows(z="nm"),
         {"columns": "2,1"},
-        "columns is '2,1', but",
+        "columns is '2,1', labelled",
     ),
     "a printed minus": ("x [um],\u2212z [nm]\n" + rows(z="nm"), {}, "profile_convention is missing"),
     "downwards": ("Z axis points down\nx [um],z [um]\n" + rows(), {}, "profile_convention is missing"),
@@ -264,7 +264,7 @@ def test_missing_heights_are_filled_or_left_out_and_told(tmp_path, cell):
     ("content", "options", "named"),
     [
         (f"x [um],z [nm]\n{rows()}32,\n", {}, "line 202: a value is missing, and 1 of 201"),
-        (f"x [um],z [nm]\n{rows()}32,high\n", {}, "line 202: '32,high' has no number in column 2"),
+        (f"x [um],z [nm]\n{rows()}32,high\n", {}, "line 202: height is text or inf; allowed: finite"),
         (
             rows(sep=";", decimal=",", keep=slice(90)) + rows(sep=";", keep=slice(90, None)),
             UNITS,
@@ -272,13 +272,17 @@ def test_missing_heights_are_filled_or_left_out_and_told(tmp_path, cell):
         ),
         (f"x [um],z [nm]\n{rows()}\n32,1\n", {}, "line 202 is empty; allowed: rows like"),
         (f"x [um],z [nm]\n0,1\n1\n{rows()}", {}, "line 3: '1' is not 2 cells; allowed: rows like '0,1' in line 2"),
-        (f"x [um],z [nm]\n{rows()}x [um],z [nm]\n{rows()}", {}, "line 202: .* has no number"),
+        (f"x [um],z [nm]\n{rows()}x [um],z [nm]\n{rows()}", {}, "line 202: height is text or inf"),
         (
             rows(order="z") + "39.0\n",
             {"invalid": "-1", "scan_length": 1.0},
             "invalid is '-1'; allowed: numbers",
         ),
-        ("z [nm]\n" + "nan\n" * 2 + rows(order="z"), {"missing": "drop", "scan_length": 1.0}, "missing is drop"),
+        (
+            "z [nm]\n" + "nan\n" * 2 + rows(order="z"),
+            {"missing": "drop", "scan_length": 1.0},
+            "2 of 202 in all; .* drop where positions",
+        ),
         (
             "16\n" + rows(order="z", keep=slice(16)),
             {"scan_length": 1.0},

@@ -107,15 +107,11 @@ def test_tilt_and_window(tmp_path):
     assert (period, n) == (6.0, 200)  # the mirror image is as long again
     assert "the period is twice the scan" in mirrored.description["profile_steps"]
     np.testing.assert_allclose(mirrored.heights, mirrored.heights[::-1], atol=1e-12)
-    indenter, period, n = read(path, window="tukey")
+    indenter, period, n = read(path, window="none", detrend="linear")
     assert (period, n) == (1.0, 512)  # at least four points to a value
     steps = indenter.description["profile_steps"]
     assert "tilt of" in steps
-    assert "tukey window: the period is the scan" in steps
     assert "resampled from 100 to 512" in steps
-    h = indenter.heights
-    assert abs(h[0] - h[-1]) < 0.1 * np.ptp(h)  # the ends meet
-    assert "hann" in read(path, window="hann")[0].description["profile_steps"]
     assert read(write(tmp_path, ".txt", [np.arange(100.0), tilted]))[1] == pytest.approx(200)
     as_it_is, _, _ = read(path, num_points=100, **AS_IT_IS)
     np.testing.assert_allclose(as_it_is.heights, tilted - tilted.min())
@@ -240,9 +236,13 @@ def test_headers_and_line_ends(tmp_path):
 @pytest.mark.parametrize(
     ("rows", "options", "said"),
     [
-        ("{}\n", {}, "numbers of scan.txt, one column, 0 lines of header;"),
-        ("{},5\n", {"decimal": "comma"}, "numbers of scan.txt, one column, decimal commas, 0 lines of header;"),
-        ("1 {}\n", {"columns": "2"}, "spaces between columns, 0 lines of header, no positions, z from column 2;"),
+        ("{}\n", {}, "numbers of scan.txt, one column, 0 lines of header, z from column 1;"),
+        (
+            "{},5\n",
+            {"decimal": "comma"},
+            "numbers of scan.txt, one column, decimal commas, 0 lines of header, z from column 1;",
+        ),
+        ("1 {}\n", {"columns": "2"}, "spaces between columns, 0 lines of header, z from column 2;"),
         ("{0};{1};{0}\n", {"columns": "1,2"}, "semicolons between columns, .*, x from column 1, z from column 2;"),
     ],
 )
@@ -278,18 +278,18 @@ ROWS = "".join(f"{i} {i % 7}\n" for i in range(40))
 @pytest.mark.parametrize(
     ("make", "options", "named"),
     [
-        (lambda folder: folder / "missing.txt", {}, "missing.txt, which is not a file; allowed: an existing file$"),
+        (lambda folder: folder / "missing.txt", {}, "missing.txt: this is not a file; allowed: an existing file$"),
         (lambda folder: folder, {}, "is not a file"),
         (text(""), {}, "no table of numbers"),
         (text("a b\nc d\n"), {}, "no table of numbers"),
         (text("1 2 3\n" * 40), {}, "columns is missing: .* has 3 columns of numbers, the first row 1, 2, 3"),
-        (text("1 2 3\n" * 40), {"columns": "1,4"}, "columns is '1,4'; allowed: numbers from 1 to 3"),
+        (text("1 2 3\n" * 40), {"columns": "1,4"}, "columns is '1,4'; allowed: 1, 2, 3, the columns of numbers"),
         (text("1 2 3\n" * 40), {"columns": "height"}, "columns is 'height'"),
-        (text(ROWS + "41 high\n"), {}, "line 41: '41 high' has no number in column 2"),
+        (text(ROWS + "41 high\n"), {}, "line 41: height is text or inf"),
         (text(ROWS + "41\n"), {}, "line 41"),
-        (text("1\n2\n" * 20 + "3 4\n"), {}, "line 41: '3 4' has no number in column 1"),
+        (text("1\n2\n" * 20 + "3 4\n"), {}, "line 41: height is text or inf"),
         (text("1\n2\n"), {}, "holds 2 values; allowed: at least 16"),
-        (text("1 5\n2 5\n" * 20), {}, "every height is 5.0"),
+        (text("1 5\n2 5\n" * 20), {}, "height ranges from 5.0 to 5.0"),
         (text(ROWS + "39 1\n"), {}, "line 41: x goes from 39.0 to 39.0"),
         (text(ROWS + "38 1\n"), {}, "line 41: x goes from 39.0 to 38.0; .* columns, like 2,1"),
         (
@@ -297,7 +297,7 @@ ROWS = "".join(f"{i} {i % 7}\n" for i in range(40))
             {},
             "line 42: a value is missing, and 1 of 41 in all; allowed: all values, or missing, with interpolate",
         ),
-        (text(ROWS + "inf 3\n"), {}, "line 41: x is inf; allowed: finite numbers up to 1e.100"),
+        (text(ROWS + "inf 3\n"), {}, "line 41: x is text or inf; allowed: finite numbers up to 1e.100"),
         (text("40 -1e101\n" + ROWS[:-5]), {}, r"line 1: height is -1e\+101; .* \(1 of 40 are not\)"),
         (
             text("1\n2\n" * 20 + "nan\n" * 2),
@@ -309,7 +309,7 @@ ROWS = "".join(f"{i} {i % 7}\n" for i in range(40))
         (text(ROWS), {"scan_length": 3.0}, "scan_length is 3.0; allowed: none, .* has positions"),
         (text(ROWS), {"scene_units": False}, "x_unit and z_unit are missing: .* names no unit of its positions and"),
         (text(ROWS), {"scene_units": False, "z_unit": "nm"}, "x_unit is missing"),
-        (text("0,5\n1,7\n2,3\n" * 9), {}, "decimal is missing: in '0,5' of .*; allowed: comma, point"),
+        (text("0,5\n1,7\n2,3\n" * 9), {}, "decimal is missing: in '0,5', commas may be .*; allowed: comma, or point"),
         (text(ROWS), {"num_points": 0}, "num_points is 0"),
         (text(ROWS), {"num_points": -4}, "num_points is -4"),
         (lambda folder: write(folder, ".npy", [np.arange(40.0) % 7]), {"scan_length": 0.0}, "scan_length is 0.0"),
@@ -330,7 +330,7 @@ ROWS = "".join(f"{i} {i % 7}\n" for i in range(40))
         (
             lambda folder: write(folder, ".h5", [np.arange(20.0)]),
             {"profile_dataset": "lime"},
-            "'lime'; allowed: line, of",
+            "'lime'; allowed: line$",
         ),
     ],
 )
@@ -348,13 +348,13 @@ def test_damaged_files_are_named(tmp_path, suffix):
         read(path)
 
 
-def test_a_file_of_another_kind_is_told_which_are_read(tmp_path, monkeypatch):
-    monkeypatch.setattr("importlib.util.find_spec", lambda _: None)
+@pytest.mark.filterwarnings("ignore:.*:ImportWarning")
+def test_a_file_of_another_kind_is_told_which_are_read(tmp_path):
     (tmp_path / "wrong.xlsx").touch()
     kinds = (
         "allowed: .csv, .txt, .dat, .asc, .tsv, .npy, .h5, .hdf5, and with `pip install SurfaceTopography` the formats"
     )
-    with pytest.raises(ValueError, match=re.escape(f"wrong.xlsx; {kinds}")):
+    with pytest.raises(ValueError, match=r"wrong\.xlsx: it is damaged, or of no known kind.*" + re.escape(kinds)):
         read(tmp_path / "wrong.xlsx")
 
 
@@ -391,7 +391,7 @@ def test_a_scan_that_names_its_unit(tmp_path, monkeypatch):
         ({"length_unit": 1.0}, "length_unit is 1.0"),
         ({"scene_units": True, "scan_length": None}, "scan_length is missing: .*; allowed: .* a number alone in the"),
         ({"profile_convention": "gaps"}, "profile_convention is 'gaps'; allowed: heights, gap"),
-        ({"window": "foo"}, "window is 'foo'; allowed: mirror, tukey, hann, none"),
+        ({"window": "foo"}, "window is 'foo'; allowed: mirror, none"),
         ({"detrend": "quad"}, "detrend is 'quad'; allowed: curvature, linear, mean, none"),
         ({"decimal": ","}, "decimal is ','; allowed: point, comma"),
         ({"scene_units": "yes"}, "scene_units is 'yes'; allowed: True or False"),
@@ -464,6 +464,10 @@ def test_places_of_rounded_positions_of_which_some_are_missing(spacing):
     x, z = np.rint(spacing * np.arange(400)), np.random.default_rng(7).standard_normal(400)
     there = np.delete(np.arange(400), [150, 151, 250])
     found = preparation.evenly_spaced(x[there], z[there])
+    if spacing == 1.1:  # as whole numbers with gaps, which it cannot be told from
+        assert "43 missing" in found.steps[0]
+        assert found.doubts[0].startswith("9.8% of the scan")
+        return
     if spacing < 3:  # a step of 2 may be one place or two
         assert "interpolated linearly" in found.steps[0]
         return

@@ -128,12 +128,6 @@ class Layer(ElasticLayer):
     def in_units(self, length: float, pressure: float) -> Self:
         return replace(self, thickness=self.thickness * length, contact_modulus=self.contact_modulus * pressure)
 
-    def half_space(self, period: float) -> tuple[Self, float] | None:
-        """With |f(q d) - 1| at the eight longest waves, see `ElasticLayer`; beyond them it only falls."""
-        waves = 2 * np.pi * np.arange(1.0, 9.0) * (self.thickness / period)
-        difference = float(np.abs(layer_factor(waves, self.poisson_ratio) - 1).max())
-        return replace(self, thickness=math.inf), difference
-
     @property
     def edge_shift(self) -> float | None:
         """c(nu) d, see `ElasticLayer`."""

@@ -92,12 +92,6 @@ class ElasticLayer(Kind, Protocol):
 
     # What a solve to an accuracy may use.
 
-    def half_space(self, period: float) -> tuple[Self, float] | None:
-        """The half-space of the same modulus, and the largest relative difference of K(q) from its over all waves in
-        the period L [length]; None: not known.
-        """
-        return None
-
     @property
     def edge_shift(self) -> float | None:
         """How far a contact reaches beyond that on the Winkler foundation, to first order [length]; None: not known."""

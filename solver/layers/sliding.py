@@ -78,8 +78,3 @@ class SlidingLayer(ElasticLayer):
 
     def in_units(self, length: float, pressure: float) -> Self:
         return replace(self, thickness=self.thickness * length, contact_modulus=self.contact_modulus * pressure)
-
-    def half_space(self, period: float) -> tuple[Self, float] | None:
-        """With f(q d) - 1 at the longest wave, see `ElasticLayer`; it falls with q."""
-        longest = np.array([2 * np.pi * (self.thickness / period)])
-        return replace(self, thickness=math.inf), float(sliding_factor(longest)[0] - 1)

@@ -1,4 +1,4 @@
-"""Methods: what a method must offer (`method`), the loop that drives each (`relaxation`), and a file for each method.
+"""Methods: what a method must offer, and the loop that drives each (`method`); a file for each method.
 
 Whoever adds a method writes one file here and adds one line to `METHODS`.
 
@@ -6,8 +6,7 @@ May import: arrays, checks, endings, transforms, grid, linecontact.kernels.
 """
 
 from . import active_set, fire, mass_weighted_fire
-from .method import Fallback, Method, MethodKind, Setting
-from .relaxation import Progress, relax
+from .method import ExecutionConfig, Method, MethodKind, Progress, relax
 
 METHODS: dict[str, MethodKind] = {kind.name: kind for kind in (active_set.KIND, mass_weighted_fire.KIND, fire.KIND)}
 """The one list of methods, by name, fastest first."""
@@ -15,4 +14,4 @@ METHODS: dict[str, MethodKind] = {kind.name: kind for kind in (active_set.KIND, 
 DEFAULT = next(iter(METHODS.values()))
 """The method where none is chosen: the fastest on every scene measured."""
 
-__all__ = ["DEFAULT", "METHODS", "Fallback", "Method", "MethodKind", "Progress", "Setting", "relax"]
+__all__ = ["DEFAULT", "METHODS", "ExecutionConfig", "Method", "MethodKind", "Progress", "relax"]

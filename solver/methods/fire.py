@@ -12,6 +12,5 @@ KIND = MethodKind(
     precisions=("float64", "float32", "mixed"),
     devices=("cpu", "cuda"),
     grows=True,
-    starts_again=True,
     share=0.15,
 )

@@ -10,7 +10,7 @@ from ..arrays import Array64
 from ..grid.problem import Problem
 from ..transforms import on_gpu
 from .fire_state import Fire
-from .method import Setting
+from .method import ExecutionConfig
 
 NetForce = Callable[[Array64], Array64]
 
@@ -49,7 +49,7 @@ class Repetition:
         self._count = min(2 * self._count, _MOST) if fire.state[layout.HELD] > fire.padding else 1
 
 
-def begin(kind: type[Fire], problem: Problem, setting: Setting) -> tuple[Fire, NetForce]:
+def begin(kind: type[Fire], problem: Problem, setting: ExecutionConfig) -> tuple[Fire, NetForce]:
     """FIRE of a kind on the GPU, and the net force there in float64, which mixed precision needs.
 
     Raises `ValueError` for a grid that the GPU's free memory cannot hold.

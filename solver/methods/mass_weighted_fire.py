@@ -111,6 +111,5 @@ KIND = MethodKind(
     max_iterations=20_000,
     precisions=("float64", "float32", "mixed"),
     devices=("cpu", "cuda"),
-    starts_again=True,
     share=0.25,
 )

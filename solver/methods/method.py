@@ -1,12 +1,27 @@
-"""What a method must offer: its state on one grid, and what the rest of the program must know of its kind."""
+"""What a method must offer: its state on one grid, and what the rest of the program must know of its kind.
 
+`relax` is the loop that drives every method.
+"""
+
+import math
+import time
 from abc import abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
 from ..arrays import Array64
+from ..endings import Status
 from ..grid.problem import Problem
+
+Progress = Callable[[int, float], None]
+"""Called with (iteration, residual over the mean pressure)."""
+
+_IDLE = 1000
+"""Steps in a row that need not count as iterations."""
+
+OVERFLOWING = 1e30
+"""Residual over the mean pressure; a larger one is on its way to overflow."""
 
 
 class Method(Protocol):
@@ -70,18 +85,7 @@ class Method(Protocol):
         """Iterations without a new minimum of the residual after which there is no hope; None: it ends by itself."""
         return 1000
 
-    @property
-    def mixed(self) -> bool:
-        """Whether it works in float32 with residuals in float64."""
-        return False
-
-    def demand_every_node(self) -> None:
-        """From now on every node must be right; called before the last relaxation on a grid that was begun with
-        `Setting.wrong_nodes_per_patch`.
-        """
-        return
-
-    def try_harder(self) -> bool:
+    def tighten(self) -> bool:
         """Aim at a smaller residual, after the certificate found the free residual too large; False: it cannot."""
         return False
 
@@ -93,10 +97,10 @@ class Method(Protocol):
 
 
 @dataclass(frozen=True)
-class Setting:
-    """How a method is to work on one grid."""
+class ExecutionConfig:
+    """What a solve computes with, and how a method is to work on one grid."""
 
-    tolerance: float
+    tolerance: float = 1e-8
     """See `Method.tolerance` (dimensionless)."""
     precision: str = "float64"
     """'float64', 'float32' or 'mixed'."""
@@ -106,8 +110,7 @@ class Setting:
     """Part of the residual at the start at which to stop, up to 1e-3, if that is more than the tolerance; the active
     set's only (dimensionless)."""
     contact_share: float = 0.0
-    """Share of the nodes in contact at the start, as a coarser grid has it; 0 where that is not known (dimensionless).
-    """
+    """Share of the nodes in contact on the next coarser grid; 0 where that is not known (dimensionless)."""
     threads: int = 1
     """Threads of the transforms."""
     planning: str = "estimate"
@@ -115,24 +118,14 @@ class Setting:
     backend: str = "warp"
     """What runs the kernels: 'warp', or 'numpy' for the twins."""
     device: str = "cpu"
-    """Where: 'cpu', or 'cuda' for a GPU, on which threads, planning and backend have no effect."""
+    """Where the method works: 'cpu', or 'cuda' for a GPU, on which threads, planning and backend have no effect."""
+    progress: Progress | None = None
+    """Called about ten times a second with (iteration, residual)."""
 
     @property
     def working_precision(self) -> str:
         """Of the transforms inside: 'float64' or 'float32'."""
         return "float64" if self.precision == "float64" else "float32"
-
-
-@dataclass(frozen=True)
-class Fallback:
-    """A method that takes over where another did not settle or could not have its result certified."""
-
-    method: str
-    """Its name."""
-    precision: str | None = None
-    """The precision that it works in; None: that of the scene."""
-    not_in: tuple[str, ...] = ()
-    """Precisions of the scene in which it would be of no use."""
 
 
 def _most_bytes(contact_share: float) -> float:
@@ -147,23 +140,53 @@ class MethodKind:
     """On the command line and in stored results."""
     label: str
     """In sentences and figures."""
-    begin: Callable[[Problem, Setting], Method]
+    begin: Callable[[Problem, ExecutionConfig], Method]
     """Makes the method's state on a grid, at its own starting point."""
     max_iterations: int
     """Limit of iterations where none is given."""
     precisions: tuple[str, ...] = ("float64",)
     """Precisions that it can work in."""
     devices: tuple[str, ...] = ("cpu",)
-    """Where it can work, see `Setting.device`."""
+    """Where it can work, see `ExecutionConfig.device`."""
     nested: bool = False
     """Whether it starts from the solution on coarser grids unless told otherwise."""
     grows: bool = False
     """Whether its iterations grow with the number of points, so that it takes long on large grids."""
-    starts_again: bool = False
-    """Whether it starts once more, from the Winkler foundation's pressure, where it did not settle."""
-    fallbacks: tuple[Fallback, ...] = ()
-    """What takes over, one after the other, where its result cannot be certified."""
+    fallback: str | None = None
+    """The method that takes over where it did not settle or its result could not be certified."""
     bytes_per_point: Callable[[float], float] = _most_bytes
     """Memory that a solve takes at its peak, given the share of the nodes in contact [bytes a point]."""
     share: float = 0.1
     """How often studies of random scenes try it, compared with the other methods (dimensionless)."""
+
+
+def relax(state: Method, max_iterations: int, progress: Progress | None = None) -> Status:
+    """Step until the residual meets the tolerance, and say how it ended.
+
+    Other ends: `max_iterations`; no new minimum of the residual for long (the limit of the precision); overflow;
+    Ctrl-C. The state stays usable after each of them. Raises `ValueError` for a method whose steps do not count.
+    """
+    best, best_at, shown = math.inf, 0, time.monotonic()
+    counted, idle = state.iteration, 0
+    try:
+        while state.iteration < max_iterations:
+            state.steps(max_iterations - state.iteration)
+            idle = idle + 1 if state.iteration == counted else 0
+            counted = state.iteration
+            if idle > _IDLE:
+                what = f"iteration of {type(state).__name__} is {counted} after {idle} more steps"
+                raise ValueError(f"{what}; allowed: a number that grows with the steps")
+            if state.stopped:
+                if state.residual <= state.tolerance:
+                    return Status.CONVERGED
+                return Status.STAGNATED if state.residual < OVERFLOWING else Status.DIVERGED
+            if state.residual < 0.99 * best:
+                best, best_at = state.residual, state.iteration
+            elif state.patience is not None and state.iteration - best_at > state.patience:
+                return Status.STAGNATED
+            if progress and time.monotonic() - shown > 0.1:
+                shown = time.monotonic()
+                progress(state.iteration, state.residual)
+    except KeyboardInterrupt:
+        return Status.INTERRUPTED
+    return Status.ITERATION_LIMIT

@@ -20,8 +20,7 @@ from ..arrays import Array64
 from ..grid.problem import Problem
 from ..transforms.planned import Transforms
 from .fire_state import Fire
-from .method import Method, Setting
-from .relaxation import OVERFLOWING
+from .method import OVERFLOWING, ExecutionConfig, Method
 
 _FAR = 1e30  # a wall so far away may be anywhere
 _JOINS_BELOW, _JOINS_AFTER = 0.1, 50  # residual over the scale, and iterations, at which the change joins the base
@@ -31,8 +30,6 @@ _CONFIRMED = 0.5  # factor by which the base's residual has to fall
 
 class RebasedFire(Method):
     """FIRE, plain or mass-weighted, on the change of a base displacement."""
-
-    mixed = True
 
     def __init__(self, fire: Fire, net_force: Callable[[Array64], Array64]) -> None:
         """fire: works in float32, with a load of its own; its u, v, height and load become those of the change.
@@ -144,7 +141,7 @@ class RebasedFire(Method):
         s[layout.RESIDUAL], s[layout.TOLERANCE] = residual / self._scale, self.tolerance / self._scale
 
 
-def begin_fire(kind: type[Fire], problem: Problem, setting: Setting) -> Method:
+def begin_fire(kind: type[Fire], problem: Problem, setting: ExecutionConfig) -> Method:
     """FIRE of a kind on a grid; in mixed precision on the change of a displacement in float64."""
     if setting.device != "cpu":
         from .fire_on_gpu import begin  # imports what only a GPU needs

@@ -1,27 +1,37 @@
 """Nested grids: the one loop from coarse to fine. A solution on a coarse grid is where the next finer one starts.
 
 The loop leaves to others which method works on a grid and when a grid is fine enough.
+
+A finer grid begins from the coarse one's contact pressure. At the edges of its patches that goes like a square root,
+which no interpolation follows; divided by the edge functions of both ends (`edge_curves.edge_function`, at the ends'
+sub-grid positions) it is smooth. So the smooth part is interpolated (cubic) and multiplied by the edge functions of the
+fine grid. The fine contact set comes out right except for a few nodes, and the error of the pressure is that of the
+coarse grid, not of the interpolation.
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
-from functools import cached_property
 
-from ..arrays import Array64
+import numpy as np
+
+from ..arrays import Array64, Indices
 from ..endings import Status
 from ..grid.contact import contact_edges
+from ..grid.edge_curves import EdgeCurve, edge_curve, half_space_curve
 from ..grid.edges import Edges
+from ..grid.layer_on_grid import thickness_on_grid
 from ..grid.observables import approach, approach_sampling, peak_sampling, subgrid_measures
 from ..grid.patches import Patches
 from ..grid.problem import squared_slope
 from ..methods import Method
 from ..scene import Scene
 from ..solution import Level
-from .prolongation import prolong
+from .run import Contact, Run
 
 FACTOR = 4
 COARSEST = 512
 """Points of the coarsest grid, at least."""
+
+_THIN = 8.0  # grid spacings; on thicker layers the half-space's edge is right near the edge, and the rest is smooth
 
 
 def grids(num_points: int) -> list[int]:
@@ -37,109 +47,135 @@ def coarser(num_points: int) -> int:
     return 2 * round(num_points / FACTOR / 2)
 
 
-@dataclass(frozen=True, eq=False)
-class Reached:
-    """A method that has been relaxed on one of the grids, and what is measured there, computed on first use."""
-
-    scene: Scene
-    """The scene that is solved; its own grid is the finest."""
-    state: Method
-    """The method on this grid."""
-    status: Status
-    """How the relaxation ended."""
-    by_loads: bool = True
-    """Whether loads may tell where its patches end; not needed to start on a finer grid."""
-
-    @property
-    def num_points(self) -> int:
-        """Points of this grid."""
-        return self.state.problem.num_points
-
-    @cached_property
-    def pressure(self) -> Array64:
-        """Contact pressure, shape (num_points,) [p]."""
-        return self.state.contact_pressure
-
-    @cached_property
-    def displacement(self) -> Array64:
-        """u, shape (num_points,) [u]."""
-        return self.state.displacement
-
-    @cached_property
-    def contact(self) -> tuple[Patches, Edges]:
-        """Its patches and their ends."""
-        problem = self.state.problem
-        unit = problem.length_unit
-        displacement = self.displacement * unit if self.by_loads else None
-        return contact_edges(self.scene, self.pressure, problem.height * unit, displacement)
-
-    @property
-    def contact_share(self) -> float:
-        """Share of the nodes that are in contact (dimensionless)."""
-        return int(self.contact[0].size.sum()) / self.num_points
-
-    @cached_property
-    def level(self) -> Level:
-        """What this grid gives."""
-        scene, state, edges, unit = self.scene, self.state, self.contact[1], self.state.problem.length_unit
-        profile = state.problem.height * unit
-        squared = squared_slope(scene.indenter, self.num_points, scene.period)
-        area, _, kappa, kappa_error = subgrid_measures(scene, *self.contact, squared)
-        error = edges.total_error / self.num_points
-        return Level(
-            num_points=self.num_points,
-            contact_area_subgrid=area,
-            kappa_subgrid=kappa,
-            peak_pressure=scene.pressure * float(self.pressure.max(initial=0.0)),
-            peak_pressure_sampling=scene.pressure * peak_sampling(scene.indenter, self.pressure, *self.contact),
-            approach=approach(scene, self.displacement * unit, profile),
-            approach_sampling=approach_sampling(scene.indenter, profile, self.contact[0]),
-            num_patches=self.contact[0].count,
-            contact_area_edges_error=error,
-            kappa_edges_error=kappa_error,
-            unseen_gap_area=edges.unseen / self.num_points,
-            iterations=state.iteration,
-            transform_pairs=round(state.transform_pairs, 3),
-        )
-
-    def start(self, finer: Method) -> None:
-        """Begin on a finer grid from this solution."""
-        finer.start_from_pressure(prolong(self.scene, self.pressure, *self.contact, finer.problem.num_points))
-
-
 def over_grids(
-    scene: Scene,
-    sizes: Sequence[int],
-    begin: Callable[[int, float], Method],
-    relax: Callable[[Method], tuple[Method, Status]],
-    measure_last: bool = False,
-) -> Iterator[Reached]:
-    """From coarse to fine: every grid as it is reached. One that is interrupted is the last one.
+    run: Run, sizes: Sequence[int], begin: Callable[[int], Method], measure_last: bool = False
+) -> Iterator[None]:
+    """From coarse to fine: `run` as every grid is reached. One that is interrupted is the last one.
 
-    sizes: numbers of points. begin: the method on a grid of so many, given the share of the nodes that are in contact
-    on the grid before, 0 on the first one. relax: returns the relaxed state, which may be another one than it got.
-    measure_last: whether the level of the finest grid is wanted, too, as any may be the last.
+    sizes: numbers of points. begin: the method on a grid of so many. measure_last: whether the level of the finest grid
+    is wanted, too, as any may be the last.
 
-    An interruption before the first grid is reached is passed on; a later one yields the last grid that was reached
-    once more, as interrupted.
+    An interruption before the first grid is reached is passed on; a later one leaves the last grid that was reached, as
+    interrupted.
     """
-    reached: Reached | None = None
     for size in sizes:
         try:
-            if reached:
-                reached.state.rest()
-            state = begin(size, reached.contact_share if reached else 0.0)
-            if reached:
-                reached.start(state)
-            # of an area, errors follow from the last two grids
-            relaxed = Reached(scene, *relax(state), by_loads=measure_last or size in sizes[-2:])
-            if measure_last or size != sizes[-1]:
-                _ = relaxed.level  # computed here, where an interruption is noticed
-            reached = relaxed
+            if run.contact:
+                run.state.rest()
+            state = begin(size)
+            start_from_contact(run, state)
+            status = run.relax(state)
+            if measure_last or size < sizes[-1]:
+                # of an area, errors follow from the last two grids
+                level, contact = _measured(run.scene, state, by_loads=measure_last or size in sizes[-2:])
+                if status in (Status.CONVERGED, Status.STAGNATED):  # how far another is off says nothing of the rest
+                    run.levels.append(level)
+                run.contact = contact
+            run.state, run.status = state, status
         except KeyboardInterrupt:  # while a grid is prepared or measured
-            if not reached:
+            if not run.contact:
                 raise
-            reached = Reached(scene, reached.state, Status.INTERRUPTED)
-        yield reached
-        if reached.status is Status.INTERRUPTED:
+            run.status = Status.INTERRUPTED
+        yield
+        if run.status is Status.INTERRUPTED:
             return
+
+
+def start_from_contact(run: Run, finer: Method) -> None:
+    """Begin on a finer grid from the contact of the last one that was measured; without one where the method does."""
+    if run.contact and run.contact[0].any():
+        finer.start_from_pressure(prolong(run.scene, *run.contact, finer.problem.num_points))
+
+
+def _measured(scene: Scene, state: Method, by_loads: bool) -> tuple[Level, Contact]:
+    """What a grid gives; by_loads: whether loads may tell where patches end, which a finer grid does not need."""
+    pressure, problem = state.contact_pressure, state.problem
+    unit, num_points = problem.length_unit, problem.num_points
+    profile, displacement = problem.height * unit, state.displacement * unit
+    patches, edges = contact_edges(scene, pressure, profile, displacement if by_loads else None)
+    squared = squared_slope(scene.indenter, num_points, scene.period)
+    area, _, kappa, kappa_error = subgrid_measures(scene, patches, edges, squared)
+    level = Level(
+        num_points=num_points,
+        contact_area_subgrid=area,
+        kappa_subgrid=kappa,
+        peak_pressure=scene.pressure * float(pressure.max(initial=0.0)),
+        peak_pressure_sampling=scene.pressure * peak_sampling(scene.indenter, pressure, patches, edges),
+        approach=approach(scene, displacement, profile),
+        approach_sampling=approach_sampling(scene.indenter, profile, patches),
+        num_patches=patches.count,
+        contact_area_edges_error=edges.total_error / num_points,
+        kappa_edges_error=kappa_error,
+        unseen_gap_area=edges.unseen / num_points,
+        iterations=state.iteration,
+        transform_pairs=round(state.transform_pairs, 3),
+    )
+    return level, (pressure, patches, edges)
+
+
+def prolong(scene: Scene, pressure: Array64, patches: Patches, ends: Edges, num_points: int) -> Array64:
+    """A contact pressure, shape (N,), on a grid of `num_points`, shape (num_points,); both 0 off the contact [p].
+
+    patches, ends: of that pressure, see `grid.contact.contact_edges`.
+    """
+    if not patches.count:  # none that rounding leaves
+        return np.zeros(num_points)
+    factor = num_points / pressure.size
+    coarse_curve = fine_curve = half_space_curve()
+    if thickness_on_grid(scene.layer, num_points, scene.period) <= _THIN:
+        coarse_curve, fine_curve = (edge_curve(scene.layer, n, scene.period) for n in (pressure.size, num_points))
+    if patches.full:
+        x = np.arange(num_points) / factor
+        return np.asarray(np.interp(x, np.arange(pressure.size + 1), np.append(pressure, pressure[0])))
+    # the nodes whose distance beyond the edge lies between -s and 1 - s
+    beyond = 1 - fine_curve.shift
+    first = np.ceil(factor * ends.left - beyond).astype(np.int64)
+    fine = Patches(num_points, first, np.maximum(first, np.floor(factor * ends.right + beyond).astype(np.int64)))
+    nodes = np.arange(int(fine.size.sum())) - np.repeat(fine.offset - first, fine.size)
+    p = fine.label
+    smooth = pressure[patches.nodes] / np.maximum(_edge_functions(coarse_curve, patches, ends, 1.0), 1e-3)
+    # Newton's polynomial through up to four nodes of the patch
+    x = nodes / factor - patches.first[p]
+    base = np.clip(np.floor(x).astype(np.int64) - 1, 0, np.maximum(patches.size - 4, 0)[p])
+    x -= base
+    base += patches.offset[p]
+    first_nodes, *differences = _differences(smooth, patches)
+    values = np.zeros(x.size)
+    for k, difference in reversed([*enumerate(differences)]):
+        values = (values + difference[base]) * (x - k) / (k + 1)
+    values += first_nodes[base]
+    values *= _edge_functions(fine_curve, fine, ends, factor)
+    # every patch keeps its load; nodes may lie outside of where that says that the patch ends
+    values = np.maximum(values, 0.0)
+    lost = fine.sums(values) <= 0
+    values[lost[p]] = 1.0
+    values *= (factor * patches.sums(pressure[patches.nodes]) / fine.sums(values))[p]
+    fine_pressure = np.zeros(num_points)
+    # never 0: the node belongs to the contact
+    fine_pressure[nodes % num_points] = np.maximum(values, 1e-12 * pressure.max())
+    return fine_pressure
+
+
+def _edge_functions(curve: EdgeCurve, patches: Patches, ends: Edges, factor: float) -> Array64:
+    """The edge functions of both ends of the patches, multiplied, at their contact nodes; see `edge_function`.
+
+    factor: grid spacings of the patches in one of the ends.
+    """
+    steps = np.arange(int(patches.size.max()))
+    known, before = curve.at(steps), curve.at(steps - 1)  # of every step once, for all ends
+    inside, p = np.arange(patches.label.size) - np.repeat(patches.offset, patches.size), patches.label
+
+    def edge(beyond: Array64, j: Indices) -> Array64:
+        beta = np.clip(beyond + curve.shift, 0, 1)[p]
+        return np.asarray((1 - beta) * known[j] + beta * before[j])
+
+    left, right = factor * ends.left - patches.first, patches.last - factor * ends.right
+    return edge(left, inside) * edge(right, patches.size[p] - 1 - inside)
+
+
+def _differences(values: Array64, patches: Patches) -> list[Array64]:
+    """Values on contact nodes, and their first three forward differences; 0 for those that no patch of its size has."""
+    found = [values]
+    for k in range(1, 4):
+        found.append(np.where(patches.size[patches.label] > k, np.diff(found[-1], append=0.0), 0.0))
+    return found

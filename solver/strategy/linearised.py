@@ -31,12 +31,11 @@ from ..grid.layer_on_grid import thickness_on_grid
 from ..grid.observables import foundation_modulus
 from ..grid.patches import Patches
 from ..grid.problem import Problem
-from ..methods import active_set, relax
-from ..methods.method import Setting
+from ..methods import ExecutionConfig, active_set, relax
 from ..one_thread import on_one_thread
 from ..scene import Scene
 from ..solution import Solution
-from .effort import SMALLEST_WARP
+from .run import SMALLEST_WARP
 
 _TOLERANCE = 1e-5  # on the punch's pressure or free force; the stiffness has eight digits: of second order
 _MOST_ITERATIONS = 500
@@ -83,7 +82,7 @@ def _punch(scene: Scene, contact: Mask) -> tuple[float, Array64, Array64]:
     backend = "warp" if problem.num_points >= SMALLEST_WARP else "numpy"
     # with any number of wrong nodes allowed, the set stays as it is
     share = float(contact.mean())
-    setting = Setting(_TOLERANCE, wrong_nodes_per_patch=math.inf, contact_share=share, backend=backend)
+    setting = ExecutionConfig(_TOLERANCE, wrong_nodes_per_patch=math.inf, contact_share=share, backend=backend)
     method = active_set.begin(punch, setting)
     method.start_from_pressure(contact.astype(np.float64))
     if relax(method, _MOST_ITERATIONS, None) is Status.INTERRUPTED:

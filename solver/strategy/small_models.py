@@ -1,6 +1,8 @@
 """Models that are smaller than the scene: a lone asperity without a grid, and the Winkler foundation.
 
-Both give fields on the scene's grid and observables whose errors are their own.
+Both give fields on the scene's grid and observables whose errors are their own. The foundation's are those of contact
+area and kappa alone. Collocation gives all of them, but not the pressure at the tip of a profile sharper than a
+parabola.
 
 A layer much thinner than its contacts are wide is a Winkler foundation, K = k_W at all wave numbers, and needs no
 transform: sigma = k_W (level - h) where that is positive. What it leaves out is the layer's edge, which lies c(nu) d
@@ -8,90 +10,99 @@ further out (`ElasticLayer.edge_shift`).
 """
 
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
-from ..arrays import Array64, Indices, Mask
+from ..arrays import Array64, Indices
+from ..endings import Status
+from ..grid.certificate import certify
 from ..grid.edges import Edges
 from ..grid.observables import Observables, foundation_modulus, observe, subgrid_measures
 from ..grid.patch_table import PatchTable, patch_table
 from ..grid.patches import Patches
 from ..grid.problem import Problem, Stiffness, foundation_level, squared_slope
-from ..layers import ElasticLayer
 from ..reference import collocation
 from ..reference.closed_forms import foundation_half_width, kappa_from_area, kappa_half_space
 from ..scene import Scene
+from ..solution import Choice, Solution
+from .errors import DEFAULT_QUANTITY, QUANTITIES, sensitivity
+from .report import make_solution
+from .run import Run
 
-FIELD_POINTS = 2**12
-"""Points for the sampled fields of a model without a grid, if that puts enough of them into the contact."""
-
-LEAST_EDGE, _TIMES_SHIFT = 0.6, 3.0
+_LEAST_EDGE, _TIMES_SHIFT = 0.6, 3.0
 """What the foundation's two edges may be off by together: this share of the thickness, or so many times the edge shift
 if that is more (dimensionless)."""
 
-_FIELD_NODES = 64  # in the contact, for fields that are sampled
+_LONG_ASPERITY = 100.0  # half-width over thickness above which collocation takes longer than a grid
+_FIELD_POINTS, _FIELD_NODES = 2**12, 64  # of sampled fields: on the grid, or else in the contact
 _FULL = 0.98  # contact areas above are not those of one asperity any more
 
 
-@dataclass(frozen=True)
-class Modelled:
-    """What a smaller model gave."""
-
-    scene: Scene
-    """On the grid of the fields."""
-    displacement: Array64
-    """u, shape (N,) [length]."""
-    contact_pressure: Array64
-    """sigma, shape (N,) [pressure]."""
-    contact: Mask
-    """Nodes in contact, shape (N,)."""
-    observables: Observables
-    """What is measured, with the errors of the model."""
-    patches: PatchTable
-    """The contact patches."""
-    error: float
-    """Estimated relative error: by collocation of what the accuracy is asked of, of a foundation that of a_r."""
-    problem: Problem | None = None
-    """What was solved on that grid; None where the fields are sampled."""
+def decide(scene: Scene, accuracy: float, of: str = DEFAULT_QUANTITY) -> tuple[str, ...]:
+    """The models worth trying before the grid, from what is known without solving anything: a choice from `MODELS`."""
+    layer, power, models = scene.layer, scene.indenter.power_law, []
+    thickness = layer.thickness / scene.period
+    half_width = scene.indenter.guessed_half_width(scene.reduced_load, layer, scene.period)
+    thin = _LEAST_EDGE * thickness < 2 * half_width * accuracy and layer.foundation_modulus(scene.period) < math.inf
+    if thin and layer.edge_shift is not None and QUANTITIES[of].of_area:
+        models.append("winkler")
+    known = power and (power[0] >= 2 or of != "peak-pressure")
+    if known and layer.bonded and half_width < min(_FULL / 2, _LONG_ASPERITY * thickness):
+        models.append("asperity")
+    return tuple(models)
 
 
-def asperity(scene: Scene, layer: ElasticLayer, accuracy: float, of: str) -> Modelled:
+def asperity(run: Run, accuracy: float, of: str) -> Solution | None:
     """One power profile by collocation; its observables come from no grid, the fields are sampled.
 
-    layer: to solve with, the scene's or a half-space that is as good. accuracy: relative, of one of
-    `collocation.MEASURED`. Raises `ValueError` where collocation does not get there.
+    None where collocation does not get there.
     """
-    power, bonded, length, modulus = scene.indenter.power_law, layer.bonded, scene.period, scene.layer.contact_modulus
+    scene = run.scene
+    power, bonded, length, modulus = (
+        scene.indenter.power_law,
+        scene.layer.bonded,
+        scene.period,
+        scene.layer.contact_modulus,
+    )
     assert power is not None
     assert bonded is not None
-    shape = power[0], power[1] / length, bonded[0] / length, bonded[1]
-    found, errors = collocation.solve_to_accuracy(scene.reduced_load, *shape, accuracy, of)
+    shape, quantity = (power[0], power[1] / length, bonded[0] / length, bonded[1]), of.replace("-", "_")
+    try:
+        found, errors = collocation.solve_to_accuracy(scene.reduced_load, *shape, accuracy / 2, quantity)
+    except ValueError as error:
+        run.choices.append(Choice("collocation", "no", str(error)))
+        return None
     scene = _field_scene(scene, found.contact_area)
     n = scene.num_points
     pressure = found.pressure_at((np.arange(n) - n // 2) / n / found.half_width)
     pressure *= scene.pressure / pressure.mean()  # the sampled load is off by the sampling
-    problem = Problem.from_scene(scene)
+    problem, profile = Problem.from_scene(scene), scene.profile
     displacement = problem.displacement_under(pressure / scene.pressure) * problem.length_unit
-    profile = scene.profile
     displacement = np.where(pressure > 0, profile, np.minimum(displacement, profile))
-    approach = length * found.approach
-    if layer is not scene.layer:  # the mean compression of the layer that there is
-        approach += length * scene.pressure / modulus / scene.layer.foundation_modulus(length)
+    approach, peak = length * found.approach, modulus * found.peak_pressure
     observables, _ = observe(scene, profile, displacement, pressure, pressure > 0)
-    observables = _with_area(scene, observables, found.contact_area, errors["contact_area"], errors["kappa"])
-    peak = modulus * found.peak_pressure
-    patches = _one_patch(scene, found.contact_area, int((pressure > 0).sum()), peak)
     observables = replace(
-        observables,
+        _with_area(scene, observables, found.contact_area, errors["contact_area"], errors["kappa"]),
         peak_pressure=peak,
         peak_pressure_sampling=0.0,
         peak_pressure_error=errors["peak_pressure"] * peak if power[0] >= 2 else math.inf,
         approach=approach,
-        approach_error=errors["approach"] * length * abs(found.approach),
+        approach_error=errors["approach"] * abs(approach),
         mean_gap=float(profile.mean()) - approach + scene.pressure / (foundation_modulus(scene) or math.inf),
     )
-    return Modelled(scene, displacement, pressure, pressure > 0, observables, patches, errors[of])
+    patches = _one_patch(scene, found.contact_area, int((pressure > 0).sum()), peak)
+    reason = "a power profile is one asperity; error: from the change by the last doubling of the nodes"
+    run.choices += [
+        Choice("model", "collocation", reason, errors[quantity]),
+        Choice("grid", f"{n} points", "for the fields only, which are sampled"),
+    ]
+    if power[0] < 2:
+        tip = "rough: too low at a tip sharper than a parabola"
+        run.choices.append(Choice("peak pressure", "by collocation", tip))
+    run.status = Status.CONVERGED
+    return make_solution(run, scene, "collocation", displacement, pressure, pressure > 0, observables, patches)
 
 
 def _one_patch(scene: Scene, area: float, nodes: int, peak: float) -> PatchTable:
@@ -102,8 +113,8 @@ def _one_patch(scene: Scene, area: float, nodes: int, peak: float) -> PatchTable
 
 
 def _field_scene(scene: Scene, area: float) -> Scene:
-    """The scene on a grid for sampled fields: as coarse as `FIELD_POINTS`, or with `_FIELD_NODES` in the contact."""
-    num_points = FIELD_POINTS
+    """The scene on a grid for sampled fields: as coarse as `_FIELD_POINTS`, or with `_FIELD_NODES` in the contact."""
+    num_points = _FIELD_POINTS
     while num_points * area < _FIELD_NODES and num_points < scene.num_points:
         num_points *= 2
     return replace(scene, num_points=min(num_points, scene.num_points))
@@ -140,11 +151,13 @@ def _with_area(
     )
 
 
-def winkler(scene: Scene) -> Modelled:
-    """The scene on a Winkler foundation, for a compressible layer.
+def winkler(run: Run, accuracy: float, of: str) -> Solution | None:
+    """The scene on a Winkler foundation, for a compressible layer; None where that is not accurate enough.
 
-    A power profile's area needs no grid, and its fields are sampled.
+    A power profile's area needs no grid, and its fields are sampled. On the grid the answer is certified with the
+    foundation's stiffness.
     """
+    scene, quantity = run.scene, QUANTITIES[of]
     foundation, area = scene.layer.foundation_modulus(scene.period), math.inf
     if power := scene.indenter.power_law:
         area = 2 * foundation_half_width(scene.reduced_load, power[0], power[1] / scene.period, foundation)
@@ -159,11 +172,10 @@ def winkler(scene: Scene) -> Modelled:
     pressure, contact = modulus * np.maximum(depth, 0.0) * scene.pressure, depth > 0
     if sampled:
         pressure *= scene.pressure / pressure.mean()  # the sampled load is off by the sampling
-    profile = scene.profile
+    profile, certificate = scene.profile, None
     displacement = np.where(contact, profile, np.minimum(level * problem.length_unit, profile))
-    observables, _ = observe(scene, profile, displacement, pressure, contact)
-    if sampled:
-        assert power
+    observables, patches = observe(scene, profile, displacement, pressure, contact)
+    if sampled and power:
         error = _edges(scene) / area
         observables = _with_area(scene, observables, area, error, power[0] * error)
         peak, approach = modulus * level * scene.pressure, level * problem.length_unit
@@ -173,48 +185,58 @@ def winkler(scene: Scene) -> Modelled:
         runs = Patches.of(contact)
         ends = _crossings(runs, depth)
         patches = patch_table(runs, ends, pressure, scene.period)
-        observables, change = _measured(scene, observables, runs, ends, height, modulus)
-        area = observables.contact_area_subgrid
-        unknown = _edges(scene) * observables.num_patches + observables.unseen_gap_area
-        error = unknown / area + change + _stiffening(scene) if area else math.inf
-        kappa_error = 2 * error * observables.kappa_subgrid
-        observables = replace(
-            observables,
-            contact_area_error=error * area,
-            contact_area_edges_error=error * area,
-            kappa_error=kappa_error,
-            kappa_edges_error=kappa_error,
-        )
-    return Modelled(scene, displacement, pressure, contact, observables, patches, error, None if sampled else problem)
+        observables = _measured(scene, observables, runs, ends, height, modulus)
+        certificate = certify(problem, np.where(contact, height, displacement / problem.length_unit))[0]
+    value, error = abs(getattr(observables, quantity.value)), getattr(observables, quantity.error)
+    if not error <= accuracy * value:
+        share = error / value if value else math.inf
+        off = f"its {of.replace('-', ' ')} would be off by a share of {share:.1g}"
+        run.choices.append(Choice("Winkler foundation", "no", off))
+        return None
+    error = sensitivity(quantity, scene) * observables.contact_area_error / observables.contact_area_subgrid
+    run.choices += [
+        Choice("model", "Winkler foundation", "the layer's edges are narrow", error),
+        Choice("grid", f"{scene.num_points} points", "no transform is needed"),
+    ]
+    run.status, name = Status.CONVERGED, "winkler-foundation"
+    return make_solution(run, scene, name, displacement, pressure, contact, observables, patches, certificate)
+
+
+MODELS: dict[str, Callable[[Run, float, str], Solution | None]] = {"winkler": winkler, "asperity": asperity}
+"""By name: tried in this order before the grid, with the accuracy asked for, and of which of `QUANTITIES`."""
 
 
 def _edges(scene: Scene) -> float:
     """What the two edges of a contact on the foundation may be off by together [L]."""
     layer = scene.layer
     assert layer.edge_shift is not None
-    return max(LEAST_EDGE * layer.thickness, _TIMES_SHIFT * abs(layer.edge_shift)) / scene.period
+    return max(_LEAST_EDGE * layer.thickness, _TIMES_SHIFT * abs(layer.edge_shift)) / scene.period
 
 
 def _measured(
     scene: Scene, observables: Observables, patches: Patches, ends: Edges, height: Array64, modulus: float
-) -> tuple[Observables, float]:
-    """Area and kappa between the places where the depth is 0; the area's relative change on half of the points."""
+) -> Observables:
+    """Area and kappa between the places where the depth is 0; errors by edges, gaps and a grid of half the points."""
     squared = squared_slope(scene.indenter, scene.num_points, scene.period)
     area, gradient, kappa, _ = subgrid_measures(scene, patches, ends, squared)
-    change = 0.0
-    for half in (height[::2], height[1::2]):
-        below = foundation_level(half, modulus) - half
-        width = float(_crossings(Patches.of(below > 0), below).width.sum())
-        change = max(change, abs(width / half.size / area - 1)) if area else math.inf
-    found = replace(
+    error = math.inf
+    if area:
+        halves = ((half, foundation_level(half, modulus) - half) for half in (height[::2], height[1::2]))
+        widths = [float(_crossings(Patches.of(below > 0), below).width.sum()) / half.size for half, below in halves]
+        unknown = _edges(scene) * observables.num_patches + observables.unseen_gap_area
+        error = unknown / area + max(abs(width / area - 1) for width in widths) + _stiffening(scene)
+    return replace(
         observables,
         contact_area_subgrid=area,
         rms_gradient_subgrid=gradient,
         kappa_subgrid=kappa,
         num_counted_patches=0,
         num_patches_by_load=0,
+        contact_area_error=error * area,
+        contact_area_edges_error=error * area,
+        kappa_error=2 * error * kappa,
+        kappa_edges_error=2 * error * kappa,
     )
-    return found, change
 
 
 def _foundation(scene: Scene) -> Problem:

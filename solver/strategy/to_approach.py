@@ -10,66 +10,28 @@ import math
 import sys
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ..endings import Cause, Reason, Status
-from ..grid.observables import Observables, first_node, foundation_modulus
+from ..grid.observables import first_node, foundation_modulus
 from ..grid.problem import full_contact_pressure, half_spectrum
 from ..scene import Scene
-from ..solution import MEANINGLESS, Choice, Solution
+from ..solution import Choice, Solution
 from .errors import QUANTITIES, estimated
 from .grids import grids
 from .linearised import contact_compliance
 
 _COARSEST = 2**10  # points
 _EXACT, _GUESS = 1e-10, 1e-3  # relative error of the approach at which to stop, on the scene's grid and on coarse ones
-_SHARE = 0.01  # of the tolerance of the solves, where that is more
-_GOOD, _LOOSE = 1e-8, 1e-3  # relative error at which an approach is met; the tolerance of the solves between the two
+_GOOD = 1e-8  # relative error at which an approach is met, or the tolerance of the solves if that is more
 _FULL = 1e-9  # relative distance from the approach of full contact, within which that is the answer
 _OVER_FULL = 1e-7  # by which the pressure is taken higher there, so that rounding leaves no node without contact
-_MOST_SOLVES, _PATIENCE = 40, 4  # on a grid; and without progress: of the approach, or of what pressures are possible
-_MOST_FAILED = 2  # of them that do not converge, which still tell whether the pressure is too low or too high
-_FAR = 1.0  # where an error's logarithm is larger, coming nearer by as much is progress, too
+_MOST_SOLVES = 40  # on a grid
 _LONGEST_STEP = 30.0  # factor of the pressure
 _STEEPEST = 3.0  # power of the approach with which a quantity grows, where nothing else tells
-
-Tried = tuple[float, Observables]
-"""A pressure, and what it has brought."""
-
-
-@dataclass
-class _Newton:
-    """Newton's method for the pressure, kept between the pressures that are known to be too low and too high."""
-
-    approach: float
-    """That is wanted [length]."""
-    low: float = 0.0
-    """A pressure whose approach is too small [pressure]."""
-    high: float = math.inf
-    """A pressure whose approach is too large [pressure]."""
-
-    @property
-    def room(self) -> float:
-        """Logarithm of the factor between the two pressures (dimensionless)."""
-        return math.log(min(self.high, sys.float_info.max)) - math.log(max(self.low, sys.float_info.min))
-
-    def next(self, pressure: float, found: float, compliance: float) -> float:
-        """The next pressure, from one, its approach [length] and d(approach)/dp."""
-        if found < self.approach:
-            self.low = max(self.low, pressure)
-        else:
-            self.high = min(self.high, pressure)
-        step = math.copysign(math.log(_LONGEST_STEP), self.approach - found)
-        slope = pressure * compliance / found if found > 0 else math.nan
-        if slope > 0:  # not so where rounding has eaten it, or at full contact
-            step = math.copysign(min(abs(math.log(self.approach / found) / slope), abs(step)), step)
-        better = pressure * math.exp(step)
-        if self.low < better < self.high:
-            return better
-        return math.sqrt(max(self.low, self.high / _LONGEST_STEP**2) * self.high)
 
 
 def solve_to_approach(scene: Scene, solve: Callable[[Scene], Solution]) -> Solution:
@@ -90,96 +52,86 @@ def solve_to_approach(scene: Scene, solve: Callable[[Scene], Solution]) -> Solut
     check_approach(scene)
     if approach >= _full_approach(scene) * (1 - _FULL):
         return _full_contact(scene, solve, approach)
-    guess = _foundation_guess(scene, approach)
+    pressure = _foundation_guess(scene, approach)
     for size in grids(scene.num_points)[:-1]:
         if size >= _COARSEST:
-            guess = _coarse_guess(scene, size, counted, guess)
-    tried: list[Tried] = []
-    found, solves = _found(scene, counted, guess, _EXACT, tried)
+            pressure = _coarse_guess(scene, size, counted, pressure)
+    tried = _tried(scene, counted, pressure, _EXACT)
+    found, error = _best(tried, approach), math.inf
     try:
         error = _approach_error(found, counted)
     except KeyboardInterrupt:
-        error, found = found.observables.approach_error, replace(found, status=Status.INTERRUPTED)
+        found = replace(found, status=Status.INTERRUPTED)
     found, off_by = _with_error_of_pressure(found, tried, error)
-    pressure, seconds = found.scene.pressure, found.seconds | {"total": time.perf_counter() - begin}
+    seconds = found.seconds | {"total": time.perf_counter() - begin}
     seconds["solve"] += seconds["total"] - found.seconds["total"]
     known = f"is about {off_by:.1g}" if math.isfinite(off_by) else "is not known"
     wanted = f"for the approach of {approach:g} [{scene.length_unit}]"
-    why = f"{wanted}; the pressure's relative error {known}; solves on this grid: {solves}"
+    why = f"{wanted}; the pressure's relative error {known}; solves on this grid: {len(tried)}"
     found = replace(
         found,
         iterations=iterations,
         transform_pairs=points / scene.num_points,
         seconds=seconds,
-        choices=(Choice("pressure", f"{pressure:.10g}", why, off_by), *found.choices),
+        choices=(Choice("pressure", f"{found.scene.pressure:.10g}", why, off_by), *found.choices),
     )
     found = _told(found, approach)
     off = abs(found.observables.approach / approach - 1)
-    if found.status is Status.CONVERGED and off > max(_GOOD, min(found.tolerance, _LOOSE)):
+    if found.status is Status.CONVERGED and off > max(_GOOD, found.tolerance):
         met = f"{approach:g}, and {found.observables.approach:.10g} was found"
         reason = Reason(Cause.METHOD, "approach", met, "another approach, or a smaller tolerance")
         return replace(found, status=Status.STAGNATED, reason=reason)
     return found
 
 
-def _found(
-    scene: Scene, solve: Callable[[Scene], Solution], pressure: float, exact: float, tried: list[Tried]
-) -> tuple[Solution, int]:
-    """The solution whose approach is right but for a share `exact`, or as near as Newton's method comes to that, and
-    the number of solves.
+def _tried(scene: Scene, solve: Callable[[Scene], Solution], pressure: float, exact: float) -> list[Solution]:
+    """The solutions by Newton's method, until one is right except for `exact`, or does not converge.
 
-    pressure: to begin with; tried: gets all that converged.
+    pressure: to begin with. The next one is kept between those that are known to be too low and too high.
     """
-    approach = scene.approach
+    approach, low, high, tried = scene.approach, 0.0, math.inf, list[Solution]()
     assert approach is not None
-    newton, least, failed = _Newton(approach), math.inf, 0
-    progress, room = 0, math.inf
-    best: Solution | None = None
-    last: Solution | None = None
-    for solves in range(1, _MOST_SOLVES + 1):
+    while len(tried) < _MOST_SOLVES:
         solution = solve(replace(scene, approach=None, pressure=pressure))
-        found = solution.observables.approach
-        off = abs(math.log(max(found, sys.float_info.min)) - math.log(approach))
-        residual = solution.certificate.free_residual if solution.certificate else math.inf
-        if solution.status is Status.INTERRUPTED or not residual < MEANINGLESS:
-            return solution, solves
-        if solution.status is Status.CONVERGED:
-            tried.append((solution.scene.pressure, solution.observables))
-            if _much_less(off, least):
-                progress = solves
-            if off < least:
-                best, least = solution, off
+        tried.append(solution)
+        off = _off(solution, approach)
+        if solution.status is not Status.CONVERGED or abs(off) <= max(exact, solution.tolerance / 100):
+            break
+        if off < 0:
+            low = max(low, pressure)
         else:
-            failed, last = failed + 1, solution
-        if _much_less(newton.room, room):
-            progress, room = solves, newton.room
-        if least <= max(exact, _SHARE * solution.tolerance) or failed > _MOST_FAILED:
-            break
-        if solves >= progress + _PATIENCE:
-            break
-        touching = solution.contact.any()
-        compliance = contact_compliance(solution.scene, solution.contact) if touching else math.nan
-        pressure = newton.next(pressure, found, compliance)
-    found_by = best if least <= _GOOD or last is None else last  # what failed says why
-    assert found_by is not None
-    return found_by, solves
+            high = min(high, pressure)
+        step, found = math.log(_LONGEST_STEP), solution.observables.approach
+        touching = found > 0 and solution.contact.any()
+        slope = pressure * contact_compliance(solution.scene, solution.contact) / found if touching else math.nan
+        if slope > 0:  # not so where rounding has eaten it, or at full contact
+            step = min(abs(off) / slope, step)
+        pressure *= math.exp(-math.copysign(step, off))
+        if not low < pressure < high:
+            pressure = math.sqrt(max(low, high / _LONGEST_STEP**2) * high)
+    return tried
 
 
-def _much_less(logarithm: float, before: float) -> bool:
-    """Whether a logarithm is half of what it was, or less by `_FAR` where it is large."""
-    return logarithm < max(before / 2, before - _FAR)
+def _off(solution: Solution, approach: float) -> float:
+    """Logarithm of a solution's approach over the one wanted."""
+    return math.log(max(solution.observables.approach, sys.float_info.min)) - math.log(approach)
+
+
+def _best(tried: Sequence[Solution], approach: float) -> Solution:
+    """The solution with the best approach; one that did not converge if none is good, because it says why."""
+    best = min(tried, key=lambda one: abs(_off(one, approach)) if one.status is Status.CONVERGED else math.inf)
+    return best if abs(_off(best, approach)) <= _GOOD or tried[-1].status is Status.CONVERGED else tried[-1]
 
 
 def _coarse_guess(scene: Scene, num_points: int, solve: Callable[[Scene], Solution], guess: float) -> float:
     """The pressure on a coarse grid; the guess itself where the indenter is not to be had there."""
     try:
-        coarse = scene.on_grid(num_points)
+        tried = _tried(scene.on_grid(num_points), solve, guess, _GUESS)
     except ValueError:
         return guess
-    found = _found(coarse, solve, guess, _GUESS, [])[0]
-    if found.status is Status.INTERRUPTED:
+    if tried[-1].status is Status.INTERRUPTED:
         raise KeyboardInterrupt  # nothing is known on the scene's grid
-    return found.scene.pressure
+    return tried[-1].scene.pressure
 
 
 def _approach_error(found: Solution, solve: Callable[[Scene], Solution]) -> float:
@@ -200,7 +152,7 @@ def _approach_error(found: Solution, solve: Callable[[Scene], Solution]) -> floa
     return error
 
 
-def _with_error_of_pressure(found: Solution, tried: Sequence[Tried], error: float) -> tuple[Solution, float]:
+def _with_error_of_pressure(found: Solution, tried: Sequence[Solution], error: float) -> tuple[Solution, float]:
     """The solution with errors that include those of its pressure, and the relative error of that, estimated.
 
     error: of the approach at this pressure [length]. So another pressure may belong to the approach asked for; what
@@ -209,20 +161,16 @@ def _with_error_of_pressure(found: Solution, tried: Sequence[Tried], error: floa
     own, pressure = found.observables, found.scene.pressure
     if not error or not own.approach > 0:
         return found, 0.0
-
-    def distance(other: Tried) -> float:
-        return abs(math.log(abs(other[1].approach - own.approach) / error))
-
-    others = [one for one in tried if one[1].approach != own.approach and 0 < error < math.inf]
-    if not others:
-        share = _STEEPEST * error / own.approach
-        values = {quantity: abs(getattr(own, quantity.value)) for quantity in QUANTITIES.values()}
-        changes = {quantity: share * value if value else 0.0 for quantity, value in values.items()}
+    values = {q: abs(getattr(own, q.value)) for q in QUANTITIES.values()}
+    others = [one for one in tried if one.status is Status.CONVERGED and one.observables.approach != own.approach]
+    if others and error < math.inf:
+        other = min(others, key=lambda one: abs(math.log(abs(one.observables.approach - own.approach) / error)))
+        rate = error / abs(other.observables.approach - own.approach)
+        share = rate * abs(other.scene.pressure / pressure - 1)
+        changes = {q: rate * abs(getattr(other.observables, q.value) - getattr(own, q.value)) for q in values}
     else:
-        at, other = min(others, key=distance)
-        rate = error / abs(other.approach - own.approach)
-        share = rate * abs(at / pressure - 1)
-        changes = {q: rate * abs(getattr(other, q.value) - getattr(own, q.value)) for q in QUANTITIES.values()}
+        share = _STEEPEST * error / own.approach
+        changes = {q: share * value if value else 0.0 for q, value in values.items()}
     errors: dict[str, Any] = {q.error: getattr(own, q.error) + change for q, change in changes.items()}
     return replace(found, observables=replace(own, **errors)), share
 

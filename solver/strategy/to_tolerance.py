@@ -1,82 +1,35 @@
-"""A solve to a given residual, by a method of one's choice."""
+"""A solve to a given residual by a method of one's choice, and the residuals that its precision can reach."""
 
 import math
 import time
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
-from .. import checks
+from .. import checks, display
 from ..arrays import Array64
 from ..endings import Status
-from ..grid.problem import Problem
-from ..methods import Method
+from ..grid.problem import Problem, rounding_floor
+from ..methods import DEFAULT, ExecutionConfig, Method, relax
 from ..scene import Scene
-from ..solution import Level, Solution
-from .certification import certify_or_fall_back
-from .effort import CAUTION, COARSE_REDUCTION, COARSE_TOLERANCE, COARSE_WRONG_NODES, Effort
-from .grids import Reached, grids, over_grids
-from .memory import check_memory
-from .precision import problems, reachable
-from .report import make_solution, stages
+from ..solution import MEANINGLESS, Solution
+from .grids import grids, over_grids, start_from_contact
+from .report import finish
+from .run import Run, check_memory
+
+_COARSE: dict[str, Any] = {"wrong_nodes_per_patch": 0.1, "reduction": 0.01}
+"""On coarse grids: the nodes per patch that may still be wrong, and the part of the residual at the start beyond which
+nothing is gained, because the next grid starts no better (dimensionless)."""
+
+_COARSE_TOLERANCE = 1e-6  # the residual at which to stop there
+_FLOOR_POINTS = 1024  # of the solution that tells the size of u
+_DEFAULT, _DEFAULT_FLOAT32 = 1e-8, 1e-4  # tolerances in float64 and mixed precision, and the least in float32
+_OVER_FLOOR = 4.0  # times what rounding leaves: how far the default tolerance in float32 stays above
 
 
-@dataclass(frozen=True)
-class Prepared:
-    """Everything that a solve needs before its first iteration."""
-
-    effort: Effort
-    """The method and its means."""
-    problem: Problem
-    """On the scene's grid."""
-    tolerance: float
-    """Tolerance on the free residual over p (dimensionless)."""
-    start: Array64 | None
-    """A displacement to start from, shape (N,) [u]."""
-    sizes: Sequence[int]
-    """The grids to go over, from coarse to fine."""
-    memory: int | None
-    """What was free before anything was made [bytes], if that is known."""
-
-    def begin(self, num_points: int, contact_share: float) -> Method:
-        """The method on one of the grids; contact_share: of the nodes, as the grid before has it."""
-        scene = self.effort.scene
-        if num_points == scene.num_points:
-            if len(self.sizes) > 1:
-                check_memory(num_points, self.effort.kind, contact_share, self.memory)
-            finest = self.effort.begin(self.problem, CAUTION * self.tolerance, contact_share=contact_share)
-            if self.start is not None:
-                finest.start(self.start)
-            return finest
-        tolerance = max(COARSE_TOLERANCE, 0.0 if scene.precision == "float32" else self.tolerance)
-        problem = Problem.from_scene(scene, num_points)
-        few, reduction = COARSE_WRONG_NODES, COARSE_REDUCTION
-        return self.effort.begin(
-            problem, tolerance, wrong_nodes_per_patch=few, reduction=reduction, contact_share=contact_share
-        )
-
-
-def solve_to_tolerance(
-    effort: Effort, nested: bool | None, tolerance: float | None, initial: Array64 | None
-) -> Solution:
-    """Solve the effort's scene by its method to a tolerance; arguments as in `solve`. Raises `ValueError`."""
-    begin = time.perf_counter()
-    prepared = _prepare(effort, nested, tolerance, initial)
-    problem, asked, own = prepared.problem, prepared.tolerance, tolerance is not None
-    ready = time.perf_counter()
-    reached, levels = _iterate(prepared)
-    relaxed = time.perf_counter()
-    certified = certify_or_fall_back(effort, problem, reached.state, reached.status, asked, own)
-    del prepared, reached  # and with them the method's fields, which are most of the memory
-    solution = make_solution(effort.scene, problem, certified, levels, effort)
-    times = stages(begin, ready, relaxed + certified.seconds, time.perf_counter())
-    return replace(solution, seconds=times)
-
-
-def _prepare(effort: Effort, nested: bool | None, tolerance: float | None, initial: Array64 | None) -> Prepared:
-    """Check what was asked for, and discretise the scene."""
-    scene, kind = effort.scene, effort.kind
+def solve_to_tolerance(run: Run, nested: bool | None, tolerance: float | None, initial: Array64 | None) -> Solution:
+    """Solve the run's scene by its method to a tolerance; arguments as in `solve`. Raises `ValueError`."""
+    scene, kind = run.scene, run.kind
     nested = kind.nested if nested is None else nested
     sizes = grids(scene.num_points) if nested and initial is None else [scene.num_points]
     memory = checks.available_memory()
@@ -86,10 +39,28 @@ def _prepare(effort: Effort, nested: bool | None, tolerance: float | None, initi
         raise ValueError(f"precision is {scene.precision!r}; allowed: {', '.join(kind.precisions)}, for {kind.name}")
     if tolerance is not None:
         tolerance = checks.real("tolerance", tolerance, "1e-14 to 0.5", math.nextafter(1e-14, 0), 0.5)
-    problem, coarse = problems(scene)
-    tolerance = reachable(scene, problem, coarse, tolerance)
+    problem = Problem.from_scene(scene)
+    run.tolerance, run.own_tolerance = _reachable(scene, problem, tolerance), tolerance is not None
     start = None if initial is None else _displacement(initial, scene, problem)
-    return Prepared(effort, problem, tolerance, start, sizes, memory)
+    run.times[1] = time.perf_counter()
+
+    def begin(num_points: int) -> Method:
+        if num_points < scene.num_points:
+            least = 0.0 if scene.precision == "float32" else run.tolerance
+            return run.begin(Problem.from_scene(scene, num_points), max(_COARSE_TOLERANCE, least), **_COARSE)
+        if run.contact:
+            check_memory(num_points, kind, run.contact_share, memory)
+        finest = run.begin(problem, run.tolerance)
+        if start is not None:
+            finest.start(start)
+        return finest
+
+    for _ in over_grids(run, sizes, begin):
+        pass
+    if run.state.problem.num_points < scene.num_points:  # interrupted: what is known by then, on the finest grid
+        run.state = begin(scene.num_points)
+        start_from_contact(run, run.state)
+    return finish(run, scene, problem)
 
 
 def _displacement(initial: Array64, scene: Scene, problem: Problem) -> Array64:
@@ -114,19 +85,47 @@ def _check_initial(initial: Array64, num_points: int) -> Array64:
     return real
 
 
-def _iterate(prepared: Prepared) -> tuple[Reached, list[Level]]:
-    """Go over the grids; the finest one as it is reached, and what the coarser ones gave.
+def float32_floor(scene: Scene, problem: Problem) -> float:
+    """The rms free residual over p that rounding in float32 leaves, see `rounding_floor` (dimensionless).
 
-    An interruption on a coarse grid leaves what is known by then on the finest one.
+    problem: of the scene; the size of u, which hardly depends on the grid, is taken from the solution on a coarse one.
+    Ctrl-C meanwhile is passed on.
     """
-    effort, levels = prepared.effort, list[Level]()
-    for reached in over_grids(effort.scene, prepared.sizes, prepared.begin, effort.settle):
-        # how far a grid is off that was not solved says nothing of the others
-        if reached.num_points < effort.scene.num_points and reached.status in (Status.CONVERGED, Status.STAGNATED):
-            levels.append(reached.level)
-    if reached.num_points < effort.scene.num_points:
-        finest = prepared.begin(effort.scene.num_points, 0.0)
-        if reached.pressure.any():
-            reached.start(finest)
-        reached = Reached(effort.scene, finest, reached.status)
-    return reached, levels
+    coarse = Problem.from_scene(scene, min(scene.num_points, _FLOOR_POINTS))
+    state = DEFAULT.begin(coarse, ExecutionConfig(1e-3, backend="numpy"))
+    if relax(state, 300) is Status.INTERRUPTED:
+        raise KeyboardInterrupt
+    displacement = state.displacement * (coarse.length_unit / problem.length_unit)
+    return rounding_floor(problem.stiffness, displacement, "float32")
+
+
+def default_tolerance(scene: Scene) -> float:
+    """1e-8; in float32 the larger of 1e-4 and four times what rounding leaves (dimensionless).
+
+    Where rounding turns out to leave more, `Solution.tolerance` says how much, up to `MEANINGLESS`, as long as
+    `MOST_ENERGY` bounds the energy's error.
+
+    Raises `ValueError` where rounding in float32 leaves no meaning in the residual.
+    """
+    return _reachable(scene, Problem.from_scene(scene), None)
+
+
+def _reachable(scene: Scene, problem: Problem, tolerance: float | None) -> float:
+    """A tolerance, by default as `default_tolerance` has it; `ValueError` if the scene's precision cannot reach it."""
+    if scene.precision != "float32":
+        return _DEFAULT if tolerance is None else tolerance
+    floor = float32_floor(scene, problem)
+    if tolerance is not None and tolerance >= floor:
+        return tolerance
+    if floor > MEANINGLESS or (tolerance is None and _OVER_FLOOR * floor > MEANINGLESS):
+        own = "a tolerance of your own, " if floor < MEANINGLESS else ""
+        raise ValueError(
+            f"num_points is {scene.num_points}, where float32 leaves a residual of about {floor:.1g}; allowed: "
+            f"fewer points, {own}or precision mixed or float64"
+        )
+    if tolerance is None:
+        return max(_DEFAULT_FLOAT32, _OVER_FLOOR * floor)
+    raise ValueError(
+        f"tolerance is {tolerance!r}; allowed: at least {display.rounded_up(floor)}, which is what rounding in float32 "
+        "leaves of the residual, or precision mixed or float64"
+    )

@@ -40,7 +40,7 @@ class Place(Protocol):
 
     @abstractmethod
     def record(self, backend: str, calls: Sequence[Call]) -> Callable[[], None]:
-        """A function without arguments that runs kernels in order; backend: see `Setting.backend`."""
+        """A function without arguments that runs kernels in order; backend: see `ExecutionConfig.backend`."""
 
     @abstractmethod
     def multiplication(self, symbol: Array64, target: Array) -> Callable[[], None]:

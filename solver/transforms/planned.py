@@ -42,7 +42,7 @@ class Transforms(OnCpu, Place):
     """Plans between real buffers of `num_points` values and one shared spectrum.
 
     num_points: N; precision: 'float64' or 'float32'; threads: of the transforms, >= 1; planning: one of
-    `planner.PLANNING`; backend: of the kernels in between, see `Setting.backend`; way: one of `WAYS`, by default what
+    `planner.PLANNING`; backend: of the kernels in between, see `ExecutionConfig`; way: one of `WAYS`, by default what
     is fastest. apart: the rounding of no mode may spoil another one, which leaves out 'half-length'. Raises
     `ValueError`.
     """

@@ -22,7 +22,7 @@ class Planner:
     """Makes buffers of one precision, plans between them and kernels on them.
 
     precision: 'float64' or 'float32'; threads: of the transforms, >= 1; planning: one of `PLANNING`; backend: see
-    `Setting.backend`. Raises `ValueError`.
+    `ExecutionConfig.backend`. Raises `ValueError`.
     """
 
     def __init__(self, precision: str, threads: int, planning: str, backend: str) -> None:

@@ -19,8 +19,7 @@ Row = tuple[str, Any, str]
 def solution_table(solution: Solution) -> Whole:
     """What a solve found, with units."""
     record = solution.to_dict()
-    fallbacks = METHODS[solution.method].fallbacks if solution.handed_over else ()
-    handed = "".join(f", handed over to {f.method}" for f in fallbacks if f.method != solution.method)
+    handed = f", handed over to {METHODS[solution.method].fallback}" if solution.handed_over else ""
     area, error = solution.observables.contact_area_subgrid, solution.observables.contact_area_error
     relative = f" (relative {rounded_up(error / area)})" if area and math.isfinite(error) else ""
     how = "converged on its grid" if solution.status is Status.CONVERGED and solution.certificate else solution.status

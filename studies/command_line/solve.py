@@ -14,8 +14,7 @@ from linecontact.solver.units import named
 
 from ..files import solution_files, writing
 from ..files.marks import names
-from ..scans import summary
-from ..scenes import making
+from ..scenes import making, scan_table
 from ..scenes.making import Given, make_scene
 from ..terminal import console
 from ..terminal.options import one_of
@@ -85,7 +84,7 @@ def command(options: Options, given: Given) -> int:
         raise ValueError(f"grids is {options.grids}; allowed: auto, with accuracy, which chooses the grid")
     scene = make_scene(options, given)
     if options.profile == MeasuredIndenter.name and not options.json:
-        console.Output().print(summary.table(scene))
+        console.Output().print(scan_table.table(scene))
     aim = options.tolerance or (1e-5 if options.accuracy else 1e-4 if options.precision == "float32" else 1e-8)
     try:
         with console.solve_progress(aim) as report:

@@ -15,8 +15,7 @@ from linecontact.solver.units import unit
 from ..runner import study
 from ..runner.run import run_study
 from ..runner.study import Plan, Study
-from ..scans import summary
-from ..scenes import kinds, making
+from ..scenes import kinds, making, scan_table
 from ..scenes.described import base_scene, described, shown
 from ..scenes.making import Given
 from ..terminal import console
@@ -237,6 +236,6 @@ def command(options: Options, given: Given) -> int:
     """Solve the curve as asked, or what is left of it; returns the exit status."""
     ready = plan(options, given)
     if options.profile == MeasuredIndenter.name:
-        console.Output().print(summary.table(ready.runs[0].point, options.over))  # type: ignore[attr-defined]
+        console.Output().print(scan_table.table(ready.runs[0].point, options.over))  # type: ignore[attr-defined]
     folder = options.folder or Path("results") / f"{NAME}-{ready.configuration['over'].replace('_', '-')}"
     return run_study(replace(STUDY, plans=lambda _: [ready]), replace(options, folder=folder))

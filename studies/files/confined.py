@@ -111,9 +111,9 @@ def _dataset(path: str, most: str, name: str | None = None) -> Columns:
         if name not in names:
             some = ", ".join(names[:20]) + (", ..." if len(names) > 20 else "")
             raise RefusedError(
-                f"profile_dataset is {'missing' if name is None else repr(name)}; allowed: {some}, of {path}"
+                f"profile_dataset is {'missing' if name is None else repr(name)}; allowed: {some}"
                 if names
-                else f"profile_file {path} holds no dataset; allowed: one of numbers, in the file itself"
+                else "it holds no dataset; allowed: one of numbers, in the file itself"
             )
         data = file[name]
         if data.shape is None or data.dtype.kind not in "fiu":

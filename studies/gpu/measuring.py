@@ -9,7 +9,7 @@ import numpy as np
 from linecontact.kernels import Call, layout
 from linecontact.kernels.sequences import parse
 from linecontact.solver.grid.problem import Problem
-from linecontact.solver.methods import METHODS, Setting
+from linecontact.solver.methods import METHODS, ExecutionConfig
 
 KERNELS = {
     "spectral_multiply: coefficient -> spectrum": 3,
@@ -32,7 +32,7 @@ def seconds_per_iteration(problem: Problem, method: str, precision: str, device:
 
     On the GPU it is over hundreds of iterations: what mass-weighted FIRE does every hundredth time is in its mean.
     """
-    state = METHODS[method].begin(problem, Setting(1e-14, precision, threads=threads, device=device))
+    state = METHODS[method].begin(problem, ExecutionConfig(1e-14, precision, threads=threads, device=device))
     cycle, least = _CYCLE[device], max(_FEWEST, _CYCLE[device])
     while state.iteration < cycle:
         state.steps(cycle - state.iteration)

@@ -7,8 +7,7 @@ other words is quoted where it contradicts the user, or where something is missi
 
 import csv
 import re
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 from ..terminal.units import plain, unit_of
@@ -25,7 +24,7 @@ _ROLES = {
 _DEEP = re.compile(
     r"depth|tief|diepte|profond|profun|creux|g\u0142\u0119bok|\u0433\u043b\u0443\u0431|\u6df1|penetrat|indentation|spalt|recess|below|bulk"
     r"|negativ|\bneg\b|invert|flipped|\bdown(?:wards?)?\b(?!\s*\d)|positive into|valleys? (?:are )?(?:positive|up)"
-    r"|\bgaps?\b(?! gauge)|separation|clearance|(?:^|\()\s*[-\u2013]\s*[^\W\d]|\bz\s*-\s*$",
+    r"|\bgaps?\b(?! gauge)|separation|clearance|(?:^|\()\s*-\s*[^\W\d]|\bz\s*-\s*$",
     re.I,
 )
 """Heights under such words may grow into the valleys."""
@@ -52,10 +51,10 @@ _QUANTITY = re.compile(
 )
 """A number and its unit, or a unit and the number in it: the value of a parameter."""
 _UNIT_LINE = re.compile(
-    r"(?:^|[^a-z])[Uu]nits?(?![a-z])|UNIT|[Ee]inheit|[Uu]nit\u00e9|(?:in|en) \[?\w+\]?$|lengths? in\b"
+    r"(?i:(axis|achse|ordinate|signal|channel))|(?:^|[^a-z])[Uu]nits?(?![a-z])|UNIT|[Ee]inheit|[Uu]nit\u00e9"
+    r"|(?:in|en) \[?\w+\]?$|lengths? in\b"
 )
-"""A line that tells a unit."""
-_SUBJECT = re.compile(r"axis|achse|ordinate|signal|channel", re.I)
+"""A line that tells a unit, perhaps that of a subject."""
 
 
 class Label(NamedTuple):
@@ -69,16 +68,13 @@ class Label(NamedTuple):
         return f"{self.name} [{self.bracket}]" if self.bracket else self.name
 
     @property
-    def is_depth(self) -> bool:
-        return bool(_DEEP.search(self.name))
-
-    @property
     def role(self) -> str:
         """'x', 'z', 'index', or empty if its words say two things, or none."""
         words = re.findall(r"[^\W\d_]+|#", self.name.lower())
         said = {role for role, known in _ROLES.items() if any(re.fullmatch(known, word) for word in words)}
+        said |= {"z"} if _DEEP.search(self.name) else set()
         said = said - {"index"} if len(said) > 1 else said  # "sample position"
-        return "z" if self.is_depth else said.pop() if len(said) == 1 else ""
+        return said.pop() if len(said) == 1 else ""
 
     @property
     def bare(self) -> str:
@@ -93,64 +89,46 @@ class Label(NamedTuple):
         return other[0].strip() if other else "" if known else self.bracket and (self.bare or self.bracket)
 
 
-@dataclass(frozen=True)
-class Header:
-    """What a header says: the labels of all columns, if there are any, and its other lines."""
+class Header(NamedTuple):
+    """The labels of all columns, if there are any, and the other lines of a header."""
 
     labels: Sequence[Label] = ()
     rest: Sequence[str] = ()
 
-    def depth(self) -> str:
-        """The first of the other lines that speaks of depths; empty without one."""
-        return next(filter(_DEEP.search, self.rest), "")
+    def said(self) -> Iterator[tuple[str, list[str], str]]:
+        """Each of the other lines, the units of length in it, and something that is no length, or a factor.
 
-    @property
-    def _has_units(self) -> bool:
-        return any(label.bracket for label in self.labels)
-
-    def units(self) -> Iterator[tuple[str, str, str]]:
-        """Units of length in the other lines, each with its line and the role of its clause.
-
-        Where labels have units, only lines that tell one count.
+        Where labels have units, only lines that tell one count, and factors.
         """
-        for line in self.rest:
-            about = bool(_UNIT_LINE.search(line))
-            bare = _QUANTITY.sub(lambda found: " " if unit_of(found[1] or found[2]) else found[0], line)
-            for clause in re.split(r"[,;\t]|\band\b", bare) if about or not self._has_units else ():
-                for found in re.finditer(rf"{_BRACKET}|([^\W\d_]+)", clause):
-                    word = found[1] or (found[2] or "").replace("in", "", found[2] == "in")
-                    if unit := unit_of(word, expected=found[2] is None or about):
-                        yield unit, line, Label(clause).role
-
-    def no_length(self) -> tuple[str, str]:
-        """Something that is no length, or a factor, with its line; empty without any.
-
-        Where labels have no units, that is what brackets near the rows hold, and words of lines that tell a unit.
-        """
+        without = not any(label.bracket for label in self.labels)
         for line in self.rest:
             if (factor := _FACTOR.search(line)) and factor[1].rstrip(".,0;") != "1":
-                return factor[0].strip(), line
-            brackets = re.findall(_BRACKET, line) if line in self.rest[-_NEAR:] else []
+                yield line, [], factor[0].strip()
             about = _UNIT_LINE.search(line)
-            start = about.start() if about else 0 if _SUBJECT.search(line) else len(line)
-            words = re.split(r"[\s:=,;\"]+", line[start:])[1:]
-            found = _NO_HEIGHT.search(line) if brackets or _SUBJECT.search(line) else None
-            other = next(filter(_OTHER_UNIT.fullmatch, [*brackets, *words]), found[0].strip() if found else "")
-            if other and not self._has_units:
-                return other, line
-        return "", ""
+            near = re.findall(_BRACKET, line) if line in self.rest[-_NEAR:] else []
+            words = re.split(r"[\s:=,;\"]+", line[about.start() :])[1:] if about else []
+            quantity = _NO_HEIGHT.search(line) if near or (about and about[1]) else None
+            other = next(filter(_OTHER_UNIT.fullmatch, [*near, *words]), quantity[0].strip() if quantity else "")
+            bare = _QUANTITY.sub(lambda found: " " if unit_of(found[1] or found[2]) else found[0], line)
+            known = (
+                unit_of(found[1] or found[2], expected=bool(found[1] or about))
+                for found in re.finditer(rf"{_BRACKET}|(?!in\b)([^\W\d_]+)", bare)
+            )
+            yield line, list(dict.fromkeys(filter(None, known))) if about or without else [], other * without
+
+
+def depth(texts: Iterable[str]) -> str:
+    """The first text that speaks of depths; empty without one."""
+    return next(filter(_DEEP.search, texts), "")
 
 
 def cells(line: str, delimiter: str | None) -> list[str]:
     """The cells of a line; delimiter: None for spaces."""
     if delimiter is None:
         return line.replace('"', " ").split()
-    quoted = (
-        next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])
-        if '"' in line and len(line) <= _LONGEST
-        else None
-    )
-    return [cell.strip() for cell in (line.split(delimiter) if quoted is None else quoted)]
+    if '"' in line and len(line) <= _LONGEST:
+        return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])]
+    return [cell.strip() for cell in line.split(delimiter)]
 
 
 def read(lines: Sequence[str], delimiter: str | None, count: int, least: int) -> Header:
@@ -160,14 +138,13 @@ def read(lines: Sequence[str], delimiter: str | None, count: int, least: int) ->
     """
     lines = [line.replace("\u00b2", "^2").replace("\u00b3", "^3") for line in lines if len(line) <= _LONGEST]
     kept = [line for line in (plain(line).strip(_COMMENT) for line in lines) if line]
-    for i in range(len(kept) - 1, max(-1, len(kept) - 1 - _NEAR), -1):
+    for i in reversed(range(len(kept))[-_NEAR:]):
         labels, above = (_labels(line, delimiter, count, least) for line in (kept[i], kept[i - 1] if i else ""))
-        under = [label.bracket or label.name for label in labels if label.text]
-        if any(label.name for label in above) and under and all(unit_of(u) or _OTHER_UNIT.fullmatch(u) for u in under):
-            both = zip(above, labels, strict=True)
-            merged = [
-                Label(a.name, ",".join(dict.fromkeys(filter(None, (a.bracket, b.bracket or b.name))))) for a, b in both
-            ]
+        under = [label.bracket or label.name for label in labels]
+        units = all(not unit or unit_of(unit) or _OTHER_UNIT.fullmatch(unit) for unit in under)
+        if any(label.name for label in above) and any(under) and units:
+            brackets = (dict.fromkeys([a.bracket, unit]) for a, unit in zip(above, under, strict=True))
+            merged = [Label(a.name, ",".join(filter(None, both))) for a, both in zip(above, brackets, strict=True)]
             return Header(merged, kept[: i - 1] + kept[i + 1 :])
         if any(label.bracket or label.role for label in labels):
             return Header(labels, kept[:i] + kept[i + 1 :])

@@ -1,6 +1,5 @@
 """Heights that are missing, stand for missing ones, or stick out like dust: found, and filled or left out."""
 
-import itertools
 from typing import Any, Literal
 
 import numpy as np
@@ -39,8 +38,7 @@ def filled(x: Array64 | None, z: Array64, how: Missing) -> tuple[Array64 | None,
 
     Raises `ValueError` for a gap that is too long to be filled.
     """
-    gone = np.isnan(z) if x is None else np.isnan(z) | np.isnan(x)
-    there = np.flatnonzero(~gone)
+    there = np.flatnonzero(~np.isnan(z if x is None else z + x))
     if there.size == z.size:
         return x, z, ""
     told = f"{z.size - there.size} of {z.size} values were missing and"
@@ -48,22 +46,21 @@ def filled(x: Array64 | None, z: Array64, how: Missing) -> tuple[Array64 | None,
         return None if x is None else x[there], z[there], f"{told} left out"
     longest = int(np.diff(there, prepend=-1, append=z.size).max()) - 1
     if longest > LONGEST_GAP * z.size:
-        raise ValueError(f"{longest} of {z.size} values are missing in one place; allowed: up to {LONGEST_GAP:.0%}")
+        raise ValueError(
+            f"{longest} of {z.size} values are missing in one place; allowed: up to {LONGEST_GAP:.0%}, cut the scan"
+        )
     at = np.arange(z.size) if x is None else np.abs(x - x[0])
     return x, np.interp(at, at[there], z[there]), f"{told} filled by straight lines"
 
 
 def doubtful(z: Array64) -> list[tuple[Indices, str]]:
     """Indices of heights, shape (number of values,) [any unit], that may be none, each with the reason in words."""
-    numbers = _sentinels(z)
-    found = [
-        (np.flatnonzero(z == number), "may stand for missing values (--invalid) or be dust (--despike)")
-        for number in numbers
-    ]
+    numbers, reason = _sentinels(z), "may stand for missing values (--invalid) or be dust (--despike)"
+    found = [(np.flatnonzero(z == number), reason) for number in numbers]
     there = np.flatnonzero(~np.isin(z, numbers))
     found.append((there[spikes(z[there])], "stand out as spikes (--despike)"))
     steps = np.abs(np.diff(z[there]))
-    jumps = np.flatnonzero(steps > max(_STEP * _usual(steps), float(z[there].std())))
+    jumps = np.flatnonzero(steps > max(_STEP * float(np.quantile(steps, _RARE)), float(z[there].std())))
     if jumps.size <= _FEW:
         found.append((there[1:][jumps], "begin behind a step that stands alone"))
     return [(rows, reason) for rows, reason in found if rows.size]
@@ -92,17 +89,10 @@ def _stand_out(level: Array64) -> np.ndarray[Any, np.dtype[np.bool_]]:
     return np.asarray(above > max(_HIGH * float(level.std()), _UNLIKE * float(np.quantile(above, _MANY))))
 
 
-def _usual(sizes: Array64) -> float:
-    return float(np.quantile(sizes, _RARE)) if sizes.size else 0.0
-
-
 def _sentinels(z: Array64) -> Array64:
     """Up to three of the lowest and of the highest numbers, if they are isolated from all others."""
     values = np.unique(z)
-    ends = range(min(4, values.size // 3))
-    for low, high in sorted(itertools.product(ends, ends), key=sum, reverse=True):
-        rest, below, above = values[low : values.size - high], values[:low], values[values.size - high :]
-        away = [rest[0] - below[-1:], above[:1] - rest[-1]]
-        if low + high and all((gap > _ISOLATED * np.ptp(rest)).all() for gap in away):
-            return np.concatenate([below, above])
-    return values[:0]
+    few = min(_FEW, (values.size - 1) // 3)
+    apart = np.flatnonzero(np.diff(values) > _ISOLATED * np.ptp(values[few : values.size - few]))
+    low, high = apart[apart < few].max(initial=-1), apart[apart >= values.size - 1 - few].min(initial=values.size)
+    return np.concatenate([values[: low + 1], values[high + 1 :]])

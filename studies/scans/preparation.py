@@ -6,21 +6,18 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
-from linecontact.solver.arrays import Array64, Indices
+from linecontact.solver.arrays import Array64
 from linecontact.solver.transforms.plain import irfft, rfft
 
 from .missing import DOUBTED, LONGEST_GAP
 
 Detrend = Literal["curvature", "linear", "mean", "none"]
-Window = Literal["mirror", "tukey", "hann", "none"]
+Window = Literal["mirror", "none"]
 
-_TAPER = 0.1  # share of the length over which a Tukey window falls, at each end
 _ROUNDING = 0.6  # of the positions' last digit: by how much rounding puts them off
 _ROUNDED = 0.9  # spacings that the last digit may be worth: one spacing is a value left out
 _EVEN = 0.01  # spacings by which positions may be off without that
-_SPARSE = 1.1  # places for each value, up to which the others are taken for missing ones
 _COARSE = 0.3  # spacings: with a last digit worth more, single steps do not tell how many places they are
-_TIMES = 5  # that the spacing is made better
 _UNEVEN = 0.05  # relative difference of a step from the mean, from which there is a warning
 _GAP = 1.8  # spacings from which values are missing
 _JUMP = 2.0  # from the last value to the first, over the largest step between neighbours
@@ -72,14 +69,11 @@ class Profile:
             self.z = self.z - np.polynomial.legendre.legval(i, fitted[: degree + 1])
 
     def make_periodic(self, window: Window) -> None:
-        """Let the ends meet, by the mirror image, which doubles the length but keeps the roughness, or by a window.
-
-        A window smooths the ends away, which then touch nearly everywhere and add to the contact area.
-        """
+        """Let the ends meet by the mirror image, which doubles the length and keeps the roughness, if they do not."""
         if window == "mirror":
             self.steps.append(f"{_MIRROR}: the period is twice the scan")
             self.z, self.length = np.concatenate([self.z, self.z[::-1]]), 2 * self.length
-        elif window == "none":
+        else:
             self.steps.append("taken as periodic: the last value meets the first")
             jump, largest = abs(float(self.z[0] - self.z[-1])), float(np.abs(np.diff(self.z)).max())
             if jump > _JUMP * largest:
@@ -87,15 +81,6 @@ class Profile:
                     f"from the last value of the scan to the first, which it meets, is a step {round(jump / largest)} "
                     "times as high as any in the scan: it does not look periodic (window)"
                 )
-        else:
-            taper = 0.5 if window == "hann" else _TAPER
-            z = self.z - self.z.mean()
-            ramp = np.minimum(np.arange(z.size) + 0.5, z.size - 0.5 - np.arange(z.size)) / (taper * z.size)
-            self.z = z * np.sin(np.pi / 2 * np.minimum(ramp, 1.0)) ** 2
-            self.steps.append(
-                f"made periodic by a {window} window: the period is the scan; heights fall to the mean over "
-                f"{taper:g} of it at each end, whose roughness is lost and which may touch nearly everywhere"
-            )
 
     def resample(self, num_points: int) -> None:
         """The profile on another number of points by its Fourier modes, or straight lines where waves overshoot.
@@ -139,57 +124,46 @@ def mirrored(about: Mapping[str, Any]) -> bool:
 
 
 def evenly_spaced(x: Array64, z: Array64) -> Profile:
-    """A profile from heights at increasing positions, shape (number of values,) each [length].
+    """A profile from heights at positions that go one way, shape (number of values,) each [length].
 
     Positions that are even except for the rounding of their digits, to less than their spacing, are taken as even. So
     are those of which some are missing, whose heights are filled. Others are interpolated. The length of the scan is
     one spacing for each place. Raises `ValueError` for a gap that is too long for that.
     """
-    x = x - x[0]
-    steps, digit = np.diff(x), _last_digit(x)
-    for place in (np.arange(x.size), _places(steps)):
-        spacing, off = _spacing(x, place)
-        count, rounding = int(place[-1]) + 1, digit / spacing if digit < _ROUNDED * spacing else 0.0
-        sure = count == x.size or (count <= _SPARSE * x.size and rounding <= _COARSE)
-        if even := sure and off <= max(_EVEN, _ROUNDING * rounding) * spacing:
-            break
-    gap, long = float(steps.max()), steps > _GAP * np.median(steps)
-    if gap > LONGEST_GAP * x[-1] and gap > 1.5 * spacing and not (even and count == x.size):
-        raise ValueError(f"x has a gap of {gap / x[-1]:.1%} of the scan; allowed: up to {LONGEST_GAP:.0%}")
-    doubts = []
-    if even:
-        told = f"positions even to {off / spacing:.2g} of their spacing"
-        told += f", {count - x.size} missing, whose heights were filled" if count > x.size else ", taken as even"
-    else:
-        count, spacing, place = x.size, float(x[-1]) / (x.size - 1), x / x[-1] * (x.size - 1)
-        told = f"interpolated linearly to even spacing, the largest gap {gap / spacing:.3g} spacings"
-        uneven = float(np.abs(steps[~long] / steps[~long].mean() - 1).max())
-        if uneven > _UNEVEN and digit < _ROUNDED * spacing:
-            apart = f"steps between positions differ from their mean by up to {uneven:.0%}"
-            doubts = [f"{apart}; heights were interpolated by straight lines, which flattens short waves"]
-    empty = float((steps[long] - np.median(steps)).sum() / x[-1])
-    if empty > DOUBTED and not (even and count == x.size):
-        doubts.append(f"{empty:.1%} of the scan, where it has no values, were filled by straight lines")
-    return Profile(np.asarray(np.interp(np.arange(count), place, z)), spacing * count, [told], doubts)
-
-
-def _places(steps: Array64) -> Indices:
-    """The places of positions in a row of even ones of which few are missing, shape (number of values,).
-
-    steps: from one position to the next, rounded like them, shape (number of values - 1,) [length].
-    """
-    spacing = float(steps.mean())  # too large by the share of those that are missing
-    for _ in range(_TIMES):
-        away = np.maximum(np.rint(steps / spacing), 1.0)
-        spacing = float(steps.sum() / away.sum())
-    return np.cumsum(np.concatenate([[0.0], away])).astype(np.int64)
-
-
-def _spacing(x: Array64, place: Indices) -> tuple[float, float]:
-    """The spacing of positions at these places of a row, by least squares, and by how much one is off at most."""
+    told, doubts = ["positions decrease: read from the end"] * bool(x[-1] < x[0]), list[str]()
+    x, z = (x[::-1] - x[-1], z[::-1]) if told else (x - x[0], z)
+    steps, digit, mean = np.diff(x), _last_digit(x), float(x[-1]) / (x.size - 1)
+    rounding = digit if digit < _ROUNDED * mean else 0.0
+    long, gap = steps > _GAP * np.median(steps), float(steps.max())
+    place = np.arange(x.size, dtype=np.float64)
+    if rounding <= _COARSE * mean:
+        usual = max(float(steps[~long].mean()), mean / 2)  # else more are missing than there
+        place[1:] = np.cumsum(np.maximum(np.rint(steps / usual), 1.0))
     i = place - place.mean()
     spacing = float(i @ x) / float(i @ i)
-    return spacing, float(np.abs(x - x.mean() - spacing * i).max())
+    off = float(np.abs(x - x.mean() - spacing * i).max()) / spacing
+    even = off <= max(_EVEN, _ROUNDING * rounding / spacing)
+    count = int(place[-1]) + 1 if even else x.size
+    if even and count == x.size:
+        told.append(f"positions even to {off:.2g} of their spacing, taken as even")
+        return Profile(z, spacing * count, told)
+    if gap > max(LONGEST_GAP * x[-1], 1.5 * spacing):
+        allowed = f"up to {LONGEST_GAP:.0%}; cut or fill it"
+        raise ValueError(f"x has a gap of {gap / x[-1]:.1%} of the scan; allowed: {allowed}")
+    if even:
+        missing = f"{count - x.size} missing, whose heights were filled"
+        told.append(f"positions even to {off:.2g} of their spacing, {missing}")
+    else:
+        spacing, place = mean, x / mean
+        told.append(f"interpolated linearly to even spacing, the largest gap {gap / spacing:.3g} spacings")
+        uneven = float(np.abs(steps[~long] / steps[~long].mean() - 1).max())
+        if uneven > _UNEVEN and digit == rounding:
+            apart = f"steps between positions differ from their mean by up to {uneven:.0%}"
+            doubts.append(f"{apart}; heights were interpolated by straight lines, which flattens short waves")
+    empty = float((steps[long] - np.median(steps)).sum() / x[-1])
+    if empty > DOUBTED:
+        doubts.append(f"{empty:.1%} of the scan, where it has no values, were filled by straight lines")
+    return Profile(np.asarray(np.interp(np.arange(count), place, z)), spacing * count, told, doubts)
 
 
 def _last_digit(x: Array64) -> float:

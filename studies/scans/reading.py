@@ -6,11 +6,12 @@ what to add. Every step goes into the result.
 
 import math
 import os
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
+import pyfftw
 from linecontact.solver import ElasticLayer, MeasuredIndenter, Scene, checks
 from linecontact.solver.display import counted
 from linecontact.solver.scene import MAX_POINTS, MIN_POINTS
@@ -20,9 +21,11 @@ from linecontact.solver.units import SCENE, named
 
 from ..files.writing import as_path
 from ..terminal.options import options_of, refused, text
+from ..terminal.text import is_refusal
 from ..terminal.units import UNITS, Unit
 from . import columns
 from .columns import MAX_REFINEMENT
+from .header import depth
 from .missing import DOUBTED, Missing, doubtful, filled, marked, spikes
 from .preparation import Detrend, Profile, Window, evenly_spaced
 from .text import Decimal
@@ -75,7 +78,7 @@ class Options:
     detrend: Detrend | None = None
     """Remove the mean, also the tilt (linear), also a bow (curvature); default: linear, but none with --window none."""
     window: Window = "mirror"
-    """What makes the profile periodic: its mirror image, a window, or nothing if it is periodic."""
+    """What makes the profile periodic: its mirror image, or nothing if it is periodic."""
     period: float | None = refused()
     """Not with a file."""
     accuracy: float | None = None
@@ -140,18 +143,22 @@ def read_scan(path: str | os.PathLike[str], **options: Any) -> Scan:
 
 def read(options: Options) -> Scan:
     """As `read_scan`."""
-    path = options.profile_file
-    if not os.path.isfile(path):  # Path's own raises for some names
-        raise ValueError(f"profile_file is {path}, which is not a file; allowed: an existing file")
-    if options.period is not None:
-        raise ValueError(
-            f"period is {options.period}; allowed: none with a file, whose scan is the period, with its mirror image "
-            "half of it (scan_length is for files without positions)"
-        )
     try:
-        found = columns.load(path, options.profile_dataset, options.columns, options.decimal)
-    except (OSError, EOFError, UnicodeError) as error:
-        raise ValueError(f"profile_file {path} cannot be read: {error}") from None
+        return _read(options)
+    except (OSError, ValueError) as error:
+        if isinstance(error, OSError) or is_refusal(error):
+            raise ValueError(f"profile_file {options.profile_file}: {error}") from None
+        raise
+
+
+def _read(options: Options) -> Scan:
+    """As `read`, but errors do not name the file."""
+    if not os.path.isfile(options.profile_file):  # Path's own raises for some names
+        raise ValueError("this is not a file; allowed: an existing file")
+    if options.period is not None:
+        allowed = "none with a file, whose scan is the period, with its mirror image half of it"
+        raise ValueError(f"period is {options.period}; allowed: {allowed} (without positions, scan_length tells it)")
+    found = columns.load(options.profile_file, options.profile_dataset, options.columns, options.decimal)
     found, told, doubts = _complete(found, options)
     profile, units = _measured(found, options)
     profile.steps[:0], profile.doubts[:0] = told, doubts
@@ -160,19 +167,19 @@ def read(options: Options) -> Scan:
     height = np.ptp(profile.z)
     profile.detrend("none" if options.window == "none" and options.detrend is None else options.detrend)
     if np.ptp(profile.z) <= 1e-12 * height:
-        form = "a parabola" if options.detrend == "curvature" else "a straight line"
-        raise ValueError(f"profile_file {path} holds {form}; allowed: a profile that is not")
+        raise ValueError(
+            "it holds a straight line, or a parabola; allowed: a profile of which detrend leaves something"
+        )
     profile.make_periodic(options.window)
     measured = profile.z.size
     n = _choose_grid(options, count, measured)
     profile.resample(n)
-    known = set(units.values()) - {SCENE}
     description = {
-        "profile_file": columns.shown_name(path),
+        "profile_file": columns.shown_name(options.profile_file),
         "profile_convention": options.profile_convention or "heights",
         "profile_values": count,
-        **units,
-        "profile_length_unit": (options.length_unit or _DEFAULT) if known else SCENE,
+        **{f"profile_{axis}_unit": unit for axis, unit in units.items()},
+        "profile_length_unit": SCENE if set(units.values()) == {SCENE} else options.length_unit or _DEFAULT,
         **scan,
         **({"profile_missing": "; ".join(told)} if told else {}),
         **({"profile_doubts": "; ".join(profile.doubts)} if profile.doubts else {}),
@@ -184,86 +191,68 @@ def read(options: Options) -> Scan:
 
 def _complete(found: columns.Columns, options: Options) -> tuple[columns.Columns, list[str], list[str]]:
     """The columns without missing values, what was done, and what there is to doubt. Raises `ValueError`."""
-    path, x, z = options.profile_file, found.x, found.z
+    x, z = found.x, found.z.copy()
     if x is None and z[0] == z.size - 1 >= _FEWEST:
-        seen = f"{found.row(0)}: {z[0]:g} is the number of the values below it"
-        raise ValueError(f"profile_file {path}, {seen}; allowed: heights alone")
-    gone = np.isnan(z) if x is None else np.isnan(z) | np.isnan(x)
-    if gone.any() and options.missing in (None, "refuse"):
-        seen = f"{found.row(int(gone.argmax()))}: a value is missing, and {int(gone.sum())} of {z.size} in all"
-        raise ValueError(f"profile_file {path}, {seen}; allowed: all values, or missing, with interpolate or drop")
-    told, up = list[str](), -1.0 if options.profile_convention == "gap" else 1.0
-    if options.missing == "refuse" and (options.invalid is not None or options.despike):
-        raise ValueError("missing is refuse; allowed: interpolate or drop, with invalid or despike")
+        raise ValueError(f"{found.row(0)}: {z[0]:g} is the number of the values below it; allowed: heights alone")
+    gone = np.isnan(z) if x is None else np.isnan(z) | np.isnan(x)  # not of a sum: both may be infinite
+    how = options.missing or ("refuse" if gone.any() else "interpolate")
+    told = list[str]()
     if options.invalid is not None:
         z = marked(z, options.invalid)
-    rows = np.flatnonzero(np.isfinite(z))[spikes(z[np.isfinite(z)], both=True)] if options.despike else np.zeros(0, int)
-    if options.despike and not rows.size:
-        told = ["no value stands out from those three places away as a spike does"]
-    if rows.size:
-        where = found.row(int(rows[0]))
-        told = [f"{counted(rows.size, 'value')} that stood out as spikes, the first in {where}, taken for missing"]
-        z = np.where(np.isin(np.arange(z.size), rows), np.nan, z)
-    columns.check_values(path, replace(found, z=z))
+    if options.despike:
+        there = np.flatnonzero(np.isfinite(z))
+        rows = there[spikes(z[there], both=True)]
+        z[rows] = np.nan
+        where = f", the first in {found.row(int(rows[0]))}" if rows.size else ""
+        told = [f"{counted(rows.size, 'value')} that stood out as spikes{where}, taken for missing"]
+    gone |= np.isnan(z)
+    if gone.any() and (how == "refuse" or (how == "drop" and x is None)):
+        seen = f"{found.row(int(gone.argmax()))}: a value is missing, and {int(gone.sum())} of {z.size} in all"
+        allowed = "all values, or missing, with interpolate, or drop where positions tell the gaps"
+        raise ValueError(f"{seen}; allowed: {allowed}")
+    columns.check_values(found._replace(z=z))
     there = np.flatnonzero(np.isfinite(z))
     if there.size < _FEWEST:
-        raise ValueError(f"profile_file {path} holds {counted(there.size, 'value')}; allowed: at least {_FEWEST}")
-    if x is None and options.missing == "drop" and there.size < z.size:
-        raise ValueError(f"missing is drop; allowed: interpolate, because {path} has no positions to tell the gaps")
-    doubts = []
+        raise ValueError(f"it holds {counted(there.size, 'value')}; allowed: at least {_FEWEST}")
+    doubts, up = list[str](), -1.0 if options.profile_convention == "gap" else 1.0
     for rows, reason in doubtful(up * z[there]):
         first = int(there[rows[0]])
         doubts.append(f"{rows.size} of {z.size} values, the first {z[first]:g} in {found.row(first)}, {reason}")
     if z.size - there.size > DOUBTED * z.size:
         doubts.append(f"{z.size - there.size} of {z.size} values were missing")
-    try:
-        x, z, done = filled(x, z, options.missing or "interpolate")
-    except ValueError as error:
-        raise ValueError(f"profile_file {path}: {error}; cut the scan") from None
-    return replace(found, x=x, z=z), told + [done] * bool(done), doubts
+    x, z, done = filled(x, z, how)
+    return found._replace(x=x, z=z), told + [done] * bool(done), doubts
 
 
 def _measured(found: columns.Columns, options: Options) -> tuple[Profile, dict[str, str]]:
     """The values at even spacing in the scene's unit of length, and the units of the file. Raises `ValueError`."""
-    path, x, z = options.profile_file, found.x, found.z
+    x, z = found.x, found.z
     length = _given_length(options, z.size) if x is None else 0.0
     unknown = (options.length_unit or SCENE) if options.scene_units else None
-    units = columns.units(path, found, {"x": options.x_unit, "z": options.z_unit}, unknown)
+    units = columns.units(found, {"x": options.x_unit, "z": options.z_unit}, unknown)
     scene = {SCENE: 1.0} | {unit: size / UNITS[options.length_unit or _DEFAULT] for unit, size in UNITS.items()}
-    described = {f"profile_{axis}_unit": unit for axis, unit in units.items()}
-    if x is not None and options.scan_length is not None:
-        raise ValueError(f"scan_length is {options.scan_length}; allowed: none, {path} has positions")
-    turned = x is not None and bool(x[-1] < x[0])
-    if x is not None and turned:
-        x, z = x[::-1], z[::-1]
     if x is None:
-        return Profile(z * scene[units["z"]], length), described
-    try:
-        profile = evenly_spaced(x * scene[units["x"]], z * scene[units["z"]])
-    except ValueError as error:
-        raise ValueError(f"profile_file {path}: {error}; cut or fill it") from None
-    profile.steps[:0] = ["positions decrease: read from the end"] * turned
-    return profile, described
+        return Profile(z * scene[units["z"]], length), units
+    if options.scan_length is not None:
+        raise ValueError(f"scan_length is {options.scan_length}; allowed: none, the file has positions")
+    return evenly_spaced(x * scene[units["x"]], z * scene[units["z"]]), units
 
 
 def _given_length(options: Options, count: int) -> float:
     """The length of a scan without positions [length]. Raises `ValueError` where it is not given."""
-    path = options.profile_file
     if options.x_unit:
-        raise ValueError(f"x_unit is {options.x_unit}; allowed: none, {path} has no positions (give scan_length)")
+        raise ValueError(f"x_unit is {options.x_unit}; allowed: none, the file has no positions (give scan_length)")
     if options.scan_length is None:
-        alone = options.scene_units and options.length_unit is None
-        allowed = "a number alone in the scene's unit" if alone else "with its unit, like 1.5mm, or in length_unit"
-        seen = f"{path} holds {counted(count, 'height')} and no positions"
-        raise ValueError(f"scan_length is missing: {seen}; allowed: its length, {allowed}")
+        seen = f"the file holds {counted(count, 'height')} and no positions"
+        allowed = "its length with the unit, like 1.5mm, or a number alone in the scene's unit"
+        raise ValueError(f"scan_length is missing: {seen}; allowed: {allowed}")
     return checks.real("scan_length", options.scan_length, "a finite length > 0", 0)
 
 
 def _statistics(profile: Profile) -> dict[str, float]:
     """What tells whether a scan was understood, in the scene's unit; rms height and slope are about the mean line."""
-    i = np.arange(profile.z.size) - (profile.z.size - 1) / 2
-    straight = profile.z - profile.z.mean()
-    straight = straight - float(i @ straight) / float(i @ i) * i
+    i = np.arange(profile.z.size)
+    straight = profile.z - np.polynomial.Polynomial.fit(i, profile.z, 1)(i)
     return {
         "profile_scan_length": profile.length,
         "profile_spacing": profile.spacing,
@@ -274,22 +263,13 @@ def _statistics(profile: Profile) -> dict[str, float]:
 
 def _turn_over(profile: Profile, found: columns.Columns, options: Options) -> None:
     """Make h of heights, unless the file holds h."""
-    if options.profile_convention is None and found.depth:
-        raise ValueError(
-            f"profile_convention is missing: {options.profile_file} speaks of depths or gaps ({found.depth[:60]!r}); "
-            "allowed: heights, if its values grow towards the peaks, or gap, if they grow into the valleys"
-        )
+    if options.profile_convention is None and (said := depth([found.labels["z"].text, *found.head.rest])):
+        seen = f"the file speaks of depths or gaps ({said[:60]!r})"
+        allowed = "heights, if its values grow towards the peaks, or gap, if they grow into the valleys"
+        raise ValueError(f"profile_convention is missing: {seen}; allowed: {allowed}")
     if options.profile_convention != "gap":
         profile.z = -profile.z
         profile.steps.append("heights turned over: peaks up become the indenter's lowest points")
-
-
-def _is_fast(num_points: int) -> bool:
-    """Whether it is even, and a product of 2, 3 and 5, which transforms take quickly."""
-    for prime in (2, 3, 5) if num_points % 2 == 0 else ():
-        while num_points % prime == 0:
-            num_points //= prime
-    return num_points == 1
 
 
 def _choose_grid(options: Options, values: int, in_period: int) -> int:
@@ -297,13 +277,11 @@ def _choose_grid(options: Options, values: int, in_period: int) -> int:
     most = MAX_REFINEMENT * values
     n = options.num_points
     if n is None and options.accuracy is not None:
-        n = next(n for n in range(min(most, MAX_POINTS), 0, -1) if _is_fast(n))
+        fast = (n for n in range(min(most, MAX_POINTS), 0, -1) if n % 2 == 0 and pyfftw.next_fast_len(n) == n)
+        n = next(fast)
     elif n is None:
-        fine = min(_POINTS_PER_VALUE * in_period, max(_ENOUGH, in_period))
-        n = 2 ** math.ceil(math.log2(fine))
+        n = 2 ** math.ceil(math.log2(min(_POINTS_PER_VALUE * in_period, max(_ENOUGH, in_period))))
     n = checks.integer("num_points", n, f"an integer from {MIN_POINTS} to {MAX_POINTS}", MIN_POINTS, MAX_POINTS)
     if n > most:
-        raise ValueError(
-            f"num_points is {n}; allowed: up to {MAX_REFINEMENT} times the {values} values in {options.profile_file}"
-        )
+        raise ValueError(f"num_points is {n}; allowed: up to {MAX_REFINEMENT} times the {values} values in the file")
     return n

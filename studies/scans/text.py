@@ -6,10 +6,9 @@ import math
 import re
 from collections import Counter
 from collections.abc import Sequence
-from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from linecontact.solver.arrays import Array64
@@ -24,13 +23,12 @@ MAX_TEXT = 2**25
 
 _SAMPLE = 200  # lines at the end of the table, which tell how it is written
 _BETWEEN = "'\u2019\u00a0\u202f"  # thousands, besides the other decimal sign
-_NUMBER = r"[-+]?(?=\d|{0}\d)(?:\d{{1,3}}(?:[{1}]\d{{3}})+|\d*)(?:{0}{2})?(?:[eE][-+]?\d+)?|[-+]?inf"
+_NUMBER = r"[-+]?(?=\d|{0}\d)(?:[1-9]\d{{0,2}}(?:[{1}]\d{{3}})+|\d*)(?:{0}{2})?(?:[eE][-+]?\d+)?|[-+]?inf"
 _NUMBERS = {
     "point": re.compile(_NUMBER.format(r"\.", "," + _BETWEEN, r"\d*")),
     "comma": re.compile(_NUMBER.format(",", "." + _BETWEEN, r"\d+")),
 }
 _PLAIN = {"point": str.maketrans("", "", "," + _BETWEEN), "comma": str.maketrans(",", ".", "." + _BETWEEN)}
-_THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}(?:,\d{3})+")
 _MISSING = re.compile(r"\W*|[-+]?(?:1\.)?#?(?:nan|qnan|ind)|n\.?/?a\.?|#\w+/?\w*!?|null|none|missing|invalid|bad", re.I)
 """Cells that stand for a missing value: nothing, stars, hyphens, NaN, N/A and the like."""
 _TORN = re.compile(r"(?=.*\d)(?=.*[,;\s])[-+\d.,;\s]*")
@@ -38,25 +36,18 @@ _TORN = re.compile(r"(?=.*\d)(?=.*[,;\s])[-+\d.,;\s]*")
 _FIGURE = r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?\"?"
 _LIKE_ROW = re.compile(rf"[\s\"]*{_FIGURE}(?:[\s\";,]+{_FIGURE}(?![\w:/.-])|\s*$)")
 """A line that begins with two numbers, or is one."""
+_MINUS = str.maketrans("\u2212\u2013", "--")  # as it is printed
 _NAMES = {";": "semicolons", "\t": "tabs", ",": "commas", None: "spaces"}
 
 
-@dataclass(frozen=True)
-class Table:
+class Table(NamedTuple):
     """A table of numbers, and the header above it."""
 
-    values: Array64
-    """The numbers, shape (rows, columns); NaN for missing ones and text."""
-    origin: str
-    """How they were found, in words."""
-    numeric: Sequence[int]
-    """Columns that hold numbers."""
-    head: header.Header = field(default_factory=header.Header)
-    """Text above the columns."""
-    odd: dict[int, str] = field(default_factory=dict)
-    """For some columns the first cell that is neither a number nor missing, with its line, in words."""
-    line: int = 0
-    """Line of the first row in a text; 0 elsewhere."""
+    values: Array64  # shape (rows, columns); NaN for missing ones, inf for text
+    origin: str  # how they were found, in words
+    numeric: Sequence[int]  # columns that hold numbers
+    head: header.Header = header.Header()
+    line: int = 0  # of the first row in a text; 0 elsewhere
 
 
 @dataclass(frozen=True)
@@ -69,30 +60,20 @@ class _Writing:
     count: int = 0  # of columns
     share: float = 0.0  # of the cells, that are numbers or missing
 
-    def number(self, cell: str) -> float | None:
-        """The number in a cell, NaN for a missing one, None for anything else."""
+    def number(self, cell: str) -> float:
+        """The number in a cell, NaN for a missing one, inf for anything else."""
         if _NUMBERS[self.decimal].fullmatch(cell):
             return float(cell.translate(_PLAIN[self.decimal]))
-        return float("nan") if _MISSING.fullmatch(cell) else None
+        return math.nan if _MISSING.fullmatch(cell) else math.inf
 
-    def row(self, line: str) -> list[float | None]:
+    def row(self, line: str) -> list[float]:
         """The numbers in the numeric columns of a line; empty if the line has not the columns of the table."""
         cells = header.cells(line, self.delimiter)
         more = [cell for cell in cells[self.count :] if cell]
-        torn = bool(more) and (self.delimiter is not None or any(self.number(cell) is not None for cell in more))
+        torn = bool(more) and (self.delimiter is not None or any(self.number(cell) != math.inf for cell in more))
         if torn or len(cells) <= self.numeric[-1] or not line.strip():
             return []
-        if self.decimal == "point" and "_" not in line:
-            with suppress(ValueError):  # the usual row, in a third of the time
-                plain = [float(cells[i]) for i in self.numeric]
-                if all(map(math.isfinite, plain)):
-                    return list(plain)
         return [self.number(cells[i]) for i in self.numeric]
-
-    def is_row(self, line: str) -> bool:
-        """Whether all numeric columns of a line hold numbers or nothing, and at least one a number."""
-        row = self.row(line)
-        return None not in row and any(value == value for value in row)
 
     def counted(self, lines: Sequence[str]) -> "_Writing":
         """The same with the columns that it finds in some lines; without numeric ones if it tears numbers apart."""
@@ -100,7 +81,7 @@ class _Writing:
         count = Counter(map(len, split)).most_common(1)[0][0] if split else 0
         numeric, cells = [], 0
         for i, column in enumerate(zip(*(cells for cells in split if len(cells) == count), strict=True)):
-            known = [value for cell in column if (value := self.number(cell)) is not None]
+            known = [value for cell in column if (value := self.number(cell)) != math.inf]
             if any(value == value for value in known) and 2 * len(known) >= len(column):
                 numeric.append(i)
                 cells += len(known)
@@ -119,81 +100,66 @@ def read_text(path: Path, name: str, decimal: Decimal | None) -> Table:
 
     name: of the file, for records; decimal: the decimal sign, None for the one that is found. Raises `ValueError`.
     """
-    lines = _decoded(path).replace("\r\r\n", "\n").replace("\u2212", "-").splitlines()  # a minus as it is printed
+    lines = _decoded(path).replace("\r\r\n", "\n").translate(_MINUS).splitlines()
     while lines and not lines[-1].strip(" \t,;"):
         lines.pop()
-    writing = _find(path, lines, decimal)
-    first = next((i for i, line in enumerate(lines) if writing.is_row(line)), 0)
-    while first and (row := writing.row(lines[first - 1])):
-        told = None not in row and re.search(r"[^\W\d_]|\*\*", lines[first - 1])  # missing in all columns, and no rule
-        if not told and not any(value == value for value in row if value is not None):
+    writing, unclear = _find(lines, decimal)
+    rows = [writing.row(line) for line in lines]
+    first = next((i for i, row in enumerate(rows) if math.inf not in row and any(map(math.isfinite, row))), 0)
+    while first and (row := rows[first - 1]):  # also rows that miss all values, but no rule below the labels
+        missing = math.inf not in row and re.search(r"[^\W\d_]|\*\*", lines[first - 1])
+        if not missing and not any(map(math.isfinite, row)):
             break
         first -= 1
     for i, pair in enumerate(itertools.pairwise(lines[:first])):
         if all(map(_LIKE_ROW.match, pair)):
             seen = f"line {i + 1}: {pair[0].strip()[:40]!r} is not written as the rows from line {first + 1} on are"
-            raise ValueError(f"profile_file {path}, {seen}; allowed: one table ({writing.told()}), below its header")
+            raise ValueError(f"{seen}; allowed: one table ({writing.told()}), below its header")
     head = header.read(lines[:first], writing.delimiter, writing.count, writing.numeric[-1] + 1)
-    if writing.delimiter == "," and decimal is None and not head.labels and re.fullmatch(r"[-+\d, ]+", lines[first]):
-        raise ValueError(_unclear(path, lines[first], "point, if they part columns of integers; else other separators"))
-    rows, odd = [], dict[int, str]()
-    for i, line in enumerate(lines[first:], first):
-        row = writing.row(line)
-        if not row:
-            text = f": {line.strip()[:40]!r} is not {counted(writing.count, 'cell')}" if line.strip() else " is empty"
-            allowed = f"rows like {lines[first].strip()[:40]!r} in line {first + 1} to the end ({writing.told()})"
-            raise ValueError(f"profile_file {path}, line {i + 1}{text}; allowed: {allowed}")
-        for column, value in zip(writing.numeric, row, strict=True) if None in row else ():
-            if value is None:
-                odd.setdefault(column, f"line {i + 1}: {line.strip()[:40]!r}")
-        rows.append(row)
-    values = np.full((len(rows), writing.count), np.nan)
-    values[:, list(writing.numeric)] = np.array(rows, dtype=np.float64)
+    if unclear and not (writing.delimiter == "," and any(label.bracket for label in head.labels)):
+        seen = f"in {lines[first].strip()[:40]!r}, commas may be decimal signs"
+        raise ValueError(f"decimal is missing: {seen}; allowed: comma, or point, also for commas between whole numbers")
+    if [] in rows[first:]:
+        i = rows.index([], first)
+        text = lines[i].strip()[:40]
+        seen = f": {text!r} is not {counted(writing.count, 'cell')}" if text else " is empty"
+        allowed = f"rows like {lines[first].strip()[:40]!r} in line {first + 1} to the end ({writing.told()})"
+        raise ValueError(f"line {i + 1}{seen}; allowed: {allowed}")
+    values = np.full((len(lines) - first, writing.count), np.nan)
+    values[:, list(writing.numeric)] = rows[first:]
     origin = f"numbers of {name}, {writing.told()}, {counted(first, 'line')} of header"
-    return Table(values, origin, writing.numeric, head, odd, first + 1)
+    return Table(values, origin, writing.numeric, head, first + 1)
 
 
 def _decoded(path: Path) -> str:
-    """The text of a file: UTF-8, UTF-16 with or without its mark, else Latin-1."""
-    with path.open("rb") as file:
-        content = file.read(MAX_TEXT + 1)
-    if len(content) > MAX_TEXT:
-        raise ValueError(f"profile_file {path} is too long; allowed: {MAX_TEXT} bytes of text, or .npy or .h5")
-    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
-        return content.decode("utf-16", errors="replace")
-    for encoding, zeros in (("utf-16-le", content[1:1000:2]), ("utf-16-be", content[:1000:2])):
-        if zeros and zeros.count(0) > 0.8 * len(zeros):
-            return content.decode(encoding, errors="replace")
+    """The text of a file: UTF-8, UTF-16 with its mark, else Latin-1."""
+    if path.stat().st_size > MAX_TEXT:
+        raise ValueError(f"the text is too long; allowed: {MAX_TEXT} bytes, or .npy or .h5")
+    content = path.read_bytes()
+    marked = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     try:
-        return content.decode("utf-8-sig")
+        return content.decode("utf-16" if marked else "utf-8-sig")
     except UnicodeDecodeError:
         return content.decode("latin-1")
 
 
-def _find(path: Path, lines: Sequence[str], decimal: Decimal | None) -> _Writing:
-    """How the table at the end of a text is written. Raises `ValueError` if that is not clear."""
+def _find(lines: Sequence[str], decimal: Decimal | None) -> tuple[_Writing, bool]:
+    """How the table at the end of a text is written, and whether its commas may be decimal signs as well as not.
+
+    Raises `ValueError` if there is no table.
+    """
     last = [line for line in lines[-_SAMPLE:] if line.strip()]
     quoted = any('"' in line for line in last)
-    pairs = [(delimiter, sign) for sign in _NUMBERS for delimiter in _NAMES]
-    pairs = [pair for pair in pairs if quoted or pair != (",", "comma")]
-    ways = [_Writing(*pair).counted(last) for pair in pairs]
+    ways = [_Writing(delimiter, sign).counted(last) for sign in _NUMBERS for delimiter in _NAMES]
     ways = [way for way in ways if way.numeric and decimal in (None, way.decimal)]
+    ways = [way for way in ways if quoted or (way.delimiter, way.decimal) != (",", "comma")]
     if not ways:
-        signs = "" if decimal is None else f", with decimal {decimal}s"
+        signs = "" if decimal is None else f" with decimal {decimal}s"
         seen = f"; the last line is {lines[-1].strip()[:40]!r}" if lines else ""
         allowed = "rows of numbers to the last line, parted by commas, semicolons, tabs or spaces"
-        raise ValueError(f"profile_file {path} holds no table of numbers{signs}{seen}; allowed: {allowed}")
+        raise ValueError(f"no table of numbers{signs}{seen}; allowed: {allowed}")
     best = max(ways, key=lambda way: (way.share, way.count))  # the first of equal ones
-    others = [way for way in ways if way.share == best.share and (way.decimal, way.count) != (best.decimal, best.count)]
+    others = any(way.share == best.share and (way.decimal, way.count) != (best.decimal, best.count) for way in ways)
     commas = [cell for line in last for cell in header.cells(line, best.delimiter) if "," in cell]
-    unclear = bool(others) and (bool(commas) or best.delimiter == ",")
-    if unclear and best.delimiter == ",":
-        above = lines[: next((i for i, line in enumerate(lines) if best.is_row(line)), 0)]
-        unclear = not any(label.bracket for label in header.read(above, ",", best.count, best.numeric[-1] + 1).labels)
-    if decimal is None and (unclear or (best.decimal == "comma" and commas and all(map(_THOUSANDS.fullmatch, commas)))):
-        raise ValueError(_unclear(path, last[0], "comma, point"))
-    return best
-
-
-def _unclear(path: Path, line: str, allowed: str) -> str:
-    return f"decimal is missing: in {line.strip()[:40]!r} of {path}, commas may be decimal signs; allowed: {allowed}"
+    whole = best.delimiter == "," and re.fullmatch(r"[-+\d, ]+", last[-1])
+    return best, decimal is None and bool(whole or (others and (commas or best.delimiter == ",")))

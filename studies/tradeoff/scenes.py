@@ -10,7 +10,7 @@ from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, Solut
 from linecontact.solver.grid.kept import forget
 from linecontact.solver.methods import Progress
 from linecontact.solver.reference import closed_forms, collocation
-from linecontact.solver.strategy import plan
+from linecontact.solver.strategy import small_models
 
 from ..files import records
 from ..runner.tasks import Record
@@ -54,7 +54,7 @@ class RandomScene:
         """What was asked, estimated, and true, and the time of the planner alone."""
         scene, accuracy = draw(self.scene_kind, self.seed, self.log2_points)
         begin = time.perf_counter()
-        plan.decide(scene, accuracy)
+        small_models.decide(scene, accuracy)
         decided = time.perf_counter() - begin
         own = {
             "kind": "scene",

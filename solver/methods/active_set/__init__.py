@@ -1,7 +1,7 @@
 """The active set: the method that needs fewest transforms, put together from its parts.
 
-`active_set` is the method, `free_nodes` the same with displacements as unknown, with `gap_by_gap`, `search` when they
-update their set, `contact_set` what belongs to one set of nodes, `elimination` what solves small ones, `response` what
+`active_set` is the method, `free_nodes` the same with displacements as unknown, with `gap_by_gap`, `limits` what
+both share, `contact_set` what belongs to one set of nodes, `elimination` what solves small ones, `response` what
 the surface does under its pressure, on all nodes in `everywhere` by the operator `compliance`, near the contact in
 `nearby` by that of `packed`, `preconditioner` with `local_inverses`, `long_patch` and `greens_function` what makes its
 iterations few.
@@ -11,7 +11,7 @@ linecontact.kernels.
 """
 
 from ...grid.problem import Problem
-from ..method import Fallback, MethodKind, Setting
+from ..method import ExecutionConfig, MethodKind
 from .active_set import ActiveSet
 from .everywhere import Everywhere
 from .free_nodes import FreeNodes, suits
@@ -21,7 +21,7 @@ from .response import Response
 __all__ = ["KIND", "ActiveSet", "begin"]
 
 
-def begin(problem: Problem, setting: Setting) -> ActiveSet | FreeNodes:
+def begin(problem: Problem, setting: ExecutionConfig) -> ActiveSet | FreeNodes:
     """The active set on a grid, in the form that suits the contact's share of it."""
     made = problem.rigidity.made
     of_layer = problem.rigidity.response
@@ -47,7 +47,7 @@ KIND = MethodKind(
     max_iterations=2_000,
     precisions=("float64", "float32", "mixed"),
     nested=True,
-    fallbacks=(Fallback("active-set", "float64", not_in=("float32",)), Fallback("mass-weighted-fire")),
+    fallback="mass-weighted-fire",
     bytes_per_point=_bytes_per_point,
     share=0.6,
 )

@@ -7,11 +7,11 @@ G sigma is carried along (`response`): on blocks of nodes around the contact whe
 nodes elsewhere and before anything is believed. Small sets are solved by elimination instead. Whenever the residual has
 fallen to a given part (the forcing term) of what it was when the set last changed, the set is updated (primal-dual
 active set, M. Hintermueller et al., SIAM J. Optim. 13, 865 (2002)): nodes that pull are dropped, nodes that penetrate
-are added. The search ends when neither happens at the tolerance asked for. When a set comes back, or the updates go on
-changing as many nodes, the next ones are decided on more accurate solutions; when that does not help, the search ends.
+are added. The search ends when neither happens at the tolerance asked for. When a set comes back it goes on cautiously,
+and ends if one comes back then, too.
 
 Under a stiff coating on a soft base every node's pressure is felt by all others, and sets that are decided on rough
-solutions grow from hundreds of nodes to a quarter of all. There the search is cautious: it solves every set well,
+solutions grow from hundreds of nodes to a quarter of all. There it is cautious at once: it solves every set well,
 by elimination up to 2048 nodes, and adds nodes only when none pulls (C. L. Lawson and R. J. Hanson, Solving Least
 Squares Problems (1974), ch. 23, with the load fixed, and all nodes at once that penetrate).
 
@@ -31,9 +31,9 @@ from ..method import Method
 from . import elimination
 from .contact_set import ContactSet
 from .greens_function import GreensFunction
+from .limits import CAUTIOUS, FORCING_TERM, HARDER, LOOSEST, SAFETY
 from .preconditioner import PatchDeflation
 from .response import Response
-from .search import HARDER, LOOSEST, SAFETY, Search
 
 _OVER_FLOOR = 0.3  # error of the pressure over the free residual, both as rounding leaves them
 _OVER_DRIFT = 2.0  # times what images may have added to the residual: below, the response has to be made anew
@@ -69,10 +69,9 @@ class ActiveSet(Method):
         self._smallest_gap = 0.1 * tolerance / float(problem.stiffness.mean())
         # on a half-space K is q/2: below a stiff coating long waves find a base that is softer
         soft_base = bool(problem.stiffness[1] * (problem.stiffness.size - 1) < _SOFT * problem.stiffness[-1])
-        self._cautious = soft_base and response.exact
+        self._begins_cautious = self._cautious = soft_base and response.exact
         self._set: ContactSet | None = None
-        self._last_preconditioner: PatchDeflation | None = None
-        self._search = Search(self._cautious)
+        self._earlier: set[int] = set()  # keys of the sets so far
 
     @property
     def transform_pairs(self) -> float:
@@ -92,23 +91,18 @@ class ActiveSet(Method):
             return
         nodes = np.flatnonzero(pressure > 0)
         self._take_set(nodes, nodes, pressure[nodes])
-        self.stopped, self._search = False, Search(self._cautious)
+        self.stopped, self._earlier, self._cautious = False, set(), self._begins_cautious
         if self._cautious:
             self._response.stay_everywhere(self._now)
         else:
             self._response.renew(self._now)
         self._floor = _OVER_FLOOR * self._response.floor(self._now)
 
-    def try_harder(self) -> bool:
+    def tighten(self) -> bool:
         self._target *= HARDER
         self._floor *= HARDER
         self.stopped = False
         return True
-
-    def demand_every_node(self) -> None:
-        self._wrong_nodes_per_patch, self.stopped = 0.0, False
-        if self._set:
-            self._set.settled = False
 
     def rest(self) -> None:
         self._response.rest()
@@ -123,8 +117,7 @@ class ActiveSet(Method):
             self._eliminate()
             return
         if now.preconditioner is None:
-            now.preconditioner = PatchDeflation(self._green, now.patches, self._last_preconditioner, self._cautious)
-            self._last_preconditioner = now.preconditioner
+            now.preconditioner = PatchDeflation(self._green, now.patches, self._cautious)
         touching = self._response.touching(now)
         r = float(touching.mean()) - touching
         z = now.precondition(r)
@@ -174,7 +167,8 @@ class ActiveSet(Method):
     def _updated(self) -> bool:
         """Update the set if it is solved well enough for that; whether it changed. Stops where it is the last one."""
         now, target = self._now, self._aim
-        if not self.residual <= max(target, 0.0 if now.settled else self._search.forcing_term * now.first_residual):
+        part = CAUTIOUS if self._cautious else FORCING_TERM
+        if not self.residual <= max(target, 0.0 if now.settled else part * now.first_residual):
             return False
         if self._update_set():
             self.iteration += 1
@@ -219,12 +213,13 @@ class ActiveSet(Method):
         new = self._response.penetrating(now, self._smallest_gap)
         if pulling + new.size <= self._wrong_nodes_per_patch * now.patches.count:
             return False
-        self._search.note(pulling + new.size)
         if pulling and self._cautious:
             new = new[:0]
         nodes, kept = now.changed(new)
         self._take_set(nodes, now.nodes[kept], now.pressure[kept])
-        self.stopped = self._search.in_circles(self._now.key)
+        if self._now.key in self._earlier:
+            self.stopped, self._cautious, self._earlier = self._cautious, True, set()
+        self._earlier.add(self._now.key)
         self._response.follow(now, self._now, changed=not kept.all())
         return True
 

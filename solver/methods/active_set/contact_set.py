@@ -7,8 +7,8 @@ import numpy as np
 
 from ...arrays import Array64, Indices, Mask
 from ...grid.patches import Patches
+from .limits import MOST_ITERATIONS
 from .preconditioner import PatchDeflation
-from .search import MOST_ITERATIONS
 
 _PATIENCE = 25  # iterations in which the residual does not become less; then it is rounding, too, and may grow
 

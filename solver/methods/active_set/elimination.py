@@ -7,14 +7,12 @@ from .contact_set import ContactSet
 from .greens_function import GreensFunction
 
 _SMALL = 256  # nodes up to which elimination takes less time than the iterations
-_HARD = 2048  # nodes up to which a set is eliminated, too, that is hard to iterate on, as under a stiff coating
-_MANY = 40  # iterations on one set, of which a dozen are usual, after which it is hard
+_HARD = 2048  # nodes up to which a set under a stiff coating is eliminated: it is hard to iterate on
 
 
 def suits(now: ContactSet, cautious: bool) -> bool:
     """Whether to solve this set by elimination: it is small enough, and that was not tried."""
-    most = _HARD if cautious or now.iterations > _MANY else _SMALL
-    return now.nodes.size <= most and not now.eliminated and not now.patches.full
+    return now.nodes.size <= (_HARD if cautious else _SMALL) and not now.eliminated and not now.patches.full
 
 
 def solve(now: ContactSet, green: GreensFunction, height: Array64, cautious: bool) -> ContactSet | None:

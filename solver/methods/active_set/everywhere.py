@@ -13,7 +13,7 @@ import numpy as np
 from ....kernels import CHUNK, Call, layout, record
 from ...arrays import Array, Array64, Indices
 from ...transforms.planned import Transforms
-from ..method import Setting
+from ..method import ExecutionConfig
 from .compliance import Compliance
 
 _FAR = 1e30  # height of the padding, which never touches
@@ -27,7 +27,7 @@ may be of half the length: these take less time, but mix the rounding of long an
 class Everywhere:
     """The field of an operator, on all nodes: w [u] or r [p]."""
 
-    def __init__(self, symbol: Array64, height: Array64, setting: Setting) -> None:
+    def __init__(self, symbol: Array64, height: Array64, setting: ExecutionConfig) -> None:
         """symbol: of the operator, shape (N//2 + 1,); height: h, shape (N,) [u]."""
         self._symbol, self._setting, self._num_points = symbol, setting, height.size
         self.mixed = setting.precision == "mixed"

@@ -16,11 +16,11 @@ import numpy as np
 
 from ...arrays import Array64, Mask
 from ...grid.problem import Problem, foundation_pressure, rounding_floor, typical_stiffness
-from ..method import Method, Setting
+from ..method import ExecutionConfig, Method
 from .everywhere import Everywhere
 from .free_set import FreeSet
 from .greens_function import GreensFunction
-from .search import HARDER, LOOSEST, SAFETY, Search
+from .limits import CAUTIOUS, FORCING_TERM, HARDER, LOOSEST, SAFETY
 
 _LEAST = 0.23  # share of the nodes in contact from which this form takes less time than that in the pressure
 _FIRST_FORCING_TERM = 0.01
@@ -32,7 +32,7 @@ _SMALLEST_PULL = 0.1  # of the tolerance on the residual, as a force over p: bel
 _FLOOR = 0.5  # of the residual that rounding leaves, below which it is not followed
 
 
-def suits(problem: Problem, setting: Setting) -> bool:
+def suits(problem: Problem, setting: ExecutionConfig) -> bool:
     """Whether this form takes less time than that in the pressure."""
     stiffness = problem.stiffness[1:]
     short_ranged = bool(stiffness[0] <= _STIFF * stiffness.min())
@@ -48,13 +48,16 @@ class FreeNodes(Method):
     patience = None  # the residual starts anew with every set
     mixed = False
 
-    def __init__(self, problem: Problem, setting: Setting, green: GreensFunction, everywhere: Everywhere) -> None:
+    def __init__(
+        self, problem: Problem, config: ExecutionConfig, green: GreensFunction, everywhere: Everywhere
+    ) -> None:
         """everywhere: the net force of all nodes, by K."""
-        self.problem, self.tolerance, self._reduction = problem, setting.tolerance, setting.reduction
-        self._wrong_nodes_per_patch = setting.wrong_nodes_per_patch
+        self.problem, self.tolerance, self._reduction = problem, config.tolerance, config.reduction
+        self._wrong_nodes_per_patch = config.wrong_nodes_per_patch
         self._green, self._all = green, everywhere
         self._target, self._floor, self._pairs = SAFETY * self.tolerance, 0.0, 0.0
-        self._search = Search()
+        self._earlier: set[int] = set()  # keys of the sets so far
+        self._cautious = False
         self._displacement = np.zeros(problem.num_points)
         self._set = FreeSet.of(self._displacement < problem.height)
         self._all.field[:] = 1
@@ -79,7 +82,7 @@ class FreeNodes(Method):
 
     def _take(self, displacement: Array64, free: Mask) -> None:
         """Begin from a displacement [u] and the nodes that are free, both shape (N,)."""
-        self._displacement, self.stopped, self._search = displacement, False, Search()
+        self._displacement, self.stopped, self._earlier, self._cautious = displacement, False, set(), False
         self._set = FreeSet.of(free)
         self._make_force()
         self._floor = _FLOOR * rounding_floor(self.problem.stiffness, displacement, "float64")
@@ -91,16 +94,13 @@ class FreeNodes(Method):
         self._all.renew_force(self._displacement)
         self._pairs += 1
 
-    def try_harder(self) -> bool:
+    def tighten(self) -> bool:
         self._target *= HARDER
         self._floor *= HARDER
         self.stopped = False
         self._make_force()  # what is carried along has lost touch with the displacement
         self._set.begin_anew()
         return True
-
-    def demand_every_node(self) -> None:
-        self._wrong_nodes_per_patch, self.stopped = 0.0, False
 
     def step(self) -> None:
         """One iteration on the free nodes; where they are solved well enough, update which nodes are free instead."""
@@ -113,7 +113,7 @@ class FreeNodes(Method):
                 self.tolerance = max(self.tolerance, min(self._reduction * self.residual, LOOSEST))
                 self._target, self._reduction = SAFETY * self.tolerance, 0.0
         target = max(self._target, self._floor)
-        forcing_term = self._search.forcing_term if self._search.fewest < math.inf else _FIRST_FORCING_TERM
+        forcing_term = CAUTIOUS if self._cautious else FORCING_TERM if self._earlier else _FIRST_FORCING_TERM
         part = 0.0 if now.settled else forcing_term * now.first_residual
         if self.residual <= max(target, part):
             self.iteration += 1
@@ -150,7 +150,6 @@ class FreeNodes(Method):
         changed = penetrating.size + int(np.count_nonzero(pull))
         if changed <= self._wrong_nodes_per_patch * max(1, self._set.gaps.count):
             return False
-        self._search.note(changed)
         free = self._set.free | pull
         free[penetrating] = False
         if free.all():  # K knows no load without contact
@@ -158,7 +157,9 @@ class FreeNodes(Method):
         self._set = FreeSet.of(free)
         self._make_force()
         self.residual = math.inf
-        self.stopped = self._search.in_circles(self._set.key)
+        if self._set.key in self._earlier:
+            self.stopped, self._cautious, self._earlier = self._cautious, True, set()
+        self._earlier.add(self._set.key)
         return True
 
     @property

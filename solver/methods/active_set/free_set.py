@@ -9,7 +9,7 @@ from ...arrays import Array64, Mask
 from ...grid.patches import Patches
 from .gap_by_gap import GapByGap
 from .greens_function import GreensFunction
-from .search import MOST_ITERATIONS
+from .limits import MOST_ITERATIONS
 
 
 @dataclass(eq=False)

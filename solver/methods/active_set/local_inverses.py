@@ -15,7 +15,6 @@ from .long_patch import LongPatch
 
 LONGEST_DENSE = 256  # nodes; the factor of longer patches costs more than short transforms
 
-_FEW_PATCHES = 8  # up to so many, the dense factor serves only patches of LONGEST_DENSE/4 nodes
 
 Block = tuple[Array64, Indices, Mask]
 """Runs of similar size: the inverse Cholesky factor of a Toeplitz matrix on the longest of them, the compact indices of
@@ -46,21 +45,11 @@ def invert_blocks(blocks: Iterable[Block], residual: Array64) -> Array64:
 class PatchByPatch:
     """Every patch on its own."""
 
-    def __init__(self, green: GreensFunction, patches: Patches, known: dict[int, LongPatch]) -> None:
-        """known: long patches of the same grid, by their size."""
-        self._green, self._patches = green, patches
-        dense = LONGEST_DENSE if patches.count > _FEW_PATCHES else LONGEST_DENSE // 4
-        self._long = {
-            p: known.get(int(patches.size[p])) or LongPatch(green, int(patches.size[p]))
-            for p in map(int, np.flatnonzero(patches.size > dense))
-        }
-        short = ~np.isin(np.arange(patches.count), list(self._long))
+    def __init__(self, green: GreensFunction, patches: Patches) -> None:
+        self._patches, short = patches, patches.size <= LONGEST_DENSE
         self._blocks = list(blocks_of(patches, short, green.tables.factor))
-
-    @property
-    def long_patches(self) -> dict[int, LongPatch]:
-        """The long ones, by their size."""
-        return {long.size: long for long in self._long.values()}
+        by_size = {size: LongPatch(green, size) for size in set(patches.size[~short].tolist())}
+        self._long = {p: by_size[int(patches.size[p])] for p in np.flatnonzero(~short).tolist()}
 
     @property
     def punch(self) -> Array64:

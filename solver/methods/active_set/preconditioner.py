@@ -18,87 +18,49 @@ from ...arrays import Array64
 from ...grid.patches import Patches
 from .greens_function import GreensFunction, patch_sums
 from .local_inverses import PatchByPatch
-from .long_patch import LongPatch
 
 _MOST = 2048  # coarse unknowns of a search that is cautious
-_EXACT_SHARE = 16  # patches of one unknown whose mutual influence is summed up, patch by patch
 
 
 class PatchDeflation:
     """Preconditioner for one contact set; see the module's head."""
 
-    def __init__(
-        self,
-        green: GreensFunction,
-        patches: Patches,
-        previous: "PatchDeflation | None" = None,
-        cautious: bool = False,
-    ) -> None:
-        """`previous`: of a similar set, whose coarse inverse serves again if the patches are as many, and whose long
-        patches do if they have the same size. cautious: more coarse unknowns than cost a few
-        transform pairs: patches that share one make a set under a stiff coating ill-conditioned.
+    def __init__(self, green: GreensFunction, patches: Patches, cautious: bool = False) -> None:
+        """cautious: more coarse unknowns than cost a few transform pairs: patches that share one make a set under a
+        stiff coating ill-conditioned.
         """
         self.patches, self._green = patches, green
-        self._most = max(_MOST if cautious else 0, _unknowns(patches.num_points))
-        self._build, self._borders, self._factor = 0, np.zeros(0), np.ones((1, 1))
-        self.long_patches: dict[int, LongPatch] = {}
-        """By their size."""
+        self.share = 1
+        """Patches that share a coarse unknown."""
+        self._factor = np.ones((1, 1))
         if patches.full:
             return
-        self._local = PatchByPatch(green, patches, previous.long_patches if previous else {})
-        self.long_patches = self._local.long_patches
+        self._local = PatchByPatch(green, patches)
         self._punch = self._local.punch
         loads = patches.sums(self._punch)
-        if previous and patches.count == previous._build:
-            self._build, self._borders, self._factor = previous._build, previous._borders, previous._factor
-        elif patches.count > 1:
-            self._couple(loads)
-        self._of_patch = np.searchsorted(self._borders, patches.first, side="right")
-        self._of_node = self._of_patch[patches.label]
-        self._loads = np.bincount(self._of_patch, weights=loads, minlength=len(self._factor))
+        self.share = share = -(-patches.count // max(_MOST if cautious else 0, _unknowns(patches.num_points)))
+        self._starts = starts = np.arange(0, patches.count, share)
+        self._of_node = patches.label // share
+        self._loads = np.add.reduceat(loads, starts)
+        if patches.count > 1:
+            # as if the load were spread from the first to the last of the patches that share an unknown
+            first, last = patches.first[starts], patches.last[np.append(starts[1:], patches.count) - 1]
+            density = self._loads / (last - first + 1)
+            coarse = patch_sums(green.tables.response.second_sum, first, last) * np.outer(density, density)
+            coarse[np.diag_indices_from(coarse)] += self._loads
+            self._factor = _inverse_factor(coarse, self._loads)
         self._constant = self._factor.T @ (self._factor @ self._loads)
-
-    def _couple(self, loads: Array64) -> None:
-        """The coarse inverse, and the borders between its unknowns in the gaps between patches."""
-        patches = self.patches
-        share = -(-patches.count // self._most)
-        starts = np.arange(0, patches.count, share)
-        # each row the patches of one unknown; the last row is filled up with patches without load
-        member = starts[:, None] + np.arange(share)
-        there = member < patches.count
-        member = np.minimum(member, patches.count - 1)
-        load = np.where(there, loads[member], 0.0)
-        # between unknowns: as if the load were spread from the first to the last of the patches
-        first, last, total = patches.first[starts], patches.last[member[:, -1]], load.sum(axis=1)
-        density = total / (last - first + 1)
-        second_sum = self._green.tables.response.second_sum
-        coarse = patch_sums(second_sum, first, last) * np.outer(density, density)
-        if share <= _EXACT_SHARE:
-            shape = load / patches.size[member]
-            within = patch_sums(second_sum, patches.first[member], patches.last[member])
-            within *= shape[:, :, None] * shape[:, None, :]
-            within[:, np.arange(share), np.arange(share)] = load  # a flat punch under itself
-            np.fill_diagonal(coarse, within.sum(axis=(1, 2)))
-        else:
-            coarse[np.diag_indices_from(coarse)] += total
-        self._build, self._factor = patches.count, _inverse_factor(coarse, total)
-        self._borders = (first[1:] + last[:-1]) / 2
-
-    @property
-    def share(self) -> float:
-        """Patches over coarse unknowns (dimensionless): how many share one."""
-        return self.patches.count / len(self._factor)
 
     def _sums(self, values: Array64) -> Array64:
         """Sums over the patches of each unknown."""
-        return np.bincount(self._of_patch, self.patches.sums(values), len(self._factor)).astype(np.float64)
+        return np.add.reduceat(self.patches.sums(values), self._starts)
 
     def apply(self, residual: Array64) -> Array64:
         """Preconditioned residual (a pressure), both shape (contact nodes,) in compact order; its sum is 0."""
         if self.patches.full:
             whole = self._green.convolution(residual.size)
             return whole(whole.rigidity, residual)
-        loads = np.maximum(self._loads, 1e-300)  # 0 where an unknown has lost its patches
+        loads = self._loads
         moments = self._sums(self._punch * residual)
         z = self._local(residual - (moments / loads)[self._of_node])
         coarse = self._factor.T @ (self._factor @ moments)

@@ -21,7 +21,6 @@ from .everywhere import Everywhere
 from .nearby import Nearby, surround
 
 _SAMPLE = 2**14  # nodes that tell the size of u
-_MOST_RENEWALS = 8  # after work near the contact, before all nodes are worked on; two or three are usual
 
 
 class Response:
@@ -33,7 +32,6 @@ class Response:
         """
         self._problem, self._split = problem, split
         self._nearby: Nearby | None = None
-        self._renewals = 0
         self._all = everywhere
         self.mixed = everywhere.mixed
         self.pairs = 0.0
@@ -73,10 +71,7 @@ class Response:
         now.places = now.nodes
         self._all.renew(now.places, now.pressure)
         self.pairs += 1
-        self._renewals += bool(self._nearby and self.drift)
         self.drift = 0.0
-        if self._renewals > _MOST_RENEWALS:  # the packed operator errs by more than it says
-            self._split = self._nearby = None
         self._surround(now, now.nodes)
 
     def leave_nearby(self, now: ContactSet) -> bool:

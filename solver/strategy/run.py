@@ -1,0 +1,140 @@
+"""One solve, as it is passed along: what it computes with, what it may still take, and what each grid has given."""
+
+import time
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from .. import checks
+from ..arrays import Array64
+from ..endings import Reason, Status
+from ..grid.edges import Edges
+from ..grid.patches import Patches
+from ..grid.problem import Problem
+from ..methods import DEFAULT, ExecutionConfig, Method, MethodKind, relax
+from ..scene import Scene
+from ..solution import Choice, Level
+
+SMALLEST_WARP = 2**13
+"""Points; on smaller coarse grids recording Warp's launches takes longer than a few passes of the twins."""
+
+
+Contact = tuple[Array64, Patches, Edges]
+"""Contact pressure of all nodes, shape (N,) [p], and its patches with their ends."""
+
+
+@dataclass
+class IterationBudget:
+    """The iterations that a solve may still take, and those that it has taken."""
+
+    limit: int | None = None
+    """On all grids and by all methods together; None: each method has its own."""
+    left: int = 0
+    """Before the present attempt ends."""
+    taken: int = 0
+    """On all grids."""
+    points_transformed: float = 0.0
+    """Transform pairs on all grids times the points of each grid."""
+
+    @property
+    def spent(self) -> bool:
+        """Whether the limit allows nothing more."""
+        return self.limit is not None and self.taken >= self.limit
+
+    def allow(self, iterations: int, last: bool = True) -> None:
+        """Give the next attempt so many iterations; the last one gets all that is left of a limit that was given."""
+        left = iterations if self.limit is None else self.limit - self.taken
+        self.left = left if last else min(left, iterations)
+
+
+@dataclass
+class Run:
+    """One solve."""
+
+    scene: Scene
+    """What is solved; its grid is the finest."""
+    kind: MethodKind
+    """The method that was chosen."""
+    config: ExecutionConfig
+    """What to compute with."""
+    budget: IterationBudget = field(default_factory=IterationBudget)
+    """Its iterations."""
+    tolerance: float = 0.0
+    """Of the certificate, on the free residual over p (dimensionless)."""
+    own_tolerance: bool = False
+    """Whether that was asked for. Any other gives way to what rounding leaves."""
+    levels: list[Level] = field(default_factory=list)
+    """What the grids have given, from coarse to fine."""
+    choices: list[Choice] = field(default_factory=list)
+    """What was chosen, and why."""
+    handed_over: bool = False
+    """Whether another method than the chosen one went on."""
+    state: Method = field(init=False)
+    """The method on the present grid."""
+    status: Status = Status.ITERATION_LIMIT
+    """How its relaxation ended, and in the end the solve."""
+    reason: Reason | None = None
+    """Why it did not converge; None if it did."""
+    contact: Contact | None = None
+    """On the last grid that was measured, where a finer one begins."""
+    times: list[float] = field(default_factory=lambda: [time.perf_counter()] * 3)
+    """When the solve began, when it was set up, and when it was iterated to the end [s]."""
+
+    def __post_init__(self) -> None:
+        self.budget.allow(self.kind.max_iterations, last=self.kind.fallback is None)
+
+    @property
+    def contact_share(self) -> float:
+        """Share of the nodes that are in contact, 0 where that is not known (dimensionless)."""
+        return self.contact[1].nodes.size / self.contact[0].size if self.contact else 0.0
+
+    @property
+    def rounding(self) -> str:
+        """The precision whose rounding limits the residual: 'float32', or 'float64' in mixed precision, too."""
+        return "float32" if self.scene.precision == "float32" else "float64"
+
+    def begin(self, problem: Problem, tolerance: float, kind: MethodKind | None = None, **how: Any) -> Method:
+        """A method on a grid; by default the one that was chosen. how: see `ExecutionConfig`.
+
+        Coarser grids than the scene's cost little in float64, and they pass on what float32's residual could not tell.
+        """
+        size, own = problem.num_points, self.scene.num_points
+        precision = self.scene.precision if size == own else "float64"
+        given: dict[str, Any] = {
+            "backend": self.backend_on(size),
+            "precision": precision,
+            "contact_share": self.contact_share,
+        }
+        config = replace(self.config, tolerance=tolerance, **given | how)
+        return (kind or self.kind).begin(problem, config)
+
+    def backend_on(self, num_points: int) -> str:
+        """What runs the kernels on a grid: the twins on small ones except the scene's own."""
+        return self.config.backend if num_points >= min(SMALLEST_WARP, self.scene.num_points) else "numpy"
+
+    def relax(self, state: Method) -> Status:
+        """Relax, and add what it took."""
+        budget, iterations, pairs = self.budget, state.iteration, state.transform_pairs
+        status = Status.ITERATION_LIMIT
+        if budget.left > 0:
+            status = relax(state, iterations + budget.left, self.config.progress)
+        budget.left -= state.iteration - iterations
+        budget.taken += state.iteration - iterations
+        budget.points_transformed += (state.transform_pairs - pairs) * state.problem.num_points
+        return status
+
+
+def check_memory(
+    num_points: int, kind: MethodKind = DEFAULT, contact_share: float = 0.0, available: int | None = None
+) -> None:
+    """Raise `ValueError` for a grid that the free memory cannot hold.
+
+    kind: the method; contact_share: of the nodes, where a coarser grid tells it (dimensionless). available: what was
+    free before the solve began [bytes]; by default what is free now.
+    """
+    available = checks.available_memory() if available is None else available
+    needed = kind.bytes_per_point(contact_share) * num_points
+    if available is not None and needed > available:
+        raise ValueError(
+            f"num_points is {num_points}, needing about {needed / 2**30:.1f} GiB; allowed: what fits into the "
+            f"{available / 2**30:.1f} GiB that are free"
+        )
