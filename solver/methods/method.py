@@ -104,11 +104,8 @@ class ExecutionConfig:
     """See `Method.tolerance` (dimensionless)."""
     precision: str = "float64"
     """'float64', 'float32' or 'mixed'."""
-    wrong_nodes_per_patch: float = 0.0
-    """Nodes that a patch may have wrong on the average, which saves time on coarse grids (dimensionless)."""
-    reduction: float = 0.0
-    """Part of the residual at the start at which to stop, up to 1e-3, if that is more than the tolerance; the active
-    set's only (dimensionless)."""
+    fixed_set: bool = False
+    """Whether the contact nodes stay those of the start; the active set's only."""
     contact_share: float = 0.0
     """Share of the nodes in contact on the next coarser grid; 0 where that is not known (dimensionless)."""
     threads: int = 1

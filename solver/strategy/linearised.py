@@ -80,9 +80,8 @@ def _punch(scene: Scene, contact: Mask) -> tuple[float, Array64, Array64]:
     problem = Problem.from_scene(scene)
     punch = replace(problem, height=np.where(contact, 0.0, problem.reach))
     backend = "warp" if problem.num_points >= SMALLEST_WARP else "numpy"
-    # with any number of wrong nodes allowed, the set stays as it is
     share = float(contact.mean())
-    setting = ExecutionConfig(_TOLERANCE, wrong_nodes_per_patch=math.inf, contact_share=share, backend=backend)
+    setting = ExecutionConfig(_TOLERANCE, fixed_set=True, contact_share=share, backend=backend)
     method = active_set.begin(punch, setting)
     method.start_from_pressure(contact.astype(np.float64))
     if relax(method, _MOST_ITERATIONS, None) is Status.INTERRUPTED:

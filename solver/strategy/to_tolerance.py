@@ -2,7 +2,6 @@
 
 import math
 import time
-from typing import Any
 
 import numpy as np
 
@@ -17,11 +16,7 @@ from .grids import grids, over_grids, start_from_contact
 from .report import finish
 from .run import Run, check_memory
 
-_COARSE: dict[str, Any] = {"wrong_nodes_per_patch": 0.1, "reduction": 0.01}
-"""On coarse grids: the nodes per patch that may still be wrong, and the part of the residual at the start beyond which
-nothing is gained, because the next grid starts no better (dimensionless)."""
-
-_COARSE_TOLERANCE = 1e-6  # the residual at which to stop there
+_COARSE_TOLERANCE = 1e-5  # the residual at which to stop on coarse grids
 _FLOOR_POINTS = 1024  # of the solution that tells the size of u
 _DEFAULT, _DEFAULT_FLOAT32 = 1e-8, 1e-4  # tolerances in float64 and mixed precision, and the least in float32
 _OVER_FLOOR = 4.0  # times what rounding leaves: how far the default tolerance in float32 stays above
@@ -47,7 +42,7 @@ def solve_to_tolerance(run: Run, nested: bool | None, tolerance: float | None, i
     def begin(num_points: int) -> Method:
         if num_points < scene.num_points:
             least = 0.0 if scene.precision == "float32" else run.tolerance
-            return run.begin(Problem.from_scene(scene, num_points), max(_COARSE_TOLERANCE, least), **_COARSE)
+            return run.begin(Problem.from_scene(scene, num_points), max(_COARSE_TOLERANCE, least))
         if run.contact:
             check_memory(num_points, kind, run.contact_share, memory)
         finest = run.begin(problem, run.tolerance)

@@ -30,8 +30,7 @@ def begin(problem: Problem, setting: ExecutionConfig) -> ActiveSet | FreeNodes:
     if suits(problem, setting):
         return FreeNodes(problem, setting, green, Everywhere(problem.stiffness, problem.height, setting))
     response = Response(problem, of_layer.split, Everywhere(of_layer.compliance, problem.height, setting))
-    few = setting.wrong_nodes_per_patch
-    return ActiveSet(problem, setting.tolerance, green, response, few, setting.reduction)
+    return ActiveSet(problem, setting.tolerance, green, response, setting.fixed_set)
 
 
 def _bytes_per_point(contact_share: float) -> float:

@@ -31,7 +31,7 @@ from ..method import Method
 from . import elimination
 from .contact_set import ContactSet
 from .greens_function import GreensFunction
-from .limits import CAUTIOUS, FORCING_TERM, HARDER, LOOSEST, SAFETY
+from .limits import CAUTIOUS, FORCING_TERM, HARDER, SAFETY
 from .preconditioner import PatchDeflation
 from .response import Response
 
@@ -56,12 +56,11 @@ class ActiveSet(Method):
         tolerance: float,
         green: GreensFunction,
         response: Response,
-        wrong_nodes_per_patch: float,
-        reduction: float,
+        fixed_set: bool = False,
     ) -> None:
-        self.problem, self.tolerance, self._reduction = problem, tolerance, reduction
+        self.problem, self.tolerance = problem, tolerance
         self.mixed = response.mixed
-        self._wrong_nodes_per_patch = wrong_nodes_per_patch
+        self._fixed_set = fixed_set
         self._green, self._response = green, response
         self._target = SAFETY * tolerance
         self._floor = 0.0  # of the residual: below, sets would be decided on rounding
@@ -124,9 +123,6 @@ class ActiveSet(Method):
         self.residual = math.sqrt(float(z @ z) / self.problem.num_points)
         if math.isinf(now.first_residual):
             now.first_residual = self.residual
-            if self._reduction:  # known with the first set
-                self.tolerance = max(self.tolerance, min(self._reduction * self.residual, LOOSEST))
-                self._target, self._reduction = SAFETY * self.tolerance, 0.0
         if drift and self.residual <= max(self._aim, _OVER_DRIFT * drift):
             self._response.renew(now)
             now.last_product = 0.0
@@ -208,10 +204,10 @@ class ActiveSet(Method):
         self._set = ContactSet.of(nodes, everywhere, self.problem.num_points)
 
     def _update_set(self) -> bool:
-        """Drop nodes that pull, add nodes that penetrate; False if there are none, or no more than may be wrong."""
+        """Drop nodes that pull, add nodes that penetrate; False if there are none."""
         now, pulling = self._now, self._now.pulling.size
         new = self._response.penetrating(now, self._smallest_gap)
-        if pulling + new.size <= self._wrong_nodes_per_patch * now.patches.count:
+        if self._fixed_set or not pulling + new.size:
             return False
         if pulling and self._cautious:
             new = new[:0]

@@ -20,7 +20,7 @@ from ..method import ExecutionConfig, Method
 from .everywhere import Everywhere
 from .free_set import FreeSet
 from .greens_function import GreensFunction
-from .limits import CAUTIOUS, FORCING_TERM, HARDER, LOOSEST, SAFETY
+from .limits import CAUTIOUS, FORCING_TERM, HARDER, SAFETY
 
 _LEAST = 0.23  # share of the nodes in contact from which this form takes less time than that in the pressure
 _FIRST_FORCING_TERM = 0.01
@@ -52,8 +52,7 @@ class FreeNodes(Method):
         self, problem: Problem, config: ExecutionConfig, green: GreensFunction, everywhere: Everywhere
     ) -> None:
         """everywhere: the net force of all nodes, by K."""
-        self.problem, self.tolerance, self._reduction = problem, config.tolerance, config.reduction
-        self._wrong_nodes_per_patch = config.wrong_nodes_per_patch
+        self.problem, self.tolerance, self._fixed_set = problem, config.tolerance, config.fixed_set
         self._green, self._all = green, everywhere
         self._target, self._floor, self._pairs = SAFETY * self.tolerance, 0.0, 0.0
         self._earlier: set[int] = set()  # keys of the sets so far
@@ -109,9 +108,6 @@ class FreeNodes(Method):
         self.residual = math.sqrt(float(force @ force) / max(1, force.size))
         if math.isinf(now.first_residual):
             now.first_residual = self.residual
-            if self._reduction:
-                self.tolerance = max(self.tolerance, min(self._reduction * self.residual, LOOSEST))
-                self._target, self._reduction = SAFETY * self.tolerance, 0.0
         target = max(self._target, self._floor)
         forcing_term = CAUTIOUS if self._cautious else FORCING_TERM if self._earlier else _FIRST_FORCING_TERM
         part = 0.0 if now.settled else forcing_term * now.first_residual
@@ -142,13 +138,13 @@ class FreeNodes(Method):
         return True
 
     def _update(self) -> bool:
-        """Put nodes that penetrate onto the wall, set nodes free that pull; False if no more than may be wrong do."""
+        """Put nodes that penetrate onto the wall, set nodes free that pull; False if none does."""
         height, nodes = self.problem.height, self._set.gaps.nodes
         penetrating = nodes[self._displacement[nodes] > height[nodes]]
         pull = self._all.field[: self.problem.num_points] < -_SMALLEST_PULL * self.tolerance
         pull &= ~self._set.free
         changed = penetrating.size + int(np.count_nonzero(pull))
-        if changed <= self._wrong_nodes_per_patch * max(1, self._set.gaps.count):
+        if self._fixed_set or not changed:
             return False
         free = self._set.free | pull
         free[penetrating] = False

@@ -2,8 +2,6 @@
 
 SAFETY = 0.4
 """Residual to stop at over the tolerance: the free residual is up to twice the pressure's error."""
-LOOSEST = 1e-3
-"""Tolerance on coarse grids."""
 HARDER = 0.2
 """Factor of the residual to stop at after the certificate found the free residual too large."""
 MOST_ITERATIONS = 150
