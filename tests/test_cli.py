@@ -59,7 +59,7 @@ def test_solve_json():
 def test_an_accuracy_is_bought_or_refused():
     record = json.loads(here("solve", "--thickness", 0.1, "--accuracy", 1e-6, "--json").stdout)
     assert abs(record["contact_area_subgrid"] / 0.094482408562 - 1) < 1e-6
-    assert {"layer", "model", "grid"} <= set(record["choices"])
+    assert {"model", "grid"} <= set(record["choices"])
     short = here("solve", "--profile", "rough", "--cut-off-ratio", 1 / 16, "--num-points", 2048, "--accuracy", 1e-6)
     assert short.returncode == 3
     assert short.stderr.count("\n") == 1

@@ -11,12 +11,12 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
-import pyfftw
 from linecontact.solver import ElasticLayer, MeasuredIndenter, Scene, checks
 from linecontact.solver.display import counted
 from linecontact.solver.scene import MAX_POINTS, MIN_POINTS
 from linecontact.solver.strategy.errors import DEFAULT_QUANTITY
 from linecontact.solver.strategy.to_accuracy import check_accuracy
+from linecontact.solver.transforms.fftw import pyfftw
 from linecontact.solver.units import SCENE, named
 
 from ..files.writing import as_path
