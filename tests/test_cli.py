@@ -63,7 +63,7 @@ def test_an_accuracy_is_bought_or_refused():
     short = here("solve", "--profile", "rough", "--cut-off-ratio", 1 / 16, "--num-points", 2048, "--accuracy", 1e-6)
     assert short.returncode == 3
     assert short.stderr.count("\n") == 1
-    told = r"accuracy is 1e-06; allowed: above ([\d.]+), or a finer grid: num_points above 2048"
+    told = r"accuracy is 1e-06; allowed: above ([\d.e-]+), or a finer grid: num_points above 2048"
     known = re.search(told, short.stderr)
     assert f"(relative {known[1]})" in short.stdout
     assert "chosen for an accuracy of 1e-06" in short.stdout

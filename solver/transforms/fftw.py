@@ -30,7 +30,9 @@ def _hidden(*names: str) -> Iterator[None]:
 with _hidden("scipy", "dask"):
     import pyfftw
 
-__all__ = ["Plan", "pyfftw"]
+__all__ = ["Plan", "next_fast_len", "pyfftw"]
+
+next_fast_len = pyfftw.next_fast_len
 
 
 _PATIENCE = 20.0  # s, for a plan that takes microseconds

@@ -16,7 +16,7 @@ from linecontact.solver.display import counted
 from linecontact.solver.scene import MAX_POINTS, MIN_POINTS
 from linecontact.solver.strategy.errors import DEFAULT_QUANTITY
 from linecontact.solver.strategy.to_accuracy import check_accuracy
-from linecontact.solver.transforms.fftw import pyfftw
+from linecontact.solver.transforms.fftw import next_fast_len
 from linecontact.solver.units import SCENE, named
 
 from ..files.writing import as_path
@@ -277,7 +277,7 @@ def _choose_grid(options: Options, values: int, in_period: int) -> int:
     most = MAX_REFINEMENT * values
     n = options.num_points
     if n is None and options.accuracy is not None:
-        fast = (n for n in range(min(most, MAX_POINTS), 0, -1) if n % 2 == 0 and pyfftw.next_fast_len(n) == n)
+        fast = (n for n in range(min(most, MAX_POINTS), 0, -1) if n % 2 == 0 and next_fast_len(n) == n)
         n = next(fast)
     elif n is None:
         n = 2 ** math.ceil(math.log2(min(_POINTS_PER_VALUE * in_period, max(_ENOUGH, in_period))))
