@@ -38,7 +38,7 @@ from .response import Response
 _OVER_FLOOR = 0.3  # error of the pressure over the free residual, both as rounding leaves them
 _OVER_DRIFT = 2.0  # times what images may have added to the residual: below, the response has to be made anew
 _ROOM = 0.9  # residual to reach before the response is made anew at the end, over the one to stop at
-_SOFT = 0.1  # stiffness of a base over that of its coating, below which the coating is stiff
+_SOFT = 0.01  # stiffness of a base over that of its coating, below which the coating is stiff
 
 
 class ActiveSet(Method):

@@ -73,8 +73,18 @@ class ContactSet:
     def changed(self, new: Indices) -> tuple[Indices, Mask]:
         """Drop nodes that pull and add new ones: the nodes of the next set in ascending order, and which of this one's
         stay and keep their pressure.
+
+        Where m nodes pull at the end of a patch, about 2m lie outside of the contact (it shrinks by half of that with
+        every update): 2m - 1 are dropped.
         """
         kept: Mask = self.pressure >= 0
+        place, first = np.arange(kept.size), self.patches.offset
+        last = first + self.patches.size - 1
+        inner = np.minimum.reduceat(np.where(kept, place, kept.size), first), np.maximum.reduceat(place * kept, first)
+        beyond = 2 * inner[0] - first, 2 * inner[1] - last
+        label = self.patches.label
+        bears = (inner[0] <= inner[1]) & (beyond[0] < beyond[1])
+        kept &= ~bears[label] | ((place > beyond[0][label] - 2) & (place < beyond[1][label] + 2))
         if not (new.size or kept.any()):
             kept[np.argmax(self.pressure)] = True
         return np.sort(np.concatenate([self.nodes[kept], new]), kind="stable"), kept  # merges what is in order
