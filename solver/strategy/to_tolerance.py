@@ -16,7 +16,7 @@ from .grids import grids, over_grids, start_from_contact
 from .report import finish
 from .run import Run, check_memory
 
-_COARSE_TOLERANCE = 1e-5  # the residual at which to stop on coarse grids
+_COARSE_TOLERANCE = 1e-4  # the residual at which to stop on coarse grids
 _FLOOR_POINTS = 1024  # of the solution that tells the size of u
 _DEFAULT, _DEFAULT_FLOAT32 = 1e-8, 1e-4  # tolerances in float64 and mixed precision, and the least in float32
 _OVER_FLOOR = 4.0  # times what rounding leaves: how far the default tolerance in float32 stays above

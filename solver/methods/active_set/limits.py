@@ -1,7 +1,7 @@
 """Limits that the search has in both of its forms, by pressures and by displacements; all are dimensionless."""
 
-SAFETY = 0.4
-"""Residual to stop at over the tolerance: the free residual is up to twice the pressure's error."""
+SAFETY = 0.2
+"""Residual to stop at over the tolerance: the free residual is mostly up to four times the pressure's error."""
 HARDER = 0.2
 """Factor of the residual to stop at after the certificate found the free residual too large."""
 MOST_ITERATIONS = 150

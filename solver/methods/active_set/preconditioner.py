@@ -47,7 +47,8 @@ class PatchDeflation:
             first, last = patches.first[starts], patches.last[np.append(starts[1:], patches.count) - 1]
             density = self._loads / (last - first + 1)
             coarse = patch_sums(green.tables.response.second_sum, first, last) * np.outer(density, density)
-            coarse[np.diag_indices_from(coarse)] += self._loads
+            own = self._loads if share == 1 else coarse.diagonal() + self._loads  # a flat punch under itself
+            np.fill_diagonal(coarse, own)
             self._factor = _inverse_factor(coarse, self._loads)
         self._constant = self._factor.T @ (self._factor @ self._loads)
 
