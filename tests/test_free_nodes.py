@@ -17,7 +17,7 @@ from linecontact.solver.grid.problem import Problem, full_contact_pressure
 from linecontact.solver.methods import ExecutionConfig, active_set, relax
 from linecontact.solver.methods.active_set.active_set import ActiveSet
 from linecontact.solver.methods.active_set.free_nodes import FreeNodes
-from linecontact.solver.methods.active_set.gap_by_gap import GapByGap
+from linecontact.solver.methods.active_set.free_set import GapByGap
 from linecontact.solver.methods.active_set.greens_function import GreensFunction, Tables
 from linecontact.solver.transforms.plain import irfft
 

@@ -1,10 +1,9 @@
 """The active set: the method that needs fewest transforms, put together from its parts.
 
-`active_set` is the method, `free_nodes` the same with displacements as unknown, with `gap_by_gap`, `limits` what
-both share, `contact_set` what belongs to one set of nodes, `elimination` what solves small ones, `response` what
-the surface does under its pressure, on all nodes in `everywhere` by the operator `compliance`, near the contact in
-`nearby` by that of `packed`, `preconditioner` with `local_inverses`, `long_patch` and `greens_function` what makes its
-iterations few.
+`active_set` is the method with pressures as unknown, `free_nodes` with displacements; `limits` has what both share.
+`contact_set` and `free_set` are what belongs to one set of nodes, `elimination` solves small ones. `response` is what
+the surface does under its pressure, on all nodes in `everywhere`, near the contact in `nearby` by the operator of
+`packed`. `preconditioner` with `local_inverses` and `greens_function` makes the iterations few.
 
 May import: method, linecontact.solver.arrays, linecontact.solver.transforms, linecontact.solver.grid,
 linecontact.kernels.

@@ -14,7 +14,6 @@ from ....kernels import CHUNK, Call, layout, record
 from ...arrays import Array, Array64, Indices
 from ...transforms.planned import Transforms
 from ..method import ExecutionConfig
-from .compliance import Compliance
 
 _FAR = 1e30  # height of the padding, which never touches
 
@@ -22,6 +21,28 @@ _LARGE = 2**18  # points beyond which the operators are given back while the fie
 _TIMES_ROUNDING = 50
 """Tolerance over the relative error that rounding of the strongest mode puts into the weakest, down to which transforms
 may be of half the length: these take less time, but mix the rounding of long and short waves."""
+
+
+class Compliance:
+    """G = 1/K without the mean mode, or K, applied by one pair of transforms, in the precision of the transforms.
+
+    The symbol, G(q_k) or K(q_k), has the shape (N//2 + 1,).
+    """
+
+    def __init__(self, symbol: Array64, transforms: Transforms) -> None:
+        self.new_field = transforms.buffer
+        """Makes a field of the target's length and type."""
+        self.target = transforms.field()
+        forward, inverse = transforms.forward(self.target), transforms.inverse(self.target)
+        multiply = transforms.multiplication(symbol, self.target)
+        self._parts = forward, multiply, inverse
+
+    def apply(self, places: Indices | slice, values: Array64) -> None:
+        """target = G values, or K values; values: 0 at all other places, of the places' shape."""
+        self.target[:] = 0
+        self.target[places] = values
+        for part in self._parts:
+            part()
 
 
 class Everywhere:

@@ -2,7 +2,7 @@
 
 Where much of the period is in contact, few nodes are free, and K between them is short-ranged, so that this form of
 the same problem takes three quarters to a sixth of the iterations: K_FF u_F = p - K_FC h_C by preconditioned conjugate
-gradients (M. R. Hestenes and E. Stiefel, 1952), with the preconditioner of `gap_by_gap`. The net force r = p - K u of
+gradients (M. R. Hestenes and E. Stiefel, 1952), with the preconditioner of `free_set`. The net force r = p - K u of
 all nodes is carried along; on the free nodes it is the residual that the certificate looks at, too. When that has
 fallen far enough, free nodes that penetrate are put onto the wall, and those that the wall would have to hold by
 pulling are set free (primal-dual active set, M. Hintermueller et al., SIAM J. Optim. 13, 865 (2002)).

@@ -7,9 +7,33 @@ import numpy as np
 
 from ...arrays import Array64, Mask
 from ...grid.patches import Patches
-from .gap_by_gap import GapByGap
 from .greens_function import GreensFunction
 from .limits import MOST_ITERATIONS
+from .local_inverses import LONGEST_DENSE, blocks_of, invert_blocks
+
+
+class GapByGap:
+    """Approximate inverse of K on one set of free nodes: every gap between two patches on its own.
+
+    K is a Toeplitz matrix and short-ranged: a displacement in one gap hardly presses on the next. So no loads need to
+    be solved for together, as they have to for the inverse of G on the contact. Gaps share one inverse Cholesky factor;
+    in those too long for it 1/K on a short ring of nodes, restricted to the gap, is nearly the inverse.
+    """
+
+    def __init__(self, green: GreensFunction, gaps: Patches) -> None:
+        """gaps: runs of free nodes."""
+        self._gaps, self._green = gaps, green
+        short = gaps.size <= LONGEST_DENSE
+        self._blocks = list(blocks_of(gaps, short, green.tables.stiffness_factor))
+        self._long = np.flatnonzero(~short)
+
+    def apply(self, force: Array64) -> Array64:
+        """About K_FF^-1 force, a displacement; both shape (free nodes,) in compact order."""
+        z = invert_blocks(self._blocks, force)
+        for start, size in zip(self._gaps.offset[self._long], self._gaps.size[self._long], strict=True):
+            convolve, part = self._green.around(int(size)), slice(start, start + size)
+            z[part] = convolve(convolve.inverse_rigidity, force[part])
+        return z
 
 
 @dataclass(eq=False)
