@@ -21,6 +21,9 @@ from linecontact.solver import (
 from linecontact.solver.grid import kept as kept_module
 from linecontact.solver.grid.kept import forget, kept
 from linecontact.solver.grid.problem import Problem
+from linecontact.solver.methods import active_set
+from linecontact.solver.methods.active_set.everywhere import Everywhere
+from linecontact.solver.methods.method import ExecutionConfig
 
 ROUGH = RoughIndenter(0.8, 0, cut_off_ratio=1 / 32)
 SCENES = [
@@ -52,6 +55,42 @@ def test_another_load_uses_what_is_kept_and_another_layer_does_not():
     assert other.profile is not problem.profile
     longer = Problem.from_scene(replace(SCENES[0], period=2.0))
     assert longer.rigidity is not problem.rigidity
+
+
+@pytest.mark.parametrize("pressure", [0.01, 1.0])  # the unknown is the pressure, or the displacement of the free nodes
+def test_fields_serve_one_solve_after_the_other(pressure, monkeypatch):
+    made, begin = [], Everywhere.__init__
+
+    def noted(self, *arguments, **options):
+        begin(self, *arguments, **options)
+        made.append(self.field.size)
+
+    monkeypatch.setattr(Everywhere, "__init__", noted)
+    forget()
+    scene = replace(SCENES[0], pressure=pressure)
+    first = solve(scene)
+    grids, before = len(made), first.displacement.copy()
+    assert grids == 1 + len(first.levels)
+    reused = solve(replace(scene, pressure=1.1 * pressure))
+    assert len(made) == grids
+    forget()
+    fresh = solve(replace(scene, pressure=1.1 * pressure))
+    np.testing.assert_array_equal(reused.contact_pressure, fresh.contact_pressure)
+    assert len(made) == 2 * grids
+    np.testing.assert_array_equal(first.displacement, before)
+    solve(replace(scene, precision="mixed"))
+    assert len(made) > 2 * grids
+
+
+def test_fields_that_are_in_use_are_not_lent_again():
+    forget()
+    problem, setting = Problem.from_scene(SCENES[1]), ExecutionConfig(1e-8)
+    first, second = active_set.begin(problem, setting), active_set.begin(problem, setting)
+    fields = [method._response._all.field for method in (first, second)]
+    assert fields[0] is not fields[1]
+    del first
+    third = active_set.begin(problem, setting)
+    assert third._response._all.field is fields[0]
 
 
 def test_nothing_that_is_kept_can_be_changed():

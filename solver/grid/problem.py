@@ -96,7 +96,7 @@ class Stiffness:
     """N."""
     unit: float
     """A power of two over E*/L (dimensionless)."""
-    made: dict[str, Any] = field(default_factory=dict)
+    made: dict[Any, Any] = field(default_factory=dict)
     """What methods have made from the values, by name, and use again."""
     response: LayerResponse = field(init=False)
     """G = 1/K in real space [1/`unit`]."""

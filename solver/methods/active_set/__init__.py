@@ -9,10 +9,12 @@ May import: method, linecontact.solver.arrays, linecontact.solver.transforms, li
 linecontact.kernels.
 """
 
+import weakref
+
 from ...grid.problem import Problem
 from ..method import ExecutionConfig, MethodKind
 from .active_set import ActiveSet
-from .everywhere import Everywhere
+from .everywhere import LARGE, Everywhere, modes_apart
 from .free_nodes import FreeNodes, suits
 from .greens_function import GreensFunction, Tables
 from .response import Response
@@ -22,14 +24,29 @@ __all__ = ["KIND", "ActiveSet", "begin"]
 
 def begin(problem: Problem, setting: ExecutionConfig) -> ActiveSet | FreeNodes:
     """The active set on a grid, in the form that suits the contact's share of it."""
-    made = problem.rigidity.made
     of_layer = problem.rigidity.response
-    tables: Tables = made.setdefault("active set", Tables(of_layer))
+    tables: Tables = problem.rigidity.made.setdefault("active set", Tables(of_layer))
     green = GreensFunction(tables)
-    if suits(problem, setting):
-        return FreeNodes(problem, setting, green, Everywhere(problem.stiffness, problem.height, setting))
-    response = Response(problem, of_layer.split, Everywhere(of_layer.compliance, problem.height, setting))
-    return ActiveSet(problem, setting.tolerance, green, response, setting.fixed_set)
+    free = suits(problem, setting)
+    symbol = problem.stiffness if free else of_layer.compliance
+    # plans and recorded kernels are a quarter of a small solve's time: they serve the next one with layer and grid
+    apart = modes_apart(symbol, setting.tolerance)
+    key = free, apart, setting.precision, setting.threads, setting.planning, setting.backend
+    left: list[Everywhere] = problem.rigidity.made.setdefault(key, [])
+    try:
+        field = left.pop()
+        field.begin(problem.height)
+    except IndexError:  # all are in use
+        field = Everywhere(symbol, problem.height, setting)
+    found: ActiveSet | FreeNodes
+    if free:
+        found = FreeNodes(problem, setting, green, field)
+    else:
+        response = Response(problem, of_layer.split, field)
+        found = ActiveSet(problem, setting.tolerance, green, response, setting.fixed_set)
+    if problem.num_points <= LARGE:
+        weakref.finalize(found, left.append, field).atexit = False
+    return found
 
 
 def _bytes_per_point(contact_share: float) -> float:

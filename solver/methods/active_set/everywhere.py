@@ -17,10 +17,18 @@ from ..method import ExecutionConfig
 
 _FAR = 1e30  # height of the padding, which never touches
 
-_LARGE = 2**18  # points beyond which the operators are given back while the field rests
+LARGE = 2**18
+"""Points beyond which the operators are given back while the field rests, and with it after a solve."""
 _TIMES_ROUNDING = 50
 """Tolerance over the relative error that rounding of the strongest mode puts into the weakest, down to which transforms
 may be of half the length: these take less time, but mix the rounding of long and short waves."""
+
+
+def modes_apart(symbol: Array64, tolerance: float) -> bool:
+    """Whether the rounding of no mode may spoil another one of an operator, for a tolerance (dimensionless)."""
+    weakest = float(symbol[1:].min())
+    rounding = np.finfo(np.float64).eps * float(symbol.max()) / weakest if weakest > 0 else math.inf
+    return bool(tolerance <= _TIMES_ROUNDING * rounding)
 
 
 class Compliance:
@@ -56,18 +64,22 @@ class Everywhere:
         self.field = self._operators[1].new_field()
         """Shape (N,) and padding."""
         self._state = np.zeros(layout.GAP_STATE_LENGTH)
+        self.begin(height)
+
+    def begin(self, height: Array64) -> None:
+        """Turn to another scene. height: h, shape (N,) [u]."""
+        self.field[:] = 0  # what an earlier solve has left
         self._height: Array = height
         if self.field.shape != height.shape or self.field.dtype != height.dtype:
             self._height = np.full_like(self.field, _FAR)
             self._height[: height.size] = height
         self._counts = np.zeros(self._height.size // CHUNK)
+        self.__dict__.pop("_count", None)
 
     @cached_property
     def _operators(self) -> tuple[Compliance, Compliance]:
         """For search directions and for the field itself: two objects in mixed precision, else the same one."""
-        setting, weakest = self._setting, float(self._symbol[1:].min())
-        rounding = np.finfo(np.float64).eps * float(self._symbol.max()) / weakest if weakest > 0 else math.inf
-        apart = bool(setting.tolerance <= _TIMES_ROUNDING * rounding)
+        setting, apart = self._setting, modes_apart(self._symbol, self._setting.tolerance)
 
         def operator(precision: str) -> Compliance:
             how = setting.threads, setting.planning, setting.backend
@@ -83,7 +95,7 @@ class Everywhere:
 
     def rest(self) -> None:
         """Give back the operators on a large grid; they are made anew when they are needed."""
-        for name in ("_advance", "_operators") if self._num_points > _LARGE else ():
+        for name in ("_advance", "_operators") if self._num_points > LARGE else ():
             self.__dict__.pop(name, None)
 
     @cached_property
