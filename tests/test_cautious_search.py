@@ -1,6 +1,7 @@
 """Stiff coatings, and the sets that are solved by elimination."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from linecontact.solver.grid.problem import Problem
 from linecontact.solver.methods.active_set import active_set, elimination
 from linecontact.solver.methods.active_set.contact_set import ContactSet
 from linecontact.solver.methods.active_set.greens_function import GreensFunction, Tables
+from linecontact.solver.strategy.linearised import contact_compliance
 
 
 @pytest.mark.parametrize("even", [False, True])
@@ -115,3 +117,14 @@ def test_refined_elimination():
     assert elimination.refine(now, green, touching)
     assert spread(now)[1] < 0.01 * before
     assert now.pressure.sum() == pytest.approx(2**13, rel=1e-12)
+
+
+@pytest.mark.parametrize("seed", [0, 2, 3])
+def test_contact_compliance_under_a_stiff_coating(seed):
+    """The change of the approach with the pressure while the contact stays: nodes may pull there."""
+    scene = Scene(CoatedHalfSpace(0.01, 3e-3), RoughIndenter(0.8, seed, 0.25, 1 / 32), 1e-3, num_points=2**11)
+    more = replace(scene, pressure=scene.pressure * (1 + 1e-6))
+    one, other = (solve(each, tolerance=1e-11) for each in (scene, more))
+    np.testing.assert_array_equal(one.contact, other.contact)
+    slope = (other.observables.approach - one.observables.approach) / (more.pressure - scene.pressure)
+    assert contact_compliance(scene, one.contact) == pytest.approx(slope, rel=1e-4)

@@ -7,7 +7,7 @@ from .rebased_fire import begin_fire
 KIND = MethodKind(
     name="fire",
     label="plain FIRE",
-    begin=lambda problem, setting: begin_fire(Fire, problem, setting),
+    begin=lambda problem, config: begin_fire(Fire, problem, config),
     max_iterations=200_000,
     precisions=("float64", "float32", "mixed"),
     devices=("cpu", "cuda"),

@@ -49,16 +49,16 @@ class Repetition:
         self._count = min(2 * self._count, _MOST) if fire.state[layout.HELD] > fire.padding else 1
 
 
-def begin(kind: type[Fire], problem: Problem, setting: ExecutionConfig) -> tuple[Fire, NetForce]:
+def begin(kind: type[Fire], problem: Problem, config: ExecutionConfig) -> tuple[Fire, NetForce]:
     """FIRE of a kind on the GPU, and the net force there in float64, which mixed precision needs.
 
     Raises `ValueError` for a grid that the GPU's free memory cannot hold.
     """
-    mixed, num_points = setting.precision == "mixed", problem.num_points
-    _check_memory(kind, num_points, setting.precision)
+    mixed, num_points = config.precision == "mixed", problem.num_points
+    _check_memory(kind, num_points, config.precision)
     try:
-        transforms = on_gpu.Transforms(num_points, setting.working_precision)
-        fire = kind(problem, transforms, setting.tolerance, setting.backend, own_load=mixed)
+        transforms = on_gpu.Transforms(num_points, config.working_precision)
+        fire = kind(problem, transforms, config.tolerance, config.backend, own_load=mixed)
         net_force = _net_force(problem) if mixed else problem.net_force
     except on_gpu.OutOfMemory as error:  # the transforms of some lengths take many times as much as those of others
         what = f"num_points is {num_points}, too many for the GPU's memory ({error})"

@@ -107,7 +107,7 @@ class MassWeightedFire(Fire):
 KIND = MethodKind(
     name="mass-weighted-fire",
     label="mass-weighted FIRE",
-    begin=lambda problem, setting: begin_fire(MassWeightedFire, problem, setting),
+    begin=lambda problem, config: begin_fire(MassWeightedFire, problem, config),
     max_iterations=20_000,
     precisions=("float64", "float32", "mixed"),
     devices=("cpu", "cuda"),

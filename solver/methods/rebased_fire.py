@@ -141,14 +141,14 @@ class RebasedFire(Method):
         s[layout.RESIDUAL], s[layout.TOLERANCE] = residual / self._scale, self.tolerance / self._scale
 
 
-def begin_fire(kind: type[Fire], problem: Problem, setting: ExecutionConfig) -> Method:
+def begin_fire(kind: type[Fire], problem: Problem, config: ExecutionConfig) -> Method:
     """FIRE of a kind on a grid; in mixed precision on the change of a displacement in float64."""
-    if setting.device != "cpu":
+    if config.device != "cpu":
         from .fire_on_gpu import begin  # imports what only a GPU needs
 
-        state, net_force = begin(kind, problem, setting)
+        state, net_force = begin(kind, problem, config)
     else:
-        means = setting.working_precision, setting.threads, setting.planning, setting.backend
+        means = config.working_precision, config.threads, config.planning, config.backend
         transforms, net_force = Transforms(problem.num_points, *means), problem.net_force
-        state = kind(problem, transforms, setting.tolerance, setting.backend, own_load=setting.precision == "mixed")
-    return RebasedFire(state, net_force) if setting.precision == "mixed" else state
+        state = kind(problem, transforms, config.tolerance, config.backend, own_load=config.precision == "mixed")
+    return RebasedFire(state, net_force) if config.precision == "mixed" else state

@@ -116,8 +116,10 @@ def _left(
     power, rough = scene.indenter.power_law, scene.indenter.effective_wave(num_points) > 0
     changes = [abs(after - before) for before, after in pairwise(values)]
     last, share = changes[-1], getattr(FITTED, quantity.of_change[rough]) if quantity.of_change else 0.0
+    if power and power[0] < 2 and not (quantity.of_area or quantity.of_lowest):
+        share = 1 / (_FACTOR ** (power[0] - 1) - 1)
     if scene.indenter.kinked or (power and found.num_patches > 1):
-        share = 1.0
+        share = max(share, 1.0)
     if quantity.of_area:
         return share * last
     if len(changes) == 2:
@@ -128,8 +130,6 @@ def _left(
     elif found.contact_area_subgrid:
         nodes = found.contact_area_subgrid * num_points / found.num_patches
         last = max(last, values[-1] / nodes**2)
-    if power and power[0] < 2 and not quantity.of_lowest:
-        share = 1 / (_FACTOR ** (power[0] - 1) - 1)
     return float(share * last)
 
 

@@ -64,14 +64,13 @@ def over_grids(
                 run.state.rest()
             state = begin(size)
             start_from_contact(run, state)
-            status = run.relax(state)
+            status, contact = run.relax(state), run.contact
             if measure_last or size < sizes[-1]:
                 # of an area, errors follow from the last two grids
                 level, contact = _measured(run.scene, state, by_loads=measure_last or size in sizes[-2:])
                 if status in (Status.CONVERGED, Status.STAGNATED):  # how far another is off says nothing of the rest
                     run.levels.append(level)
-                run.contact = contact
-            run.state, run.status = state, status
+            run.state, run.status, run.contact = state, status, contact
         except KeyboardInterrupt:  # while a grid is prepared or measured
             if not run.contact:
                 raise

@@ -81,8 +81,8 @@ def _punch(scene: Scene, contact: Mask) -> tuple[float, Array64, Array64]:
     punch = replace(problem, height=np.where(contact, 0.0, problem.reach))
     backend = "warp" if problem.num_points >= SMALLEST_WARP else "numpy"
     share = float(contact.mean())
-    setting = ExecutionConfig(_TOLERANCE, fixed_set=True, contact_share=share, backend=backend)
-    method = active_set.begin(punch, setting)
+    config = ExecutionConfig(_TOLERANCE, fixed_set=True, contact_share=share, backend=backend)
+    method = active_set.begin(punch, config)
     method.start_from_pressure(contact.astype(np.float64))
     if relax(method, _MOST_ITERATIONS, None) is Status.INTERRUPTED:
         raise KeyboardInterrupt

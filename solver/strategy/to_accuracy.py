@@ -76,13 +76,13 @@ def _on_grids(run: Run, accuracy: float, of: str) -> Solution:
     interruption returns what the grid at hand has given.
     """
     scene, quantity, memory = run.scene, QUANTITIES[of], checks.available_memory()
-    tolerance, before = min(max(0.2 * accuracy, 1e-10), 1e-8), tuple(run.choices)
+    tolerance, before = min(0.2 * accuracy, 1e-8), tuple(run.choices)
     run.times[1] = time.perf_counter()
 
     def begin(size: int) -> Method:
         check_memory(size, run.kind, run.contact_share, memory)
         run.budget.allow(run.kind.max_iterations)  # on each grid
-        run.tolerance = tolerance
+        run.tolerance, run.handed_over = tolerance, False
         return run.begin(Problem.from_scene(scene, size), tolerance)
 
     sizes = grids(scene.num_points)

@@ -29,13 +29,6 @@ def iteration_share(free_residual: float, area: float = 0.0) -> float:
     return max(free_residual, of_gaps) if free_residual < MEANINGLESS else math.inf
 
 
-def near_full_contact(area: float) -> float:
-    """How many times more of a small residual is left in an area that is nearly the whole period, see
-    `iteration_share`; at least 1.
-    """
-    return max(1.0, math.tan(math.pi / 2 * area) / math.pi) if area < 1 else 1.0
-
-
 def left_at_ends(free_residual: float, patches: Patches, pressure: Array64, largest: float | None = None) -> float:
     """Estimated error of a_r that a residual leaves at the ends of patches (dimensionless).
 

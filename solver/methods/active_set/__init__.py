@@ -22,28 +22,28 @@ from .response import Response
 __all__ = ["KIND", "ActiveSet", "begin"]
 
 
-def begin(problem: Problem, setting: ExecutionConfig) -> ActiveSet | FreeNodes:
+def begin(problem: Problem, config: ExecutionConfig) -> ActiveSet | FreeNodes:
     """The active set on a grid, in the form that suits the contact's share of it."""
     of_layer = problem.rigidity.response
     tables: Tables = problem.rigidity.made.setdefault("active set", Tables(of_layer))
     green = GreensFunction(tables)
-    free = suits(problem, setting)
+    free = suits(problem, config)
     symbol = problem.stiffness if free else of_layer.compliance
     # plans and recorded kernels are a quarter of a small solve's time: they serve the next one with layer and grid
-    apart = modes_apart(symbol, setting.tolerance)
-    key = free, apart, setting.precision, setting.threads, setting.planning, setting.backend
+    apart = modes_apart(symbol, config.tolerance)
+    key = free, apart, config.precision, config.threads, config.planning, config.backend
     left: list[Everywhere] = problem.rigidity.made.setdefault(key, [])
     try:
         field = left.pop()
         field.begin(problem.height)
     except IndexError:  # all are in use
-        field = Everywhere(symbol, problem.height, setting)
+        field = Everywhere(symbol, problem.height, config)
     found: ActiveSet | FreeNodes
     if free:
-        found = FreeNodes(problem, setting, green, field)
+        found = FreeNodes(problem, config, green, field)
     else:
         response = Response(problem, of_layer.split, field)
-        found = ActiveSet(problem, setting.tolerance, green, response, setting.fixed_set)
+        found = ActiveSet(problem, config.tolerance, green, response, config.fixed_set)
     if problem.num_points <= LARGE:
         weakref.finalize(found, left.append, field).atexit = False
     return found

@@ -48,7 +48,6 @@ class ActiveSet(Method):
     residual = math.inf
     stopped = False
     patience = None  # the residual starts anew with every set
-    mixed = False
 
     def __init__(
         self,
@@ -59,7 +58,6 @@ class ActiveSet(Method):
         fixed_set: bool = False,
     ) -> None:
         self.problem, self.tolerance = problem, tolerance
-        self.mixed = response.mixed
         self._fixed_set = fixed_set
         self._green, self._response = green, response
         self._target = SAFETY * tolerance
@@ -68,7 +66,7 @@ class ActiveSet(Method):
         self._smallest_gap = 0.1 * tolerance / float(problem.stiffness.mean())
         # on a half-space K is q/2: below a stiff coating long waves find a base that is softer
         soft_base = bool(problem.stiffness[1] * (problem.stiffness.size - 1) < _SOFT * problem.stiffness[-1])
-        self._begins_cautious = self._cautious = soft_base and response.exact
+        self._begins_cautious = self._cautious = soft_base and response.exact and not fixed_set
         self._set: ContactSet | None = None
         self._earlier: set[int] = set()  # keys of the sets so far
 
@@ -100,7 +98,7 @@ class ActiveSet(Method):
     def tighten(self) -> bool:
         self._target *= HARDER
         self._floor *= HARDER
-        self.stopped = False
+        self.stopped, self._earlier = False, set()
         return True
 
     def rest(self) -> None:
@@ -189,7 +187,8 @@ class ActiveSet(Method):
                 return
             # rounding does not let this set be solved any further; it may be the wrong one, unless it was examined
             # before: now what rounding has made of the pressure would decide
-            self.stopped = now.settled or not self._update_set()
+            if now.settled or not self._update_set():
+                self.stopped = True
 
     @property
     def _now(self) -> ContactSet:
@@ -214,7 +213,10 @@ class ActiveSet(Method):
         nodes, kept = now.changed(new)
         self._take_set(nodes, now.nodes[kept], now.pressure[kept])
         if self._now.key in self._earlier:
-            self.stopped, self._cautious, self._earlier = self._cautious, True, set()
+            if self._cautious:  # it does not settle
+                self._set, self.stopped, self.residual = now, True, max(self.residual, 2 * self.tolerance)
+                return True
+            self._cautious, self._earlier = True, set()
         self._earlier.add(self._now.key)
         self._response.follow(now, self._now, changed=not kept.all())
         return True

@@ -56,10 +56,10 @@ class Compliance:
 class Everywhere:
     """The field of an operator, on all nodes: w [u] or r [p]."""
 
-    def __init__(self, symbol: Array64, height: Array64, setting: ExecutionConfig) -> None:
+    def __init__(self, symbol: Array64, height: Array64, config: ExecutionConfig) -> None:
         """symbol: of the operator, shape (N//2 + 1,); height: h, shape (N,) [u]."""
-        self._symbol, self._setting, self._num_points = symbol, setting, height.size
-        self.mixed = setting.precision == "mixed"
+        self._symbol, self._config, self._num_points = symbol, config, height.size
+        self.mixed = config.precision == "mixed"
         """Whether images of search directions are float32 and the field is float64."""
         self.field = self._operators[1].new_field()
         """Shape (N,) and padding."""
@@ -79,19 +79,19 @@ class Everywhere:
     @cached_property
     def _operators(self) -> tuple[Compliance, Compliance]:
         """For search directions and for the field itself: two objects in mixed precision, else the same one."""
-        setting, apart = self._setting, modes_apart(self._symbol, self._setting.tolerance)
+        config, apart = self._config, modes_apart(self._symbol, self._config.tolerance)
 
         def operator(precision: str) -> Compliance:
-            how = setting.threads, setting.planning, setting.backend
+            how = config.threads, config.planning, config.backend
             return Compliance(self._symbol, Transforms(self._num_points, precision, *how, apart=apart))
 
-        directions = operator(setting.working_precision)
+        directions = operator(config.working_precision)
         return directions, operator("float64") if self.mixed else directions
 
     @cached_property
     def _advance(self) -> Callable[[], None]:
         call = Call("advance_response", (self._operators[0].target, self._state), (self.field,))
-        return record(self._setting.backend, [call])
+        return record(self._config.backend, [call])
 
     def rest(self) -> None:
         """Give back the operators on a large grid; they are made anew when they are needed."""
@@ -101,7 +101,7 @@ class Everywhere:
     @cached_property
     def _count(self) -> Callable[[], None]:
         call = Call("count_below", (self.field, self._height, self._state), (self._counts,))
-        return record(self._setting.backend, [call])
+        return record(self._config.backend, [call])
 
     def renew(self, places: Indices, pressure: Array64) -> None:
         """Make the response to a pressure at these places, 0 elsewhere [p]."""

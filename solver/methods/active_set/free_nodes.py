@@ -32,11 +32,11 @@ _SMALLEST_PULL = 0.1  # of the tolerance on the residual, as a force over p: bel
 _FLOOR = 0.5  # of the residual that rounding leaves, below which it is not followed
 
 
-def suits(problem: Problem, setting: ExecutionConfig) -> bool:
+def suits(problem: Problem, config: ExecutionConfig) -> bool:
     """Whether this form takes less time than that in the pressure."""
     stiffness = problem.stiffness[1:]
     short_ranged = bool(stiffness[0] <= _STIFF * stiffness.min())
-    return setting.contact_share >= _LEAST and setting.precision == "float64" and short_ranged
+    return config.contact_share >= _LEAST and config.precision == "float64" and short_ranged
 
 
 class FreeNodes(Method):
@@ -46,7 +46,6 @@ class FreeNodes(Method):
     residual = math.inf
     stopped = False
     patience = None  # the residual starts anew with every set
-    mixed = False
 
     def __init__(
         self, problem: Problem, config: ExecutionConfig, green: GreensFunction, everywhere: Everywhere
@@ -119,8 +118,8 @@ class FreeNodes(Method):
             if self.residual <= target:
                 self.stopped = True
                 return
-        if now.exhausted or not self._iterate(force):
-            self.stopped = not self._update()  # it may be the wrong set
+        if (now.exhausted or not self._iterate(force)) and not self._update():  # it may be the wrong set
+            self.stopped = True
 
     def _iterate(self, force: Array64) -> bool:
         """One iteration of conjugate gradients; False if rounding has left no way down."""
@@ -150,12 +149,14 @@ class FreeNodes(Method):
         free[penetrating] = False
         if free.all():  # K knows no load without contact
             free[np.argmax(self._displacement - height)] = False
-        self._set = FreeSet.of(free)
-        self._make_force()
-        self.residual = math.inf
+        now, self._set = self._set, FreeSet.of(free)
         if self._set.key in self._earlier:
-            self.stopped, self._cautious, self._earlier = self._cautious, True, set()
+            if self._cautious:  # it does not settle
+                self._set, self.stopped, self.residual = now, True, max(self.residual, 2 * self.tolerance)
+                return True
+            self._cautious, self._earlier = True, set()
         self._earlier.add(self._set.key)
+        self._make_force()
         return True
 
     @property

@@ -7,4 +7,4 @@ HARDER = 0.2
 MOST_ITERATIONS = 150
 """On one set; where it takes more, rounding keeps the residual up."""
 FORCING_TERM, CAUTIOUS = 0.05, 1e-4
-"""Residual of a set over that when it was new at which it is updated: usually, and below a stiff coating."""
+"""Residual of a set over that when it was new at which it is updated: usually, and in a search that is cautious."""
