@@ -37,6 +37,9 @@ _LEAST = 0.25
 
 _DIFFERENCES = np.array([[0, 0, 1, -2, 1, 0, 0], [0, 1, -4, 6, -4, 1, 0], [1, -6, 15, -20, 15, -6, 1]]).T
 _SHORT = 8  # nodes
+_SHORT_OF_FIT = 0.1
+"""Width of patches that served for no fit [grid spacings]: under rough surfaces nothing is known of it, because another
+valley may be lower between the nodes."""
 _FEW, _MANY = (np.polynomial.legendre.leggauss(points) for points in (8, 32))
 """Places and weights of the integral of h'^2 over patches of up to so many nodes, and over others."""
 
@@ -61,7 +64,10 @@ def contact_edges(
     middle = pressure.size // 2
     at_tip = np.flatnonzero((patches.first <= middle) & (middle <= patches.last) | (patches.count == 1))
     tip = scene.indenter.end_error(float(edges.width[at_tip[0]])) if at_tip.size else 0.0
-    return patches, replace(edges, end_errors=np.maximum(edges.end_errors, tip))
+    error = np.maximum(edges.end_errors, tip)
+    if scene.indenter.effective_wave(pressure.size):
+        error = np.maximum(error, np.where(edges.width < _SHORT_OF_FIT, edges.width / 2, 0.0))
+    return patches, replace(edges, end_errors=error)
 
 
 def ends(
