@@ -676,7 +676,7 @@ def test_peaks_of_one_and_two_nodes(given):
         if solution.patches.nodes.max() <= 2:
             few += 1
             value, error = measured(solution, QUANTITIES["peak-pressure"])
-            held.append(abs(value - fine.peak_pressure) <= error < 30 * value)
+            held.append(abs(value - fine.peak_pressure) <= error < 60 * value)
     assert few > 10
     assert np.mean(held) >= 0.97
 

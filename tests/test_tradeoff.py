@@ -152,7 +152,9 @@ def test_a_rough_choice():
 @pytest.mark.skipif(not STORED.exists(), reason="no stored study")
 @pytest.mark.parametrize("family", families.FAMILIES)
 def test_the_stored_front_again(family):
-    """Within twice what the unfinished iteration may leave in the area, 0.25 of the residual (`unfinished`)."""
+    """Within twice what the unfinished iteration may leave in the area, 0.25 of the residual (`unfinished`); rough areas
+    within their estimated error, which other ends of narrow patches may have changed since.
+    """
     study = study_files.load_study(STORED)
     best = front.front(front.points(front.runs_of(study, "choice", family), "a_r"))
     cheap = [point.run for point in best if point.run["log2_points"] <= 14]
@@ -165,7 +167,8 @@ def test_the_stored_front_again(family):
             for v in range(1 if families.is_rough(family) else int(stored["repeats"]))
         ]
         again, allowed = solutions[0].observables, 0.5 * tolerance + rounding
-        assert abs(again.contact_area_subgrid / stored["contact_area_subgrid"] - 1) <= allowed
+        ends = again.contact_area_error / again.contact_area_subgrid if families.is_rough(family) else 0.0
+        assert abs(again.contact_area_subgrid / stored["contact_area_subgrid"] - 1) <= max(allowed, ends)
         assert abs(again.contact_area - stored["contact_area"]) * 2 ** stored["log2_points"] < 1.5  # one node
         if not families.is_rough(family):
             exact = [families.exact(family, v, 0).contact_area for v in range(len(solutions))]
