@@ -164,7 +164,7 @@ def test_sets_that_come_back_are_noticed():
         if state.stopped:
             break
     assert state.stopped
-    assert state._cautious
+    assert state._history.cautious
 
 
 def test_interrupted_on_a_coarse_grid(monkeypatch):

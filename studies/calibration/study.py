@@ -18,6 +18,7 @@ from linecontact.solver.methods import Progress
 from rich.console import RenderableType
 
 from ..files.study_files import StudyFile, load_study
+from ..files.writing import write_bytes
 from ..runner import study
 from ..runner.run import run_study
 from ..runner.study import Plan, Study
@@ -119,6 +120,6 @@ def command(options: Options) -> int:
         numbers = fitted(known(file, 0))
         found = {"numbers": numbers, "held": held(known(file, 1), numbers)}
         path = folder / "calibration.json"
-        path.write_text(json.dumps(found, indent=2) + "\n", encoding="utf-8")
+        write_bytes(path, [json.dumps(found, indent=2).encode(), b"\n"])
         console.errors.print(f"Numbers: {path}", soft_wrap=True)
     return status

@@ -1,6 +1,6 @@
 """The active set: the method that needs fewest transforms, put together from its parts.
 
-`active_set` is the method with pressures as unknown, `free_nodes` with displacements; `limits` has what both share.
+`active_set` is the method with pressures as unknown, `free_nodes` with displacements; `limits` belongs to both.
 `contact_set` and `free_set` are what belongs to one set of nodes, `elimination` solves small ones. `response` is what
 the surface does under its pressure, on all nodes in `everywhere`, near the contact in `nearby` by the operator of
 `packed`. `preconditioner` with `local_inverses` and `greens_function` makes the iterations few.
@@ -37,7 +37,7 @@ def begin(problem: Problem, config: ExecutionConfig) -> ActiveSet | FreeNodes:
         field = left.pop()
         field.begin(problem.height)
     except IndexError:  # all are in use
-        field = Everywhere(symbol, problem.height, config)
+        field = Everywhere(symbol, problem.height, config, apart)
     found: ActiveSet | FreeNodes
     if free:
         found = FreeNodes(problem, config, green, field)

@@ -31,7 +31,7 @@ from ..method import Method
 from . import elimination
 from .contact_set import ContactSet
 from .greens_function import GreensFunction
-from .limits import CAUTIOUS, FORCING_TERM, HARDER, SAFETY
+from .limits import HARDER, SAFETY, History
 from .preconditioner import PatchDeflation
 from .response import Response
 
@@ -66,9 +66,9 @@ class ActiveSet(Method):
         self._smallest_gap = 0.1 * tolerance / float(problem.stiffness.mean())
         # on a half-space K is q/2: below a stiff coating long waves find a base that is softer
         soft_base = bool(problem.stiffness[1] * (problem.stiffness.size - 1) < _SOFT * problem.stiffness[-1])
-        self._begins_cautious = self._cautious = soft_base and response.exact and not fixed_set
+        self._begins_cautious = soft_base and response.exact and not fixed_set
         self._set: ContactSet | None = None
-        self._earlier: set[int] = set()  # keys of the sets so far
+        self._history = History(self._begins_cautious)
 
     @property
     def transform_pairs(self) -> float:
@@ -88,8 +88,8 @@ class ActiveSet(Method):
             return
         nodes = np.flatnonzero(pressure > 0)
         self._take_set(nodes, nodes, pressure[nodes])
-        self.stopped, self._earlier, self._cautious = False, set(), self._begins_cautious
-        if self._cautious:
+        self.stopped, self._history = False, History(self._begins_cautious)
+        if self._begins_cautious:
             self._response.stay_everywhere(self._now)
         else:
             self._response.renew(self._now)
@@ -98,7 +98,8 @@ class ActiveSet(Method):
     def tighten(self) -> bool:
         self._target *= HARDER
         self._floor *= HARDER
-        self.stopped, self._earlier = False, set()
+        self.stopped = False
+        self._history.keys.clear()
         return True
 
     def rest(self) -> None:
@@ -110,11 +111,11 @@ class ActiveSet(Method):
         if self._set is None:
             self.start_cold()
         now, drift = self._now, self._response.drift
-        if self._response.plain and elimination.suits(now, self._cautious):
+        if self._response.plain and elimination.suits(now, self._history.cautious):
             self._eliminate()
             return
         if now.preconditioner is None:
-            now.preconditioner = PatchDeflation(self._green, now.patches, self._cautious)
+            now.preconditioner = PatchDeflation(self._green, now.patches, self._history.cautious)
         touching = self._response.touching(now)
         r = float(touching.mean()) - touching
         z = now.precondition(r)
@@ -136,7 +137,7 @@ class ActiveSet(Method):
 
     def _eliminate(self) -> None:
         """Solve on a small set by elimination, as well as rounding allows, and update it."""
-        now = elimination.solve(self._now, self._green, self.problem.height, self._cautious)
+        now = elimination.solve(self._now, self._green, self.problem.height, self._history.cautious)
         if now is None:  # iterate
             return
         self._set = now
@@ -161,8 +162,7 @@ class ActiveSet(Method):
     def _updated(self) -> bool:
         """Update the set if it is solved well enough for that; whether it changed. Stops where it is the last one."""
         now, target = self._now, self._aim
-        part = CAUTIOUS if self._cautious else FORCING_TERM
-        if not self.residual <= max(target, 0.0 if now.settled else part * now.first_residual):
+        if not self.residual <= max(target, 0.0 if now.settled else self._history.forcing_term * now.first_residual):
             return False
         if self._update_set():
             self.iteration += 1
@@ -208,16 +208,13 @@ class ActiveSet(Method):
         new = self._response.penetrating(now, self._smallest_gap)
         if self._fixed_set or not pulling + new.size:
             return False
-        if pulling and self._cautious:
+        if pulling and self._history.cautious:
             new = new[:0]
         nodes, kept = now.changed(new)
         self._take_set(nodes, now.nodes[kept], now.pressure[kept])
-        if self._now.key in self._earlier:
-            if self._cautious:  # it does not settle
-                self._set, self.stopped, self.residual = now, True, max(self.residual, 2 * self.tolerance)
-                return True
-            self._cautious, self._earlier = True, set()
-        self._earlier.add(self._now.key)
+        if not self._history.settles(self._now.key):
+            self._set, self.stopped, self.residual = now, True, max(self.residual, 2 * self.tolerance)
+            return True
         self._response.follow(now, self._now, changed=not kept.all())
         return True
 

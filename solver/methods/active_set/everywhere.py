@@ -56,9 +56,9 @@ class Compliance:
 class Everywhere:
     """The field of an operator, on all nodes: w [u] or r [p]."""
 
-    def __init__(self, symbol: Array64, height: Array64, config: ExecutionConfig) -> None:
-        """symbol: of the operator, shape (N//2 + 1,); height: h, shape (N,) [u]."""
-        self._symbol, self._config, self._num_points = symbol, config, height.size
+    def __init__(self, symbol: Array64, height: Array64, config: ExecutionConfig, apart: bool) -> None:
+        """symbol: of the operator, shape (N//2 + 1,); height: h, shape (N,) [u]; apart: see `modes_apart`."""
+        self._symbol, self._config, self._num_points, self._apart = symbol, config, height.size, apart
         self.mixed = config.precision == "mixed"
         """Whether images of search directions are float32 and the field is float64."""
         self.field = self._operators[1].new_field()
@@ -79,11 +79,11 @@ class Everywhere:
     @cached_property
     def _operators(self) -> tuple[Compliance, Compliance]:
         """For search directions and for the field itself: two objects in mixed precision, else the same one."""
-        config, apart = self._config, modes_apart(self._symbol, self._config.tolerance)
+        config = self._config
 
         def operator(precision: str) -> Compliance:
             how = config.threads, config.planning, config.backend
-            return Compliance(self._symbol, Transforms(self._num_points, precision, *how, apart=apart))
+            return Compliance(self._symbol, Transforms(self._num_points, precision, *how, apart=self._apart))
 
         directions = operator(config.working_precision)
         return directions, operator("float64") if self.mixed else directions

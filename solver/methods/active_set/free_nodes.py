@@ -20,7 +20,7 @@ from ..method import ExecutionConfig, Method
 from .everywhere import Everywhere
 from .free_set import FreeSet
 from .greens_function import GreensFunction
-from .limits import CAUTIOUS, FORCING_TERM, HARDER, SAFETY
+from .limits import HARDER, SAFETY, History
 
 _LEAST = 0.23  # share of the nodes in contact from which this form takes less time than that in the pressure
 _FIRST_FORCING_TERM = 0.01
@@ -54,8 +54,7 @@ class FreeNodes(Method):
         self.problem, self.tolerance, self._fixed_set = problem, config.tolerance, config.fixed_set
         self._green, self._all = green, everywhere
         self._target, self._floor, self._pairs = SAFETY * self.tolerance, 0.0, 0.0
-        self._earlier: set[int] = set()  # keys of the sets so far
-        self._cautious = False
+        self._history = History()
         self._displacement = np.zeros(problem.num_points)
         self._set = FreeSet.of(self._displacement < problem.height)
         self._all.field[:] = 1
@@ -80,7 +79,7 @@ class FreeNodes(Method):
 
     def _take(self, displacement: Array64, free: Mask) -> None:
         """Begin from a displacement [u] and the nodes that are free, both shape (N,)."""
-        self._displacement, self.stopped, self._earlier, self._cautious = displacement, False, set(), False
+        self._displacement, self.stopped, self._history = displacement, False, History()
         self._set = FreeSet.of(free)
         self._make_force()
         self._floor = _FLOOR * rounding_floor(self.problem.stiffness, displacement, "float64")
@@ -108,7 +107,7 @@ class FreeNodes(Method):
         if math.isinf(now.first_residual):
             now.first_residual = self.residual
         target = max(self._target, self._floor)
-        forcing_term = CAUTIOUS if self._cautious else FORCING_TERM if self._earlier else _FIRST_FORCING_TERM
+        forcing_term = self._history.forcing_term if self._history.keys else _FIRST_FORCING_TERM
         part = 0.0 if now.settled else forcing_term * now.first_residual
         if self.residual <= max(target, part):
             self.iteration += 1
@@ -150,12 +149,9 @@ class FreeNodes(Method):
         if free.all():  # K knows no load without contact
             free[np.argmax(self._displacement - height)] = False
         now, self._set = self._set, FreeSet.of(free)
-        if self._set.key in self._earlier:
-            if self._cautious:  # it does not settle
-                self._set, self.stopped, self.residual = now, True, max(self.residual, 2 * self.tolerance)
-                return True
-            self._cautious, self._earlier = True, set()
-        self._earlier.add(self._set.key)
+        if not self._history.settles(self._set.key):
+            self._set, self.stopped, self.residual = now, True, max(self.residual, 2 * self.tolerance)
+            return True
         self._make_force()
         return True
 

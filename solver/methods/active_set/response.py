@@ -164,10 +164,6 @@ class Response:
             below = self._all.below(bound)
         return below[~now.patches.hold(below)]
 
-    def gap(self, nodes: Indices) -> Array64:
-        """h + w on some nodes, on all of which the response is carried along, of their shape [u]."""
-        return np.asarray(self._problem.height[nodes] + self._all.field[nodes])
-
     def floor(self, now: ContactSet) -> float:
         """The rms free residual over p that rounding leaves here (dimensionless)."""
         sample = np.arange(0, self._problem.num_points, max(1, self._problem.num_points // _SAMPLE))
