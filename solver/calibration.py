@@ -41,7 +41,7 @@ class Calibration:
     of_approach_if_rough: float
     """and under rough ones."""
     of_residual: float
-    """What a residual leaves of the pressures at all ends, over the rms residual,"""
+    """Error of the pressures at all ends by an unfinished iteration, over the rms residual,"""
     of_largest_residual: float
     """and at single ends, over the largest residual."""
 

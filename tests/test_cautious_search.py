@@ -96,7 +96,7 @@ def test_a_singular_set_has_no_pressure():
 
 
 def test_refined_elimination():
-    """What rounding of the longest waves has left in a pressure is taken from it."""
+    """The error that rounding of the longest waves leaves in a pressure is taken from it."""
     rough = RoughIndenter(0.8, 1, 1 / 8, 1 / 64)
     problem = Problem.from_scene(Scene(CoatedHalfSpace(2e-3, 1e-5), rough, 1e-3, num_points=2**13))
     green = GreensFunction(Tables(problem.rigidity.response))

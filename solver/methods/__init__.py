@@ -1,4 +1,4 @@
-"""Methods: what a method must offer, and the loop that drives each (`method`); a file for each method.
+"""Methods: their interface and the loop that drives each (`method`); a file for each method.
 
 Whoever adds a method writes one file here and adds one line to `METHODS`.
 

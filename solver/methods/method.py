@@ -1,4 +1,4 @@
-"""What a method must offer: its state on one grid, and what the rest of the program must know of its kind.
+"""The interface of a method: its state on one grid, and the properties of its kind.
 
 `relax` is the loop that drives every method.
 """
@@ -98,7 +98,7 @@ class Method(Protocol):
 
 @dataclass(frozen=True)
 class ExecutionConfig:
-    """What a solve computes with, and how a method is to work on one grid."""
+    """Configuration of a solve, and of a method on one grid."""
 
     tolerance: float = 1e-8
     """See `Method.tolerance` (dimensionless)."""

@@ -16,7 +16,7 @@ from ..solution import MEANINGLESS, MOST_ENERGY, Choice
 from .run import Run
 
 _MOST_TRIES = 3  # of a method that can aim at a smaller residual
-_NEAR_THE_FLOOR = 1000  # times what rounding leaves: where the residual is below, rounding may be what keeps it up
+_NEAR_THE_FLOOR = 1000  # times the residual of rounding: below, rounding may be the reason for the residual
 _NOT_FAR = 100  # times what rounding leaves: a default tolerance gives way to a residual below
 _MOST_WORK = 20_000 * 2**16  # iterations times points of a method that goes on where another one failed
 
@@ -34,7 +34,7 @@ class Certified:
     contact: Mask
     """Nodes that the wall carries, shape (N,)."""
     floor: float
-    """What rounding leaves of the free residual in the scene's precision, over p (dimensionless)."""
+    """Free residual of rounding in the scene's precision, over p (dimensionless)."""
 
     @property
     def residual(self) -> float:
@@ -99,7 +99,7 @@ def _rounded_off(run: Run, found: Certified) -> bool:
 
 
 def _tightened(run: Run, problem: Problem, found: Certified) -> Certified:
-    """What the same method finds when it aims at smaller residuals, unless that makes them larger."""
+    """The result of the same method aiming at smaller residuals, unless that makes them larger."""
     for _ in range(_MOST_TRIES):
         if run.status is not Status.CONVERGED or _good(run, found) or not run.state.tighten():
             break
@@ -120,7 +120,7 @@ def _may_help(run: Run, found: Certified, kind: MethodKind) -> bool:
 
 
 def _from_there(run: Run, problem: Problem, found: Certified, kind: MethodKind) -> Certified:
-    """What a method finds from where the last one ended; the better of the two."""
+    """The result of a method that starts at the end of the last one; the better of the two."""
     before = run.state
     if kind is not run.kind:
         run.handed_over = True
@@ -143,7 +143,7 @@ def _from_there(run: Run, problem: Problem, found: Certified, kind: MethodKind) 
 
 
 def _reason(run: Run, found: Certified) -> Reason | None:
-    """Why the solve ended short of its goal, and what is allowed instead."""
+    """The reason why the solve ended short of its goal, with a way out."""
     residual, tolerance, scene = found.residual, run.tolerance, run.scene
     other = ", or precision mixed or float64" if scene.precision == "float32" else ""
     looser = f", or tolerance above {display.rounded_up(residual)} (it is {tolerance:g})"

@@ -1,4 +1,4 @@
-"""Estimates of the error that a grid leaves in what is measured on a solution, by one rule:
+"""Estimates of the error that a grid leaves in the observables of a solution, by one rule:
 
     sqrt((a c)^2 + e^2) + g.
 
@@ -8,9 +8,9 @@ approach may change by little by chance: their c is at least 1/16 of the change 
 of two grids alone, 1/m^2 of the value, with m nodes to a patch. Below the tip of a power profile with n < 2 the peak
 pressure is of the order n - 1, and a = 1/(4^(n-1) - 1).
 
-e is told by the present grid alone: for area and kappa what the ends of the patches may be off (`grid.edges`), for peak
-pressure and approach what may lie between the nodes. g is the most that gaps and patches between two nodes may be wide
-(`grid.unseen`), in area and kappa. What an unfinished iteration leaves comes to that, see `unfinished`.
+e is told by the present grid alone: for area and kappa the errors of the patches' ends (`grid.edges`), for peak
+pressure and approach the possible extremes between the nodes. g is the largest width of gaps and patches between two
+nodes (`grid.unseen`), in area and kappa. The share of an unfinished iteration is added, see `unfinished`.
 
 Under heights with a few kinks, and where a power profile's contact has split, all of c is taken. Nothing is known
 (`inf`) of peak pressure and approach without a coarser grid; of the peak pressure where its changes under a profile
@@ -97,7 +97,7 @@ def estimated(
     """Estimated error that a grid leaves in a quantity, in its unit.
 
     found: on this grid; coarser: the grids before it, from coarse to fine. Without any, the estimate by this grid
-    alone, and `inf` for what does not depend on edges.
+    alone, and `inf` for a quantity that does not depend on edges.
     """
     values = [abs(float(getattr(level, quantity.value))) for level in (*coarser[-2:], found)]
     alone, area, unseen = float(getattr(found, quantity.alone)), found.contact_area_subgrid, 0.0
@@ -112,7 +112,7 @@ def estimated(
 def _left(
     quantity: Quantity, scene: Scene, num_points: int, found: Observables | Level, values: Sequence[float]
 ) -> float:
-    """What the changes leave of a quantity. values: on two or three grids, from coarse to fine."""
+    """Error of a quantity by its changes. values: on two or three grids, from coarse to fine."""
     power, rough = scene.indenter.power_law, scene.indenter.effective_wave(num_points) > 0
     changes = [abs(after - before) for before, after in pairwise(values)]
     last, share = changes[-1], getattr(FITTED, quantity.of_change[rough]) if quantity.of_change else 0.0

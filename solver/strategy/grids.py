@@ -87,7 +87,7 @@ def start_from_contact(run: Run, finer: Method) -> None:
 
 
 def _measured(scene: Scene, state: Method, by_loads: bool) -> tuple[Level, Contact]:
-    """What a grid gives; by_loads: whether loads may tell where patches end, which a finer grid does not need."""
+    """Level and contact of a grid; by_loads: whether loads may tell the ends of patches, for the errors."""
     pressure, problem = state.contact_pressure, state.problem
     unit, num_points = problem.length_unit, problem.num_points
     profile, displacement = problem.height * unit, state.displacement * unit

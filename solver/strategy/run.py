@@ -1,4 +1,4 @@
-"""One solve, as it is passed along: what it computes with, what it may still take, and what each grid has given."""
+"""One solve, as it is passed along: its configuration, its budget of iterations, and the levels of its grids."""
 
 import time
 from dataclasses import dataclass, field, replace
@@ -51,21 +51,21 @@ class Run:
     """One solve."""
 
     scene: Scene
-    """What is solved; its grid is the finest."""
+    """To be solved; its grid is the finest."""
     kind: MethodKind
     """The method that was chosen."""
     config: ExecutionConfig
-    """What to compute with."""
+    """Precision, threads, planning, kernels and device."""
     budget: IterationBudget = field(default_factory=IterationBudget)
     """Its iterations."""
     tolerance: float = 0.0
     """Of the certificate, on the free residual over p (dimensionless)."""
     own_tolerance: bool = False
-    """Whether that was asked for. Any other gives way to what rounding leaves."""
+    """Whether that was asked for. Any other gives way to the residual of rounding."""
     levels: list[Level] = field(default_factory=list)
-    """What the grids have given, from coarse to fine."""
+    """Of the grids, from coarse to fine."""
     choices: list[Choice] = field(default_factory=list)
-    """What was chosen, and why."""
+    """Made for the user, with reasons."""
     handed_over: bool = False
     """Whether another method than the chosen one went on."""
     state: Method = field(init=False)
@@ -95,7 +95,7 @@ class Run:
     def begin(self, problem: Problem, tolerance: float, kind: MethodKind | None = None, **how: Any) -> Method:
         """A method on a grid; by default the one that was chosen. how: see `ExecutionConfig`.
 
-        Coarser grids than the scene's cost little in float64, and they pass on what float32's residual could not tell.
+        Coarser grids than the scene's cost little in float64, and float32's residual would not tell their errors.
         """
         size, own = problem.num_points, self.scene.num_points
         precision = self.scene.precision if size == own else "float64"
@@ -108,11 +108,11 @@ class Run:
         return (kind or self.kind).begin(problem, config)
 
     def backend_on(self, num_points: int) -> str:
-        """What runs the kernels on a grid: the twins on small ones except the scene's own."""
+        """Of the kernels on a grid: 'numpy' on small ones except the scene's own."""
         return self.config.backend if num_points >= min(SMALLEST_WARP, self.scene.num_points) else "numpy"
 
     def relax(self, state: Method) -> Status:
-        """Relax, and add what it took."""
+        """Relax, and add the iterations and transforms to the budget."""
         budget, iterations, pairs = self.budget, state.iteration, state.transform_pairs
         status = Status.ITERATION_LIMIT
         if budget.left > 0:
@@ -128,8 +128,8 @@ def check_memory(
 ) -> None:
     """Raise `ValueError` for a grid that the free memory cannot hold.
 
-    kind: the method; contact_share: of the nodes, where a coarser grid tells it (dimensionless). available: what was
-    free before the solve began [bytes]; by default what is free now.
+    kind: the method; contact_share: of the nodes, where a coarser grid tells it (dimensionless). available: memory
+    that was free before the solve began [bytes]; by default the memory that is free now.
     """
     available = checks.available_memory() if available is None else available
     needed = kind.bytes_per_point(contact_share) * num_points

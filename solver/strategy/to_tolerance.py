@@ -19,7 +19,7 @@ from .run import Run, check_memory
 _COARSE_TOLERANCE = 1e-4  # the residual at which to stop on coarse grids
 _FLOOR_POINTS = 1024  # of the solution that tells the size of u
 _DEFAULT, _DEFAULT_FLOAT32 = 1e-8, 1e-4  # tolerances in float64 and mixed precision, and the least in float32
-_OVER_FLOOR = 4.0  # times what rounding leaves: how far the default tolerance in float32 stays above
+_OVER_FLOOR = 4.0  # times the residual of rounding: the default tolerance in float32, at least
 
 
 def solve_to_tolerance(run: Run, nested: bool | None, tolerance: float | None, initial: Array64 | None) -> Solution:
@@ -52,7 +52,7 @@ def solve_to_tolerance(run: Run, nested: bool | None, tolerance: float | None, i
 
     for _ in over_grids(run, sizes, begin):
         pass
-    if run.state.problem.num_points < scene.num_points:  # interrupted: what is known by then, on the finest grid
+    if run.state.problem.num_points < scene.num_points:  # interrupted: the last contact, on the finest grid
         run.state = begin(scene.num_points)
         start_from_contact(run, run.state)
     return finish(run, scene, problem)
@@ -95,7 +95,7 @@ def float32_floor(scene: Scene, problem: Problem) -> float:
 
 
 def default_tolerance(scene: Scene) -> float:
-    """1e-8; in float32 the larger of 1e-4 and four times what rounding leaves (dimensionless).
+    """1e-8; in float32 the larger of 1e-4 and four times the residual of rounding (dimensionless).
 
     Where rounding turns out to leave more, `Solution.tolerance` says how much, up to `MEANINGLESS`, as long as
     `MOST_ENERGY` bounds the energy's error.

@@ -16,7 +16,7 @@ from linecontact.solver.strategy.unfinished import with_errors
 Numbers = dict[str, float]
 
 _HELD = 0.99  # share of the estimates that are to hold in the scenes of a fit, so that 97 of 100 do in others
-_FACTOR, _GAIN = 1.4, 1e-4  # by which one number after the other is changed, and what that has to gain
+_FACTOR, _GAIN = 1.4, 1e-4  # by which one number after the other is changed, and the least gain of a change
 _FLOOR, _LARGEST = 1e-8, 12.0  # relative error of references, and logarithm of estimate over error that is enough
 
 
@@ -31,7 +31,7 @@ class Known:
     true: Array64
     """Values of the quantities, shape (4,) [units of each]."""
     unfinished: bool
-    """Whether what the iteration left is all that counts."""
+    """Whether the error of the iteration alone counts."""
 
     def ratios(self) -> Array64:
         """Estimated errors by the present numbers over true errors, shape (4,)."""

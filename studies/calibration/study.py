@@ -1,9 +1,9 @@
-"""The numbers in estimated errors: fitted to random scenes, and what they hold on others.
+"""The numbers in estimated errors: fitted to random scenes, and tried on others.
 
 linecontact study calibration [--quick] [--folder FOLDER]
 
-Scenes with even seeds are for the fit, those with odd ones for what it holds. Both go to calibration.json in the
-folder; the solver takes the numbers of solver/calibration.json.
+Scenes with even seeds serve the fit, those with odd ones try it. Numbers and shares that hold go to
+calibration.json in the folder; the solver takes the numbers of solver/calibration.json.
 """
 
 import json
@@ -112,7 +112,7 @@ STUDY = Study(name=NAME, options=Options, plans=plans, report=report, draw=no_fi
 
 
 def command(options: Options) -> int:
-    """Run the study as asked, or what is left of it, and write the numbers; returns the exit status."""
+    """Run the study, or the rest of it, and write the numbers; returns the exit status."""
     status = run_study(STUDY, options)
     if status == 0:
         folder = STUDY.folder(options)

@@ -1,8 +1,8 @@
 """The active set: the method that needs fewest transforms, put together from its parts.
 
 `active_set` is the method with pressures as unknown, `free_nodes` with displacements; `limits` belongs to both.
-`contact_set` and `free_set` are what belongs to one set of nodes, `elimination` solves small ones. `response` is what
-the surface does under its pressure, on all nodes in `everywhere`, near the contact in `nearby` by the operator of
+`contact_set` and `free_set` hold one set of nodes with its iteration, `elimination` solves small ones. `response` is
+the displacement under the pressure, on all nodes in `everywhere`, near the contact in `nearby` by the operator of
 `packed`. `preconditioner` with `local_inverses` and `greens_function` makes the iterations few.
 
 May import: method, linecontact.solver.arrays, linecontact.solver.transforms, linecontact.solver.grid,

@@ -4,10 +4,10 @@ G is a Toeplitz matrix, so all patches share one inverse Cholesky factor, whose 
 nodes (`inverse_cholesky`).
 
 For longer patches K restricted to the patch, by a short transform, is nearly the inverse: K_bb >= G_bb^-1, and K_bb
-G_bb has the spectrum 1 but for one outlier for each edge (3 to 11 on the half-space). Both are deflated with K_bb 1 and
-K_bb x, which leaves 1 to 1.4. Where K is short-ranged it is applied on a ring little longer than the patch: what
-reaches around that leaves single values down to 0.6 on the half-space, 0.3 on layers. G needs a ring that is twice as
-long.
+G_bb has the spectrum 1 except one outlier for each edge (3 to 11 on the half-space). Both are deflated with K_bb 1 and
+K_bb x; 1 to 1.4 is left. Where K is short-ranged it is applied on a ring little longer than the patch: its part that
+reaches around the ring makes single values down to 0.6 on the half-space, 0.3 on layers. G needs a ring that is twice
+as long.
 """
 
 from collections.abc import Callable, Iterable, Iterator
