@@ -10,11 +10,9 @@ from ..transforms.plain import irfft
 from .kept import MOST_POINTS
 from .split import Split, inverse, make_split
 
-_HEAD = 1024  # values next to the node, which stay when the second sum takes the place of all
-
 
 class LayerResponse:
-    """G of one grid. Arrays in real space are kept, and read-only; on large grids one of N values at a time."""
+    """G of one grid. Arrays in real space are kept, and read-only."""
 
     def __init__(self, stiffness: Array64, num_points: int) -> None:
         """stiffness: K(q_k), shape (N//2 + 1,) [K]; num_points: N."""
@@ -32,12 +30,8 @@ class LayerResponse:
 
     @property
     def compliance(self) -> Array64:
-        """G(q_k) = 1/K(q_k), 0 for the mean mode; shape (N//2 + 1,)."""
-
-        def make() -> Array64:
-            return inverse(self.stiffness)
-
-        return make() if self._large else self._known("compliance", make)
+        """G(q_k) = 1/K(q_k), 0 for the mean mode; shape (N//2 + 1,). Not kept on large grids."""
+        return inverse(self.stiffness) if self._large else self._known("compliance", lambda: inverse(self.stiffness))
 
     @cached_property
     def split(self) -> Split | None:
@@ -47,43 +41,29 @@ class LayerResponse:
     @property
     def whole(self) -> Array64:
         """G in real space, shape (N,) [1/K]."""
-
-        def make() -> Array64:
-            if self._large:
-                self._kept.pop("second sum", None)
-            return irfft(self.compliance, self.num_points)
-
-        return self._known("whole", make)
+        return self._known("whole", lambda: irfft(self.compliance, self.num_points))
 
     def head(self, count: int) -> Array64:
         """G on the nodes 0 to count - 1 [1/K]. Where it has two parts it is made of them, with their error, and on
         N//2 + 1 nodes at most.
         """
-        if self.split:
-            return self.split.response(count)
-        held = self._kept.get("head", np.zeros(0))
-        return (held if count <= held.size else self.whole)[:count]
+        return self.split.response(count) if self.split else self.whole[:count]
 
     @property
     def second_sum(self) -> Array64:
         """T with T(k+1) - 2 T(k) + T(k-1) = G(k), shape (N,), with the error of the two parts where there are any."""
-        return self._known("second sum", self._sum_twice)
 
-    def _sum_twice(self) -> Array64:
-        if self.split:
-            if self._large:
-                self._kept.pop("whole", None)
-            return self.split.second_sum()
-        whole = self.whole
-        if self._large:
-            self._known("head", whole[:_HEAD].copy)
-            self._kept.pop("whole", None)
-        first = np.cumsum(whole)
-        del whole
-        first -= first.mean()  # so that the second sum is periodic, too
-        first[1:] = np.cumsum(first[:-1])
-        first[0] = 0
-        return first
+        def make() -> Array64:
+            if self.split:
+                return self.split.second_sum()
+            sums = irfft(self.compliance, self.num_points)
+            np.cumsum(sums, out=sums)
+            sums -= sums.mean()  # so that the second sum is periodic, too
+            sums[1:] = np.cumsum(sums[:-1])
+            sums[0] = 0
+            return sums
+
+        return self._known("second sum", make)
 
     def rest(self) -> None:
         """Give back what holds a value for each node of a large grid."""
