@@ -12,7 +12,7 @@ from linecontact.solver.grid.problem import half_spectrum
 from linecontact.solver.grid.response import LayerResponse
 from linecontact.solver.methods.active_set import local_inverses
 from linecontact.solver.methods.active_set import preconditioner as deflation
-from linecontact.solver.methods.active_set.greens_function import GreensFunction, Tables, inverse_cholesky, patch_sums
+from linecontact.solver.methods.active_set.greens_function import GreensFunction, inverse_cholesky, patch_sums
 
 
 def stiffness(num_points, thickness, nu):
@@ -24,7 +24,7 @@ def layer_response(num_points, thickness=0.1, nu=0.25):
 
 
 def greens_function(num_points, thickness=0.1, nu=0.25):
-    return GreensFunction(Tables(layer_response(num_points, thickness, nu)))
+    return GreensFunction(layer_response(num_points, thickness, nu))
 
 
 def contact_map(n, *runs):
@@ -71,7 +71,7 @@ def test_coarse_matrix_against_the_triple_product(d, nu):
 @pytest.mark.parametrize(("d", "nu"), LAYERS)
 def test_one_factor_inverts_every_patch(d, nu):
     green = dense(512, d, nu)
-    factor = inverse_cholesky(green[0], 100)
+    factor = inverse_cholesky(green[0][:100])
     for m in (1, 2, 17, 100):
         inverse = factor[:m, :m].T @ factor[:m, :m]
         np.testing.assert_allclose(inverse @ green[:m, :m], np.eye(m), atol=1e-9)
@@ -112,7 +112,7 @@ def test_memory_of_many_patches():
     """The coarse matrix grows with the patches, not with their square."""
     contact = np.random.default_rng(0).random(2**17) < 0.2
     green = greens_function(2**17)
-    green.tables.response.second_sum  # noqa: B018
+    green.response.second_sum  # noqa: B018
     tracemalloc.start()
     preconditioner = deflation.PatchDeflation(green, Patches.of(contact))
     peak = tracemalloc.get_traced_memory()[1]
@@ -125,7 +125,7 @@ def test_memory_of_many_patches():
 def test_a_long_patch_is_nearly_inverted(thickness, nu):
     """Also on thin and nearly incompressible layers, where K reaches far: 0.04 to 2 if it were taken for short."""
     size, green = 500, greens_function(4096, thickness, nu)
-    matrix = np.take(green.tables.response.whole, np.arange(size)[:, None] - np.arange(size), mode="wrap")
+    matrix = np.take(green.response.whole, np.arange(size)[:, None] - np.arange(size), mode="wrap")
     patch = local_inverses.LongPatch(green, size)
     inverse = np.stack([patch.solve(unit) for unit in np.eye(size)])
     np.testing.assert_allclose(inverse, inverse.T, atol=1e-12 * np.abs(inverse).max())

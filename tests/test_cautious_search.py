@@ -18,7 +18,7 @@ from linecontact.solver import (
 from linecontact.solver.grid.problem import Problem
 from linecontact.solver.methods.active_set import active_set, elimination
 from linecontact.solver.methods.active_set.contact_set import ContactSet
-from linecontact.solver.methods.active_set.greens_function import GreensFunction, Tables
+from linecontact.solver.methods.active_set.greens_function import GreensFunction
 from linecontact.solver.strategy.linearised import contact_compliance
 
 
@@ -91,7 +91,7 @@ def test_where_elimination_fails_conjugate_gradients_go_on(monkeypatch):
 
 def test_a_singular_set_has_no_pressure():
     problem = Problem.from_scene(Scene(num_points=2**10))
-    green = GreensFunction(Tables(problem.rigidity.response))
+    green = GreensFunction(problem.rigidity.response)
     assert green.solve(np.array([3, 3]), np.zeros(2)) is None
 
 
@@ -99,7 +99,7 @@ def test_refined_elimination():
     """The error that rounding of the longest waves leaves in a pressure is taken from it."""
     rough = RoughIndenter(0.8, 1, 1 / 8, 1 / 64)
     problem = Problem.from_scene(Scene(CoatedHalfSpace(2e-3, 1e-5), rough, 1e-3, num_points=2**13))
-    green = GreensFunction(Tables(problem.rigidity.response))
+    green = GreensFunction(problem.rigidity.response)
     modes = np.append(0.0, 1 / problem.stiffness[1:])
 
     def spread(now):

@@ -18,7 +18,7 @@ from linecontact.solver.methods import ExecutionConfig, active_set, relax
 from linecontact.solver.methods.active_set.active_set import ActiveSet
 from linecontact.solver.methods.active_set.free_nodes import FreeNodes
 from linecontact.solver.methods.active_set.free_set import GapByGap
-from linecontact.solver.methods.active_set.greens_function import GreensFunction, Tables
+from linecontact.solver.methods.active_set.greens_function import GreensFunction
 from linecontact.solver.transforms.plain import irfft
 
 TOLERANCE = 1e-9
@@ -80,7 +80,7 @@ def test_the_preconditioner_inverts_a_short_gap_exactly():
     free[100:180] = True
     column, nodes = irfft(problem.stiffness, 2**10), np.arange(80)
     force = np.random.default_rng(0).standard_normal(80)
-    green = GreensFunction(Tables(problem.rigidity.response))
+    green = GreensFunction(problem.rigidity.response)
     found = GapByGap(green, Patches.of(free)).apply(force)
     np.testing.assert_allclose(found, np.linalg.solve(column[abs(nodes[:, None] - nodes)], force), rtol=1e-9)
 

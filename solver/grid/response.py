@@ -10,6 +10,8 @@ from ..transforms.plain import irfft
 from .kept import MOST_POINTS
 from .split import Split, inverse, make_split
 
+_STIFF = 2.0  # K of the longest wave over the least K, up to which K is short-ranged
+
 
 class LayerResponse:
     """G of one grid. Arrays in real space are kept, and read-only."""
@@ -37,6 +39,13 @@ class LayerResponse:
     def split(self) -> Split | None:
         """Its two parts, see `make_split`."""
         return make_split(self.stiffness, self.num_points)
+
+    @cached_property
+    def stiffness_decays(self) -> bool:
+        """Whether K in real space is short-ranged; not where its longest waves are the stiffest, as on thin
+        incompressible layers.
+        """
+        return bool(self.stiffness[1] <= _STIFF * self.stiffness[1:].min())
 
     @property
     def whole(self) -> Array64:

@@ -16,7 +16,7 @@ from ..method import ExecutionConfig, MethodKind
 from .active_set import ActiveSet
 from .everywhere import LARGE, Everywhere, modes_apart
 from .free_nodes import FreeNodes, suits
-from .greens_function import GreensFunction, Tables
+from .greens_function import GreensFunction
 from .response import Response
 
 __all__ = ["KIND", "ActiveSet", "begin"]
@@ -25,19 +25,18 @@ __all__ = ["KIND", "ActiveSet", "begin"]
 def begin(problem: Problem, config: ExecutionConfig) -> ActiveSet | FreeNodes:
     """The active set on a grid, in the form that suits the contact's share of it."""
     of_layer = problem.rigidity.response
-    tables: Tables = problem.rigidity.made.setdefault("active set", Tables(of_layer))
-    green = GreensFunction(tables)
     free = suits(problem, config)
     symbol = problem.stiffness if free else of_layer.compliance
     # plans and recorded kernels are a quarter of a small solve's time: they serve the next one with layer and grid
     apart = modes_apart(symbol, config.tolerance)
     key = free, apart, config.precision, config.threads, config.planning, config.backend
-    left: list[Everywhere] = problem.rigidity.made.setdefault(key, [])
+    left: list[tuple[Everywhere, GreensFunction]] = problem.rigidity.made.setdefault(key, [])
     try:
-        field = left.pop()
+        field, green = left.pop()
         field.begin(problem.height)
+        green.begin()
     except IndexError:  # all are in use
-        field = Everywhere(symbol, problem.height, config, apart)
+        field, green = Everywhere(symbol, problem.height, config, apart), GreensFunction(of_layer)
     found: ActiveSet | FreeNodes
     if free:
         found = FreeNodes(problem, config, green, field)
@@ -45,7 +44,7 @@ def begin(problem: Problem, config: ExecutionConfig) -> ActiveSet | FreeNodes:
         response = Response(problem, of_layer.split, field)
         found = ActiveSet(problem, config.tolerance, green, response, config.fixed_set)
     if problem.num_points <= LARGE:
-        weakref.finalize(found, left.append, field).atexit = False
+        weakref.finalize(found, left.append, (field, green)).atexit = False
     return found
 
 

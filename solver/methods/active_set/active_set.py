@@ -104,7 +104,7 @@ class ActiveSet(Method):
 
     def rest(self) -> None:
         self._response.rest()
-        self._green.tables.response.rest()
+        self._green.response.rest()
 
     def step(self) -> None:
         """Solve on the set, by one iteration; where that has come far enough, update the set instead."""

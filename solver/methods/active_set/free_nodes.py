@@ -27,16 +27,14 @@ _FIRST_FORCING_TERM = 0.01
 """Of the set that it begins with. Two or three iterations take most of its residual, short waves from nodes put onto
 the wall, and leave the long ones, which decide what nodes belong to the contact."""
 
-_STIFF = 2.0  # K of the longest wave over the smallest: beyond, K is long-ranged
 _SMALLEST_PULL = 0.1  # of the tolerance on the residual, as a force over p: below, nodes would change by rounding
 _FLOOR = 0.5  # of the residual that rounding leaves, below which it is not followed
 
 
 def suits(problem: Problem, config: ExecutionConfig) -> bool:
     """Whether this form takes less time than that in the pressure."""
-    stiffness = problem.stiffness[1:]
-    short_ranged = bool(stiffness[0] <= _STIFF * stiffness.min())
-    return config.contact_share >= _LEAST and config.precision == "float64" and short_ranged
+    enough = config.contact_share >= _LEAST and config.precision == "float64"
+    return enough and problem.rigidity.response.stiffness_decays
 
 
 class FreeNodes(Method):

@@ -24,7 +24,7 @@ class GapByGap:
         """gaps: runs of free nodes."""
         self._gaps, self._green = gaps, green
         short = gaps.size <= LONGEST_DENSE
-        self._blocks = list(blocks_of(gaps, short, green.tables.stiffness_factor))
+        self._blocks = list(blocks_of(gaps, short, green.stiffness_factor))
         self._long = np.flatnonzero(~short)
 
     def apply(self, force: Array64) -> Array64:

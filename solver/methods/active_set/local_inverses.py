@@ -95,7 +95,7 @@ class PatchByPatch:
 
     def __init__(self, green: GreensFunction, patches: Patches) -> None:
         self._patches, short = patches, patches.size <= LONGEST_DENSE
-        self._blocks = list(blocks_of(patches, short, green.tables.factor))
+        self._blocks = list(blocks_of(patches, short, green.factor))
         by_size = {size: LongPatch(green, size) for size in set(patches.size[~short].tolist())}
         self._long = {p: by_size[int(patches.size[p])] for p in np.flatnonzero(~short).tolist()}
 

@@ -46,7 +46,7 @@ class PatchDeflation:
             # as if the load were spread from the first to the last of the patches that share an unknown
             first, last = patches.first[starts], patches.last[np.append(starts[1:], patches.count) - 1]
             density = self._loads / (last - first + 1)
-            coarse = patch_sums(green.tables.response.second_sum, first, last) * np.outer(density, density)
+            coarse = patch_sums(green.response.second_sum, first, last) * np.outer(density, density)
             own = self._loads if share == 1 else coarse.diagonal() + self._loads  # a flat punch under itself
             np.fill_diagonal(coarse, own)
             self._factor = _inverse_factor(coarse, self._loads)
