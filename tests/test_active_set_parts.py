@@ -144,6 +144,6 @@ def test_what_is_kept_of_large_grids(monkeypatch):
     large.rest()
     assert not large._kept
     parted = layer_response(2**16)
-    parted.head(64), parted.second_sum  # noqa: B018
+    parted.head(64), parted.second_sum
     assert parted.split
     assert parted._kept.keys() == {"second sum"}

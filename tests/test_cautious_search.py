@@ -95,30 +95,6 @@ def test_a_singular_set_has_no_pressure():
     assert green.solve(np.array([3, 3]), np.zeros(2)) is None
 
 
-def test_refined_elimination():
-    """The error that rounding of the longest waves leaves in a pressure is taken from it."""
-    rough = RoughIndenter(0.8, 1, 1 / 8, 1 / 64)
-    problem = Problem.from_scene(Scene(CoatedHalfSpace(2e-3, 1e-5), rough, 1e-3, num_points=2**13))
-    green = GreensFunction(problem.rigidity.response)
-    modes = np.append(0.0, 1 / problem.stiffness[1:])
-
-    def spread(now):
-        touching = (problem.height + np.fft.irfft(modes * np.fft.rfft(everywhere(now)), 2**13))[now.nodes]
-        return touching, np.ptp(touching)
-
-    def everywhere(now):
-        pressure = np.zeros(2**13)
-        pressure[now.nodes] = now.pressure
-        return pressure
-
-    now = ContactSet.of(np.arange(0, 2**13, 64), np.ones(128), 2**13)
-    now.pressure = green.solve(now.nodes, problem.height[now.nodes])
-    touching, before = spread(now)
-    assert elimination.refine(now, green, touching)
-    assert spread(now)[1] < 0.01 * before
-    assert now.pressure.sum() == pytest.approx(2**13, rel=1e-12)
-
-
 @pytest.mark.parametrize("seed", [0, 2, 3])
 def test_contact_compliance_under_a_stiff_coating(seed):
     """The change of the approach with the pressure while the contact stays: nodes may pull there."""

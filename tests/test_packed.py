@@ -181,7 +181,7 @@ def test_where_blocks_do_not_pay_any_more_nodes_have_their_values_in_the_whole_f
     pressure[1000:1040] = 1.0
     state = active_set.begin(problem, ExecutionConfig(1e-8))
     state.start_from_pressure(pressure)
-    response, now = state._response, state._now
+    response, now = state._response, state._set
     np.testing.assert_array_equal(now.places, response._nearby.places(now.nodes))
     assert response._nearby.nodes.size < 2**10
     response._surround(now, np.arange(2**16))

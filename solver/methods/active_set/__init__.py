@@ -1,6 +1,6 @@
 """The active set: the method that needs fewest transforms, put together from its parts.
 
-`active_set` is the method with pressures as unknown, `free_nodes` with displacements; `limits` belongs to both.
+`active_set` is the method with pressures as unknown, `free_nodes` with displacements; `search` is common to both.
 `contact_set` and `free_set` hold one set of nodes with its iteration, `elimination` solves small ones. `response` is
 the displacement under the pressure, on all nodes in `everywhere`, near the contact in `nearby` by the operator of
 `packed`. `preconditioner` with `local_inverses` and `greens_function` makes the iterations few.
@@ -42,7 +42,7 @@ def begin(problem: Problem, config: ExecutionConfig) -> ActiveSet | FreeNodes:
         found = FreeNodes(problem, config, green, field)
     else:
         response = Response(problem, of_layer.split, field)
-        found = ActiveSet(problem, config.tolerance, green, response, config.fixed_set)
+        found = ActiveSet(problem, config, green, response)
     if problem.num_points <= LARGE:
         weakref.finalize(found, left.append, (field, green)).atexit = False
     return found

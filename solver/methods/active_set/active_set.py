@@ -4,11 +4,8 @@ Unknown is the contact pressure sigma >= 0 on the contact nodes C, with the load
 be one constant, the rigid approach; elsewhere it must not be less. Conjugate gradients on G_CC (M. R. Hestenes and E.
 Stiefel, 1952) with the preconditioner of `preconditioner` take one application of G an iteration, because the response
 G sigma is carried along (`response`): on blocks of nodes around the contact where that pays (`packed`), and on all
-nodes elsewhere and before anything is believed. Small sets are solved by elimination instead. Whenever the residual has
-fallen to a given part (the forcing term) of what it was when the set last changed, the set is updated (primal-dual
-active set, M. Hintermueller et al., SIAM J. Optim. 13, 865 (2002)): nodes that pull are dropped, nodes that penetrate
-are added. The search ends when neither happens at the tolerance asked for. When a set comes back it goes on cautiously,
-and ends if one comes back then, too.
+nodes elsewhere and before anything is believed. Small sets are solved by elimination instead. An update of the set
+drops nodes that pull and adds nodes that penetrate.
 
 Under a stiff coating on a soft base every node's pressure is felt by all others, and sets that are decided on rough
 solutions grow from hundreds of nodes to a quarter of all. There it is cautious at once: it solves every set well,
@@ -27,48 +24,31 @@ import numpy as np
 
 from ...arrays import Array64, Indices
 from ...grid.problem import Problem, foundation_pressure, typical_stiffness
-from ..method import Method
+from ..method import ExecutionConfig
 from . import elimination
 from .contact_set import ContactSet
 from .greens_function import GreensFunction
-from .limits import HARDER, SAFETY, History
 from .preconditioner import PatchDeflation
 from .response import Response
+from .search import MOST_ITERATIONS, OVER_FLOOR, SMALLEST, History, Search
 
-_OVER_FLOOR = 0.3  # error of the pressure over the free residual, both as rounding leaves them
 _OVER_DRIFT = 2.0  # times what images may have added to the residual: below, the response has to be made anew
 _ROOM = 0.9  # residual to reach before the response is made anew at the end, over the one to stop at
 _SOFT = 0.01  # stiffness of a base over that of its coating, below which the coating is stiff
 
 
-class ActiveSet(Method):
-    """The active set on one grid."""
+class ActiveSet(Search[ContactSet]):
+    """The active set on one grid, by pressures."""
 
-    iteration = 0
-    residual = math.inf
-    stopped = False
-    patience = None  # the residual starts anew with every set
-
-    def __init__(
-        self,
-        problem: Problem,
-        tolerance: float,
-        green: GreensFunction,
-        response: Response,
-        fixed_set: bool = False,
-    ) -> None:
-        self.problem, self.tolerance = problem, tolerance
-        self._fixed_set = fixed_set
-        self._green, self._response = green, response
-        self._target = SAFETY * tolerance
-        self._floor = 0.0  # of the residual: below, sets would be decided on rounding
-        # a single node that penetrates so much takes a tenth of the tolerance as its force
-        self._smallest_gap = 0.1 * tolerance / float(problem.stiffness.mean())
+    def __init__(self, problem: Problem, config: ExecutionConfig, green: GreensFunction, response: Response) -> None:
+        super().__init__(problem, config, green)
+        self._response = response
+        # a single node that penetrates so much takes that part of the tolerance as its force
+        self._smallest_gap = SMALLEST * self.tolerance / float(problem.stiffness.mean())
         # on a half-space K is q/2: below a stiff coating long waves find a base that is softer
         soft_base = bool(problem.stiffness[1] * (problem.stiffness.size - 1) < _SOFT * problem.stiffness[-1])
-        self._begins_cautious = soft_base and response.exact and not fixed_set
-        self._set: ContactSet | None = None
-        self._history = History(self._begins_cautious)
+        self._begins_cautious = soft_base and response.exact and not self._fixed_set
+        self._begun = False
 
     @property
     def transform_pairs(self) -> float:
@@ -88,19 +68,12 @@ class ActiveSet(Method):
             return
         nodes = np.flatnonzero(pressure > 0)
         self._take_set(nodes, nodes, pressure[nodes])
-        self.stopped, self._history = False, History(self._begins_cautious)
+        self._begun, self.stopped, self._history = True, False, History(self._begins_cautious)
         if self._begins_cautious:
-            self._response.stay_everywhere(self._now)
+            self._response.stay_everywhere(self._set)
         else:
-            self._response.renew(self._now)
-        self._floor = _OVER_FLOOR * self._response.floor(self._now)
-
-    def tighten(self) -> bool:
-        self._target *= HARDER
-        self._floor *= HARDER
-        self.stopped = False
-        self._history.keys.clear()
-        return True
+            self._response.renew(self._set)
+        self._floor = OVER_FLOOR * self._response.floor(self._set)
 
     def rest(self) -> None:
         self._response.rest()
@@ -108,93 +81,51 @@ class ActiveSet(Method):
 
     def step(self) -> None:
         """Solve on the set, by one iteration; where that has come far enough, update the set instead."""
-        if self._set is None:
+        if not self._begun:
             self.start_cold()
-        now, drift = self._now, self._response.drift
+        now, drift = self._set, self._response.drift
         if self._response.plain and elimination.suits(now, self._history.cautious):
             self._eliminate()
             return
         if now.preconditioner is None:
             now.preconditioner = PatchDeflation(self._green, now.patches, self._history.cautious)
+            now.most_iterations = max(MOST_ITERATIONS, now.preconditioner.share)
         touching = self._response.touching(now)
         r = float(touching.mean()) - touching
-        z = now.precondition(r)
+        z = now.preconditioner.apply(r)
         self.residual = math.sqrt(float(z @ z) / self.problem.num_points)
-        if math.isinf(now.first_residual):
-            now.first_residual = self.residual
         if drift and self.residual <= max(self._aim, _OVER_DRIFT * drift):
+            now.first_residual = min(now.first_residual, self.residual)
             self._response.renew(now)
             now.last_product = 0.0
             self.iteration += 1
             self._update_set()  # the gap of all nodes is known only now
-        elif not self._updated():
-            self._iterate(r, z)
+        else:
+            self._go_on(lambda: self._response.go_along(now, now.turn(r, z)))
 
     @property
     def _aim(self) -> float:
-        """The residual to stop at; less where the response is to be made anew, by which it grows a little."""
+        """Less where the response is to be made anew, by which the residual grows a little."""
         return max(self._target * (_ROOM if self._response.drift else 1.0), self._floor)
 
     def _eliminate(self) -> None:
         """Solve on a small set by elimination, as well as rounding allows, and update it."""
-        now = elimination.solve(self._now, self._green, self.problem.height, self._history.cautious)
+        now = elimination.solve(self._set, self._green, self.problem.height, self._history.cautious)
         if now is None:  # iterate
             return
         self._set = now
-        touching = self._renew_eliminated(now)
-        target = max(self._target, self._floor)
-        if self.residual > target and elimination.refine(now, self._green, touching):
-            self._renew_eliminated(now)
-        self.iteration += 1
-        if not self._update_set():
-            now.settled = True
-            self.stopped = self.stopped or self.residual <= target
-
-    def _renew_eliminated(self, now: ContactSet) -> Array64:
-        """Make the response to a pressure by elimination, and its residual; h + w on the contact nodes [u]."""
         self._response.renew(now)
         touching = self._response.touching(now)
         r = float(touching.mean()) - touching
         # G_CC^-1 is at most K_CC, and K at most 2
         self.residual = 2 * math.sqrt(float(r @ r) / self.problem.num_points)
-        return touching
-
-    def _updated(self) -> bool:
-        """Update the set if it is solved well enough for that; whether it changed. Stops where it is the last one."""
-        now, target = self._now, self._aim
-        if not self.residual <= max(target, 0.0 if now.settled else self._history.forcing_term * now.first_residual):
-            return False
-        if self._update_set():
-            self.iteration += 1
-            return True
-        now.settled = True
-        self.stopped = self.stopped or self.residual <= target
-        return False
-
-    def _iterate(self, r: Array64, z: Array64) -> None:
-        """One iteration of conjugate gradients from the residual and the preconditioned one, unless there is an end."""
-        now = self._now
-        useful = now.iterate(self.residual)
-        if not math.isfinite(self.residual):
-            self.stopped = True
-            return
-        if self.stopped and useful:
-            return
         self.iteration += 1
-        if not useful or not self._response.go_along(now, now.turn(r, z)):
-            if self._response.leave_nearby(now):  # it was the packed operator's error
-                now.begin_anew()
-                return
-            # rounding does not let this set be solved any further; it may be the wrong one, unless it was examined
-            # before: now what rounding has made of the pressure would decide
-            if now.settled or not self._update_set():
-                self.stopped = True
+        if not self._update_set():
+            now.settled = True
+            self.stopped = self.stopped or self.residual <= self._aim
 
-    @property
-    def _now(self) -> ContactSet:
-        """The present set."""
-        assert self._set is not None
-        return self._set
+    def _operator_is_exact(self) -> bool:
+        return not self._response.leave_nearby(self._set)
 
     def _take_set(self, nodes: Indices, loaded: Indices, pressure: Array64) -> None:
         """A new set of nodes, in ascending order, of which some are loaded by a pressure, shape (loaded nodes,) [p]."""
@@ -204,18 +135,16 @@ class ActiveSet(Method):
 
     def _update_set(self) -> bool:
         """Drop nodes that pull, add nodes that penetrate; False if there are none."""
-        now, pulling = self._now, self._now.pulling.size
+        now, pulling = self._set, bool((self._set.pressure < 0).any())
         new = self._response.penetrating(now, self._smallest_gap)
-        if self._fixed_set or not pulling + new.size:
+        if self._fixed_set or not (pulling or new.size):
             return False
         if pulling and self._history.cautious:
             new = new[:0]
         nodes, kept = now.changed(new)
         self._take_set(nodes, now.nodes[kept], now.pressure[kept])
-        if not self._history.settles(self._now.key):
-            self._set, self.stopped, self.residual = now, True, max(self.residual, 2 * self.tolerance)
-            return True
-        self._response.follow(now, self._now, changed=not kept.all())
+        if not self._circles(now):
+            self._response.follow(now, self._set, changed=not kept.all())
         return True
 
     @property
@@ -223,7 +152,7 @@ class ActiveSet(Method):
         """Where all contact nodes have the height 0: mean of u, with an error of the second order in the residual,
         because the pressure's own work is least [u].
         """
-        now = self._now
+        now = self._set
         if self._response.drift:
             self._response.renew(now)
         return float(now.pressure @ self._response.touching(now)) / self.problem.num_points
@@ -231,10 +160,12 @@ class ActiveSet(Method):
     @property
     def displacement(self) -> Array64:
         """u, shape (N,) [u], in float64; contact nodes stand on the exact wall. 0 before the first set."""
-        return np.zeros(self.problem.num_points) if self._set is None else self._response.displacement(self._set)
+        return self._response.displacement(self._set) if self._begun else np.zeros(self.problem.num_points)
 
     @property
     def contact_pressure(self) -> Array64:
         """sigma, shape (N,) [p]; 0 before the first set."""
-        n = self.problem.num_points
-        return np.zeros(n) if self._set is None else self._set.pressure_everywhere(n)
+        pressure = np.zeros(self.problem.num_points)
+        if self._begun:
+            pressure[self._set.nodes] = np.maximum(self._set.pressure, 0.0)
+        return pressure

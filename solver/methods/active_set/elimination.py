@@ -35,16 +35,3 @@ def solve(now: ContactSet, green: GreensFunction, height: Array64, cautious: boo
     now.begin_anew()  # the search direction belongs to another pressure
     now.pressure = pressure
     return now
-
-
-def refine(now: ContactSet, green: GreensFunction, touching: Array64) -> bool:
-    """Correct a pressure that elimination has found for its rounding, by one more elimination; False where that is
-    impossible.
-
-    Under a stiff coating the elements of G are millions of times as large as what the pressure's short waves need of
-    them. touching: h + w, made by transforms, shape (contact nodes,) [u].
-    """
-    change = green.solve(now.nodes, touching - touching.mean(), load=0.0)
-    if change is not None:
-        now.pressure = now.pressure + change
-    return change is not None

@@ -1,0 +1,183 @@
+"""The search for the contact nodes in both of its forms, by pressures and by displacements.
+
+Conjugate gradients (M. R. Hestenes and E. Stiefel, 1952) go on until the residual has fallen to a given part (the
+forcing term) of what it was when the set last changed. Then the set is updated (primal-dual active set, M.
+Hintermueller et al., SIAM J. Optim. 13, 865 (2002)). The search ends when an update changes nothing at the tolerance
+asked for. When a set comes back it goes on cautiously, and ends if one comes back then, too.
+
+All numbers are dimensionless.
+"""
+
+import math
+from abc import abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Generic, TypeVar
+
+import numpy as np
+
+from ...arrays import Array64
+from ...grid.patches import Patches
+from ...grid.problem import Problem
+from ..method import ExecutionConfig, Method
+from .greens_function import GreensFunction
+
+SMALLEST = 0.1
+"""Force of a node that joins or leaves, over the tolerance: below, sets would change by rounding."""
+OVER_FLOOR = 0.3
+"""Residual that can be reached, over the free residual that rounding leaves."""
+_SAFETY = 0.2
+"""Residual to stop at over the tolerance: the free residual is mostly up to four times the pressure's error. Once more
+after the certificate has found it too large."""
+MOST_ITERATIONS = 150
+"""On one set; where it takes more, rounding keeps the residual up."""
+_PATIENCE = 25  # iterations in which the residual does not become less; then it is rounding, too, and may grow
+_BOLD, _CAUTIOUS = 0.05, 1e-4  # forcing terms
+
+
+@dataclass(eq=False)
+class NodeSet:
+    """A set of nodes with conjugate gradients on it, in the compact order of its runs of neighbouring nodes."""
+
+    patches: Patches
+    """Its runs of neighbouring nodes."""
+    direction: Array64 = field(default_factory=lambda: np.zeros(0))
+    """Search direction, shape (nodes,): a pressure [p] or a displacement [u]."""
+    last_product: float = 0.0
+    """Residual times preconditioned residual of the previous iteration [p u]; 0 makes the next step one of steepest
+    descent."""
+    first_residual: float = math.inf
+    """Residual when the set was new, over p."""
+    settled: bool = False
+    """No node wanted to join or leave when the set was last examined."""
+    most_iterations: int = MOST_ITERATIONS
+    """On this set."""
+    iterations: int = 0
+    """On this set."""
+    least_residual: float = math.inf
+    """The smallest of them, over p."""
+    in_vain: int = 0
+    """Iterations since then."""
+
+    @property
+    def key(self) -> int:
+        """By which a set that comes back is recognised."""
+        return hash((self.patches.first.tobytes(), self.patches.last.tobytes()))
+
+    def iterate(self, residual: float) -> bool:
+        """Count an iteration that begins with this residual, over p; False if more of them are of no use."""
+        self.iterations += 1
+        self.in_vain += 1
+        if residual < self.least_residual:
+            self.least_residual, self.in_vain = residual, 0
+        return self.iterations <= self.most_iterations and self.in_vain <= _PATIENCE
+
+    def begin_anew(self) -> None:
+        """Conjugate gradients begin anew on this set, with another operator or solution."""
+        self.iterations = self.in_vain = 0
+        self.last_product, self.least_residual = 0.0, math.inf
+
+    def turn(self, residual: Array64, preconditioned: Array64) -> Array64:
+        """The next conjugate direction, from the residual and the preconditioned one."""
+        product = float(residual @ preconditioned)
+        share = product / self.last_product if self.last_product else 0.0
+        self.direction = preconditioned + share * self.direction if share else preconditioned
+        self.last_product = product
+        return self.direction
+
+
+Nodes = TypeVar("Nodes", bound=NodeSet)
+
+
+@dataclass
+class History:
+    """The sets that a search has had. It is bold until one comes back."""
+
+    cautious: bool = False
+    """Whether every set is solved well before it is updated."""
+    keys: set[int] = field(default_factory=set)
+    """Of the sets since it began, or became cautious."""
+
+    @property
+    def forcing_term(self) -> float:
+        """Part of a new set's residual at which the set is updated."""
+        return _CAUTIOUS if self.cautious else _BOLD
+
+    def settles(self, key: int) -> bool:
+        """Note a new set; False if it comes back although the search is cautious."""
+        if key in self.keys:
+            if self.cautious:
+                return False
+            self.cautious, self.keys = True, set()
+        self.keys.add(key)
+        return True
+
+
+class Search(Method, Generic[Nodes]):
+    """The active set on one grid, in either form."""
+
+    iteration = 0
+    residual = math.inf
+    stopped = False
+    patience = None  # the residual starts anew with every set
+    _set: Nodes
+
+    def __init__(self, problem: Problem, config: ExecutionConfig, green: GreensFunction) -> None:
+        self.problem, self.tolerance, self._fixed_set = problem, config.tolerance, config.fixed_set
+        self._green, self._history = green, History()
+        self._target, self._floor = _SAFETY * config.tolerance, 0.0
+
+    @property
+    def _aim(self) -> float:
+        """The residual to stop at; below the floor, sets would be decided on rounding."""
+        return max(self._target, self._floor)
+
+    def tighten(self) -> bool:
+        self._target *= _SAFETY
+        self._floor *= _SAFETY
+        self.stopped = False
+        self._history.keys.clear()
+        return True
+
+    def _go_on(self, iterate: Callable[[], bool]) -> None:
+        """Update the set if it is solved well enough for that; else one iteration on it.
+
+        iterate: one of conjugate gradients; False where rounding has left no way down.
+        """
+        now = self._set
+        if math.isinf(now.first_residual):
+            now.first_residual = self.residual
+        if self.residual <= max(self._aim, 0.0 if now.settled else self._history.forcing_term * now.first_residual):
+            if self._update_set():
+                self.iteration += 1
+                return
+            now.settled = True
+            if self.residual <= self._aim:
+                self.stopped = True
+                return
+        self.iteration += 1
+        useful = now.iterate(self.residual)
+        if not math.isfinite(self.residual):
+            self.stopped = True
+        elif not useful or not iterate():
+            if self._operator_is_exact():
+                # this set is not solved any further; it may be the wrong one, unless it was examined before: now what
+                # rounding has made of the solution would decide
+                self.stopped = now.settled or not self._update_set() or self.stopped
+            else:
+                now.begin_anew()
+
+    def _operator_is_exact(self) -> bool:
+        """Whether rounding alone can be in the way; else the operator is an exact one from now on."""
+        return True
+
+    @abstractmethod
+    def _update_set(self) -> bool:
+        """Take the next set; False if no node wants to join or leave."""
+
+    def _circles(self, before: Nodes) -> bool:
+        """Whether the new set comes back although the search is cautious, which ends it with the one before."""
+        if self._history.settles(self._set.key):
+            return False
+        self._set, self.stopped, self.residual = before, True, max(self.residual, 2 * self.tolerance)
+        return True
