@@ -31,7 +31,6 @@ from linecontact.solver.transforms import four_step, plain, real
 def test_patches_that_share_an_unknown_take_longer(monkeypatch):
     """They were taken for a set that rounding does not let be solved: 2^21 of them went to FIRE, for hours."""
     monkeypatch.setattr(deflation, "_unknowns", lambda n: 16)
-    monkeypatch.setattr("linecontact.solver.methods.active_set.search.MOST_ITERATIONS", 20)
     teeth = MeasuredIndenter(2e-7 * (np.arange(4097) % 2), convention="gap")
     solution = solve(Scene(Layer(), teeth, 5e-15, num_points=4097))
     assert solution.status is Status.CONVERGED

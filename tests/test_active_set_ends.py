@@ -77,7 +77,7 @@ def test_hand_over_is_said(monkeypatch):
 
 def where_no_search_is_cautious(monkeypatch):
     """As in single precision; and hard sets are iterated on."""
-    monkeypatch.setattr(elimination, "_HARD", 0)
+    monkeypatch.setattr(elimination, "HARD", 0)
     monkeypatch.setattr(active_set.active_set, "_SOFT", 0)
 
 

@@ -64,7 +64,7 @@ def test_a_cautious_search_finds_the_same_contact(even, small, monkeypatch):
     scenes = [Scene(Layer(d), indenter, 0.02, num_points=2**10) for d in (math.inf, 1e-3)]
     usual = [solve(scene).contact_pressure for scene in scenes]
     monkeypatch.setattr(active_set, "_SOFT", math.inf)
-    monkeypatch.setattr(elimination, "_HARD", small)
+    monkeypatch.setattr(elimination, "HARD", small)
     for scene, pressure in zip(scenes, usual, strict=True):
         found = solve(scene, nested=False)
         assert found.status is Status.CONVERGED

@@ -98,12 +98,12 @@ def test_smooth_displacements_stay_smooth(thickness):
 
 
 def test_packed_lengths_are_few():
-    """So plans serve again: at most four of them to an octave of blocks, eight from 2^12 on, and little longer."""
+    """So plans serve again: at most eight of them to an octave of blocks, and little longer."""
     lengths = np.array([transformed_blocks(blocks) for blocks in range(1, 2**14)])
     needed = np.arange(1, 2**14)
     assert (lengths >= needed).all()
-    assert (lengths <= np.ceil(np.where(needed > 2**12, 1.125, 1.25) * needed)).all()
-    assert np.unique(lengths[needed > 16]).size <= 8 * 4 + 2 * 8
+    assert (lengths <= np.ceil(1.125 * needed)).all()
+    assert np.unique(lengths[needed > 16]).size <= 10 * 8
 
 
 def rough(num_points, hurst=0.8, thickness=math.inf, nu=0.25, pressure=1e-2, seed=0):

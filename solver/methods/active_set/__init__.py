@@ -11,10 +11,11 @@ linecontact.kernels.
 
 import weakref
 
+from ...grid.kept import MOST_POINTS
 from ...grid.problem import Problem
 from ..method import ExecutionConfig, MethodKind
 from .active_set import ActiveSet
-from .everywhere import LARGE, Everywhere, modes_apart
+from .everywhere import Everywhere, modes_apart
 from .free_nodes import FreeNodes, suits
 from .greens_function import GreensFunction
 from .response import Response
@@ -43,7 +44,7 @@ def begin(problem: Problem, config: ExecutionConfig) -> ActiveSet | FreeNodes:
     else:
         response = Response(problem, of_layer.split, field)
         found = ActiveSet(problem, config, green, response)
-    if problem.num_points <= LARGE:
+    if problem.num_points <= MOST_POINTS:
         weakref.finalize(found, left.append, (field, green)).atexit = False
     return found
 

@@ -30,10 +30,8 @@ from .contact_set import ContactSet
 from .greens_function import GreensFunction
 from .preconditioner import PatchDeflation
 from .response import Response
-from .search import MOST_ITERATIONS, OVER_FLOOR, SMALLEST, History, Search
+from .search import OVER_FLOOR, SMALLEST, History, Search
 
-_OVER_DRIFT = 2.0  # times what images may have added to the residual: below, the response has to be made anew
-_ROOM = 0.9  # residual to reach before the response is made anew at the end, over the one to stop at
 _SOFT = 0.01  # stiffness of a base over that of its coating, below which the coating is stiff
 
 
@@ -89,12 +87,11 @@ class ActiveSet(Search[ContactSet]):
             return
         if now.preconditioner is None:
             now.preconditioner = PatchDeflation(self._green, now.patches, self._history.cautious)
-            now.most_iterations = max(MOST_ITERATIONS, now.preconditioner.share)
         touching = self._response.touching(now)
         r = float(touching.mean()) - touching
         z = now.preconditioner.apply(r)
         self.residual = math.sqrt(float(z @ z) / self.problem.num_points)
-        if drift and self.residual <= max(self._aim, _OVER_DRIFT * drift):
+        if drift and self.residual <= max(self._aim, drift):
             now.first_residual = min(now.first_residual, self.residual)
             self._response.renew(now)
             now.last_product = 0.0
@@ -102,11 +99,6 @@ class ActiveSet(Search[ContactSet]):
             self._update_set()  # the gap of all nodes is known only now
         else:
             self._go_on(lambda: self._response.go_along(now, now.turn(r, z)))
-
-    @property
-    def _aim(self) -> float:
-        """Less where the response is to be made anew, by which the residual grows a little."""
-        return max(self._target * (_ROOM if self._response.drift else 1.0), self._floor)
 
     def _eliminate(self) -> None:
         """Solve on a small set by elimination, as well as rounding allows, and update it."""

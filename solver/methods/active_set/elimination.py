@@ -4,15 +4,14 @@ import numpy as np
 
 from ...arrays import Array64
 from .contact_set import ContactSet
-from .greens_function import GreensFunction
+from .greens_function import HARD, GreensFunction
 
 _SMALL = 256  # nodes up to which elimination takes less time than the iterations
-_HARD = 2048  # nodes up to which a set under a stiff coating is eliminated: it is hard to iterate on
 
 
 def suits(now: ContactSet, cautious: bool) -> bool:
     """Whether to solve this set by elimination: it is small enough, and that was not tried."""
-    return now.nodes.size <= (_HARD if cautious else _SMALL) and not now.eliminated and not now.patches.full
+    return now.nodes.size <= (HARD if cautious else _SMALL) and not now.eliminated and not now.patches.full
 
 
 def solve(now: ContactSet, green: GreensFunction, height: Array64, cautious: bool) -> ContactSet | None:

@@ -12,13 +12,10 @@ import numpy as np
 
 from ....kernels import CHUNK, Call, layout, record
 from ...arrays import Array, Array64, Indices
+from ...grid.kept import MOST_POINTS
 from ...transforms.planned import Transforms
 from ..method import ExecutionConfig
 
-_FAR = 1e30  # height of the padding, which never touches
-
-LARGE = 2**18
-"""Points beyond which the operators are given back while the field rests, and with it after a solve."""
 _TIMES_ROUNDING = 50
 """Tolerance over the relative error that rounding of the strongest mode puts into the weakest, down to which transforms
 may be of half the length: these take less time, but mix the rounding of long and short waves."""
@@ -71,7 +68,7 @@ class Everywhere:
         self.field[:] = 0  # what an earlier solve has left
         self._height: Array = height
         if self.field.shape != height.shape or self.field.dtype != height.dtype:
-            self._height = np.full_like(self.field, _FAR)
+            self._height = np.full_like(self.field, math.inf)  # padding never touches
             self._height[: height.size] = height
         self._counts = np.zeros(self._height.size // CHUNK)
         self.__dict__.pop("_count", None)
@@ -95,7 +92,7 @@ class Everywhere:
 
     def rest(self) -> None:
         """Give back the operators on a large grid; they are made anew when they are needed."""
-        for name in ("_advance", "_operators") if self._num_points > LARGE else ():
+        for name in ("_advance", "_operators") if self._num_points > MOST_POINTS else ():
             self.__dict__.pop(name, None)
 
     @cached_property

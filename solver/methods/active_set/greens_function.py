@@ -35,6 +35,8 @@ def inverse_cholesky(column: Array64) -> Array64:
     return factor
 
 
+HARD = 2048
+"""Unknowns up to which a stiff coating's equations are solved by elimination: they are hard to iterate on."""
 _LITTLE_LONGER = 1.125  # least length of a ring for K, over that of the run
 _SHORT = 16  # times shorter than the grid are rings that are kept for the next solve
 

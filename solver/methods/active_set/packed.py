@@ -13,18 +13,10 @@ from ...arrays import Array64, Indices
 from ...grid.split import Split
 from ...transforms.pair import Pair
 
-_LONG = 2**12
-"""Blocks beyond which the transforms of a solve take longer than their plan: there are eight allowed lengths to an
-octave instead of four."""
-
 
 def transformed_blocks(blocks: int) -> int:
-    """The shortest length, of a few allowed ones, that holds so many blocks.
-
-    FFTW plans a short one for as long as ten transforms take, and the plan serves again.
-    """
-    steps = 8 if blocks > _LONG else 4
-    unit = max(1, (1 << (blocks - 1).bit_length()) // (2 * steps))
+    """The shortest length, of eight to an octave, that holds so many blocks: plans for them serve again."""
+    unit = max(1, (1 << (blocks - 1).bit_length()) // 16)
     return -(-blocks // unit) * unit
 
 

@@ -16,10 +16,8 @@ import numpy as np
 
 from ...arrays import Array64
 from ...grid.patches import Patches
-from .greens_function import GreensFunction, patch_sums
+from .greens_function import HARD, GreensFunction, patch_sums
 from .local_inverses import PatchByPatch
-
-_MOST = 2048  # coarse unknowns of a search that is cautious
 
 
 class PatchDeflation:
@@ -30,15 +28,13 @@ class PatchDeflation:
         stiff coating ill-conditioned.
         """
         self.patches, self._green = patches, green
-        self.share = 1
-        """Patches that share a coarse unknown."""
         self._factor = np.ones((1, 1))
         if patches.full:
             return
         self._local = PatchByPatch(green, patches)
         self._punch = self._local.punch
         loads = patches.sums(self._punch)
-        self.share = share = -(-patches.count // max(_MOST if cautious else 0, _unknowns(patches.num_points)))
+        share = -(-patches.count // max(HARD if cautious else 0, _unknowns(patches.num_points)))
         self._starts = starts = np.arange(0, patches.count, share)
         self._of_node = patches.label // share
         self._loads = np.add.reduceat(loads, starts)

@@ -29,8 +29,6 @@ OVER_FLOOR = 0.3
 _SAFETY = 0.2
 """Residual to stop at over the tolerance: the free residual is mostly up to four times the pressure's error. Once more
 after the certificate has found it too large."""
-MOST_ITERATIONS = 150
-"""On one set; where it takes more, rounding keeps the residual up."""
 _PATIENCE = 25  # iterations in which the residual does not become less; then it is rounding, too, and may grow
 _BOLD, _CAUTIOUS = 0.05, 1e-4  # forcing terms
 
@@ -50,10 +48,6 @@ class NodeSet:
     """Residual when the set was new, over p."""
     settled: bool = False
     """No node wanted to join or leave when the set was last examined."""
-    most_iterations: int = MOST_ITERATIONS
-    """On this set."""
-    iterations: int = 0
-    """On this set."""
     least_residual: float = math.inf
     """The smallest of them, over p."""
     in_vain: int = 0
@@ -66,16 +60,14 @@ class NodeSet:
 
     def iterate(self, residual: float) -> bool:
         """Count an iteration that begins with this residual, over p; False if more of them are of no use."""
-        self.iterations += 1
         self.in_vain += 1
         if residual < self.least_residual:
             self.least_residual, self.in_vain = residual, 0
-        return self.iterations <= self.most_iterations and self.in_vain <= _PATIENCE
+        return self.in_vain <= _PATIENCE
 
     def begin_anew(self) -> None:
         """Conjugate gradients begin anew on this set, with another operator or solution."""
-        self.iterations = self.in_vain = 0
-        self.last_product, self.least_residual = 0.0, math.inf
+        self.last_product, self.least_residual, self.in_vain = 0.0, math.inf, 0
 
     def turn(self, residual: Array64, preconditioned: Array64) -> Array64:
         """The next conjugate direction, from the residual and the preconditioned one."""
