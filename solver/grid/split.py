@@ -30,8 +30,8 @@ _WIDTH = 6
 """Of the spline [blocks], its order: with far waves no shorter than four blocks it errs by 1e-7 to 5e-7 of `near`."""
 
 _RING = 2**13  # nodes, at least, of the ring on which the near part is made, unless the grid is smaller
-_FEWEST, _LARGE = 2**16, 2**20  # points of the smallest grid on which that pays, and from which blocks are larger
-_BLOCK, _LARGE_BLOCK, _SMALLEST_BLOCK = 16, 32, 8  # nodes
+_FEWEST = 2**16  # points of the smallest grid on which that pays
+_BLOCK = 32  # nodes, at most; a quarter of that at least
 _LARGEST_ERROR = 0.2
 """Error of the split over the smallest G(q): beyond, on thin and nearly incompressible layers, the packed operator is
 not positive, and conjugate gradients find no way down."""
@@ -166,8 +166,7 @@ def inverse(stiffness: Array64) -> Array64:
 
 def make_split(stiffness: Array64, num_points: int) -> Split | None:
     """The split of G for a grid; None where the grid is too small, no block suits it, or the split errs too much."""
-    largest = _LARGE_BLOCK if num_points >= _LARGE else _BLOCK
-    block = next((b for b in range(largest, _SMALLEST_BLOCK - 1, -1) if num_points % b == 0), None)
+    block = next((b for b in range(_BLOCK, _BLOCK // 4 - 1, -1) if num_points % b == 0), None)
     if block is None or num_points < _FEWEST:
         return None
     split = Split(stiffness, num_points, block)
