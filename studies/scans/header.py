@@ -7,7 +7,7 @@ other words is quoted where it contradicts the user, or where something is missi
 
 import csv
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from ..terminal.units import plain, unit_of
@@ -21,40 +21,40 @@ _ROLES = {
     "z": r"z|h|heights?|profile?|raw|topography|elevation|vertical|level(?:l?ed)?|filtered|h\u00f6he|hoehe|hauteur",
     "x": r"x|lateral|positions?|pos|distance|dist|length|scan|horizontal|track|travel|weg|abstand",
 }
-_DEEP = re.compile(
+# heights under such words may grow into the valleys
+DEEP = re.compile(
     r"depth|tief|diepte|profond|profun|creux|g\u0142\u0119bok|\u0433\u043b\u0443\u0431|\u6df1|penetrat|indentation|spalt|recess|below|bulk"
     r"|negativ|\bneg\b|invert|flipped|\bdown(?:wards?)?\b(?!\s*\d)|positive into|valleys? (?:are )?(?:positive|up)"
     r"|\bgaps?\b(?! gauge)|separation|clearance|(?:^|\()\s*-\s*[^\W\d]|\bz\s*-\s*$",
     re.I,
 )
-"""Heights under such words may grow into the valleys."""
+# columns under such a name are no positions or heights, or something made of them
 _NO_HEIGHT = re.compile(
     r"slope|gradient|steigung|curvature|\bangle|winkel|volt|spannung|phase|\bforce\b|kraft|\bcurrent$|intensity"
     r"|deflection|psd|spe[ck]tr|density|correlation|\bln\b|\blog(?:\d|\b)|sqrt|wurzel|squared|divided|multiplied"
     r"|\brange\b|cut-?off|tolerance|resolution$|spacing|radius|\bper\s|\bdb\b|fft|\bbits?\b|counts?\b|lsb|[*^\u00b1]|/\s*\d|^\d+[a-z]|(?!^x\d$)\bx\s?\d",
     re.I,
 )
-"""Columns under such a name are no positions or heights, or something made of them."""
 _OTHER_UNIT = re.compile(
     r"[munkM\u03bc]?(?:V|A|N|Pa|rad|s|Hz|K)|volts?|deg\w*|\u00b0C?|sec|counts?|px|pixels?|%|a\.?u\.?|lsb|bits?"
     r"|\w+\s?(?:/|\^|per)\s?\w+",
     re.I,
 )
+# a number that may have to be applied
 _FACTOR = re.compile(
     r"(?:^|[^a-z])[xyzvh]?[\s_-]?(?:scal(?:e|ing)|factor|bit2|lsb|gain|multiplier)\w*\W+([-+]?\d\S*)", re.I
 )
-"""A number that may have to be applied."""
 _BRACKET = r"[\[({<]\s*(?:in\s+|units?\s*:\s*)?([^\[\](){}<>]*?)\s*[\])}>]"
 _CELL = r"(?:^|[,;\t=:])\s*\"?[-+]?[\d.]+\"?\s*[,;\t]\s*\"?"  # a number alone, before the cell of its unit
+# a number and its unit, or a unit and the number in it: the value of a parameter
 _QUANTITY = re.compile(
-    rf"(?:{_CELL}|[\d.]\s*[\[(]?)\s*([^\W\d]+)(?:\s*/\s*\w+)?|[\[(]?([^\W\d]+)[\])]?\s*[:=,;\t ]\s*[-+]?\d"
+    rf"(?:{_CELL}|[\d.]\s*[\[(]?)\s*([^\W\d]+)(?:\s*/\s*\w+)?|[\[(]?([^\W\d]+)(?=[\])]?\s*[:=,;\t ]\s*[-+]?\d)"
 )
-"""A number and its unit, or a unit and the number in it: the value of a parameter."""
+# a line that tells a unit, perhaps that of a subject
 _UNIT_LINE = re.compile(
     r"(?i:(axis|achse|ordinate|signal|channel))|(?:^|[^a-z])[Uu]nits?(?![a-z])|UNIT|[Ee]inheit|[Uu]nit\u00e9"
     r"|(?:in|en) \[?\w+\]?$|lengths? in\b"
 )
-"""A line that tells a unit, perhaps that of a subject."""
 
 
 class Label(NamedTuple):
@@ -72,7 +72,7 @@ class Label(NamedTuple):
         """'x', 'z', 'index', or empty if its words say two things, or none."""
         words = re.findall(r"[^\W\d_]+|#", self.name.lower())
         said = {role for role, known in _ROLES.items() if any(re.fullmatch(known, word) for word in words)}
-        said |= {"z"} if _DEEP.search(self.name) else set()
+        said |= {"z"} if DEEP.search(self.name) else set()
         said = said - {"index"} if len(said) > 1 else said  # "sample position"
         return said.pop() if len(said) == 1 else ""
 
@@ -90,9 +90,9 @@ class Label(NamedTuple):
 
 
 class Header(NamedTuple):
-    """The labels of all columns, if there are any, and the other lines of a header."""
+    """The labels of all columns, empty ones where there are none, and the other lines of a header."""
 
-    labels: Sequence[Label] = ()
+    labels: Sequence[Label]
     rest: Sequence[str] = ()
 
     def said(self) -> Iterator[tuple[str, list[str], str]]:
@@ -102,8 +102,8 @@ class Header(NamedTuple):
         """
         without = not any(label.bracket for label in self.labels)
         for line in self.rest:
-            if (factor := _FACTOR.search(line)) and factor[1].rstrip(".,0;") != "1":
-                yield line, [], factor[0].strip()
+            factor = _FACTOR.search(line)
+            applied = factor[0].strip() if factor and factor[1].rstrip(".,0;") != "1" else ""
             about = _UNIT_LINE.search(line)
             near = re.findall(_BRACKET, line) if line in self.rest[-_NEAR:] else []
             words = re.split(r"[\s:=,;\"]+", line[about.start() :])[1:] if about else []
@@ -114,12 +114,7 @@ class Header(NamedTuple):
                 unit_of(found[1] or found[2], expected=bool(found[1] or about))
                 for found in re.finditer(rf"{_BRACKET}|(?!in\b)([^\W\d_]+)", bare)
             )
-            yield line, list(dict.fromkeys(filter(None, known))) if about or without else [], other * without
-
-
-def depth(texts: Iterable[str]) -> str:
-    """The first text that speaks of depths; empty without one."""
-    return next(filter(_DEEP.search, texts), "")
+            yield line, list(dict.fromkeys(filter(None, known))) if about or without else [], applied or other * without
 
 
 def cells(line: str, delimiter: str | None) -> list[str]:
@@ -148,7 +143,7 @@ def read(lines: Sequence[str], delimiter: str | None, count: int, least: int) ->
             return Header(merged, kept[: i - 1] + kept[i + 1 :])
         if any(label.bracket or label.role for label in labels):
             return Header(labels, kept[:i] + kept[i + 1 :])
-    return Header((), kept)
+    return Header([Label("")] * count, kept)
 
 
 def _labels(line: str, delimiter: str | None, count: int, least: int) -> list[Label]:

@@ -25,10 +25,10 @@ from ..terminal.text import is_refusal
 from ..terminal.units import UNITS, Unit
 from . import columns
 from .columns import MAX_REFINEMENT
-from .header import depth
+from .header import DEEP
 from .missing import DOUBTED, Missing, doubtful, filled, marked, spikes
 from .preparation import Detrend, Profile, Window, evenly_spaced
-from .text import Decimal
+from .text import Decimal, Table
 
 _POINTS_PER_VALUE, _ENOUGH = 4, 2**18
 """Of the default grid, as long as it has no more points than that: contact edges lie between values."""
@@ -189,28 +189,28 @@ def _read(options: Options) -> Scan:
     return Scan(indenter, profile.length, n)
 
 
-def _complete(found: columns.Columns, options: Options) -> tuple[columns.Columns, list[str], list[str]]:
+def _complete(found: Table, options: Options) -> tuple[Table, list[str], list[str]]:
     """The columns without missing values, what was done, and what there is to doubt. Raises `ValueError`."""
-    x, z = found.x, found.z.copy()
-    if x is None and z[0] == z.size - 1 >= _FEWEST:
+    values = found.values.copy()
+    z, alone = values[:, -1], values.shape[1] == 1
+    if alone and z[0] == z.size - 1 >= _FEWEST:
         raise ValueError(f"{found.row(0)}: {z[0]:g} is the number of the values below it; allowed: heights alone")
-    gone = np.isnan(z) if x is None else np.isnan(z) | np.isnan(x)  # not of a sum: both may be infinite
-    how = options.missing or ("refuse" if gone.any() else "interpolate")
+    how = options.missing or ("refuse" if np.isnan(values).any() else "interpolate")
     told = list[str]()
     if options.invalid is not None:
-        z = marked(z, options.invalid)
+        z[marked(z, options.invalid)] = np.nan
     if options.despike:
         there = np.flatnonzero(np.isfinite(z))
         rows = there[spikes(z[there], both=True)]
         z[rows] = np.nan
         where = f", the first in {found.row(int(rows[0]))}" if rows.size else ""
         told = [f"{counted(rows.size, 'value')} that stood out as spikes{where}, taken for missing"]
-    gone |= np.isnan(z)
-    if gone.any() and (how == "refuse" or (how == "drop" and x is None)):
+    gone = np.isnan(values).any(axis=1)
+    if gone.any() and (how == "refuse" or (how == "drop" and alone)):
         seen = f"{found.row(int(gone.argmax()))}: a value is missing, and {int(gone.sum())} of {z.size} in all"
         allowed = "all values, or missing, with interpolate, or drop where positions tell the gaps"
         raise ValueError(f"{seen}; allowed: {allowed}")
-    columns.check_values(found._replace(z=z))
+    columns.check_values(found._replace(values=values))
     there = np.flatnonzero(np.isfinite(z))
     if there.size < _FEWEST:
         raise ValueError(f"it holds {counted(there.size, 'value')}; allowed: at least {_FEWEST}")
@@ -220,33 +220,28 @@ def _complete(found: columns.Columns, options: Options) -> tuple[columns.Columns
         doubts.append(f"{rows.size} of {z.size} values, the first {z[first]:g} in {found.row(first)}, {reason}")
     if z.size - there.size > DOUBTED * z.size:
         doubts.append(f"{z.size - there.size} of {z.size} values were missing")
-    x, z, done = filled(x, z, how)
-    return found._replace(x=x, z=z), told + [done] * bool(done), doubts
+    values, done = filled(values, how)
+    return found._replace(values=values), told + [done] * bool(done), doubts
 
 
-def _measured(found: columns.Columns, options: Options) -> tuple[Profile, dict[str, str]]:
+def _measured(found: Table, options: Options) -> tuple[Profile, dict[str, str]]:
     """The values at even spacing in the scene's unit of length, and the units of the file. Raises `ValueError`."""
-    x, z = found.x, found.z
-    length = _given_length(options, z.size) if x is None else 0.0
+    length, alone = options.scan_length, found.values.shape[1] == 1
+    if alone and options.x_unit:
+        raise ValueError(f"x_unit is {options.x_unit}; allowed: none, the file has no positions (give scan_length)")
+    if alone and length is None:
+        seen = f"the file holds {counted(len(found.values), 'height')} and no positions"
+        allowed = "its length with the unit, like 1.5mm, or a number alone in the scene's unit"
+        raise ValueError(f"scan_length is missing: {seen}; allowed: {allowed}")
+    if not alone and length is not None:
+        raise ValueError(f"scan_length is {length}; allowed: none, the file has positions")
     unknown = (options.length_unit or SCENE) if options.scene_units else None
     units = columns.units(found, {"x": options.x_unit, "z": options.z_unit}, unknown)
     scene = {SCENE: 1.0} | {unit: size / UNITS[options.length_unit or _DEFAULT] for unit, size in UNITS.items()}
-    if x is None:
-        return Profile(z * scene[units["z"]], length), units
-    if options.scan_length is not None:
-        raise ValueError(f"scan_length is {options.scan_length}; allowed: none, the file has positions")
-    return evenly_spaced(x * scene[units["x"]], z * scene[units["z"]]), units
-
-
-def _given_length(options: Options, count: int) -> float:
-    """The length of a scan without positions [length]. Raises `ValueError` where it is not given."""
-    if options.x_unit:
-        raise ValueError(f"x_unit is {options.x_unit}; allowed: none, the file has no positions (give scan_length)")
-    if options.scan_length is None:
-        seen = f"the file holds {counted(count, 'height')} and no positions"
-        allowed = "its length with the unit, like 1.5mm, or a number alone in the scene's unit"
-        raise ValueError(f"scan_length is missing: {seen}; allowed: {allowed}")
-    return checks.real("scan_length", options.scan_length, "a finite length > 0", 0)
+    measured = [values * scene[units[axis]] for axis, values in zip(units, found.values.T, strict=True)]
+    if length is None:
+        return evenly_spaced(*measured), units
+    return Profile(measured[0], checks.real("scan_length", length, "a finite length > 0", 0)), units
 
 
 def _statistics(profile: Profile) -> dict[str, float]:
@@ -261,9 +256,11 @@ def _statistics(profile: Profile) -> dict[str, float]:
     }
 
 
-def _turn_over(profile: Profile, found: columns.Columns, options: Options) -> None:
+def _turn_over(profile: Profile, found: Table, options: Options) -> None:
     """Make h of heights, unless the file holds h."""
-    if options.profile_convention is None and (said := depth([found.labels["z"].text, *found.head.rest])):
+    if options.profile_convention is None and (
+        said := next(filter(DEEP.search, [found.labels["z"].text, *found.head.rest]), "")
+    ):
         seen = f"the file speaks of depths or gaps ({said[:60]!r})"
         allowed = "heights, if its values grow towards the peaks, or gap, if they grow into the valleys"
         raise ValueError(f"profile_convention is missing: {seen}; allowed: {allowed}")

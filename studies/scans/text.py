@@ -5,7 +5,7 @@ import itertools
 import math
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, NamedTuple
@@ -18,8 +18,7 @@ from . import header
 
 Decimal = Literal["point", "comma"]
 
-MAX_TEXT = 2**25
-"""Bytes of a text file."""
+MAX_TEXT = 2**25  # bytes of a text file
 
 _SAMPLE = 200  # lines at the end of the table, which tell how it is written
 _BETWEEN = "'\u2019\u00a0\u202f"  # thousands, besides the other decimal sign
@@ -29,25 +28,34 @@ _NUMBERS = {
     "comma": re.compile(_NUMBER.format(",", "." + _BETWEEN, r"\d+")),
 }
 _PLAIN = {"point": str.maketrans("", "", "," + _BETWEEN), "comma": str.maketrans(",", ".", "." + _BETWEEN)}
+# cells that stand for a missing value: nothing, stars, hyphens, NaN, N/A and the like
 _MISSING = re.compile(r"\W*|[-+]?(?:1\.)?#?(?:nan|qnan|ind)|n\.?/?a\.?|#\w+/?\w*!?|null|none|missing|invalid|bad", re.I)
-"""Cells that stand for a missing value: nothing, stars, hyphens, NaN, N/A and the like."""
-_TORN = re.compile(r"(?=.*\d)(?=.*[,;\s])[-+\d.,;\s]*")
-"""A cell of digits and separators that is no number: its line is parted in another way."""
+_TORN = re.compile(r"(?=.*\d)(?=.*[,;\s])[-+\d.,;\s]*")  # digits and separators: parted in another way
 _FIGURE = r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?\"?"
-_LIKE_ROW = re.compile(rf"[\s\"]*{_FIGURE}(?:[\s\";,]+{_FIGURE}(?![\w:/.-])|\s*$)")
-"""A line that begins with two numbers, or is one."""
+_LIKE_ROW = re.compile(
+    rf"[\s\"]*{_FIGURE}(?:[\s\";,]+{_FIGURE}(?![\w:/.-])|\s*$)"
+)  # begins with two numbers, or is one
 _MINUS = str.maketrans("\u2212\u2013", "--")  # as it is printed
 _NAMES = {";": "semicolons", "\t": "tabs", ",": "commas", None: "spaces"}
 
 
 class Table(NamedTuple):
-    """A table of numbers, and the header above it."""
+    """A table of numbers, and the header above it: all columns of a file, or those of x and z, or z alone."""
 
     values: Array64  # shape (rows, columns); NaN for missing ones, inf for text
     origin: str  # how they were found, in words
     numeric: Sequence[int]  # columns that hold numbers
-    head: header.Header = header.Header()
+    head: header.Header  # with a label for each column, empty ones, too
     line: int = 0  # of the first row in a text; 0 elsewhere
+
+    @property
+    def labels(self) -> dict[str, header.Label]:
+        """Those of 'x', if it is there, and 'z', once they are chosen."""
+        return dict(zip("xz"[-len(self.head.labels) :], self.head.labels, strict=True))
+
+    def row(self, i: int) -> str:
+        """Where the row with index i stands."""
+        return f"line {self.line + i}" if self.line else f"row {i + 1}"
 
 
 @dataclass(frozen=True)
@@ -59,11 +67,13 @@ class _Writing:
     numeric: Sequence[int] = ()  # columns of numbers
     count: int = 0  # of columns
     share: float = 0.0  # of the cells, that are numbers or missing
+    signs: Set[str] = frozenset()  # characters of the numbers
 
     def number(self, cell: str) -> float:
         """The number in a cell, NaN for a missing one, inf for anything else."""
         if _NUMBERS[self.decimal].fullmatch(cell):
-            return float(cell.translate(_PLAIN[self.decimal]))
+            plain = self.decimal == "point" and cell.isascii() and "," not in cell and "'" not in cell  # most are
+            return float(cell if plain else cell.translate(_PLAIN[self.decimal]))
         return math.nan if _MISSING.fullmatch(cell) else math.inf
 
     def row(self, line: str) -> list[float]:
@@ -79,15 +89,19 @@ class _Writing:
         """The same with the columns that it finds in some lines; without numeric ones if it tears numbers apart."""
         split = [header.cells(line, self.delimiter) for line in lines]
         count = Counter(map(len, split)).most_common(1)[0][0] if split else 0
-        numeric, cells = [], 0
+        numeric, found, signs = [], 0, set[str]()
         for i, column in enumerate(zip(*(cells for cells in split if len(cells) == count), strict=True)):
-            known = [value for cell in column if (value := self.number(cell)) != math.inf]
-            if any(value == value for value in known) and 2 * len(known) >= len(column):
+            values = {cell: self.number(cell) for cell in column}
+            known = sum(values[cell] != math.inf for cell in column)
+            numbers = [cell for cell, value in values.items() if math.isfinite(value)]
+            if numbers and 2 * known >= len(column):
                 numeric.append(i)
-                cells += len(known)
+                found += known
+                signs.update(*numbers)
             elif any(map(_TORN.fullmatch, column)):
                 return self
-        return _Writing(self.delimiter, self.decimal, numeric, count, cells / max(1, count * len(split)))
+        share = found / max(1, count * len(split))
+        return _Writing(self.delimiter, self.decimal, numeric, count, share, signs)
 
     def told(self) -> str:
         """The same in words."""
@@ -111,19 +125,21 @@ def read_text(path: Path, name: str, decimal: Decimal | None) -> Table:
         if not missing and not any(map(math.isfinite, row)):
             break
         first -= 1
+    begin = lines[first].strip()[:40]
     for i, pair in enumerate(itertools.pairwise(lines[:first])):
         if all(map(_LIKE_ROW.match, pair)):
             seen = f"line {i + 1}: {pair[0].strip()[:40]!r} is not written as the rows from line {first + 1} on are"
             raise ValueError(f"{seen}; allowed: one table ({writing.told()}), below its header")
     head = header.read(lines[:first], writing.delimiter, writing.count, writing.numeric[-1] + 1)
-    if unclear and not (writing.delimiter == "," and any(label.bracket for label in head.labels)):
-        seen = f"in {lines[first].strip()[:40]!r}, commas may be decimal signs"
+    parted = all(head.labels[i].text for i in writing.numeric) and any(label.bracket for label in head.labels)
+    if unclear and not (writing.delimiter == "," and parted):
+        seen = f"in {begin!r}, commas may be decimal signs"
         raise ValueError(f"decimal is missing: {seen}; allowed: comma, or point, also for commas between whole numbers")
     if [] in rows[first:]:
         i = rows.index([], first)
         text = lines[i].strip()[:40]
         seen = f": {text!r} is not {counted(writing.count, 'cell')}" if text else " is empty"
-        allowed = f"rows like {lines[first].strip()[:40]!r} in line {first + 1} to the end ({writing.told()})"
+        allowed = f"rows like {begin!r} in line {first + 1} to the end ({writing.told()})"
         raise ValueError(f"line {i + 1}{seen}; allowed: {allowed}")
     values = np.full((len(lines) - first, writing.count), np.nan)
     values[:, list(writing.numeric)] = rows[first:]
@@ -146,20 +162,21 @@ def _decoded(path: Path) -> str:
 def _find(lines: Sequence[str], decimal: Decimal | None) -> tuple[_Writing, bool]:
     """How the table at the end of a text is written, and whether its commas may be decimal signs as well as not.
 
-    Raises `ValueError` if there is no table.
+    Raises `ValueError` if there is no table, or none with that decimal sign.
     """
     last = [line for line in lines[-_SAMPLE:] if line.strip()]
     quoted = any('"' in line for line in last)
     ways = [_Writing(delimiter, sign).counted(last) for sign in _NUMBERS for delimiter in _NAMES]
-    ways = [way for way in ways if way.numeric and decimal in (None, way.decimal)]
-    ways = [way for way in ways if quoted or (way.delimiter, way.decimal) != (",", "comma")]
-    if not ways:
-        signs = "" if decimal is None else f" with decimal {decimal}s"
-        seen = f"; the last line is {lines[-1].strip()[:40]!r}" if lines else ""
+    ways = [way for way in ways if way.numeric and (quoted or (way.delimiter, way.decimal) != (",", "comma"))]
+    best = max(ways, key=lambda way: (way.share, way.decimal == decimal, way.count), default=None)  # the first of equal
+    shown = f"{lines[-1].strip()[:40]!r}" if lines else "empty"
+    if best is None:
         allowed = "rows of numbers to the last line, parted by commas, semicolons, tabs or spaces"
-        raise ValueError(f"no table of numbers{signs}{seen}; allowed: {allowed}")
-    best = max(ways, key=lambda way: (way.share, way.count))  # the first of equal ones
+        raise ValueError(f"no table of numbers; the last line is {shown}; allowed: {allowed}")
+    if decimal not in (None, best.decimal) or (decimal == "comma" and best.signs & {".", ","} == {"."}):
+        allowed = "the sign that its numbers have, and numbers in quotes where commas part the columns, too"
+        raise ValueError(f"decimal is {decimal}, but the last line is {shown}; allowed: {allowed}")
     others = any(way.share == best.share and (way.decimal, way.count) != (best.decimal, best.count) for way in ways)
-    commas = [cell for line in last for cell in header.cells(line, best.delimiter) if "," in cell]
-    whole = best.delimiter == "," and re.fullmatch(r"[-+\d, ]+", last[-1])
-    return best, decimal is None and bool(whole or (others and (commas or best.delimiter == ",")))
+    doubtful = "," in best.signs or best.delimiter == ","
+    whole = best.delimiter == "," and best.decimal == "point" and "." not in best.signs
+    return best, decimal is None and (whole or (others and doubtful))
