@@ -71,9 +71,13 @@ class _Writing:
 
     def number(self, cell: str) -> float:
         """The number in a cell, NaN for a missing one, inf for anything else."""
+        if self.decimal == "point" and "_" not in cell:  # most are plain
+            try:
+                return float(cell)
+            except ValueError:
+                pass
         if _NUMBERS[self.decimal].fullmatch(cell):
-            plain = self.decimal == "point" and cell.isascii() and "," not in cell and "'" not in cell  # most are
-            return float(cell if plain else cell.translate(_PLAIN[self.decimal]))
+            return float(cell.translate(_PLAIN[self.decimal]))
         return math.nan if _MISSING.fullmatch(cell) else math.inf
 
     def row(self, line: str) -> list[float]:
