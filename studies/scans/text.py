@@ -177,10 +177,9 @@ def _find(lines: Sequence[str], decimal: Decimal | None) -> tuple[_Writing, bool
     if best is None:
         allowed = "rows of numbers to the last line, parted by commas, semicolons, tabs or spaces"
         raise ValueError(f"no table of numbers; the last line is {shown}; allowed: {allowed}")
-    if decimal not in (None, best.decimal) or (decimal == "comma" and best.signs & {".", ","} == {"."}):
+    if decimal not in (None, best.decimal):
         allowed = "the sign that its numbers have, and numbers in quotes where commas part the columns, too"
         raise ValueError(f"decimal is {decimal}, but the last line is {shown}; allowed: {allowed}")
     others = any(way.share == best.share and (way.decimal, way.count) != (best.decimal, best.count) for way in ways)
-    doubtful = "," in best.signs or best.delimiter == ","
     whole = best.delimiter == "," and best.decimal == "point" and "." not in best.signs
-    return best, decimal is None and (whole or (others and doubtful))
+    return best, decimal is None and (whole or (others and ("," in best.signs or best.delimiter == ",")))
