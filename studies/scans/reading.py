@@ -1,8 +1,4 @@
-"""From a file to an indenter: units that are known or asked for, and a scan that is made periodic.
-
-Nothing is guessed: a file without units, without positions, or with more columns than it explains, is refused with
-what to add. Every step goes into the result.
-"""
+"""From a file to an indenter. Nothing is guessed: a file that leaves something open is refused with what to add."""
 
 import math
 import os
@@ -30,10 +26,7 @@ from .missing import DOUBTED, Missing, doubtful, filled, marked, spikes
 from .preparation import Detrend, Profile, Window, evenly_spaced
 from .text import Decimal, Table
 
-_POINTS_PER_VALUE, _ENOUGH = 4, 2**18
-"""Of the default grid, as long as it has no more points than that: contact edges lie between values."""
-
-
+_POINTS_PER_VALUE, _ENOUGH = 4, 2**18  # of the default grid, up to so many points: contact edges lie between values
 _FEWEST = 16  # values
 _DEFAULT: Unit = "m"  # of the scene's lengths
 
@@ -47,8 +40,8 @@ class Options:
     profile_file: Path
     """The file: text (.csv, .txt, .dat, .asc, .tsv), .npy, .h5, or an instrument's format."""
     num_points: int | None = None
-    """Grid points, up to 16 for each value; default: a power of two, at least four for each value of the period, but
-    beyond 2^18 points one; with an accuracy the largest that is allowed."""
+    """Grid points, up to 16 for each value; default: a power of two, at least four for each value, but one beyond 2^18
+    points; with an accuracy the most."""
     x_unit: Unit | None = None
     """Unit of the positions, where the file names none."""
     z_unit: Unit | None = None
@@ -56,8 +49,7 @@ class Options:
     scene_units: bool = False
     """Numbers for which no unit is known are in the scene's own unit of length, which --length-unit may name."""
     length_unit: Unit | None = None
-    """The scene's own unit, of results and of lengths that are written without one; default: m. Where it is not given,
-    lengths are written with their units, like 2mm, or with --scene-units as numbers alone."""
+    """Unit of the scene's lengths, of results and of numbers alone; default: m, and numbers need their units, like 2mm."""
     scan_length: float | None = None
     """Length of a scan without positions [length], its spacing times its number of values."""
     columns: str | None = text("text, like '2,3'", None)
@@ -69,10 +61,10 @@ class Options:
     profile_dataset: str | None = text("text, the name of a dataset", None)
     """Name of the dataset in an .h5 file that holds several."""
     missing: Missing | None = None
-    """Missing values: interpolate fills them by straight lines, drop leaves their rows out, which needs positions.
-    Default: refuse, but interpolate for those that --invalid and --despike name."""
+    """Fill missing values by straight lines (interpolate), or leave their rows out (drop), which needs positions.
+    Default: refuse, but interpolate for those of --invalid and --despike."""
     invalid: str | None = text("text, like '-9999'", None)
-    """Number that stands for a missing height in the file, like -9999, or several, parted by commas."""
+    """Numbers that stand for missing heights, like -9999, parted by commas."""
     despike: bool = False
     """Take outliers, which stand out from the values around them like dust, for missing values."""
     detrend: Detrend | None = None
@@ -98,18 +90,13 @@ class Options:
 class Scan(NamedTuple):
     """A scan as an indenter, with the period and the grid that a `Scene` of it needs."""
 
-    indenter: MeasuredIndenter
-    """The indenter; its `description` holds what is known of the scan."""
-    period: float
-    """Period of the scene [length]."""
-    num_points: int
-    """Grid points of the scene."""
+    indenter: MeasuredIndenter  # with all that is known of the scan in its `description`
+    period: float  # of the scene [length]
+    num_points: int  # of the scene's grid
 
     def __repr__(self) -> str:
         unit = named(self.indenter.description)["length"]
-        return (
-            f"{type(self).__name__}: period {self.period:.6g} [{unit}], num_points {self.num_points}; {self.indenter}"
-        )
+        return f"Scan: period {self.period:.6g} [{unit}], num_points {self.num_points}; {self.indenter}"
 
     def scene(self, layer: ElasticLayer, pressure: float | None = None, approach: float | None = None) -> Scene:
         """The scan pressed against a layer, by a mean pressure [pressure] or to an approach [length].
@@ -167,9 +154,7 @@ def _read(options: Options) -> Scan:
     height = np.ptp(profile.z)
     profile.detrend("none" if options.window == "none" and options.detrend is None else options.detrend)
     if np.ptp(profile.z) <= 1e-12 * height:
-        raise ValueError(
-            "it holds a straight line, or a parabola; allowed: a profile of which detrend leaves something"
-        )
+        raise ValueError("it holds a straight line, or a parabola; allowed: a profile, of which detrend leaves more")
     profile.make_periodic(options.window)
     measured = profile.z.size
     n = _choose_grid(options, count, measured)
@@ -258,9 +243,8 @@ def _statistics(profile: Profile) -> dict[str, float]:
 
 def _turn_over(profile: Profile, found: Table, options: Options) -> None:
     """Make h of heights, unless the file holds h."""
-    if options.profile_convention is None and (
-        said := next(filter(DEEP.search, [found.labels["z"].text, *found.head.rest]), "")
-    ):
+    said = next(filter(DEEP.search, [found.labels["z"].text, *found.head.rest]), "")
+    if said and options.profile_convention is None:
         seen = f"the file speaks of depths or gaps ({said[:60]!r})"
         allowed = "heights, if its values grow towards the peaks, or gap, if they grow into the valleys"
         raise ValueError(f"profile_convention is missing: {seen}; allowed: {allowed}")
@@ -274,8 +258,7 @@ def _choose_grid(options: Options, values: int, in_period: int) -> int:
     most = MAX_REFINEMENT * values
     n = options.num_points
     if n is None and options.accuracy is not None:
-        fast = (n for n in range(min(most, MAX_POINTS), 0, -1) if n % 2 == 0 and next_fast_len(n) == n)
-        n = next(fast)
+        n = next(n for n in range(min(most, MAX_POINTS), 0, -1) if n % 2 == 0 and next_fast_len(n) == n)
     elif n is None:
         n = 2 ** math.ceil(math.log2(min(_POINTS_PER_VALUE * in_period, max(_ENOUGH, in_period))))
     n = checks.integer("num_points", n, f"an integer from {MIN_POINTS} to {MAX_POINTS}", MIN_POINTS, MAX_POINTS)
