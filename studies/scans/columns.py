@@ -36,7 +36,12 @@ def load(path: Path, dataset: str | None, columns: str | None, decimal: Decimal 
     if suffix in _TEXT:
         return _choose(read_text(path, name, decimal), columns)
     if suffix == ".npy":
-        return _choose(_table(_mapped(path), f"array of {name}"), columns)
+        try:
+            with np.errstate(over="raise"):
+                values = np.lib.format.open_memmap(path, mode="r")  # takes no memory for a shape that is only claimed
+        except Exception:  # of the tokenizer, for instance
+            raise ValueError("it is damaged, or not a plain array; allowed: real numbers") from None
+        return _choose(_table(values, f"array of {name}"), columns)
     try:
         if suffix in _HDF5:
             values, unit, said = confined.read_dataset(path, MAX_VALUES, dataset)
@@ -53,15 +58,6 @@ def shown_name(path: Path) -> str:
     return os.fsencode(path.name).decode("utf-8", "backslashreplace")
 
 
-def _mapped(path: Path) -> Any:
-    """The array of an .npy file: a map takes no memory for a shape that a header only claims. Raises `ValueError`."""
-    try:
-        with np.errstate(over="raise"):
-            return np.lib.format.open_memmap(path, mode="r")
-    except Exception:  # of the tokenizer, for instance
-        raise ValueError("it is damaged, or not a plain array; allowed: real numbers") from None
-
-
 def _table(found: Any, origin: str) -> Table:
     """A table of real numbers, shape (rows, columns)."""
     if found.dtype.kind not in "fiu" or found.ndim not in (1, 2) or 0 in found.shape or found.size > MAX_VALUES:
@@ -73,10 +69,7 @@ def _table(found: Any, origin: str) -> Table:
 
 
 def _choose(table: Table, columns: str | None, label: Label | None = None) -> Table:
-    """The columns of x and z that are asked for, or that the file makes clear. Raises `ValueError` for any other.
-
-    label: of both, where it is not that of the table.
-    """
+    """The columns of x and z that are asked for, or clear, with a label of their own or the table's."""
     places = _places(table) if columns is None else _asked(columns, table)
     at = list(places.values())
     shown = "".join(f", {axis} from column {place + 1}" for axis, place in places.items())
@@ -117,24 +110,21 @@ def _places(table: Table) -> dict[str, int]:
     )
     texts += "".join(f", none below {label.text!r}" for label in without[:8] if label.text)
     row = ", ".join(f"{value:g}" for value in table.values[0, numeric[:8]])
-    raise ValueError(
-        f"columns is missing: the file has {counted(len(numeric), 'column')} of numbers{texts}, the first row {row}; "
-        "allowed: the numbers of those of x and z like 1,2, or of z alone"
-    )
+    seen = f"the file has {counted(len(numeric), 'column')} of numbers{texts}, the first row {row}"
+    raise ValueError(f"columns is missing: {seen}; allowed: the numbers of those of x and z like 1,2, or of z alone")
 
 
 def units(found: Table, given: dict[str, str | None], unknown: str | None) -> dict[str, str]:
-    """The unit of each axis, 'x' and 'z'; of 'z' alone without positions.
+    """The unit of each axis, 'x' and 'z', or 'z' alone; given: the user's; unknown: for numbers of no known unit.
 
-    given: the user's. unknown: that of numbers for which no unit is known, if the user says so. Raises `ValueError`
-    where a unit is not known, or a word of the file contradicts the user or its own labels.
+    Raises `ValueError` where a unit is not known, or a word of the file contradicts the user or its own labels.
     """
     units = dict[str, str]()
     for axis, label in found.labels.items():
         known, own = unit_of(label.bracket), given[axis]
         if label.no_length:
-            kind = f"the {_KINDS[axis]}, {label.text!r}, are no lengths for {label.no_length!r}"
-            raise ValueError(f"{kind}; allowed: columns of lengths, or other labels if they are")
+            seen = f"the {_KINDS[axis]}, {label.text!r}, are no lengths for {label.no_length!r}"
+            raise ValueError(f"{seen}; allowed: columns of lengths, or other labels if they are")
         if own and (stated := known or label.bare) and own != stated:
             seen = f"the file names {stated} ({label.text!r})"
             raise ValueError(f"{axis}_unit is {own}, but {seen}; allowed: {stated}, or none")
@@ -154,10 +144,9 @@ def units(found: Table, given: dict[str, str | None], unknown: str | None) -> di
         labels = ", ".join(filter(None, (found.labels[axis].text for axis in missing)))
         line = next((line for line, said, _ in found.head.said() if said), labels)
         seen = f" (its line {line[:60]!r} is not understood: labels are like 'x [um]', parted as the rows are)"
-        kinds += seen * bool(line)
+        many, seen = "are" if len(missing) > 1 else "is", f"the file names no unit of its {kinds}{seen * bool(line)}"
         allowed = f"{', '.join(UNITS)}; or scene_units, if its numbers are in the scene's own unit"
-        many = "are" if len(missing) > 1 else "is"
-        raise ValueError(f"{names} {many} missing: the file names no unit of its {kinds}; allowed: {allowed}")
+        raise ValueError(f"{names} {many} missing: {seen}; allowed: {allowed}")
     return units
 
 

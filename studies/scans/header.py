@@ -1,8 +1,7 @@
 """The header of a text: one line of labels is understood, and no other word of it may contradict what is known.
 
-Labels stand above the rows and are parted as they are: `name`, `name [unit]` or `name (unit)` for each column, or names
-in one line and units in the next. Everything else is for the user to say. A unit, a slope, a voltage or a depth in
-other words is quoted where it contradicts the user, or where something is missing.
+Labels are parted as the rows are: `name`, `name [unit]` or `name (unit)` for each column, or names above units. Other
+units, slopes, voltages and depths are quoted where they contradict the user, or where something is missing.
 """
 
 import csv
@@ -23,27 +22,22 @@ _ROLES = {
 }
 # heights under such words may grow into the valleys
 DEEP = re.compile(
-    r"depth|tief|diepte|profond|profun|creux|g\u0142\u0119bok|\u0433\u043b\u0443\u0431|\u6df1|penetrat|indentation|spalt|recess|below|bulk"
+    r"(?i)depth|tief|diepte|profond|profun|creux|g\u0142\u0119bok|\u0433\u043b\u0443\u0431|\u6df1|penetrat|indentation|spalt|recess|below|bulk"
     r"|negativ|\bneg\b|invert|flipped|\bdown(?:wards?)?\b(?!\s*\d)|positive into|valleys? (?:are )?(?:positive|up)"
-    r"|\bgaps?\b(?! gauge)|separation|clearance|(?:^|\()\s*-\s*[^\W\d]|\bz\s*-\s*$",
-    re.I,
+    r"|\bgaps?\b(?! gauge)|separation|clearance|(?:^|\()\s*-\s*[^\W\d]|\bz\s*-\s*$"
 )
 # columns under such a name are no positions or heights, or something made of them
 _NO_HEIGHT = re.compile(
-    r"slope|gradient|steigung|curvature|\bangle|winkel|volt|spannung|phase|\bforce\b|kraft|\bcurrent$|intensity"
+    r"(?i)slope|gradient|steigung|curvature|\bangle|winkel|volt|spannung|phase|\bforce\b|kraft|\bcurrent$|intensity"
     r"|deflection|psd|spe[ck]tr|density|correlation|\bln\b|\blog(?:\d|\b)|sqrt|wurzel|squared|divided|multiplied"
-    r"|\brange\b|cut-?off|tolerance|resolution$|spacing|radius|\bper\s|\bdb\b|fft|\bbits?\b|counts?\b|lsb|[*^\u00b1]|/\s*\d|^\d+[a-z]|(?!^x\d$)\bx\s?\d",
-    re.I,
+    r"|\brange\b|cut-?off|tolerance|resolution$|spacing|radius|\bper\s|\bdb\b|fft|\bbits?\b|counts?\b|lsb|[*^\u00b1]|/\s*\d|^\d+[a-z]|(?!^x\d$)\bx\s?\d"
 )
 _OTHER_UNIT = re.compile(
-    r"[munkM\u03bc]?(?:V|A|N|Pa|rad|s|Hz|K)|volts?|deg\w*|\u00b0C?|sec|counts?|px|pixels?|%|a\.?u\.?|lsb|bits?"
-    r"|\w+\s?(?:/|\^|per)\s?\w+",
-    re.I,
+    r"(?i)[munkM\u03bc]?(?:V|A|N|Pa|rad|s|Hz|K)|volts?|deg\w*|\u00b0C?|sec|counts?|px|pixels?|%|a\.?u\.?|lsb|bits?"
+    r"|\w+\s?(?:/|\^|per)\s?\w+"
 )
 # a number that may have to be applied
-_FACTOR = re.compile(
-    r"(?:^|[^a-z])[xyzvh]?[\s_-]?(?:scal(?:e|ing)|factor|bit2|lsb|gain|multiplier)\w*\W+([-+]?\d\S*)", re.I
-)
+_FACTOR = re.compile(r"(?i)(?:^|[^a-z])[xyzvh]?[\s_-]?(?:scal|factor|bit2|lsb|gain|multiplier)\w*\W+([-+]?\d\S*)")
 _BRACKET = r"[\[({<]\s*(?:in\s+|units?\s*:\s*)?([^\[\](){}<>]*?)\s*[\])}>]"
 _CELL = r"(?:^|[,;\t=:])\s*\"?[-+]?[\d.]+\"?\s*[,;\t]\s*\"?"  # a number alone, before the cell of its unit
 # a number and its unit, or a unit and the number in it: the value of a parameter
@@ -58,7 +52,7 @@ _UNIT_LINE = re.compile(
 
 
 class Label(NamedTuple):
-    """The label of a column: its name, and its unit as it is written in brackets, empty without one."""
+    """The label of a column: its name, and its unit as it is written in brackets; both may be empty."""
 
     name: str
     bracket: str = ""
@@ -110,11 +104,9 @@ class Header(NamedTuple):
             quantity = _NO_HEIGHT.search(line) if near or (about and about[1]) else None
             other = next(filter(_OTHER_UNIT.fullmatch, [*near, *words]), quantity[0].strip() if quantity else "")
             bare = _QUANTITY.sub(lambda found: " " if unit_of(found[1] or found[2]) else found[0], line)
-            known = (
-                unit_of(found[1] or found[2], expected=bool(found[1] or about))
-                for found in re.finditer(rf"{_BRACKET}|(?!in\b)([^\W\d_]+)", bare)
-            )
-            yield line, list(dict.fromkeys(filter(None, known))) if about or without else [], applied or other * without
+            words = re.findall(rf"{_BRACKET}|(?!in\b)([^\W\d_]+)", bare) if about or without else []
+            known = (unit_of(inside or word, expected=bool(inside or about)) for inside, word in words)
+            yield line, list(dict.fromkeys(filter(None, known))), applied or other * without
 
 
 def cells(line: str, delimiter: str | None) -> list[str]:
@@ -127,10 +119,7 @@ def cells(line: str, delimiter: str | None) -> list[str]:
 
 
 def read(lines: Sequence[str], delimiter: str | None, count: int, least: int) -> Header:
-    """The labels of the columns of a table in the lines above it, and the lines that are none.
-
-    delimiter: of the rows; count: of all columns; least: of those that must have labels.
-    """
+    """The labels of `count` columns, of which the first `least` must have one, in the lines above; and the others."""
     lines = [line.replace("\u00b2", "^2").replace("\u00b3", "^3") for line in lines if len(line) <= _LONGEST]
     kept = [line for line in (plain(line).strip(_COMMENT) for line in lines) if line]
     for i in reversed(range(len(kept))[-_NEAR:]):
@@ -138,8 +127,8 @@ def read(lines: Sequence[str], delimiter: str | None, count: int, least: int) ->
         under = [label.bracket or label.name for label in labels]
         units = all(not unit or unit_of(unit) or _OTHER_UNIT.fullmatch(unit) for unit in under)
         if any(label.name for label in above) and any(under) and units:
-            brackets = (dict.fromkeys([a.bracket, unit]) for a, unit in zip(above, under, strict=True))
-            merged = [Label(a.name, ",".join(filter(None, both))) for a, both in zip(above, brackets, strict=True)]
+            pairs = zip(above, under, strict=True)
+            merged = [Label(a.name, ",".join(dict.fromkeys(filter(None, (a.bracket, unit))))) for a, unit in pairs]
             return Header(merged, kept[: i - 1] + kept[i + 1 :])
         if any(label.bracket or label.role for label in labels):
             return Header(labels, kept[:i] + kept[i + 1 :])

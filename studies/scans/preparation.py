@@ -1,7 +1,6 @@
 """From the heights of a scan to a periodic profile on a grid. Every step is told in words."""
 
 import math
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
@@ -61,8 +60,7 @@ class Profile:
             self.z = self.z - legendre.legval(i, fitted[: degree + 1])
         kept = "times the rms height of the rest was kept and may carry the load"
         if how is None and _FORM < bow < math.inf:
-            advice = "detrend curvature removes it, linear says that it is meant"
-            self.doubts.append(f"a bow of {bow:.3g} {kept}: {advice}")
+            self.doubts.append(f"a bow of {bow:.3g} {kept}: detrend curvature removes it, linear says that it is meant")
         if how in (None, "curvature") and _BEND < bend < math.inf:
             self.doubts.append(f"an S-shaped form of {bend:.3g} {kept}: detrend does not remove it")
 
@@ -75,8 +73,8 @@ class Profile:
             self.steps.append("taken as periodic: the last value meets the first")
             jump, largest = abs(float(self.z[0] - self.z[-1])), float(np.abs(np.diff(self.z)).max())
             if jump > _JUMP * largest:
-                seen = f"from the last value to the first is a step {round(jump / largest)} times as high as any in the scan"
-                self.doubts.append(f"{seen}: it does not look periodic (window)")
+                step = f"a step {round(jump / largest)} times as high as any in the scan"
+                self.doubts.append(f"from the last value to the first is {step}: it does not look periodic (window)")
 
     def resample(self, num_points: int) -> None:
         """The profile on another number of points by its Fourier modes, or straight lines where waves overshoot.
@@ -110,19 +108,15 @@ class Profile:
 
 
 def mirrored(about: Mapping[str, Any]) -> bool:
-    """Whether the second half of the period is the mirror image of a scan, whose contact patches then count twice.
-
-    about: what travels with a scan's results, see `MeasuredIndenter.description`.
-    """
+    """Whether half of the period is the mirror image of the scan with this `MeasuredIndenter.description`."""
     return _MIRROR in str(about.get("profile_steps", ""))
 
 
 def evenly_spaced(x: Array64, z: Array64) -> Profile:
     """A profile from heights at positions that go one way, shape (number of values,) each [length].
 
-    Positions that are even except for the rounding of their digits, to less than their spacing, are taken as even. So
-    are those of which some are missing, whose heights are filled. Others are interpolated. The length of the scan is
-    one spacing for each place. Raises `ValueError` for a gap that is too long for that.
+    Positions that are even except for the rounding of their digits are taken as even, also where some are missing,
+    whose heights are filled. Others are interpolated. Raises `ValueError` for a gap that is too long for that.
     """
     told, doubts = ["positions decrease: read from the end"] * bool(x[-1] < x[0]), list[str]()
     x, z = (x[::-1] - x[-1], z[::-1]) if told else (x - x[0], z)
@@ -142,11 +136,10 @@ def evenly_spaced(x: Array64, z: Array64) -> Profile:
         told.append(f"positions even to {off:.2g} of their spacing, taken as even")
         return Profile(z, spacing * count, told)
     if gap > max(LONGEST_GAP * x[-1], 1.5 * spacing):
-        allowed = f"up to {LONGEST_GAP:.0%}; cut or fill it"
-        raise ValueError(f"x has a gap of {gap / x[-1]:.1%} of the scan; allowed: {allowed}")
+        most = f"up to {LONGEST_GAP:.0%}; cut or fill it"
+        raise ValueError(f"x has a gap of {gap / x[-1]:.1%} of the scan; allowed: {most}")
     if even:
-        missing = f"{count - x.size} missing, whose heights were filled"
-        told.append(f"positions even to {off:.2g} of their spacing, {missing}")
+        told.append(f"positions even to {off:.2g} of their spacing, {count - x.size} missing, with heights filled in")
     else:
         spacing, place = mean, x / mean
         told.append(f"interpolated linearly to even spacing, the largest gap {gap / spacing:.3g} spacings")

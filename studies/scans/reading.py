@@ -40,8 +40,7 @@ class Options:
     profile_file: Path
     """The file: text (.csv, .txt, .dat, .asc, .tsv), .npy, .h5, or an instrument's format."""
     num_points: int | None = None
-    """Grid points, up to 16 for each value; default: a power of two, at least four for each value, but one beyond 2^18
-    points; with an accuracy the most."""
+    """Grid points, up to 16 for each value; default: a power of two, mostly 4 or more each; with an accuracy 16."""
     x_unit: Unit | None = None
     """Unit of the positions, where the file names none."""
     z_unit: Unit | None = None
@@ -49,7 +48,7 @@ class Options:
     scene_units: bool = False
     """Numbers for which no unit is known are in the scene's own unit of length, which --length-unit may name."""
     length_unit: Unit | None = None
-    """Unit of the scene's lengths, of results and of numbers alone; default: m, and numbers need their units, like 2mm."""
+    """Unit of the scene's lengths, of results and of numbers alone; default: m, and lengths have units, like 2mm."""
     scan_length: float | None = None
     """Length of a scan without positions [length], its spacing times its number of values."""
     columns: str | None = text("text, like '2,3'", None)
@@ -99,10 +98,7 @@ class Scan(NamedTuple):
         return f"Scan: period {self.period:.6g} [{unit}], num_points {self.num_points}; {self.indenter}"
 
     def scene(self, layer: ElasticLayer, pressure: float | None = None, approach: float | None = None) -> Scene:
-        """The scan pressed against a layer, by a mean pressure [pressure] or to an approach [length].
-
-        Lengths are in the same unit as the scan's. Raises `ValueError`.
-        """
+        """The scan under a mean pressure [pressure], or an approach [length] in its unit. Raises `ValueError`."""
         if pressure is None and approach is None:
             raise ValueError("pressure (or approach) is missing; allowed: one of the two, in the units of the layer")
         if getattr(layer, "has_default_modulus", False):  # else `Scene` says that it is no layer
@@ -117,14 +113,11 @@ def read_scan(path: str | os.PathLike[str], **options: Any) -> Scan:
 
     path: the file. options: as the fields of `Options` say, for instance `x_unit="um"`, `z_unit="nm"`,
     `scan_length=1e-3`, `num_points=2**14`. Lengths of the scene are in metres unless `length_unit` says otherwise.
-
-    Raises `ValueError` for a file that cannot be read, whose units are not known, or that is no profile; it says what
-    to add.
+    Raises `ValueError` for a file that cannot be read, leaves something open, or is no profile; it says what to add.
     """
     allowed = [field.name for field in fields(Options) if field.name not in ("profile_file", "period")]
-    for name in options:
-        if name not in (*allowed, "period"):
-            raise ValueError(f"option is {name!r}; allowed: {', '.join(allowed)}")
+    for name in set(options) - {*allowed, "period"}:
+        raise ValueError(f"option is {name!r}; allowed: {', '.join(allowed)}")
     return read(Options(as_path("path", path), **options))
 
 
@@ -150,7 +143,14 @@ def _read(options: Options) -> Scan:
     profile, units = _measured(found, options)
     profile.steps[:0], profile.doubts[:0] = told, doubts
     count, scan = profile.z.size, _statistics(profile)
-    _turn_over(profile, found, options)
+    said = next(filter(DEEP.search, [found.labels["z"].text, *found.head.rest]), "")
+    if said and options.profile_convention is None:
+        seen = f"the file speaks of depths or gaps ({said[:60]!r})"
+        allowed = "heights, if its values grow towards the peaks, or gap, if they grow into the valleys"
+        raise ValueError(f"profile_convention is missing: {seen}; allowed: {allowed}")
+    if options.profile_convention != "gap":
+        profile.z = -profile.z
+        profile.steps.append("heights turned over: peaks up become the indenter's lowest points")
     height = np.ptp(profile.z)
     profile.detrend("none" if options.window == "none" and options.detrend is None else options.detrend)
     if np.ptp(profile.z) <= 1e-12 * height:
@@ -230,27 +230,12 @@ def _measured(found: Table, options: Options) -> tuple[Profile, dict[str, str]]:
 
 
 def _statistics(profile: Profile) -> dict[str, float]:
-    """What tells whether a scan was understood, in the scene's unit; rms height and slope are about the mean line."""
+    """Numbers that tell whether a scan was understood [length]; rms height and slope are about the mean line."""
     i = np.arange(profile.z.size)
     straight = profile.z - np.polynomial.Polynomial.fit(i, profile.z, 1)(i)
-    return {
-        "profile_scan_length": profile.length,
-        "profile_spacing": profile.spacing,
-        "profile_rms_height": float(np.sqrt(np.mean(straight**2))),
-        "profile_rms_slope": float(np.sqrt(np.mean(np.diff(straight) ** 2))) / profile.spacing,
-    }
-
-
-def _turn_over(profile: Profile, found: Table, options: Options) -> None:
-    """Make h of heights, unless the file holds h."""
-    said = next(filter(DEEP.search, [found.labels["z"].text, *found.head.rest]), "")
-    if said and options.profile_convention is None:
-        seen = f"the file speaks of depths or gaps ({said[:60]!r})"
-        allowed = "heights, if its values grow towards the peaks, or gap, if they grow into the valleys"
-        raise ValueError(f"profile_convention is missing: {seen}; allowed: {allowed}")
-    if options.profile_convention != "gap":
-        profile.z = -profile.z
-        profile.steps.append("heights turned over: peaks up become the indenter's lowest points")
+    height, slope = (float(np.sqrt(np.mean(z**2))) for z in (straight, np.diff(straight) / profile.spacing))
+    sizes = {"scan_length": profile.length, "spacing": profile.spacing, "rms_height": height, "rms_slope": slope}
+    return {f"profile_{name}": size for name, size in sizes.items()}
 
 
 def _choose_grid(options: Options, values: int, in_period: int) -> int:

@@ -1,12 +1,10 @@
 """Tables of numbers in text files: any encoding, separator and decimal sign, with a header above."""
 
-import codecs
 import itertools
 import math
 import re
 from collections import Counter
 from collections.abc import Sequence, Set
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, NamedTuple
 
@@ -17,7 +15,6 @@ from linecontact.solver.display import counted
 from . import header
 
 Decimal = Literal["point", "comma"]
-
 MAX_TEXT = 2**25  # bytes of a text file
 
 _SAMPLE = 200  # lines at the end of the table, which tell how it is written
@@ -58,14 +55,13 @@ class Table(NamedTuple):
         return f"line {self.line + i}" if self.line else f"row {i + 1}"
 
 
-@dataclass(frozen=True)
-class _Writing:
+class _Writing(NamedTuple):
     """How the rows of a table are written."""
 
     delimiter: str | None  # None for spaces
     decimal: str
     numeric: Sequence[int] = ()  # columns of numbers
-    count: int = 0  # of columns
+    columns: int = 0  # how many, others too
     share: float = 0.0  # of the cells, that are numbers or missing
     signs: Set[str] = frozenset()  # characters of the numbers
 
@@ -83,8 +79,8 @@ class _Writing:
     def row(self, line: str) -> list[float]:
         """The numbers in the numeric columns of a line; empty if the line has not the columns of the table."""
         cells = header.cells(line, self.delimiter)
-        more = [cell for cell in cells[self.count :] if cell]
-        torn = bool(more) and (self.delimiter is not None or any(self.number(cell) != math.inf for cell in more))
+        more = filter(None, cells[self.columns :])
+        torn = any(self.delimiter is not None or self.number(cell) != math.inf for cell in more)
         if torn or len(cells) <= self.numeric[-1] or not line.strip():
             return []
         return [self.number(cells[i]) for i in self.numeric]
@@ -104,17 +100,16 @@ class _Writing:
                 signs.update(*numbers)
             elif any(map(_TORN.fullmatch, column)):
                 return self
-        share = found / max(1, count * len(split))
-        return _Writing(self.delimiter, self.decimal, numeric, count, share, signs)
+        return _Writing(self.delimiter, self.decimal, numeric, count, found / max(1, count * len(split)), signs)
 
     def told(self) -> str:
         """The same in words."""
-        between = f"{_NAMES[self.delimiter]} between columns" if self.count > 1 else "one column"
+        between = f"{_NAMES[self.delimiter]} between columns" if self.columns > 1 else "one column"
         return f"{between}, decimal commas" if self.decimal == "comma" else between
 
 
 def read_text(path: Path, name: str, decimal: Decimal | None) -> Table:
-    """The table at the end of a text file. It begins with the first line that is a row like the last ones.
+    """The table at the end of a text file, from the first line on that is a row like the last ones.
 
     name: of the file, for records; decimal: the decimal sign, None for the one that is found. Raises `ValueError`.
     """
@@ -134,7 +129,7 @@ def read_text(path: Path, name: str, decimal: Decimal | None) -> Table:
         if all(map(_LIKE_ROW.match, pair)):
             seen = f"line {i + 1}: {pair[0].strip()[:40]!r} is not written as the rows from line {first + 1} on are"
             raise ValueError(f"{seen}; allowed: one table ({writing.told()}), below its header")
-    head = header.read(lines[:first], writing.delimiter, writing.count, writing.numeric[-1] + 1)
+    head = header.read(lines[:first], writing.delimiter, writing.columns, writing.numeric[-1] + 1)
     parted = all(head.labels[i].text for i in writing.numeric) and any(label.bracket for label in head.labels)
     if unclear and not (writing.delimiter == "," and parted):
         seen = f"in {begin!r}, commas may be decimal signs"
@@ -142,10 +137,10 @@ def read_text(path: Path, name: str, decimal: Decimal | None) -> Table:
     if [] in rows[first:]:
         i = rows.index([], first)
         text = lines[i].strip()[:40]
-        seen = f": {text!r} is not {counted(writing.count, 'cell')}" if text else " is empty"
+        seen = f": {text!r} is not {counted(writing.columns, 'cell')}" if text else " is empty"
         allowed = f"rows like {begin!r} in line {first + 1} to the end ({writing.told()})"
         raise ValueError(f"line {i + 1}{seen}; allowed: {allowed}")
-    values = np.full((len(lines) - first, writing.count), np.nan)
+    values = np.full((len(lines) - first, writing.columns), np.nan)
     values[:, list(writing.numeric)] = rows[first:]
     origin = f"numbers of {name}, {writing.told()}, {counted(first, 'line')} of header"
     return Table(values, origin, writing.numeric, head, first + 1)
@@ -156,30 +151,26 @@ def _decoded(path: Path) -> str:
     if path.stat().st_size > MAX_TEXT:
         raise ValueError(f"the text is too long; allowed: {MAX_TEXT} bytes, or .npy or .h5")
     content = path.read_bytes()
-    marked = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     try:
-        return content.decode("utf-16" if marked else "utf-8-sig")
+        return content.decode("utf-16" if content.startswith((b"\xff\xfe", b"\xfe\xff")) else "utf-8-sig")
     except UnicodeDecodeError:
         return content.decode("latin-1")
 
 
 def _find(lines: Sequence[str], decimal: Decimal | None) -> tuple[_Writing, bool]:
-    """How the table at the end of a text is written, and whether its commas may be decimal signs as well as not.
-
-    Raises `ValueError` if there is no table, or none with that decimal sign.
-    """
+    """How the table at the end is written, and whether its commas may be decimal signs or not. Raises `ValueError`."""
     last = [line for line in lines[-_SAMPLE:] if line.strip()]
     quoted = any('"' in line for line in last)
     ways = [_Writing(delimiter, sign).counted(last) for sign in _NUMBERS for delimiter in _NAMES]
     ways = [way for way in ways if way.numeric and (quoted or (way.delimiter, way.decimal) != (",", "comma"))]
-    best = max(ways, key=lambda way: (way.share, way.decimal == decimal, way.count), default=None)  # the first of equal
-    shown = f"{lines[-1].strip()[:40]!r}" if lines else "empty"
-    if best is None:
-        allowed = "rows of numbers to the last line, parted by commas, semicolons, tabs or spaces"
-        raise ValueError(f"no table of numbers; the last line is {shown}; allowed: {allowed}")
-    if decimal not in (None, best.decimal):
-        allowed = "the sign that its numbers have, and numbers in quotes where commas part the columns, too"
-        raise ValueError(f"decimal is {decimal}, but the last line is {shown}; allowed: {allowed}")
-    others = any(way.share == best.share and (way.decimal, way.count) != (best.decimal, best.count) for way in ways)
+    best = max(
+        ways, key=lambda way: (way.share, way.decimal == decimal, way.columns), default=None
+    )  # the first of equal
+    if best is None or decimal not in (None, best.decimal):
+        signs = f" with decimal {decimal}s" if decimal else ""
+        seen = f"no table of numbers{signs}; the last line is {''.join(lines[-1:]).strip()[:40]!r}"
+        allowed = "rows to the last line, parted by commas (from decimal commas by quotes), semicolons, tabs or spaces"
+        raise ValueError(f"{seen}; allowed: {allowed}")
+    others = any(way.share == best.share and (way.decimal, way.columns) != (best.decimal, best.columns) for way in ways)
     whole = best.delimiter == "," and best.decimal == "point" and "." not in best.signs
     return best, decimal is None and (whole or (others and ("," in best.signs or best.delimiter == ",")))
