@@ -17,7 +17,6 @@ from .text import Decimal, Table, read_text
 MAX_REFINEMENT = 16  # grid points over values in the file
 MAX_VALUES = MAX_POINTS // MAX_REFINEMENT  # numbers in a file: enough for the largest grid
 LARGEST = 1e100  # number in a file, and its inverse the smallest range: squares are taken
-
 _TEXT, _HDF5 = (".csv", ".txt", ".dat", ".asc", ".tsv"), (".h5", ".hdf5")  # as the names of such files end
 _KINDS = {"x": "positions", "z": "heights"}
 
@@ -38,10 +37,10 @@ def load(path: Path, dataset: str | None, columns: str | None, decimal: Decimal 
     if suffix == ".npy":
         try:
             with np.errstate(over="raise"):
-                values = np.lib.format.open_memmap(path, mode="r")  # takes no memory for a shape that is only claimed
+                array = np.lib.format.open_memmap(path, mode="r")  # takes no memory for a shape that is only claimed
         except Exception:  # of the tokenizer, for instance
             raise ValueError("it is damaged, or not a plain array; allowed: real numbers") from None
-        return _choose(_table(values, f"array of {name}"), columns)
+        return _choose(_table(array, f"array of {name}"), columns)
     try:
         if suffix in _HDF5:
             values, unit, said = confined.read_dataset(path, MAX_VALUES, dataset)

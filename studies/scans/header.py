@@ -90,11 +90,8 @@ class Header(NamedTuple):
     rest: Sequence[str] = ()
 
     def said(self) -> Iterator[tuple[str, list[str], str]]:
-        """Each of the other lines, the units of length in it, and something that is no length, or a factor.
-
-        Where labels have units, only lines that tell one count, and factors.
-        """
-        without = not any(label.bracket for label in self.labels)
+        """Each of the other lines, the units of length in it, and something that is no length, or a factor."""
+        without = not any(label.bracket for label in self.labels)  # else only lines that tell a unit count, and factors
         for line in self.rest:
             factor = _FACTOR.search(line)
             applied = factor[0].strip() if factor and factor[1].rstrip(".,0;") != "1" else ""
@@ -104,8 +101,8 @@ class Header(NamedTuple):
             quantity = _NO_HEIGHT.search(line) if near or (about and about[1]) else None
             other = next(filter(_OTHER_UNIT.fullmatch, [*near, *words]), quantity[0].strip() if quantity else "")
             bare = _QUANTITY.sub(lambda found: " " if unit_of(found[1] or found[2]) else found[0], line)
-            words = re.findall(rf"{_BRACKET}|(?!in\b)([^\W\d_]+)", bare) if about or without else []
-            known = (unit_of(inside or word, expected=bool(inside or about)) for inside, word in words)
+            parts = re.findall(rf"{_BRACKET}|(?!in\b)([^\W\d_]+)", bare) if about or without else []
+            known = (unit_of(inside or word, expected=bool(inside or about)) for inside, word in parts)
             yield line, list(dict.fromkeys(filter(None, known))), applied or other * without
 
 

@@ -136,10 +136,10 @@ def evenly_spaced(x: Array64, z: Array64) -> Profile:
         told.append(f"positions even to {off:.2g} of their spacing, taken as even")
         return Profile(z, spacing * count, told)
     if gap > max(LONGEST_GAP * x[-1], 1.5 * spacing):
-        most = f"up to {LONGEST_GAP:.0%}; cut or fill it"
-        raise ValueError(f"x has a gap of {gap / x[-1]:.1%} of the scan; allowed: {most}")
+        seen = f"x has a gap of {gap / x[-1]:.1%} of the scan"
+        raise ValueError(f"{seen}; allowed: up to {LONGEST_GAP:.0%}; cut or fill it")
     if even:
-        told.append(f"positions even to {off:.2g} of their spacing, {count - x.size} missing, with heights filled in")
+        told.append(f"positions even to {off:.2g} spacings, {count - x.size} missing, whose heights were filled")
     else:
         spacing, place = mean, x / mean
         told.append(f"interpolated linearly to even spacing, the largest gap {gap / spacing:.3g} spacings")

@@ -29,7 +29,6 @@ from .text import Decimal, Table
 _POINTS_PER_VALUE, _ENOUGH = 4, 2**18  # of the default grid, up to so many points: contact edges lie between values
 _FEWEST = 16  # values
 _DEFAULT: Unit = "m"  # of the scene's lengths
-
 Convention = Literal["heights", "gap"]
 
 

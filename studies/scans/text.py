@@ -163,13 +163,11 @@ def _find(lines: Sequence[str], decimal: Decimal | None) -> tuple[_Writing, bool
     quoted = any('"' in line for line in last)
     ways = [_Writing(delimiter, sign).counted(last) for sign in _NUMBERS for delimiter in _NAMES]
     ways = [way for way in ways if way.numeric and (quoted or (way.delimiter, way.decimal) != (",", "comma"))]
-    best = max(
-        ways, key=lambda way: (way.share, way.decimal == decimal, way.columns), default=None
-    )  # the first of equal
+    best = max(ways, key=lambda way: (way.share, way.decimal == decimal, way.columns), default=None)
     if best is None or decimal not in (None, best.decimal):
         signs = f" with decimal {decimal}s" if decimal else ""
         seen = f"no table of numbers{signs}; the last line is {''.join(lines[-1:]).strip()[:40]!r}"
-        allowed = "rows to the last line, parted by commas (from decimal commas by quotes), semicolons, tabs or spaces"
+        allowed = "rows to the end, parted by commas, semicolons, tabs or spaces; decimal commas between commas in quotes"
         raise ValueError(f"{seen}; allowed: {allowed}")
     others = any(way.share == best.share and (way.decimal, way.columns) != (best.decimal, best.columns) for way in ways)
     whole = best.delimiter == "," and best.decimal == "point" and "." not in best.signs
