@@ -167,7 +167,7 @@ def _find(lines: Sequence[str], decimal: Decimal | None) -> tuple[_Writing, bool
     if best is None or decimal not in (None, best.decimal):
         signs = f" with decimal {decimal}s" if decimal else ""
         seen = f"no table of numbers{signs}; the last line is {''.join(lines[-1:]).strip()[:40]!r}"
-        allowed = "rows to the end, parted by commas, semicolons, tabs or spaces; decimal commas between commas in quotes"
+        allowed = "rows to the end, parted by commas, semicolons, tabs, spaces; decimal commas between commas in quotes"
         raise ValueError(f"{seen}; allowed: {allowed}")
     others = any(way.share == best.share and (way.decimal, way.columns) != (best.decimal, best.columns) for way in ways)
     whole = best.delimiter == "," and best.decimal == "point" and "." not in best.signs
