@@ -291,6 +291,23 @@ def test_missing_heights_are_filled_or_left_out_and_told(tmp_path, cell):
         ("".join(f"{i},5,{i * 7 % 11},1\n" for i in range(60)), UNITS, "decimal is missing: in '0,5,0,1'"),
         ("x [um],z [um]\n" + "".join(f"{i},5,{i * 7 % 11},1\n" for i in range(60)), {}, "decimal is missing"),
         ("".join(f"{i},{i * 7 % 11}\n" for i in range(60)), UNITS, "decimal is missing"),
+        (
+            "".join(f"{i},5,{i * 7 % 11},1e-1,ok\n" for i in range(60)),
+            {**UNITS, "columns": "1,3"},
+            "decimal is missing",
+        ),
+        ("x [um],,z [um],\n" + "".join(f"{i},5,{i * 7 % 11},1\n" for i in range(60)), {}, "decimal is missing"),
+        (
+            "".join(f"{i},5,{i * 7 % 11},1\n" for i in range(60)),
+            {**UNITS, "columns": "1,3", "decimal": "comma"},
+            "no table of numbers with decimal commas; .*; decimal commas between commas in quotes",
+        ),
+        (
+            "".join(f"{i};{i * 0.5};{i * 7 % 11}\n" for i in range(60)),
+            {**UNITS, "decimal": "comma"},
+            "no table of numbers with decimal commas; the last line is '59;29.5;6'",
+        ),
+        ("".join(f"{i},000;0,{i * 7 % 10}\n" for i in range(60)), {**UNITS, "decimal": "point"}, "with decimal points"),
     ],
 )
 def test_rows_that_are_none(tmp_path, content, options, named):
@@ -327,3 +344,14 @@ def test_refused_with_the_remedy(tmp_path, name):
     content, options, named = REFUSED[name]
     with pytest.raises(ValueError, match=named):
         read_scan(write(tmp_path, content), **options)
+
+
+def test_an_s_shaped_form_is_doubted_and_a_pitch_is_a_parameter(tmp_path):
+    i, z = np.linspace(-1, 1, 400), np.random.default_rng(3).standard_normal(400)
+    table = "".join(f"{0.5 * j},{value:.6f}\n" for j, value in enumerate(10 * i**3 + z))
+    path = write(tmp_path, f"XY pitch,0.0005,mm\n{table}")
+    for options, kept in ({}, True), ({"detrend": "curvature"}, True), ({"detrend": "linear"}, False):
+        about = read_scan(path, **UNITS, **options).indenter.description
+        assert ("an S-shaped form of 8." in about.get("profile_doubts", "")) is kept
+    path = write(tmp_path, "".join(f"{0.5 * j},{value:.6f}\n" for j, value in enumerate(2 * i**3 + z)))
+    assert "S-shaped" not in read_scan(path, **UNITS).indenter.description.get("profile_doubts", "")

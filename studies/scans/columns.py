@@ -2,12 +2,10 @@
 
 import os
 import re
-from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from linecontact.solver.arrays import Array64
 from linecontact.solver.display import counted
 from linecontact.solver.scene import MAX_POINTS
 
@@ -19,29 +17,12 @@ from .text import Decimal, Table, read_text
 MAX_REFINEMENT = 16  # grid points over values in the file
 MAX_VALUES = MAX_POINTS // MAX_REFINEMENT  # numbers in a file: enough for the largest grid
 LARGEST = 1e100  # number in a file, and its inverse the smallest range: squares are taken
-
-_TEXT, _HDF5 = (".csv", ".txt", ".dat", ".asc", ".tsv"), (".h5", ".hdf5")
-"""How the names of such files end."""
+_TEXT, _HDF5 = (".csv", ".txt", ".dat", ".asc", ".tsv"), (".h5", ".hdf5")  # as the names of such files end
 _KINDS = {"x": "positions", "z": "heights"}
 
 
-class Columns(NamedTuple):
-    """What a file holds, as it stands there."""
-
-    x: Array64 | None  # positions, shape (number of values,); None if the file has none
-    z: Array64  # heights or gaps, shape (number of values,); NaN where they are missing
-    origin: str  # where they came from, in words
-    labels: dict[str, Label]  # of 'x', if it is there, and 'z'; empty ones, too
-    head: Header = Header()
-    line: int = 0  # of the first value in a text; 0 elsewhere
-
-    def row(self, i: int) -> str:
-        """Where the value with index i stands."""
-        return f"line {self.line + i}" if self.line else f"row {i + 1}"
-
-
-def load(path: Path, dataset: str | None, columns: str | None, decimal: Decimal | None) -> Columns:
-    """The columns of a profile file, chosen by the ending of its name. Raises `ValueError`, and what reading raises.
+def load(path: Path, dataset: str | None, columns: str | None, decimal: Decimal | None) -> Table:
+    """The columns of x and z, or of z alone, of a profile file. Raises `ValueError`, and what reading raises.
 
     dataset: name of the one to read in an HDF5 file, None for the only one. columns: numbers of those of x and z, or
     of z alone, from 1; None for those that the file makes clear. decimal: the decimal sign of a text.
@@ -54,31 +35,26 @@ def load(path: Path, dataset: str | None, columns: str | None, decimal: Decimal 
     if suffix in _TEXT:
         return _choose(read_text(path, name, decimal), columns)
     if suffix == ".npy":
-        return _choose(_table(_mapped(path), f"array of {name}"), columns)
+        try:
+            with np.errstate(over="raise"):
+                array = np.lib.format.open_memmap(path, mode="r")  # takes no memory for a shape that is only claimed
+        except Exception:  # of the tokenizer, for instance
+            raise ValueError("it is damaged, or not a plain array; allowed: real numbers") from None
+        return _choose(_table(array, f"array of {name}"), columns)
     try:
         if suffix in _HDF5:
             values, unit, said = confined.read_dataset(path, MAX_VALUES, dataset)
-            found = _choose(_table(values, f"dataset {dataset or 'only one'} of {name}"), columns)
-            return found._replace(labels=dict.fromkeys(found.labels, Label(said, unit)))
-        (x, z), unit, _ = confined.read_scan(path, MAX_VALUES)
+            return _choose(_table(values, f"dataset {dataset or 'only one'} of {name}"), columns, Label(said, unit))
+        values, unit, _ = confined.read_scan(path, MAX_VALUES)
+        return _choose(_table(values.T, f"{name} by SurfaceTopography"), None, Label("its format" * bool(unit), unit))
     except confined.BrokenError as error:
         allowed = f"{', '.join(known)}, and with `pip install SurfaceTopography` the formats that it reads"
         raise ValueError(f"it is damaged, or of no known kind: {error}; allowed: {allowed}") from None
-    return Columns(x, z, f"{name} by SurfaceTopography", dict.fromkeys("xz", Label("its format" if unit else "", unit)))
 
 
 def shown_name(path: Path) -> str:
     """The file's name for records: they are UTF-8, which not all names are."""
     return os.fsencode(path.name).decode("utf-8", "backslashreplace")
-
-
-def _mapped(path: Path) -> Any:
-    """The array of an .npy file: a map takes no memory for a shape that a header only claims. Raises `ValueError`."""
-    try:
-        with np.errstate(over="raise"):
-            return np.lib.format.open_memmap(path, mode="r")
-    except Exception:  # of the tokenizer, for instance
-        raise ValueError("it is damaged, or not a plain array; allowed: real numbers") from None
 
 
 def _table(found: Any, origin: str) -> Table:
@@ -88,21 +64,21 @@ def _table(found: Any, origin: str) -> Table:
         raise ValueError(f"{seen}; allowed: columns of real numbers, up to {MAX_VALUES}")
     with np.errstate(over="ignore"):  # of a longer type: infinite, and refused as such
         values = np.asarray(found.astype(np.float64).reshape(len(found), -1))
-    return Table(values, origin, range(values.shape[1]))
+    return Table(values, origin, range(values.shape[1]), Header([Label("")] * values.shape[1]))
 
 
-def _choose(table: Table, columns: str | None) -> Columns:
-    """The columns of x and z that are asked for, or that the file makes clear. Raises `ValueError` for any other."""
-    labels = table.head.labels or [Label("")] * table.values.shape[1]
-    places = _places(table, labels) if columns is None else _asked(columns, table, labels)
-    x = table.values[:, places["x"]] if "x" in places else None
+def _choose(table: Table, columns: str | None, label: Label | None = None) -> Table:
+    """The columns of x and z that are asked for, or clear, with a label of their own or the table's."""
+    places = _places(table) if columns is None else _asked(columns, table)
+    at = list(places.values())
     shown = "".join(f", {axis} from column {place + 1}" for axis, place in places.items())
-    named = {axis: labels[place] for axis, place in places.items()}
-    return Columns(x, table.values[:, places["z"]], table.origin + shown, named, table.head, table.line)
+    head = table.head._replace(labels=[label or table.head.labels[place] for place in at])
+    return Table(table.values[:, at], table.origin + shown, range(len(at)), head, table.line)
 
 
-def _asked(columns: str, table: Table, labels: Sequence[Label]) -> dict[str, int]:
+def _asked(columns: str, table: Table) -> dict[str, int]:
     """The places of x and z from the user's "2,3", or "3" for heights alone."""
+    labels = table.head.labels
     numbers = [int(word) - 1 if word.strip().isdecimal() and len(word) < 9 else -1 for word in columns.split(",")]
     if len(numbers) > 2 or len(set(numbers)) < len(numbers) or not set(numbers) <= set(table.numeric):
         allowed = f"{', '.join(str(i + 1) for i in table.numeric[:8])}, the columns of numbers"
@@ -114,9 +90,9 @@ def _asked(columns: str, table: Table, labels: Sequence[Label]) -> dict[str, int
     return places
 
 
-def _places(table: Table, labels: Sequence[Label]) -> dict[str, int]:
+def _places(table: Table) -> dict[str, int]:
     """The places of x and z, as the labels of the columns have them, or their usual order."""
-    numeric = list(table.numeric)
+    labels, numeric = table.head.labels, list(table.numeric)
     first, last, roles = numeric[0], numeric[-1], [labels[i].role for i in numeric]
     without = [labels[i] for i in sorted({*range(len(labels))} - {*numeric})]
     second = len(numeric) > 2 and any(re.match(r"y\b", label.text.lower()) for label in labels)
@@ -126,27 +102,28 @@ def _places(table: Table, labels: Sequence[Label]) -> dict[str, int]:
         return {axis: numeric[roles.index(axis)] for axis in "xz"}
     if len(numeric) == 2 and roles[0] != "z" and roles[1] not in ("x", "index"):
         return {"z": last} if roles[0] == "index" else {"x": first, "z": last}
-    texts = f" labelled {', '.join(repr(labels[i].text) for i in numeric[:8])}" if table.head.labels else ""
+    texts = (
+        f" labelled {', '.join(repr(labels[i].text) for i in numeric[:8])}"
+        if any(label.text for label in labels)
+        else ""
+    )
     texts += "".join(f", none below {label.text!r}" for label in without[:8] if label.text)
     row = ", ".join(f"{value:g}" for value in table.values[0, numeric[:8]])
-    raise ValueError(
-        f"columns is missing: the file has {counted(len(numeric), 'column')} of numbers{texts}, the first row {row}; "
-        "allowed: the numbers of those of x and z like 1,2, or of z alone"
-    )
+    seen = f"the file has {counted(len(numeric), 'column')} of numbers{texts}, the first row {row}"
+    raise ValueError(f"columns is missing: {seen}; allowed: the numbers of those of x and z like 1,2, or of z alone")
 
 
-def units(found: Columns, given: dict[str, str | None], unknown: str | None) -> dict[str, str]:
-    """The unit of each axis, 'x' and 'z'; of 'z' alone without positions.
+def units(found: Table, given: dict[str, str | None], unknown: str | None) -> dict[str, str]:
+    """The unit of each axis, 'x' and 'z', or 'z' alone; given: the user's; unknown: for numbers of no known unit.
 
-    given: the user's. unknown: that of numbers for which no unit is known, if the user says so. Raises `ValueError`
-    where a unit is not known, or a word of the file contradicts the user or its own labels.
+    Raises `ValueError` where a unit is not known, or a word of the file contradicts the user or its own labels.
     """
     units = dict[str, str]()
     for axis, label in found.labels.items():
         known, own = unit_of(label.bracket), given[axis]
         if label.no_length:
-            kind = f"the {_KINDS[axis]}, {label.text!r}, are no lengths for {label.no_length!r}"
-            raise ValueError(f"{kind}; allowed: columns of lengths, or other labels if they are")
+            seen = f"the {_KINDS[axis]}, {label.text!r}, are no lengths for {label.no_length!r}"
+            raise ValueError(f"{seen}; allowed: columns of lengths, or other labels if they are")
         if own and (stated := known or label.bare) and own != stated:
             seen = f"the file names {stated} ({label.text!r})"
             raise ValueError(f"{axis}_unit is {own}, but {seen}; allowed: {stated}, or none")
@@ -166,19 +143,18 @@ def units(found: Columns, given: dict[str, str | None], unknown: str | None) -> 
         labels = ", ".join(filter(None, (found.labels[axis].text for axis in missing)))
         line = next((line for line, said, _ in found.head.said() if said), labels)
         seen = f" (its line {line[:60]!r} is not understood: labels are like 'x [um]', parted as the rows are)"
-        kinds += seen * bool(line)
+        many, seen = "are" if len(missing) > 1 else "is", f"the file names no unit of its {kinds}{seen * bool(line)}"
         allowed = f"{', '.join(UNITS)}; or scene_units, if its numbers are in the scene's own unit"
-        many = "are" if len(missing) > 1 else "is"
-        raise ValueError(f"{names} {many} missing: the file names no unit of its {kinds}; allowed: {allowed}")
+        raise ValueError(f"{names} {many} missing: {seen}; allowed: {allowed}")
     return units
 
 
-def check_values(found: Columns) -> None:
+def check_values(found: Table) -> None:
     """Raise `ValueError` for columns that are no profile: infinite, constant, or positions that go back."""
-    for name, values in (("height", found.z), ("x", found.x)):
-        if values is None or np.isnan(values).all():
-            continue
+    for name, values in zip(("height", "x"), found.values.T[::-1], strict=False):
         there = np.flatnonzero(~np.isnan(values))
+        if not there.size:
+            continue
         if (bad := there[np.abs(values[there]) > LARGEST]).size:
             seen = f"{name} is {values[bad[0]]}".replace("is inf", "is text or inf")
             allowed = f"finite numbers up to {LARGEST:g} in size ({bad.size} of {values.size} are not)"

@@ -1,13 +1,12 @@
 """The header of a text: one line of labels is understood, and no other word of it may contradict what is known.
 
-Labels stand above the rows and are parted as they are: `name`, `name [unit]` or `name (unit)` for each column, or names
-in one line and units in the next. Everything else is for the user to say. A unit, a slope, a voltage or a depth in
-other words is quoted where it contradicts the user, or where something is missing.
+Labels are parted as the rows are: `name`, `name [unit]` or `name (unit)` for each column, or names above units. Other
+units, slopes, voltages and depths are quoted where they contradict the user, or where something is missing.
 """
 
 import csv
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from ..terminal.units import plain, unit_of
@@ -21,44 +20,39 @@ _ROLES = {
     "z": r"z|h|heights?|profile?|raw|topography|elevation|vertical|level(?:l?ed)?|filtered|h\u00f6he|hoehe|hauteur",
     "x": r"x|lateral|positions?|pos|distance|dist|length|scan|horizontal|track|travel|weg|abstand",
 }
-_DEEP = re.compile(
-    r"depth|tief|diepte|profond|profun|creux|g\u0142\u0119bok|\u0433\u043b\u0443\u0431|\u6df1|penetrat|indentation|spalt|recess|below|bulk"
+# heights under such words may grow into the valleys
+DEEP = re.compile(
+    r"(?i)depth|tief|diepte|profond|profun|creux|g\u0142\u0119bok|\u0433\u043b\u0443\u0431|\u6df1|penetrat|indentation|spalt|recess|below|bulk"
     r"|negativ|\bneg\b|invert|flipped|\bdown(?:wards?)?\b(?!\s*\d)|positive into|valleys? (?:are )?(?:positive|up)"
-    r"|\bgaps?\b(?! gauge)|separation|clearance|(?:^|\()\s*-\s*[^\W\d]|\bz\s*-\s*$",
-    re.I,
+    r"|\bgaps?\b(?! gauge)|separation|clearance|(?:^|\()\s*-\s*[^\W\d]|\bz\s*-\s*$"
 )
-"""Heights under such words may grow into the valleys."""
+# columns under such a name are no positions or heights, or something made of them
 _NO_HEIGHT = re.compile(
-    r"slope|gradient|steigung|curvature|\bangle|winkel|volt|spannung|phase|\bforce\b|kraft|\bcurrent$|intensity"
+    r"(?i)slope|gradient|steigung|curvature|\bangle|winkel|volt|spannung|phase|\bforce\b|kraft|\bcurrent$|intensity"
     r"|deflection|psd|spe[ck]tr|density|correlation|\bln\b|\blog(?:\d|\b)|sqrt|wurzel|squared|divided|multiplied"
-    r"|\brange\b|cut-?off|tolerance|resolution$|spacing|radius|\bper\s|\bdb\b|fft|\bbits?\b|counts?\b|lsb|[*^\u00b1]|/\s*\d|^\d+[a-z]|(?!^x\d$)\bx\s?\d",
-    re.I,
+    r"|\brange\b|cut-?off|tolerance|resolution$|spacing|radius|\bper\s|\bdb\b|fft|\bbits?\b|counts?\b|lsb|[*^\u00b1]|/\s*\d|^\d+[a-z]|(?!^x\d$)\bx\s?\d"
 )
-"""Columns under such a name are no positions or heights, or something made of them."""
 _OTHER_UNIT = re.compile(
-    r"[munkM\u03bc]?(?:V|A|N|Pa|rad|s|Hz|K)|volts?|deg\w*|\u00b0C?|sec|counts?|px|pixels?|%|a\.?u\.?|lsb|bits?"
-    r"|\w+\s?(?:/|\^|per)\s?\w+",
-    re.I,
+    r"(?i)[munkM\u03bc]?(?:V|A|N|Pa|rad|s|Hz|K)|volts?|deg\w*|\u00b0C?|sec|counts?|px|pixels?|%|a\.?u\.?|lsb|bits?"
+    r"|\w+\s?(?:/|\^|per)\s?\w+"
 )
-_FACTOR = re.compile(
-    r"(?:^|[^a-z])[xyzvh]?[\s_-]?(?:scal(?:e|ing)|factor|bit2|lsb|gain|multiplier)\w*\W+([-+]?\d\S*)", re.I
-)
-"""A number that may have to be applied."""
+# a number that may have to be applied
+_FACTOR = re.compile(r"(?i)(?:^|[^a-z])[xyzvh]?[\s_-]?(?:scal|factor|bit2|lsb|gain|multiplier)\w*\W+([-+]?\d\S*)")
 _BRACKET = r"[\[({<]\s*(?:in\s+|units?\s*:\s*)?([^\[\](){}<>]*?)\s*[\])}>]"
 _CELL = r"(?:^|[,;\t=:])\s*\"?[-+]?[\d.]+\"?\s*[,;\t]\s*\"?"  # a number alone, before the cell of its unit
+# a number and its unit, or a unit and the number in it: the value of a parameter
 _QUANTITY = re.compile(
-    rf"(?:{_CELL}|[\d.]\s*[\[(]?)\s*([^\W\d]+)(?:\s*/\s*\w+)?|[\[(]?([^\W\d]+)[\])]?\s*[:=,;\t ]\s*[-+]?\d"
+    rf"(?:{_CELL}|[\d.]\s*[\[(]?)\s*([^\W\d]+)(?:\s*/\s*\w+)?|[\[(]?([^\W\d]+)(?=[\])]?\s*[:=,;\t ]\s*[-+]?\d)"
 )
-"""A number and its unit, or a unit and the number in it: the value of a parameter."""
+# a line that tells a unit, perhaps that of a subject
 _UNIT_LINE = re.compile(
     r"(?i:(axis|achse|ordinate|signal|channel))|(?:^|[^a-z])[Uu]nits?(?![a-z])|UNIT|[Ee]inheit|[Uu]nit\u00e9"
     r"|(?:in|en) \[?\w+\]?$|lengths? in\b"
 )
-"""A line that tells a unit, perhaps that of a subject."""
 
 
 class Label(NamedTuple):
-    """The label of a column: its name, and its unit as it is written in brackets, empty without one."""
+    """The label of a column: its name, and its unit as it is written in brackets; both may be empty."""
 
     name: str
     bracket: str = ""
@@ -72,7 +66,7 @@ class Label(NamedTuple):
         """'x', 'z', 'index', or empty if its words say two things, or none."""
         words = re.findall(r"[^\W\d_]+|#", self.name.lower())
         said = {role for role, known in _ROLES.items() if any(re.fullmatch(known, word) for word in words)}
-        said |= {"z"} if _DEEP.search(self.name) else set()
+        said |= {"z"} if DEEP.search(self.name) else set()
         said = said - {"index"} if len(said) > 1 else said  # "sample position"
         return said.pop() if len(said) == 1 else ""
 
@@ -90,36 +84,26 @@ class Label(NamedTuple):
 
 
 class Header(NamedTuple):
-    """The labels of all columns, if there are any, and the other lines of a header."""
+    """The labels of all columns, empty ones where there are none, and the other lines of a header."""
 
-    labels: Sequence[Label] = ()
+    labels: Sequence[Label]
     rest: Sequence[str] = ()
 
     def said(self) -> Iterator[tuple[str, list[str], str]]:
-        """Each of the other lines, the units of length in it, and something that is no length, or a factor.
-
-        Where labels have units, only lines that tell one count, and factors.
-        """
-        without = not any(label.bracket for label in self.labels)
+        """Each of the other lines, the units of length in it, and something that is no length, or a factor."""
+        without = not any(label.bracket for label in self.labels)  # else only lines that tell a unit count, and factors
         for line in self.rest:
-            if (factor := _FACTOR.search(line)) and factor[1].rstrip(".,0;") != "1":
-                yield line, [], factor[0].strip()
+            factor = _FACTOR.search(line)
+            applied = factor[0].strip() if factor and factor[1].rstrip(".,0;") != "1" else ""
             about = _UNIT_LINE.search(line)
             near = re.findall(_BRACKET, line) if line in self.rest[-_NEAR:] else []
             words = re.split(r"[\s:=,;\"]+", line[about.start() :])[1:] if about else []
             quantity = _NO_HEIGHT.search(line) if near or (about and about[1]) else None
             other = next(filter(_OTHER_UNIT.fullmatch, [*near, *words]), quantity[0].strip() if quantity else "")
             bare = _QUANTITY.sub(lambda found: " " if unit_of(found[1] or found[2]) else found[0], line)
-            known = (
-                unit_of(found[1] or found[2], expected=bool(found[1] or about))
-                for found in re.finditer(rf"{_BRACKET}|(?!in\b)([^\W\d_]+)", bare)
-            )
-            yield line, list(dict.fromkeys(filter(None, known))) if about or without else [], other * without
-
-
-def depth(texts: Iterable[str]) -> str:
-    """The first text that speaks of depths; empty without one."""
-    return next(filter(_DEEP.search, texts), "")
+            parts = re.findall(rf"{_BRACKET}|(?!in\b)([^\W\d_]+)", bare) if about or without else []
+            known = (unit_of(inside or word, expected=bool(inside or about)) for inside, word in parts)
+            yield line, list(dict.fromkeys(filter(None, known))), applied or other * without
 
 
 def cells(line: str, delimiter: str | None) -> list[str]:
@@ -132,10 +116,7 @@ def cells(line: str, delimiter: str | None) -> list[str]:
 
 
 def read(lines: Sequence[str], delimiter: str | None, count: int, least: int) -> Header:
-    """The labels of the columns of a table in the lines above it, and the lines that are none.
-
-    delimiter: of the rows; count: of all columns; least: of those that must have labels.
-    """
+    """The labels of `count` columns, of which the first `least` must have one, in the lines above; and the others."""
     lines = [line.replace("\u00b2", "^2").replace("\u00b3", "^3") for line in lines if len(line) <= _LONGEST]
     kept = [line for line in (plain(line).strip(_COMMENT) for line in lines) if line]
     for i in reversed(range(len(kept))[-_NEAR:]):
@@ -143,12 +124,12 @@ def read(lines: Sequence[str], delimiter: str | None, count: int, least: int) ->
         under = [label.bracket or label.name for label in labels]
         units = all(not unit or unit_of(unit) or _OTHER_UNIT.fullmatch(unit) for unit in under)
         if any(label.name for label in above) and any(under) and units:
-            brackets = (dict.fromkeys([a.bracket, unit]) for a, unit in zip(above, under, strict=True))
-            merged = [Label(a.name, ",".join(filter(None, both))) for a, both in zip(above, brackets, strict=True)]
+            pairs = zip(above, under, strict=True)
+            merged = [Label(a.name, ",".join(dict.fromkeys(filter(None, (a.bracket, unit))))) for a, unit in pairs]
             return Header(merged, kept[: i - 1] + kept[i + 1 :])
         if any(label.bracket or label.role for label in labels):
             return Header(labels, kept[:i] + kept[i + 1 :])
-    return Header((), kept)
+    return Header([Label("")] * count, kept)
 
 
 def _labels(line: str, delimiter: str | None, count: int, least: int) -> list[Label]:

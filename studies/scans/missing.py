@@ -1,17 +1,14 @@
 """Heights that are missing, stand for missing ones, or stick out like dust: found, and filled or left out."""
 
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
-from linecontact.solver.arrays import Array64, Indices
+from linecontact.solver.arrays import Array64, Indices, Mask
 
 Missing = Literal["interpolate", "drop", "refuse"]
 
-LONGEST_GAP = 0.05
-"""Share of a scan that may be without values in one place."""
-DOUBTED = 0.01
-"""Share of a scan that may be filled without a warning."""
-
+LONGEST_GAP = 0.05  # share of a scan that may be without values in one place
+DOUBTED = 0.01  # share of a scan that may be filled without a warning
 _ISOLATED = 0.5  # ranges of all other values, between them and a number that stands for missing ones
 _RARE = 0.99  # quantile that is called usual
 _SPIKE = 3  # values in the width of a spike
@@ -20,8 +17,9 @@ _TEXTURE, _REGULAR = 0.05, 0.3  # share of the values, and of the mean distance 
 _STEP, _FEW = 10.0, 3  # times the usual step, for up to so many that stand alone
 
 
-def marked(z: Array64, numbers: str) -> Array64:
-    """Heights with NaN for the numbers that the user says are none, like "-9999,-32768". Raises `ValueError`."""
+def marked(z: Array64, numbers: str) -> Mask:
+    """Where heights are numbers that the user says are none, like "-9999,-32768". Raises `ValueError`."""
+    said = np.zeros(z.size, dtype=np.bool_)
     for word in numbers.split(","):
         try:
             found = np.isclose(z, float(word), rtol=1e-9, atol=0.0)
@@ -29,28 +27,27 @@ def marked(z: Array64, numbers: str) -> Array64:
             found = np.zeros(z.size, dtype=np.bool_)
         if not found.any():
             raise ValueError(f"invalid is {numbers!r}; allowed: numbers among the heights, like -9999 or -9999,-1")
-        z = np.where(found, np.nan, z)
-    return z
+        said |= found
+    return said
 
 
-def filled(x: Array64 | None, z: Array64, how: Missing) -> tuple[Array64 | None, Array64, str]:
-    """Positions and heights without missing ones, and what was done, in words.
+def filled(values: Array64, how: Missing) -> tuple[Array64, str]:
+    """Rows of position and height, or height alone, without those that miss one, and what was done, in words.
 
     Raises `ValueError` for a gap that is too long to be filled.
     """
-    there = np.flatnonzero(~np.isnan(z if x is None else z + x))
-    if there.size == z.size:
-        return x, z, ""
-    told = f"{z.size - there.size} of {z.size} values were missing and"
-    if how == "drop" or (x is not None and np.isnan(x).any()):
-        return None if x is None else x[there], z[there], f"{told} left out"
-    longest = int(np.diff(there, prepend=-1, append=z.size).max()) - 1
-    if longest > LONGEST_GAP * z.size:
-        raise ValueError(
-            f"{longest} of {z.size} values are missing in one place; allowed: up to {LONGEST_GAP:.0%}, cut the scan"
-        )
-    at = np.arange(z.size) if x is None else np.abs(x - x[0])
-    return x, np.interp(at, at[there], z[there]), f"{told} filled by straight lines"
+    there, count = np.flatnonzero(~np.isnan(values).any(axis=1)), len(values)
+    if there.size == count:
+        return values, ""
+    told = f"{count - there.size} of {count} values were missing and"
+    if how == "drop" or np.isnan(values[:, :-1]).any():
+        return values[there], f"{told} left out"
+    if (longest := int(np.diff(there, prepend=-1, append=count).max()) - 1) > LONGEST_GAP * count:
+        seen = f"{longest} of {count} values are missing in one place"
+        raise ValueError(f"{seen}; allowed: up to {LONGEST_GAP:.0%}, cut the scan")
+    *x, z = values.T
+    at = np.abs(x[0] - x[0][0]) if x else np.arange(count)
+    return np.stack([*x, np.interp(at, at[there], z[there])], axis=1), f"{told} filled by straight lines"
 
 
 def doubtful(z: Array64) -> list[tuple[Indices, str]]:
@@ -81,7 +78,7 @@ def spikes(z: Array64, both: bool = False) -> Indices:
     return found[:0] if many and apart.std() < _REGULAR * apart.mean() else found
 
 
-def _stand_out(level: Array64) -> np.ndarray[Any, np.dtype[np.bool_]]:
+def _stand_out(level: Array64) -> Mask:
     """Whether heights are far above the valleys on both sides, compared with most others."""
     windows = np.lib.stride_tricks.sliding_window_view
     lowest = windows(np.pad(level, _SPIKE, mode="edge"), _SPIKE + 1).min(axis=1)

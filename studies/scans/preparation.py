@@ -21,7 +21,7 @@ _COARSE = 0.3  # spacings: with a last digit worth more, single steps do not tel
 _UNEVEN = 0.05  # relative difference of a step from the mean, from which there is a warning
 _GAP = 1.8  # spacings from which values are missing
 _JUMP = 2.0  # from the last value to the first, over the largest step between neighbours
-_FORM = 5.0  # rms heights of the rest, above which a bow is doubted
+_FORM, _BEND = 5.0, 8.0  # rms heights of the rest, above which a bow or an S is doubted: some waves are like one
 _ROOM = 0.25  # of the second difference, that waves may pass the values on both sides: twice a parabola's
 _BETWEEN = 0.25  # rms heights that waves may pass them without a doubt
 _EXACT = 1e-9  # of the height, in Fourier modes
@@ -32,14 +32,10 @@ _MIRROR = "made periodic by its mirror image"
 class Profile:
     """A profile while it is made periodic."""
 
-    z: Array64
-    """Heights or gaps, shape (number of values,) [length]."""
-    length: float
-    """Their number times their spacing [length]."""
-    steps: list[str] = field(default_factory=list)
-    """What has been done, in words."""
-    doubts: list[str] = field(default_factory=list)
-    """What of it may be wrong, in words."""
+    z: Array64  # heights or gaps, shape (number of values,) [length]
+    length: float  # their number times their spacing [length]
+    steps: list[str] = field(default_factory=list)  # that were taken, in words
+    doubts: list[str] = field(default_factory=list)  # about them, in words
 
     @property
     def spacing(self) -> float:
@@ -47,26 +43,26 @@ class Profile:
         return self.length / self.z.size
 
     def detrend(self, how: Detrend | None) -> None:
-        """Remove the mean, a straight line or a parabola by least squares; None: a line, and a bow is doubted."""
+        """Remove the mean, a straight line or a parabola by least squares; None: a line, and form is doubted."""
         degree = {"none": -1, "mean": 0, "curvature": 2}.get(how or "", 1)
-        i = np.linspace(-1.0, 1.0, self.z.size)
-        fitted = np.polynomial.legendre.legfit(i, self.z, 2)
-        bow = np.polynomial.legendre.legval(i, [0.0, 0.0, fitted[2]])
-        rest = float((self.z - np.polynomial.legendre.legval(i, fitted)).std())
-        ratio = float(np.ptp(bow)) / rest if rest else math.inf
+        i, legendre = np.linspace(-1.0, 1.0, self.z.size), np.polynomial.legendre
+        fitted, form = (legendre.legfit(i, self.z, degree) for degree in (2, 3))
+        rest = float((self.z - legendre.legval(i, form)).std())
+        heights = (float(np.ptp(legendre.legval(i, form * (np.arange(4) == n)))) for n in (2, 3))
+        bow, bend = (height / rest if rest else math.inf for height in heights)
         if degree > 0:
             slope = 2 * fitted[1] / (self.length - self.spacing)
             self.steps.append(f"tilt of {slope:.4g} (dimensionless) removed by least squares")
         if degree > 1:
-            self.steps.append(f"bow removed by least squares (parabola, {ratio:.3g} rms heights of the rest)")
+            self.steps.append(f"bow removed by least squares (parabola, {bow:.3g} rms heights of the rest)")
         if degree >= 0:
             self.steps.append("mean removed")
-            if how is None and _FORM < ratio < math.inf:
-                self.doubts.append(
-                    f"a bow of {ratio:.3g} times the rms height of the rest was kept and may "
-                    "carry the load: detrend curvature removes it, linear says that it is meant"
-                )
-            self.z = self.z - np.polynomial.legendre.legval(i, fitted[: degree + 1])
+            self.z = self.z - legendre.legval(i, fitted[: degree + 1])
+        kept = "times the rms height of the rest was kept and may carry the load"
+        if how is None and _FORM < bow < math.inf:
+            self.doubts.append(f"a bow of {bow:.3g} {kept}: detrend curvature removes it, linear says that it is meant")
+        if how in (None, "curvature") and _BEND < bend < math.inf:
+            self.doubts.append(f"an S-shaped form of {bend:.3g} {kept}: detrend does not remove it")
 
     def make_periodic(self, window: Window) -> None:
         """Let the ends meet by the mirror image, which doubles the length and keeps the roughness, if they do not."""
@@ -77,10 +73,8 @@ class Profile:
             self.steps.append("taken as periodic: the last value meets the first")
             jump, largest = abs(float(self.z[0] - self.z[-1])), float(np.abs(np.diff(self.z)).max())
             if jump > _JUMP * largest:
-                self.doubts.append(
-                    f"from the last value of the scan to the first, which it meets, is a step {round(jump / largest)} "
-                    "times as high as any in the scan: it does not look periodic (window)"
-                )
+                step = f"a step {round(jump / largest)} times as high as any in the scan"
+                self.doubts.append(f"from the last value to the first is {step}: it does not look periodic (window)")
 
     def resample(self, num_points: int) -> None:
         """The profile on another number of points by its Fourier modes, or straight lines where waves overshoot.
@@ -107,28 +101,22 @@ class Profile:
             above = float(np.max((np.minimum(z, after)[i] - waves)[replaced], initial=0.0) / z.std())
             self.steps.append(f"straight lines in {replaced.mean():.0%} of the scan, where modes would overshoot")
             if above > _BETWEEN:  # of h, whose summits are its lowest points
-                self.doubts.append(
-                    f"between its values, waves would rise up to {above:.2g} rms heights above them, so straight lines "
-                    "were taken: the scan does not resolve its steps or summits"
-                )
+                seen = f"between its values, waves would rise up to {above:.2g} rms heights above them"
+                self.doubts.append(f"{seen}: straight lines were taken, the scan does not resolve its steps or summits")
             waves = np.where(replaced, straight, waves)
         self.z = waves
 
 
 def mirrored(about: Mapping[str, Any]) -> bool:
-    """Whether the second half of the period is the mirror image of a scan, whose contact patches then count twice.
-
-    about: what travels with a scan's results, see `MeasuredIndenter.description`.
-    """
+    """Whether half of the period is the mirror image of the scan with this `MeasuredIndenter.description`."""
     return _MIRROR in str(about.get("profile_steps", ""))
 
 
 def evenly_spaced(x: Array64, z: Array64) -> Profile:
     """A profile from heights at positions that go one way, shape (number of values,) each [length].
 
-    Positions that are even except for the rounding of their digits, to less than their spacing, are taken as even. So
-    are those of which some are missing, whose heights are filled. Others are interpolated. The length of the scan is
-    one spacing for each place. Raises `ValueError` for a gap that is too long for that.
+    Positions that are even except for the rounding of their digits are taken as even, also where some are missing,
+    whose heights are filled. Others are interpolated. Raises `ValueError` for a gap that is too long for that.
     """
     told, doubts = ["positions decrease: read from the end"] * bool(x[-1] < x[0]), list[str]()
     x, z = (x[::-1] - x[-1], z[::-1]) if told else (x - x[0], z)
@@ -148,11 +136,10 @@ def evenly_spaced(x: Array64, z: Array64) -> Profile:
         told.append(f"positions even to {off:.2g} of their spacing, taken as even")
         return Profile(z, spacing * count, told)
     if gap > max(LONGEST_GAP * x[-1], 1.5 * spacing):
-        allowed = f"up to {LONGEST_GAP:.0%}; cut or fill it"
-        raise ValueError(f"x has a gap of {gap / x[-1]:.1%} of the scan; allowed: {allowed}")
+        seen = f"x has a gap of {gap / x[-1]:.1%} of the scan"
+        raise ValueError(f"{seen}; allowed: up to {LONGEST_GAP:.0%}; cut or fill it")
     if even:
-        missing = f"{count - x.size} missing, whose heights were filled"
-        told.append(f"positions even to {off:.2g} of their spacing, {missing}")
+        told.append(f"positions even to {off:.2g} spacings, {count - x.size} missing, whose heights were filled")
     else:
         spacing, place = mean, x / mean
         told.append(f"interpolated linearly to even spacing, the largest gap {gap / spacing:.3g} spacings")

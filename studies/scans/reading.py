@@ -1,8 +1,4 @@
-"""From a file to an indenter: units that are known or asked for, and a scan that is made periodic.
-
-Nothing is guessed: a file without units, without positions, or with more columns than it explains, is refused with
-what to add. Every step goes into the result.
-"""
+"""From a file to an indenter. Nothing is guessed: a file that leaves something open is refused with what to add."""
 
 import math
 import os
@@ -25,18 +21,14 @@ from ..terminal.text import is_refusal
 from ..terminal.units import UNITS, Unit
 from . import columns
 from .columns import MAX_REFINEMENT
-from .header import depth
+from .header import DEEP
 from .missing import DOUBTED, Missing, doubtful, filled, marked, spikes
 from .preparation import Detrend, Profile, Window, evenly_spaced
-from .text import Decimal
+from .text import Decimal, Table
 
-_POINTS_PER_VALUE, _ENOUGH = 4, 2**18
-"""Of the default grid, as long as it has no more points than that: contact edges lie between values."""
-
-
+_POINTS_PER_VALUE, _ENOUGH = 4, 2**18  # of the default grid, up to so many points: contact edges lie between values
 _FEWEST = 16  # values
 _DEFAULT: Unit = "m"  # of the scene's lengths
-
 Convention = Literal["heights", "gap"]
 
 
@@ -47,8 +39,7 @@ class Options:
     profile_file: Path
     """The file: text (.csv, .txt, .dat, .asc, .tsv), .npy, .h5, or an instrument's format."""
     num_points: int | None = None
-    """Grid points, up to 16 for each value; default: a power of two, at least four for each value of the period, but
-    beyond 2^18 points one; with an accuracy the largest that is allowed."""
+    """Grid points, up to 16 for each value; default: a power of two, mostly 4 or more each; with an accuracy 16."""
     x_unit: Unit | None = None
     """Unit of the positions, where the file names none."""
     z_unit: Unit | None = None
@@ -56,8 +47,7 @@ class Options:
     scene_units: bool = False
     """Numbers for which no unit is known are in the scene's own unit of length, which --length-unit may name."""
     length_unit: Unit | None = None
-    """The scene's own unit, of results and of lengths that are written without one; default: m. Where it is not given,
-    lengths are written with their units, like 2mm, or with --scene-units as numbers alone."""
+    """Unit of the scene's lengths, of results and of numbers alone; default: m, and lengths have units, like 2mm."""
     scan_length: float | None = None
     """Length of a scan without positions [length], its spacing times its number of values."""
     columns: str | None = text("text, like '2,3'", None)
@@ -69,10 +59,10 @@ class Options:
     profile_dataset: str | None = text("text, the name of a dataset", None)
     """Name of the dataset in an .h5 file that holds several."""
     missing: Missing | None = None
-    """Missing values: interpolate fills them by straight lines, drop leaves their rows out, which needs positions.
-    Default: refuse, but interpolate for those that --invalid and --despike name."""
+    """Fill missing values by straight lines (interpolate), or leave their rows out (drop), which needs positions.
+    Default: refuse, but interpolate for those of --invalid and --despike."""
     invalid: str | None = text("text, like '-9999'", None)
-    """Number that stands for a missing height in the file, like -9999, or several, parted by commas."""
+    """Numbers that stand for missing heights, like -9999, parted by commas."""
     despike: bool = False
     """Take outliers, which stand out from the values around them like dust, for missing values."""
     detrend: Detrend | None = None
@@ -98,24 +88,16 @@ class Options:
 class Scan(NamedTuple):
     """A scan as an indenter, with the period and the grid that a `Scene` of it needs."""
 
-    indenter: MeasuredIndenter
-    """The indenter; its `description` holds what is known of the scan."""
-    period: float
-    """Period of the scene [length]."""
-    num_points: int
-    """Grid points of the scene."""
+    indenter: MeasuredIndenter  # with all that is known of the scan in its `description`
+    period: float  # of the scene [length]
+    num_points: int  # of the scene's grid
 
     def __repr__(self) -> str:
         unit = named(self.indenter.description)["length"]
-        return (
-            f"{type(self).__name__}: period {self.period:.6g} [{unit}], num_points {self.num_points}; {self.indenter}"
-        )
+        return f"Scan: period {self.period:.6g} [{unit}], num_points {self.num_points}; {self.indenter}"
 
     def scene(self, layer: ElasticLayer, pressure: float | None = None, approach: float | None = None) -> Scene:
-        """The scan pressed against a layer, by a mean pressure [pressure] or to an approach [length].
-
-        Lengths are in the same unit as the scan's. Raises `ValueError`.
-        """
+        """The scan under a mean pressure [pressure], or an approach [length] in its unit. Raises `ValueError`."""
         if pressure is None and approach is None:
             raise ValueError("pressure (or approach) is missing; allowed: one of the two, in the units of the layer")
         if getattr(layer, "has_default_modulus", False):  # else `Scene` says that it is no layer
@@ -130,14 +112,11 @@ def read_scan(path: str | os.PathLike[str], **options: Any) -> Scan:
 
     path: the file. options: as the fields of `Options` say, for instance `x_unit="um"`, `z_unit="nm"`,
     `scan_length=1e-3`, `num_points=2**14`. Lengths of the scene are in metres unless `length_unit` says otherwise.
-
-    Raises `ValueError` for a file that cannot be read, whose units are not known, or that is no profile; it says what
-    to add.
+    Raises `ValueError` for a file that cannot be read, leaves something open, or is no profile; it says what to add.
     """
     allowed = [field.name for field in fields(Options) if field.name not in ("profile_file", "period")]
-    for name in options:
-        if name not in (*allowed, "period"):
-            raise ValueError(f"option is {name!r}; allowed: {', '.join(allowed)}")
+    for name in set(options) - {*allowed, "period"}:
+        raise ValueError(f"option is {name!r}; allowed: {', '.join(allowed)}")
     return read(Options(as_path("path", path), **options))
 
 
@@ -163,13 +142,18 @@ def _read(options: Options) -> Scan:
     profile, units = _measured(found, options)
     profile.steps[:0], profile.doubts[:0] = told, doubts
     count, scan = profile.z.size, _statistics(profile)
-    _turn_over(profile, found, options)
+    said = next(filter(DEEP.search, [found.labels["z"].text, *found.head.rest]), "")
+    if said and options.profile_convention is None:
+        seen = f"the file speaks of depths or gaps ({said[:60]!r})"
+        allowed = "heights, if its values grow towards the peaks, or gap, if they grow into the valleys"
+        raise ValueError(f"profile_convention is missing: {seen}; allowed: {allowed}")
+    if options.profile_convention != "gap":
+        profile.z = -profile.z
+        profile.steps.append("heights turned over: peaks up become the indenter's lowest points")
     height = np.ptp(profile.z)
     profile.detrend("none" if options.window == "none" and options.detrend is None else options.detrend)
     if np.ptp(profile.z) <= 1e-12 * height:
-        raise ValueError(
-            "it holds a straight line, or a parabola; allowed: a profile of which detrend leaves something"
-        )
+        raise ValueError("it holds a straight line, or a parabola; allowed: a profile, of which detrend leaves more")
     profile.make_periodic(options.window)
     measured = profile.z.size
     n = _choose_grid(options, count, measured)
@@ -189,28 +173,28 @@ def _read(options: Options) -> Scan:
     return Scan(indenter, profile.length, n)
 
 
-def _complete(found: columns.Columns, options: Options) -> tuple[columns.Columns, list[str], list[str]]:
+def _complete(found: Table, options: Options) -> tuple[Table, list[str], list[str]]:
     """The columns without missing values, what was done, and what there is to doubt. Raises `ValueError`."""
-    x, z = found.x, found.z.copy()
-    if x is None and z[0] == z.size - 1 >= _FEWEST:
+    values = found.values.copy()
+    z, alone = values[:, -1], values.shape[1] == 1
+    if alone and z[0] == z.size - 1 >= _FEWEST:
         raise ValueError(f"{found.row(0)}: {z[0]:g} is the number of the values below it; allowed: heights alone")
-    gone = np.isnan(z) if x is None else np.isnan(z) | np.isnan(x)  # not of a sum: both may be infinite
-    how = options.missing or ("refuse" if gone.any() else "interpolate")
+    how = options.missing or ("refuse" if np.isnan(values).any() else "interpolate")
     told = list[str]()
     if options.invalid is not None:
-        z = marked(z, options.invalid)
+        z[marked(z, options.invalid)] = np.nan
     if options.despike:
         there = np.flatnonzero(np.isfinite(z))
         rows = there[spikes(z[there], both=True)]
         z[rows] = np.nan
         where = f", the first in {found.row(int(rows[0]))}" if rows.size else ""
         told = [f"{counted(rows.size, 'value')} that stood out as spikes{where}, taken for missing"]
-    gone |= np.isnan(z)
-    if gone.any() and (how == "refuse" or (how == "drop" and x is None)):
+    gone = np.isnan(values).any(axis=1)
+    if gone.any() and (how == "refuse" or (how == "drop" and alone)):
         seen = f"{found.row(int(gone.argmax()))}: a value is missing, and {int(gone.sum())} of {z.size} in all"
         allowed = "all values, or missing, with interpolate, or drop where positions tell the gaps"
         raise ValueError(f"{seen}; allowed: {allowed}")
-    columns.check_values(found._replace(z=z))
+    columns.check_values(found._replace(values=values))
     there = np.flatnonzero(np.isfinite(z))
     if there.size < _FEWEST:
         raise ValueError(f"it holds {counted(there.size, 'value')}; allowed: at least {_FEWEST}")
@@ -220,56 +204,37 @@ def _complete(found: columns.Columns, options: Options) -> tuple[columns.Columns
         doubts.append(f"{rows.size} of {z.size} values, the first {z[first]:g} in {found.row(first)}, {reason}")
     if z.size - there.size > DOUBTED * z.size:
         doubts.append(f"{z.size - there.size} of {z.size} values were missing")
-    x, z, done = filled(x, z, how)
-    return found._replace(x=x, z=z), told + [done] * bool(done), doubts
+    values, done = filled(values, how)
+    return found._replace(values=values), told + [done] * bool(done), doubts
 
 
-def _measured(found: columns.Columns, options: Options) -> tuple[Profile, dict[str, str]]:
+def _measured(found: Table, options: Options) -> tuple[Profile, dict[str, str]]:
     """The values at even spacing in the scene's unit of length, and the units of the file. Raises `ValueError`."""
-    x, z = found.x, found.z
-    length = _given_length(options, z.size) if x is None else 0.0
+    length, alone = options.scan_length, found.values.shape[1] == 1
+    if alone and options.x_unit:
+        raise ValueError(f"x_unit is {options.x_unit}; allowed: none, the file has no positions (give scan_length)")
+    if alone and length is None:
+        seen = f"the file holds {counted(len(found.values), 'height')} and no positions"
+        allowed = "its length with the unit, like 1.5mm, or a number alone in the scene's unit"
+        raise ValueError(f"scan_length is missing: {seen}; allowed: {allowed}")
+    if not alone and length is not None:
+        raise ValueError(f"scan_length is {length}; allowed: none, the file has positions")
     unknown = (options.length_unit or SCENE) if options.scene_units else None
     units = columns.units(found, {"x": options.x_unit, "z": options.z_unit}, unknown)
     scene = {SCENE: 1.0} | {unit: size / UNITS[options.length_unit or _DEFAULT] for unit, size in UNITS.items()}
-    if x is None:
-        return Profile(z * scene[units["z"]], length), units
-    if options.scan_length is not None:
-        raise ValueError(f"scan_length is {options.scan_length}; allowed: none, the file has positions")
-    return evenly_spaced(x * scene[units["x"]], z * scene[units["z"]]), units
-
-
-def _given_length(options: Options, count: int) -> float:
-    """The length of a scan without positions [length]. Raises `ValueError` where it is not given."""
-    if options.x_unit:
-        raise ValueError(f"x_unit is {options.x_unit}; allowed: none, the file has no positions (give scan_length)")
-    if options.scan_length is None:
-        seen = f"the file holds {counted(count, 'height')} and no positions"
-        allowed = "its length with the unit, like 1.5mm, or a number alone in the scene's unit"
-        raise ValueError(f"scan_length is missing: {seen}; allowed: {allowed}")
-    return checks.real("scan_length", options.scan_length, "a finite length > 0", 0)
+    measured = [values * scene[units[axis]] for axis, values in zip(units, found.values.T, strict=True)]
+    if length is None:
+        return evenly_spaced(*measured), units
+    return Profile(measured[0], checks.real("scan_length", length, "a finite length > 0", 0)), units
 
 
 def _statistics(profile: Profile) -> dict[str, float]:
-    """What tells whether a scan was understood, in the scene's unit; rms height and slope are about the mean line."""
+    """Numbers that tell whether a scan was understood [length]; rms height and slope are about the mean line."""
     i = np.arange(profile.z.size)
     straight = profile.z - np.polynomial.Polynomial.fit(i, profile.z, 1)(i)
-    return {
-        "profile_scan_length": profile.length,
-        "profile_spacing": profile.spacing,
-        "profile_rms_height": float(np.sqrt(np.mean(straight**2))),
-        "profile_rms_slope": float(np.sqrt(np.mean(np.diff(straight) ** 2))) / profile.spacing,
-    }
-
-
-def _turn_over(profile: Profile, found: columns.Columns, options: Options) -> None:
-    """Make h of heights, unless the file holds h."""
-    if options.profile_convention is None and (said := depth([found.labels["z"].text, *found.head.rest])):
-        seen = f"the file speaks of depths or gaps ({said[:60]!r})"
-        allowed = "heights, if its values grow towards the peaks, or gap, if they grow into the valleys"
-        raise ValueError(f"profile_convention is missing: {seen}; allowed: {allowed}")
-    if options.profile_convention != "gap":
-        profile.z = -profile.z
-        profile.steps.append("heights turned over: peaks up become the indenter's lowest points")
+    height, slope = (float(np.sqrt(np.mean(z**2))) for z in (straight, np.diff(straight) / profile.spacing))
+    sizes = {"scan_length": profile.length, "spacing": profile.spacing, "rms_height": height, "rms_slope": slope}
+    return {f"profile_{name}": size for name, size in sizes.items()}
 
 
 def _choose_grid(options: Options, values: int, in_period: int) -> int:
@@ -277,8 +242,7 @@ def _choose_grid(options: Options, values: int, in_period: int) -> int:
     most = MAX_REFINEMENT * values
     n = options.num_points
     if n is None and options.accuracy is not None:
-        fast = (n for n in range(min(most, MAX_POINTS), 0, -1) if n % 2 == 0 and next_fast_len(n) == n)
-        n = next(fast)
+        n = next(n for n in range(min(most, MAX_POINTS), 0, -1) if n % 2 == 0 and next_fast_len(n) == n)
     elif n is None:
         n = 2 ** math.ceil(math.log2(min(_POINTS_PER_VALUE * in_period, max(_ENOUGH, in_period))))
     n = checks.integer("num_points", n, f"an integer from {MIN_POINTS} to {MAX_POINTS}", MIN_POINTS, MAX_POINTS)
