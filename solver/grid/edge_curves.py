@@ -28,25 +28,24 @@ end feels the other; they have the half-space's edge where they look like it (se
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache, cached_property, lru_cache
+from functools import cache, cached_property
 
 import numpy as np
 
 from ..arrays import Array64, Indices
 from ..layers import ElasticLayer
 from ..quadrature import gauss_legendre
+from .kept import kept
 from .layer_on_grid import modulus_anywhere, modulus_on_grid, thickness_on_grid
 
 Logarithm = Callable[[Array64], Array64]
 """ln f of wave numbers q > 0 [1/grid spacing], of their shape."""
 
 _TABLE = 128  # beyond, S_j follows a power of the distance
-_THICK = 200.0  # grid spacings; thicker layers have the half-space's edge, to 1e-3 spacings
 _STEP = 1.2  # factor of the wave number, to see how ln f ends on the grid
 _MOST_BEYOND = 0.5  # of delta's part by waves that the grid has not; real layers have up to 0.31
 _SPLIT = 2.0  # error where the curve says that nodes pull [grid spacings]
-_NO_PRESSURE = 1e-9  # of an edge at its last node, over that a spacing away
-_FIT = 9  # last entries of the table that tell the power
+_NO_PRESSURE = np.sqrt(np.finfo(np.float64).eps)  # of an edge at its last node, over that a spacing away
 
 
 @dataclass(frozen=True)
@@ -92,17 +91,12 @@ class EdgeCurve:
         return values
 
 
+@kept
 def edge_curve(layer: ElasticLayer, num_points: int, period: float) -> EdgeCurve:
     """The edge on a layer, on a grid of `num_points` in the period L [length]."""
-    if thickness_on_grid(layer, num_points, period) > _THICK:
+    if thickness_on_grid(layer, num_points, period) == math.inf:
         return half_space_curve()
-    try:
-        return _kept(layer, num_points, period)  # type: ignore[arg-type]
-    except TypeError:  # a layer that holds a list or an array has no hash
-        return _layer_curve(layer, num_points, period)
 
-
-def _layer_curve(layer: ElasticLayer, num_points: int, period: float) -> EdgeCurve:
     def on_grid(q: Array64) -> Array64:
         return np.log(modulus_on_grid(layer, q, num_points, period))
 
@@ -110,9 +104,6 @@ def _layer_curve(layer: ElasticLayer, num_points: int, period: float) -> EdgeCur
         return np.log(modulus_anywhere(layer, q, num_points, period))
 
     return _curve(on_grid, anywhere)
-
-
-_kept = lru_cache(maxsize=256)(_layer_curve)
 
 
 @cache
@@ -191,7 +182,7 @@ def _curve(on_grid: Logarithm, anywhere: Logarithm) -> EdgeCurve:
         shift=shift,
         table=table,
         rows=_far_field(of.slope) @ np.linalg.inv(first),
-        power=_power(table[-_FIT:], shift),
+        power=_power(table, shift),
         strength=math.exp(mean + at_end / 2) * math.sqrt(math.pi),
         delta=delta,
         error=error,
@@ -207,12 +198,12 @@ def _beyond(logarithm: Logarithm) -> Array64:
         return np.full_like(_quadrature().beyond, np.nan)
 
 
-def _power(end: Array64, shift: float) -> float:
-    """With which power of the distance the end of a table grows; that of the half-space where it does not."""
-    if not 0 < end[0] < end[-1]:  # a stiff layer on a very soft base, pressed at its edges
+def _power(table: Array64, shift: float) -> float:
+    """With which power of the distance a table goes on; that of the half-space where it does not grow."""
+    if not 0 < table[-2] < table[-1]:  # a stiff layer on a very soft base, pressed at its edges
         return 0.5
     last = _TABLE - 1 + shift
-    return math.log(end[0] / end[-1]) / math.log((last + 1 - end.size) / last)
+    return math.log(table[-1] / table[-2]) / math.log(last / (last - 1))
 
 
 def _exponential(series: Array64) -> Array64:
