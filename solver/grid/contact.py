@@ -24,6 +24,9 @@ from .unseen import unseen_gaps, unseen_patches
 
 _RESOLVED = 0.2
 """Logarithm of the shortest wave's modulus over the half-space's, up to which a grid resolves a layer."""
+_JAGGED = 1.9
+"""Fourth over second difference of given heights from which they do not tell what lies between them; 2 for a wave of
+four grid spacings."""
 _DIFFERENCES = np.array([[0, 0, 1, -2, 1, 0, 0], [0, 1, -4, 6, -4, 1, 0], [1, -6, 15, -20, 15, -6, 1]]).T
 _SHORT_OF_FIT = 0.1
 """Width of patches that served for no fit [grid spacings]: under rough surfaces nothing is known of it, because another
@@ -47,9 +50,7 @@ def contact_edges(
     patches = Patches.of(pressure > 0)
     inside = pressure[patches.nodes] * scale
     kinks = indenter.kinked or not indenter.shortest_wave(n)
-    edges = replace(
-        find_edges(patches, inside, scene.layer, scene.period), unseen=unseen_gaps(patches, inside, kinks)
-    )
+    edges = replace(find_edges(patches, inside, scene.layer, scene.period), unseen=unseen_gaps(patches, inside, kinks))
     if displacement is not None and patches.count and not patches.full:
         if profile is None:
             profile = scene.period * indenter.profile(n, scene.period)
@@ -57,6 +58,7 @@ def contact_edges(
         surface = _Surface(
             layer=scene.layer,
             period=scene.period,
+            given=indenter.given_points is not None,
             heights=Heights(profile, spacings),
             pressure=lambda nodes: pressure[nodes % n] * scale,
             displacement=lambda nodes: displacement[nodes % n] * spacings,
@@ -81,6 +83,8 @@ class _Surface:
     """Below it."""
     period: float
     """L [length]."""
+    given: bool
+    """Whether the heights are known at nodes only."""
     heights: Heights
     """Of the indenter."""
     pressure: Field
@@ -107,6 +111,17 @@ class _Surface:
         height: Array64 = self.heights.profile[nodes % self.num_points] * self.heights.scale
         return self.displacement(nodes) - height
 
+    def uneven(self, first: Indices, size: Indices) -> tuple[Array64, Mask]:
+        """How little the nodes tell of the heights between them: fourth and sixth over second differences, taken
+        positive, the larger at the two nodes in the middle of each run, shape (2, runs); and where nothing, (runs,).
+        """
+        middle, profile = 2 * first + size - 1, self.heights.profile
+        nodes = np.stack([middle // 2, (middle + 1) // 2])[..., None] + np.arange(-3, 4)
+        second, fourth, sixth = np.abs(profile[nodes % profile.size] @ _DIFFERENCES).T
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratios = np.stack([fourth, sixth]) / second
+        return ratios.max(axis=-1), self.given & (ratios[0].min(axis=-1) > _JAGGED)
+
     def known(self, uneven: Array64, size: Indices) -> Array64:
         """Estimated errors of the ends of some patches by their loads, or of some gaps, shape (runs,) [grid spacings].
 
@@ -127,6 +142,7 @@ def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array
     if not chosen.size:
         return edges
     first, size, loads = patches.first[chosen], patches.size[chosen], patches.sums(pressure)
+    uneven, jagged = surface.uneven(first, size)
     begin = (edges.left + edges.right)[chosen] / 2, np.minimum(edges.width[chosen], size) / 2
     if resolved:
         gap = patches.gap.min(axis=0)[chosen]
@@ -137,12 +153,13 @@ def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array
             green = layer_response(surface.layer, n, surface.period)
             loads = shared_loads(patches, chosen, pressure, found, level, centre, green)
             found = from_loads(loads[chosen], heights, (found.middle, found.half_width), around)
-        uneven = FITTED.of_heights * _uneven(heights.profile, first, size)[1] + FITTED.beside_gap / gap**2
-        error = surface.known(uneven, size)
+        error = surface.known(FITTED.of_heights * uneven[1] + FITTED.beside_gap / gap**2, size)
     else:  # not known better than by counting, but narrower
         found = from_loads(loads[chosen], heights, begin, modulus=surface.modulus)
         error = np.full(size.size, COUNTED_ERROR)
-    edges, better = _taken(edges, np.stack([chosen, patches.count + chosen]), found.both, error, found.solved, n)
+    edges, better = _taken(
+        edges, np.stack([chosen, patches.count + chosen]), found.both, error, found.solved & ~jagged, n
+    )
     counted, by_load = edges.counted.copy(), edges.by_load.copy()
     counted[chosen[better]], by_load[chosen[better]] = False, resolved
     return replace(edges, counted=counted, by_load=by_load)
@@ -157,13 +174,13 @@ def _by_gaps(surface: _Surface, patches: Patches, edges: Edges) -> Edges:
     behind = (before + 1) % patches.count
     beyond = np.where(behind == 0, n, 0)
     first, size = patches.last[before] + 1, gap[before]
-    around = narrower[before], surface.negative_opening, surface.pressure
-    closed = Surroundings.of(first, size, *around, stiffness)
+    closed = Surroundings.of(first, size, narrower[before], surface.negative_opening, surface.pressure, stiffness)
     found = gap_ends(closed, edges.right[before], edges.left[behind] + beyond)
-    error = surface.known(FITTED.of_heights_at_gaps * _uneven(surface.heights.profile, first, size)[0], size)
+    uneven, jagged = surface.uneven(first, size)
+    error = surface.known(FITTED.of_heights_at_gaps * uneven[0], size)
     left, right = found.both
-    ends = np.stack([left, right - beyond])
-    edges, better = _taken(edges, np.stack([patches.count + before, behind]), ends, error, found.solved, n)
+    at, ends = np.stack([patches.count + before, behind]), np.stack([left, right - beyond])
+    edges, better = _taken(edges, at, ends, error, found.solved & ~jagged, n)
     by_gap = edges.by_gap.copy()
     by_gap[before[better]] = True
     return replace(edges, by_gap=by_gap)
@@ -183,19 +200,9 @@ def _taken(
     at = at[:, better]
     places[at] += moves[:, better]
     errors[at] = error[better]
-    left, right = apart(*places.reshape(2, -1), num_points)
+    left, right = places.reshape(2, -1)
+    left, right = apart(left, right, num_points)
     return replace(edges, left=left, right=right, end_errors=errors.reshape(2, -1)), better
-
-
-def _uneven(profile: Array64, first: Indices, size: Indices) -> Array64:
-    """Fourth and sixth over second differences of the profile, taken positive, the larger at the two nodes in the
-    middle of each run of nodes, shape (2, runs): how little the nodes tell of the heights between them.
-    """
-    twice = 2 * first + size - 1
-    nodes = np.stack([twice // 2, (twice + 1) // 2])
-    second, *others = np.abs(profile[(nodes[..., None] + np.arange(-3, 4)) % profile.size] @ _DIFFERENCES).T
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.max(others / second, axis=-1)
 
 
 def _with_slopes(patches: Patches, edges: Edges, heights: Heights) -> Edges:

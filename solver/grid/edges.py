@@ -17,12 +17,9 @@ grid that distance is not the one between node and end: a far field x^1/2 (1 + c
 X_j in the place of the distance, ends of such rows are right to 0.012 grid spacings from gaps of one spacing on.
 
 For an edge theta = beta - s spacings inside the last node the curve goes over into a [(j - theta)^1/2 + e (j -
-theta)^-3/2], e = (beta^2 - beta + 1/6)/8, and not into the root alone. In a patch of half-width A that is the pressure
-F(x; A) under a smooth indenter plus -4 e F'', with F'' the second derivative with respect to A. F'' carries load, so
-the half-width with that load is 4e/A less; and F'' goes like (j - theta)^-1/2 to the next order, which the pressures
-take for 5/2 e/A of that already. What is left, 3/2 e/A, the ends lie further inside than they say, and pi/P (3 cot(pi
-A/P) + tan(pi A/P)) e/2 in a row. As it is the load of all patches together that is given, e is the mean over all ends
-of this kind.
+theta)^-3/2], e = (beta^2 - beta + 1/6)/8, and not into the root alone. In a patch of half-width A with a given load the
+ends then lie 3/2 e/A further inside than the pressures say, in a row pi/P (3 cot(pi A/P) + tan(pi A/P)) e/2 (derived in
+docs/edges.md). As it is the load of all patches together that is given, e is the mean over all ends of this kind.
 """
 
 import math
@@ -40,7 +37,7 @@ from .patches import Patches
 COUNTED_BELOW = 3
 """Nodes; smaller patches have no pressures that tell their ends."""
 
-_NARROW, _THINNEST = 8.0, 2.5
+_NARROW, _THINNEST = 2.0, 2.5
 """Layer thicknesses; narrower patches have the half-space's edge if their pressures look like it, on layers of so many
 grid spacings and more. Their load tells what the pressures leave to the second order."""
 
@@ -98,8 +95,8 @@ class Edges:
     counted: Mask
     """Which patches have as many spacings as nodes because nothing better is known, shape (M,)."""
     by_load: Mask
-    """Which narrow patches have ends that their loads have told, see `narrow`, shape (M,), without those on a layer that
-    the grid does not resolve."""
+    """Which narrow patches have ends that their loads have told, see `narrow`, shape (M,); without those on a layer
+    that the grid does not resolve."""
     by_gap: Mask
     """Behind which patches there is a narrow gap that has told its ends, see `narrow`, shape (M,)."""
     squared_slope: Array64 | None = None
@@ -142,20 +139,22 @@ def find_edges(patches: Patches, pressure: Array64, layer: ElasticLayer, period:
     theta, spread = _in_row(patches, pressure)
     on_thick = (patches.size < _NARROW * thickness) & (thickness > _THINNEST)
     narrow = on_thick & (spread < _ALIKE)
-    by_layer: Array64 | float = FITTED.of_layer * patches.size / max(thickness, _THINNEST) ** 2
+    by_curve = 0.0
     if thickness < math.inf and not narrow.all():
         curve = edge_curve(layer, patches.num_points, period)
         wide, _, spread_of_wide = edge_offset(curve, lone_ends(curve, patches, pressure).reshape(-1, 3))
         theta = np.where(narrow, theta, wide.reshape(2, -1))
         spread = np.where(narrow, spread, spread_of_wide.reshape(2, -1))
-        by_layer = np.where(narrow, by_layer, curve.error)
+        by_curve = curve.error
     counted = patches.size < COUNTED_BELOW
     theta = theta + _by_load(patches, theta, narrow & ~counted)
     outside = np.where(counted, 0.5, -theta)
     left, right = apart(patches.first - outside[0], patches.last + outside[1], patches.num_points)
     by_size = FITTED.of_size / patches.size**2 + np.where(on_thick, 0.0, FITTED.of_size_if_wide / patches.size)
     by_gap = FITTED.beside_gap / (patches.to_neighbours - 1) ** 2
-    error = np.minimum(FITTED.of_difference * spread + by_size + by_gap, COUNTED_ERROR) + by_layer
+    by_layer = FITTED.of_layer * patches.size / max(thickness, _THINNEST) ** 2
+    error = np.minimum(FITTED.of_difference * spread + by_size + by_gap, COUNTED_ERROR)
+    error += np.where(narrow, by_layer, by_curve)
     error = np.where(spread < _ALIKE, error, _UNKNOWN)
     return Edges(left, right, np.where(counted, COUNTED_ERROR, error), counted, none, none)
 

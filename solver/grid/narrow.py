@@ -39,10 +39,10 @@ _SAMPLES = 8  # of the slope over a patch, or of the pressure over a gap
 _T1 = np.cos(np.pi * (np.arange(_SAMPLES) + 0.5) / _SAMPLES)
 _MEANS = _T1[:, None] ** np.arange(3) / _SAMPLES
 _WAVE = 3 * np.pi / 4  # q a at which the layer's modulus is taken
-_STEPS, _STEP, _CLOSE, _NEARLY = 12, 0.25, 1e-3, 0.02
-"""Of Newton's method: most, and their length [grid spacings]; the length of one that ends it; and of the last one that
-may do. In the second half they are halved, as they may go to and fro about a node, where the polynomials of the heights
-change."""
+_STEPS, _STEP, _NEARLY = 12, 0.25, 0.02
+"""Of Newton's method: most, their length, and that of the last one, at most [grid spacings]. In the second half they
+are halved, as they may go to and fro about a node, where the polynomials of the heights change."""
+_CLOSE = _NEARLY**2  # length of a step that needs no other
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,8 +88,7 @@ def from_loads(
 
 
 def gap_ends(closed: Surroundings, left: Array64, right: Array64) -> Ends:
-    """Ends of some gaps. closed: the pressure without each; left, right: where to begin, shape (gaps,) [grid spacings].
-    """
+    """Ends of some gaps. closed: the pressure without each; left, right: where to begin, shape (gaps,) [grid spacings]."""
 
     def pressure(which: Indices, at: Array64) -> tuple[Array64, Array64]:
         return closed.at(which, at)[:2]
@@ -97,9 +96,7 @@ def gap_ends(closed: Surroundings, left: Array64, right: Array64) -> Ends:
     return _newton(pressure, lambda which, a: np.zeros_like(a), (left + right) / 2, (right - left) / 2, -1)
 
 
-def level_errors(
-    found: Ends, around: Surroundings, heights: Heights, load: Array64
-) -> tuple[Array64, Array64]:
+def level_errors(found: Ends, around: Surroundings, heights: Heights, load: Array64) -> tuple[Array64, Array64]:
     """By how much patches would have to lie deeper for their loads, and centres of these loads, shape (patches,) [grid
     spacings].
 

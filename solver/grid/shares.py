@@ -52,9 +52,8 @@ def shared_loads(
     """The loads of all patches, shape (M,) [grid spacings], over E*, after some of them were put right.
 
     pressure: over E*, on the contact nodes in compact order; found: ends of the chosen patches with the loads that the
-    grid has; level, centre_of_load: r_k of these, and the centres, see `narrow.level_errors` [grid spacings]; green: see
-    `layer_response`. A load that would not stay positive is left as it is, and all are where rounding makes the matrix
-    singular.
+    grid has; level, centre_of_load: see `narrow.level_errors`; green: see `layer_response`. A load that would not stay
+    positive is left as it is, and all are where rounding makes the matrix singular.
     """
 
     def at(node: Indices) -> Array64:

@@ -56,8 +56,8 @@ def unseen_patches(profile: Array64, displacement: Array64, half_space: bool) ->
     profile, displacement: h and u, shape (N,) [any unit], equal at contact nodes. half_space: whether the grid's
     shortest waves find one. There is such a patch where the parabola through an open node, which no neighbour
     undercuts, and both of its open neighbours is below 0. A summit of the curvature k that stands out by D is pressed
-    flat over the width 2a with D = k a^2 [1/4 + ln(2/a)/2] on the half-space (`narrow` has both equations), and with D =
-    k a^2/2 on a Winkler foundation.
+    flat over the width 2a with D = k a^2 [1/4 + ln(2/a)/2] on the half-space (see `narrow`), and with D = k a^2/2 on a
+    Winkler foundation.
     """
     gap = np.pad(profile - displacement, 1, mode="wrap")
     lowest = 1 + np.flatnonzero((gap[1:-1] > 0) & (gap[1:-1] <= gap[:-2]) & (gap[1:-1] <= gap[2:]))
