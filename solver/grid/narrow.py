@@ -40,8 +40,8 @@ _T1 = np.cos(np.pi * (np.arange(_SAMPLES) + 0.5) / _SAMPLES)
 _MEANS = _T1[:, None] ** np.arange(3) / _SAMPLES
 _WAVE = 3 * np.pi / 4  # q a at which the layer's modulus is taken
 _STEPS, _STEP, _NEARLY = 12, 0.25, 0.02
-"""Of Newton's method: most, their length, and that of the last one, at most [grid spacings]. In the second half they
-are halved, as they may go to and fro about a node, where the polynomials of the heights change."""
+"""Of Newton's method: most, their length, and that of the last one, at most [grid spacings]. In the second half
+longer ones are halved, as they may go to and fro about a node, where the polynomials of the heights change."""
 _CLOSE = _NEARLY**2  # length of a step that needs no other
 
 
@@ -88,7 +88,7 @@ def from_loads(
 
 
 def gap_ends(closed: Surroundings, left: Array64, right: Array64) -> Ends:
-    """Ends of some gaps. closed: the pressure without each; left, right: where to begin, shape (gaps,) [grid spacings]."""
+    """Ends of some gaps. closed: the pressure without each; left, right: where to begin, (gaps,) [grid spacings]."""
 
     def pressure(which: Indices, at: Array64) -> tuple[Array64, Array64]:
         return closed.at(which, at)[:2]
@@ -146,7 +146,7 @@ def _newton(
         usable = sign * determinant > 0
         step = np.stack([m_0 * by_a - f * by_both, f * by_m - m_0 * by_both]) / np.where(usable, determinant, np.inf)
         length, most = np.abs(step).max(axis=0), np.minimum(_STEP, half / 2)
-        step = np.clip(step, -most, most) * (0.5 if turn >= _STEPS // 2 else 1.0)
+        step = np.clip(step, -most, most) * np.where((turn >= _STEPS // 2) & (length > _NEARLY), 0.5, 1.0)
         m[going_on], a[going_on] = m[going_on] - step[0], half - step[1]
         solved[going_on] = usable & (length < _NEARLY)
         going_on = going_on[usable & (length >= _CLOSE)]
