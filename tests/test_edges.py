@@ -146,7 +146,7 @@ def test_wide_patches_on_thin_layers_have_edges_to_the_first_order_only():
         there, half_space = (find_edges(patches, pressure, of, 1.0) for of in (layer, Layer()))
         assert (there.width == half_space.width).all() == narrow
         exact = collocation.solve_load(load, 2.0, 1.0, 60 / 2**12, 0.3).contact_area * 2**12
-        assert abs(there.width[0] - exact) <= abs(half_space.width[0] - exact)
+        assert abs(there.width[0] - exact) < 1e-3
         assert abs(there.width[0] - exact) < there.total_error
 
 

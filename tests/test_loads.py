@@ -17,10 +17,9 @@ from linecontact.solver import (
 )
 from linecontact.solver.grid.contact import contact_edges
 from linecontact.solver.grid.few_nodes import response
-from linecontact.solver.grid.heights import Heights
-from linecontact.solver.grid.loads import from_loads, level_error
+from linecontact.solver.grid.narrow import from_loads, level_errors
 from linecontact.solver.grid.patches import Patches
-from linecontact.solver.grid.surroundings import Surroundings
+from linecontact.solver.grid.surroundings import Heights, Surroundings
 from linecontact.solver.reference import closed_forms, collocation
 
 FEW_POINTS = RoughIndenter(hurst=0.3, roll_off_ratio=1 / 8, cut_off_ratio=1 / 64)
@@ -36,22 +35,24 @@ def test_a_patch_whose_load_is_known_in_closed_form(cubic, quartic):
     b1, b2 = curvature * a + 0.75 * quartic * a**3, 0.5 * cubic * a**2
     load = np.array([math.pi / 4 * a * b1])
     mean_height = curvature * a**2 / 4 + 3 / 32 * quartic * a**4
-    terms = np.zeros((1, 7))
-    terms[0, :2] = 0.1 + 2 / math.pi * load[0] * math.log(2 / a) + mean_height, 8 * cubic * a**2 / 2
+    terms = np.zeros((7, 1))
+    terms[-2:, 0] = 8 * cubic * a**2 / 2, 0.1 + 2 / math.pi * load[0] * math.log(2 / a) + mean_height
     around = Surroundings(np.array([n / 2]), np.array([8.0]), terms)
-    found = from_loads(around, heights, load, np.array([n / 2 - 0.3]), np.array([5.0]))
+    found = from_loads(load, heights, (np.array([n / 2 - 0.3]), np.array([5.0])), around)
     assert found.solved[0]
     assert found.half_width[0] == pytest.approx(a, rel=1e-5)
-    assert found.centre[0] == pytest.approx(n / 2, abs=1e-4)
-    assert found.centre_of_load[0] == pytest.approx(n / 2 + a * b2 / b1 / 2, abs=1e-4)
-    assert level_error(found, around, heights, load)[0] == pytest.approx(0.1, abs=1e-6)
+    assert found.middle[0] == pytest.approx(n / 2, abs=1e-4)
+    level, centre = level_errors(found, around, heights, load)
+    assert centre[0] == pytest.approx(n / 2 + a * b2 / b1 / 2, abs=1e-4)
+    assert level[0] == pytest.approx(0.1, abs=1e-6)
 
 
 @pytest.mark.parametrize("load", [0.0, -1e-5, -1e-3])
 def test_a_patch_without_a_load_has_no_ends(load):
     x = np.arange(64) - 32
-    around = Surroundings(np.array([32.0]), np.array([2.0]), np.zeros((1, 7)))
-    found = from_loads(around, Heights(0.01 * x**2, 1.0), np.array([load]), np.array([32.2]), np.array([0.5]))
+    around = Surroundings(np.array([32.0]), np.array([2.0]), np.zeros((7, 1)))
+    begin = np.array([32.2]), np.array([0.5])
+    found = from_loads(np.array([load]), Heights(0.01 * x**2, 1.0), begin, around)
     assert not found.solved[0]
 
 
@@ -82,18 +83,18 @@ def test_what_a_patch_does_to_itself_is_taken_off(nodes, shift):
         return smooth(x) - sum(load * response()[np.minimum(np.abs(x - j), most - 1)] for j, load in enumerate(own))
 
     patch = (np.array([value]) for value in (shift, nodes, 50))
-    around = Surroundings.of_patches(*patch, pressure, displacement)
+    around = Surroundings.of(*patch, pressure, displacement, response)
     at = np.linspace(-1, nodes, 9)
     which, places = np.array([0]), (at + shift)[None]
-    np.testing.assert_allclose(around.values(which, places)[0], smooth(at), atol=1e-10)
-    slope, bent = around.slope(which, places)
+    value, slope, bent = around.at(which, places)
+    np.testing.assert_allclose(value[0], smooth(at), atol=1e-10)
     np.testing.assert_allclose(slope[0], 0.01 - degree / 20 * (at / 20) ** (degree - 1), atol=1e-9)
     np.testing.assert_allclose(bent[0], -degree * (degree - 1) / 400 * (at / 20) ** (degree - 2), atol=1e-9)
 
 
 def test_a_slope_between_nodes_is_that_of_the_polynomial_through_six():
     x = np.arange(64.0)
-    first, second = Heights(np.sin(2 * np.pi * x / 16) / 5, 5.0).slope(np.array([[3.3, 10.7, -0.2, 63.9]]))
+    _, first, second = Heights(np.sin(2 * np.pi * x / 16) / 5, 5.0).at(np.array([[3.3, 10.7, -0.2, 63.9]]))
     at = 2 * np.pi / 16 * np.array([[3.3, 10.7, -0.2, 63.9]])
     np.testing.assert_allclose(first, 2 * np.pi / 16 * np.cos(at), atol=1e-4)
     np.testing.assert_allclose(second, -((2 * np.pi / 16) ** 2) * np.sin(at), atol=2e-4)
@@ -209,7 +210,7 @@ def test_the_load_says_nothing_where_the_profile_is_not_known_between_the_nodes(
 def test_the_patches_of_a_solution_add_up():
     solution = solve(Scene(indenter=FEW_POINTS, pressure=0.01, num_points=2**12))
     patches, edges = contact_edges(solution.scene, solution.contact_pressure, displacement=solution.displacement)
-    assert edges.num_by_load == solution.observables.num_patches_by_load > 0.8 * patches.count
+    assert edges.by_load.sum() == solution.observables.num_patches_by_load > 0.8 * patches.count
     assert edges.width.sum() / 2**12 == pytest.approx(solution.observables.contact_area_subgrid)
     assert (edges.left[1:] >= edges.right[:-1]).all()
     finer, slopes = 64, solution.scene.indenter.slope(2**18, 1.0)

@@ -11,7 +11,7 @@ import pytest
 from linecontact import read_scan
 from linecontact.solver import METHODS, Layer, MeasuredIndenter, RoughIndenter, Scene, scene, solve, warnings
 from linecontact.solver.display import rounded_up
-from linecontact.solver.grid import contact, edges, heights, kept, problem, shares, surroundings
+from linecontact.solver.grid import contact, edges, kept, problem, shares, surroundings
 from linecontact.solver.layers import coated
 from linecontact.solver.methods.active_set import elimination
 from linecontact.solver.reference import closed_forms
@@ -60,10 +60,8 @@ def areas_of_hertz_contacts():
     assert off[0] < 1e-8
     assert off[1] < 2e-10
     yield "Hertz contacts on 2^12 points are right to 1e-8 of themselves, on 2^14 points to 2e-10."
-    assert (edges._ON_THICK, edges._NARROW, edges._NARROW_GAP, contact.MOST_NODES) == (2, 8, 0.5, 32)
-    yield "The row is taken for patches of up to eight thicknesses of the layer,"
-    yield ", and beside gaps of up to half a thickness,"
-    yield "the last term for those of up to two."
+    assert (edges._NARROW, contact.MOST_NODES) == (2, 32)
+    yield "The row is taken, and the last term with it, for patches of up to two thicknesses of the layer,"
     yield "Each patch of up to 32 nodes gets the ends"
 
 
@@ -95,14 +93,14 @@ def patches_of_a_few_nodes():
 def limits_of_edges():
     yield "from the polynomial through six nodes"
     yield "of up to the sixth degree, fitted to its values on the patch and on up to three nodes to each side"
-    assert (heights._STENCIL.size, surroundings._DEGREE, surroundings.MARGIN) == (6, 6, 3)
+    assert (surroundings._STENCIL.size, surroundings._DEGREE, surroundings.MARGIN) == (6, 6, 3)
     yield "More than 128 patches are corrected in groups of 128 that follow each other."
     assert shares._TOGETHER == 128
-    yield "of half a spacing and more, on which its shortest wave finds the half-space's stiffness to within a fifth"
-    assert (contact._THINNEST, contact._RESOLVED) == (0.5, 0.2)
-    yield "narrower than eight thicknesses of the layer each end feels the other"
+    yield "on which its shortest wave finds the half-space's stiffness to within a fifth"
+    assert contact._RESOLVED == 0.2
+    yield "narrower than two thicknesses of the layer each end feels the other"
     yield "on layers thicker than 2.5 grid spacings they have the half-space's edge"
-    assert (edges._NARROW, edges._THINNEST) == (8, 2.5)
+    assert (edges._NARROW, edges._THINNEST) == (2, 2.5)
 
 
 def limits_of_precision():

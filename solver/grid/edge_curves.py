@@ -28,25 +28,24 @@ end feels the other; they have the half-space's edge where they look like it (se
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache, cached_property, lru_cache
+from functools import cache, cached_property
 
 import numpy as np
 
 from ..arrays import Array64, Indices
 from ..layers import ElasticLayer
 from ..quadrature import gauss_legendre
+from .kept import kept
 from .layer_on_grid import modulus_anywhere, modulus_on_grid, thickness_on_grid
 
 Logarithm = Callable[[Array64], Array64]
 """ln f of wave numbers q > 0 [1/grid spacing], of their shape."""
 
 _TABLE = 128  # beyond, S_j follows a power of the distance
-_THICK = 200.0  # grid spacings; thicker layers have the half-space's edge, to 1e-3 spacings
 _STEP = 1.2  # factor of the wave number, to see how ln f ends on the grid
 _MOST_BEYOND = 0.5  # of delta's part by waves that the grid has not; real layers have up to 0.31
 _SPLIT = 2.0  # error where the curve says that nodes pull [grid spacings]
-_NO_PRESSURE = 1e-9  # of an edge at its last node, over that a spacing away
-_FIT = 9  # last entries of the table that tell the power
+_NO_PRESSURE = np.sqrt(np.finfo(np.float64).eps)  # of an edge at its last node, over that a spacing away
 
 
 @dataclass(frozen=True)
@@ -92,17 +91,12 @@ class EdgeCurve:
         return values
 
 
+@kept
 def edge_curve(layer: ElasticLayer, num_points: int, period: float) -> EdgeCurve:
     """The edge on a layer, on a grid of `num_points` in the period L [length]."""
-    if thickness_on_grid(layer, num_points, period) > _THICK:
+    if thickness_on_grid(layer, num_points, period) == math.inf:
         return half_space_curve()
-    try:
-        return _kept(layer, num_points, period)  # type: ignore[arg-type]
-    except TypeError:  # a layer that holds a list or an array has no hash
-        return _layer_curve(layer, num_points, period)
 
-
-def _layer_curve(layer: ElasticLayer, num_points: int, period: float) -> EdgeCurve:
     def on_grid(q: Array64) -> Array64:
         return np.log(modulus_on_grid(layer, q, num_points, period))
 
@@ -112,107 +106,81 @@ def _layer_curve(layer: ElasticLayer, num_points: int, period: float) -> EdgeCur
     return _curve(on_grid, anywhere)
 
 
-_kept = lru_cache(maxsize=256)(_layer_curve)
-
-
 @cache
 def half_space_curve() -> EdgeCurve:
     """The half-space's edge, the same for all grids and indenters."""
     return _curve(np.zeros_like, np.zeros_like)
 
 
-@dataclass(frozen=True)
-class _Quadrature:
-    """How the integrals over ln f are made."""
-
-    q: Array64
-    """Below pi; dense towards 0, where layers change [1/grid spacing]."""
-    cosines: Array64
-    """(1/pi) cos(k q) times the weights, shape (table length, waves)."""
-    of_delta: Array64
-    """[2/q^2 - 1/(1 - cos q)]/(2 pi) times the weights."""
-    beyond: Array64
-    """From infinity down to pi [1/grid spacing]."""
-    of_beyond: Array64
-    """1/(pi q^2) times the weights."""
-    of_grid: Array64
-    """l_k/2 of ln[(q/2)/sin(q/2)], shape (table length,)."""
-    slope: float
-    """s_0."""
-
-
 @cache
-def _quadrature() -> _Quadrature:
+def _quadrature() -> tuple[Array64, Array64, Array64, Array64, Array64, Array64, float]:
+    """How the integrals over ln f are made: waves q below pi, dense towards 0, where layers change; (1/pi) cos(k q)
+    times their weights, shape (table length, waves); [2/q^2 - 1/(1 - cos q)]/(2 pi) times them; waves from infinity
+    down to pi; 1/(pi q^2) times their weights; l_k/2 of ln[(q/2)/sin(q/2)], shape (table length,); s_0.
+    """
     nodes, weights = gauss_legendre(200)
     root = (nodes + 1) / 2
     q, weights_q = np.pi * root**2, weights * np.pi * root
     cosines = np.cos(np.outer(np.arange(_TABLE), q)) * weights_q / np.pi
     sine = np.sin(q / 2) ** 2
     difference = np.where(q > 0.01, 2 / q**2 - 1 / (2 * sine), -1 / 6 - q**2 / 120)  # which cancels
+    of_delta = weights_q * difference / (2 * np.pi)
     of_grid = np.log(q / 2 / np.sin(q / 2))
-    t, weights_t = root**2, weights * root  # pi/q
-    return _Quadrature(
-        q=q,
-        cosines=cosines,
-        of_delta=weights_q * difference / (2 * np.pi),
-        beyond=np.pi / t,
-        of_beyond=weights_t / np.pi**2,
-        of_grid=cosines @ of_grid,
-        slope=-float(np.sum(weights_q * np.where(q > 0.01, of_grid / sine, 1 / 6 + 11 * q**2 / 720))) / (4 * np.pi),
-    )
+    slope = -float(np.sum(weights_q * np.where(q > 0.01, of_grid / sine, 1 / 6 + 11 * q**2 / 720))) / (4 * np.pi)
+    return q, cosines, of_delta, np.pi / root**2, weights * root / np.pi**2, cosines @ of_grid, slope
 
 
 def _curve(on_grid: Logarithm, anywhere: Logarithm) -> EdgeCurve:
     """The curve of ln f. on_grid: where waves that the grid has not count as its longest or shortest; anywhere: as they
     are.
     """
-    of = _quadrature()
+    q, cosines, of_delta, shorter, of_beyond, of_grid, slope = _quadrature()
     at_end = float(on_grid(np.array([np.pi]))[0])
-    inside = on_grid(of.q) - at_end
-    rest = _beyond(anywhere) - at_end
+    inside = on_grid(q) - at_end
+    rest = _beyond(anywhere, shorter) - at_end
     known = np.isfinite(rest)
     last = float(rest[known][0]) if known.any() else 0.0  # of the shortest wave known, for those that are not
-    beyond = float(of.of_beyond @ np.where(known, rest, last))
+    beyond = float(of_beyond @ np.where(known, rest, last))
     if not abs(beyond) < _MOST_BEYOND:  # nonsense
         known[:], beyond, last = False, 0.0, 0.0
     rise = float(at_end - on_grid(np.array([np.pi / _STEP]))[0]) / math.log(_STEP) if not known.any() else 0.0
-    error = float(of.of_beyond[~known].sum()) * (abs(last + at_end) + 2 * abs(rise))
-    delta = float(of.of_delta @ inside) + beyond
-    series = of.of_grid + of.cosines @ inside
+    error = float(of_beyond[~known].sum()) * (abs(last + at_end) + 2 * abs(rise))
+    delta = float(of_delta @ inside) + beyond
+    series = of_grid + cosines @ inside
     mean = series[0] / 2
-    series[0] = of.of_grid[0] / 2  # f may be large or small
+    series[0] = of_grid[0] / 2  # f may be large or small
     factor = _exponential(series)
     families = [np.convolve(factor, _binomial(m + 0.5))[:_TABLE] for m in range(3)]
     first = np.array([[family[j] for family in families] for j in range(3)])
-    shift, table = 0.75 - of.slope - delta, families[1] * math.sqrt(math.pi) / 2
+    shift, table = 0.75 - slope - delta, families[1] * math.sqrt(math.pi) / 2
     if table.min() <= 0:  # a coating so stiff that contacts split at their edges on the grid
         error += _SPLIT
     return EdgeCurve(
         shift=shift,
         table=table,
-        rows=_far_field(of.slope) @ np.linalg.inv(first),
-        power=_power(table[-_FIT:], shift),
+        rows=_far_field(slope) @ np.linalg.inv(first),
+        power=_power(table, shift),
         strength=math.exp(mean + at_end / 2) * math.sqrt(math.pi),
         delta=delta,
         error=error,
     )
 
 
-def _beyond(logarithm: Logarithm) -> Array64:
+def _beyond(logarithm: Logarithm, q: Array64) -> Array64:
     """ln f of waves shorter than the grid's; NaN among it where the layer does not know them, as a table that ends."""
     try:
         with np.errstate(all="ignore"):
-            return logarithm(_quadrature().beyond)
+            return logarithm(q)
     except ValueError:
-        return np.full_like(_quadrature().beyond, np.nan)
+        return np.full_like(q, np.nan)
 
 
-def _power(end: Array64, shift: float) -> float:
-    """With which power of the distance the end of a table grows; that of the half-space where it does not."""
-    if not 0 < end[0] < end[-1]:  # a stiff layer on a very soft base, pressed at its edges
+def _power(table: Array64, shift: float) -> float:
+    """With which power of the distance a table goes on; that of the half-space where it does not grow."""
+    if not 0 < table[-2] < table[-1]:  # a stiff layer on a very soft base, pressed at its edges
         return 0.5
     last = _TABLE - 1 + shift
-    return math.log(end[0] / end[-1]) / math.log((last + 1 - end.size) / last)
+    return math.log(table[-1] / table[-2]) / math.log(last / (last - 1))
 
 
 def _exponential(series: Array64) -> Array64:

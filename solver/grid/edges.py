@@ -17,12 +17,9 @@ grid that distance is not the one between node and end: a far field x^1/2 (1 + c
 X_j in the place of the distance, ends of such rows are right to 0.012 grid spacings from gaps of one spacing on.
 
 For an edge theta = beta - s spacings inside the last node the curve goes over into a [(j - theta)^1/2 + e (j -
-theta)^-3/2], e = (beta^2 - beta + 1/6)/8, and not into the root alone. In a patch of half-width A that is the pressure
-F(x; A) under a smooth indenter plus -4 e F'', with F'' the second derivative with respect to A. F'' carries load, so
-the half-width with that load is 4e/A less; and F'' goes like (j - theta)^-1/2 to the next order, which the pressures
-take for 5/2 e/A of that already. What is left, 3/2 e/A, the ends lie further inside than they say, and pi/P (3 cot(pi
-A/P) + tan(pi A/P)) e/2 in a row. As it is the load of all patches together that is given, e is the mean over all ends
-of this kind.
+theta)^-3/2], e = (beta^2 - beta + 1/6)/8, and not into the root alone. In a patch of half-width A with a given load the
+ends then lie 3/2 e/A further inside than the pressures say, in a row pi/P (3 cot(pi A/P) + tan(pi A/P)) e/2 (derived in
+docs/edges.md). As it is the load of all patches together that is given, e is the mean over all ends of this kind.
 """
 
 import math
@@ -40,20 +37,18 @@ from .patches import Patches
 COUNTED_BELOW = 3
 """Nodes; smaller patches have no pressures that tell their ends."""
 
-_NARROW, _NARROW_GAP, _THINNEST = 8.0, 0.5, 2.5
-"""Layer thicknesses; narrower patches, and patches beside narrower gaps, have the half-space's edge if their pressures
-look like it, on layers of so many grid spacings and more."""
+_NARROW, _THINNEST = 2.0, 2.5
+"""Layer thicknesses; narrower patches have the half-space's edge if their pressures look like it, on layers of so many
+grid spacings and more. Their load tells what the pressures leave to the second order."""
 
-_ON_THICK = 2.0
-"""Layer thicknesses; in narrower patches the load tells what the pressures leave to the second order."""
 COUNTED_ERROR = math.sqrt(0.5)
 """Error of an end halfway between two nodes, as counting has it, at most [grid spacings]."""
 _UNKNOWN = 1.0
 """Error of an end at which the pressures do not look like one [grid spacings]."""
 
 _NARROWEST = 0.5  # gap between two patches that is believed [grid spacings]
-_TURNS = 4  # until ends and pressures agree
-_NO_DISTANCE = 1e-9  # of a node from an edge, over the wave of the row
+TURNS = 3
+"""Until ends agree with pressures."""
 
 _ALIKE = 0.15
 """Grid spacings by which two estimates of an edge may differ to be of an edge at all."""
@@ -72,7 +67,7 @@ def edge_offset(curve: EdgeCurve, pressures: Array64) -> tuple[Array64, Array64,
         two = two / (two + ratio * curve.table[0]) - curve.shift
         low, middle, high = curve.rows @ pressures.T
         theta = -2 * low / middle
-        for _ in range(3):  # -theta middle/2 - 3/8 theta^2 high = low
+        for _ in range(TURNS):  # -theta middle/2 - 3/8 theta^2 high = low
             theta = -2 * low / (middle + 0.75 * theta * high)
         theta += curve.delta
     two[~np.isfinite(two)] = 0.5 - curve.shift
@@ -100,10 +95,10 @@ class Edges:
     counted: Mask
     """Which patches have as many spacings as nodes because nothing better is known, shape (M,)."""
     by_load: Mask
-    """Which narrow patches have ends that their loads have told, see `loads`, shape (M,), without those on a layer that
-    the grid does not resolve."""
+    """Which narrow patches have ends that their loads have told, see `narrow`, shape (M,); without those on a layer
+    that the grid does not resolve."""
     by_gap: Mask
-    """Behind which patches there is a narrow gap that has told its ends, see `gaps`, shape (M,)."""
+    """Behind which patches there is a narrow gap that has told its ends, see `narrow`, shape (M,)."""
     squared_slope: Array64 | None = None
     """Integral of h'^2 over each patch, shape (M,) [grid spacings]; NaN, or None for all, where it is to be had from
     the nodes."""
@@ -120,11 +115,6 @@ class Edges:
     def error(self) -> Array64:
         """Estimated errors of the widths, shape (M,) [grid spacings]."""
         return np.asarray(self.end_errors.sum(axis=0))
-
-    @property
-    def num_by_load(self) -> int:
-        """Number of narrow patches whose ends their loads have told."""
-        return int(self.by_load.sum())
 
     @property
     def total_error(self) -> float:
@@ -147,23 +137,24 @@ def find_edges(patches: Patches, pressure: Array64, layer: ElasticLayer, period:
         return Edges(patches.first - half, patches.last + half, error, none, none, none)
     thickness = thickness_on_grid(layer, patches.num_points, period)
     theta, spread = _in_row(patches, pressure)
-    narrow = (patches.size < _NARROW * thickness) | (patches.to_neighbours - 1 < _NARROW_GAP * thickness)
-    narrow &= (thickness > _THINNEST) & (spread < _ALIKE)
-    by_layer = np.broadcast_to(FITTED.of_layer * patches.size / thickness**2, narrow.shape)
+    on_thick = (patches.size < _NARROW * thickness) & (thickness > _THINNEST)
+    narrow = on_thick & (spread < _ALIKE)
+    by_curve = 0.0
     if thickness < math.inf and not narrow.all():
         curve = edge_curve(layer, patches.num_points, period)
         wide, _, spread_of_wide = edge_offset(curve, lone_ends(curve, patches, pressure).reshape(-1, 3))
         theta = np.where(narrow, theta, wide.reshape(2, -1))
         spread = np.where(narrow, spread, spread_of_wide.reshape(2, -1))
-        by_layer = np.where(narrow, by_layer, curve.error)
-    on_thick = (patches.size < _ON_THICK * thickness) & (thickness > _THINNEST)
+        by_curve = curve.error
     counted = patches.size < COUNTED_BELOW
-    theta = theta + _by_load(patches, theta, on_thick & narrow & ~counted)
+    theta = theta + _by_load(patches, theta, narrow & ~counted)
     outside = np.where(counted, 0.5, -theta)
     left, right = apart(patches.first - outside[0], patches.last + outside[1], patches.num_points)
     by_size = FITTED.of_size / patches.size**2 + np.where(on_thick, 0.0, FITTED.of_size_if_wide / patches.size)
     by_gap = FITTED.beside_gap / (patches.to_neighbours - 1) ** 2
-    error = np.minimum(FITTED.of_difference * spread + by_size + by_gap, COUNTED_ERROR) + by_layer
+    by_layer = FITTED.of_layer * patches.size / max(thickness, _THINNEST) ** 2
+    error = np.minimum(FITTED.of_difference * spread + by_size + by_gap, COUNTED_ERROR)
+    error += np.where(narrow, by_layer, by_curve)
     error = np.where(spread < _ALIKE, error, _UNKNOWN)
     return Edges(left, right, np.where(counted, COUNTED_ERROR, error), counted, none, none)
 
@@ -188,11 +179,10 @@ def _in_row(patches: Patches, pressure: Array64) -> tuple[Array64, Array64]:
     """
     curve = half_space_curve()
     ends, theta = _ends(patches, pressure), np.full((2, patches.count), 0.5 - curve.shift)
-    for _ in range(_TURNS):
+    for _ in range(TURNS):
         width, gap = (of[..., None] for of in _around(patches, theta))
         wave, away = np.pi / (width + gap), np.minimum(edge_distance(curve, theta), width)
-        from_end, to_other = np.maximum(wave * away, _NO_DISTANCE), wave * np.maximum(width - away, _NARROWEST)
-        beyond = np.sin(to_other) * np.sin(from_end) / from_end
+        beyond = np.sin(wave * np.maximum(width - away, _NARROWEST)) * np.sinc(wave / np.pi * away)
         alone = ends / (np.sin(wave * (gap / 2 + away)) * np.sqrt(beyond))
         theta, _, spread = (of.reshape(2, -1) for of in edge_offset(curve, alone.reshape(-1, 3)))
     return theta, spread
@@ -227,7 +217,7 @@ def lone_ends(curve: EdgeCurve, patches: Patches, pressure: Array64) -> Array64:
     """
     ends, away = _ends(patches, pressure), patches.size[:, None] - 1 - np.arange(3)
     theta, alone = np.full((2, patches.count), 0.5 - curve.shift), ends
-    for turn in range(3):
+    for turn in range(TURNS):
         if turn:
             theta = edge_offset(curve, alone.reshape(-1, 3))[0].reshape(2, -1)
         alone = ends / np.maximum(edge_function(curve, (theta + curve.shift)[::-1, :, None], away), 1e-3)

@@ -13,20 +13,18 @@ Modulus = Callable[[Array64], Array64]
 
 _ALIKE = 0.01
 """Of the shortest wave's stiffness, by which it may differ from the half-space's."""
-_THIN = 1e-3
-"""Thickness that a layer on which it differs by more has at most [grid spacings]."""
 
 
 @kept
 def thickness_on_grid(layer: ElasticLayer, num_points: int, period: float) -> float:
     """d [grid spacings], on a grid of `num_points` in the period L [length]; `inf` for a half-space.
 
-    Where it is large short waves find a half-space. A layer on which the grid's shortest wave does not counts as thin.
+    Where it is large short waves find a half-space. A layer on which the grid's shortest wave does not has none.
     Raises `ValueError` where the layer does not know that wave.
     """
     (shortest,) = modulus_on_grid(layer, np.array([np.pi]), num_points, period)
     thickness = layer.thickness / period * num_points
-    return thickness if abs(shortest - 1) < _ALIKE else min(thickness, _THIN)
+    return thickness if abs(shortest - 1) < _ALIKE else 0.0
 
 
 def modulus_on_grid(layer: ElasticLayer, q: Array64, num_points: int, period: float) -> Array64:

@@ -50,7 +50,7 @@ class Observables(Value):
     num_counted_patches: int
     """Patches whose nodes are counted even in the sub-grid area: neither pressures nor loads tell their ends."""
     num_patches_by_load: int
-    """Narrow patches whose ends are found by their loads, see `loads`."""
+    """Narrow patches whose ends are found by their loads, see `narrow`."""
     contact_area_subgrid: float
     """a_r between the sub-grid edges."""
     contact_area_error: float
@@ -111,7 +111,7 @@ def observe(
         peak_pressure=float(contact_pressure.max(initial=0.0)),
         num_patches=patches.count,
         num_counted_patches=int(edges.counted.sum()),
-        num_patches_by_load=edges.num_by_load,
+        num_patches_by_load=int(edges.by_load.sum()),
         contact_area_subgrid=area_subgrid,
         contact_area_error=area_error,
         rms_gradient_subgrid=gradient_subgrid,

@@ -62,6 +62,11 @@ class Patches:
         gap = np.append(self.first[1:], self.first[:1] + self.num_points) - self.last
         return np.concatenate((gap[-1:], gap[:-1], gap)).reshape(2, -1).astype(np.float64)
 
+    @cached_property
+    def gap(self) -> Indices:
+        """Nodes of the gaps to the left and right of patches, shape (2, M)."""
+        return self.to_neighbours.astype(np.int64) - 1
+
     def hold(self, nodes: Indices) -> Mask:
         """Whether these nodes, from 0 to N - 1, are contact nodes; of their shape."""
         after = np.searchsorted(self.first, nodes, side="right")

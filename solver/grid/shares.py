@@ -2,7 +2,7 @@
 
 A grid on which patches have few nodes has the compliance of each patch slightly wrong, and with it the load that the
 patch takes, by a percent where it has three nodes and by a tenth where it has one. All patches are pressed by the same
-approach. If patch k would have to lie deeper by r_k for its load (`loads.level_error`), then the loads are to
+approach. If patch k would have to lie deeper by r_k for its load (`narrow.level_errors`), then the loads are to
 change by D_k, of sum 0, such that
 
     c_k D_k + sum over j != k of G_kj D_j = r_k + one constant,
@@ -21,12 +21,10 @@ from ..arrays import Array64, Indices
 from ..layers import ElasticLayer
 from .few_nodes import response
 from .kept import kept
-from .loads import FromLoads, punch_compliance
+from .narrow import Ends, punch_compliance
 from .patches import Patches
 from .problem import stiffness_on_grid
 
-MOST_POINTS = 2**20
-"""Grid points up to which this is done: on finer grids patches of few nodes carry little."""
 _TOGETHER = 128  # patches that share their load with each other, those that follow each other
 
 
@@ -43,13 +41,19 @@ def layer_response(layer: ElasticLayer, num_points: int, period: float) -> Array
 
 
 def shared_loads(
-    patches: Patches, chosen: Indices, pressure: Array64, found: FromLoads, level: Array64, green: Array64
+    patches: Patches,
+    chosen: Indices,
+    pressure: Array64,
+    found: Ends,
+    level: Array64,
+    centre_of_load: Array64,
+    green: Array64,
 ) -> Array64:
     """The loads of all patches, shape (M,) [grid spacings], over E*, after some of them were put right.
 
     pressure: over E*, on the contact nodes in compact order; found: ends of the chosen patches with the loads that the
-    grid has; level: r_k of these, see `loads.level_error` [grid spacings]; green: see `layer_response`. A load that
-    would not stay positive is left as it is, and all are where rounding makes the matrix singular.
+    grid has; level, centre_of_load: see `narrow.level_errors`; green: see `layer_response`. A load that would not stay
+    positive is left as it is, and all are where rounding makes the matrix singular.
     """
 
     def at(node: Indices) -> Array64:
@@ -62,11 +66,12 @@ def shared_loads(
     # a load that lies elsewhere than the grid has it presses the other patches, too
     compliance = _of_nodes(patches.size, at(np.arange(int(patches.size.max()))))
     moment, error = np.zeros((2, patches.count))
-    moved = found.centre_of_load - centre[chosen]
+    solved, chosen = found.solved, chosen[found.solved]
+    moved = centre_of_load[solved] - centre[chosen]
     centre[chosen] += moved
     moment[chosen] = moved * load[chosen]
-    compliance[chosen] += punch_compliance(found.half_width) - _of_nodes(patches.size[chosen], response())
-    error[chosen] = level
+    compliance[chosen] += punch_compliance(found.half_width[solved]) - _of_nodes(patches.size[chosen], response())
+    error[chosen] = level[solved]
     shared = load.copy()
     for begin in range(0, patches.count, _TOGETHER):
         some = slice(begin, begin + _TOGETHER)

@@ -7,12 +7,12 @@ import math
 import numpy as np
 from numpy.polynomial.polynomial import polyval
 
-from ..arrays import Array64, parts
+from ..arrays import Array64
+from .edges import TURNS
 from .few_nodes import response
 from .patches import Patches
 
 _THROUGH_SIX = np.linalg.inv(np.vander(np.arange(-2.5, 3), increasing=True))  # to coefficients of the polynomial
-_TURNS = 5  # until the width of a patch agrees with its depth
 
 
 def unseen_gaps(patches: Patches, pressure: Array64, kinks: bool) -> float:
@@ -56,31 +56,17 @@ def unseen_patches(profile: Array64, displacement: Array64, half_space: bool) ->
     profile, displacement: h and u, shape (N,) [any unit], equal at contact nodes. half_space: whether the grid's
     shortest waves find one. There is such a patch where the parabola through an open node, which no neighbour
     undercuts, and both of its open neighbours is below 0. A summit of the curvature k that stands out by D is pressed
-    flat over the width 2a with D = k a^2 [1/4 + ln(2/a)/2] on the half-space (`loads` has both equations), and with D =
-    k a^2/2 on a Winkler foundation.
+    flat over the width 2a with D = k a^2 [1/4 + ln(2/a)/2] on the half-space (see `narrow`), and with D = k a^2/2 on a
+    Winkler foundation.
     """
-    found = [_lowest(profile, displacement, part) for part in parts(profile.size)]
-    left, node, right = np.concatenate(found, axis=1)
+    gap = np.pad(profile - displacement, 1, mode="wrap")
+    lowest = 1 + np.flatnonzero((gap[1:-1] > 0) & (gap[1:-1] <= gap[:-2]) & (gap[1:-1] <= gap[2:]))
+    left, node, right = (gap[lowest + step] for step in (-1, 0, 1))
     bend = left - 2 * node + right
     depth = (left - right) ** 2 / 8 - bend * node  # times the curvature
     stand_out = depth > 0
     ratio = depth[stand_out] / bend[stand_out] ** 2
     a = np.sqrt(2 * ratio)
-    for _ in range(_TURNS if half_space else 0):
+    for _ in range(2 * TURNS if half_space else 0):
         a = np.sqrt(ratio / (0.25 + np.log(2 / a) / 2))
     return 2 * float(a.sum())
-
-
-def _lowest(profile: Array64, displacement: Array64, part: slice) -> Array64:
-    """Gaps at open nodes that no neighbour undercuts, with those of their neighbours to the left and right, shape (3,
-    nodes), in a part of the grid.
-    """
-    before, after = part.start - 1, part.stop + 1
-    if before >= 0 and after <= profile.size:
-        gap = profile[before:after] - displacement[before:after]
-    else:  # the period goes on
-        nodes = np.arange(before, min(after, profile.size + 1)) % profile.size
-        gap = profile[nodes] - displacement[nodes]
-    left, node, right = gap[:-2], gap[1:-1], gap[2:]
-    lowest = np.flatnonzero((node > 0) & (node <= left) & (node <= right))
-    return np.stack([left[lowest], node[lowest], right[lowest]])
