@@ -44,7 +44,7 @@ class Repetition:
                 self._graph = on_gpu.capture(fire.parts)
             for _ in range(count):
                 self._graph()
-            fire.add_pairs(count * fire.pairs_per_iteration)
+            fire.transform_pairs += count * fire.pairs_per_iteration
             fire.after_step()
         self._count = min(2 * self._count, _MOST) if fire.state[layout.HELD] > fire.padding else 1
 

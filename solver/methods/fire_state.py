@@ -19,7 +19,7 @@ from ...kernels import Call, layout, sequence
 from ..arrays import Array, Array64
 from ..grid.problem import Problem
 from ..transforms.place import Place
-from .method import Method
+from .method import PATIENCE, Method
 
 Operator = tuple[Callable[[], None], ...]
 
@@ -50,6 +50,7 @@ class Fire(Method):
     parameters = FireParameters()
     repeat: Callable[["Fire", int], None] | None = None
     """Where iterations can be repeated without a look at the control state: does so, at most so many times."""
+    transform_pairs = 0.0
     pairs_per_iteration = 1
     buffers = 6
     """How many arrays of N values it has, those of the transforms included."""
@@ -62,7 +63,6 @@ class Fire(Method):
         """
         n = self.num_points = problem.num_points
         self.problem, self.transforms, self.backend, self.tolerance = problem, transforms, backend, tolerance
-        self._pairs = 0.0
         # all zeros behind N: the padding lies on a wall at 0 and is held there by the mean pressure
         self.u, self.v, self.height = (transforms.buffer() for _ in range(3))
         self.work = transforms.buffer()  # K u
@@ -79,10 +79,6 @@ class Fire(Method):
         self.transforms.put(self.u, displacement)
         self.v[:] = 0
         self.stop_at_wall()
-
-    def start_from_pressure(self, pressure: Array64) -> None:
-        """Begin at rest from the displacement under a contact pressure, shape (N,) [p]."""
-        self.start(self.problem.displacement_under(pressure))
 
     def _operator(self, source: Array, symbol: Array64) -> Operator:
         """Forward transform of `source`, multiplication by `symbol`, shape (N//2 + 1,), inverse transform to `work`."""
@@ -134,15 +130,6 @@ class Fire(Method):
         return np.where(u >= wall, height, np.minimum(u.astype(np.float64), height))
 
     @property
-    def contact_pressure(self) -> Array64:
-        """sigma >= 0 on the nodes on the wall, shape (N,) [p]."""
-        return self.problem.wall_pressure(self.displacement)
-
-    @property
-    def transform_pairs(self) -> float:
-        return self._pairs
-
-    @property
     def residual(self) -> float:
         """Rms free force over the mean pressure, of u before the last step; once stopped, of u itself."""
         return float(self.state[layout.RESIDUAL])
@@ -158,8 +145,8 @@ class Fire(Method):
 
     @property
     def patience(self) -> int | None:
-        """Iterations without a new minimum of the residual after which there is no hope; sqrt(N) is FIRE's own pace."""
-        return 1000 + 20 * math.isqrt(self.num_points)
+        """As for `Method`; sqrt(N) is FIRE's own pace."""
+        return PATIENCE + 20 * math.isqrt(self.num_points)
 
     @property
     def parts(self) -> Operator:
@@ -180,8 +167,7 @@ class Fire(Method):
 
     def step(self) -> None:
         """One FIRE iteration, one transform pair."""
-        self._apply(self._apply_stiffness)
-        self._move()
+        self._apply(self.parts)
         self.after_step()
 
     def after_step(self) -> None:
@@ -203,8 +189,4 @@ class Fire(Method):
     def _apply(self, operator: Operator) -> None:
         for part in operator:
             part()
-        self.add_pairs(1)
-
-    def add_pairs(self, count: float) -> None:
-        """Add pairs of transforms to those that were done."""
-        self._pairs += count
+        self.transform_pairs += 1

@@ -20,7 +20,7 @@ import numpy as np
 
 from ...kernels import Call, sequence
 from .fire_state import Fire, FireParameters, Operator
-from .method import MethodKind
+from .method import PATIENCE, MethodKind
 from .rebased_fire import begin_fire
 
 
@@ -39,8 +39,7 @@ class MassWeightedFire(Fire):
 
     @property
     def patience(self) -> int | None:
-        """As for `Fire`; the pace does not depend on N."""
-        return 1000
+        return PATIENCE  # the pace does not depend on N
 
     def _prepare(self, own_load: bool) -> None:
         self.force, self.probe, self.load = (self.transforms.buffer() for _ in range(3))

@@ -17,8 +17,8 @@ from ..grid.problem import Problem
 Progress = Callable[[int, float], None]
 """Called with (iteration, residual over the mean pressure)."""
 
-_IDLE = 1000
-"""Steps in a row that need not count as iterations."""
+PATIENCE = 1000
+"""Iterations without a new minimum of the residual, or steps that count as none, after which there is no hope."""
 
 OVERFLOWING = 1e30
 """Residual over the mean pressure; a larger one is on its way to overflow."""
@@ -36,9 +36,9 @@ class Method(Protocol):
     def start(self, displacement: Array64) -> None:
         """Begin from a displacement, shape (N,) [u]."""
 
-    @abstractmethod
     def start_from_pressure(self, pressure: Array64) -> None:
         """Begin from a contact pressure, shape (N,) [p], which is 0 where there is no contact."""
+        self.start(self.problem.displacement_under(pressure))
 
     @abstractmethod
     def step(self) -> None:
@@ -76,14 +76,14 @@ class Method(Protocol):
         """u <= h, shape (N,) [u], in float64."""
 
     @property
-    @abstractmethod
     def contact_pressure(self) -> Array64:
         """sigma >= 0, shape (N,) [p], in float64."""
+        return self.problem.wall_pressure(self.displacement)
 
     @property
     def patience(self) -> int | None:
         """Iterations without a new minimum of the residual after which there is no hope; None: it ends by itself."""
-        return 1000
+        return PATIENCE
 
     def tighten(self) -> bool:
         """Aim at a smaller residual, after the certificate found the free residual too large; False: it cannot."""
@@ -93,7 +93,6 @@ class Method(Protocol):
         """Give back what can be made anew, which leaves room for the certificate or a finer grid; the state stays
         usable.
         """
-        return
 
 
 @dataclass(frozen=True)
@@ -170,7 +169,7 @@ def relax(state: Method, max_iterations: int, progress: Progress | None = None) 
             state.steps(max_iterations - state.iteration)
             idle = idle + 1 if state.iteration == counted else 0
             counted = state.iteration
-            if idle > _IDLE:
+            if idle > PATIENCE:
                 what = f"iteration of {type(state).__name__} is {counted} after {idle} more steps"
                 raise ValueError(f"{what}; allowed: a number that grows with the steps")
             if state.stopped:
