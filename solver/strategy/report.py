@@ -17,8 +17,8 @@ from ..scene import Scene
 from ..solution import Choice, Solution
 from ..transforms.device import device_name, gpu_libraries
 from .certification import certify_or_fall_back
+from .errors import with_errors
 from .run import Run
-from .unfinished import with_errors
 
 
 def finish(run: Run, scene: Scene, problem: Problem) -> Solution:

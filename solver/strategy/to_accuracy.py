@@ -9,12 +9,11 @@ from ..endings import Cause, Reason, Status
 from ..grid.problem import Problem
 from ..methods import Method
 from ..solution import Choice, Solution
-from .errors import DEFAULT_QUANTITY, QUANTITIES, grid_error
+from .errors import DEFAULT_QUANTITY, QUANTITIES, grid_error, iteration_share
 from .grids import FACTOR, coarser, grids, over_grids
 from .report import finish
 from .run import Run, check_memory
 from .small_models import MODELS, decide
-from .unfinished import iteration_share
 
 MOST_ACCURACY = 0.1
 """Coarsest relative error that may be asked for (dimensionless)."""
