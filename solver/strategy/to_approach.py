@@ -21,7 +21,7 @@ from ..grid.problem import full_contact_pressure, half_spectrum
 from ..scene import Scene
 from ..solution import Choice, Solution
 from .errors import QUANTITIES, estimated
-from .grids import grids
+from .grids import COARSEST, grids
 from .linearised import contact_compliance
 from .to_accuracy import MOST_ACCURACY
 from .to_tolerance import DEFAULT_TOLERANCE
@@ -51,7 +51,8 @@ def solve_to_approach(scene: Scene, solve: Callable[[Scene], Solution]) -> Solut
         return _full_contact(scene, solve, approach)
     pressure = _foundation_guess(scene, approach)
     for size in grids(scene.num_points)[:-1]:
-        pressure = _coarse_guess(scene, size, noted, pressure)
+        if size >= 2 * COARSEST:
+            pressure = _coarse_guess(scene, size, noted, pressure)
     tried = _tried(scene, noted, pressure, DEFAULT_TOLERANCE)
     found, error = _best(tried, approach), math.inf
     try:
