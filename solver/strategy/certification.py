@@ -133,7 +133,9 @@ def _from_there(run: Run, problem: Problem, found: Certified, kind: MethodKind) 
     other = _tightened(run, problem, _certified(run, problem))
     if _good(run, other) or other.residual < found.residual:
         return other
-    run.state, run.status = before, run.status if run.status is Status.INTERRUPTED else status
+    run.state = before
+    if run.status is not Status.INTERRUPTED and not run.budget.spent:
+        run.status = status
     return found
 
 
