@@ -40,17 +40,17 @@ from .grids import FACTOR
 
 @dataclass(frozen=True)
 class Quantity:
-    """Something that is measured, and how its error is estimated."""
+    """Something that is measured, and how its error is estimated; names are those in `Observables` and `Level`."""
 
     value: str
-    """Its name in `Observables` and `Level`."""
+    """Its name."""
     error: str
-    """The name of its error in `Observables`."""
+    """The name of its error, in `Observables` only."""
     alone: str
-    """The name, in both, of the part of its error that a grid tells alone."""
+    """The name of the part of its error that a grid tells alone."""
     of_change: tuple[str, str] | None = None
-    """The names in `Calibration` of the share of changes that is left, under smooth profiles and under rough ones; None
-    where this grid knows more than changes tell."""
+    """The names in `Calibration` of the share of changes that is left, under smooth and rough profiles; None where this
+    grid knows more than changes tell."""
     of_lowest: bool = False
     """Whether it counts from the profile's lowest point, and does not depend on the largest pressure."""
     of_slopes: bool = False
@@ -84,8 +84,6 @@ _LEAST_FALL = 1.25
 """Factor by which changes of a quantity with a limit fall from grid to grid."""
 _STIFF = 0.9
 """2K/(E* q) of a wave, below which shorter ones find the layer stiffer."""
-_WAVE_OF_TIP = 8.0
-"""That a sharp tip brings with it [grid spacings]."""
 
 
 def estimated(
@@ -113,7 +111,6 @@ def estimated(
 def _left(
     quantity: Quantity, scene: Scene, num_points: int, found: Observables | Level, values: Sequence[float]
 ) -> float:
-    """Error of a quantity by its changes. values: on two or three grids, from coarse to fine."""
     power, rough = scene.indenter.power_law, scene.indenter.effective_wave(num_points) > 0
     changes = [abs(after - before) for before, after in pairwise(values)]
     last, share = changes[-1], getattr(FITTED, quantity.of_change[rough]) if quantity.of_change else 0.0
@@ -140,7 +137,7 @@ def _unknown(quantity: Quantity, scene: Scene, num_points: int, area: float) -> 
     """
     if quantity.of_lowest:
         return False
-    waves = np.array([2 * np.pi / _WAVE_OF_TIP, np.pi])
+    waves = np.array([np.pi / FACTOR, np.pi])  # a sharp tip brings waves of eight spacings with it
     of_tip, shortest = modulus_on_grid(scene.layer, waves, num_points, scene.period)
     sharp = scene.indenter.power_law and scene.indenter.power_law[0] < 2
     splits = sharp and area < 1 and of_tip < min(_STIFF, shortest)
@@ -165,9 +162,8 @@ def sensitivity(quantity: Quantity, scene: Scene) -> float:
 def iteration_share(free_residual: float, area: float = 0.0) -> float:
     """Estimated relative error of a_r that a free residual leaves; `inf` where the area may be anything.
 
-    Measured: up to 0.12 of residuals below 1e-3, 0.3 below blunt indenters on thin layers, 0.8 of one of 0.03. area:
-    a_r. If that is nearly the whole period, a load that is off by the residual moves the ends of the last gaps, as
-    under H. M. Westergaard's wave: p = p_full [1 - cos^2(pi a_r/2)].
+    area: a_r. If that is nearly the whole period, a load that is off by the residual moves the ends of the last gaps,
+    as under H. M. Westergaard's wave: p = p_full [1 - cos^2(pi a_r/2)].
     """
     open_part = math.cos(math.pi / 2 * area)
     of_gaps = 2 / math.pi * (math.hypot(open_part, math.sqrt(free_residual)) - open_part) if area < 1 else 0.0
@@ -178,9 +174,8 @@ def left_at_ends(free_residual: float, patches: Patches, pressure: Array64, larg
     """Estimated error of a_r that a residual leaves at the ends of patches (dimensionless).
 
     An end is anywhere among the nodes whose pressure is below what the residual leaves of it, and the next node tells
-    it the better the more it carries. That matters on thin incompressible layers, where the pressure rises like a
-    parabola, and below blunt profiles. The part that all ends have in common follows from the rms residual; what is
-    left near single ends, which may be a hundred times as much, differs from end to end and adds up in squares.
+    it the better the more it carries. The part that all ends have in common follows from the rms residual; what is left
+    near single ends, which may be a hundred times as much, differs from end to end and adds up in squares.
 
     free_residual, largest: rms and largest force on the free nodes, over the mean pressure; None where the largest one
     is not known, and then all of the residual may be at one node; pressure: of all nodes, shape (N,) [any unit].

@@ -27,7 +27,6 @@ from .to_accuracy import MOST_ACCURACY
 from .to_tolerance import DEFAULT_TOLERANCE
 
 _FULL = 1e-9  # relative distance from the approach of full contact, within which that is the answer
-_OVER_FULL = 1e-7  # by which the pressure is taken higher there, so that rounding leaves no node without contact
 _MOST_SOLVES = 40  # on a grid
 _LONGEST_STEP = 30.0  # factor of the pressure
 _STEEPEST = 3.0  # power of the approach with which a quantity grows, where nothing else tells
@@ -181,7 +180,7 @@ def _full_approach(scene: Scene) -> float:
 
 def _full_contact(scene: Scene, solve: Callable[[Scene], Solution], approach: float) -> Solution:
     """The solution under the least pressure of full contact; any larger one brings the same approach."""
-    pressure = (1 + _OVER_FULL) * full_contact_pressure(scene)
+    pressure = (1 + DEFAULT_TOLERANCE) * full_contact_pressure(scene)  # else rounding may leave nodes without contact
     found = solve(replace(scene, approach=None, pressure=pressure))
     why = "the least pressure of full contact; any larger one gives the same approach"
     choices = (Choice("pressure", f"{pressure:.10g}", why), *found.choices)
