@@ -69,7 +69,7 @@ class Fire(Method):
         self.padding = self.u.size - n
         self._inverse = transforms.inverse(self.work)
         self._apply_stiffness = self._operator(self.u, problem.stiffness)
-        self._start_state()
+        self.state = transforms.take(self._start_state())
         self._prepare(own_load)
         transforms.put(self.height, problem.height)
         self.start(np.zeros(n))
@@ -88,14 +88,14 @@ class Fire(Method):
     def _replay(self, *calls: Call) -> Callable[[], None]:
         return self.transforms.record(self.backend, calls)
 
-    def _start_state(self) -> None:
+    def _start_state(self) -> Array64:
         s, p = np.zeros(layout.STATE_LENGTH), self.parameters
         s[layout.N_MIN], s[layout.F_INC], s[layout.F_DEC] = p.n_min, p.f_inc, p.f_dec
         s[layout.ALPHA] = s[layout.ALPHA_START] = p.alpha_start
         s[layout.F_ALPHA] = p.f_alpha
         s[layout.TOLERANCE], s[layout.NUM_POINTS] = self.tolerance, self.u.size
         s[layout.RESIDUAL] = np.inf
-        self.state = self.transforms.take(s)
+        return s
 
     def _limit_step(self, stiffest: float, longest: float = math.inf) -> None:
         """Limit dt by the stiffest mode, and by a longest step."""
@@ -145,8 +145,7 @@ class Fire(Method):
 
     @property
     def patience(self) -> int | None:
-        """As for `Method`; sqrt(N) is FIRE's own pace."""
-        return PATIENCE + 20 * math.isqrt(self.num_points)
+        return PATIENCE + 20 * math.isqrt(self.num_points)  # sqrt(N) is FIRE's own pace
 
     @property
     def parts(self) -> Operator:
@@ -166,7 +165,6 @@ class Fire(Method):
             self.repeat(self, most)
 
     def step(self) -> None:
-        """One FIRE iteration, one transform pair."""
         self._apply(self.parts)
         self.after_step()
 

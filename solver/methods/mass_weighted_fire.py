@@ -27,9 +27,8 @@ from .rebased_fire import begin_fire
 class MassWeightedFire(Fire):
     """FIRE with M = K. It also stores the force and a vector for estimating lambda_max; `work` holds the acceleration.
 
-    Once dt_max is safe by measurement, Bitzek's halving of dt at every turn only loses time: on 46 scenes (Hertz and
-    rough, nu = -0.9 to 0.5, d = 1e-4 to inf, cold) n_min = 1 and f_dec = 0.8 needed 0.78 of the transforms of 5 and
-    0.5.
+    Once dt_max is safe by measurement, Bitzek's halving of dt at every turn only loses time: on 46 scenes n_min = 1 and
+    f_dec = 0.8 needed 0.78 of the transforms of 5 and 0.5.
     """
 
     parameters = FireParameters(n_min=1, f_dec=0.8)
@@ -70,7 +69,6 @@ class MassWeightedFire(Fire):
         return -self.iteration % self.probe_every
 
     def step(self) -> None:
-        """One FIRE iteration, two transform pairs."""
         self._apply(self._apply_stiffness)
         self._find_force()
         if self.iteration % self.probe_every == 0:

@@ -28,7 +28,6 @@ class Method(Protocol):
     """The state of a method on one grid, in the problem's units; made by `MethodKind.begin`."""
 
     problem: Problem
-    """What is solved."""
     tolerance: float
     """On the rms free force over the mean pressure, or on the estimate of it that the method has (dimensionless)."""
 
@@ -93,6 +92,7 @@ class Method(Protocol):
         """Give back what can be made anew, which leaves room for the certificate or a finer grid; the state stays
         usable.
         """
+        return
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ class ExecutionConfig:
     """Configuration of a solve, and of a method on one grid."""
 
     tolerance: float = 1e-8
-    """See `Method.tolerance` (dimensionless)."""
+    """See `Method`."""
     precision: str = "float64"
     """'float64', 'float32' or 'mixed'."""
     fixed_set: bool = False
@@ -151,7 +151,7 @@ class MethodKind:
     fallback: str | None = None
     """The method that takes over where it did not settle or its result could not be certified."""
     bytes_per_point: Callable[[float], float] = _most_bytes
-    """Memory that a solve takes at its peak, given the share of the nodes in contact [bytes a point]."""
+    """Memory that a solve takes at its peak by the share of the nodes in contact [bytes a point]."""
     share: float = 0.1
     """How often studies of random scenes try it, compared with the other methods (dimensionless)."""
 
@@ -159,8 +159,8 @@ class MethodKind:
 def relax(state: Method, max_iterations: int, progress: Progress | None = None) -> Status:
     """Step until the residual meets the tolerance, and say how it ended.
 
-    Other ends: `max_iterations`; no new minimum of the residual for long (the limit of the precision); overflow;
-    Ctrl-C. The state stays usable after each of them. Raises `ValueError` for a method whose steps do not count.
+    Other ends: `max_iterations`; no new minimum of the residual for long; overflow; Ctrl-C. The state stays usable.
+    Raises `ValueError` for a method whose steps do not count.
     """
     best, best_at, shown = math.inf, 0, time.monotonic()
     counted, idle = state.iteration, 0

@@ -30,8 +30,8 @@ def finish(run: Run, scene: Scene, problem: Problem) -> Solution:
     if scene.num_points == run.scene.num_points:
         del run.state  # and with it the method's fields, which are most of the memory
     profile = problem.profile if scene.period == 1 else scene.period * problem.profile
-    certificate, contact = certified.certificate, certified.contact
-    displacement, pressure = certified.displacement, certified.pressure
+    certificate, displacement = certified.certificate, certified.displacement
+    pressure, contact = certified.pressure, certified.contact
     displacement *= problem.length_unit  # in place: they may be large
     np.minimum(displacement, profile, out=displacement)  # units round
     displacement[contact] = profile[contact]

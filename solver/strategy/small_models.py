@@ -154,8 +154,8 @@ def _of_power_law(
     )
     middle, nodes = scene.num_points // 2 / scene.num_points, np.count_nonzero(pressure)
     ends = ((middle + place) * period for place in (-area / 2, area / 2))
-    table = (*ends, area * period, nodes, scene.pressure * period, peak)
-    return observables, PatchTable(*(np.array([float(value)]) for value in table))
+    table = np.array([*ends, area * period, nodes, scene.pressure * period, peak], dtype=np.float64)
+    return observables, PatchTable(*table[:, None])
 
 
 def winkler(run: Run, accuracy: float, of: str) -> Solution | None:
@@ -265,7 +265,7 @@ def _crossings(patches: Patches, depth: Array64) -> Edges:
 
 
 def _stiffening(scene: Scene) -> float:
-    """By how much the layer's stiffness for the profile's shortest wave differs from its foundation's, relative."""
+    """Relative difference of the layer's stiffness for the profile's shortest wave from its foundation's."""
     shortest, layer = scene.indenter.shortest_wave(scene.num_points), scene.layer
     if not shortest:
         return 0.0  # smooth

@@ -10,6 +10,7 @@ import math
 import sys
 import time
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
@@ -21,7 +22,7 @@ from ..grid.problem import full_contact_pressure, half_spectrum
 from ..scene import Scene
 from ..solution import Choice, Solution
 from .errors import QUANTITIES, estimated
-from .grids import COARSEST, grids
+from .grids import COARSEST, FACTOR, grids
 from .linearised import contact_compliance
 from .to_accuracy import MOST_ACCURACY
 from .to_tolerance import DEFAULT_TOLERANCE
@@ -51,7 +52,11 @@ def solve_to_approach(scene: Scene, solve: Callable[[Scene], Solution]) -> Solut
     pressure = _foundation_guess(scene, approach)
     for size in grids(scene.num_points)[:-1]:
         if size >= 2 * COARSEST:
-            pressure = _coarse_guess(scene, size, noted, pressure)
+            with suppress(ValueError):  # no such grid holds the indenter
+                coarse = _tried(scene.on_grid(size), noted, pressure, MOST_ACCURACY)[-1]
+                if coarse.status is Status.INTERRUPTED:
+                    raise KeyboardInterrupt  # nothing is known on the scene's grid
+                pressure = coarse.scene.pressure
     tried = _tried(scene, noted, pressure, DEFAULT_TOLERANCE)
     found, error = _best(tried, approach), math.inf
     try:
@@ -114,20 +119,9 @@ def _off(solution: Solution, approach: float) -> float:
 
 
 def _best(tried: Sequence[Solution], approach: float) -> Solution:
-    """The solution with the best approach; one that did not converge if none is good, because it says why."""
+    """The solution with the best approach; one that did not converge if none is good, because it has a reason."""
     best = min(tried, key=lambda one: abs(_off(one, approach)) if one.status is Status.CONVERGED else math.inf)
     return best if abs(_off(best, approach)) <= DEFAULT_TOLERANCE or tried[-1].status is Status.CONVERGED else tried[-1]
-
-
-def _coarse_guess(scene: Scene, num_points: int, solve: Callable[[Scene], Solution], guess: float) -> float:
-    """The pressure on a coarse grid; the guess itself where the indenter is not to be had there."""
-    try:
-        tried = _tried(scene.on_grid(num_points), solve, guess, MOST_ACCURACY)
-    except ValueError:
-        return guess
-    if tried[-1].status is Status.INTERRUPTED:
-        raise KeyboardInterrupt  # nothing is known on the scene's grid
-    return tried[-1].scene.pressure
 
 
 def _approach_error(found: Solution, solve: Callable[[Scene], Solution]) -> float:
@@ -137,14 +131,13 @@ def _approach_error(found: Solution, solve: Callable[[Scene], Solution]) -> floa
     """
     error, scene = found.observables.approach_error, found.scene
     if math.isinf(error) and found.status is Status.CONVERGED:
-        try:
-            coarse = solve(scene.on_grid(scene.num_points // 4))
-        except ValueError:  # no such grid holds the scene
-            return error
-        if coarse.status is Status.INTERRUPTED:
-            raise KeyboardInterrupt
-        if coarse.status is Status.CONVERGED:
-            return estimated(QUANTITIES["approach"], scene, scene.num_points, found.observables, [coarse.observables])
+        with suppress(ValueError):  # no such grid holds the scene
+            coarse = solve(scene.on_grid(scene.num_points // FACTOR))
+            if coarse.status is Status.INTERRUPTED:
+                raise KeyboardInterrupt
+            if coarse.status is Status.CONVERGED:
+                known = [coarse.observables]
+                return estimated(QUANTITIES["approach"], scene, scene.num_points, found.observables, known)
     return error
 
 
