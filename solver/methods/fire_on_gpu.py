@@ -8,16 +8,14 @@ from ...kernels import layout
 from ..arrays import Array64
 from ..grid.problem import Problem
 from ..transforms import on_gpu
-from .fire_state import Fire
+from .fire_state import LOOK_AFTER, Fire
 from .method import ExecutionConfig
 
 NetForce = Callable[[Array64], Array64]
 
-_MOST = 32
-"""Iterations between two looks; a state that has converged, or diverged, is not changed by those that follow."""
-_SPARE, _MIXED = 6, 101
-"""Arrays of N values that cuFFT and a start take beside FIRE's own, and what mixed precision takes for the base and its
-force [bytes a point]."""
+_SPARE = 7
+"""Arrays of N values that cuFFT and a start take beside FIRE's own; in mixed precision the base and its force take
+twice as many, in float64."""
 
 
 class Repetition:
@@ -42,7 +40,7 @@ class Repetition:
                 self._graph()
             fire.transform_pairs += count * fire.pairs_per_iteration
             fire.after_step()
-        self._count = min(2 * self._count, _MOST) if fire.state[layout.HELD] > fire.padding else 1
+        self._count = min(2 * self._count, LOOK_AFTER) if fire.state[layout.HELD] > fire.padding else 1
 
 
 def begin(kind: type[Fire], problem: Problem, config: ExecutionConfig) -> tuple[Fire, NetForce]:
@@ -87,4 +85,4 @@ def _net_force(problem: Problem) -> NetForce:
 def needed_memory(kind: type[Fire], num_points: int, precision: str) -> int:
     """What a solve takes of the GPU's memory, about [bytes]; transforms of large prime factors take more."""
     size = np.dtype("float64" if precision == "float64" else "float32").itemsize
-    return num_points * (size * (kind.buffers + _SPARE) + (_MIXED if precision == "mixed" else 0))
+    return num_points * (size * (kind.buffers + _SPARE) + (2 * 8 * _SPARE if precision == "mixed" else 0))

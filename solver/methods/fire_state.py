@@ -23,6 +23,10 @@ from .method import PATIENCE, Method
 
 Operator = tuple[Callable[[], None], ...]
 
+LOOK_AFTER = 50
+"""Iterations after which, at most, a GPU's state is looked at (one that has converged, or diverged, is not changed by
+those that follow), and the change joins its base in mixed precision."""
+
 
 @dataclass(frozen=True)
 class FireParameters:

@@ -19,10 +19,10 @@ from ...kernels import layout
 from ..arrays import Array64
 from ..grid.problem import Problem
 from ..transforms.planned import Transforms
-from .fire_state import Fire
+from .fire_state import LOOK_AFTER, Fire
 from .method import OVERFLOWING, ExecutionConfig, Method
 
-_JOINS_BELOW, _JOINS_AFTER = 0.1, 50  # residual over the scale, and iterations, at which the change joins the base
+_JOINS_BELOW = 0.1  # residual over the scale at which the change joins the base
 
 
 class RebasedFire(Method):
@@ -86,10 +86,10 @@ class RebasedFire(Method):
     def steps(self, most: int) -> None:
         """The same, or some iterations at once, see `Method`."""
         fire = self.fire
-        fire.steps(min(most, self._since + _JOINS_AFTER - fire.iteration))
+        fire.steps(min(most, self._since + LOOK_AFTER - fire.iteration))
         if not fire.residual < OVERFLOWING:  # diverged
             fire.state[layout.STOPPED] = 1.0
-        elif fire.stopped or fire.residual < _JOINS_BELOW or fire.iteration - self._since >= _JOINS_AFTER:
+        elif fire.stopped or fire.residual < _JOINS_BELOW or fire.iteration - self._since >= LOOK_AFTER:
             self._base = self._displacement()
             self._rebase()
 

@@ -27,7 +27,6 @@ from .linearised import contact_compliance
 from .to_accuracy import MOST_ACCURACY
 from .to_tolerance import DEFAULT_TOLERANCE
 
-_FULL = 1e-9  # relative distance from the approach of full contact, within which that is the answer
 _MOST_SOLVES = 40  # on a grid
 _LONGEST_STEP = 30.0  # factor of the pressure
 _STEEPEST = 3.0  # power of the approach with which a quantity grows, where nothing else tells
@@ -47,7 +46,7 @@ def solve_to_approach(scene: Scene, solve: Callable[[Scene], Solution]) -> Solut
         return solved[-1]
 
     check_approach(scene)
-    if approach >= _full_approach(scene) * (1 - _FULL):
+    if approach >= _full_approach(scene) * (1 - DEFAULT_TOLERANCE):
         return _full_contact(scene, solve, approach)
     pressure = _foundation_guess(scene, approach)
     for size in grids(scene.num_points)[:-1]:
@@ -191,7 +190,7 @@ def _told(found: Solution, approach: float) -> Solution:
 def check_approach(scene: Scene) -> None:
     """Raise `ValueError` for a scene whose approach no pressure brings."""
     full, approach = _full_approach(scene), scene.approach
-    if approach is not None and approach > full * (1 + _FULL):
+    if approach is not None and approach > full * (1 + DEFAULT_TOLERANCE):
         allowed = f"up to {full:.12g}, the mean height on this grid above the lowest point: there the contact is full"
         raise ValueError(f"approach is {approach:.12g}; allowed: {allowed}")
 
