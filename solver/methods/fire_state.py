@@ -11,7 +11,6 @@ sqrt(N).
 import math
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -28,30 +27,11 @@ LOOK_AFTER = 50
 those that follow), and the change joins its base in mixed precision."""
 
 
-@dataclass(frozen=True)
-class FireParameters:
-    """FIRE's constants, under Bitzek's names; all dimensionless."""
-
-    safety: float = 1.5
-    """dt_max sqrt(lambda_max), lambda_max the stiffest mode over its mass."""
-    dt_start: float = 0.5
-    """First time step over dt_max."""
-    n_min: int = 5
-    """Steps downhill before dt grows."""
-    f_inc: float = 1.1
-    """Factor by which dt grows."""
-    f_dec: float = 0.5
-    """Factor by which dt shrinks when the power turns negative."""
-    alpha_start: float = 0.1
-    """First share of the velocity that is steered along the force."""
-    f_alpha: float = 0.99
-    """Factor by which that share shrinks."""
-
-
 class Fire(Method):
     """State of a relaxation by plain FIRE: u, v and work, each of shape (padded N,) in the problem's units."""
 
-    parameters = FireParameters()
+    # Bitzek's constants; dt_max is `safety` over the root of the stiffest mode over its mass
+    safety, dt_start, n_min, f_inc, f_dec, alpha_start, f_alpha = 1.5, 0.5, 5, 1.1, 0.5, 0.1, 0.99
     repeat: Callable[["Fire", int], None] | None = None
     """Where iterations can be repeated without a look at the control state: does so, at most so many times."""
     transform_pairs = 0.0
@@ -93,10 +73,10 @@ class Fire(Method):
         return self.transforms.record(self.backend, calls)
 
     def _start_state(self) -> Array64:
-        s, p = np.zeros(layout.STATE_LENGTH), self.parameters
-        s[layout.N_MIN], s[layout.F_INC], s[layout.F_DEC] = p.n_min, p.f_inc, p.f_dec
-        s[layout.ALPHA] = s[layout.ALPHA_START] = p.alpha_start
-        s[layout.F_ALPHA] = p.f_alpha
+        s = np.zeros(layout.STATE_LENGTH)
+        s[layout.N_MIN], s[layout.F_INC], s[layout.F_DEC] = self.n_min, self.f_inc, self.f_dec
+        s[layout.ALPHA] = s[layout.ALPHA_START] = self.alpha_start
+        s[layout.F_ALPHA] = self.f_alpha
         s[layout.TOLERANCE], s[layout.NUM_POINTS] = self.tolerance, self.u.size
         s[layout.RESIDUAL] = np.inf
         return s
@@ -105,8 +85,8 @@ class Fire(Method):
         """Limit dt by the stiffest mode, and by a longest step."""
         s = self.state
         s[layout.STIFFEST] = stiffest
-        s[layout.DT_MAX] = min(self.parameters.safety / math.sqrt(stiffest), longest)
-        dt = s[layout.DT] or self.parameters.dt_start * s[layout.DT_MAX]
+        s[layout.DT_MAX] = min(self.safety / math.sqrt(stiffest), longest)
+        dt = s[layout.DT] or self.dt_start * s[layout.DT_MAX]
         s[layout.DT] = min(dt, s[layout.DT_MAX])
 
     def _arrays(self, **more: Array) -> dict[str, Array]:

@@ -19,7 +19,7 @@ import math
 import numpy as np
 
 from ...kernels import Call, sequence
-from .fire_state import Fire, FireParameters, Operator
+from .fire_state import Fire, Operator
 from .method import PATIENCE, MethodKind
 from .rebased_fire import begin_fire
 
@@ -31,7 +31,7 @@ class MassWeightedFire(Fire):
     f_dec = 0.8 needed 0.78 of the transforms of 5 and 0.5.
     """
 
-    parameters = FireParameters(n_min=1, f_dec=0.8)
+    n_min, f_dec = 1, 0.8
     pairs_per_iteration = 2
     buffers = 10
     probe_every, probe_steps = 100, 6  # iterations between estimates of lambda_max, power iterations in each

@@ -221,12 +221,16 @@ def _measured(
     """Area and kappa between the places where the depth is 0; errors by edges, gaps and a grid of half the points."""
     squared = squared_slope(scene.indenter, scene.num_points, scene.period)
     area, gradient, kappa, _ = subgrid_measures(scene, patches, ends, squared)
-    error = math.inf
+    error, layer, shortest = math.inf, scene.layer, scene.indenter.shortest_wave(scene.num_points)
+    stiffening = 0.0  # for the profile's shortest wave, relative
+    if shortest:
+        stiffness = layer.stiffness(np.array([2 * np.pi * shortest]), scene.period)
+        stiffening = abs(float(stiffness[0] / layer.foundation_modulus(scene.period) - 1))
     if area:
         halves = ((half, foundation_level(half, modulus) - half) for half in (height[::2], height[1::2]))
         widths = [float(_crossings(Patches.of(below > 0), below).width.sum()) / half.size for half, below in halves]
         unknown = _edges(scene) * observables.num_patches + observables.unseen_gap_area
-        error = unknown / area + max(abs(width / area - 1) for width in widths) + _stiffening(scene)
+        error = unknown / area + max(abs(width / area - 1) for width in widths) + stiffening
     return replace(
         observables,
         contact_area_subgrid=area,
@@ -262,12 +266,3 @@ def _crossings(patches: Patches, depth: Array64) -> Edges:
 
     left, right = patches.first - beyond(patches.first, -1), patches.last + beyond(patches.last, 1)
     return Edges(left, right, exact, none, none, none)
-
-
-def _stiffening(scene: Scene) -> float:
-    """Relative difference of the layer's stiffness for the profile's shortest wave from its foundation's."""
-    shortest, layer = scene.indenter.shortest_wave(scene.num_points), scene.layer
-    if not shortest:
-        return 0.0  # smooth
-    stiffness = layer.stiffness(np.array([2 * np.pi * shortest]), scene.period)
-    return abs(float(stiffness[0] / layer.foundation_modulus(scene.period) - 1))
