@@ -124,7 +124,7 @@ def begin_fire(kind: type[Fire], problem: Problem, config: ExecutionConfig) -> M
 
         state, net_force = begin(kind, problem, config)
     else:
-        means = config.working_precision, config.threads, config.planning, config.backend
-        transforms, net_force = Transforms(problem.num_points, *means), problem.net_force
+        how = config.working_precision, config.threads, config.planning, config.backend
+        transforms, net_force = Transforms(problem.num_points, *how), problem.net_force
         state = kind(problem, transforms, config.tolerance, config.backend, own_load=config.precision == "mixed")
     return RebasedFire(state, net_force) if config.precision == "mixed" else state
