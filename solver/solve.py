@@ -1,5 +1,7 @@
 """From a scene to a certified solution."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from ..kernels import BACKENDS
@@ -61,39 +63,17 @@ def solve(
     A solve that fails to converge returns, too: see `Solution.status` and `Solution.reason`. So does one that Ctrl-C
     interrupts while it iterates; before the first iteration `KeyboardInterrupt` is passed on. Raises `ValueError`.
     """
-    if not isinstance(scene, Scene):
-        raise ValueError(f"scene is {scene!r}; allowed: a Scene")
-    if not (nested is None or isinstance(nested, bool | np.bool_)):
-        raise ValueError(f"nested is {nested!r}; allowed: True, False or None")
-    if not (progress is None or callable(progress)):
-        raise ValueError(f"progress is {progress!r}; allowed: a function of an iteration and a residual, or None")
-    threads, planning = check_settings(threads, planning)
-    backend, device = checks.choice("backend", backend, BACKENDS), checks.choice("device", device, DEVICES)
-    config = ExecutionConfig(threads=threads, planning=planning, backend=backend, device=device, progress=progress)
-    if scene.approach is not None and not (accuracy is None and initial is None):
-        given = f"accuracy is {accuracy!r}" if initial is None else "initial is given"
-        raise ValueError(f"{given}; allowed: none for a scene with an approach")
-    accuracy = check_accuracy(accuracy, accuracy_of)
-    if accuracy is not None:
-        chosen = {"method": method, "nested": nested, "tolerance": tolerance, "initial": initial}
-        chosen["max_iterations"] = max_iterations
-        for name, value in chosen.items():
-            if value is not None:
-                raise ValueError(f"{name} is {value!r}; allowed: without accuracy only, which chooses it")
-        if device != "cpu":
-            raise ValueError(f"device is {device!r}; allowed with an accuracy: cpu alone, for the active set")
-        run = Run(scene, DEFAULT, config)
-        return without_contact(run) if nothing_touches(scene) else solve_to_accuracy(run, accuracy, accuracy_of)
-
-    kind = METHODS[checks.choice("method", DEFAULT.name if method is None else method, tuple(METHODS))]
-    if not isinstance(kind, MethodKind):
-        raise ValueError(f"method {method} is {kind!r} in METHODS; allowed: a MethodKind")
-    _check_device(config, kind)
+    config = _config(scene, nested, threads, planning, backend, device, progress)
+    chosen = {"method": method, "nested": nested, "tolerance": tolerance, "initial": initial}
+    accuracy = _check_goal(scene, accuracy, accuracy_of, chosen | {"max_iterations": max_iterations}, device)
+    kind = DEFAULT if accuracy else _kind(method, config)
     if max_iterations is not None:
         max_iterations = checks.integer("max_iterations", max_iterations, "an integer from 1 to 2^53", 1, 2**53)
-
+    run = Run(scene, kind, config)
     if nothing_touches(scene):
-        return without_contact(Run(scene, kind, config))
+        return without_contact(run)
+    if accuracy:
+        return solve_to_accuracy(run, accuracy, accuracy_of)
 
     def under_load(scene: Scene) -> Solution:
         run = Run(scene, kind, config, IterationBudget(max_iterations))
@@ -103,8 +83,49 @@ def solve(
         return under_load(scene) if scene.approach is None else solve_to_approach(scene, under_load)
 
 
-def _check_device(config: ExecutionConfig, kind: MethodKind) -> None:
-    """Raise `ValueError` for a device that the method cannot work on, or that is not there."""
+def _config(
+    scene: object,
+    nested: object,
+    threads: int,
+    planning: str,
+    backend: str,
+    device: str,
+    progress: Progress | None,
+) -> ExecutionConfig:
+    """The configuration that was asked for. Raises `ValueError`, also for no scene and a bad `nested`."""
+    if not isinstance(scene, Scene):
+        raise ValueError(f"scene is {scene!r}; allowed: a Scene")
+    if not (nested is None or isinstance(nested, bool | np.bool_)):
+        raise ValueError(f"nested is {nested!r}; allowed: True, False or None")
+    if not (progress is None or callable(progress)):
+        raise ValueError(f"progress is {progress!r}; allowed: a function of an iteration and a residual, or None")
+    threads, planning = check_settings(threads, planning)
+    backend, device = checks.choice("backend", backend, BACKENDS), checks.choice("device", device, DEVICES)
+    return ExecutionConfig(threads=threads, planning=planning, backend=backend, device=device, progress=progress)
+
+
+def _check_goal(
+    scene: Scene, accuracy: float | None, of: str, chosen: Mapping[str, object], device: str
+) -> float | None:
+    """The accuracy, if one is asked for. Raises `ValueError`, also where what it chooses is given, too."""
+    if scene.approach is not None and not (accuracy is None and chosen["initial"] is None):
+        given = f"accuracy is {accuracy!r}" if chosen["initial"] is None else "initial is given"
+        raise ValueError(f"{given}; allowed: none for a scene with an approach")
+    accuracy = check_accuracy(accuracy, of)
+    if accuracy is not None:
+        for name, value in chosen.items():
+            if value is not None:
+                raise ValueError(f"{name} is {value!r}; allowed: without accuracy only, which chooses it")
+        if device != "cpu":
+            raise ValueError(f"device is {device!r}; allowed with an accuracy: cpu alone, for the active set")
+    return accuracy
+
+
+def _kind(method: str | None, config: ExecutionConfig) -> MethodKind:
+    """The method of that name. Raises `ValueError`, also for a device that it cannot work on, or that is not there."""
+    kind = METHODS[checks.choice("method", DEFAULT.name if method is None else method, tuple(METHODS))]
+    if not isinstance(kind, MethodKind):
+        raise ValueError(f"method {method} is {kind!r} in METHODS; allowed: a MethodKind")
     if config.device not in kind.devices:
         able = ", ".join(other.name for other in METHODS.values() if config.device in other.devices)
         allowed = f"{', '.join(kind.devices)} for method {kind.name}, or one of the methods {able}"
@@ -112,3 +133,4 @@ def _check_device(config: ExecutionConfig, kind: MethodKind) -> None:
     if config.device != "cpu" and config.backend != "warp":
         raise ValueError(f"backend is {config.backend!r}; allowed: warp, on device {config.device}")
     check_device(config.device)
+    return kind

@@ -17,6 +17,7 @@ from linecontact.solver import (
     Status,
     solve,
 )
+from linecontact.solver.endings import Cause
 from linecontact.solver.grid.problem import Problem
 from linecontact.solver.methods import ExecutionConfig, active_set
 from linecontact.solver.methods.active_set import elimination
@@ -119,6 +120,15 @@ def test_a_hand_over_in_vain_is_bounded(monkeypatch):
     where_no_search_is_cautious(monkeypatch)
     monkeypatch.setattr(certification, "_MOST_WORK", 200 * 2**10)
     assert solve(scene).iterations == 2200
+
+
+def test_after_a_hand_over_in_vain_the_status_is_the_first_method_s(monkeypatch):
+    monkeypatch.setattr(ActiveSet, "_update_set", lambda self: setattr(self, "stopped", True) or True)
+    monkeypatch.setattr(certification, "_MOST_WORK", 2**10)  # one iteration more
+    solution = solve(Scene(Layer(0.1), num_points=2**10), nested=False)
+    assert solution.handed_over
+    assert solution.status is Status.STAGNATED
+    assert solution.reason.cause is Cause.METHOD
 
 
 def test_every_grid_of_an_accuracy_begins_with_the_search_s_own_limit():

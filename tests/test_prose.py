@@ -109,9 +109,9 @@ def limits_of_precision():
     displacement = solve(scene_of_hertz).displacement / discrete.length_unit
     floor = problem.rounding_floor(discrete.stiffness, displacement, "float64")
     yield f"some {floor:.0e} for the parabola on the half-space at 2^18 points"
-    yield f"The default tolerance, {to_tolerance._DEFAULT:.0e}, is raised".replace("e-0", "e-")
+    yield f"The default tolerance, {to_tolerance.DEFAULT_TOLERANCE:.0e}, is raised".replace("e-0", "e-")
     yield "the larger of 1e-4 and four times what is predicted"
-    assert (to_tolerance._DEFAULT_FLOAT32, to_tolerance._OVER_FLOOR) == (1e-4, 4)
+    assert (to_tolerance.COARSE_TOLERANCE, to_tolerance._OVER_FLOOR) == (1e-4, 4)
 
 
 def stiffness_under_a_sine_wave():

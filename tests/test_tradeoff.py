@@ -152,7 +152,7 @@ def test_a_rough_choice():
 @pytest.mark.skipif(not STORED.exists(), reason="no stored study")
 @pytest.mark.parametrize("family", families.FAMILIES)
 def test_the_stored_front_again(family):
-    """Within twice what the unfinished iteration may leave in the area, 0.25 of the residual (`unfinished`); rough
+    """Within twice what the unfinished iteration may leave in the area, 0.25 of the residual; rough
     areas within their estimated error, which other ends of narrow patches may have changed since.
     """
     study = study_files.load_study(STORED)

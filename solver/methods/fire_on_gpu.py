@@ -1,6 +1,5 @@
 """Iterations of FIRE on a GPU: each is one graph, and some are in the queue before the control state is looked at."""
 
-import math
 from collections.abc import Callable
 
 import numpy as np
@@ -9,19 +8,14 @@ from ...kernels import layout
 from ..arrays import Array64
 from ..grid.problem import Problem
 from ..transforms import on_gpu
-from .fire_state import Fire
+from .fire_state import LOOK_AFTER, Fire
 from .method import ExecutionConfig
 
 NetForce = Callable[[Array64], Array64]
 
-_MOST = 32
-"""Iterations between two looks; a state that has converged, or diverged, is not changed by those that follow."""
-
-_WORKSPACE = 3
-"""Arrays of N values that cuFFT takes for its own use, and that a start takes for a while."""
-_START, _MIXED = 8, 101
-"""Memory that a displacement to start from takes, and in mixed precision the base with its force [bytes a point]."""
-_MARGIN = 1.02  # of all that, for what CuPy rounds up
+_SPARE = 7
+"""Arrays of N values that cuFFT and a start take beside FIRE's own; in mixed precision the base and its force take
+twice as many, in float64."""
 
 
 class Repetition:
@@ -44,9 +38,9 @@ class Repetition:
                 self._graph = on_gpu.capture(fire.parts)
             for _ in range(count):
                 self._graph()
-            fire.add_pairs(count * fire.pairs_per_iteration)
+            fire.transform_pairs += count * fire.pairs_per_iteration
             fire.after_step()
-        self._count = min(2 * self._count, _MOST) if fire.state[layout.HELD] > fire.padding else 1
+        self._count = min(2 * self._count, LOOK_AFTER) if fire.state[layout.HELD] > fire.padding else 1
 
 
 def begin(kind: type[Fire], problem: Problem, config: ExecutionConfig) -> tuple[Fire, NetForce]:
@@ -55,7 +49,12 @@ def begin(kind: type[Fire], problem: Problem, config: ExecutionConfig) -> tuple[
     Raises `ValueError` for a grid that the GPU's free memory cannot hold.
     """
     mixed, num_points = config.precision == "mixed", problem.num_points
-    _check_memory(kind, num_points, config.precision)
+    needed, free = needed_memory(kind, num_points, config.precision), on_gpu.free_memory()
+    if needed > free:
+        raise ValueError(
+            f"num_points is {num_points}, needing about {needed / 2**30:.1f} GiB of the GPU's memory; allowed: what "
+            f"fits into the {free / 2**30:.1f} GiB that are free"
+        )
     try:
         transforms = on_gpu.Transforms(num_points, config.working_precision)
         fire = kind(problem, transforms, config.tolerance, config.backend, own_load=mixed)
@@ -86,15 +85,4 @@ def _net_force(problem: Problem) -> NetForce:
 def needed_memory(kind: type[Fire], num_points: int, precision: str) -> int:
     """What a solve takes of the GPU's memory, about [bytes]; transforms of large prime factors take more."""
     size = np.dtype("float64" if precision == "float64" else "float32").itemsize
-    bytes_per_point = size * (kind.buffers + _WORKSPACE) + _START + (_MIXED if precision == "mixed" else 0)
-    return math.ceil(_MARGIN * num_points * bytes_per_point)
-
-
-def _check_memory(kind: type[Fire], num_points: int, precision: str) -> None:
-    """Raise `ValueError` for a grid that the GPU's free memory cannot hold."""
-    needed, free = needed_memory(kind, num_points, precision), on_gpu.free_memory()
-    if needed > free:
-        raise ValueError(
-            f"num_points is {num_points}, needing about {needed / 2**30:.1f} GiB of the GPU's memory; allowed: what "
-            f"fits into the {free / 2**30:.1f} GiB that are free"
-        )
+    return num_points * (size * (kind.buffers + _SPARE) + (2 * 8 * _SPARE if precision == "mixed" else 0))

@@ -11,7 +11,6 @@ sqrt(N).
 import math
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -19,37 +18,23 @@ from ...kernels import Call, layout, sequence
 from ..arrays import Array, Array64
 from ..grid.problem import Problem
 from ..transforms.place import Place
-from .method import Method
+from .method import PATIENCE, Method
 
 Operator = tuple[Callable[[], None], ...]
 
-
-@dataclass(frozen=True)
-class FireParameters:
-    """FIRE's constants, under Bitzek's names; all dimensionless."""
-
-    safety: float = 1.5
-    """dt_max sqrt(lambda_max), lambda_max the stiffest mode over its mass."""
-    dt_start: float = 0.5
-    """First time step over dt_max."""
-    n_min: int = 5
-    """Steps downhill before dt grows."""
-    f_inc: float = 1.1
-    """Factor by which dt grows."""
-    f_dec: float = 0.5
-    """Factor by which dt shrinks when the power turns negative."""
-    alpha_start: float = 0.1
-    """First share of the velocity that is steered along the force."""
-    f_alpha: float = 0.99
-    """Factor by which that share shrinks."""
+LOOK_AFTER = 50
+"""Iterations after which, at most, a GPU's state is looked at (one that has converged, or diverged, is not changed by
+those that follow), and the change joins its base in mixed precision."""
 
 
 class Fire(Method):
     """State of a relaxation by plain FIRE: u, v and work, each of shape (padded N,) in the problem's units."""
 
-    parameters = FireParameters()
+    # Bitzek's constants; dt_max is `safety` over the root of the stiffest mode over its mass
+    safety, dt_start, n_min, f_inc, f_dec, alpha_start, f_alpha = 1.5, 0.5, 5, 1.1, 0.5, 0.1, 0.99
     repeat: Callable[["Fire", int], None] | None = None
     """Where iterations can be repeated without a look at the control state: does so, at most so many times."""
+    transform_pairs = 0.0
     pairs_per_iteration = 1
     buffers = 6
     """How many arrays of N values it has, those of the transforms included."""
@@ -62,14 +47,13 @@ class Fire(Method):
         """
         n = self.num_points = problem.num_points
         self.problem, self.transforms, self.backend, self.tolerance = problem, transforms, backend, tolerance
-        self._pairs = 0.0
         # all zeros behind N: the padding lies on a wall at 0 and is held there by the mean pressure
         self.u, self.v, self.height = (transforms.buffer() for _ in range(3))
         self.work = transforms.buffer()  # K u
         self.padding = self.u.size - n
         self._inverse = transforms.inverse(self.work)
         self._apply_stiffness = self._operator(self.u, problem.stiffness)
-        self._start_state()
+        self.state = transforms.take(self._start_state())
         self._prepare(own_load)
         transforms.put(self.height, problem.height)
         self.start(np.zeros(n))
@@ -80,10 +64,6 @@ class Fire(Method):
         self.v[:] = 0
         self.stop_at_wall()
 
-    def start_from_pressure(self, pressure: Array64) -> None:
-        """Begin at rest from the displacement under a contact pressure, shape (N,) [p]."""
-        self.start(self.problem.displacement_under(pressure))
-
     def _operator(self, source: Array, symbol: Array64) -> Operator:
         """Forward transform of `source`, multiplication by `symbol`, shape (N//2 + 1,), inverse transform to `work`."""
         multiply = self.transforms.multiplication(symbol, self.work)
@@ -92,21 +72,21 @@ class Fire(Method):
     def _replay(self, *calls: Call) -> Callable[[], None]:
         return self.transforms.record(self.backend, calls)
 
-    def _start_state(self) -> None:
-        s, p = np.zeros(layout.STATE_LENGTH), self.parameters
-        s[layout.N_MIN], s[layout.F_INC], s[layout.F_DEC] = p.n_min, p.f_inc, p.f_dec
-        s[layout.ALPHA] = s[layout.ALPHA_START] = p.alpha_start
-        s[layout.F_ALPHA] = p.f_alpha
+    def _start_state(self) -> Array64:
+        s = np.zeros(layout.STATE_LENGTH)
+        s[layout.N_MIN], s[layout.F_INC], s[layout.F_DEC] = self.n_min, self.f_inc, self.f_dec
+        s[layout.ALPHA] = s[layout.ALPHA_START] = self.alpha_start
+        s[layout.F_ALPHA] = self.f_alpha
         s[layout.TOLERANCE], s[layout.NUM_POINTS] = self.tolerance, self.u.size
         s[layout.RESIDUAL] = np.inf
-        self.state = self.transforms.take(s)
+        return s
 
     def _limit_step(self, stiffest: float, longest: float = math.inf) -> None:
         """Limit dt by the stiffest mode, and by a longest step."""
         s = self.state
         s[layout.STIFFEST] = stiffest
-        s[layout.DT_MAX] = min(self.parameters.safety / math.sqrt(stiffest), longest)
-        dt = s[layout.DT] or self.parameters.dt_start * s[layout.DT_MAX]
+        s[layout.DT_MAX] = min(self.safety / math.sqrt(stiffest), longest)
+        dt = s[layout.DT] or self.dt_start * s[layout.DT_MAX]
         s[layout.DT] = min(dt, s[layout.DT_MAX])
 
     def _arrays(self, **more: Array) -> dict[str, Array]:
@@ -134,15 +114,6 @@ class Fire(Method):
         return np.where(u >= wall, height, np.minimum(u.astype(np.float64), height))
 
     @property
-    def contact_pressure(self) -> Array64:
-        """sigma >= 0 on the nodes on the wall, shape (N,) [p]."""
-        return self.problem.wall_pressure(self.displacement)
-
-    @property
-    def transform_pairs(self) -> float:
-        return self._pairs
-
-    @property
     def residual(self) -> float:
         """Rms free force over the mean pressure, of u before the last step; once stopped, of u itself."""
         return float(self.state[layout.RESIDUAL])
@@ -158,8 +129,7 @@ class Fire(Method):
 
     @property
     def patience(self) -> int | None:
-        """Iterations without a new minimum of the residual after which there is no hope; sqrt(N) is FIRE's own pace."""
-        return 1000 + 20 * math.isqrt(self.num_points)
+        return PATIENCE + 20 * math.isqrt(self.num_points)  # sqrt(N) is FIRE's own pace
 
     @property
     def parts(self) -> Operator:
@@ -179,9 +149,7 @@ class Fire(Method):
             self.repeat(self, most)
 
     def step(self) -> None:
-        """One FIRE iteration, one transform pair."""
-        self._apply(self._apply_stiffness)
-        self._move()
+        self._apply(self.parts)
         self.after_step()
 
     def after_step(self) -> None:
@@ -203,8 +171,4 @@ class Fire(Method):
     def _apply(self, operator: Operator) -> None:
         for part in operator:
             part()
-        self.add_pairs(1)
-
-    def add_pairs(self, count: float) -> None:
-        """Add pairs of transforms to those that were done."""
-        self._pairs += count
+        self.transform_pairs += 1

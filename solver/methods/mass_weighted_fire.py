@@ -19,28 +19,26 @@ import math
 import numpy as np
 
 from ...kernels import Call, sequence
-from .fire_state import Fire, FireParameters, Operator
-from .method import MethodKind
+from .fire_state import Fire, Operator
+from .method import PATIENCE, MethodKind
 from .rebased_fire import begin_fire
 
 
 class MassWeightedFire(Fire):
     """FIRE with M = K. It also stores the force and a vector for estimating lambda_max; `work` holds the acceleration.
 
-    Once dt_max is safe by measurement, Bitzek's halving of dt at every turn only loses time: on 46 scenes (Hertz and
-    rough, nu = -0.9 to 0.5, d = 1e-4 to inf, cold) n_min = 1 and f_dec = 0.8 needed 0.78 of the transforms of 5 and
-    0.5.
+    Once dt_max is safe by measurement, Bitzek's halving of dt at every turn only loses time: on 46 scenes n_min = 1 and
+    f_dec = 0.8 needed 0.78 of the transforms of 5 and 0.5.
     """
 
-    parameters = FireParameters(n_min=1, f_dec=0.8)
+    n_min, f_dec = 1, 0.8
     pairs_per_iteration = 2
     buffers = 10
     probe_every, probe_steps = 100, 6  # iterations between estimates of lambda_max, power iterations in each
 
     @property
     def patience(self) -> int | None:
-        """As for `Fire`; the pace does not depend on N."""
-        return 1000
+        return PATIENCE  # the pace does not depend on N
 
     def _prepare(self, own_load: bool) -> None:
         self.force, self.probe, self.load = (self.transforms.buffer() for _ in range(3))
@@ -71,7 +69,6 @@ class MassWeightedFire(Fire):
         return -self.iteration % self.probe_every
 
     def step(self) -> None:
-        """One FIRE iteration, two transform pairs."""
         self._apply(self._apply_stiffness)
         self._find_force()
         if self.iteration % self.probe_every == 0:

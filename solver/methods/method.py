@@ -17,8 +17,8 @@ from ..grid.problem import Problem
 Progress = Callable[[int, float], None]
 """Called with (iteration, residual over the mean pressure)."""
 
-_IDLE = 1000
-"""Steps in a row that need not count as iterations."""
+PATIENCE = 1000
+"""Iterations without a new minimum of the residual, or steps that count as none, after which there is no hope."""
 
 OVERFLOWING = 1e30
 """Residual over the mean pressure; a larger one is on its way to overflow."""
@@ -28,7 +28,6 @@ class Method(Protocol):
     """The state of a method on one grid, in the problem's units; made by `MethodKind.begin`."""
 
     problem: Problem
-    """What is solved."""
     tolerance: float
     """On the rms free force over the mean pressure, or on the estimate of it that the method has (dimensionless)."""
 
@@ -36,9 +35,9 @@ class Method(Protocol):
     def start(self, displacement: Array64) -> None:
         """Begin from a displacement, shape (N,) [u]."""
 
-    @abstractmethod
     def start_from_pressure(self, pressure: Array64) -> None:
         """Begin from a contact pressure, shape (N,) [p], which is 0 where there is no contact."""
+        self.start(self.problem.displacement_under(pressure))
 
     @abstractmethod
     def step(self) -> None:
@@ -76,14 +75,14 @@ class Method(Protocol):
         """u <= h, shape (N,) [u], in float64."""
 
     @property
-    @abstractmethod
     def contact_pressure(self) -> Array64:
         """sigma >= 0, shape (N,) [p], in float64."""
+        return self.problem.wall_pressure(self.displacement)
 
     @property
     def patience(self) -> int | None:
         """Iterations without a new minimum of the residual after which there is no hope; None: it ends by itself."""
-        return 1000
+        return PATIENCE
 
     def tighten(self) -> bool:
         """Aim at a smaller residual, after the certificate found the free residual too large; False: it cannot."""
@@ -101,7 +100,7 @@ class ExecutionConfig:
     """Configuration of a solve, and of a method on one grid."""
 
     tolerance: float = 1e-8
-    """See `Method.tolerance` (dimensionless)."""
+    """See `Method`."""
     precision: str = "float64"
     """'float64', 'float32' or 'mixed'."""
     fixed_set: bool = False
@@ -152,7 +151,7 @@ class MethodKind:
     fallback: str | None = None
     """The method that takes over where it did not settle or its result could not be certified."""
     bytes_per_point: Callable[[float], float] = _most_bytes
-    """Memory that a solve takes at its peak, given the share of the nodes in contact [bytes a point]."""
+    """Memory that a solve takes at its peak by the share of the nodes in contact [bytes a point]."""
     share: float = 0.1
     """How often studies of random scenes try it, compared with the other methods (dimensionless)."""
 
@@ -160,8 +159,8 @@ class MethodKind:
 def relax(state: Method, max_iterations: int, progress: Progress | None = None) -> Status:
     """Step until the residual meets the tolerance, and say how it ended.
 
-    Other ends: `max_iterations`; no new minimum of the residual for long (the limit of the precision); overflow;
-    Ctrl-C. The state stays usable after each of them. Raises `ValueError` for a method whose steps do not count.
+    Other ends: `max_iterations`; no new minimum of the residual for long; overflow; Ctrl-C. The state stays usable.
+    Raises `ValueError` for a method whose steps do not count.
     """
     best, best_at, shown = math.inf, 0, time.monotonic()
     counted, idle = state.iteration, 0
@@ -170,7 +169,7 @@ def relax(state: Method, max_iterations: int, progress: Progress | None = None) 
             state.steps(max_iterations - state.iteration)
             idle = idle + 1 if state.iteration == counted else 0
             counted = state.iteration
-            if idle > _IDLE:
+            if idle > PATIENCE:
                 what = f"iteration of {type(state).__name__} is {counted} after {idle} more steps"
                 raise ValueError(f"{what}; allowed: a number that grows with the steps")
             if state.stopped:

@@ -19,13 +19,10 @@ from ...kernels import layout
 from ..arrays import Array64
 from ..grid.problem import Problem
 from ..transforms.planned import Transforms
-from .fire_state import Fire
+from .fire_state import LOOK_AFTER, Fire
 from .method import OVERFLOWING, ExecutionConfig, Method
 
-_FAR = 1e30  # a wall so far away may be anywhere
-_JOINS_BELOW, _JOINS_AFTER = 0.1, 50  # residual over the scale, and iterations, at which the change joins the base
-_MOST_IN_VAIN = 5  # times in a row that the base's residual did not confirm the change's
-_CONFIRMED = 0.5  # factor by which the base's residual has to fall
+_JOINS_BELOW = 0.1  # residual over the scale at which the change joins the base
 
 
 class RebasedFire(Method):
@@ -39,20 +36,15 @@ class RebasedFire(Method):
         self.problem, self.tolerance, self.fire = fire.problem, fire.tolerance, fire
         self._net_force = net_force
         self._height = fire.transforms.take(fire.problem.height)
-        self._rebasing_pairs = 0
+        self._rebasings = 0
         self.start(np.zeros(fire.num_points))
 
     def start(self, displacement: Array64) -> None:
         """Begin at rest from u, shape (N,) [u], put below the wall."""
         self._scale = 1.0
         self._base = np.minimum(self.fire.transforms.take(displacement), self._height)
-        self._in_vain, self._best = 0, math.inf
         self.fire.v[:] = 0
         self._rebase()
-
-    def start_from_pressure(self, pressure: Array64) -> None:
-        """Begin at rest from the displacement under a contact pressure, shape (N,) [p]."""
-        self.start(self.problem.displacement_under(pressure))
 
     @property
     def displacement(self) -> Array64:
@@ -68,14 +60,8 @@ class RebasedFire(Method):
         return np.where(u >= self.fire.height[:n], height, np.minimum(whole, height))
 
     @property
-    def contact_pressure(self) -> Array64:
-        """sigma >= 0 on the nodes on the wall, shape (N,) [p]."""
-        return self.problem.wall_pressure(self.displacement)
-
-    @property
     def transform_pairs(self) -> float:
-        """See `Method`; each time that the change joins the base takes one more."""
-        return self.fire.transform_pairs + self._rebasing_pairs
+        return self.fire.transform_pairs + self._rebasings
 
     @property
     def iteration(self) -> int:
@@ -91,7 +77,6 @@ class RebasedFire(Method):
 
     @property
     def patience(self) -> int | None:
-        """As for FIRE inside."""
         return self.fire.patience
 
     def step(self) -> None:
@@ -101,10 +86,10 @@ class RebasedFire(Method):
     def steps(self, most: int) -> None:
         """The same, or some iterations at once, see `Method`."""
         fire = self.fire
-        fire.steps(min(most, self._since + _JOINS_AFTER - fire.iteration))
+        fire.steps(min(most, self._since + LOOK_AFTER - fire.iteration))
         if not fire.residual < OVERFLOWING:  # diverged
             fire.state[layout.STOPPED] = 1.0
-        elif fire.stopped or fire.residual < _JOINS_BELOW or fire.iteration - self._since >= _JOINS_AFTER:
+        elif fire.stopped or fire.residual < _JOINS_BELOW or fire.iteration - self._since >= LOOK_AFTER:
             self._base = self._displacement()
             self._rebase()
 
@@ -119,26 +104,17 @@ class RebasedFire(Method):
         force = self._net_force(self._base)
         free = force[(gap > 0) | (force <= 0)]
         residual = math.sqrt(float(free @ free) / max(1, free.size))
-        self._rebasing_pairs += 1
+        self._rebasings += 1  # a transform pair each
         scale = max(residual, 1e-300)
         with np.errstate(over="ignore", under="ignore", invalid="ignore"):
             fire.v *= fire.v.dtype.type(self._scale / scale)
-            fire.height[:n] = np.minimum(gap / scale, _FAR)
+            fire.height[:n] = np.minimum(gap / scale, OVERFLOWING)  # a wall so far away may be anywhere
             fire.load[:n] = force / scale
         fire.u[:] = 0
         fire.stop_at_wall()
         self._scale, self._since = scale, fire.iteration
-        self._judge(residual)
-
-    def _judge(self, residual: float) -> None:
-        """Stop once the base meets the tolerance, or where only the change's residual does, again and again."""
-        s = self.fire.state
-        if self.stopped:
-            self._in_vain = 0 if residual < _CONFIRMED * self._best else self._in_vain + 1
-            self._best = min(self._best, residual)
-        met = not residual > self.tolerance  # or not a number
-        s[layout.STOPPED] = float(met or self._in_vain > _MOST_IN_VAIN)
-        s[layout.RESIDUAL], s[layout.TOLERANCE] = residual / self._scale, self.tolerance / self._scale
+        s[layout.STOPPED] = float(not residual > self.tolerance)  # or not a number
+        s[layout.RESIDUAL], s[layout.TOLERANCE] = residual / scale, self.tolerance / scale
 
 
 def begin_fire(kind: type[Fire], problem: Problem, config: ExecutionConfig) -> Method:
@@ -148,7 +124,7 @@ def begin_fire(kind: type[Fire], problem: Problem, config: ExecutionConfig) -> M
 
         state, net_force = begin(kind, problem, config)
     else:
-        means = config.working_precision, config.threads, config.planning, config.backend
-        transforms, net_force = Transforms(problem.num_points, *means), problem.net_force
+        how = config.working_precision, config.threads, config.planning, config.backend
+        transforms, net_force = Transforms(problem.num_points, *how), problem.net_force
         state = kind(problem, transforms, config.tolerance, config.backend, own_load=config.precision == "mixed")
     return RebasedFire(state, net_force) if config.precision == "mixed" else state

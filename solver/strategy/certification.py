@@ -15,18 +15,15 @@ from ..methods import METHODS, MethodKind
 from ..solution import MEANINGLESS, MOST_ENERGY, Choice
 from .run import Run
 
-_MOST_TRIES = 3  # of a method that can aim at a smaller residual
-_NEAR_THE_FLOOR = 1000  # times the residual of rounding: below, rounding may be the reason for the residual
-_NOT_FAR = 100  # times what rounding leaves: a default tolerance gives way to a residual below
+_NEAR_THE_FLOOR = 100  # times the residual of rounding: below, rounding may be the reason for the residual
 _MOST_WORK = 20_000 * 2**16  # iterations times points of a method that goes on where another one failed
 
 
 @dataclass(frozen=True)
 class Certified:
-    """A displacement with its certificate; `report.make_solution` uses its arrays up."""
+    """A displacement with its certificate."""
 
     certificate: Certificate
-    """How wrong the displacement is."""
     displacement: Array64
     """u, shape (N,) [u]."""
     pressure: Array64
@@ -59,7 +56,7 @@ def certify_or_fall_back(run: Run, problem: Problem) -> Certified:
         run.times[2] += time.perf_counter() - begin  # further iterations are part of the solve
     if not _good(run, found) and run.status in (Status.STAGNATED, Status.CONVERGED):
         run.status = Status.STAGNATED  # the method's own precision cannot see the difference
-        near = found.residual < min(_NOT_FAR * found.floor, MEANINGLESS)
+        near = found.residual < min(_NEAR_THE_FLOOR * found.floor, MEANINGLESS)
         if near and not run.own_tolerance and _bounded(run, found):
             run.tolerance = found.residual
     if _good(run, found) and run.status in (Status.STAGNATED, Status.ITERATION_LIMIT):
@@ -100,13 +97,11 @@ def _rounded_off(run: Run, found: Certified) -> bool:
 
 def _tightened(run: Run, problem: Problem, found: Certified) -> Certified:
     """The result of the same method aiming at smaller residuals, unless that makes them larger."""
-    for _ in range(_MOST_TRIES):
-        if run.status is not Status.CONVERGED or _good(run, found) or not run.state.tighten():
-            break
+    while run.status is Status.CONVERGED and not _good(run, found) and run.state.tighten():
         residual, pressure = found.residual, run.state.contact_pressure
         run.status = run.relax(run.state)
         found = _certified(run, problem)
-        if not _good(run, found) and found.residual > residual:  # rounding has changed the set: go back
+        if not _good(run, found) and not found.residual < residual:  # rounding may have changed the set: go back
             run.state.start_from_pressure(pressure)
             return _certified(run, problem)
     return found
@@ -120,8 +115,8 @@ def _may_help(run: Run, found: Certified, kind: MethodKind) -> bool:
 
 
 def _from_there(run: Run, problem: Problem, found: Certified, kind: MethodKind) -> Certified:
-    """The result of a method that starts at the end of the last one; the better of the two."""
-    before = run.state
+    """The result of a method that starts at the end of the last one; the better of the two, with its status."""
+    before, status = run.state, run.status
     if kind is not run.kind:
         run.handed_over = True
         run.budget.allow(min(kind.max_iterations, _MOST_WORK // problem.num_points))
@@ -139,6 +134,8 @@ def _from_there(run: Run, problem: Problem, found: Certified, kind: MethodKind) 
     if _good(run, other) or other.residual < found.residual:
         return other
     run.state = before
+    if run.status is not Status.INTERRUPTED and not run.budget.spent:
+        run.status = status
     return found
 
 

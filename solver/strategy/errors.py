@@ -10,7 +10,7 @@ pressure is of the order n - 1, and a = 1/(4^(n-1) - 1).
 
 e is told by the present grid alone: for area and kappa the errors of the patches' ends (`grid.edges`), for peak
 pressure and approach the possible extremes between the nodes. g is the largest width of gaps and patches between two
-nodes (`grid.unseen`), in area and kappa. The share of an unfinished iteration is added, see `unfinished`.
+nodes (`grid.unseen`), in area and kappa. The share that an iteration leaves at its residual is added.
 
 Under heights with a few kinks, and where a power profile's contact has split, all of c is taken. Nothing is known
 (`inf`) of peak pressure and approach without a coarser grid; of the peak pressure where its changes under a profile
@@ -21,31 +21,36 @@ presses a coating of a few spacings on a softer base down, which may split the c
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
+from ..arrays import Array64
 from ..calibration import FITTED
+from ..grid.certificate import Certificate
 from ..grid.layer_on_grid import modulus_on_grid
 from ..grid.observables import Observables
+from ..grid.patches import Patches
 from ..scene import Scene
-from ..solution import Level
+from ..solution import MEANINGLESS, Level
+from .grids import FACTOR
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """Something that is measured, and how its error is estimated."""
+    """Something that is measured, and how its error is estimated; names are those in `Observables` and `Level`."""
 
     value: str
-    """Its name in `Observables` and `Level`."""
+    """Its name."""
     error: str
-    """The name of its error in `Observables`."""
+    """The name of its error, in `Observables` only."""
     alone: str
-    """The name, in both, of the part of its error that a grid tells alone."""
+    """The name of the part of its error that a grid tells alone."""
     of_change: tuple[str, str] | None = None
-    """The names in `Calibration` of the share of changes that is left, under smooth profiles and under rough ones; None
-    where this grid knows more than changes tell."""
+    """The names in `Calibration` of the share of changes that is left, under smooth and rough profiles; None where this
+    grid knows more than changes tell."""
     of_lowest: bool = False
     """Whether it counts from the profile's lowest point, and does not depend on the largest pressure."""
     of_slopes: bool = False
@@ -75,16 +80,10 @@ QUANTITIES = {
 
 DEFAULT_QUANTITY = "contact-area"
 
-_FACTOR = 4
-"""By which the points of nested grids differ."""
 _LEAST_FALL = 1.25
 """Factor by which changes of a quantity with a limit fall from grid to grid."""
-_HARDLY = 1e-3
-"""Relative change that is no matter of a limit, but of the tolerance, or of chance."""
 _STIFF = 0.9
 """2K/(E* q) of a wave, below which shorter ones find the layer stiffer."""
-_WAVE_OF_TIP = 8.0
-"""That a sharp tip brings with it [grid spacings]."""
 
 
 def estimated(
@@ -112,21 +111,20 @@ def estimated(
 def _left(
     quantity: Quantity, scene: Scene, num_points: int, found: Observables | Level, values: Sequence[float]
 ) -> float:
-    """Error of a quantity by its changes. values: on two or three grids, from coarse to fine."""
     power, rough = scene.indenter.power_law, scene.indenter.effective_wave(num_points) > 0
     changes = [abs(after - before) for before, after in pairwise(values)]
     last, share = changes[-1], getattr(FITTED, quantity.of_change[rough]) if quantity.of_change else 0.0
     if power and power[0] < 2 and not (quantity.of_area or quantity.of_lowest):
-        share = 1 / (_FACTOR ** (power[0] - 1) - 1)
+        share = 1 / (FACTOR ** (power[0] - 1) - 1)
     if scene.indenter.kinked or (power and found.num_patches > 1):
         share = max(share, 1.0)
     if quantity.of_area:
         return share * last
     if len(changes) == 2:
         limited = rough or power or quantity.of_lowest
-        if not limited and last > max(changes[0] / _LEAST_FALL, _HARDLY * values[-1]):
+        if not limited and last > max(changes[0] / _LEAST_FALL, float(getattr(found, quantity.alone))):
             return math.inf
-        last = max(last, changes[0] / _FACTOR**2)
+        last = max(last, changes[0] / FACTOR**2)
     elif found.contact_area_subgrid:
         nodes = found.contact_area_subgrid * num_points / found.num_patches
         last = max(last, values[-1] / nodes**2)
@@ -139,7 +137,7 @@ def _unknown(quantity: Quantity, scene: Scene, num_points: int, area: float) -> 
     """
     if quantity.of_lowest:
         return False
-    waves = np.array([2 * np.pi / _WAVE_OF_TIP, np.pi])
+    waves = np.array([np.pi / FACTOR, np.pi])  # a sharp tip brings waves of eight spacings with it
     of_tip, shortest = modulus_on_grid(scene.layer, waves, num_points, scene.period)
     sharp = scene.indenter.power_law and scene.indenter.power_law[0] < 2
     splits = sharp and area < 1 and of_tip < min(_STIFF, shortest)
@@ -159,3 +157,76 @@ def sensitivity(quantity: Quantity, scene: Scene) -> float:
     """
     power = scene.indenter.power_law
     return max(2.0, power[0] if power else 2.0) if quantity.of_slopes else 1.0
+
+
+def iteration_share(free_residual: float, area: float = 0.0) -> float:
+    """Estimated relative error of a_r that a free residual leaves; `inf` where the area may be anything.
+
+    area: a_r. If that is nearly the whole period, a load that is off by the residual moves the ends of the last gaps,
+    as under H. M. Westergaard's wave: p = p_full [1 - cos^2(pi a_r/2)].
+    """
+    open_part = math.cos(math.pi / 2 * area)
+    of_gaps = 2 / math.pi * (math.hypot(open_part, math.sqrt(free_residual)) - open_part) if area < 1 else 0.0
+    return max(free_residual, of_gaps) if free_residual < MEANINGLESS else math.inf
+
+
+def left_at_ends(free_residual: float, patches: Patches, pressure: Array64, largest: float | None = None) -> float:
+    """Estimated error of a_r that a residual leaves at the ends of patches (dimensionless).
+
+    An end is anywhere among the nodes whose pressure is below what the residual leaves of it, and the next node tells
+    it the better the more it carries. The part that all ends have in common follows from the rms residual; what is left
+    near single ends, which may be a hundred times as much, differs from end to end and adds up in squares.
+
+    free_residual, largest: rms and largest force on the free nodes, over the mean pressure; None where the largest one
+    is not known, and then all of the residual may be at one node; pressure: of all nodes, shape (N,) [any unit].
+    """
+    if not patches.count or patches.full or not math.isfinite(free_residual):
+        return 0.0
+    if largest is None:
+        largest = free_residual * math.sqrt(pressure.size - patches.nodes.size)
+    unit = float(pressure.mean())
+    common = _off_at_ends(FITTED.of_residual * free_residual * unit, patches, pressure)
+    single = _off_at_ends(FITTED.of_largest_residual * largest * unit, patches, pressure)
+    return max(float(common.sum()), float(np.linalg.norm(single))) / pressure.size
+
+
+def _off_at_ends(error: float, patches: Patches, pressure: Array64) -> Array64:
+    """How far off the ends of patches are where the pressures of their nodes are off by `error`, shape (2, patches)
+    [grid spacings].
+    """
+    inside = pressure[patches.nodes]
+    above, begin = np.flatnonzero(inside > error), patches.offset
+    behind = begin + patches.size
+    first, last = np.searchsorted(above, begin), np.searchsorted(above, behind) - 1
+    some = first <= last
+    off = np.zeros((2, patches.count))
+    off[0] = patches.size  # without a node above, all of the patch
+    first, last = above[first[some]], above[last[some]]
+    off[0, some] = first - begin[some] + error / inside[first]
+    off[1, some] = behind[some] - 1 - last + error / inside[last]
+    return off
+
+
+def with_errors(
+    scene: Scene,
+    observables: Observables,
+    levels: Sequence[Level],
+    certificate: Certificate,
+    patches: Patches,
+    pressure: Array64,
+) -> Observables:
+    """Observables on the scene's grid with the estimated errors: what the grid leaves, and an unfinished iteration.
+
+    levels: the coarser grids, from coarse to fine; patches, pressure: of the contact, see `left_at_ends`.
+    """
+    errors: dict[str, Any] = {}
+    area = observables.contact_area_subgrid
+    residual = certificate.free_residual
+    share = iteration_share(residual, area)
+    at_ends = left_at_ends(residual, patches, pressure, certificate.largest_residual)
+    for quantity in QUANTITIES.values():
+        value = abs(getattr(observables, quantity.value))
+        left = share + at_ends / area if quantity.of_area and area else share
+        unfinished = sensitivity(quantity, scene) * left * value if math.isfinite(left) else math.inf
+        errors[quantity.error] = estimated(quantity, scene, scene.num_points, observables, levels) + unfinished
+    return replace(observables, **errors)

@@ -17,7 +17,7 @@ from ..arrays import Array64, Indices
 from ..endings import Status
 from ..grid.contact import contact_edges
 from ..grid.edge_curves import EdgeCurve, edge_curve, half_space_curve
-from ..grid.edges import Edges
+from ..grid.edges import COUNTED_BELOW, Edges
 from ..grid.layer_on_grid import thickness_on_grid
 from ..grid.observables import approach, approach_sampling, peak_sampling, subgrid_measures
 from ..grid.patches import Patches
@@ -30,8 +30,6 @@ from .run import Contact, Run
 FACTOR = 4
 COARSEST = 512
 """Points of the coarsest grid, at least."""
-
-_THIN = 8.0  # grid spacings; on thicker layers the half-space's edge is right near the edge, and the rest is smooth
 
 
 def grids(num_points: int) -> list[int]:
@@ -121,7 +119,8 @@ def prolong(scene: Scene, pressure: Array64, patches: Patches, ends: Edges, num_
         return np.zeros(num_points)
     factor = num_points / pressure.size
     coarse_curve = fine_curve = half_space_curve()
-    if thickness_on_grid(scene.layer, num_points, scene.period) <= _THIN:
+    # on layers thicker than the nodes that tell an edge the half-space's is right near it, and the rest is smooth
+    if thickness_on_grid(scene.layer, pressure.size, scene.period) < COUNTED_BELOW:
         coarse_curve, fine_curve = (edge_curve(scene.layer, n, scene.period) for n in (pressure.size, num_points))
     if patches.full:
         x = np.arange(num_points) / factor

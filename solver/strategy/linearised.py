@@ -38,9 +38,6 @@ from ..solution import Solution
 from .run import SMALLEST_WARP
 
 _TOLERANCE = 1e-5  # on the punch's pressure or free force; the stiffness has eight digits: of second order
-_MOST_ITERATIONS = 500
-_LEAST_WIDTH = 1e-3  # of a patch between neighbours that nearly touch it [grid spacings]
-_WORTHLESS = 1e-4  # residual beyond which nothing is said
 
 
 def contact_compliance(scene: Scene, contact: Mask) -> float:
@@ -84,10 +81,10 @@ def _punch(scene: Scene, contact: Mask) -> tuple[float, Array64, Array64]:
     config = ExecutionConfig(_TOLERANCE, fixed_set=True, contact_share=share, backend=backend)
     method = active_set.begin(punch, config)
     method.start_from_pressure(contact.astype(np.float64))
-    if relax(method, _MOST_ITERATIONS, None) is Status.INTERRUPTED:
+    if relax(method, active_set.KIND.max_iterations) is Status.INTERRUPTED:
         raise KeyboardInterrupt
     found = method.punch_approach * problem.length_unit / scene.pressure + compression
-    compliance = found if method.residual < _WORTHLESS else math.nan
+    compliance = found if method.residual < 10 * _TOLERANCE else math.nan
     return compliance, method.contact_pressure, method.displacement * (problem.length_unit / scene.pressure)
 
 
@@ -108,21 +105,19 @@ def _beyond_nodes(solution: Solution, punch: Array64, surface: Array64) -> float
         begins = patches.first + beyond_first
         edges = replace(edges, left=begins, right=begins + table.width / scene.period * n)
     curve = edge_curve(scene.layer, pressure.size, scene.period)
-    before, after = patches.to_neighbours - 1  # nodes of the gaps
+    gaps, many = patches.to_neighbours - 1, patches.size >= COUNTED_BELOW  # nodes of the gaps
     # where the layer, or a gap, is narrower than a patch, a lone punch on a half-space says nothing of that
-    alone = (patches.size < np.minimum(before, after)) | (patches.size < COUNTED_BELOW)
-    by_load = edges.by_load & alone & (patches.size < thickness_on_grid(scene.layer, pressure.size, scene.period))
-    total = 0.0
-    left = patches.first, patches.first - edges.left, before
-    for node, beyond, gap, told in (
-        (*left, np.roll(edges.by_gap, 1)),
-        (patches.last, edges.right - patches.last, after, edges.by_gap),
-    ):
-        squared = (punch[node % pressure.size] / curve.strength) ** 2  # k^2 over the grid spacing
-        known = (patches.size >= COUNTED_BELOW) & (gap >= COUNTED_BELOW) & ~by_load & ~told
-        total += float(np.sum(np.where(known, squared * (beyond - curve.punch_end), 0.0)))
+    alone = (patches.size < gaps.min(axis=0)) | ~many
+    thick = patches.size < thickness_on_grid(scene.layer, pressure.size, scene.period)
+    by_load = edges.by_load & alone & thick & (edges.width > 0)
+    told = np.stack([np.roll(edges.by_gap, 1), edges.by_gap])
+    last_nodes = np.stack([patches.first, patches.last]) % pressure.size
+    beyond = np.stack([patches.first - edges.left, edges.right - patches.last])
+    squared = (punch[last_nodes] / curve.strength) ** 2  # k^2 over the grid spacing
+    known = many & (gaps >= COUNTED_BELOW) & ~by_load & ~told
+    total = float(np.where(known, squared * (beyond - curve.punch_end), 0.0).sum())
     of_nodes = equivalent_half_widths()[patches.size[by_load] - 1]
-    wider = np.log(np.maximum(edges.width[by_load], _LEAST_WIDTH) / (2 * of_nodes))
+    wider = np.log(edges.width[by_load] / (2 * of_nodes))
     total += float(np.sum((patches.sums(punch[patches.nodes])[by_load] / math.pi) ** 2 * wider))
     spacing = scene.period / pressure.size
     edges_part = 2 * math.pi / scene.layer.contact_modulus * total * spacing**2 / scene.period

@@ -3,6 +3,7 @@
 import math
 import time
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -17,8 +18,8 @@ from ..scene import Scene
 from ..solution import Choice, Solution
 from ..transforms.device import device_name, gpu_libraries
 from .certification import certify_or_fall_back
+from .errors import with_errors
 from .run import Run
-from .unfinished import with_errors
 
 
 def finish(run: Run, scene: Scene, problem: Problem) -> Solution:
@@ -30,8 +31,8 @@ def finish(run: Run, scene: Scene, problem: Problem) -> Solution:
     if scene.num_points == run.scene.num_points:
         del run.state  # and with it the method's fields, which are most of the memory
     profile = problem.profile if scene.period == 1 else scene.period * problem.profile
-    certificate, contact = certified.certificate, certified.contact
-    displacement, pressure = certified.displacement, certified.pressure
+    certificate, displacement = certified.certificate, certified.displacement
+    pressure, contact = certified.pressure, certified.contact
     displacement *= problem.length_unit  # in place: they may be large
     np.minimum(displacement, profile, out=displacement)  # units round
     displacement[contact] = profile[contact]
@@ -106,7 +107,7 @@ def without_contact(run: Run) -> Solution:
     displacement, pressure = np.full(scene.num_points, approach - first), np.zeros(scene.num_points)
     contact = np.zeros(scene.num_points, dtype=bool)
     found, patches = observe(scene, scene.profile, displacement, pressure, contact)
-    none = math.nan
+    none: dict[str, Any] = dict.fromkeys(("reduced_pressure", "kappa", "kappa_subgrid", "kappa_error"), math.nan)
     found = replace(
         found,
         contact_area_error=unseen,
@@ -115,12 +116,9 @@ def without_contact(run: Run) -> Solution:
         peak_pressure_error=math.inf if unseen else 0.0,
         approach=approach,
         approach_error=0.0,
-        reduced_pressure=none,
-        kappa=none,
-        kappa_ratio=None if found.kappa_ratio is None else none,
-        kappa_subgrid=none,
-        kappa_error=none,
-        kappa_edges_error=none,
+        kappa_ratio=None if found.kappa_ratio is None else math.nan,
+        kappa_edges_error=math.nan,
+        **none,
     )
     run.status, run.config = Status.CONVERGED, replace(run.config, device="cpu")
     return make_solution(run, scene, "no contact", displacement, pressure, contact, found, patches)

@@ -17,7 +17,6 @@ from ..solution import Choice, Level
 SMALLEST_WARP = 2**13
 """Points; on smaller coarse grids recording Warp's launches takes longer than a few passes of the twins."""
 
-
 Contact = tuple[Array64, Patches, Edges]
 """Contact pressure of all nodes, shape (N,) [p], and its patches with their ends."""
 
@@ -57,7 +56,6 @@ class Run:
     config: ExecutionConfig
     """Precision, threads, planning, kernels and device."""
     budget: IterationBudget = field(default_factory=IterationBudget)
-    """Its iterations."""
     tolerance: float = 0.0
     """Of the certificate, on the free residual over p (dimensionless)."""
     own_tolerance: bool = False
@@ -71,7 +69,7 @@ class Run:
     state: Method = field(init=False)
     """The method on the present grid."""
     status: Status = Status.ITERATION_LIMIT
-    """How its relaxation ended, and in the end the solve."""
+    """How that was relaxed, and in the end the solve's."""
     reason: Reason | None = None
     """Why it did not converge; None if it did."""
     contact: Contact | None = None
@@ -97,14 +95,10 @@ class Run:
 
         Coarser grids than the scene's cost little in float64, and float32's residual would not tell their errors.
         """
-        size, own = problem.num_points, self.scene.num_points
-        precision = self.scene.precision if size == own else "float64"
-        given: dict[str, Any] = {
-            "backend": self.backend_on(size),
-            "precision": precision,
-            "contact_share": self.contact_share,
-        }
-        config = replace(self.config, tolerance=tolerance, **given | how)
+        size = problem.num_points
+        precision = self.scene.precision if size == self.scene.num_points else "float64"
+        given: dict[str, Any] = {"precision": precision, "contact_share": self.contact_share} | how
+        config = replace(self.config, tolerance=tolerance, backend=self.backend_on(size), **given)
         return (kind or self.kind).begin(problem, config)
 
     def backend_on(self, num_points: int) -> str:
@@ -114,9 +108,7 @@ class Run:
     def relax(self, state: Method) -> Status:
         """Relax, and add the iterations and transforms to the budget."""
         budget, iterations, pairs = self.budget, state.iteration, state.transform_pairs
-        status = Status.ITERATION_LIMIT
-        if budget.left > 0:
-            status = relax(state, iterations + budget.left, self.config.progress)
+        status = relax(state, iterations + budget.left, self.config.progress)
         budget.left -= state.iteration - iterations
         budget.taken += state.iteration - iterations
         budget.points_transformed += (state.transform_pairs - pairs) * state.problem.num_points

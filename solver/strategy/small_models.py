@@ -1,8 +1,7 @@
 """Models that are smaller than the scene: a lone asperity without a grid, and the Winkler foundation.
 
-Both give fields on the scene's grid and observables whose errors are their own. The foundation's are those of contact
-area and kappa alone. Collocation gives all of them, but not the pressure at the tip of a profile sharper than a
-parabola.
+Both give fields on a grid and observables with errors of their own: the foundation of contact area and kappa alone,
+collocation of all, except the pressure at the tip of a profile sharper than a parabola.
 
 A layer much thinner than its contacts are wide is a Winkler foundation, K = k_W at all wave numbers, and needs no
 transform: sigma = k_W (level - h) where that is positive. What it leaves out is the layer's edge, which lies c(nu) d
@@ -36,7 +35,7 @@ _LEAST_EDGE, _TIMES_SHIFT = 0.6, 3.0
 if that is more (dimensionless)."""
 
 _LONG_ASPERITY = 100.0  # half-width over thickness above which collocation takes longer than a grid
-_FIELD_POINTS, _FIELD_NODES = 2**12, 64  # of sampled fields: on the grid, or else in the contact
+_FIELD_POINTS = 2**12  # of sampled fields, whose contact has at least the square root of it
 _FULL = 0.98  # contact areas above are not those of one asperity any more
 
 
@@ -75,24 +74,22 @@ def asperity(run: Run, accuracy: float, of: str) -> Solution | None:
         run.choices.append(Choice("collocation", "no", str(error)))
         return None
     scene = _field_scene(scene, found.contact_area)
-    n = scene.num_points
+    n, problem, profile = scene.num_points, Problem.from_scene(scene), scene.profile
     pressure = found.pressure_at((np.arange(n) - n // 2) / n / found.half_width)
-    pressure *= scene.pressure / pressure.mean()  # the sampled load is off by the sampling
-    problem, profile = Problem.from_scene(scene), scene.profile
-    displacement = problem.displacement_under(pressure / scene.pressure) * problem.length_unit
+    pressure /= pressure.mean()  # the sampled load is off by the sampling
+    displacement = problem.displacement_under(pressure) * problem.length_unit
     displacement = np.where(pressure > 0, profile, np.minimum(displacement, profile))
+    pressure *= scene.pressure
     approach, peak = length * found.approach, modulus * found.peak_pressure
-    observables, _ = observe(scene, profile, displacement, pressure, pressure > 0)
+    area_errors = errors["contact_area"], errors["kappa"]
+    observables, patches = _of_power_law(scene, displacement, pressure, found.contact_area, area_errors, peak, approach)
     observables = replace(
-        _with_area(scene, observables, found.contact_area, errors["contact_area"], errors["kappa"]),
-        peak_pressure=peak,
+        observables,
         peak_pressure_sampling=0.0,
         peak_pressure_error=errors["peak_pressure"] * peak if power[0] >= 2 else math.inf,
-        approach=approach,
         approach_error=errors["approach"] * abs(approach),
         mean_gap=float(profile.mean()) - approach + scene.pressure / (foundation_modulus(scene) or math.inf),
     )
-    patches = _one_patch(scene, found.contact_area, int((pressure > 0).sum()), peak)
     reason = "a power profile is one asperity; error: from the change by the last doubling of the nodes"
     run.choices += [
         Choice("model", "collocation", reason, errors[quantity]),
@@ -105,50 +102,60 @@ def asperity(run: Run, accuracy: float, of: str) -> Solution | None:
     return make_solution(run, scene, "collocation", displacement, pressure, pressure > 0, observables, patches)
 
 
-def _one_patch(scene: Scene, area: float, nodes: int, peak: float) -> PatchTable:
-    """The patch of a power profile whose contact area is known without a grid; peak: the largest pressure."""
-    middle, half, load = scene.num_points // 2 / scene.num_points, area / 2, scene.pressure * scene.period
-    ends = ((middle + place) * scene.period for place in (-half, half))
-    return PatchTable(*(np.array([float(value)]) for value in (*ends, area * scene.period, nodes, load, peak)))
-
-
 def _field_scene(scene: Scene, area: float) -> Scene:
-    """The scene on a grid for sampled fields: as coarse as `_FIELD_POINTS`, or with `_FIELD_NODES` in the contact."""
+    """The scene on a grid for sampled fields, no finer than its own."""
     num_points = _FIELD_POINTS
-    while num_points * area < _FIELD_NODES and num_points < scene.num_points:
+    while num_points * area < math.sqrt(_FIELD_POINTS) and num_points < scene.num_points:
         num_points *= 2
     return replace(scene, num_points=min(num_points, scene.num_points))
 
 
-def _with_area(
-    scene: Scene, observables: Observables, area: float, area_error: float, kappa_error: float
-) -> Observables:
-    """Observables of a power profile whose contact area is known without a grid; errors: relative, of the model."""
+def _of_power_law(
+    scene: Scene,
+    displacement: Array64,
+    pressure: Array64,
+    area: float,
+    errors: tuple[float, float],
+    peak: float,
+    approach: float,
+) -> tuple[Observables, PatchTable]:
+    """Observables and the patch of a power profile whose contact area is known without a grid.
+
+    displacement, pressure: sampled, shape (N,) [length], [pressure]; errors: of area and kappa, relative, of the model;
+    peak: the largest pressure.
+    """
     power = scene.indenter.power_law
     assert power
-    n, radius, load = power[0], power[1] / scene.period, scene.reduced_load
-    kappa = kappa_from_area(n, area, radius, load)
+    observables, _ = observe(scene, scene.profile, displacement, pressure, pressure > 0)
+    load, period = scene.reduced_load, scene.period
+    kappa = kappa_from_area(power[0], area, power[1] / period, load)
     gradient = kappa / area * load
-    return replace(
+    observables = replace(
         observables,
         contact_area=area,
         contact_area_subgrid=area,
-        contact_area_error=area_error * area,
-        contact_area_edges_error=area_error * area,
+        contact_area_error=errors[0] * area,
+        contact_area_edges_error=errors[0] * area,
         rms_gradient_contact=gradient,
         rms_gradient_subgrid=gradient,
         reduced_pressure=load / gradient,
-        reduced_thickness=scene.layer.thickness / (area * scene.period),
+        reduced_thickness=scene.layer.thickness / (area * period),
         kappa=kappa,
         kappa_subgrid=kappa,
-        kappa_error=kappa_error * kappa,
-        kappa_edges_error=kappa_error * kappa,
-        kappa_ratio=kappa / kappa_half_space(n),
+        kappa_error=errors[1] * kappa,
+        kappa_edges_error=errors[1] * kappa,
+        kappa_ratio=kappa / kappa_half_space(power[0]),
         num_patches=1,
         num_counted_patches=0,
         num_patches_by_load=0,
         unseen_gap_area=0.0,
+        peak_pressure=peak,
+        approach=approach,
     )
+    middle, nodes = scene.num_points // 2 / scene.num_points, np.count_nonzero(pressure)
+    ends = ((middle + place) * period for place in (-area / 2, area / 2))
+    table = np.array([*ends, area * period, nodes, scene.pressure * period, peak], dtype=np.float64)
+    return observables, PatchTable(*table[:, None])
 
 
 def winkler(run: Run, accuracy: float, of: str) -> Solution | None:
@@ -163,28 +170,24 @@ def winkler(run: Run, accuracy: float, of: str) -> Solution | None:
         area = 2 * foundation_half_width(scene.reduced_load, power[0], power[1] / scene.period, foundation)
     sampled = area < _FULL
     scene = _field_scene(scene, area) if sampled else scene
-    problem = _foundation(scene)
+    problem, profile, certificate = _foundation(scene), scene.profile, None
     modulus, height = float(problem.stiffness[1]), problem.height
     level = foundation_level(height, modulus)
     if sampled and power:  # k_W mean(level - h) = 1
         level = (power[0] + 1) / (power[0] * modulus * area)
     depth = level - height
     pressure, contact = modulus * np.maximum(depth, 0.0) * scene.pressure, depth > 0
-    if sampled:
-        pressure *= scene.pressure / pressure.mean()  # the sampled load is off by the sampling
-    profile, certificate = scene.profile, None
     displacement = np.where(contact, profile, np.minimum(level * problem.length_unit, profile))
-    observables, patches = observe(scene, profile, displacement, pressure, contact)
     if sampled and power:
-        error = _edges(scene) / area
-        observables = _with_area(scene, observables, area, error, power[0] * error)
-        peak, approach = modulus * level * scene.pressure, level * problem.length_unit
-        observables = replace(observables, peak_pressure=peak, approach=approach)
-        patches = _one_patch(scene, area, int(contact.sum()), peak)
+        pressure *= scene.pressure / pressure.mean()  # the sampled load is off by the sampling
+        errors, peak = (_edges(scene) / area, power[0] * _edges(scene) / area), modulus * level * scene.pressure
+        approach = level * problem.length_unit
+        observables, patches = _of_power_law(scene, displacement, pressure, area, errors, peak, approach)
     else:
         runs = Patches.of(contact)
         ends = _crossings(runs, depth)
         patches = patch_table(runs, ends, pressure, scene.period)
+        observables, _ = observe(scene, profile, displacement, pressure, contact)
         observables = _measured(scene, observables, runs, ends, height, modulus)
         certificate = certify(problem, np.where(contact, height, displacement / problem.length_unit))[0]
     value, error = abs(getattr(observables, quantity.value)), getattr(observables, quantity.error)
@@ -209,8 +212,7 @@ MODELS: dict[str, Callable[[Run, float, str], Solution | None]] = {"winkler": wi
 def _edges(scene: Scene) -> float:
     """What the two edges of a contact on the foundation may be off by together [L]."""
     layer = scene.layer
-    assert layer.edge_shift is not None
-    return max(_LEAST_EDGE * layer.thickness, _TIMES_SHIFT * abs(layer.edge_shift)) / scene.period
+    return max(_LEAST_EDGE * layer.thickness, _TIMES_SHIFT * abs(layer.edge_shift or 0.0)) / scene.period
 
 
 def _measured(
@@ -219,12 +221,16 @@ def _measured(
     """Area and kappa between the places where the depth is 0; errors by edges, gaps and a grid of half the points."""
     squared = squared_slope(scene.indenter, scene.num_points, scene.period)
     area, gradient, kappa, _ = subgrid_measures(scene, patches, ends, squared)
-    error = math.inf
+    error, layer, shortest = math.inf, scene.layer, scene.indenter.shortest_wave(scene.num_points)
+    stiffening = 0.0  # for the profile's shortest wave, relative
+    if shortest:
+        stiffness = layer.stiffness(np.array([2 * np.pi * shortest]), scene.period)
+        stiffening = abs(float(stiffness[0] / layer.foundation_modulus(scene.period) - 1))
     if area:
         halves = ((half, foundation_level(half, modulus) - half) for half in (height[::2], height[1::2]))
         widths = [float(_crossings(Patches.of(below > 0), below).width.sum()) / half.size for half, below in halves]
         unknown = _edges(scene) * observables.num_patches + observables.unseen_gap_area
-        error = unknown / area + max(abs(width / area - 1) for width in widths) + _stiffening(scene)
+        error = unknown / area + max(abs(width / area - 1) for width in widths) + stiffening
     return replace(
         observables,
         contact_area_subgrid=area,
@@ -260,12 +266,3 @@ def _crossings(patches: Patches, depth: Array64) -> Edges:
 
     left, right = patches.first - beyond(patches.first, -1), patches.last + beyond(patches.last, 1)
     return Edges(left, right, exact, none, none, none)
-
-
-def _stiffening(scene: Scene) -> float:
-    """By how much the layer's stiffness for the profile's shortest wave differs from its foundation's, relative."""
-    shortest, layer = scene.indenter.shortest_wave(scene.num_points), scene.layer
-    if not shortest:
-        return 0.0  # smooth
-    stiffness = layer.stiffness(np.array([2 * np.pi * shortest]), scene.period)
-    return abs(float(stiffness[0] / layer.foundation_modulus(scene.period) - 1))

@@ -9,18 +9,14 @@ from ..endings import Cause, Reason, Status
 from ..grid.problem import Problem
 from ..methods import Method
 from ..solution import Choice, Solution
-from .errors import DEFAULT_QUANTITY, QUANTITIES, grid_error
+from .errors import DEFAULT_QUANTITY, QUANTITIES, grid_error, iteration_share
 from .grids import FACTOR, coarser, grids, over_grids
 from .report import finish
 from .run import Run, check_memory
 from .small_models import MODELS, decide
-from .unfinished import iteration_share
 
 MOST_ACCURACY = 0.1
 """Coarsest relative error that may be asked for (dimensionless)."""
-
-_FEWEST_POINTS = 16
-"""Points of the smallest coarser grid."""
 
 
 def check_accuracy(accuracy: float | None, of: str) -> float | None:
@@ -40,7 +36,8 @@ def solve_to_accuracy(run: Run, accuracy: float, of: str) -> Solution:
     The first model that is good enough gives the answer; the grid always does, or says that it is not good enough.
     """
     scene = run.scene
-    check_memory(_FEWEST_POINTS if scene.indenter.power_law else scene.num_points)  # most likely needs no grid
+    if not scene.indenter.power_law:  # that most likely needs no grid
+        check_memory(scene.num_points)
     if scene.precision != "float64":
         raise ValueError(f"precision is {scene.precision!r}; allowed: float64, accuracy chooses the precision")
     run.tolerance = accuracy / 2
@@ -86,7 +83,7 @@ def _on_grids(run: Run, accuracy: float, of: str) -> Solution:
         return run.begin(Problem.from_scene(scene, size), tolerance)
 
     sizes = grids(scene.num_points)
-    if len(sizes) == 1 and sizes[0] >= FACTOR * _FEWEST_POINTS:  # without a coarser one there is no telling the error
+    if len(sizes) == 1 and sizes[0] >= FACTOR**3:  # without a coarser one there is no telling the error
         sizes.insert(0, coarser(sizes[0]))
     for _ in over_grids(run, sizes, begin, measure_last=True):
         size, found = run.state.problem.num_points, run.levels

@@ -10,6 +10,7 @@ import math
 import sys
 import time
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
@@ -21,14 +22,11 @@ from ..grid.problem import full_contact_pressure, half_spectrum
 from ..scene import Scene
 from ..solution import Choice, Solution
 from .errors import QUANTITIES, estimated
-from .grids import grids
+from .grids import COARSEST, FACTOR, grids
 from .linearised import contact_compliance
+from .to_accuracy import MOST_ACCURACY
+from .to_tolerance import DEFAULT_TOLERANCE
 
-_COARSEST = 2**10  # points
-_EXACT, _GUESS = 1e-10, 1e-3  # relative error of the approach at which to stop, on the scene's grid and on coarse ones
-_GOOD = 1e-8  # relative error at which an approach is met, or the tolerance of the solves if that is more
-_FULL = 1e-9  # relative distance from the approach of full contact, within which that is the answer
-_OVER_FULL = 1e-7  # by which the pressure is taken higher there, so that rounding leaves no node without contact
 _MOST_SOLVES = 40  # on a grid
 _LONGEST_STEP = 30.0  # factor of the pressure
 _STEEPEST = 3.0  # power of the approach with which a quantity grows, where nothing else tells
@@ -40,26 +38,28 @@ def solve_to_approach(scene: Scene, solve: Callable[[Scene], Solution]) -> Solut
     solve: solves a scene that has a pressure. Raises `ValueError` for an approach that no pressure brings.
     """
     begin = time.perf_counter()
-    approach, iterations, points = scene.approach, 0, 0.0
+    approach, solved = scene.approach, list[Solution]()
     assert approach is not None
 
-    def counted(scene: Scene) -> Solution:
-        nonlocal iterations, points
-        solution = solve(scene)
-        iterations, points = iterations + solution.iterations, points + solution.transform_pairs * scene.num_points
-        return solution
+    def noted(scene: Scene) -> Solution:
+        solved.append(solve(scene))
+        return solved[-1]
 
     check_approach(scene)
-    if approach >= _full_approach(scene) * (1 - _FULL):
+    if approach >= _full_approach(scene) * (1 - DEFAULT_TOLERANCE):
         return _full_contact(scene, solve, approach)
     pressure = _foundation_guess(scene, approach)
     for size in grids(scene.num_points)[:-1]:
-        if size >= _COARSEST:
-            pressure = _coarse_guess(scene, size, counted, pressure)
-    tried = _tried(scene, counted, pressure, _EXACT)
+        if size >= 2 * COARSEST:
+            with suppress(ValueError):  # no such grid holds the indenter
+                coarse = _tried(scene.on_grid(size), noted, pressure, MOST_ACCURACY)[-1]
+                if coarse.status is Status.INTERRUPTED:
+                    raise KeyboardInterrupt  # nothing is known on the scene's grid
+                pressure = coarse.scene.pressure
+    tried = _tried(scene, noted, pressure, DEFAULT_TOLERANCE)
     found, error = _best(tried, approach), math.inf
     try:
-        error = _approach_error(found, counted)
+        error = _approach_error(found, noted)
     except KeyboardInterrupt:
         found = replace(found, status=Status.INTERRUPTED)
     found, off_by = _with_error_of_pressure(found, tried, error)
@@ -70,14 +70,14 @@ def solve_to_approach(scene: Scene, solve: Callable[[Scene], Solution]) -> Solut
     why = f"{wanted}; the pressure's relative error {known}; solves on this grid: {len(tried)}"
     found = replace(
         found,
-        iterations=iterations,
-        transform_pairs=points / scene.num_points,
+        iterations=sum(one.iterations for one in solved),
+        transform_pairs=sum(one.transform_pairs * one.scene.num_points for one in solved) / scene.num_points,
         seconds=seconds,
         choices=(Choice("pressure", f"{found.scene.pressure:.10g}", why, off_by), *found.choices),
     )
     found = _told(found, approach)
     off = abs(found.observables.approach / approach - 1)
-    if found.status is Status.CONVERGED and off > max(_GOOD, found.tolerance):
+    if found.status is Status.CONVERGED and off > max(DEFAULT_TOLERANCE, found.tolerance):
         met = f"{approach:g}, and {found.observables.approach:.10g} was found"
         reason = Reason(Cause.METHOD, "approach", met, "another approach, or a smaller tolerance")
         return replace(found, status=Status.STAGNATED, reason=reason)
@@ -85,7 +85,7 @@ def solve_to_approach(scene: Scene, solve: Callable[[Scene], Solution]) -> Solut
 
 
 def _tried(scene: Scene, solve: Callable[[Scene], Solution], pressure: float, exact: float) -> list[Solution]:
-    """The solutions by Newton's method, until one is right except for `exact`, or does not converge.
+    """The solutions by Newton's method, until one is right except for a hundredth of `exact`, or does not converge.
 
     pressure: to begin with. The next one is kept between those that are known to be too low and too high.
     """
@@ -95,7 +95,7 @@ def _tried(scene: Scene, solve: Callable[[Scene], Solution], pressure: float, ex
         solution = solve(replace(scene, approach=None, pressure=pressure))
         tried.append(solution)
         off = _off(solution, approach)
-        if solution.status is not Status.CONVERGED or abs(off) <= max(exact, solution.tolerance / 100):
+        if solution.status is not Status.CONVERGED or abs(off) <= max(exact, solution.tolerance) / 100:
             break
         if off < 0:
             low = max(low, pressure)
@@ -118,20 +118,9 @@ def _off(solution: Solution, approach: float) -> float:
 
 
 def _best(tried: Sequence[Solution], approach: float) -> Solution:
-    """The solution with the best approach; one that did not converge if none is good, because it says why."""
+    """The solution with the best approach; one that did not converge if none is good, because it has a reason."""
     best = min(tried, key=lambda one: abs(_off(one, approach)) if one.status is Status.CONVERGED else math.inf)
-    return best if abs(_off(best, approach)) <= _GOOD or tried[-1].status is Status.CONVERGED else tried[-1]
-
-
-def _coarse_guess(scene: Scene, num_points: int, solve: Callable[[Scene], Solution], guess: float) -> float:
-    """The pressure on a coarse grid; the guess itself where the indenter is not to be had there."""
-    try:
-        tried = _tried(scene.on_grid(num_points), solve, guess, _GUESS)
-    except ValueError:
-        return guess
-    if tried[-1].status is Status.INTERRUPTED:
-        raise KeyboardInterrupt  # nothing is known on the scene's grid
-    return tried[-1].scene.pressure
+    return best if abs(_off(best, approach)) <= DEFAULT_TOLERANCE or tried[-1].status is Status.CONVERGED else tried[-1]
 
 
 def _approach_error(found: Solution, solve: Callable[[Scene], Solution]) -> float:
@@ -141,14 +130,13 @@ def _approach_error(found: Solution, solve: Callable[[Scene], Solution]) -> floa
     """
     error, scene = found.observables.approach_error, found.scene
     if math.isinf(error) and found.status is Status.CONVERGED:
-        try:
-            coarse = solve(scene.on_grid(scene.num_points // 4))
-        except ValueError:  # no such grid holds the scene
-            return error
-        if coarse.status is Status.INTERRUPTED:
-            raise KeyboardInterrupt
-        if coarse.status is Status.CONVERGED:
-            return estimated(QUANTITIES["approach"], scene, scene.num_points, found.observables, [coarse.observables])
+        with suppress(ValueError):  # no such grid holds the scene
+            coarse = solve(scene.on_grid(scene.num_points // FACTOR))
+            if coarse.status is Status.INTERRUPTED:
+                raise KeyboardInterrupt
+            if coarse.status is Status.CONVERGED:
+                known = [coarse.observables]
+                return estimated(QUANTITIES["approach"], scene, scene.num_points, found.observables, known)
     return error
 
 
@@ -184,7 +172,7 @@ def _full_approach(scene: Scene) -> float:
 
 def _full_contact(scene: Scene, solve: Callable[[Scene], Solution], approach: float) -> Solution:
     """The solution under the least pressure of full contact; any larger one brings the same approach."""
-    pressure = (1 + _OVER_FULL) * full_contact_pressure(scene)
+    pressure = (1 + DEFAULT_TOLERANCE) * full_contact_pressure(scene)  # else rounding may leave nodes without contact
     found = solve(replace(scene, approach=None, pressure=pressure))
     why = "the least pressure of full contact; any larger one gives the same approach"
     choices = (Choice("pressure", f"{pressure:.10g}", why), *found.choices)
@@ -202,7 +190,7 @@ def _told(found: Solution, approach: float) -> Solution:
 def check_approach(scene: Scene) -> None:
     """Raise `ValueError` for a scene whose approach no pressure brings."""
     full, approach = _full_approach(scene), scene.approach
-    if approach is not None and approach > full * (1 + _FULL):
+    if approach is not None and approach > full * (1 + DEFAULT_TOLERANCE):
         allowed = f"up to {full:.12g}, the mean height on this grid above the lowest point: there the contact is full"
         raise ValueError(f"approach is {approach:.12g}; allowed: {allowed}")
 

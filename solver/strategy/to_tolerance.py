@@ -12,13 +12,12 @@ from ..grid.problem import Problem, rounding_floor
 from ..methods import DEFAULT, ExecutionConfig, Method, relax
 from ..scene import Scene
 from ..solution import MEANINGLESS, Solution
-from .grids import grids, over_grids, start_from_contact
+from .grids import COARSEST, grids, over_grids, start_from_contact
 from .report import finish
 from .run import Run, check_memory
 
-_COARSE_TOLERANCE = 1e-4  # the residual at which to stop on coarse grids
-_FLOOR_POINTS = 1024  # of the solution that tells the size of u
-_DEFAULT, _DEFAULT_FLOAT32 = 1e-8, 1e-4  # tolerances in float64 and mixed precision, and the least in float32
+DEFAULT_TOLERANCE, COARSE_TOLERANCE = 1e-8, 1e-4
+"""Free residual over p at which to stop in float64 and mixed precision, and on coarse grids or in float32, at least."""
 _OVER_FLOOR = 4.0  # times the residual of rounding: the default tolerance in float32, at least
 
 
@@ -42,7 +41,7 @@ def solve_to_tolerance(run: Run, nested: bool | None, tolerance: float | None, i
     def begin(num_points: int) -> Method:
         if num_points < scene.num_points:
             least = 0.0 if scene.precision == "float32" else run.tolerance
-            return run.begin(Problem.from_scene(scene, num_points), max(_COARSE_TOLERANCE, least))
+            return run.begin(Problem.from_scene(scene, num_points), max(COARSE_TOLERANCE, least))
         if run.contact:
             check_memory(num_points, kind, run.contact_share, memory)
         finest = run.begin(problem, run.tolerance)
@@ -60,35 +59,29 @@ def solve_to_tolerance(run: Run, nested: bool | None, tolerance: float | None, i
 
 def _displacement(initial: Array64, scene: Scene, problem: Problem) -> Array64:
     """A displacement to start from, shape (N,) [length], in the problem's unit; see `solve`. Raises `ValueError`."""
-    displacement = _check_initial(initial, scene.num_points)
-    # on the wall exactly, whatever the units' rounding; and not beyond where any solution is
-    on_wall, reach = displacement >= scene.profile, problem.reach
-    reach *= problem.length_unit
-    inside = np.clip(displacement, -reach, reach) / problem.length_unit
-    return np.where(on_wall, problem.height, inside)
-
-
-def _check_initial(initial: Array64, num_points: int) -> Array64:
-    allowed = f"allowed: an array of {num_points} finite real numbers"
-    real = checks.array(initial)
-    if real is None:
+    allowed = f"allowed: an array of {scene.num_points} finite real numbers"
+    displacement = checks.array(initial)
+    if displacement is None:
         raise ValueError(f"initial is masked or not an array of real numbers; {allowed}")
-    if real.shape != (num_points,):
-        raise ValueError(f"initial has shape {real.shape}; {allowed}")
-    if not np.isfinite(real).all():
+    if displacement.shape != (scene.num_points,):
+        raise ValueError(f"initial has shape {displacement.shape}; {allowed}")
+    if not np.isfinite(displacement).all():
         raise ValueError(f"initial holds a value that is not finite; {allowed}")
-    return real
+    # on the wall exactly, whatever the units' rounding; and not beyond where any solution is
+    reach = problem.reach * problem.length_unit
+    inside = np.clip(displacement, -reach, reach) / problem.length_unit
+    return np.where(displacement >= scene.profile, problem.height, inside)
 
 
 def float32_floor(scene: Scene, problem: Problem) -> float:
     """The rms free residual over p that rounding in float32 leaves, see `rounding_floor` (dimensionless).
 
-    problem: of the scene; the size of u, which hardly depends on the grid, is taken from the solution on a coarse one.
-    Ctrl-C meanwhile is passed on.
+    problem: of the scene; the size of u, which hardly depends on the grid, is that on a coarse one. Ctrl-C meanwhile is
+    passed on.
     """
-    coarse = Problem.from_scene(scene, min(scene.num_points, _FLOOR_POINTS))
-    state = DEFAULT.begin(coarse, ExecutionConfig(1e-3, backend="numpy"))
-    if relax(state, 300) is Status.INTERRUPTED:
+    coarse = Problem.from_scene(scene, min(scene.num_points, 2 * COARSEST))
+    state = DEFAULT.begin(coarse, ExecutionConfig(COARSE_TOLERANCE, backend="numpy"))
+    if relax(state, DEFAULT.max_iterations) is Status.INTERRUPTED:
         raise KeyboardInterrupt
     displacement = state.displacement * (coarse.length_unit / problem.length_unit)
     return rounding_floor(problem.stiffness, displacement, "float32")
@@ -108,7 +101,7 @@ def default_tolerance(scene: Scene) -> float:
 def _reachable(scene: Scene, problem: Problem, tolerance: float | None) -> float:
     """A tolerance, by default as `default_tolerance` has it; `ValueError` if the scene's precision cannot reach it."""
     if scene.precision != "float32":
-        return _DEFAULT if tolerance is None else tolerance
+        return DEFAULT_TOLERANCE if tolerance is None else tolerance
     floor = float32_floor(scene, problem)
     if tolerance is not None and tolerance >= floor:
         return tolerance
@@ -119,7 +112,7 @@ def _reachable(scene: Scene, problem: Problem, tolerance: float | None) -> float
             f"fewer points, {own}or precision mixed or float64"
         )
     if tolerance is None:
-        return max(_DEFAULT_FLOAT32, _OVER_FLOOR * floor)
+        return max(COARSE_TOLERANCE, _OVER_FLOOR * floor)
     raise ValueError(
         f"tolerance is {tolerance!r}; allowed: at least {display.rounded_up(floor)}, which is what rounding in float32 "
         "leaves of the residual, or precision mixed or float64"

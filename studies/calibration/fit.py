@@ -11,7 +11,7 @@ from linecontact.solver.arrays import Array64
 from linecontact.solver.calibration import FITTED
 from linecontact.solver.grid.observables import observe
 from linecontact.solver.grid.patches import Patches
-from linecontact.solver.strategy.unfinished import with_errors
+from linecontact.solver.strategy.errors import with_errors
 
 Numbers = dict[str, float]
 
