@@ -8,8 +8,7 @@ from .compiled import KERNELS, flags, load, recompile, start_warp, started
 from .interrupts import undivided
 from .layout import CHUNK, padded_length
 from .processor import instructions, processor
-from .record import BACKENDS, Call, record, share
-from .recording import record_launches
+from .record import BACKENDS, Call, record, record_launches, share
 from .sequences import sequence
 
 __all__ = [

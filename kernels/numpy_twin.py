@@ -36,37 +36,16 @@ def _free_force(elastic: Array, velocity: Array, load: Array | int = 1) -> tuple
     return np.where(held, r.dtype.type(0), r), held
 
 
-def net_force(
-    load: Array,
-    elastic: Array,
-    velocity: Array,
-    force: Array,
-    force_sums: Array64,
-    held_sums: Array64,
-    power_sums: Array64,
-    velocity_sums: Array64,
-) -> None:
+def net_force(load: Array, elastic: Array, velocity: Array, force: Array, *sums: Array64) -> None:
     """Free part f of r = load - K u; sums of f.f, held nodes, v.f and v.v per chunk."""
     force[:], held = _free_force(elastic, velocity, load)
-    _fire_sums(force, held, velocity, force_sums, held_sums, power_sums, velocity_sums)
-
-
-def _fire_sums(force: Array, held: Array, velocity: Array, *sums: Array64) -> None:
     for target, values in zip(sums, (force * force, held, velocity * force, velocity * velocity), strict=True):
         target[:] = _chunk_sums(values)
 
 
-def plain_sums(
-    elastic: Array,
-    velocity: Array,
-    force_sums: Array64,
-    held_sums: Array64,
-    power_sums: Array64,
-    velocity_sums: Array64,
-) -> None:
-    """Sums of f.f, held nodes, v.f and v.v per chunk."""
-    force, held = _free_force(elastic, velocity)
-    _fire_sums(force, held, velocity, force_sums, held_sums, power_sums, velocity_sums)
+def plain_sums(elastic: Array, velocity: Array, *sums: Array64) -> None:
+    """Sums of f.f, held nodes, v.f and v.v per chunk, for a load of 1."""
+    net_force(np.ones_like(elastic), elastic, velocity, np.empty_like(elastic), *sums)
 
 
 def restrict_to_free(force: Array, field: Array, squares: Array64) -> None:
@@ -75,30 +54,23 @@ def restrict_to_free(force: Array, field: Array, squares: Array64) -> None:
     squares[:] = _chunk_sums(field * field)
 
 
-def fire_control(
-    force_sums: Array64,
-    held_sums: Array64,
-    power_sums: Array64,
-    velocity_sums: Array64,
-    acceleration_sums: Array64,
-    state: Array64,
-) -> None:
+def fire_control(*sums_and_state: Array64) -> None:
     """FIRE's power rule on the chunks' sums: sets mix, gain and dt of the next step."""
-    s = state
-    held = held_sums.sum()
+    *sums, s = sums_and_state
+    force, held, power, velocity, acceleration = (part.sum() for part in sums)
     s[layout.HELD] = held
-    s[layout.RESIDUAL] = residual = np.sqrt(force_sums.sum() / max(s[layout.NUM_POINTS] - held, 1.0))
+    s[layout.RESIDUAL] = residual = np.sqrt(force / max(s[layout.NUM_POINTS] - held, 1.0))
     if not residual > s[layout.TOLERANCE] or residual > 1e30:
         s[layout.STOPPED], s[layout.MIX], s[layout.GAIN] = 1.0, 0.0, 0.0
         return
     dt, alpha, mix, gain = s[layout.DT], s[layout.ALPHA], 0.0, 0.0
-    if power_sums.sum() > 0:
+    if power > 0:
         s[layout.N_POSITIVE] += 1
         if s[layout.N_POSITIVE] > s[layout.N_MIN]:
             dt = min(dt * s[layout.F_INC], s[layout.DT_MAX])
             alpha *= s[layout.F_ALPHA]
         mix = 1 - alpha
-        ratio = np.sqrt(velocity_sums.sum() / max(acceleration_sums.sum(), 1e-300))
+        ratio = np.sqrt(velocity / max(acceleration, 1e-300))
         gain = min(alpha * ratio, 1 / (dt * s[layout.STIFFEST]))
     else:
         s[layout.N_POSITIVE] = 0

@@ -25,7 +25,7 @@ from linecontact.solver.grid.kept import forget
 from linecontact.solver.grid.problem import Problem, foundation_pressure, typical_stiffness
 from linecontact.solver.methods import ExecutionConfig, active_set, relax
 from linecontact.solver.methods.active_set import preconditioner as deflation
-from linecontact.solver.transforms import four_step, plain, real
+from linecontact.solver.transforms import four_step, planned
 
 
 def test_patches_that_share_an_unknown_take_longer(monkeypatch):
@@ -173,12 +173,8 @@ def test_what_saves_memory_on_large_grids_changes_nothing(layer, monkeypatch):
     scene = Scene(layer, RoughIndenter(0.8, 1), 0.01, num_points=2**16)
     usual = solve(scene)
     forget()
-    for module, name in (
-        (grid_response, "MOST_POINTS"),
-        (real, "_IN_PLACE"),
-        (plain, "_KEPT_UP_TO"),
-    ):
-        monkeypatch.setattr(module, name, 2**12)
+    monkeypatch.setattr(grid_response, "MOST_POINTS", 2**12)
+    monkeypatch.setattr(four_step, "FASTER", 2**12)
     saving = solve(scene)
     forget()
     np.testing.assert_array_equal(saving.contact, usual.contact)
@@ -250,8 +246,8 @@ def test_transforms_in_four_steps_change_nothing(indenter, precision, options, m
     scene = Scene(Layer(0.05), indenter, pressure=0.01, num_points=2**13, precision=precision)
     usual = solve(scene, **options)
     forget()
-    for name in ("FASTER", "_FASTER_THAN_REAL"):
-        monkeypatch.setattr(four_step, name, 2**10)
+    for module, name in ((four_step, "FASTER"), (planned, "FASTER"), (planned, "FASTER_THAN_REAL")):
+        monkeypatch.setattr(module, name, 2**10)
     found = solve(scene, **options)
     forget()
     assert found.status == usual.status == "converged"

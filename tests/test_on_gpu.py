@@ -10,14 +10,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from linecontact import load
-from linecontact.kernels import compiled, layout, module_copies, numpy_twin, on_gpu
+from linecontact.kernels import compiled, layout, numpy_twin, on_gpu
 from linecontact.kernels.sequences import SEQUENCES, parse
 from linecontact.solver import METHODS, Layer, PowerIndenter, Scene, Status, solve
 from linecontact.solver import solve as solve_function
 from linecontact.solver.methods import MethodKind
 from linecontact.solver.strategy import report
 from linecontact.solver.transforms import device
-from linecontact.solver.transforms.planned import Transforms
+from linecontact.solver.transforms.planned import plan_transforms
 from linecontact.studies.command_line import main
 from linecontact.studies.gpu.scenes import random_scene
 
@@ -45,7 +45,7 @@ needs_gpu = pytest.mark.skipif(bool(MISSING), reason=f"needs a GPU: {MISSING}")
 def gpu_form():
     """The kernels in the form that a GPU has, compiled for the CPU."""
     names = [name for name in compiled.MODULES if name not in compiled.ON_CPU_ONLY]
-    copies = [module_copies.copy_module(m, on_gpu.CHUNK, compiled.flags(), on_gpu.LANES) for m in names]
+    copies = [compiled.copy_module(m, on_gpu.CHUNK, compiled.flags(), on_gpu.LANES) for m in names]
     return compiled.compile_modules([*copies, importlib.import_module("linecontact.kernels.warp_folds")])
 
 
@@ -188,7 +188,7 @@ def pretended(monkeypatch):
         pass
 
     fake = SimpleNamespace(
-        Transforms=Transforms,
+        Transforms=plan_transforms,
         capture=capture,
         free_memory=lambda: 2**40,
         OutOfMemory=OutOfMemoryError,

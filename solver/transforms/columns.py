@@ -8,7 +8,7 @@ import numpy as np
 
 from ...kernels import Call, layout, padded_length
 from ..arrays import Array, Indices, Modes
-from .planner import Planner
+from .planner import Transforms
 from .sharing import do_all
 
 _WIDTH = layout.COLUMNS
@@ -17,7 +17,7 @@ _WIDTH = layout.COLUMNS
 class Columns:
     """Transforms of the columns of N = R C real values, there and back."""
 
-    def __init__(self, num_points: int, row: int, planner: Planner) -> None:
+    def __init__(self, num_points: int, row: int, planner: Transforms) -> None:
         """row: C, the number of columns, a multiple of those that are worked on at a time."""
         count = num_points // row // 2 + 1
         starts, rows = np.arange(0, row, _WIDTH), np.arange(count)
@@ -67,7 +67,7 @@ class _Worker:
     columns), of two columns after the other; far: their first column's twiddle factors.
     """
 
-    def __init__(self, num_rows: int, near: Array, planner: Planner) -> None:
+    def __init__(self, num_rows: int, near: Array, planner: Transforms) -> None:
         """near: twiddle factors from the first column."""
         count = num_rows // 2 + 1
         self.far = planner.buffer(2 * count)

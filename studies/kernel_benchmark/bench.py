@@ -6,7 +6,7 @@ from collections.abc import Iterable
 import numpy as np
 from linecontact.kernels import CHUNK
 from linecontact.solver import checks
-from linecontact.solver.transforms.planned import Transforms
+from linecontact.solver.transforms.planned import plan_transforms
 
 from . import agreement
 from .benchmark import Array, Benchmark
@@ -35,7 +35,7 @@ class Bench:
         if num_points % CHUNK and benchmark.group != "transforms":
             raise ValueError(f"size is {num_points}; allowed for {benchmark.name}: a multiple of {CHUNK}")
         self.benchmark, self.precision, self.num_points = benchmark, precision, num_points
-        self.transforms = transforms = Transforms(num_points, precision, way=benchmark.way)
+        self.transforms = transforms = plan_transforms(num_points, precision, way=benchmark.way)
         self._start = benchmark.make(num_points, precision)
         self.arrays: dict[str, Array] = {}
         for argument in benchmark.arrays:

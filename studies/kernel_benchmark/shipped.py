@@ -91,7 +91,7 @@ def _transforms_alone(arrays: Arrays) -> Runs:
 
 def _copy(arrays: Arrays) -> Runs:
     """A copy of half as many bytes as the benchmark's arrays hold, so that it works on as much memory."""
-    half = max(CHUNK, sum(a.nbytes for a in arrays.arrays.values()) // 2 // arrays.transforms.real.itemsize)
+    half = max(CHUNK, sum(a.nbytes for a in arrays.arrays.values()) // 2 // arrays.transforms.dtype.itemsize)
     source, target = arrays.transforms.buffer(half), arrays.transforms.buffer(half)
     source[:] = 1
     return repeated(lambda: np.copyto(target, source))
