@@ -1,9 +1,9 @@
-"""The Warp kernels, compiled: as the program uses them, or with another chunk and other flags for an experiment.
+"""The Warp kernels, compiled as the program uses them, or in another way for an experiment or a GPU.
 
 Every array is one-dimensional and padded to a multiple of `CHUNK`; one thread works on one chunk. An inner loop whose
 length is a compile-time power of two is what LLVM turns into vector code; a thread per element, a run-time bound or a
 tail test stays scalar. The reassociation flags let it vectorise the sums as well. On a GPU the points of `LANES`
-threads take turns instead (`on_gpu`); on the CPU that is one thread.
+threads take turns instead (`on_gpu`).
 """
 
 import ctypes

@@ -108,36 +108,32 @@ def count_below(response: Array, h: Array, state: Array64, counts: Array64) -> N
     counts[:] = _chunk_sums(h + response < h.dtype.type(state[layout.BOUND]))
 
 
-def _columns(columns: Array) -> tuple[Array, Array]:
-    """Rows 0 ... R/2 of complex columns, and for each row k the row (R - k) mod R."""
-    rows = columns[: columns.size // STRIDE * STRIDE].reshape(-1, STRIDE)[:, :COLUMNS]
-    k = np.arange(rows.shape[0] // 2 + 1)
-    return _complex(rows[k]), _complex(rows[-k])
-
-
 def _complex(values: Array) -> Array:
-    return values[..., ::2] + 1j * values[..., 1::2]
+    return values.view(np.result_type(values, np.complex64))
 
 
-def _twiddle_factors(near: Array, far: Array, count: int) -> Array:
-    """Of so many rows, one for each of their columns."""
-    return _complex(near.reshape(-1, 2 * COLUMNS)[:count]) * _complex(far)[:count, None]
+def _columns(columns: Array) -> tuple[Array, Array]:
+    """The complex columns, shape (R, COLUMNS/2), and the numbers of rows 0 ... R/2."""
+    rows = columns[: columns.size // STRIDE * STRIDE].reshape(-1, STRIDE)[:, :COLUMNS]
+    return _complex(rows), np.arange(len(rows) // 2 + 1)
+
+
+def _spectra(spectra: Array, count: int) -> Array:
+    """So many of its rows, shape (count, COLUMNS)."""
+    return _complex(spectra).reshape(-1, COLUMNS)[:count]
 
 
 def unpack_columns(near: Array, far: Array, columns: Array, spectra: Array) -> None:
     """Spectra of two real columns from that of the complex one, times their twiddle factors; see `warp_columns`."""
-    here, mirrored = _columns(columns)
-    both = np.stack([here + mirrored.conj(), (here - mirrored.conj()) * -1j], axis=-1) / 2
-    turned = both.reshape(len(here), -1) * _twiddle_factors(near, far, len(here))
-    rows = spectra.reshape(-1, 2 * COLUMNS)[: len(here)]
-    rows[:, ::2], rows[:, 1::2] = turned.real, turned.imag
+    values, k = _columns(columns)
+    here, mirrored = values[k], values[-k].conj()
+    both = np.stack([here + mirrored, (here - mirrored) * -1j], axis=-1) / 2
+    _spectra(spectra, k.size)[:] = both.reshape(k.size, -1) * _spectra(near, k.size) * _complex(far)[: k.size, None]
 
 
 def pack_columns(near: Array, far: Array, spectra: Array, columns: Array) -> None:
     """The way back, without a factor 2."""
-    rows = columns[: columns.size // STRIDE * STRIDE].reshape(-1, STRIDE)
-    k = np.arange(rows.shape[0] // 2 + 1)
-    turned = _complex(spectra.reshape(-1, 2 * COLUMNS)[: k.size]) * _twiddle_factors(near, far, k.size).conj()
+    values, k = _columns(columns)
+    turned = _spectra(spectra, k.size) * (_spectra(near, k.size) * _complex(far)[: k.size, None]).conj()
     first, second = turned[:, ::2], turned[:, 1::2]
-    for places, both in ((k, first + 1j * second), (-k, first.conj() + 1j * second.conj())):
-        rows[places, 0:COLUMNS:2], rows[places, 1:COLUMNS:2] = both.real, both.imag
+    values[k], values[-k] = first + 1j * second, first.conj() + 1j * second.conj()

@@ -16,6 +16,7 @@ from .layout import CHUNK, COLUMNS, STRIDE
 
 wp.set_module_options({"enable_backward": False})
 
+Field = wp.array[Any]
 CHUNK_LENGTH = wp.constant(CHUNK)
 PAIRS = wp.constant(COLUMNS // 2)
 COLUMNS_LENGTH = wp.constant(STRIDE)
@@ -29,7 +30,7 @@ def times(a_re: Any, a_im: Any, b_re: Any, b_im: Any):
 
 
 @wp.kernel
-def unpack_columns(near: wp.array[Any], far: wp.array[Any], columns: wp.array[Any], spectra: wp.array[Any]):
+def unpack_columns(near: Field, far: Field, columns: Field, spectra: Field):
     """The spectra of two real columns from that of the complex one, each times its twiddle factor."""
     num_rows = columns.shape[0] // COLUMNS_LENGTH
     first = wp.tid() * (CHUNK_LENGTH // SPECTRA_LENGTH)
@@ -54,7 +55,7 @@ def unpack_columns(near: wp.array[Any], far: wp.array[Any], columns: wp.array[An
 
 
 @wp.func
-def turned_back(near: wp.array[Any], far_re: Any, far_im: Any, spectra: wp.array[Any], q: int):
+def turned_back(near: Field, far_re: Any, far_im: Any, spectra: Field, q: int):
     """Two spectra without their twiddle factors."""
     a_turn_re, a_turn_im = times(far_re, far_im, near[q], near[q + 1])
     b_turn_re, b_turn_im = times(far_re, far_im, near[q + 2], near[q + 3])
@@ -64,7 +65,7 @@ def turned_back(near: wp.array[Any], far_re: Any, far_im: Any, spectra: wp.array
 
 
 @wp.kernel
-def pack_columns(near: wp.array[Any], far: wp.array[Any], spectra: wp.array[Any], columns: wp.array[Any]):
+def pack_columns(near: Field, far: Field, spectra: Field, columns: Field):
     """The way back: turned by the conjugate factors, two spectra as that of one complex column, without a factor 2."""
     num_rows = columns.shape[0] // COLUMNS_LENGTH
     first = wp.tid() * (CHUNK_LENGTH // SPECTRA_LENGTH)

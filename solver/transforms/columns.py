@@ -26,40 +26,40 @@ class Columns:
         planner.complex(near)[: turns.size] = _twiddle_factors(turns, num_points).ravel()
         self._far = np.zeros((starts.size, padded_length(2 * count)), near.dtype)
         planner.complex(self._far)[:, :count] = _twiddle_factors(starts[:, None] * rows, num_points)
-        self._parts = [slice(start, start + _WIDTH) for start in starts.tolist()]
         threads = min(planner.threads, starts.size)
         self._workers = [_Worker(num_points // row, near, planner) for _ in range(threads)]
 
     def forward(self, source: Array, spectrum: Array) -> Callable[[], None]:
         """source: shape (R, C), and spectrum: shape (R/2 + 1, 2, C), may be the same memory."""
 
-        def work(worker: _Worker, part: tuple[Array, Array, Array]) -> None:
-            values, spectra, worker.far[:] = part
-            worker.columns[:] = values
+        def work(worker: _Worker, part: slice) -> None:
+            worker.columns[:] = source[:, part]
             worker.transform()
             worker.unpack()
-            spectra[:] = worker.spectra
+            spectrum[:, :, part] = worker.spectra
 
-        return self._shared(source, spectrum, work)
+        return self._shared(work)
 
     def inverse(self, spectrum: Array, target: Array) -> Callable[[], None]:
         """The way back, times R."""
 
-        def work(worker: _Worker, part: tuple[Array, Array, Array]) -> None:
-            values, spectra, worker.far[:] = part
-            worker.spectra[:] = spectra
+        def work(worker: _Worker, part: slice) -> None:
+            worker.spectra[:] = spectrum[:, :, part]
             worker.pack()
             worker.transform_back()
-            values[:] = worker.columns
+            target[:, part] = worker.columns
 
-        return self._shared(target, spectrum, work)
+        return self._shared(work)
 
-    def _shared(
-        self, values: Array, spectrum: Array, work: Callable[["_Worker", tuple[Array, Array, Array]], None]
-    ) -> Callable[[], None]:
-        """Work on some columns at a time, with their spectra and the first one's twiddle factors."""
-        parts = [(values[:, part], spectrum[:, :, part], far) for part, far in zip(self._parts, self._far, strict=True)]
-        return lambda: do_all(self._workers, parts, work)
+    def _shared(self, work: Callable[["_Worker", slice], None]) -> Callable[[], None]:
+        """Work on some columns at a time, with the first one's twiddle factors."""
+
+        def with_factors(worker: _Worker, part: slice) -> None:
+            worker.far[:] = self._far[part.start // _WIDTH]
+            work(worker, part)
+
+        parts = [slice(start, start + _WIDTH) for start in range(0, _WIDTH * len(self._far), _WIDTH)]
+        return lambda: do_all(self._workers, parts, with_factors)
 
 
 class _Worker:

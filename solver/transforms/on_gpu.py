@@ -6,7 +6,7 @@ for which that waits. Nothing here is imported unless a GPU is asked for.
 """
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, cast
 
 import cupy
 import warp as wp
@@ -27,6 +27,8 @@ class Transforms(Place):
     num_points: N; precision: 'float64' or 'float32'. The arrays are CuPy's, which do what NumPy's do.
     """
 
+    chunk = on_gpu.CHUNK
+
     def __init__(self, num_points: int, precision: str) -> None:
         super().__init__(num_points, precision)
         self.stream = cupy.cuda.Stream.from_external(wp.get_stream("cuda"))
@@ -35,23 +37,13 @@ class Transforms(Place):
         self._modes = self.complex(self.spectrum[: 2 * (num_points // 2 + 1)])
 
     def buffer(self, length: int | None = None) -> Array:
-        found: Array = cupy.zeros(on_gpu.padded_length(length or self.num_points), dtype=self.dtype)
-        return found
-
-    def put(self, target: Array, values: Array64) -> None:
-        target[: values.size] = cupy.asarray(values)
+        return cast(Array, cupy.zeros(on_gpu.padded_length(length or self.num_points), dtype=self.dtype))
 
     def take(self, values: Array64) -> Array64:
-        found: Array64 = cupy.asarray(values)
-        return found
+        return cast(Array64, cupy.asarray(values))
 
     def fetch(self, values: Array) -> Array:
-        found: Array = cupy.asnumpy(values)
-        return found
-
-    def sums(self, length: int) -> Array64:
-        found: Array64 = cupy.zeros(length // on_gpu.CHUNK)
-        return found
+        return cast(Array, cupy.asnumpy(values))
 
     def record(self, calls: Sequence[Call]) -> Callable[[], None]:
         """A function without arguments that puts kernels into the queue, in order."""

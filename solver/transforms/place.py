@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from ...kernels import Call
+from ...kernels import CHUNK, Call
 from ..arrays import Array, Array64
 
 
@@ -18,6 +18,8 @@ class Place(ABC):
     """
 
     spectrum: Array
+    chunk: int = CHUNK
+    """Points for each thread of a kernel."""
 
     def __init__(self, num_points: int, precision: str) -> None:
         self.num_points, self.dtype = num_points, np.dtype(precision)
@@ -30,9 +32,9 @@ class Place(ABC):
         """A buffer for N values that are transformed there and back; it may share the spectrum's memory."""
         return self.buffer()
 
-    @abstractmethod
     def put(self, target: Array, values: Array64) -> None:
         """Copy values into the first places of a buffer."""
+        target[: values.size] = self.take(values)
 
     @abstractmethod
     def take(self, values: Array64) -> Array64:
@@ -42,9 +44,9 @@ class Place(ABC):
     def fetch(self, values: Array) -> Array:
         """An array of that place as one of NumPy's."""
 
-    @abstractmethod
     def sums(self, length: int) -> Array64:
         """Zeros, one for each chunk of a buffer of that length."""
+        return self.take(np.zeros(length // self.chunk))
 
     @abstractmethod
     def record(self, calls: Sequence[Call]) -> Callable[[], None]:

@@ -4,11 +4,31 @@ Convention: forward sum_i x_i exp(-2 pi i k i/N), k = 0 ... N/2; the inverse is 
 multiplies in between carries 1/N.
 """
 
+from collections.abc import Callable
+
 from ...kernels import CHUNK
+from ..arrays import Array
 from .four_step import FASTER, FASTER_THAN_REAL, FourStep, row_length
 from .half_length import HalfLength
 from .planner import Transforms, check_settings, has_poor_plan
-from .real import Real
+
+
+class Real(Transforms):
+    """FFTW's own real transforms. spectrum: flat real view of the half spectrum, N + 2 values or N + 1, and zeros."""
+
+    way = "real"
+
+    def prepare(self) -> None:
+        count = 2 * (self.num_points // 2 + 1)
+        self.spectrum = self.buffer(count)
+        self._modes = self.complex(self.spectrum[:count])
+
+    def forward(self, source: Array) -> Callable[[], None]:
+        return self.plan(source[: self.num_points], self._modes, "FFTW_FORWARD")
+
+    def inverse(self, target: Array) -> Callable[[], None]:
+        return self.plan(self._modes, target[: self.num_points], "FFTW_BACKWARD")
+
 
 WAYS: dict[str, type[Transforms]] = {kind.way: kind for kind in (Real, HalfLength, FourStep)}
 """By name: FFTW's real transforms, complex ones of half the length, and long ones on parts that fit into the cache."""

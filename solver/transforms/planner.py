@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from ... import locks
-from ...kernels import CHUNK, Call, padded_length, record
+from ...kernels import Call, padded_length, record
 from .. import checks
 from ..arrays import Array, Array64
 from . import wisdom
@@ -32,12 +32,7 @@ class Transforms(Place):
     """How the transforms are done."""
 
     def __init__(
-        self,
-        num_points: int,
-        precision: str,
-        threads: int = 1,
-        planning: str = "estimate",
-        backend: str = "warp",
+        self, num_points: int, precision: str, threads: int = 1, planning: str = "estimate", backend: str = "warp"
     ) -> None:
         super().__init__(num_points, precision)
         self.threads, self.planning = check_settings(threads, planning)
@@ -54,20 +49,13 @@ class Transforms(Place):
         padded = padded_length(self.num_points if length is None else length)
         offset = self._count * _STAGGER // self.dtype.itemsize
         self._count += 1
-        array: Array = pyfftw.zeros_aligned(padded + offset, dtype=self.dtype, n=64)[offset:]
-        return array
-
-    def put(self, target: Array, values: Array64) -> None:
-        target[: values.size] = values
+        return np.asarray(pyfftw.zeros_aligned(padded + offset, dtype=self.dtype, n=64)[offset:])
 
     def take(self, values: Array64) -> Array64:
         return values
 
     def fetch(self, values: Array) -> Array:
         return values
-
-    def sums(self, length: int) -> Array64:
-        return np.zeros(length // CHUNK)
 
     def record(self, calls: Sequence[Call]) -> Callable[[], None]:
         return record(self._backend, calls)
@@ -82,21 +70,18 @@ class Transforms(Place):
         """
 
         def plan(effort: str, *more: str) -> Callable[[], None]:
-            flags = [f"FFTW_{effort.upper()}", *more]
-            if direction == "FFTW_BACKWARD":
-                flags.append("FFTW_DESTROY_INPUT")
+            flags = [f"FFTW_{effort.upper()}", *more, *(["FFTW_DESTROY_INPUT"] if direction == "FFTW_BACKWARD" else [])]
             count = threads or self.threads
             return Plan(source, target, axes=(axis,), direction=direction, threads=count, flags=flags)
 
         estimated = self.planning == "estimate"
         with suppress(RuntimeError):  # wisdom does not hold it
             return plan("measure" if estimated else self.planning, "FFTW_WISDOM_ONLY")
-        if estimated:
-            return plan("estimate")
         try:
             return plan(self.planning)
         finally:
-            wisdom.save()  # after Ctrl-C, too, which waits until FFTW has finished
+            if not estimated:
+                wisdom.save()  # after Ctrl-C, too, which waits until FFTW has finished
 
 
 def has_poor_plan(num_points: int, precision: str, threads: int) -> bool:
