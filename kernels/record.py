@@ -50,13 +50,13 @@ def record(backend: str, calls: Sequence[Call]) -> Callable[[], None]:
         if name != "fire_control" and inputs[0].size % CHUNK:
             raise ValueError(f"{name}: length is {inputs[0].size}; allowed: multiples of {CHUNK}")
     if backend == "warp":
-        return _record_warp(calls)
-    if backend == "numpy":
-        return _record_numpy(calls)
-    raise ValueError(f"backend is {backend!r}; allowed: {', '.join(BACKENDS)}")
-
-
-def _record_numpy(calls: Sequence[Call]) -> Callable[[], None]:
+        kernels, launches = load(), []
+        for name, inputs, outputs in calls:
+            threads = 1 if name == "fire_control" else inputs[0].size // CHUNK
+            launches.append((kernels[name], threads, [*map(share, inputs)], [*map(share, outputs)]))
+        return record_launches(launches)
+    if backend != "numpy":
+        raise ValueError(f"backend is {backend!r}; allowed: {', '.join(BACKENDS)}")
     parts = [functools.partial(getattr(numpy_twin, c.kernel), *c.inputs, *c.outputs) for c in calls]
 
     def replay() -> None:
@@ -64,14 +64,6 @@ def _record_numpy(calls: Sequence[Call]) -> Callable[[], None]:
             part()
 
     return replay
-
-
-def _record_warp(calls: Sequence[Call]) -> Callable[[], None]:
-    kernels, launches = load(), []
-    for name, inputs, outputs in calls:
-        threads = 1 if name == "fire_control" else inputs[0].size // CHUNK
-        launches.append((kernels[name], threads, [*map(share, inputs)], [*map(share, outputs)]))
-    return record_launches(launches)
 
 
 def record_launches(launches: Sequence[Launch], times: int = 1) -> Callable[[], Any]:

@@ -25,17 +25,14 @@ BLOCK = wp.constant(32)
 
 
 @wp.func
-def project_wall(u: Any, v: Any, h: Any):
-    """Hard wall: a node that reaches u = h is put on it and stopped, with a velocity that marks it."""
-    hit = u >= h
-    return wp.where(hit, h, u), wp.where(hit, type(v)(ON_WALL), v)
-
-
-@wp.func
 def advance(u: Any, v: Any, a: Any, h: Any, mix: Any, gain: Any, dt: Any):
-    """FIRE's update of one node: v = mix v + gain a, u += dt v, then the wall."""
+    """FIRE's update of one node: v = mix v + gain a, u += dt v, then the hard wall: a node that reaches u = h is put on
+    it and stopped, with a velocity that marks it.
+    """
     new = mix * v + gain * a
-    return project_wall(u + dt * new, new, h)
+    there = u + dt * new
+    hit = there >= h
+    return wp.where(hit, h, there), wp.where(hit, type(v)(ON_WALL), new)
 
 
 @wp.func
@@ -157,16 +154,14 @@ def fire_control(
     residual = wp.sqrt(total(force_sums) / free)
     state[layout.RESIDUAL] = residual
     state[layout.HELD] = held
+    mix = zero
+    gain = zero
     # not (>) also catches NaN: a diverged or converged state is stopped, so that u stays what the residual is of
     if not (residual > state[layout.TOLERANCE]) or residual > wp.float64(1.0e30):
         state[layout.STOPPED] = one
-        state[layout.MIX] = zero
-        state[layout.GAIN] = zero
     else:
         dt = state[layout.DT]
         alpha = state[layout.ALPHA]
-        mix = zero
-        gain = zero
         if total(power_sums) > zero:
             state[layout.N_POSITIVE] = state[layout.N_POSITIVE] + one
             if state[layout.N_POSITIVE] > state[layout.N_MIN]:
@@ -183,9 +178,10 @@ def fire_control(
                 dt = dt * state[layout.F_DEC]
         state[layout.DT] = wp.max(dt, wp.float64(0.02) * state[layout.DT_MAX])
         state[layout.ALPHA] = alpha
-        state[layout.MIX] = mix
-        state[layout.GAIN] = gain + state[layout.DT]
+        gain = gain + state[layout.DT]
         state[layout.ITERATION] = state[layout.ITERATION] + one
+    state[layout.MIX] = mix
+    state[layout.GAIN] = gain
 
 
 @wp.kernel

@@ -24,42 +24,36 @@ class Columns:
         near = planner.buffer(2 * _WIDTH * count)
         turns = rows[:, None] * np.arange(_WIDTH)
         planner.complex(near)[: turns.size] = _twiddle_factors(turns, num_points).ravel()
-        self._far = np.zeros((starts.size, padded_length(2 * count)), near.dtype)
-        planner.complex(self._far)[:, :count] = _twiddle_factors(starts[:, None] * rows, num_points)
+        far = np.zeros((starts.size, padded_length(2 * count)), near.dtype)
+        planner.complex(far)[:, :count] = _twiddle_factors(starts[:, None] * rows, num_points)
+        self._parts = [(slice(start, start + _WIDTH), one) for start, one in zip(starts.tolist(), far, strict=True)]
+        """Columns that are worked on at a time, with the first one's twiddle factors."""
         threads = min(planner.threads, starts.size)
         self._workers = [_Worker(num_points // row, near, planner) for _ in range(threads)]
 
     def forward(self, source: Array, spectrum: Array) -> Callable[[], None]:
         """source: shape (R, C), and spectrum: shape (R/2 + 1, 2, C), may be the same memory."""
 
-        def work(worker: _Worker, part: slice) -> None:
-            worker.columns[:] = source[:, part]
+        def work(worker: _Worker, part: tuple[slice, Array]) -> None:
+            columns, worker.far[:] = part
+            worker.columns[:] = source[:, columns]
             worker.transform()
             worker.unpack()
-            spectrum[:, :, part] = worker.spectra
+            spectrum[:, :, columns] = worker.spectra
 
-        return self._shared(work)
+        return lambda: do_all(self._workers, self._parts, work)
 
     def inverse(self, spectrum: Array, target: Array) -> Callable[[], None]:
         """The way back, times R."""
 
-        def work(worker: _Worker, part: slice) -> None:
-            worker.spectra[:] = spectrum[:, :, part]
+        def work(worker: _Worker, part: tuple[slice, Array]) -> None:
+            columns, worker.far[:] = part
+            worker.spectra[:] = spectrum[:, :, columns]
             worker.pack()
             worker.transform_back()
-            target[:, part] = worker.columns
+            target[:, columns] = worker.columns
 
-        return self._shared(work)
-
-    def _shared(self, work: Callable[["_Worker", slice], None]) -> Callable[[], None]:
-        """Work on some columns at a time, with the first one's twiddle factors."""
-
-        def with_factors(worker: _Worker, part: slice) -> None:
-            worker.far[:] = self._far[part.start // _WIDTH]
-            work(worker, part)
-
-        parts = [slice(start, start + _WIDTH) for start in range(0, _WIDTH * len(self._far), _WIDTH)]
-        return lambda: do_all(self._workers, parts, with_factors)
+        return lambda: do_all(self._workers, self._parts, work)
 
 
 class _Worker:

@@ -31,10 +31,15 @@ class Pair:
         flags = ["FFTW_ESTIMATE", "FFTW_DESTROY_INPUT"]
         return Plan(self.modes, self.real, direction="FFTW_BACKWARD", flags=flags)
 
-    def multiply(self, values: Array64, symbol: Array64) -> None:
-        """Put into `real` what n values are after their spectrum was multiplied by a symbol, shape (n//2 + 1,)."""
+    def transform(self, values: Array64) -> Modes:
+        """`modes` of n values."""
         self.real[:] = values
         self.forward()
+        return self.modes
+
+    def multiply(self, values: Array64, symbol: Array64) -> None:
+        """Put into `real` what n values are after their spectrum was multiplied by a symbol, shape (n//2 + 1,)."""
+        self.transform(values)
         self.modes *= symbol
         self.inverse()
         self.real /= self.real.size

@@ -42,15 +42,9 @@ def rfft(values: Array64) -> Modes:
     if values.size < _PLANNED_FROM:
         return np.fft.rfft(values)
     if values.size >= four_step.FASTER:
-        long = Pair(values.size)
-        long.real[:] = values
-        long.forward()
-        return long.modes
+        return Pair(values.size).transform(values)
     with BUFFERS:
-        kept = _kept(values.size)
-        kept.real[:] = values
-        kept.forward()
-        return kept.modes.copy()
+        return _kept(values.size).transform(values).copy()
 
 
 def irfft(modes: Modes | Array64, num_points: int) -> Array64:

@@ -87,12 +87,11 @@ class Transforms(Place):
 def has_poor_plan(num_points: int, precision: str, threads: int) -> bool:
     """Whether all that FFTW has for a real transform of that length is an estimate."""
     wisdom.load()
-    values = pyfftw.empty_aligned(2 * (num_points // 2 + 1), dtype=precision)
-    modes = values.view(np.result_type(values, np.complex64))
-    for source in (pyfftw.empty_aligned(num_points, dtype=precision), values[:num_points]):
-        with suppress(RuntimeError):  # wisdom does not hold it
-            Plan(source, modes, threads=threads, flags=["FFTW_MEASURE", "FFTW_WISDOM_ONLY"])
-            return False
+    values = pyfftw.empty_aligned(num_points, dtype=precision)
+    modes = pyfftw.empty_aligned(num_points // 2 + 1, dtype=np.result_type(values, np.complex64))
+    with suppress(RuntimeError):  # wisdom does not hold it
+        Plan(values, modes, threads=threads, flags=["FFTW_MEASURE", "FFTW_WISDOM_ONLY"])
+        return False
     return True
 
 
