@@ -1,4 +1,4 @@
-"""Warp kernels on the CPU, their NumPy twins, and in `on_gpu` the same kernels on a GPU.
+"""Warp kernels on the CPU, their reference kernels in NumPy, and in `on_gpu` the same kernels on a GPU.
 
 Knows arrays and numbers: no scene, no file, no transform.
 """

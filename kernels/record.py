@@ -1,4 +1,4 @@
-"""Kernel sequences recorded once and replayed: on Warp as a CPU graph, on NumPy as the twins in turn.
+"""Kernel sequences recorded once and replayed: on Warp as a CPU graph, on NumPy as the reference kernels in turn.
 
     replay = record("warp", [Call("spectral_multiply", inputs=(coefficient,), outputs=(spectrum,))])
     replay()
@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 from numpy.typing import NDArray
 
 from ..locks import RECORDING
-from . import numpy_twin
+from . import reference
 from .compiled import load
 from .layout import CHUNK
 
@@ -57,7 +57,7 @@ def record(backend: str, calls: Sequence[Call]) -> Callable[[], None]:
         return record_launches(launches)
     if backend != "numpy":
         raise ValueError(f"backend is {backend!r}; allowed: {', '.join(BACKENDS)}")
-    parts = [functools.partial(getattr(numpy_twin, c.kernel), *c.inputs, *c.outputs) for c in calls]
+    parts = [functools.partial(getattr(reference, c.kernel), *c.inputs, *c.outputs) for c in calls]
 
     def replay() -> None:
         for part in parts:

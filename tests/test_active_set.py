@@ -104,9 +104,9 @@ def test_pairs_do_not_grow():
 
 def test_backends_and_precisions():
     scene = Scene(Layer(0.05, 0.3), num_points=2**11)
-    warp, twin = (solve(scene, backend=backend) for backend in ("warp", "numpy"))
-    np.testing.assert_array_equal(warp.contact, twin.contact)
-    np.testing.assert_allclose(warp.contact_pressure, twin.contact_pressure, atol=1e-7 * scene.pressure)
+    warp, reference = (solve(scene, backend=backend) for backend in ("warp", "numpy"))
+    np.testing.assert_array_equal(warp.contact, reference.contact)
+    np.testing.assert_allclose(warp.contact_pressure, reference.contact_pressure, atol=1e-7 * scene.pressure)
     single = solve(Scene(Layer(0.05, 0.3), num_points=2**11, precision="float32"))
     assert single.status is Status.CONVERGED
     assert single.observables.contact_area_subgrid == pytest.approx(warp.observables.contact_area_subgrid, rel=1e-4)

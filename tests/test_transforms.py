@@ -194,7 +194,7 @@ def test_long_pairs_are_done_in_four_steps(monkeypatch):
         assert type(pair) is Pair
     with plain.pair(1000) as again:
         assert pair is again
-    monkeypatch.setattr(plain, "started", lambda: False)  # who uses the twins does not wait for Warp
+    monkeypatch.setattr(plain, "started", lambda: False)  # who uses the reference kernels does not wait for Warp
     assert made(1024) is Pair
 
 

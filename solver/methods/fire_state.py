@@ -18,7 +18,7 @@ import numpy as np
 from ...kernels import Call, layout, sequence
 from ..arrays import Array, Array64
 from ..grid.problem import Problem
-from ..transforms.place import Place
+from ..transforms.backend import Backend
 from .method import Method
 
 Operator = tuple[Callable[[], None], ...]
@@ -54,7 +54,7 @@ class Fire(Method):
     buffers = 6
     """How many arrays of N values it has, those of the transforms included."""
 
-    def __init__(self, problem: Problem, transforms: Place, tolerance: float, own_load: bool = False) -> None:
+    def __init__(self, problem: Problem, transforms: Backend, tolerance: float, own_load: bool = False) -> None:
         """tolerance: on the rms free residual over the mean pressure; own_load: the mean pressure may be replaced by
         a load that differs from node to node, `load`, shape (padded N,) [p].
         """

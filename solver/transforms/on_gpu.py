@@ -14,14 +14,14 @@ from cupy.cuda import cufft
 
 from ...kernels import Call, on_gpu
 from ..arrays import Array, Array64
-from .place import Place
+from .backend import Backend
 
 OutOfMemory: type[Exception] = cupy.cuda.memory.OutOfMemoryError
 
 _KINDS = {"float64": (cufft.CUFFT_D2Z, cufft.CUFFT_Z2D), "float32": (cufft.CUFFT_R2C, cufft.CUFFT_C2R)}
 
 
-class Transforms(Place):
+class Transforms(Backend):
     """Plans between real buffers of `num_points` values and one shared spectrum, all in the GPU's memory.
 
     num_points: N; precision: 'float64' or 'float32'. The arrays are CuPy's, which do what NumPy's do.

@@ -12,8 +12,8 @@ from ...kernels import Call, padded_length, record
 from .. import checks
 from ..arrays import Array, Array64
 from . import wisdom
+from .backend import Backend
 from .fftw import Plan, pyfftw
-from .place import Place
 
 PLANNING = ("estimate", "measure", "patient")
 """Planning effort. 'estimate' plans at once, and takes what wisdom holds of an earlier, greater effort."""
@@ -21,7 +21,7 @@ PLANNING = ("estimate", "measure", "patient")
 _STAGGER = 1024  # bytes: buffers that start at equal page offsets slow each other down
 
 
-class Transforms(Place):
+class Transforms(Backend):
     """Transforms of N values in one way, and the buffers, plans and kernels that it is made from.
 
     precision: 'float64' or 'float32'; threads: of the transforms, >= 1; planning: one of `PLANNING`; backend: see

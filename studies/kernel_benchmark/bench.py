@@ -11,7 +11,7 @@ from linecontact.solver.transforms.planned import plan_transforms
 from . import agreement
 from .benchmark import Array, Benchmark
 from .benchmarks import ROW
-from .shipped import shipped, twin
+from .shipped import reference_kernels, shipped
 from .transforms import without_wisdom
 from .variants import Arrays, Runs, Variant, own
 
@@ -127,5 +127,5 @@ class Bench:
         view = Arrays(self.benchmark, self.transforms, {name: np.array(array) for name, array in self.arrays.items()})
         for name, values in start.items():
             view.arrays[name][: values.size] = values
-        twin(view)(1)()
+        reference_kernels(view)(1)()
         return {name: values for name, values in view.arrays.items() if name != "spectrum" or not self.benchmark.lines}

@@ -10,8 +10,8 @@
 
 A variant gets the benchmark's arrays and gives a function that, told how often, gives the function that is timed:
 `launched` records launches of Warp kernels, `repeated` calls a Python function. Before it is timed it is checked: on
-values for which no kernel rounds anything it must give exactly what the NumPy twin gives. A file with more of them is
-docs/examples/kernel_variants.py.
+values for which no kernel rounds anything it must give exactly what the reference kernel gives. A file with more of
+them is docs/examples/kernel_variants.py.
 """
 
 import copy

@@ -1,4 +1,4 @@
-"""Where a method's arrays are, what transforms them and what runs its kernels: what a method asks of that place."""
+"""Where a method's arrays are, what transforms them and what runs its kernels."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
@@ -9,7 +9,7 @@ from ...kernels import CHUNK, Call
 from ..arrays import Array, Array64
 
 
-class Place(ABC):
+class Backend(ABC):
     """Transforms of N values, with the arrays and the kernels between them: `planner.Transforms` on the CPU,
     `on_gpu.Transforms` on a GPU.
 
@@ -42,7 +42,7 @@ class Place(ABC):
 
     @abstractmethod
     def fetch(self, values: Array) -> Array:
-        """An array of that place as one of NumPy's."""
+        """An array of the backend as one of NumPy's."""
 
     def sums(self, length: int) -> Array64:
         """Zeros, one for each chunk of a buffer of that length."""

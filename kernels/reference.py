@@ -1,4 +1,4 @@
-"""NumPy twin of every Warp kernel: same names, same arguments, same order.
+"""Reference kernel in NumPy for every Warp kernel: same names, same arguments, same order.
 
 What the kernel tests compare with, and the baseline of the benchmarks. Plain expressions, no attempt at speed.
 """
