@@ -104,7 +104,7 @@ class FourStep(Transforms):
 
     def _by_row(self, half: Modes | Array64) -> Array:
         """All modes' values in the order of the spectrum, shape (R/2 + 1, C), from those of the half spectrum."""
-        found = np.empty((self._num_rows, self._row), half.dtype)
+        found = np.empty((self._num_rows, self._row), np.result_type(half, np.float64))
         first = self.num_points // self._row * np.arange(self._row)[:, None]
         for start in range(0, self._num_rows, _TOGETHER):
             rows = slice(start, min(start + _TOGETHER, self._num_rows))
