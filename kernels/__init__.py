@@ -1,4 +1,4 @@
-"""Warp kernels on the CPU, their NumPy twins, and in `on_gpu` the same kernels on a GPU.
+"""Warp kernels on the CPU, their reference kernels in NumPy, and in `on_gpu` the same kernels on a GPU.
 
 Knows arrays and numbers: no scene, no file, no transform.
 """
@@ -8,8 +8,7 @@ from .compiled import KERNELS, flags, load, recompile, start_warp, started
 from .interrupts import undivided
 from .layout import CHUNK, padded_length
 from .processor import instructions, processor
-from .record import BACKENDS, Call, record, share
-from .recording import record_launches
+from .record import BACKENDS, Call, record, record_launches, share
 from .sequences import sequence
 
 __all__ = [

@@ -1,13 +1,14 @@
-"""The Warp kernels, compiled: as the program uses them, or with another chunk and other flags for an experiment.
+"""The Warp kernels, compiled as the program uses them, or in another way for an experiment or a GPU.
 
 Every array is one-dimensional and padded to a multiple of `CHUNK`; one thread works on one chunk. An inner loop whose
 length is a compile-time power of two is what LLVM turns into vector code; a thread per element, a run-time bound or a
 tail test stays scalar. The reassociation flags let it vectorise the sums as well. On a GPU the points of `LANES`
-threads take turns instead (`on_gpu`); on the CPU that is one thread.
+threads take turns instead (`on_gpu`).
 """
 
 import ctypes
-import importlib
+import hashlib
+import importlib.util
 import logging
 import sys
 import tempfile
@@ -20,13 +21,11 @@ from typing import Any
 from .. import locks
 from .derived import discard, is_whole, seal
 from .interrupts import undivided
-from .layout import COLUMNS
-from .module_copies import copy_module
+from .layout import CHUNK, COLUMNS
 
 MODULES = {
     "warp_fields": ("spectral_multiply", "paired_multiply", "advance_response", "count_below"),
-    "warp_fire": ("restrict_to_free", "fire_control", "fire_step", "plain_step"),
-    "warp_sums": ("net_force", "plain_sums"),
+    "warp_fire": ("net_force", "plain_sums", "restrict_to_free", "fire_control", "fire_step", "plain_step"),
     "warp_columns": ("unpack_columns", "pack_columns"),
 }
 """The kernels, by the modules that they are in."""
@@ -54,13 +53,7 @@ def load() -> dict[str, Any]:
 
     Raises `ValueError` if the cache cannot be used.
     """
-    start_warp()
-    import warp as wp
-
-    modules = [importlib.import_module(f"{__package__}.{name}") for name in MODULES]
-    for module in modules:
-        wp.set_module_options({"cpu_compiler_flags": flags()}, module)
-    return compile_modules(modules)
+    return recompile(KERNELS, CHUNK, None)
 
 
 def recompile(names: Collection[str], chunk: int, compiled_with: str | None) -> dict[str, Any]:
@@ -75,14 +68,31 @@ def recompile(names: Collection[str], chunk: int, compiled_with: str | None) -> 
     if chunk < 2 * COLUMNS and (rows := set(names) & set(MODULES["warp_columns"])):
         raise ValueError(f"chunk is {chunk}; allowed for {min(rows)}: at least {2 * COLUMNS}, a row of it")
     start_warp()
+    how = flags() if compiled_with is None else compiled_with
     needed = [module for module, there in MODULES.items() if not set(there).isdisjoint(names)]
-    copies = [_recompile(module, chunk, flags() if compiled_with is None else compiled_with) for module in needed]
-    return {name: kernel for copy in copies for name, kernel in copy.items()}
+    return compile_modules([copy_module(module, chunk, how) for module in needed])
 
 
 @locks.once
-def _recompile(module: str, chunk: int, compiled_with: str) -> dict[str, Any]:
-    return compile_modules([copy_module(module, chunk, compiled_with)])
+def copy_module(name: str, chunk: int, compiled_with: str, lanes: int = 1) -> ModuleType:
+    """A module of kernels from its source, for Warp to compile in one way.
+
+    chunk: points per thread, a power of two; compiled_with: all flags of the compiler; lanes: neighbouring threads
+    whose points take turns, so that what they read at one time lies side by side, as a GPU needs it; a power of two.
+    """
+    import warp as wp
+
+    file = Path(__file__).with_name(f"{name}.py")
+    which = hashlib.sha256(compiled_with.encode()).hexdigest()[:8]
+    spec = importlib.util.spec_from_file_location(f"{__package__}.{name}_{chunk}_{lanes}_{which}", file)
+    if spec is None or spec.loader is None:
+        raise ImportError(f"file {file} is no module")
+    copy = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = copy  # Warp looks for the source there
+    spec.loader.exec_module(copy)
+    vars(copy).update(CHUNK_LENGTH=wp.constant(chunk), LANES=wp.constant(lanes), SPAN=wp.constant(lanes * chunk))
+    wp.set_module_options({"cpu_compiler_flags": compiled_with}, copy)
+    return copy
 
 
 def compile_modules(modules: list[ModuleType], device: str = "cpu") -> dict[str, Any]:

@@ -16,7 +16,7 @@ def is_whole(file: Path) -> bool:
 
 
 def seal(file: Path) -> None:
-    """Note what a file holds now, if the folder can be written to; it is made anew by the next process if not."""
+    """Note what a file holds now; where the folder cannot be written to, the next process makes it anew."""
     new = _seal(file).with_suffix(f".{os.getpid()}")
     with suppress(OSError):
         if not is_whole(file):

@@ -20,36 +20,22 @@ TOUCHING = 2.0**-60
 so that the next step finds the node on the wall again, and read instead of u and h by the passes that need the
 contact."""
 
-# Parameters, written by the caller (names of Bitzek et al., Phys. Rev. Lett. 97, 170201 (2006), table I).
-DT_MAX = 0
-N_MIN = 1
-F_INC = 2
-F_DEC = 3
-ALPHA_START = 4
-F_ALPHA = 5
-STIFFEST = 6  # largest eigenvalue of the (mass-weighted) stiffness on the free nodes
-TOLERANCE = 7  # on the rms free force over the mean pressure
-NUM_POINTS = 8  # with padding, whose nodes are held
+# First what the caller writes (names of Bitzek et al., Phys. Rev. Lett. 97, 170201 (2006), table I). STIFFEST: largest
+# eigenvalue of the (mass-weighted) stiffness on free nodes; TOLERANCE: on the rms free force over the mean pressure;
+# NUM_POINTS: with padding, whose nodes are held. Then what `fire_control` writes. HELD: nodes that the wall carries,
+# padding included; STOPPED: 1 once converged or diverged, and a converged u is not changed by the steps that follow.
+# fmt: off
+(
+    DT_MAX, N_MIN, F_INC, F_DEC, ALPHA_START, F_ALPHA, STIFFEST, TOLERANCE, NUM_POINTS,
+    DT, ALPHA, N_POSITIVE, MIX, GAIN, ITERATION, RESIDUAL, HELD, STOPPED,
+) = range(18)
+# fmt: on
+STATE_LENGTH = STOPPED + 1
 
-# Dynamic state, written by `fire_control`.
-DT = 9
-ALPHA = 10
-N_POSITIVE = 11
-MIX = 12
-GAIN = 13
-ITERATION = 14
-RESIDUAL = 15
-HELD = 16  # nodes the wall carries, padding included
-STOPPED = 17  # 1 once converged or diverged: a converged u is not changed by the steps that follow
-
-STATE_LENGTH = 18
-
-
-# The active set's scalars, in an array of their own.
-STEP = 0  # length of a step along a direction
-BOUND = 1  # of h + w, below which a node penetrates
-
-GAP_STATE_LENGTH = 2
+# The active set's scalars, in an array of their own: length of a step along a direction, and bound of h + w, below
+# which a node penetrates.
+STEP, BOUND = range(2)
+GAP_STATE_LENGTH = BOUND + 1
 
 
 def padded_length(length: int) -> int:

@@ -8,12 +8,11 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from ..locks import once
-from .compiled import GPU_BLOCK, MODULES, ON_CPU_ONLY, compile_modules, start_warp
+from .compiled import GPU_BLOCK, MODULES, ON_CPU_ONLY, compile_modules, copy_module, start_warp
 from .layout import FOLDED
-from .module_copies import copy_module
 from .record import Call
 
-CHUNK, LANES = 64, 256
+CHUNK, LANES = 64, GPU_BLOCK
 """Points of a thread, and threads whose points take turns: of six pairs from 8 to 64 and from 32 to 256, measured on
 one H100, the one with which every kernel reaches 0.9 of the copy bandwidth or more, in float32, too."""
 
@@ -28,8 +27,7 @@ def load() -> dict[str, Any]:
     """Compile every kernel for the GPU, or fetch it from Warp's kernel cache; Warp's kernels by name."""
     start_warp()
     copies = [copy_module(name, CHUNK, "", LANES) for name in MODULES if name not in ON_CPU_ONLY]
-    folds = importlib.import_module(f"{__package__}.warp_folds")
-    return compile_modules([*copies, folds], "cuda")
+    return compile_modules([*copies, importlib.import_module(f"{__package__}.warp_folds")], "cuda")
 
 
 def prepare(calls: Sequence[Call]) -> Callable[[], None]:

@@ -11,7 +11,6 @@ _NUMBERS |= {f"CPU {what}": what for what in ("implementer", "part", "variant", 
 _SETS = re.compile(r"(sse4_2|avx|avx2|fma|avx512\w+|neon|asimd|sve\d?)$")
 
 
-@cache
 def processor() -> str:
     """Name of the processor, with family, model and stepping where the system tells: a name alone may be of many."""
     about = _about()
@@ -20,7 +19,6 @@ def processor() -> str:
     return f"{name} ({', '.join(numbers)})" if numbers else name
 
 
-@cache
 def instructions() -> str:
     """The sets of vector instructions that it has; empty where the system does not tell."""
     about = _about()
@@ -28,6 +26,7 @@ def instructions() -> str:
     return " ".join(sorted(word for word in words if _SETS.match(word)))
 
 
+@cache
 def _about() -> dict[str, str]:
     """What the system tells of the first core."""
     try:

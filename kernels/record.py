@@ -1,4 +1,4 @@
-"""Kernel sequences recorded once and replayed: on Warp as a CPU graph, on NumPy as the twins in turn.
+"""Kernel sequences recorded once and replayed: on Warp as a CPU graph, on NumPy as the reference kernels in turn.
 
     replay = record("warp", [Call("spectral_multiply", inputs=(coefficient,), outputs=(spectrum,))])
     replay()
@@ -11,13 +11,12 @@ import functools
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
-import numpy as np
 from numpy.typing import NDArray
 
-from . import numpy_twin
+from ..locks import RECORDING
+from . import reference
 from .compiled import load
 from .layout import CHUNK
-from .recording import record_launches
 
 Array = NDArray[Any]
 
@@ -25,14 +24,18 @@ BACKENDS = ("warp", "numpy")
 
 
 class Call(NamedTuple):
-    """One launch of a kernel."""
+    """One launch of a kernel, or with the arrays' names in their place a line of a sequence of kernels."""
 
     kernel: str
     """Its name, one of `KERNELS`."""
-    inputs: tuple[Array, ...]
+    inputs: tuple[Any, ...]
     """Arrays that it reads, in the kernel's order."""
-    outputs: tuple[Array, ...]
+    outputs: tuple[Any, ...]
     """Arrays that it writes, and may also read, in the kernel's order."""
+
+
+Launch = tuple[Any, int, Sequence[Any], Sequence[Any]]
+"""A Warp kernel, its number of threads, and the Warp arrays that it reads and that it writes."""
 
 
 def record(backend: str, calls: Sequence[Call]) -> Callable[[], None]:
@@ -40,23 +43,21 @@ def record(backend: str, calls: Sequence[Call]) -> Callable[[], None]:
 
     Raises `ValueError` for an unknown backend or an array that a kernel cannot take.
     """
-    for call in calls:
-        for array in (*call.inputs, *call.outputs):
+    for name, inputs, outputs in calls:
+        for array in (*inputs, *outputs):
             if array.ndim != 1 or not array.flags.c_contiguous:
-                raise ValueError(
-                    f"{call.kernel}: an array of shape {array.shape} is not one-dimensional and contiguous"
-                )
-        if call.kernel != "fire_control" and call.inputs[0].size % CHUNK:
-            raise ValueError(f"{call.kernel}: length is {call.inputs[0].size}; allowed: multiples of {CHUNK}")
+                raise ValueError(f"{name}: an array of shape {array.shape} is not one-dimensional and contiguous")
+        if name != "fire_control" and inputs[0].size % CHUNK:
+            raise ValueError(f"{name}: length is {inputs[0].size}; allowed: multiples of {CHUNK}")
     if backend == "warp":
-        return _record_warp(calls)
-    if backend == "numpy":
-        return _record_numpy(calls)
-    raise ValueError(f"backend is {backend!r}; allowed: {', '.join(BACKENDS)}")
-
-
-def _record_numpy(calls: Sequence[Call]) -> Callable[[], None]:
-    parts = [functools.partial(getattr(numpy_twin, c.kernel), *c.inputs, *c.outputs) for c in calls]
+        kernels, launches = load(), []
+        for name, inputs, outputs in calls:
+            threads = 1 if name == "fire_control" else inputs[0].size // CHUNK
+            launches.append((kernels[name], threads, [*map(share, inputs)], [*map(share, outputs)]))
+        return record_launches(launches)
+    if backend != "numpy":
+        raise ValueError(f"backend is {backend!r}; allowed: {', '.join(BACKENDS)}")
+    parts = [functools.partial(getattr(reference, c.kernel), *c.inputs, *c.outputs) for c in calls]
 
     def replay() -> None:
         for part in parts:
@@ -65,17 +66,21 @@ def _record_numpy(calls: Sequence[Call]) -> Callable[[], None]:
     return replay
 
 
-def _record_warp(calls: Sequence[Call]) -> Callable[[], None]:
-    kernels, launches = load(), []
-    for call in calls:
-        threads = 1 if call.kernel == "fire_control" else call.inputs[0].size // CHUNK
-        arrays = [share(array) for array in call.inputs], [share(array) for array in call.outputs]
-        launches.append((kernels[call.kernel], threads, *arrays))
-    return record_launches(launches)
+def record_launches(launches: Sequence[Launch], times: int = 1) -> Callable[[], Any]:
+    """A function without arguments that does all launches in order, `times` times: a CPU graph, the cheapest way to
+    repeat them. Scalars are frozen.
+    """
+    import warp as wp
+
+    with RECORDING, wp.ScopedCapture(device="cpu") as capture:
+        for _ in range(times):
+            for kernel, threads, inputs, outputs in launches:
+                wp.launch(kernel, dim=threads, inputs=inputs, outputs=outputs, device="cpu")
+    return functools.partial(wp.capture_launch, capture.graph)
 
 
 def share(array: Array) -> Any:
     """The same memory as a Warp array. array: one-dimensional and contiguous, float32 or float64."""
     import warp as wp
 
-    return wp.array(array, dtype=wp.float32 if array.dtype == np.float32 else wp.float64, copy=False, device="cpu")
+    return wp.array(array, copy=False, device="cpu")

@@ -5,7 +5,6 @@ order. Sums have one value per chunk.
 """
 
 from collections.abc import Mapping
-from typing import NamedTuple
 
 from .record import Array, Call
 
@@ -33,15 +32,8 @@ SEQUENCES = {
 the step from it and the acceleration."""
 
 
-class Line(NamedTuple):
-    """A line of a sequence."""
-
-    kernel: str
-    """Its name."""
-    inputs: tuple[str, ...]
-    """Names of the arrays that it reads."""
-    outputs: tuple[str, ...]
-    """Names of the arrays that it writes, and may also read."""
+Line = Call
+"""A line of a sequence: a call with names in the place of arrays."""
 
 
 def parse(text: str) -> Line:
@@ -53,7 +45,5 @@ def parse(text: str) -> Line:
 
 def sequence(name: str, arrays: Mapping[str, Array]) -> list[Call]:
     """The launches of a sequence on arrays, by the names that its lines give them."""
-    return [
-        Call(line.kernel, tuple(arrays[n] for n in line.inputs), tuple(arrays[n] for n in line.outputs))
-        for line in map(parse, SEQUENCES[name])
-    ]
+    lines = map(parse, SEQUENCES[name])
+    return [Call(kernel, *(tuple(arrays[n] for n in names) for names in of)) for kernel, *of in lines]

@@ -16,14 +16,21 @@ from .layout import CHUNK, COLUMNS, STRIDE
 
 wp.set_module_options({"enable_backward": False})
 
+Field = wp.array[Any]
 CHUNK_LENGTH = wp.constant(CHUNK)
 PAIRS = wp.constant(COLUMNS // 2)
 COLUMNS_LENGTH = wp.constant(STRIDE)
 SPECTRA_LENGTH = wp.constant(2 * COLUMNS)
 
 
+@wp.func
+def times(a_re: Any, a_im: Any, b_re: Any, b_im: Any):
+    """Product of two complex numbers."""
+    return a_re * b_re - a_im * b_im, a_re * b_im + a_im * b_re
+
+
 @wp.kernel
-def unpack_columns(near: wp.array[Any], far: wp.array[Any], columns: wp.array[Any], spectra: wp.array[Any]):
+def unpack_columns(near: Field, far: Field, columns: Field, spectra: Field):
     """The spectra of two real columns from that of the complex one, each times its twiddle factor."""
     num_rows = columns.shape[0] // COLUMNS_LENGTH
     first = wp.tid() * (CHUNK_LENGTH // SPECTRA_LENGTH)
@@ -37,34 +44,28 @@ def unpack_columns(near: wp.array[Any], far: wp.array[Any], columns: wp.array[An
         for c in range(PAIRS):
             i, j, q = here + 2 * c, mirrored + 2 * c, row + 4 * c
             re, im, mirrored_re, mirrored_im = columns[i], columns[i + 1], columns[j], columns[j + 1]
-            a_re, a_im = half * (re + mirrored_re), half * (im - mirrored_im)
-            b_re, b_im = half * (im + mirrored_im), half * (mirrored_re - re)
-            turn_re = far_re * near[q] - far_im * near[q + 1]
-            turn_im = far_re * near[q + 1] + far_im * near[q]
-            spectra[q] = a_re * turn_re - a_im * turn_im
-            spectra[q + 1] = a_re * turn_im + a_im * turn_re
-            turn_re = far_re * near[q + 2] - far_im * near[q + 3]
-            turn_im = far_re * near[q + 3] + far_im * near[q + 2]
-            spectra[q + 2] = b_re * turn_re - b_im * turn_im
-            spectra[q + 3] = b_re * turn_im + b_im * turn_re
+            a_turn_re, a_turn_im = times(far_re, far_im, near[q], near[q + 1])
+            b_turn_re, b_turn_im = times(far_re, far_im, near[q + 2], near[q + 3])
+            a_re, a_im = times(half * (re + mirrored_re), half * (im - mirrored_im), a_turn_re, a_turn_im)
+            b_re, b_im = times(half * (im + mirrored_im), half * (mirrored_re - re), b_turn_re, b_turn_im)
+            spectra[q] = a_re
+            spectra[q + 1] = a_im
+            spectra[q + 2] = b_re
+            spectra[q + 3] = b_im
 
 
 @wp.func
-def turned_back(near: wp.array[Any], far_re: Any, far_im: Any, spectra: wp.array[Any], q: int):
+def turned_back(near: Field, far_re: Any, far_im: Any, spectra: Field, q: int):
     """Two spectra without their twiddle factors."""
-    turn_re = far_re * near[q] - far_im * near[q + 1]
-    turn_im = far_re * near[q + 1] + far_im * near[q]
-    a_re = spectra[q] * turn_re + spectra[q + 1] * turn_im
-    a_im = spectra[q + 1] * turn_re - spectra[q] * turn_im
-    turn_re = far_re * near[q + 2] - far_im * near[q + 3]
-    turn_im = far_re * near[q + 3] + far_im * near[q + 2]
-    b_re = spectra[q + 2] * turn_re + spectra[q + 3] * turn_im
-    b_im = spectra[q + 3] * turn_re - spectra[q + 2] * turn_im
+    a_turn_re, a_turn_im = times(far_re, far_im, near[q], near[q + 1])
+    b_turn_re, b_turn_im = times(far_re, far_im, near[q + 2], near[q + 3])
+    a_re, a_im = times(spectra[q], spectra[q + 1], a_turn_re, -a_turn_im)
+    b_re, b_im = times(spectra[q + 2], spectra[q + 3], b_turn_re, -b_turn_im)
     return a_re, a_im, b_re, b_im
 
 
 @wp.kernel
-def pack_columns(near: wp.array[Any], far: wp.array[Any], spectra: wp.array[Any], columns: wp.array[Any]):
+def pack_columns(near: Field, far: Field, spectra: Field, columns: Field):
     """The way back: turned by the conjugate factors, two spectra as that of one complex column, without a factor 2."""
     num_rows = columns.shape[0] // COLUMNS_LENGTH
     first = wp.tid() * (CHUNK_LENGTH // SPECTRA_LENGTH)

@@ -13,13 +13,15 @@ from .layout import BOUND, CHUNK, STEP
 
 wp.set_module_options({"enable_backward": False})
 
+Field = wp.array[Any]
+Doubles = wp.array[wp.float64]
 CHUNK_LENGTH = wp.constant(CHUNK)
 LANES = wp.constant(1)
 SPAN = wp.constant(CHUNK)
 
 
 @wp.kernel
-def spectral_multiply(coefficient: wp.array[Any], spectrum: wp.array[Any]):
+def spectral_multiply(coefficient: Field, spectrum: Field):
     """spectrum *= coefficient on the flat real view; the coefficient of a mode stands there twice (re, im)."""
     tid = wp.tid()
     start = tid // LANES * SPAN + tid % LANES
@@ -29,7 +31,7 @@ def spectral_multiply(coefficient: wp.array[Any], spectrum: wp.array[Any]):
 
 
 @wp.kernel
-def paired_multiply(straight: wp.array[Any], crossed: wp.array[Any], modes: wp.array[Any], product: wp.array[Any]):
+def paired_multiply(straight: Field, crossed: Field, modes: Field, product: Field):
     """product = straight z_k + i crossed conj(z_-k): what a symbol does to the transform of N real values that is taken
     as one of N/2 complex numbers; on flat real views, the first of the modes once more behind the last."""
     start = wp.tid() * CHUNK_LENGTH
@@ -40,7 +42,7 @@ def paired_multiply(straight: wp.array[Any], crossed: wp.array[Any], modes: wp.a
 
 
 @wp.kernel
-def advance_response(change: wp.array[Any], state: wp.array[wp.float64], response: wp.array[Any]):
+def advance_response(change: Field, state: Doubles, response: Field):
     """w += step (G d): the response w = G sigma follows a step along the direction d; the gap is h + w - level.
 
     In mixed precision the change is float32 and the response float64.
@@ -54,7 +56,7 @@ def advance_response(change: wp.array[Any], state: wp.array[wp.float64], respons
 
 
 @wp.kernel
-def count_below(response: wp.array[Any], h: wp.array[Any], state: wp.array[wp.float64], counts: wp.array[wp.float64]):
+def count_below(response: Field, h: Field, state: Doubles, counts: Doubles):
     """Nodes of the chunk where h + w is below the bound."""
     tid = wp.tid()
     start = tid // LANES * SPAN + tid % LANES

@@ -11,60 +11,102 @@ from typing import Any
 
 import warp as wp
 
-from .layout import (
-    ALPHA,
-    ALPHA_START,
-    CHUNK,
-    DT,
-    DT_MAX,
-    F_ALPHA,
-    F_DEC,
-    F_INC,
-    GAIN,
-    HELD,
-    ITERATION,
-    MIX,
-    N_MIN,
-    N_POSITIVE,
-    NUM_POINTS,
-    RESIDUAL,
-    STIFFEST,
-    STOPPED,
-    TOLERANCE,
-    TOUCHING,
-)
+from . import layout
 
 wp.set_module_options({"enable_backward": False})
 
-CHUNK_LENGTH = wp.constant(CHUNK)
+Field = wp.array[Any]
+Doubles = wp.array[wp.float64]
+CHUNK_LENGTH = wp.constant(layout.CHUNK)
 LANES = wp.constant(1)
-SPAN = wp.constant(CHUNK)
-ON_WALL = wp.constant(TOUCHING)
+SPAN = wp.constant(layout.CHUNK)
+ON_WALL = wp.constant(layout.TOUCHING)
 BLOCK = wp.constant(32)
 
 
 @wp.func
-def project_wall(u: Any, v: Any, h: Any):
-    """Hard wall: a node that reaches u = h is put on it and stopped, with a velocity that marks it."""
-    hit = u >= h
-    return wp.where(hit, h, u), wp.where(hit, type(v)(ON_WALL), v)
-
-
-@wp.func
 def advance(u: Any, v: Any, a: Any, h: Any, mix: Any, gain: Any, dt: Any):
-    """FIRE's update of one node: v = mix v + gain a, u += dt v, then the wall."""
+    """FIRE's update of one node: v = mix v + gain a, u += dt v, then the hard wall: a node that reaches u = h is put on
+    it and stopped, with a velocity that marks it.
+    """
     new = mix * v + gain * a
-    return project_wall(u + dt * new, new, h)
+    there = u + dt * new
+    hit = there >= h
+    return wp.where(hit, h, there), wp.where(hit, type(v)(ON_WALL), new)
 
 
 @wp.func
-def held(r: Any, v: Any):
-    """On the wall and pressed against it."""
-    return v == type(v)(ON_WALL) and r > type(r)(0.0)
+def free_part(r: Any, v: Any):
+    """Net force on a free node, and 1 for a held one: on the wall and pressed against it."""
+    held = v == type(v)(ON_WALL) and r > type(r)(0.0)
+    return wp.where(held, type(r)(0.0), r), wp.where(held, type(r)(1.0), type(r)(0.0))
 
 
 @wp.kernel
-def restrict_to_free(force: wp.array[Any], field: wp.array[Any], squares: wp.array[wp.float64]):
+def net_force(
+    load: Field,
+    elastic: Field,
+    velocity: Field,
+    force: Field,
+    force_sums: Doubles,
+    held_sums: Doubles,
+    power_sums: Doubles,
+    velocity_sums: Doubles,
+):
+    """Free part f of r = load - K u, with the chunk's sums f.f, v.f and v.v and its number of held nodes."""
+    tid = wp.tid()
+    start = tid // LANES * SPAN + tid % LANES
+    squares = elastic.dtype(0.0)
+    count = elastic.dtype(0.0)
+    power = elastic.dtype(0.0)
+    vv = elastic.dtype(0.0)
+    for j in range(CHUNK_LENGTH):
+        i = start + j * LANES
+        v = velocity[i]
+        f, held = free_part(load[i] - elastic[i], v)
+        force[i] = f
+        squares += f * f
+        count += held
+        power += v * f
+        vv += v * v
+    force_sums[tid] = wp.float64(squares)
+    held_sums[tid] = wp.float64(count)
+    power_sums[tid] = wp.float64(power)
+    velocity_sums[tid] = wp.float64(vv)
+
+
+@wp.kernel
+def plain_sums(
+    elastic: Field,
+    velocity: Field,
+    force_sums: Doubles,
+    held_sums: Doubles,
+    power_sums: Doubles,
+    velocity_sums: Doubles,
+):
+    """Plain FIRE's sums f.f, v.f, v.v and the number of held nodes; the force is made again in `plain_step`."""
+    tid = wp.tid()
+    start = tid // LANES * SPAN + tid % LANES
+    squares = elastic.dtype(0.0)
+    count = elastic.dtype(0.0)
+    power = elastic.dtype(0.0)
+    vv = elastic.dtype(0.0)
+    for j in range(CHUNK_LENGTH):
+        i = start + j * LANES
+        v = velocity[i]
+        f, held = free_part(elastic.dtype(1.0) - elastic[i], v)
+        squares += f * f
+        count += held
+        power += v * f
+        vv += v * v
+    force_sums[tid] = wp.float64(squares)
+    held_sums[tid] = wp.float64(count)
+    power_sums[tid] = wp.float64(power)
+    velocity_sums[tid] = wp.float64(vv)
+
+
+@wp.kernel
+def restrict_to_free(force: Field, field: Field, squares: Doubles):
     """Put a field to 0 on held nodes (where the force is 0), in place, with the chunk's sum of its squares.
 
     It is done by a factor, because a choice between the value and 0 becomes a masked store, which is several times
@@ -82,7 +124,7 @@ def restrict_to_free(force: wp.array[Any], field: wp.array[Any], squares: wp.arr
 
 
 @wp.func
-def total(parts: wp.array[wp.float64]):
+def total(parts: Doubles):
     """Sum of all parts; most of them in blocks, whose fixed length lets LLVM vectorise the loop."""
     s = wp.float64(0.0)
     blocks = parts.shape[0] // BLOCK
@@ -97,66 +139,59 @@ def total(parts: wp.array[wp.float64]):
 
 @wp.kernel
 def fire_control(
-    force_sums: wp.array[wp.float64],
-    held_sums: wp.array[wp.float64],
-    power_sums: wp.array[wp.float64],
-    velocity_sums: wp.array[wp.float64],
-    acceleration_sums: wp.array[wp.float64],
-    state: wp.array[wp.float64],
+    force_sums: Doubles,
+    held_sums: Doubles,
+    power_sums: Doubles,
+    velocity_sums: Doubles,
+    acceleration_sums: Doubles,
+    state: Doubles,
 ):
     """One thread: add the chunks' sums, apply FIRE's power rule, leave mix, gain and dt for the step."""
     zero = wp.float64(0.0)
     one = wp.float64(1.0)
     held = total(held_sums)
-    free = wp.max(state[NUM_POINTS] - held, one)
+    free = wp.max(state[layout.NUM_POINTS] - held, one)
     residual = wp.sqrt(total(force_sums) / free)
-    state[RESIDUAL] = residual
-    state[HELD] = held
+    state[layout.RESIDUAL] = residual
+    state[layout.HELD] = held
+    mix = zero
+    gain = zero
     # not (>) also catches NaN: a diverged or converged state is stopped, so that u stays what the residual is of
-    if not (residual > state[TOLERANCE]) or residual > wp.float64(1.0e30):
-        state[STOPPED] = one
-        state[MIX] = zero
-        state[GAIN] = zero
+    if not (residual > state[layout.TOLERANCE]) or residual > wp.float64(1.0e30):
+        state[layout.STOPPED] = one
     else:
-        dt = state[DT]
-        alpha = state[ALPHA]
-        mix = zero
-        gain = zero
+        dt = state[layout.DT]
+        alpha = state[layout.ALPHA]
         if total(power_sums) > zero:
-            state[N_POSITIVE] = state[N_POSITIVE] + one
-            if state[N_POSITIVE] > state[N_MIN]:
-                dt = wp.min(dt * state[F_INC], state[DT_MAX])
-                alpha = alpha * state[F_ALPHA]
+            state[layout.N_POSITIVE] = state[layout.N_POSITIVE] + one
+            if state[layout.N_POSITIVE] > state[layout.N_MIN]:
+                dt = wp.min(dt * state[layout.F_INC], state[layout.DT_MAX])
+                alpha = alpha * state[layout.F_ALPHA]
             ratio = wp.sqrt(total(velocity_sums) / wp.max(total(acceleration_sums), wp.float64(1.0e-300)))
             # the mixing term is itself a gradient step: beyond 2/(dt lambda_max) it would blow up the stiffest mode
             mix = one - alpha
-            gain = wp.min(alpha * ratio, one / (dt * state[STIFFEST]))
+            gain = wp.min(alpha * ratio, one / (dt * state[layout.STIFFEST]))
         else:
-            state[N_POSITIVE] = zero
-            alpha = state[ALPHA_START]
-            if state[ITERATION] > zero:
-                dt = dt * state[F_DEC]
-        state[DT] = wp.max(dt, wp.float64(0.02) * state[DT_MAX])
-        state[ALPHA] = alpha
-        state[MIX] = mix
-        state[GAIN] = gain + state[DT]
-        state[ITERATION] = state[ITERATION] + one
+            state[layout.N_POSITIVE] = zero
+            alpha = state[layout.ALPHA_START]
+            if state[layout.ITERATION] > zero:
+                dt = dt * state[layout.F_DEC]
+        state[layout.DT] = wp.max(dt, wp.float64(0.02) * state[layout.DT_MAX])
+        state[layout.ALPHA] = alpha
+        gain = gain + state[layout.DT]
+        state[layout.ITERATION] = state[layout.ITERATION] + one
+    state[layout.MIX] = mix
+    state[layout.GAIN] = gain
 
 
 @wp.kernel
-def fire_step(
-    acceleration: wp.array[Any],
-    h: wp.array[Any],
-    state: wp.array[wp.float64],
-    u: wp.array[Any],
-    v: wp.array[Any],
-):
+def fire_step(acceleration: Field, h: Field, state: Doubles, u: Field, v: Field):
     """v = mix v + gain a, u += dt v, then the hard wall: FIRE's fused update and projection in one pass."""
     tid = wp.tid()
     start = tid // LANES * SPAN + tid % LANES
-    mix = u.dtype(state[MIX])
-    gain = u.dtype(state[GAIN])
-    dt = u.dtype(state[DT])
+    mix = u.dtype(state[layout.MIX])
+    gain = u.dtype(state[layout.GAIN])
+    dt = u.dtype(state[layout.DT])
     for j in range(CHUNK_LENGTH):
         i = start + j * LANES
         ui, vi = advance(u[i], v[i], acceleration[i], h[i], mix, gain, dt)
@@ -165,23 +200,16 @@ def fire_step(
 
 
 @wp.kernel
-def plain_step(
-    elastic: wp.array[Any],
-    h: wp.array[Any],
-    state: wp.array[wp.float64],
-    u: wp.array[Any],
-    v: wp.array[Any],
-):
+def plain_step(elastic: Field, h: Field, state: Doubles, u: Field, v: Field):
     """`fire_step` with the free force, made from K u, as the acceleration."""
     tid = wp.tid()
     start = tid // LANES * SPAN + tid % LANES
-    mix = u.dtype(state[MIX])
-    gain = u.dtype(state[GAIN])
-    dt = u.dtype(state[DT])
+    mix = u.dtype(state[layout.MIX])
+    gain = u.dtype(state[layout.GAIN])
+    dt = u.dtype(state[layout.DT])
     for j in range(CHUNK_LENGTH):
         i = start + j * LANES
-        r = u.dtype(1.0) - elastic[i]
-        f = wp.where(held(r, v[i]), u.dtype(0.0), r)
+        f, _held = free_part(u.dtype(1.0) - elastic[i], v[i])
         ui, vi = advance(u[i], v[i], f, h[i], mix, gain, dt)
         u[i] = ui
         v[i] = vi

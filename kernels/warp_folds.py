@@ -8,11 +8,12 @@ from .layout import FOLDED
 
 wp.set_module_options({"enable_backward": False})
 
+Doubles = wp.array[wp.float64]
 FOLDED_LENGTH = wp.constant(FOLDED)
 
 
 @wp.func
-def sum_every(parts: wp.array[wp.float64], first: int, stride: int):
+def sum_every(parts: Doubles, first: int, stride: int):
     """Sum of every so many parts, from the first on."""
     s = wp.float64(0.0)
     for i in range(first, parts.shape[0], stride):
@@ -22,12 +23,12 @@ def sum_every(parts: wp.array[wp.float64], first: int, stride: int):
 
 @wp.kernel
 def fold_sums(
-    force_sums: wp.array[wp.float64],
-    held_sums: wp.array[wp.float64],
-    power_sums: wp.array[wp.float64],
-    velocity_sums: wp.array[wp.float64],
-    acceleration_sums: wp.array[wp.float64],
-    folded: wp.array[wp.float64],
+    force_sums: Doubles,
+    held_sums: Doubles,
+    power_sums: Doubles,
+    velocity_sums: Doubles,
+    acceleration_sums: Doubles,
+    folded: Doubles,
 ):
     """Each of the five arrays of sums as `FOLDED_LENGTH` sums, one after the other, by as many blocks of threads for
     each; always in the same order, so that a solve repeats bit for bit.

@@ -67,7 +67,7 @@ def test_it_begins_with_the_nodes_that_carry_the_pressure():
     assert state.iteration < exact.iteration
 
 
-def test_the_twins_agree():
+def test_the_backends_agree():
     scene = Scene(Layer(0.1), ROUGH, 0.5, num_points=2**12)
     warp, numpy = (both(scene, backend=backend)[1] for backend in ("warp", "numpy"))
     assert warp.iteration == numpy.iteration

@@ -1,4 +1,4 @@
-"""Every kernel against its NumPy twin, in both precisions, on lengths around the chunk; and proof of vector code."""
+"""Every kernel against its reference, in both precisions, on lengths around the chunk; and proof of vector code."""
 
 import os
 import re
@@ -82,11 +82,11 @@ def run(backend, kernel, arrays, outputs=None):
 @pytest.mark.parametrize("precision", PRECISIONS)
 @pytest.mark.parametrize("length", LENGTHS)
 @pytest.mark.parametrize("kernel", ELEMENTWISE)
-def test_kernel_against_twin(kernel, length, precision):
+def test_kernel_against_reference(kernel, length, precision):
     arrays = make_arrays(kernel, length, precision, seed=length)
-    warp, twin = run("warp", kernel, arrays), run("numpy", kernel, arrays)
+    warp, reference = run("warp", kernel, arrays), run("numpy", kernel, arrays)
     eps = np.finfo(precision).eps
-    for name, a, b, before in zip(ELEMENTWISE[kernel], warp, twin, arrays, strict=True):
+    for name, a, b, before in zip(ELEMENTWISE[kernel], warp, reference, arrays, strict=True):
         if name == "sum":
             # reassociated sums of CHUNK terms of size ~1: error <= CHUNK eps of the sum of magnitudes (<= 20 CHUNK)
             np.testing.assert_allclose(a, b, rtol=0, atol=20 * CHUNK * eps)
@@ -99,7 +99,7 @@ def test_kernel_against_twin(kernel, length, precision):
 @pytest.mark.parametrize("precision", PRECISIONS)
 @pytest.mark.parametrize("num_rows", [2, 8, 15, 30, 64])
 @pytest.mark.parametrize("kernel", OF_COLUMNS)
-def test_columns_against_twin(kernel, num_rows, precision):
+def test_columns_against_reference(kernel, num_rows, precision):
     """What is not theirs, padding of the columns and spectra beyond the last, stays as it is."""
     rng, count = np.random.default_rng(num_rows), num_rows // 2 + 1
     turns = padded_length(2 * layout.COLUMNS * count), padded_length(2 * count)
@@ -109,9 +109,9 @@ def test_columns_against_twin(kernel, num_rows, precision):
     arrays = [near, far, columns, spectra] if kernel == "unpack_columns" else [near, far, spectra, columns]
     *_, before = arrays
     *same, warp = run("warp", kernel, arrays, outputs=1)
-    *_, twin = run("numpy", kernel, arrays, outputs=1)
+    *_, reference = run("numpy", kernel, arrays, outputs=1)
     # products of three factors below 5, and a few roundings
-    np.testing.assert_allclose(warp, twin, rtol=0, atol=100 * np.finfo(precision).eps)
+    np.testing.assert_allclose(warp, reference, rtol=0, atol=100 * np.finfo(precision).eps)
     for array, given in zip(same, arrays, strict=False):
         np.testing.assert_array_equal(array, given)
     kept = warp == before
@@ -167,8 +167,8 @@ def test_a_float32_change_of_a_float64_response():
     arrays = [change.astype(np.float32), state, response]
     *_, warp = run("warp", "advance_response", arrays)
     np.testing.assert_allclose(warp, response + state[layout.STEP] * arrays[0].astype(np.float64), atol=1e-15)
-    *_, twin = run("numpy", "advance_response", arrays)
-    np.testing.assert_allclose(warp, twin, rtol=0, atol=1e-15)
+    *_, reference = run("numpy", "advance_response", arrays)
+    np.testing.assert_allclose(warp, reference, rtol=0, atol=1e-15)
 
 
 @pytest.mark.parametrize("precision", PRECISIONS)
@@ -220,7 +220,7 @@ def control_state(**values):
         (3.0, 2.0, {"STIFFEST": 1e4, "ALPHA": 0.9}),
     ],
 )
-def test_control_against_twin(power, force, changes):
+def test_control_against_reference(power, force, changes):
     rng = np.random.default_rng(3)
     sums = [rng.random(37) for _ in range(5)]
     for values, total in ((sums[0], force), (sums[1], 100.0), (sums[2], power)):

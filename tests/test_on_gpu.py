@@ -10,14 +10,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from linecontact import load
-from linecontact.kernels import compiled, layout, module_copies, numpy_twin, on_gpu
+from linecontact.kernels import compiled, layout, on_gpu, reference
 from linecontact.kernels.sequences import SEQUENCES, parse
 from linecontact.solver import METHODS, Layer, PowerIndenter, Scene, Status, solve
 from linecontact.solver import solve as solve_function
 from linecontact.solver.methods import MethodKind
 from linecontact.solver.strategy import report
 from linecontact.solver.transforms import device
-from linecontact.solver.transforms.planned import Transforms
+from linecontact.solver.transforms.planned import plan_transforms
 from linecontact.studies.command_line import main
 from linecontact.studies.gpu.scenes import random_scene
 
@@ -45,7 +45,7 @@ needs_gpu = pytest.mark.skipif(bool(MISSING), reason=f"needs a GPU: {MISSING}")
 def gpu_form():
     """The kernels in the form that a GPU has, compiled for the CPU."""
     names = [name for name in compiled.MODULES if name not in compiled.ON_CPU_ONLY]
-    copies = [module_copies.copy_module(m, on_gpu.CHUNK, compiled.flags(), on_gpu.LANES) for m in names]
+    copies = [compiled.copy_module(m, on_gpu.CHUNK, compiled.flags(), on_gpu.LANES) for m in names]
     return compiled.compile_modules([*copies, importlib.import_module("linecontact.kernels.warp_folds")])
 
 
@@ -56,12 +56,12 @@ ONE_PASS = sorted(
 
 
 def make_arrays(line, precision):
-    """Arguments of a kernel by their names, and those for its twin, whose sums are over longer chunks."""
+    """Arguments of a kernel by their names, and those for its reference kernel, whose sums are over longer chunks."""
     rng, length = np.random.default_rng(0), 2 * on_gpu.padded_length(1)
-    arrays, twins = {}, {}
+    arrays, references = {}, {}
     for name in (*line.inputs, *line.outputs):
         if name.endswith("_sums"):
-            arrays[name], twins[name] = np.full(length // on_gpu.CHUNK, np.nan), np.full(length // 1024, np.nan)
+            arrays[name], references[name] = np.full(length // on_gpu.CHUNK, np.nan), np.full(length // 1024, np.nan)
             continue
         values = rng.standard_normal(length).astype(precision)
         if name == "v":
@@ -69,28 +69,28 @@ def make_arrays(line, precision):
         if name == "state":
             values = np.zeros(layout.STATE_LENGTH)
             values[[layout.MIX, layout.GAIN, layout.DT]] = 0.9, 0.7, 0.3
-        arrays[name], twins[name] = values, values.copy()
-    return arrays, twins
+        arrays[name], references[name] = values, values.copy()
+    return arrays, references
 
 
-def check_against_twins(line, arrays, twins, precision):
-    getattr(numpy_twin, line.kernel)(*(twins[name] for name in (*line.inputs, *line.outputs)))
+def check_against_references(line, arrays, references, precision):
+    getattr(reference, line.kernel)(*(references[name] for name in (*line.inputs, *line.outputs)))
     scale = np.finfo(precision).eps
     for name in line.outputs:
         if name.endswith("_sums"):
-            exact, found = twins[name].sum(), arrays[name].sum()
+            exact, found = references[name].sum(), arrays[name].sum()
             assert found == pytest.approx(exact, abs=float(4 * scale * arrays[line.inputs[0]].size))
         else:
-            np.testing.assert_allclose(arrays[name], twins[name], rtol=0, atol=8 * scale)
+            np.testing.assert_allclose(arrays[name], references[name], rtol=0, atol=8 * scale)
 
 
 @pytest.mark.parametrize("precision", ["float32", "float64"])
 @pytest.mark.parametrize("text", ONE_PASS)
-def test_the_form_for_a_gpu_does_what_the_twins_do(text, precision, gpu_form):
+def test_the_form_for_a_gpu_does_what_the_reference_kernels_do(text, precision, gpu_form):
     import warp as wp
 
     line = parse(text)
-    arrays, twins = make_arrays(line, precision)
+    arrays, references = make_arrays(line, precision)
     given = [
         [wp.array(arrays[name], copy=False, device="cpu") for name in names] for names in (line.inputs, line.outputs)
     ]
@@ -98,7 +98,7 @@ def test_the_form_for_a_gpu_does_what_the_twins_do(text, precision, gpu_form):
     threads = arrays[line.inputs[0]].size // on_gpu.CHUNK
     assert length == arrays[line.inputs[0]].size
     wp.launch(gpu_form[line.kernel], dim=threads, inputs=given[0], outputs=given[1], device="cpu")
-    check_against_twins(line, arrays, twins, precision)
+    check_against_references(line, arrays, references, precision)
 
 
 @pytest.mark.parametrize("count", [1, 31, 1000])
@@ -188,7 +188,7 @@ def pretended(monkeypatch):
         pass
 
     fake = SimpleNamespace(
-        Transforms=Transforms,
+        Transforms=plan_transforms,
         capture=capture,
         free_memory=lambda: 2**40,
         OutOfMemory=OutOfMemoryError,
@@ -257,19 +257,19 @@ def test_methods_say_where_they_work():
 @needs_gpu
 @pytest.mark.parametrize("precision", ["float32", "float64"])
 @pytest.mark.parametrize("text", ONE_PASS)
-def test_kernels_on_the_gpu_do_what_the_twins_do(text, precision):
+def test_kernels_on_the_gpu_do_what_the_reference_kernels_do(text, precision):
     import cupy
     from linecontact.kernels import Call
 
     line = parse(text)
-    arrays, twins = make_arrays(line, precision)
+    arrays, references = make_arrays(line, precision)
     there = {name: cupy.asarray(array) for name, array in arrays.items()}
     launch = on_gpu.prepare(
         [Call(line.kernel, *(tuple(there[n] for n in names) for names in (line.inputs, line.outputs)))]
     )
     launch()
     arrays = {name: cupy.asnumpy(array) for name, array in there.items()}
-    check_against_twins(line, arrays, twins, precision)
+    check_against_references(line, arrays, references, precision)
 
 
 @needs_gpu

@@ -23,7 +23,7 @@ from linecontact.solver.grid.problem import Problem
 from linecontact.solver.methods import relax
 from linecontact.solver.methods.mass_weighted_fire import MassWeightedFire
 from linecontact.solver.strategy.to_tolerance import float32_floor
-from linecontact.solver.transforms.planned import Transforms
+from linecontact.solver.transforms.planned import plan_transforms
 
 
 @given(st.floats(1e-300, 1e300))
@@ -41,8 +41,8 @@ def test_the_floor_of_float32_is_predicted(scene):
     floor = float32_floor(scene, Problem.from_scene(scene))
     single = replace(scene, precision="float32")
     low = solve(single, method="mass-weighted-fire", tolerance=1.01 * floor, max_iterations=1)
-    transforms = Transforms(scene.num_points, "float32")
-    state = MassWeightedFire(Problem.from_scene(single), transforms, 1e-3 * floor, "warp")
+    transforms = plan_transforms(scene.num_points, "float32")
+    state = MassWeightedFire(Problem.from_scene(single), transforms, 1e-3 * floor)
     relax(state, 1200)
     reached = certify(state.problem, state.displacement)[0].free_residual
     assert 0.25 * floor < reached < 4 * floor

@@ -16,7 +16,7 @@ from linecontact.solver.layers import coated
 from linecontact.solver.methods.active_set import elimination
 from linecontact.solver.reference import closed_forms
 from linecontact.solver.strategy import certification, to_tolerance
-from linecontact.solver.transforms import four_step, half_length
+from linecontact.solver.transforms import four_step
 from linecontact.studies.explore import controls
 from linecontact.studies.figures.style import ONE_COLUMN, TWO_COLUMNS
 from linecontact.studies.files import confined
@@ -147,8 +147,8 @@ def what_is_kept():
     yield f"on grids of up to 2^{math.log2(kept.MOST_POINTS):.0f} points"
     yield "The last seven grids are kept"
     assert kept._GRIDS == 7
-    yield "FIRE's float64 transforms of 2^17 to 2^19 points"
-    assert half_length._FASTER == (2**17, 2**19)
+    yield "FIRE's float64 transforms of 2^18 to 2^20 points"
+    assert (four_step.FASTER_THAN_REAL, four_step.FASTER) == (2**18, 2**20)
     yield f"of 2^{math.log2(four_step.FASTER):.0f} points and more are done"
 
 

@@ -88,10 +88,10 @@ def test_order_of_convergence(d, nu):
 @pytest.mark.parametrize("method", METHODS)
 def test_backends_agree(method):
     scene = hertz(0.03, 0.4, 2**9)
-    warp, twin = (solve(scene, method=method, backend=backend) for backend in ("warp", "numpy"))
-    np.testing.assert_array_equal(warp.contact, twin.contact)
+    warp, reference = (solve(scene, method=method, backend=backend) for backend in ("warp", "numpy"))
+    np.testing.assert_array_equal(warp.contact, reference.contact)
     # both meet 1e-8; the softest mode, K_1 = 3 E*/L at least, turns that into displacement
-    np.testing.assert_allclose(warp.displacement, twin.displacement, atol=1e-8 * scene.pressure)
+    np.testing.assert_allclose(warp.displacement, reference.displacement, atol=1e-8 * scene.pressure)
 
 
 def test_odd_sizes_are_padded():

@@ -24,7 +24,7 @@ from .. import display
 from ..arrays import Array64, Mask, parts
 from ..transforms.four_step import LongPair
 from ..transforms.pair import Pair
-from ..transforms.plain import guard, pair
+from ..transforms.plain import pair
 from ..value import Value
 from .problem import Problem
 
@@ -63,8 +63,7 @@ def certify(problem: Problem, displacement: Array64) -> tuple[Certificate, Array
     """
     h, n = problem.height, problem.num_points
     pressure, contact = np.zeros(n), np.zeros(n, dtype=bool)
-    with np.errstate(over="ignore", invalid="ignore"), guard(n):
-        transforms = pair(n)
+    with np.errstate(over="ignore", invalid="ignore"), pair(n) as transforms:
         transforms.multiply(displacement, problem.stiffness)
         elastic = transforms.real
         mean = float(h.mean())

@@ -57,7 +57,7 @@ def begin(kind: type[Fire], problem: Problem, config: ExecutionConfig) -> tuple[
         )
     try:
         transforms = on_gpu.Transforms(num_points, config.working_precision)
-        fire = kind(problem, transforms, config.tolerance, config.backend, own_load=mixed)
+        fire = kind(problem, transforms, config.tolerance, own_load=mixed)
         net_force = _net_force(problem) if mixed else problem.net_force
     except on_gpu.OutOfMemory as error:  # the transforms of some lengths take many times as much as those of others
         what = f"num_points is {num_points}, too many for the GPU's memory ({error})"

@@ -17,7 +17,7 @@ import numpy as np
 from ...kernels import Call, layout, sequence
 from ..arrays import Array, Array64
 from ..grid.problem import Problem
-from ..transforms.place import Place
+from ..transforms.backend import Backend
 from .method import PATIENCE, Method
 
 Operator = tuple[Callable[[], None], ...]
@@ -39,14 +39,12 @@ class Fire(Method):
     buffers = 6
     """How many arrays of N values it has, those of the transforms included."""
 
-    def __init__(
-        self, problem: Problem, transforms: Place, tolerance: float, backend: str, own_load: bool = False
-    ) -> None:
+    def __init__(self, problem: Problem, transforms: Backend, tolerance: float, own_load: bool = False) -> None:
         """tolerance: on the rms free residual over the mean pressure; own_load: the mean pressure may be replaced by
         a load that differs from node to node, `load`, shape (padded N,) [p].
         """
         n = self.num_points = problem.num_points
-        self.problem, self.transforms, self.backend, self.tolerance = problem, transforms, backend, tolerance
+        self.problem, self.transforms, self.tolerance = problem, transforms, tolerance
         # all zeros behind N: the padding lies on a wall at 0 and is held there by the mean pressure
         self.u, self.v, self.height = (transforms.buffer() for _ in range(3))
         self.work = transforms.buffer()  # K u
@@ -70,7 +68,7 @@ class Fire(Method):
         return self.transforms.forward(source), multiply, self._inverse
 
     def _replay(self, *calls: Call) -> Callable[[], None]:
-        return self.transforms.record(self.backend, calls)
+        return self.transforms.record(calls)
 
     def _start_state(self) -> Array64:
         s = np.zeros(layout.STATE_LENGTH)

@@ -112,7 +112,7 @@ class ExecutionConfig:
     planning: str = "estimate"
     """FFTW's planning effort."""
     backend: str = "warp"
-    """What runs the kernels: 'warp', or 'numpy' for the twins."""
+    """What runs the kernels: 'warp', or 'numpy' for the reference kernels."""
     device: str = "cpu"
     """Where the method works: 'cpu', or 'cuda' for a GPU, on which threads, planning and backend have no effect."""
     progress: Progress | None = None

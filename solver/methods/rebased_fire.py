@@ -18,7 +18,7 @@ import numpy as np
 from ...kernels import layout
 from ..arrays import Array64
 from ..grid.problem import Problem
-from ..transforms.planned import Transforms
+from ..transforms.planned import plan_transforms
 from .fire_state import LOOK_AFTER, Fire
 from .method import OVERFLOWING, ExecutionConfig, Method
 
@@ -125,6 +125,6 @@ def begin_fire(kind: type[Fire], problem: Problem, config: ExecutionConfig) -> M
         state, net_force = begin(kind, problem, config)
     else:
         how = config.working_precision, config.threads, config.planning, config.backend
-        transforms, net_force = Transforms(problem.num_points, *how), problem.net_force
-        state = kind(problem, transforms, config.tolerance, config.backend, own_load=config.precision == "mixed")
+        transforms, net_force = plan_transforms(problem.num_points, *how), problem.net_force
+        state = kind(problem, transforms, config.tolerance, own_load=config.precision == "mixed")
     return RebasedFire(state, net_force) if config.precision == "mixed" else state

@@ -15,7 +15,7 @@ from ..scene import Scene
 from ..solution import Choice, Level
 
 SMALLEST_WARP = 2**13
-"""Points; on smaller coarse grids recording Warp's launches takes longer than a few passes of the twins."""
+"""Points; on smaller coarse grids recording Warp's launches takes longer than a few passes of the reference kernels."""
 
 Contact = tuple[Array64, Patches, Edges]
 """Contact pressure of all nodes, shape (N,) [p], and its patches with their ends."""

@@ -1,10 +1,10 @@
 """Every Fourier transform of the program, but for the checks that share no code with it: a faster one is put in here.
 
-`planned` has the transforms that are planned once and done often, in the fastest of three ways: `real`, `half_length`,
-and `four_step` with `columns`, whose parts `sharing` divides between threads; `planner` makes their buffers and plans.
-`plain` has those of plain arrays now and then, by a `pair` of plans, `wisdom` what FFTW has learnt of this machine,
-`fftw` the library itself. `on_gpu` has those of a GPU, `place` what a method asks of either, `device` which devices
-there are.
+`planned` has the transforms that are planned once and done often, in the fastest of three ways: FFTW's real ones,
+`half_length`, and `four_step` with `columns`, whose parts `sharing` divides between threads; `planner` makes their
+buffers and plans. `plain` has those of plain arrays now and then, by a `pair` of plans, `wisdom` what FFTW has learnt
+of this machine, `fftw` the library itself. `on_gpu` has those of a GPU, `backend` what a method asks of either,
+`device` which devices there are.
 
 May import: arrays, checks, linecontact.kernels.
 """

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...kernels import Call, layout, padded_length
 from ..arrays import Array, Indices, Modes
-from .planner import Planner
+from .planner import Transforms
 from .sharing import do_all
 
 _WIDTH = layout.COLUMNS
@@ -17,49 +17,43 @@ _WIDTH = layout.COLUMNS
 class Columns:
     """Transforms of the columns of N = R C real values, there and back."""
 
-    def __init__(self, num_points: int, row: int, planner: Planner) -> None:
+    def __init__(self, num_points: int, row: int, planner: Transforms) -> None:
         """row: C, the number of columns, a multiple of those that are worked on at a time."""
         count = num_points // row // 2 + 1
         starts, rows = np.arange(0, row, _WIDTH), np.arange(count)
         near = planner.buffer(2 * _WIDTH * count)
         turns = rows[:, None] * np.arange(_WIDTH)
         planner.complex(near)[: turns.size] = _twiddle_factors(turns, num_points).ravel()
-        self._far = np.zeros((starts.size, padded_length(2 * count)), near.dtype)
-        planner.complex(self._far)[:, :count] = _twiddle_factors(starts[:, None] * rows, num_points)
-        self._parts = [slice(start, start + _WIDTH) for start in starts.tolist()]
+        far = np.zeros((starts.size, padded_length(2 * count)), near.dtype)
+        planner.complex(far)[:, :count] = _twiddle_factors(starts[:, None] * rows, num_points)
+        self._parts = [(slice(start, start + _WIDTH), one) for start, one in zip(starts.tolist(), far, strict=True)]
+        """Columns that are worked on at a time, with the first one's twiddle factors."""
         threads = min(planner.threads, starts.size)
         self._workers = [_Worker(num_points // row, near, planner) for _ in range(threads)]
 
     def forward(self, source: Array, spectrum: Array) -> Callable[[], None]:
         """source: shape (R, C), and spectrum: shape (R/2 + 1, 2, C), may be the same memory."""
 
-        def work(worker: _Worker, part: tuple[Array, Array, Array]) -> None:
-            values, spectra, worker.far[:] = part
-            worker.columns[:] = values
+        def work(worker: _Worker, part: tuple[slice, Array]) -> None:
+            columns, worker.far[:] = part
+            worker.columns[:] = source[:, columns]
             worker.transform()
             worker.unpack()
-            spectra[:] = worker.spectra
+            spectrum[:, :, columns] = worker.spectra
 
-        return self._shared(source, spectrum, work)
+        return lambda: do_all(self._workers, self._parts, work)
 
     def inverse(self, spectrum: Array, target: Array) -> Callable[[], None]:
         """The way back, times R."""
 
-        def work(worker: _Worker, part: tuple[Array, Array, Array]) -> None:
-            values, spectra, worker.far[:] = part
-            worker.spectra[:] = spectra
+        def work(worker: _Worker, part: tuple[slice, Array]) -> None:
+            columns, worker.far[:] = part
+            worker.spectra[:] = spectrum[:, :, columns]
             worker.pack()
             worker.transform_back()
-            values[:] = worker.columns
+            target[:, columns] = worker.columns
 
-        return self._shared(target, spectrum, work)
-
-    def _shared(
-        self, values: Array, spectrum: Array, work: Callable[["_Worker", tuple[Array, Array, Array]], None]
-    ) -> Callable[[], None]:
-        """Work on some columns at a time, with their spectra and the first one's twiddle factors."""
-        parts = [(values[:, part], spectrum[:, :, part], far) for part, far in zip(self._parts, self._far, strict=True)]
-        return lambda: do_all(self._workers, parts, work)
+        return lambda: do_all(self._workers, self._parts, work)
 
 
 class _Worker:
@@ -67,7 +61,7 @@ class _Worker:
     columns), of two columns after the other; far: their first column's twiddle factors.
     """
 
-    def __init__(self, num_rows: int, near: Array, planner: Planner) -> None:
+    def __init__(self, num_rows: int, near: Array, planner: Transforms) -> None:
         """near: twiddle factors from the first column."""
         count = num_rows // 2 + 1
         self.far = planner.buffer(2 * count)

@@ -24,11 +24,11 @@ def check_device(device: str) -> None:
         raise ValueError(none)
     try:
         import cupy.cuda.cufft
+
+        found = cupy.cuda.runtime.getDeviceCount() > 0
     except ImportError as error:
         what = f"device is {device!r}, for which CuPy or a library of CUDA is missing ({error})"
         raise ValueError(f"{what}; allowed: cpu, or cuda with `pip install 'cupy-cuda13x[ctk]'`") from error
-    try:
-        found = cupy.cuda.runtime.getDeviceCount() > 0
     except cupy.cuda.runtime.CUDARuntimeError:
         found = False
     if not found:

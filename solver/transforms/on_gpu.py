@@ -6,74 +6,54 @@ for which that waits. Nothing here is imported unless a GPU is asked for.
 """
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, cast
 
 import cupy
-import numpy as np
 import warp as wp
 from cupy.cuda import cufft
 
 from ...kernels import Call, on_gpu
 from ..arrays import Array, Array64
-from .place import Place
+from .backend import Backend
 
 OutOfMemory: type[Exception] = cupy.cuda.memory.OutOfMemoryError
 
 _KINDS = {"float64": (cufft.CUFFT_D2Z, cufft.CUFFT_Z2D), "float32": (cufft.CUFFT_R2C, cufft.CUFFT_C2R)}
 
 
-class Transforms(Place):
+class Transforms(Backend):
     """Plans between real buffers of `num_points` values and one shared spectrum, all in the GPU's memory.
 
-    num_points: N; precision: 'float64' or 'float32'. The names are those of `planned.Transforms`, and the arrays are
-    CuPy's, which do what NumPy's do.
+    num_points: N; precision: 'float64' or 'float32'. The arrays are CuPy's, which do what NumPy's do.
     """
 
+    chunk = on_gpu.CHUNK
+
     def __init__(self, num_points: int, precision: str) -> None:
-        self.num_points, self.real = num_points, np.dtype(precision)
-        self.complex = np.result_type(self.real, np.complex64)
+        super().__init__(num_points, precision)
         self.stream = cupy.cuda.Stream.from_external(wp.get_stream("cuda"))
-        self._forward, self._inverse = (cufft.Plan1d(num_points, kind, 1) for kind in _KINDS[self.real.name])
+        self._forward, self._inverse = (cufft.Plan1d(num_points, kind, 1) for kind in _KINDS[self.dtype.name])
         self.spectrum = self.buffer(2 * (num_points // 2 + 1))
+        self._modes = self.complex(self.spectrum[: 2 * (num_points // 2 + 1)])
 
     def buffer(self, length: int | None = None) -> Array:
-        found: Array = cupy.zeros(on_gpu.padded_length(length or self.num_points), dtype=self.real)
-        return found
-
-    def put(self, target: Array, values: Array64) -> None:
-        target[: values.size] = cupy.asarray(values)
+        return cast(Array, cupy.zeros(on_gpu.padded_length(length or self.num_points), dtype=self.dtype))
 
     def take(self, values: Array64) -> Array64:
-        found: Array64 = cupy.asarray(values)
-        return found
+        return cast(Array64, cupy.asarray(values))
 
     def fetch(self, values: Array) -> Array:
-        found: Array = cupy.asnumpy(values)
-        return found
+        return cast(Array, cupy.asnumpy(values))
 
-    def sums(self, length: int) -> Array64:
-        found: Array64 = cupy.zeros(length // on_gpu.CHUNK)
-        return found
-
-    def record(self, backend: str, calls: Sequence[Call]) -> Callable[[], None]:
-        """A function without arguments that puts kernels into the queue, in order; Warp runs them all."""
+    def record(self, calls: Sequence[Call]) -> Callable[[], None]:
+        """A function without arguments that puts kernels into the queue, in order."""
         return on_gpu.prepare(calls)
 
-    def multiplication(self, symbol: Array64, target: Array) -> Callable[[], None]:
-        coefficient = self.buffer(2 * symbol.size)
-        for part in range(2):
-            coefficient[part : 2 * symbol.size : 2] = cupy.asarray(symbol / self.num_points)
-        return self.record("warp", [Call("spectral_multiply", (coefficient,), (self.spectrum,))])
-
     def forward(self, source: Array) -> Callable[[], None]:
-        return self._execute(self._forward, source[: self.num_points], self._modes(), cufft.CUFFT_FORWARD)
+        return self._execute(self._forward, source[: self.num_points], self._modes, cufft.CUFFT_FORWARD)
 
     def inverse(self, target: Array) -> Callable[[], None]:
-        return self._execute(self._inverse, self._modes(), target[: self.num_points], cufft.CUFFT_INVERSE)
-
-    def _modes(self) -> Array:
-        modes: Array = self.spectrum[: 2 * (self.num_points // 2 + 1)].view(self.complex)
-        return modes
+        return self._execute(self._inverse, self._modes, target[: self.num_points], cufft.CUFFT_INVERSE)
 
     def _execute(self, plan: Any, source: Array, target: Array, direction: int) -> Callable[[], None]:
         def run() -> None:

@@ -1,7 +1,9 @@
-"""What ways of transforming are made from: staggered buffers, FFTW's plans, and kernels."""
+"""What transforms on the CPU are made from, whatever their way: staggered buffers, FFTW's plans, and kernels."""
 
+from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from typing import ClassVar
 
 import numpy as np
 
@@ -10,6 +12,7 @@ from ...kernels import Call, padded_length, record
 from .. import checks
 from ..arrays import Array, Array64
 from . import wisdom
+from .backend import Backend
 from .fftw import Plan, pyfftw
 
 PLANNING = ("estimate", "measure", "patient")
@@ -18,55 +21,43 @@ PLANNING = ("estimate", "measure", "patient")
 _STAGGER = 1024  # bytes: buffers that start at equal page offsets slow each other down
 
 
-class Planner:
-    """Makes buffers of one precision, plans between them and kernels on them.
+class Transforms(Backend):
+    """Transforms of N values in one way, and the buffers, plans and kernels that it is made from.
 
     precision: 'float64' or 'float32'; threads: of the transforms, >= 1; planning: one of `PLANNING`; backend: see
     `ExecutionConfig.backend`. Raises `ValueError`.
     """
 
-    def __init__(self, precision: str, threads: int, planning: str, backend: str) -> None:
+    way: ClassVar[str]
+    """How the transforms are done."""
+
+    def __init__(
+        self, num_points: int, precision: str, threads: int = 1, planning: str = "estimate", backend: str = "warp"
+    ) -> None:
+        super().__init__(num_points, precision)
         self.threads, self.planning = check_settings(threads, planning)
-        self._backend = backend
-        self.real = np.dtype(precision)
-        """Type of the values."""
-        self.known = self.planned = self._count = 0
-        """Plans so far that FFTW's wisdom held, from measuring at some time, and those that were made anew."""
+        self._backend, self._count = backend, 0
         wisdom.load()
+        self.prepare()
 
-    def has_poor_plan(self, num_points: int) -> bool:
-        """Whether all that FFTW has for a real transform of that length is an estimate."""
-        if self.planning != "estimate":
-            return False
-        modes = self.complex(pyfftw.empty_aligned(2 * (num_points // 2 + 1), dtype=self.real))
-        for values in (pyfftw.empty_aligned(num_points, dtype=self.real), modes.view(self.real)[:num_points]):
-            with suppress(RuntimeError):  # wisdom does not hold it
-                Plan(values, modes, threads=self.threads, flags=["FFTW_MEASURE", "FFTW_WISDOM_ONLY"])
-                return False
-        return True
+    @abstractmethod
+    def prepare(self) -> None:
+        """Make the spectrum, and what else a way needs."""
 
-    def buffer(self, length: int) -> Array:
-        """A padded, aligned, staggered array for so many values: zeros."""
-        padded = padded_length(length)
-        offset = self._count * _STAGGER // self.real.itemsize
+    def buffer(self, length: int | None = None) -> Array:
+        """A padded, aligned, staggered array for `length` (default N) values: zeros."""
+        padded = padded_length(self.num_points if length is None else length)
+        offset = self._count * _STAGGER // self.dtype.itemsize
         self._count += 1
-        array: Array = pyfftw.zeros_aligned(padded + offset, dtype=self.real, n=64)[offset:]
-        return array
+        return np.asarray(pyfftw.zeros_aligned(padded + offset, dtype=self.dtype, n=64)[offset:])
 
-    def doubled(self, values: Array64) -> Array:
-        """A buffer with every value twice, for both parts of a mode."""
-        found = self.buffer(2 * values.size)
-        for part in range(2):
-            found[part : 2 * values.size : 2] = values
-        return found
+    def take(self, values: Array64) -> Array64:
+        return values
 
-    def complex(self, values: Array) -> Array:
-        """Complex numbers on a flat real view (re, im, ...)."""
-        found: Array = values.view(np.result_type(self.real, np.complex64))
-        return found
+    def fetch(self, values: Array) -> Array:
+        return values
 
     def record(self, calls: Sequence[Call]) -> Callable[[], None]:
-        """A function without arguments that runs kernels in order."""
         return record(self._backend, calls)
 
     def plan(
@@ -75,28 +66,33 @@ class Planner:
         """The plan that wisdom holds, or else a new one, which is kept at once if finding it took effort.
 
         direction: 'FFTW_FORWARD', or 'FFTW_BACKWARD', which destroys the source; axis: of arrays of two dimensions;
-        threads: by default the planner's.
+        threads: by default the transforms'.
         """
 
         def plan(effort: str, *more: str) -> Callable[[], None]:
-            flags = [f"FFTW_{effort.upper()}", *more]
-            if direction == "FFTW_BACKWARD":
-                flags.append("FFTW_DESTROY_INPUT")
+            flags = [f"FFTW_{effort.upper()}", *more, *(["FFTW_DESTROY_INPUT"] if direction == "FFTW_BACKWARD" else [])]
             count = threads or self.threads
             return Plan(source, target, axes=(axis,), direction=direction, threads=count, flags=flags)
 
         estimated = self.planning == "estimate"
         with suppress(RuntimeError):  # wisdom does not hold it
-            known = plan("measure" if estimated else self.planning, "FFTW_WISDOM_ONLY")
-            self.known += 1
-            return known
-        self.planned += 1
-        if estimated:
-            return plan("estimate")
+            return plan("measure" if estimated else self.planning, "FFTW_WISDOM_ONLY")
         try:
             return plan(self.planning)
         finally:
-            wisdom.save()  # after Ctrl-C, too, which waits until FFTW has finished
+            if not estimated:
+                wisdom.save()  # after Ctrl-C, too, which waits until FFTW has finished
+
+
+def has_poor_plan(num_points: int, precision: str, threads: int) -> bool:
+    """Whether all that FFTW has for a real transform of that length is an estimate."""
+    wisdom.load()
+    values = pyfftw.empty_aligned(num_points, dtype=precision)
+    modes = pyfftw.empty_aligned(num_points // 2 + 1, dtype=np.result_type(values, np.complex64))
+    with suppress(RuntimeError):  # wisdom does not hold it
+        Plan(values, modes, threads=threads, flags=["FFTW_MEASURE", "FFTW_WISDOM_ONLY"])
+        return False
+    return True
 
 
 def library() -> str:

@@ -25,19 +25,18 @@ def do_all(workers: Sequence[Worker], parts: Sequence[Part], work: Callable[[Wor
         except BaseException as error:
             failed.append(error)
 
-    here, others = [0], []
+    here, threads = [0], []
     with undivided():
         for number in range(1, len(workers)):
             thread = threading.Thread(target=in_turn, args=(number,))
             try:
                 thread.start()
+                threads.append(thread)
             except RuntimeError:  # no more threads, or the interpreter is about to end
                 here.append(number)
-            else:
-                others.append(thread)
         for number in here:
             in_turn(number)
-        for thread in others:
+        for thread in threads:
             thread.join()
     if failed:
         raise failed[0]

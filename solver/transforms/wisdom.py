@@ -10,8 +10,6 @@ from pathlib import Path
 from ...locks import PLANNING
 from .fftw import pyfftw
 
-_MOST = 2**24  # bytes; a plan takes some hundred
-
 _loaded = False
 
 
@@ -39,8 +37,8 @@ def _import() -> None:
         path = wisdom_file()
         if not path.exists():
             return
-        if not path.is_file() or path.stat().st_size > _MOST:
-            raise OSError(f"{path} is not a file of up to {_MOST >> 20} MiB")
+        if not path.is_file():
+            raise OSError(f"{path} is not a file")
         text = path.read_text("ascii")
     except (OSError, UnicodeDecodeError, RuntimeError) as error:  # RuntimeError: a user without a home
         warnings.warn(f"FFTW wisdom is ignored: {error}", RuntimeWarning, stacklevel=3)

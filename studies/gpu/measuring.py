@@ -53,33 +53,33 @@ def shares_of_the_copy_bandwidth(precision: str, num_points: int) -> dict[str, f
     import cupy.cuda
     from linecontact.solver.transforms import on_gpu
 
-    place = on_gpu.Transforms(num_points, precision)
+    backend = on_gpu.Transforms(num_points, precision)
     values = np.random.default_rng(0).standard_normal(num_points)
 
     def array(name: str) -> Any:
         if name.endswith("_sums"):
-            return place.sums(num_points)
+            return backend.sums(num_points)
         if name == "state":
-            return place.take(np.zeros(layout.STATE_LENGTH))
-        found = place.buffer()
-        place.put(found, values)
+            return backend.take(np.zeros(layout.STATE_LENGTH))
+        found = backend.buffer()
+        backend.put(found, values)
         if name == "v":
             found[::3] = layout.TOUCHING
         return found
 
-    source: Any = place.buffer()
-    target: Any = place.buffer()
+    source: Any = backend.buffer()
+    target: Any = backend.buffer()
     size = source.nbytes
 
     def copy(part: int) -> None:
-        with place.stream:
-            cupy.cuda.runtime.memcpyAsync(target.data.ptr, source.data.ptr, part, _ON_DEVICE, place.stream.ptr)
+        with backend.stream:
+            cupy.cuda.runtime.memcpyAsync(target.data.ptr, source.data.ptr, part, _ON_DEVICE, backend.stream.ptr)
 
     found = {"copy": max(2 * part / _seconds(functools.partial(copy, part)) for part in (size, size // 2, size // 4))}
     for text, arrays in KERNELS.items():
         line = parse(text)
         call = Call(line.kernel, tuple(map(array, line.inputs)), tuple(map(array, line.outputs)))
-        found[line.kernel] = arrays * size / _seconds(place.record("warp", [call])) / found["copy"]
+        found[line.kernel] = arrays * size / _seconds(backend.record([call])) / found["copy"]
     return found
 
 

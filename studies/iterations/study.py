@@ -16,7 +16,7 @@ from linecontact.solver import PowerIndenter, RoughIndenter, Scene, solve
 from linecontact.solver.grid.kept import forget
 from linecontact.solver.methods import DEFAULT, METHODS, Progress
 from linecontact.solver.reference import closed_forms
-from linecontact.solver.transforms.planned import Transforms
+from linecontact.solver.transforms.planned import plan_transforms
 from rich.console import RenderableType
 from rich.table import Table
 
@@ -79,7 +79,7 @@ def make_scene(name: str, log2_num_points: int) -> Scene:
 
 def pair_seconds(num_points: int) -> float:
     """Median time of one real forward-inverse pair in float64, plans by estimate [s]."""
-    transforms = Transforms(num_points, "float64", way="real")
+    transforms = plan_transforms(num_points, "float64", way="real")
     buffer = transforms.buffer()
     forward, inverse = transforms.forward(buffer), transforms.inverse(buffer)
     times = []

@@ -1,4 +1,4 @@
-"""Whether a variant and the NumPy twin agree, so strictly that one wrong node is found.
+"""Whether a variant and the reference kernel agree, so strictly that one wrong node is found.
 
 Kernels are compared on values for which none of them rounds anything (multiples of 1/8 up to 2): the results are the
 same to the last bit, sums in any order among them. With a transform in between there is rounding, and a node within

@@ -6,12 +6,12 @@ from collections.abc import Iterable
 import numpy as np
 from linecontact.kernels import CHUNK
 from linecontact.solver import checks
-from linecontact.solver.transforms.planned import Transforms
+from linecontact.solver.transforms.planned import plan_transforms
 
 from . import agreement
 from .benchmark import Array, Benchmark
 from .benchmarks import ROW
-from .shipped import shipped, twin
+from .shipped import reference_kernels, shipped
 from .transforms import without_wisdom
 from .variants import Arrays, Runs, Variant, own
 
@@ -35,7 +35,7 @@ class Bench:
         if num_points % CHUNK and benchmark.group != "transforms":
             raise ValueError(f"size is {num_points}; allowed for {benchmark.name}: a multiple of {CHUNK}")
         self.benchmark, self.precision, self.num_points = benchmark, precision, num_points
-        self.transforms = transforms = Transforms(num_points, precision, way=benchmark.way)
+        self.transforms = transforms = plan_transforms(num_points, precision, way=benchmark.way)
         self._start = benchmark.make(num_points, precision)
         self.arrays: dict[str, Array] = {}
         for argument in benchmark.arrays:
@@ -127,5 +127,5 @@ class Bench:
         view = Arrays(self.benchmark, self.transforms, {name: np.array(array) for name, array in self.arrays.items()})
         for name, values in start.items():
             view.arrays[name][: values.size] = values
-        twin(view)(1)()
+        reference_kernels(view)(1)()
         return {name: values for name, values in view.arrays.items() if name != "spectrum" or not self.benchmark.lines}

@@ -1,7 +1,7 @@
 """The list of what is measured: every kernel, the sequences of them that methods launch, whole iterations, transforms,
 and the memory itself.
 
-A kernel that changes its arguments changes its line here and its twin in `linecontact.kernels.numpy_twin`.
+A kernel that changes its arguments changes its line here and its reference kernel in `linecontact.kernels.reference`.
 """
 
 import math

@@ -27,7 +27,7 @@ from .cells import GROUPED, Cell, Run, Scatter, cells, machine, own_names
 _STYLES = {
     "c": ("C", COLOURS[3], "^"),
     "warp": ("Warp, as the program runs it (band: all kernels)", COLOURS[0], "o"),
-    "numpy": ("NumPy twin", COLOURS[2], "D"),
+    "numpy": ("reference kernel", COLOURS[2], "D"),
     "element": ("Warp, a thread for each point", COLOURS[4], "v"),
 }
 _MEMORY = {"read": ":", "write": "-.", "copy": "-", "update": "--"}

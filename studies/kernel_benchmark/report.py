@@ -89,8 +89,8 @@ def new_table(headings: Sequence[str], title: str, caption: str) -> Table:
 _COLUMNS = (
     "us: median of a call of the recorded kernels, as the program runs them, one of many in a graph; roof: time of a "
     "loop in C that moves the same memory, over that; /C: time over C's in the same round, with its 95 % interval, of "
-    "Warp, of one thread for each point (elem.), of the NumPy twins; 2 cores: time with another core at the same work "
-    "over that alone. Ratios dimensionless."
+    "Warp, of one thread for each point (elem.), of the reference kernels; 2 cores: time with another core at the same "
+    "work over that alone. Ratios dimensionless."
 )
 _SHARE = " FFT share: of the transforms, which FFTW plans by estimate without wisdom."
 

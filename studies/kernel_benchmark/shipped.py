@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 from linecontact import kernels
-from linecontact.kernels import CHUNK, numpy_twin
+from linecontact.kernels import CHUNK, reference
 from linecontact.kernels.sequences import Line
 
 from . import transforms
@@ -32,7 +32,7 @@ def shipped(benchmark: Benchmark) -> list[Variant]:
     if benchmark.transforms:
         found += [Variant("transforms", _transforms_alone)]
     found += [] if built else [Variant("copy", _copy)]  # without a compiler it is the yardstick
-    return [*found, Variant("numpy", twin, slow=True)]
+    return [*found, Variant("numpy", reference_kernels, slow=True)]
 
 
 def check_names(benchmark: Benchmark) -> None:
@@ -44,15 +44,15 @@ def check_names(benchmark: Benchmark) -> None:
         )
 
 
-def twin(arrays: Arrays) -> Runs:
-    """The NumPy twins in order, between NumPy's transforms."""
+def reference_kernels(arrays: Arrays) -> Runs:
+    """The reference kernels in order, between NumPy's transforms."""
     runs = []
     for line in arrays.benchmark.steps:
         if line.kernel not in kernels.KERNELS:
             runs.append(_numpy_transform(arrays, line))
         else:
             given = (arrays.arrays[name] for name in (*line.inputs, *line.outputs))
-            runs.append(functools.partial(getattr(numpy_twin, line.kernel), *given))
+            runs.append(functools.partial(getattr(reference, line.kernel), *given))
     return in_turn([repeated(run) for run in runs])
 
 
@@ -91,7 +91,7 @@ def _transforms_alone(arrays: Arrays) -> Runs:
 
 def _copy(arrays: Arrays) -> Runs:
     """A copy of half as many bytes as the benchmark's arrays hold, so that it works on as much memory."""
-    half = max(CHUNK, sum(a.nbytes for a in arrays.arrays.values()) // 2 // arrays.transforms.real.itemsize)
+    half = max(CHUNK, sum(a.nbytes for a in arrays.arrays.values()) // 2 // arrays.transforms.dtype.itemsize)
     source, target = arrays.transforms.buffer(half), arrays.transforms.buffer(half)
     source[:] = 1
     return repeated(lambda: np.copyto(target, source))

@@ -12,7 +12,7 @@ import numpy as np
 from linecontact.solver.transforms import wisdom
 from linecontact.solver.transforms.fftw import pyfftw
 from linecontact.solver.transforms.four_step import row_length
-from linecontact.solver.transforms.planned import Transforms
+from linecontact.solver.transforms.planned import plan_transforms
 from linecontact.solver.transforms.planner import PLANNING
 
 from .benchmark import Array, Benchmark
@@ -38,7 +38,7 @@ def variants(benchmark: Benchmark) -> list[Variant]:
 def _steps(arrays: Arrays) -> list[tuple[Array, Array, str]]:
     """What there is to transform, in order: source, target and the kind of transform."""
     n, name = arrays.num_points, arrays.benchmark.name
-    complex_type = np.result_type(arrays.transforms.real, np.complex64)
+    complex_type = np.result_type(arrays.transforms.dtype, np.complex64)
     if name == "real_pair":
         modes = arrays.spectrum[: 2 * (n // 2 + 1)].view(complex_type)
         return [(arrays.source[:n], modes, "r2c"), (modes, arrays.target[:n], "c2r")]
@@ -76,7 +76,7 @@ def without_wisdom() -> Iterator[None]:
 
 def _four_step(arrays: Arrays) -> Runs:
     """The program's own way for long ones, with its multiplication in between."""
-    transforms = Transforms(arrays.num_points, arrays.precision, way="four-step")
+    transforms = plan_transforms(arrays.num_points, arrays.precision, way="four-step")
     return repeated(product(transforms, arrays.source, arrays.target, arrays.num_points))
 
 

@@ -10,10 +10,11 @@
 
 A variant gets the benchmark's arrays and gives a function that, told how often, gives the function that is timed:
 `launched` records launches of Warp kernels, `repeated` calls a Python function. Before it is timed it is checked: on
-values for which no kernel rounds anything it must give exactly what the NumPy twin gives. A file with more of them is
-docs/examples/kernel_variants.py.
+values for which no kernel rounds anything it must give exactly what the reference kernel gives. A file with more of
+them is docs/examples/kernel_variants.py.
 """
 
+import copy
 import functools
 import importlib.util
 import itertools
@@ -31,8 +32,7 @@ from linecontact import kernels
 from linecontact.kernels import CHUNK
 from linecontact.kernels.sequences import Line
 from linecontact.solver import checks
-from linecontact.solver.transforms.planned import Transforms
-from linecontact.solver.transforms.planner import check_settings
+from linecontact.solver.transforms.planner import Transforms, check_settings
 
 from .benchmark import Array, Benchmark
 from .benchmarks import BENCHMARKS
@@ -52,7 +52,7 @@ class Arrays:
 
     def __init__(self, benchmark: Benchmark, transforms: Transforms, arrays: dict[str, Array]) -> None:
         self.benchmark, self.transforms, self.chunk = benchmark, transforms, CHUNK
-        self.num_points, self.precision = transforms.num_points, transforms.real.name
+        self.num_points, self.precision = transforms.num_points, transforms.dtype.name
         self.arrays = dict(arrays)
         self.notes: dict[str, float] = {}
         """What else is to be known of a variant: 'plan', the time to plan its transforms [s]; 'measured', 1 if plans
@@ -141,7 +141,10 @@ def replanned(benchmark: str, name: str, planning: str = "estimate", threads: in
     threads, planning = check_settings(threads, planning)
 
     def build(arrays: Arrays) -> Runs:
-        arrays.transforms = arrays.transforms.replanned(threads, planning)
+        arrays.transforms = again = copy.copy(arrays.transforms)  # on the same buffers
+        if again.way == "four-step":
+            raise ValueError("way is 'four-step'; allowed: 'real' or 'half-length', whose plans are made anew")
+        again.threads, again.planning = threads, planning
         return warp_lines(arrays, kernels.load())
 
     _register(benchmark, Variant(name, build, threads=threads, wisdom=planning != "estimate"))

@@ -13,7 +13,8 @@ import numpy as np
 from ....kernels import CHUNK, Call, layout, record
 from ...arrays import Array, Array64, Indices
 from ...grid.kept import MOST_POINTS
-from ...transforms.planned import Transforms
+from ...transforms.planned import plan_transforms
+from ...transforms.planner import Transforms
 from ..method import ExecutionConfig
 
 _TIMES_ROUNDING = 50
@@ -80,7 +81,7 @@ class Everywhere:
 
         def operator(precision: str) -> Compliance:
             how = config.threads, config.planning, config.backend
-            return Compliance(self._symbol, Transforms(self._num_points, precision, *how, apart=self._apart))
+            return Compliance(self._symbol, plan_transforms(self._num_points, precision, *how, apart=self._apart))
 
         directions = operator(config.working_precision)
         return directions, operator("float64") if self.mixed else directions

@@ -1,4 +1,4 @@
-"""NumPy twin of every Warp kernel: same names, same arguments, same order.
+"""Reference kernel in NumPy for every Warp kernel: same names, same arguments, same order.
 
 What the kernel tests compare with, and the baseline of the benchmarks. Plain expressions, no attempt at speed.
 """
@@ -36,37 +36,16 @@ def _free_force(elastic: Array, velocity: Array, load: Array | int = 1) -> tuple
     return np.where(held, r.dtype.type(0), r), held
 
 
-def net_force(
-    load: Array,
-    elastic: Array,
-    velocity: Array,
-    force: Array,
-    force_sums: Array64,
-    held_sums: Array64,
-    power_sums: Array64,
-    velocity_sums: Array64,
-) -> None:
+def net_force(load: Array, elastic: Array, velocity: Array, force: Array, *sums: Array64) -> None:
     """Free part f of r = load - K u; sums of f.f, held nodes, v.f and v.v per chunk."""
     force[:], held = _free_force(elastic, velocity, load)
-    _fire_sums(force, held, velocity, force_sums, held_sums, power_sums, velocity_sums)
-
-
-def _fire_sums(force: Array, held: Array, velocity: Array, *sums: Array64) -> None:
     for target, values in zip(sums, (force * force, held, velocity * force, velocity * velocity), strict=True):
         target[:] = _chunk_sums(values)
 
 
-def plain_sums(
-    elastic: Array,
-    velocity: Array,
-    force_sums: Array64,
-    held_sums: Array64,
-    power_sums: Array64,
-    velocity_sums: Array64,
-) -> None:
-    """Sums of f.f, held nodes, v.f and v.v per chunk."""
-    force, held = _free_force(elastic, velocity)
-    _fire_sums(force, held, velocity, force_sums, held_sums, power_sums, velocity_sums)
+def plain_sums(elastic: Array, velocity: Array, *sums: Array64) -> None:
+    """Sums of f.f, held nodes, v.f and v.v per chunk, for a load of 1."""
+    net_force(np.ones_like(elastic), elastic, velocity, np.empty_like(elastic), *sums)
 
 
 def restrict_to_free(force: Array, field: Array, squares: Array64) -> None:
@@ -75,30 +54,23 @@ def restrict_to_free(force: Array, field: Array, squares: Array64) -> None:
     squares[:] = _chunk_sums(field * field)
 
 
-def fire_control(
-    force_sums: Array64,
-    held_sums: Array64,
-    power_sums: Array64,
-    velocity_sums: Array64,
-    acceleration_sums: Array64,
-    state: Array64,
-) -> None:
+def fire_control(*sums_and_state: Array64) -> None:
     """FIRE's power rule on the chunks' sums: sets mix, gain and dt of the next step."""
-    s = state
-    held = held_sums.sum()
+    *sums, s = sums_and_state
+    force, held, power, velocity, acceleration = (part.sum() for part in sums)
     s[layout.HELD] = held
-    s[layout.RESIDUAL] = residual = np.sqrt(force_sums.sum() / max(s[layout.NUM_POINTS] - held, 1.0))
+    s[layout.RESIDUAL] = residual = np.sqrt(force / max(s[layout.NUM_POINTS] - held, 1.0))
     if not residual > s[layout.TOLERANCE] or residual > 1e30:
         s[layout.STOPPED], s[layout.MIX], s[layout.GAIN] = 1.0, 0.0, 0.0
         return
     dt, alpha, mix, gain = s[layout.DT], s[layout.ALPHA], 0.0, 0.0
-    if power_sums.sum() > 0:
+    if power > 0:
         s[layout.N_POSITIVE] += 1
         if s[layout.N_POSITIVE] > s[layout.N_MIN]:
             dt = min(dt * s[layout.F_INC], s[layout.DT_MAX])
             alpha *= s[layout.F_ALPHA]
         mix = 1 - alpha
-        ratio = np.sqrt(velocity_sums.sum() / max(acceleration_sums.sum(), 1e-300))
+        ratio = np.sqrt(velocity / max(acceleration, 1e-300))
         gain = min(alpha * ratio, 1 / (dt * s[layout.STIFFEST]))
     else:
         s[layout.N_POSITIVE] = 0
@@ -136,36 +108,32 @@ def count_below(response: Array, h: Array, state: Array64, counts: Array64) -> N
     counts[:] = _chunk_sums(h + response < h.dtype.type(state[layout.BOUND]))
 
 
-def _columns(columns: Array) -> tuple[Array, Array]:
-    """Rows 0 ... R/2 of complex columns, and for each row k the row (R - k) mod R."""
-    rows = columns[: columns.size // STRIDE * STRIDE].reshape(-1, STRIDE)[:, :COLUMNS]
-    k = np.arange(rows.shape[0] // 2 + 1)
-    return _complex(rows[k]), _complex(rows[-k])
-
-
 def _complex(values: Array) -> Array:
-    return values[..., ::2] + 1j * values[..., 1::2]
+    return values.view(np.result_type(values, np.complex64))
 
 
-def _twiddle_factors(near: Array, far: Array, count: int) -> Array:
-    """Of so many rows, one for each of their columns."""
-    return _complex(near.reshape(-1, 2 * COLUMNS)[:count]) * _complex(far)[:count, None]
+def _columns(columns: Array) -> tuple[Array, Array]:
+    """The complex columns, shape (R, COLUMNS/2), and the numbers of rows 0 ... R/2."""
+    rows = columns[: columns.size // STRIDE * STRIDE].reshape(-1, STRIDE)[:, :COLUMNS]
+    return _complex(rows), np.arange(len(rows) // 2 + 1)
+
+
+def _spectra(spectra: Array, count: int) -> Array:
+    """So many of its rows, shape (count, COLUMNS)."""
+    return _complex(spectra).reshape(-1, COLUMNS)[:count]
 
 
 def unpack_columns(near: Array, far: Array, columns: Array, spectra: Array) -> None:
     """Spectra of two real columns from that of the complex one, times their twiddle factors; see `warp_columns`."""
-    here, mirrored = _columns(columns)
-    both = np.stack([here + mirrored.conj(), (here - mirrored.conj()) * -1j], axis=-1) / 2
-    turned = both.reshape(len(here), -1) * _twiddle_factors(near, far, len(here))
-    rows = spectra.reshape(-1, 2 * COLUMNS)[: len(here)]
-    rows[:, ::2], rows[:, 1::2] = turned.real, turned.imag
+    values, k = _columns(columns)
+    here, mirrored = values[k], values[-k].conj()
+    both = np.stack([here + mirrored, (here - mirrored) * -1j], axis=-1) / 2
+    _spectra(spectra, k.size)[:] = both.reshape(k.size, -1) * _spectra(near, k.size) * _complex(far)[: k.size, None]
 
 
 def pack_columns(near: Array, far: Array, spectra: Array, columns: Array) -> None:
     """The way back, without a factor 2."""
-    rows = columns[: columns.size // STRIDE * STRIDE].reshape(-1, STRIDE)
-    k = np.arange(rows.shape[0] // 2 + 1)
-    turned = _complex(spectra.reshape(-1, 2 * COLUMNS)[: k.size]) * _twiddle_factors(near, far, k.size).conj()
+    values, k = _columns(columns)
+    turned = _spectra(spectra, k.size) * (_spectra(near, k.size) * _complex(far)[: k.size, None]).conj()
     first, second = turned[:, ::2], turned[:, 1::2]
-    for places, both in ((k, first + 1j * second), (-k, first.conj() + 1j * second.conj())):
-        rows[places, 0:COLUMNS:2], rows[places, 1:COLUMNS:2] = both.real, both.imag
+    values[k], values[-k] = first + 1j * second, first.conj() + 1j * second.conj()
