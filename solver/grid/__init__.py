@@ -5,6 +5,6 @@ next solve on the same grid, `certificate` says how wrong a displacement is, `pa
 `edges`, `heights`, `few_nodes`, `surroundings`, `loads`, `shares`, `gaps`, `unseen`, `contact` and `observables` say
 how large the contact is.
 
-May import: arrays, calibration, checks, display, quadrature, transforms, layers, indenters, reference, scene, value,
+May import: arrays, calibration, checks, display, transforms, layers, indenters, reference, scene, value,
 linecontact.kernels.
 """

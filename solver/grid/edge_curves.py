@@ -32,9 +32,8 @@ from functools import cache, cached_property, lru_cache
 
 import numpy as np
 
-from ..arrays import Array64, Indices
+from ..arrays import Array64, Indices, gauss_legendre
 from ..layers import ElasticLayer
-from ..quadrature import gauss_legendre
 from .layer_on_grid import modulus_anywhere, modulus_on_grid, thickness_on_grid
 
 Logarithm = Callable[[Array64], Array64]
@@ -143,7 +142,7 @@ class _Quadrature:
 
 @cache
 def _quadrature() -> _Quadrature:
-    nodes, weights = gauss_legendre(200)
+    nodes, weights = gauss_legendre()
     root = (nodes + 1) / 2
     q, weights_q = np.pi * root**2, weights * np.pi * root
     cosines = np.cos(np.outer(np.arange(_TABLE), q)) * weights_q / np.pi

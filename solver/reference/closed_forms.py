@@ -10,12 +10,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..arrays import Array64
+from ..arrays import Array64, gauss_legendre
 from ..layers.bonded import foundation_compliance, foundation_modulus
-from ..quadrature import gauss_legendre
 from ..transforms.plain import irfft, rfft
-
-_GAUSS = 200
 
 
 def kappa_half_space(exponent: float) -> float:
@@ -42,7 +39,7 @@ def periodic_line_load(half_width: float, slope: Callable[[Array64], Array64]) -
     F = E* int_0^a h'(x) sin(pi x/L)/sqrt(sin^2(pi a/L) - sin^2(pi x/L)) dx (Westergaard's problem), made
     smooth by sin(pi x/L) = sin(pi a/L) sin(theta). `slope` maps x/L, shape (M,), to h', shape (M,).
     """
-    nodes, weights = gauss_legendre(_GAUSS)
+    nodes, weights = gauss_legendre()
     theta = (nodes + 1) * np.pi / 4
     x = np.arcsin(math.sin(math.pi * half_width) * np.sin(theta)) / np.pi
     return float(np.sum(weights * np.pi / 4 * slope(x) * np.tan(np.pi * x)) / np.pi)
