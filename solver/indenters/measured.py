@@ -142,6 +142,10 @@ class MeasuredIndenter(Indenter):
         heights = self.profile(num_points, period) * period
         return replace(self, heights=heights, measured_points=measured, **self._remade)
 
+    def in_units(self, length: float, pressure: float = 1.0) -> Self:
+        period = None if self.given_period is None else self.given_period * length
+        return replace(self, heights=self.heights * length, given_period=period, **self._remade)
+
     def ratios(self, period: float) -> dict[str, float]:
         return {"largest height/period": float(self.heights.max()) / period}
 

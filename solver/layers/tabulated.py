@@ -167,7 +167,7 @@ class TabulatedLayer(ElasticLayer):
             "stiffness_source": self.source,
         }
 
-    def in_units(self, length: float, pressure: float) -> Self:
+    def in_units(self, length: float, pressure: float = 1.0) -> Self:
         return replace(
             self,
             wave_numbers=tuple(q / length for q in self.wave_numbers),
