@@ -15,7 +15,6 @@ from . import checks
 from .indenters import INDENTERS, Indenter
 from .layers import LAYERS, ElasticLayer
 
-_ROUNDED = 1e-9  # relative difference of periods that are the same
 _ALIKE = 0.01  # relative difference of K of long waves from the foundation's modulus
 _LONG = (1e-3, 1e-6, 1e-9)
 """Long waves, over those of the longer of period and thickness; rounding may spoil K of the longest."""
@@ -65,7 +64,7 @@ def check_indenter(indenter: Indenter, num_points: int, period: float) -> None:
     own = indenter.given_period
     if own is not None:
         own = checks.real(f"given_period of indenter {indenter.name}", own, "a finite length > 0, or None", 0)
-        if abs(period / own - 1) > _ROUNDED:
+        if not math.isclose(period, own):
             raise ValueError(f"period is {period:.10g}; allowed: {own:.10g}, for which the heights were given")
     indenter.check(num_points)
 

@@ -20,7 +20,8 @@ from .value import Value
 
 PRECISIONS = ("float64", "float32", "mixed")
 MIN_POINTS, MAX_POINTS = 4, 2**30  # Warp indices are int32
-SMALLEST, LARGEST = 1e-60, 1e60
+SMALLEST = 1e-60
+LARGEST = 1 / SMALLEST
 """Bounds on the units and on the dimensionless ratios of a scene."""
 
 _PRESSURE = float("2e-3")  # the default, an object of its own, by which it is told from a pressure that is given

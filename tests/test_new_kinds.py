@@ -277,7 +277,7 @@ def test_what_is_missing_is_named():
             return np.zeros(num_points)
 
     with pytest.raises(
-        ValueError, match=r"is .*, which lacks shortest_wave, to_dict, check and \d+ more; allowed: a PowerInd"
+        ValueError, match=r"is .*, which lacks shortest_wave, to_dict and \d+ more; allowed: a PowerInd"
     ):
         Scene(indenter=Half())
     with pytest.raises(ValueError, match="layer is 3; allowed: a Layer"):
