@@ -149,22 +149,17 @@ class Solution(Value):
     def _rows(self) -> list[display.Row]:
         """What was found, as it is shown: how it ended and what it took first."""
         found, units = self.observables, self.scene.units
-
-        def measured(name: str, unit: str, error: float) -> display.Row:
-            told = f" +- {display.rounded_up(error)}" if error < math.inf else ""
-            return display.Row(name, display.number(getattr(found, name)) + told, unit)
-
         return [
             display.Row("status", str(self.status), ""),
             display.Row("method", self.method, ""),
             display.Row("transform_pairs", f"{self.transform_pairs:.3g}", "-"),
             display.Row("seconds", f"{self.seconds.get('total', 0.0):.3g}", "s"),
-            measured("contact_area_subgrid", "-", found.contact_area_error),
+            _measured("contact_area_subgrid", found.contact_area_subgrid, "-", found.contact_area_error),
             display.row("contact_width", self.contact_width, units),
             display.row("num_patches", found.num_patches),
-            measured("peak_pressure", units["pressure"], found.peak_pressure_error),
-            measured("kappa_subgrid", "-", found.kappa_error),
-            measured("approach", units["length"], found.approach_error),
+            _measured("peak_pressure", found.peak_pressure, units["pressure"], found.peak_pressure_error),
+            _measured("kappa_subgrid", found.kappa_subgrid, "-", found.kappa_error),
+            _measured("approach", found.approach, units["length"], found.approach_error),
         ]
 
     @cached_property
@@ -212,12 +207,11 @@ class Solution(Value):
 
     def to_record(self) -> dict[str, Any]:
         """As `to_dict`, but for the coarser grids and the warnings, whose number differs from solution to solution."""
-        found: dict[str, Any] = {"status": str(self.status)}
-        if self.reason:
-            found["reason"] = str(self.reason)
-        found |= {name: value for name, value in asdict(self.observables).items() if value is not None}
         certified = asdict(self.certificate) if self.certificate else {}
-        found |= {
+        found = {
+            "status": str(self.status),
+            **({"reason": str(self.reason)} if self.reason else {}),
+            **{name: value for name, value in asdict(self.observables).items() if value is not None},
             "contact_width": self.contact_width,
             "iterations": self.iterations,
             "transform_pairs": round(self.transform_pairs, 3),
@@ -238,3 +232,8 @@ class Solution(Value):
             "provenance": provenance(),
         }
         return dict(checks.plain(found))
+
+
+def _measured(name: str, value: float, unit: str, error: float) -> display.Row:
+    told = f" +- {display.rounded_up(error)}" if error < math.inf else ""
+    return display.Row(name, display.number(value) + told, unit)

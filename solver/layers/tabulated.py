@@ -19,10 +19,10 @@ from ..arrays import Array64
 from .layer import ElasticLayer
 
 _FEWEST = 8  # rows
-_COARSE = 0.02  # change of K where every other row is left out; with all rows it is some sixteenth of that
-_FINE = 1e-6  # the same, of a function
+_COARSE = 0.02  # change of K where every other row is left out (with all rows it is some sixteenth of that), and
+# difference of a slope d ln K/d ln q from 0 or 1 at which a law is taken to go on
+_FINE = 1e-6  # change of a function
 _MOST = 2**16  # rows from which a function is not sampled more finely
-_STRAIGHT = 0.01  # difference of a slope d ln K/d ln q from 0 or 1 at which a law is taken to go on
 
 
 @dataclass(frozen=True)
@@ -116,7 +116,7 @@ class TabulatedLayer(ElasticLayer):
     def thickness(self) -> float:  # type: ignore[override]
         """The length beyond which waves do not find the half-space of short waves any more [length]."""
         q, k = np.array(self.wave_numbers), np.array(self.stiffnesses)
-        other = np.flatnonzero(np.abs(2 * k / (self.contact_modulus * q) - 1) > _STRAIGHT)
+        other = np.flatnonzero(np.abs(2 * k / (self.contact_modulus * q) - 1) > _COARSE)
         return float(1 / q[other[-1]]) if other.size else math.inf
 
     def check(self, period: float) -> None:
@@ -133,7 +133,7 @@ class TabulatedLayer(ElasticLayer):
         low, high = self._start or 0, self._slopes[1]
         if float(q.min()) < first * (1 - 1e-12) and low < 0:
             raise ValueError(_missing("long", float(q.min()), first, "foundation or half-space"))
-        if float(q.max()) > last * (1 + 1e-12) and abs(high - 1) >= _STRAIGHT:
+        if float(q.max()) > last * (1 + 1e-12) and abs(high - 1) >= _COARSE:
             raise ValueError(_missing("short", float(q.max()), last, "half-space"))
         table = np.log(self.wave_numbers), np.log(self.stiffnesses)
         inside = np.log(np.clip(q, first, last))
@@ -145,7 +145,7 @@ class TabulatedLayer(ElasticLayer):
     def _start(self) -> int | None:
         """The power of q with which K begins: 0, 1 or -2; None for anything else."""
         slope = self._slopes[0]
-        return next((law for law in (0, 1, -2) if abs(slope - law) < _STRAIGHT * max(1, abs(law))), None)
+        return next((law for law in (0, 1, -2) if abs(slope - law) < _COARSE * max(1, abs(law))), None)
 
     @property
     def _slopes(self) -> tuple[float, float]:
@@ -209,15 +209,12 @@ def _cubic(x: Array64, y: Array64, at: Array64) -> Array64:
     """The monotone piecewise cubic through the points (x, y) at places inside of them."""
     step = np.diff(x)
     secant = np.diff(y) / step
-    slope = np.empty_like(y)
-    weight = (2 * step[1:] + step[:-1], step[1:] + 2 * step[:-1])
+    before, after = secant[:-1], secant[1:]
+    weights = 2 * step[1:] + step[:-1], step[1:] + 2 * step[:-1]
     with np.errstate(divide="ignore", invalid="ignore"):
-        mean = (weight[0] + weight[1]) / (weight[0] / secant[:-1] + weight[1] / secant[1:])
-    slope[1:-1] = np.where(secant[:-1] * secant[1:] > 0, mean, 0.0)
-    slope[0], slope[-1] = secant[0], secant[-1]
+        mean = (weights[0] + weights[1]) / (weights[0] / before + weights[1] / after)
+    slope = np.concatenate([secant[:1], np.where(before * after > 0, mean, 0.0), secant[-1:]])
     place = np.clip(np.searchsorted(x, at, side="right") - 1, 0, step.size - 1)
-    h = step[place]
-    t = (at - x[place]) / h
-    left, right = h * slope[place], h * slope[place + 1]
-    rise = y[place + 1] - y[place]
-    return np.asarray(y[place] + t * (left + t * ((3 * rise - 2 * left - right) + t * (left + right - 2 * rise))))
+    t, left, right, over = at - x[place], slope[place], slope[place + 1], secant[place]
+    bend = (left + right - 2 * over) / step[place]
+    return np.asarray(y[place] + t * (left + t * ((over - left) / step[place] - bend + t * bend / step[place])))
