@@ -30,8 +30,7 @@ LARGEST_STRAIN = 0.1
 NEARLY_FULL = 0.97
 """Contact area beyond which there is hardly anything but finer grids to compare with (dimensionless)."""
 
-_UNRESOLVED_SHARE = 0.2  # of the contact nodes, in patches that are not resolved
-_FEWEST_NODES = 3  # of a patch that is resolved
+_FEWEST_NODES = 3  # of a patch that is resolved, on the average
 _MOST_LEFT_OUT = 0.02  # of the mean square slope, in waves that the grid leaves out, and of the load, where a scan does
 
 _FAR_APART = 1e-5, 1e3  # thickness over the period of a scan
@@ -112,11 +111,10 @@ def _of_grid(scene: Scene, found: Observables, patches: PatchTable) -> Iterator[
     """Whether the patches are resolved by the grid, and by the values of a scan."""
     area, waves = found.contact_area_subgrid, scene.indenter.shortest_wave(scene.num_points)
     uncertain = found.contact_area_edges_error + found.unseen_gap_area
-    few = float(patches.nodes[patches.nodes < _FEWEST_NODES].sum() / patches.nodes.sum())
-    if few > _UNRESOLVED_SHARE and uncertain > LARGEST_ERROR * area:
-        text = f"{few:.0%} of the contact nodes are in patches of fewer than {_FEWEST_NODES} nodes"
-        why = "the grid hardly resolves them, and may miss others between its nodes; more num_points"
-        yield SolutionWarning(WarningKind.GRID, f"{text}: {why}")
+    nodes = float(patches.nodes.mean())
+    if nodes < _FEWEST_NODES and uncertain > LARGEST_ERROR * area:
+        text = f"the patches have {nodes:.2g} nodes on the average, and fewer than {_FEWEST_NODES} hardly resolve them"
+        yield SolutionWarning(WarningKind.GRID, f"{text}; there may be others between the nodes; more num_points")
     if scene.indenter.omitted(scene.num_points) > _MOST_LEFT_OUT:
         yield SolutionWarning(
             WarningKind.WAVES, "the grid is coarser than the profile and leaves out waves of it; more num_points"

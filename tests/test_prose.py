@@ -163,8 +163,8 @@ def limits_of_scans():
     assert (preparation._ROOM, preparation._BETWEEN, preparation._FORM) == (2 / 8, 1 / 4, 5)
     yield "at most sixteen for each value"
     assert columns.MAX_REFINEMENT == 16
-    yield "more than a fifth of the contact nodes are in patches of fewer than three nodes"
-    assert (warnings._UNRESOLVED_SHARE, warnings._FEWEST_NODES) == (0.2, 3)
+    yield "the patches have fewer than three nodes on the average"
+    assert warnings._FEWEST_NODES == 3
     yield f"the edges of the patches and gaps between two nodes may be off by {100 * warnings.LARGEST_ERROR:.0f} %"
     yield f"patches as narrow as two values carry more than {100 * warnings._MOST_LEFT_OUT:.0f} % of the load"
     yield f"strains reach about {warnings.LARGEST_STRAIN}:"

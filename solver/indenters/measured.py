@@ -88,16 +88,12 @@ class MeasuredIndenter(Indenter):
 
     def effective_wave(self, num_points: int) -> int:
         """The wave up to which nearly all of the mean square curvature lies, but for that of a few kinks."""
-        return min(self._curved_to, self.shortest_wave(num_points))
+        curved = self._curved_between_kinks if self.kinked else self._curved_everywhere
+        return min(curved, self.shortest_wave(num_points))
 
     @property
     def kinked(self) -> bool:
         return _SMOOTHER * self._curved_between_kinks <= self._curved_everywhere
-
-    @property
-    def _curved_to(self) -> int:
-        """Number of `effective_wave` without a grid."""
-        return self._curved_between_kinks if self.kinked else self._curved_everywhere
 
     @cached_property
     def _curved_everywhere(self) -> int:

@@ -33,7 +33,6 @@ MOST_NODES = 2048
 MEASURED = ("contact_area", "kappa", "peak_pressure", "approach")
 """What `solve_to_accuracy` estimates the error of."""
 
-_MOST_STEPS = 40  # of the search for a load; ten are many where the edge layers are resolved
 _TENSION = 1e-6  # over the peak pressure; where more pulls the contact is not one patch
 
 
@@ -156,7 +155,7 @@ def _match(system: Callable[[float], System], load: float, exponent: float, gues
     """Root of load(a) = `load` by secants in log-log, where it is nearly a power law; bisection as a safeguard."""
     low, high = math.log(guess) - 100, math.log(0.49)
     y, slope, before = min(math.log(guess), math.log(0.45)), exponent + 1.0, (math.nan, math.nan)
-    for _ in range(_MOST_STEPS):
+    while True:
         best = system(math.exp(y))
         error = math.log(best.load / load) if best.load > 0 else math.inf
         if abs(error) < 1e-13:
