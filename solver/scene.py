@@ -14,8 +14,8 @@ from . import checks, display
 from .arrays import Array64
 from .indenters import Indenter, PowerIndenter
 from .layers import ElasticLayer, Layer
-from .parts import check_foundation, check_indenter, check_layer
 from .units import PRESSURES, named
+from .validate import check_foundation, check_indenter, check_layer
 from .value import Value
 
 PRECISIONS = ("float64", "float32", "mixed")
