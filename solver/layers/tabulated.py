@@ -19,8 +19,9 @@ from ..arrays import Array64
 from .layer import ElasticLayer
 
 _FEWEST = 8  # rows
-_COARSE = 0.02  # change of K where every other row is left out (with all rows it is some sixteenth of that), and
-# difference of a slope d ln K/d ln q from 0 or 1 at which a law is taken to go on
+CLOSE = 0.02
+"""Relative difference of K from a law, or of its power of q, at which it has become that law; and the largest change of
+K where every other row is left out (with all rows it is some sixteenth of that)."""
 _FINE = 1e-6  # change of a function
 _MOST = 2**16  # rows from which a function is not sampled more finely
 
@@ -63,9 +64,9 @@ class TabulatedLayer(ElasticLayer):
             allowed = "a table that begins where K is constant (a foundation), or goes like q (a half-space) or 1/q^2"
             raise ValueError(f"stiffnesses begin at q = {q[0]:.4g}, where K {slope}; allowed: {allowed}")
         error, about = _left_out(q, k)
-        if error > _COARSE:
+        if error > CLOSE:
             change = f"{error:.0%} about q = {about:.3g}"
-            allowed = f"rows so close that it is below {_COARSE:.0%}"
+            allowed = f"rows so close that it is below {CLOSE:.0%}"
             raise ValueError(f"stiffnesses, where every other row is left out, change by {change}; allowed: {allowed}")
 
     @classmethod
@@ -116,7 +117,7 @@ class TabulatedLayer(ElasticLayer):
     def thickness(self) -> float:  # type: ignore[override]
         """The length beyond which waves do not find the half-space of short waves any more [length]."""
         q, k = np.array(self.wave_numbers), np.array(self.stiffnesses)
-        other = np.flatnonzero(np.abs(2 * k / (self.contact_modulus * q) - 1) > _COARSE)
+        other = np.flatnonzero(np.abs(2 * k / (self.contact_modulus * q) - 1) > CLOSE)
         return float(1 / q[other[-1]]) if other.size else math.inf
 
     def check(self, period: float) -> None:
@@ -133,7 +134,7 @@ class TabulatedLayer(ElasticLayer):
         low, high = self._start or 0, self._slopes[1]
         if float(q.min()) < first * (1 - 1e-12) and low < 0:
             raise ValueError(_missing("long", float(q.min()), first, "foundation or half-space"))
-        if float(q.max()) > last * (1 + 1e-12) and abs(high - 1) >= _COARSE:
+        if float(q.max()) > last * (1 + 1e-12) and abs(high - 1) >= CLOSE:
             raise ValueError(_missing("short", float(q.max()), last, "half-space"))
         table = np.log(self.wave_numbers), np.log(self.stiffnesses)
         inside = np.log(np.clip(q, first, last))
@@ -145,7 +146,7 @@ class TabulatedLayer(ElasticLayer):
     def _start(self) -> int | None:
         """The power of q with which K begins: 0, 1 or -2; None for anything else."""
         slope = self._slopes[0]
-        return next((law for law in (0, 1, -2) if abs(slope - law) < _COARSE * max(1, abs(law))), None)
+        return next((law for law in (0, 1, -2) if abs(slope - law) < CLOSE * max(1, abs(law))), None)
 
     @property
     def _slopes(self) -> tuple[float, float]:

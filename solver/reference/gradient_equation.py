@@ -21,13 +21,13 @@ from numpy.typing import NDArray
 
 from ..arrays import Array64
 from ..layers import ElasticLayer
+from ..layers.layer import HALF_SPACE_FROM
 from .closed_forms import kappa_from_area, kappa_half_space
 
 _MOST_VALUES = 6e7  # in one matrix: half a GiB
-STEEPEST = 1e100
-"""Slopes of profiles are cut off here, before they overflow (dimensionless)."""
-_MODES = 22.0  # exp(-2 * 22) < 1e-19: largest q d of the layer's sum
-_DECAY = 2 * _MODES  # exp(-(pi/2) 44) < 1e-29: distance in units of d beyond which a layer does not interact
+STEEPEST = float(np.finfo(np.float64).max) ** (1 / 3)
+"""Slopes of profiles are cut off here, before their squares overflow (dimensionless)."""
+_DECAY = 2 * HALF_SPACE_FROM  # exp(-(pi/2) 50) < 1e-34: distance in units of d beyond which a layer does not interact
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ class System:
         a, thickness = half_width, layer.thickness
         n = max(num_nodes, 2 * round(resolution * math.sqrt(a / thickness)))
         period = min(1.0, 2 * a + _DECAY * thickness) if layer.foundation_modulus(1.0) else 1.0
-        count = _MODES / thickness * period / (2 * np.pi)
+        count = HALF_SPACE_FROM / thickness * period / (2 * np.pi)
         if n * max(n, count) > _MOST_VALUES:
             raise ValueError(
                 f"thickness is {thickness!r}; allowed: more, for a half-width of {a:.3g} collocation would need "
