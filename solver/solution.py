@@ -203,7 +203,7 @@ class Solution(Value):
         known = {"contact_stiffness": self.contact_stiffness} if self.status is Status.CONVERGED else {}
         levels = {str(level.num_points): level.to_dict() for level in self.levels}
         warnings = {str(warning.kind): warning.text for warning in self.warnings}
-        return self.to_record() | checks.plain({**known, "levels": levels, "warnings": warnings})
+        return self.to_record() | dict(checks.plain({**known, "levels": levels, "warnings": warnings}))
 
     def to_record(self) -> dict[str, Any]:
         """As `to_dict`, but for the coarser grids and the warnings, whose number differs from solution to solution."""

@@ -116,7 +116,7 @@ def _error(coarser: Asperity, finer: Asperity, exponent: float, name: str) -> fl
     """Relative error of the coarser result, at least what rounding leaves: the change, and more for peak pressures at
     tips, which converge with the power n - 1 of the nodes.
     """
-    change = abs(getattr(finer, name) / getattr(coarser, name) - 1)
+    change = abs(float(getattr(coarser, name)) / float(getattr(finer, name)) - 1)
     return max(change / (1 - 2 ** (1 - exponent)) if name == "peak_pressure" else change, 1e-12)
 
 

@@ -25,7 +25,7 @@ from ..layers.layer import HALF_SPACE_FROM
 from .closed_forms import kappa_from_area, kappa_half_space
 
 _MOST_VALUES = 6e7  # in one matrix: half a GiB
-STEEPEST = float(np.finfo(np.float64).max) ** (1 / 3)
+STEEPEST: float = math.cbrt(np.finfo(np.float64).max)
 """Slopes of profiles are cut off here, before their squares overflow (dimensionless)."""
 _DECAY = 2 * HALF_SPACE_FROM  # exp(-(pi/2) 50) < 1e-34: distance in units of d beyond which a layer does not interact
 
