@@ -1,6 +1,7 @@
-"""What the whole solver knows of arrays: names for their types, and long ones part by part."""
+"""Arrays: names for their types, long ones part by part, and the nodes of a quadrature."""
 
 from collections.abc import Iterator
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ Modes = NDArray[np.complex128]
 """Fourier coefficients for the wave numbers from 0 to N/2 (half spectrum)."""
 
 _PART = 2**14  # values whose intermediate results stay in the cache
+_NODES = 200  # of Gauss-Legendre quadrature: smooth integrands to rounding
 
 
 def parts(length: int) -> Iterator[slice]:
@@ -23,3 +25,9 @@ def parts(length: int) -> Iterator[slice]:
     their values take to compute.
     """
     return (slice(start, start + _PART) for start in range(0, length, _PART))
+
+
+@cache
+def gauss_legendre() -> tuple[Array64, Array64]:
+    """Nodes and weights on (-1, 1), shape (M,) each, kept because they cost an eigenvalue problem."""
+    return np.polynomial.legendre.leggauss(_NODES)

@@ -13,8 +13,6 @@ import numpy as np
 
 from .arrays import Array64
 
-_MOST_NAMED = 3  # of the members that are missing
-
 BELOW_ZERO = -math.ulp(0.0)
 """A bound that leaves 0 itself allowed."""
 
@@ -88,10 +86,9 @@ def offers(name: str, value: object, kind: type[Any], allowed: str) -> None:
     if isinstance(value, type) or len(missing) == len(wanted):
         raise ValueError(f"{name} is {value!r}; allowed: {allowed}")
     if missing:
-        missing.sort(key=lambda member: member not in kind.__abstractmethods__)  # those without a default first
-        lacks, others = ", ".join(missing[:_MOST_NAMED]), len(missing) - _MOST_NAMED
-        if others > 0:
-            lacks += f" and {others} more"
+        needed = [member for member in missing if member in kind.__abstractmethods__] or missing
+        others = len(missing) - len(needed)
+        lacks = ", ".join(needed) + f" and {others} more" * bool(others)
         raise ValueError(f"{name} is {value!r}, which lacks {lacks}; allowed: {allowed}")
 
 

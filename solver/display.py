@@ -11,8 +11,7 @@ import numpy as np
 
 from .units import named, shown, unit
 
-_WIDTH = 100  # columns of a printed line
-_LONGEST = 80  # characters of a text that is shown
+_WIDTH = 100  # columns of a printed line, and characters of a text in it
 
 
 class Row(NamedTuple):
@@ -31,7 +30,7 @@ def row(name: str, value: Any, names: Mapping[str, str] | None = None) -> Row:
     if name.rpartition(".")[2] == "thickness" and str(value) == "inf":
         return Row(name, "half-space", "")
     if isinstance(value, str):
-        return Row(name, textwrap.shorten(value, _LONGEST, placeholder=" ..."), "")
+        return Row(name, textwrap.shorten(value, _WIDTH, placeholder=" ..."), "")
     return Row(name, number(value), shown(unit(name), names or named({})))
 
 

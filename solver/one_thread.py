@@ -1,14 +1,11 @@
 """Linear algebra on one thread: its matrices are small, and where cores are busy its threads wait for each other."""
 
 import threading
-from collections.abc import Callable
-from functools import cache, wraps
-from typing import ParamSpec, TypeVar
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cache
 
 from threadpoolctl import ThreadpoolController
-
-_Given = ParamSpec("_Given")
-_Result = TypeVar("_Result")
 
 _limiting = threading.Lock()
 """Held while one of these functions has set the limit, which is the whole process's."""
@@ -20,21 +17,17 @@ def _libraries() -> ThreadpoolController:
     return ThreadpoolController()
 
 
-def on_one_thread(function: Callable[_Given, _Result]) -> Callable[_Given, _Result]:
-    """A function during which linear algebra takes one thread; what the user has set is back after it.
+@contextmanager
+def on_one_thread() -> Iterator[None]:
+    """Linear algebra takes one thread meanwhile (also as a decorator); what the user has set is back afterwards.
 
-    The limit is that of the whole process. Where several threads are in such functions, the first of them sets it and
-    takes it back at its end; the others leave it alone.
+    Where several threads are here, the first of them sets the limit and takes it back at its end.
     """
-
-    @wraps(function)
-    def limited(*args: _Given.args, **kwargs: _Given.kwargs) -> _Result:
-        if not _limiting.acquire(blocking=False):
-            return function(*args, **kwargs)
-        try:
-            with _libraries().limit(limits=1, user_api="blas"):
-                return function(*args, **kwargs)
-        finally:
-            _limiting.release()
-
-    return limited
+    if not _limiting.acquire(blocking=False):
+        yield
+        return
+    try:
+        with _libraries().limit(limits=1, user_api="blas"):
+            yield
+    finally:
+        _limiting.release()

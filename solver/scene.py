@@ -14,13 +14,14 @@ from . import checks, display
 from .arrays import Array64
 from .indenters import Indenter, PowerIndenter
 from .layers import ElasticLayer, Layer
-from .parts import check_foundation, check_indenter, check_layer
 from .units import PRESSURES, named
+from .validate import check_foundation, check_indenter, check_layer
 from .value import Value
 
 PRECISIONS = ("float64", "float32", "mixed")
 MIN_POINTS, MAX_POINTS = 4, 2**30  # Warp indices are int32
-SMALLEST, LARGEST = 1e-60, 1e60
+SMALLEST = 1e-60
+LARGEST = 1 / SMALLEST
 """Bounds on the units and on the dimensionless ratios of a scene."""
 
 _PRESSURE = float("2e-3")  # the default, an object of its own, by which it is told from a pressure that is given
@@ -58,13 +59,11 @@ class Scene(Value):
     nothing."""
 
     def __post_init__(self) -> None:
-        points = f"an integer from {MIN_POINTS} to {MAX_POINTS}"
         self._check_load()
-        checks.assign(
-            self,
-            period=checks.real("period", self.period, "a finite length > 0", 0),
-            num_points=checks.integer("num_points", self.num_points, points, MIN_POINTS, MAX_POINTS),
-        )
+        points = f"an integer from {MIN_POINTS} to {MAX_POINTS}"
+        period = checks.real("period", self.period, "a finite length > 0", 0)
+        num_points = checks.integer("num_points", self.num_points, points, MIN_POINTS, MAX_POINTS)
+        checks.assign(self, period=period, num_points=num_points)
         checks.choice("precision", self.precision, PRECISIONS)
         if self.pressure_unit is not None:
             checks.choice("pressure_unit", self.pressure_unit, tuple(PRESSURES))
@@ -88,7 +87,9 @@ class Scene(Value):
 
     def __repr__(self) -> str:
         """What is pressed against what, in a few lines with units; arrays and long texts are left out."""
-        rows = (self._row(name, value) for name, value in [*self._load, *self._grid[:2]])
+        about = self.to_dict()
+        shown = [name for name in ("pressure", "approach", "period", "num_points") if name in about]
+        rows = (display.row(name, about[name], self.units) for name in shown)
         lines = "\n".join(
             [f"{display.sentence('Scene', rows)}, {self.precision}", *map(repr, (self.layer, self.indenter))]
         )
@@ -102,7 +103,7 @@ class Scene(Value):
 
     def rows(self) -> list[display.Row]:
         """Everything that is known of the scene, as it is shown in a table."""
-        rows = [self._row(name, value) for name, value in self.to_dict().items()]
+        rows = [display.row(name, value, self.units) for name, value in self.to_dict().items()]
         if self.approach is None:
             rows.append(display.Row("pressure/contact_modulus", display.number(self.reduced_load), "-"))
         return rows
@@ -117,17 +118,13 @@ class Scene(Value):
         """The units of 'length' and 'pressure', as far as a scan or `pressure_unit` names them."""
         return named(self.to_dict())
 
-    def _row(self, name: str, value: Any) -> display.Row:
-        return display.row(name, value, self.units)
-
     def _check_scales(self) -> None:
         """Refuse units and ratios whose products would overflow or underflow."""
         numbers = {"period [length]": self.period, "contact_modulus [pressure]": self.layer.contact_modulus}
-        if self.approach is None:
-            load = {"pressure/contact_modulus": self.reduced_load}
-        else:
-            load = {"|approach|/period": abs(self.approach) / self.period}
-        numbers |= {name: value for name, value in load.items() if value}
+        if self.approach:
+            numbers["|approach|/period"] = abs(self.approach) / self.period
+        if self.approach is None and self.pressure:
+            numbers["pressure/contact_modulus"] = self.reduced_load
         numbers |= self.indenter.ratios(self.period) | self.layer.ratios(self.period)
         for name, value in numbers.items():
             if not SMALLEST <= value <= LARGEST:
@@ -148,14 +145,6 @@ class Scene(Value):
         """Heights h(x_i) above the lowest point, shape (N,) [length]."""
         return self.period * self.indenter.profile(self.num_points, self.period)
 
-    @property
-    def _load(self) -> list[tuple[str, Any]]:
-        return [("pressure", self.pressure) if self.approach is None else ("approach", self.approach)]
-
-    @property
-    def _grid(self) -> list[tuple[str, Any]]:
-        return [(name, getattr(self, name)) for name in ("period", "num_points", "precision", "pressure_unit")]
-
     def on_grid(self, num_points: int) -> Self:
         """The same scene on another grid."""
         if num_points == self.num_points:
@@ -164,5 +153,7 @@ class Scene(Value):
 
     def to_dict(self) -> dict[str, Any]:
         """Flat, JSON-ready description under the command line's names; an infinite thickness becomes 'inf'."""
-        described = {**self.indenter.to_dict(), **dict(self._load), **self.layer.to_dict(), **dict(self._grid)}
+        load = {"pressure": self.pressure} if self.approach is None else {"approach": self.approach}
+        grid = {name: getattr(self, name) for name in ("period", "num_points", "precision", "pressure_unit")}
+        described = {**self.indenter.to_dict(), **load, **self.layer.to_dict(), **grid}
         return {name: checks.plain(value) for name, value in described.items() if value is not None}

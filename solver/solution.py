@@ -149,26 +149,17 @@ class Solution(Value):
     def _rows(self) -> list[display.Row]:
         """What was found, as it is shown: how it ended and what it took first."""
         found, units = self.observables, self.scene.units
-        area, peak, kappa, approach = (
-            display.number(value) + (f" +- {display.rounded_up(error)}" if error < math.inf else "")
-            for value, error in (
-                (found.contact_area_subgrid, found.contact_area_error),
-                (found.peak_pressure, found.peak_pressure_error),
-                (found.kappa_subgrid, found.kappa_error),
-                (found.approach, found.approach_error),
-            )
-        )
         return [
             display.Row("status", str(self.status), ""),
             display.Row("method", self.method, ""),
             display.Row("transform_pairs", f"{self.transform_pairs:.3g}", "-"),
             display.Row("seconds", f"{self.seconds.get('total', 0.0):.3g}", "s"),
-            display.Row("contact_area_subgrid", area, "-"),
+            _measured("contact_area_subgrid", found.contact_area_subgrid, "-", found.contact_area_error),
             display.row("contact_width", self.contact_width, units),
             display.row("num_patches", found.num_patches),
-            display.Row("peak_pressure", peak, units["pressure"]),
-            display.Row("kappa_subgrid", kappa, "-"),
-            display.Row("approach", approach, units["length"]),
+            _measured("peak_pressure", found.peak_pressure, units["pressure"], found.peak_pressure_error),
+            _measured("kappa_subgrid", found.kappa_subgrid, "-", found.kappa_error),
+            _measured("approach", found.approach, units["length"], found.approach_error),
         ]
 
     @cached_property
@@ -184,7 +175,7 @@ class Solution(Value):
     @cached_property
     def contact_stiffness(self) -> float:
         """dp/d(approach) [pressure/length], computed on first use; see `linecontact.contact_stiffness`."""
-        import linecontact  # the package's front knows what stands above a solution
+        import linecontact  # the package's front knows what stands above a solution, here and below
 
         return linecontact.contact_stiffness(self)
 
@@ -193,7 +184,7 @@ class Solution(Value):
 
         overwrite: whether an existing file may be replaced. Raises `ValueError` for a file that cannot be written.
         """
-        import linecontact  # the package's front knows how files are written
+        import linecontact
 
         linecontact.save(self, path, overwrite)
 
@@ -203,26 +194,24 @@ class Solution(Value):
         path: where to write it, too, for instance as .png or .pdf. overwrite: whether a file may be replaced that is no
         figure of linecontact's. Raises `ValueError` for a file that cannot be written.
         """
-        import linecontact  # the package's front knows how solutions are drawn
+        import linecontact
 
         return linecontact.plot(self, path, overwrite)
 
     def to_dict(self) -> dict[str, Any]:
         """Everything but the fields that has a meaning, JSON-ready: numbers, text, flat objects; infinite: 'inf'."""
+        known = {"contact_stiffness": self.contact_stiffness} if self.status is Status.CONVERGED else {}
         levels = {str(level.num_points): level.to_dict() for level in self.levels}
         warnings = {str(warning.kind): warning.text for warning in self.warnings}
-        known = self.status is Status.CONVERGED
-        stiffness = {"contact_stiffness": checks.plain(self.contact_stiffness)} if known else {}
-        return self.to_record() | stiffness | {"levels": checks.plain(levels), "warnings": warnings}
+        return self.to_record() | dict(checks.plain({**known, "levels": levels, "warnings": warnings}))
 
     def to_record(self) -> dict[str, Any]:
         """As `to_dict`, but for the coarser grids and the warnings, whose number differs from solution to solution."""
-        found: dict[str, Any] = {"status": str(self.status)}
-        if self.reason:
-            found["reason"] = str(self.reason)
-        found |= {name: value for name, value in asdict(self.observables).items() if value is not None}
         certified = asdict(self.certificate) if self.certificate else {}
-        found |= {
+        found = {
+            "status": str(self.status),
+            **({"reason": str(self.reason)} if self.reason else {}),
+            **{name: value for name, value in asdict(self.observables).items() if value is not None},
             "contact_width": self.contact_width,
             "iterations": self.iterations,
             "transform_pairs": round(self.transform_pairs, 3),
@@ -242,5 +231,9 @@ class Solution(Value):
             "version": __version__,
             "provenance": provenance(),
         }
-        plain: dict[str, Any] = checks.plain(found)
-        return plain
+        return dict(checks.plain(found))
+
+
+def _measured(name: str, value: float, unit: str, error: float) -> display.Row:
+    told = f" +- {display.rounded_up(error)}" if error < math.inf else ""
+    return display.Row(name, display.number(value) + told, unit)

@@ -21,7 +21,7 @@ from .transforms.device import DEVICES, borrowed, check_device
 from .transforms.planner import check_settings
 
 
-@on_one_thread
+@on_one_thread()
 def solve(
     scene: Scene,
     *,

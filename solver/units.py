@@ -4,44 +4,27 @@ import re
 from collections.abc import Collection, Mapping
 from typing import Any
 
+from . import checks
+
 SCENE = "the scene's"
 """The unit of length that the scene is in, where nobody has said which one it is."""
 
 PRESSURES: dict[str, float] = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9}
 """Units of pressure in pascals."""
 
-_UNITS = {
-    "x": "length",
-    "displacement": "length",
-    "contact_pressure": "pressure",
-    "thickness": "length",
-    "radius": "length",
-    "period": "length",
-    "approach": "length",
-    "mean_gap": "length",
-    "contact_width": "length",
-    "peak_pressure": "pressure",
-    "peak_pressure_error": "pressure",
-    "peak_pressure_sampling": "pressure",
-    "approach_error": "length",
-    "approach_sampling": "length",
-    "pressure": "pressure",
-    "contact_modulus": "pressure",
-    "youngs_modulus": "pressure",
-    "base_modulus": "pressure",
-    "base_youngs_modulus": "pressure",
-    "contact_stiffness": "pressure/length",
-    "profile_scan_length": "length",
-    "profile_spacing": "length",
-    "profile_rms_height": "length",
-    **dict.fromkeys(("exponent", "hurst", "seed", "cut_off_ratio", "roll_off_ratio", "rms_gradient"), "1"),
-    **dict.fromkeys(("poisson_ratio", "base_poisson_ratio", "num_points"), "1"),
+_NAMES = {
+    "length": "x displacement thickness radius period approach approach_error approach_sampling mean_gap contact_width "
+    "profile_scan_length profile_spacing profile_rms_height",
+    "pressure": "pressure contact_pressure peak_pressure peak_pressure_error peak_pressure_sampling contact_modulus "
+    "youngs_modulus base_modulus base_youngs_modulus",
+    "pressure/length": "contact_stiffness",
+    "1": "exponent hurst seed cut_off_ratio roll_off_ratio rms_gradient poisson_ratio base_poisson_ratio num_points",
 }
+_UNITS = {name: unit for unit, names in _NAMES.items() for name in names.split()}
 """Units by the last part of a name; 'seconds.*' is in seconds, 'bytes.*' in bytes. Everything else is dimensionless but
 what a layer or an indenter of one's own says of its fields; it must not give the names above another unit."""
 
 _OWN: dict[str, str] = {}  # of layers and indenters that are not the program's
-_DIMENSIONS = ("length", "pressure", "pressure/length")
 
 
 def unit(name: str) -> str:
@@ -67,8 +50,7 @@ def declare(own: Mapping[str, str], fields: Collection[str]) -> None:
     for name, one in own.items():
         if name not in fields:
             raise ValueError(f"units names {name!r}; allowed: {', '.join(fields) or 'nothing, without fields'}")
-        if one not in _DIMENSIONS:
-            raise ValueError(f"units of {name} is {one!r}; allowed: {', '.join(_DIMENSIONS)}")
+        checks.choice(f"units of {name}", one, tuple(_NAMES)[:-1])
         if _UNITS.get(name, one) != one:
             known = _UNITS[name].replace("1", "none, it is dimensionless")
             raise ValueError(f"units of {name} is {one!r}; allowed: {known}, as elsewhere in the program")

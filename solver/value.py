@@ -1,10 +1,13 @@
 """Frozen dataclasses that are their fields: equal where these are, and made anew where they are copied or pickled."""
 
+import inspect
 from collections.abc import Mapping
-from dataclasses import fields, is_dataclass
-from typing import Any, ClassVar, Protocol
+from dataclasses import fields, is_dataclass, replace
+from typing import Any, ClassVar, Protocol, Self
 
 import numpy as np
+
+from . import display, units
 
 
 class Value(Protocol):
@@ -65,3 +68,34 @@ def _looked_at(value: Any) -> Any:
     if value.flags.writeable:
         raise TypeError("unhashable: an array that can be written to")
     return value.shape  # equality tells arrays of one shape apart
+
+
+class Kind(Value, Protocol):
+    """A kind of layer or of indenter: numbers with units.
+
+    Making such a class raises `ValueError` like `units.declare`.
+    """
+
+    units: ClassVar[Mapping[str, str]] = {}
+    """Units of its fields by name: 'length', 'pressure' or 'pressure/length'. A field that is not named here has the
+    unit that the program has for its name, as for `thickness` and `radius`, and is dimensionless if it has none."""
+
+    def __init_subclass__(cls, **more: Any) -> None:
+        super().__init_subclass__(**more)
+        # annotations may be texts; what belongs to the class is no number of a layer or an indenter
+        numbers = [name for name, of in inspect.get_annotations(cls).items() if "ClassVar" not in str(of)]
+        units.declare(cls.__dict__.get("units", {}), numbers)
+        if "__repr__" not in cls.__dict__:  # a dataclass would make its own, without units
+            cls.__repr__ = _line  # type: ignore[assignment]
+
+    def in_units(self, length: float, pressure: float = 1.0) -> Self:
+        """The same in other units: lengths are multiplied by `length`, pressures by `pressure`."""
+        sizes = {"length": length, "pressure": pressure, "pressure/length": pressure / length}
+        given = {f.name: getattr(self, f.name) for f in fields(self)}  # type: ignore[arg-type]
+        names = {name: self.units.get(name) or units.unit(name) for name, value in given.items() if value is not None}
+        scaled = {name: given[name] * sizes[of] for name, of in names.items() if of in sizes}
+        return replace(self, **scaled, **self._remade) if scaled else self  # type: ignore[type-var]
+
+
+def _line(instance: Any) -> str:
+    return display.line(instance) if is_dataclass(instance) else object.__repr__(instance)

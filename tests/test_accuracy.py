@@ -233,7 +233,7 @@ def test_an_interrupted_iteration_returns_what_there_is(options, monkeypatch):
     assert str(solution.reason) == "it was interrupted"
     assert solution.contact.any()
     assert solution.displacement.shape == (solution.scene.num_points,)
-    monkeypatch.setattr(gradient_equation.System, "solve", interrupt)
+    monkeypatch.setattr(gradient_equation.System, "__init__", interrupt)
     with pytest.raises(KeyboardInterrupt):
         solve(Scene(Layer(0.1), PowerIndenter(), 1e-2, num_points=2**12), accuracy=1e-2)
 

@@ -27,7 +27,6 @@ from linecontact.solver import (
     solve,
 )
 from linecontact.solver.grid.kept import forget
-from linecontact.solver.layers.bonded import layer_factor
 from linecontact.solver.units import unit
 from linecontact.studies.command_line import main
 from linecontact.studies.curve import study as curve_study
@@ -74,7 +73,7 @@ class GivenLayer(FrictionlessLayer):
     name: ClassVar[str] = "given"
 
     def stiffness(self, wave_numbers, period):
-        return wave_numbers / 2 * layer_factor(wave_numbers * self.thickness / period, 0.25)
+        return Layer(self.thickness, 0.25).stiffness(wave_numbers, period)
 
     def foundation_modulus(self, period):
         return 1.125 * period / self.thickness
@@ -278,7 +277,7 @@ def test_what_is_missing_is_named():
             return np.zeros(num_points)
 
     with pytest.raises(
-        ValueError, match=r"is .*, which lacks shortest_wave, to_dict, check and \d+ more; allowed: a PowerInd"
+        ValueError, match=r"is .*, which lacks shortest_wave, to_dict and \d+ more; allowed: a PowerInd"
     ):
         Scene(indenter=Half())
     with pytest.raises(ValueError, match="layer is 3; allowed: a Layer"):

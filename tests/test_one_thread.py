@@ -49,7 +49,7 @@ def test_after_an_error():
 def test_what_was_set_is_back_after_several_threads():
     """Each of them restoring what it had found left one thread for good."""
 
-    @on_one_thread
+    @on_one_thread()
     def wait(inside, leave):
         inside.set()
         assert leave.wait(60)

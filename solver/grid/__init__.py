@@ -5,6 +5,6 @@ next solve on the same grid, and `certificate` says how wrong a displacement is.
 `layer_on_grid`, `edge_curves`, `edges`, `few_nodes`, `surroundings`, `narrow`, `shares`, `unseen`, `contact` and
 `observables`.
 
-May import: arrays, calibration, checks, display, quadrature, transforms, layers, indenters, reference, scene, value,
+May import: arrays, calibration, checks, display, transforms, layers, indenters, reference, scene, value,
 linecontact.kernels.
 """

@@ -32,9 +32,8 @@ from functools import cache, cached_property
 
 import numpy as np
 
-from ..arrays import Array64, Indices
+from ..arrays import Array64, Indices, gauss_legendre
 from ..layers import ElasticLayer
-from ..quadrature import gauss_legendre
 from .kept import kept
 from .layer_on_grid import modulus_anywhere, modulus_on_grid, thickness_on_grid
 
@@ -118,7 +117,7 @@ def _quadrature() -> tuple[Array64, Array64, Array64, Array64, Array64, Array64,
     times their weights, shape (table length, waves); [2/q^2 - 1/(1 - cos q)]/(2 pi) times them; waves from infinity
     down to pi; 1/(pi q^2) times their weights; l_k/2 of ln[(q/2)/sin(q/2)], shape (table length,); s_0.
     """
-    nodes, weights = gauss_legendre(200)
+    nodes, weights = gauss_legendre()
     root = (nodes + 1) / 2
     q, weights_q = np.pi * root**2, weights * np.pi * root
     cosines = np.cos(np.outer(np.arange(_TABLE), q)) * weights_q / np.pi

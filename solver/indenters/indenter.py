@@ -6,14 +6,13 @@ Heights come in units of the period L, so that a shape has no unit of its own.
 
 from abc import abstractmethod
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any, ClassVar, Protocol, Self
 
 import numpy as np
 
 from ..arrays import Array64
-from ..kind import Kind
 from ..layers import ElasticLayer
+from ..value import Kind
 
 _SIXTH, _EIGHTH = (45 / 60, -9 / 60, 1 / 60), (4 / 5, -1 / 5, 4 / 105, -1 / 280)
 """Shares of the nodes on either side in central differences of that order."""
@@ -99,11 +98,6 @@ class Indenter(Kind, Protocol):
     def on_grid(self, num_points: int, period: float) -> Self:
         """The same surface for a scene of `num_points`."""
         return self
-
-    def in_units(self, length: float) -> Self:
-        """The same surface in another unit: lengths, here those that `units` names, are multiplied by `length`."""
-        lengths = {name: getattr(self, name) * length for name, one in self.units.items() if one == "length"}
-        return replace(self, **lengths) if lengths else self  # type: ignore[type-var]
 
     def check(self, num_points: int) -> None:
         """Raise `ValueError` if a grid of that many points cannot hold the surface."""

@@ -14,8 +14,7 @@ from ..units import named
 from .indenter import Indenter
 
 _MOST_CURVATURE = 0.99  # of the mean square curvature, in the waves that decide how fine a grid has to be
-_KINKS, _KINKS_OVER_NODES = 32, 1 / 32  # most nodes that kinks are looked for at
-_ROUNDING = 1e-15  # of the largest height, in second differences
+_KINKS = 32  # most nodes that kinks are looked for at, and the nodes to each
 _SMOOTHER = 4  # times longer without its kinks: from then on a profile counts as kinked
 
 
@@ -89,16 +88,12 @@ class MeasuredIndenter(Indenter):
 
     def effective_wave(self, num_points: int) -> int:
         """The wave up to which nearly all of the mean square curvature lies, but for that of a few kinks."""
-        return min(self._curved_to, self.shortest_wave(num_points))
+        curved = self._curved_between_kinks if self.kinked else self._curved_everywhere
+        return min(curved, self.shortest_wave(num_points))
 
     @property
     def kinked(self) -> bool:
         return _SMOOTHER * self._curved_between_kinks <= self._curved_everywhere
-
-    @property
-    def _curved_to(self) -> int:
-        """Number of `effective_wave` without a grid."""
-        return self._curved_between_kinks if self.kinked else self._curved_everywhere
 
     @cached_property
     def _curved_everywhere(self) -> int:
@@ -108,13 +103,13 @@ class MeasuredIndenter(Indenter):
     def _curved_between_kinks(self) -> int:
         """The same without the nodes whose second differences are most unlike those around them."""
         bend = np.roll(self.heights, -1) - 2 * self.heights + np.roll(self.heights, 1)
-        number = min(_KINKS, int(_KINKS_OVER_NODES * bend.size))
+        number = min(_KINKS, bend.size // _KINKS)
         if not number:
             return self._curved_everywhere
         unlike = np.abs(bend - (np.roll(bend, 2) + np.roll(bend, -2)) / 2)
         kinks = np.argpartition(unlike, -number)[-number:]
         bend[kinks] = np.median(bend[(kinks[:, None] + np.arange(-3, 4)) % bend.size], axis=1)
-        bend[np.abs(bend) <= _ROUNDING * float(self.heights.max())] = 0.0  # between kinks it may be straight
+        bend[np.abs(bend) <= 4 * np.spacing(self.heights.max())] = 0.0  # between kinks it may be straight
         return max(_most_of(rfft(bend)), 1)
 
     def omitted(self, num_points: int) -> float:
@@ -142,7 +137,7 @@ class MeasuredIndenter(Indenter):
         heights = self.profile(num_points, period) * period
         return replace(self, heights=heights, measured_points=measured, **self._remade)
 
-    def in_units(self, length: float) -> Self:
+    def in_units(self, length: float, pressure: float = 1.0) -> Self:
         period = None if self.given_period is None else self.given_period * length
         return replace(self, heights=self.heights * length, given_period=period, **self._remade)
 

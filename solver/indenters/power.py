@@ -1,7 +1,7 @@
 """One asperity, a power of the distance: the published study's sharp, Hertzian and blunt indenters."""
 
-from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Self
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -59,9 +59,6 @@ class PowerIndenter(Indenter):
     def shortest_wave(self, num_points: int) -> int:
         """0: the profile is smooth, see `Indenter`."""
         return 0
-
-    def in_units(self, length: float) -> Self:
-        return replace(self, radius=self.radius * length)
 
     def to_dict(self) -> dict[str, Any]:
         return {"profile": self.name, "exponent": self.exponent, "radius": self.radius}

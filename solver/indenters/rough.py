@@ -12,10 +12,6 @@ from ..arrays import Array64, Modes
 from ..layers import ElasticLayer
 from ..transforms.plain import irfft
 from .indenter import Indenter
-from .lowest import depth_between
-
-_KAPPA = 1.75
-"""The published study's area-pressure coefficient of rough surfaces on a half-space (dimensionless)."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +73,7 @@ class RoughIndenter(Indenter):
         return np.asarray(heights)
 
     def depth_between_nodes(self, heights: Array64) -> float:
-        return depth_between(heights)
+        return _depth_between(heights)
 
     def slope(self, num_points: int, period: float) -> Array64:
         """Slopes, see `Indenter`, by the exact derivative of every mode."""
@@ -102,5 +98,30 @@ class RoughIndenter(Indenter):
         return {"profile": self.name} | {name: getattr(self, name) for name in names}
 
     def guessed_half_width(self, reduced_load: float, layer: ElasticLayer, period: float) -> float:
-        """Half the width of a single patch of twice the half-space's area a_r = 1.75 p*; a layer's area is smaller."""
-        return min(0.5, _KAPPA * reduced_load / self.rms_gradient)
+        """Half the width of a single patch of twice the half-space's area sqrt(8/pi) p* (B. N. J. Persson, 2001); a
+        layer's area is smaller.
+        """
+        return min(0.5, math.sqrt(8 / math.pi) * reduced_load / self.rms_gradient)
+
+
+def _depth_between(heights: Array64) -> float:
+    """How far the lowest point of a smooth profile lies below its lowest node, in the unit of `heights`, shape (N,).
+
+    Between the nodes it is the polynomial of fourth order through the five nearest ones. With 32 points to the shortest
+    wave this leaves some 1/3000 of what the lowest node is off by, with 4 points about an eighth.
+    """
+    at, count = int(np.argmin(heights)), heights.size
+    lowest = float(heights[at])
+    deepest = float(heights[at - 1] - 2 * lowest + heights[(at + 1) % count]) / 4
+    near = np.flatnonzero(heights <= lowest + deepest)
+    f = [heights[(near + step) % count] - heights[near] for step in (-2, -1, 1, 2)]
+    valley = (f[1] >= 0) & (f[2] >= 0) & (f[1] + f[2] > 0)
+    near, f = near[valley], [values[valley] for values in f]
+    odd, wide_odd, even, wide_even = f[2] - f[1], f[3] - f[0], f[2] + f[1], f[3] + f[0]
+    a, b = (8 * odd - wide_odd) / 12, (16 * even - wide_even) / 24
+    c, d = (wide_odd - 2 * odd) / 12, (wide_even - 4 * even) / 24
+    t = -odd / (2 * even)  # of the parabola; a step of Newton's method from there is enough
+    slope, bend = a + t * (2 * b + t * (3 * c + t * 4 * d)), 2 * b + t * (6 * c + t * 12 * d)
+    t = np.clip(t - np.divide(slope, bend, out=np.zeros_like(t), where=bend > 0), -0.5, 0.5)
+    vertices = heights[near] + t * (a + t * (b + t * (c + t * d)))
+    return min(lowest - float(vertices.min(initial=lowest)), deepest)

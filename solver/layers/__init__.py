@@ -2,7 +2,7 @@
 
 Whoever adds a layer writes one file here and adds one line to `LAYERS`.
 
-May import: arrays, checks, display, kind, quadrature.
+May import: arrays, checks, display, value.
 """
 
 from .bonded import Layer

@@ -4,54 +4,26 @@ Convention: u(x) = sum_k u_k exp(i q_k x) with q_k = 2 pi k/L; the elastic press
 
     K(q) = (E* q/2) f(q d),  f(y) = [(3-4nu) cosh 2y + 2y^2 - 4nu(3-2nu) + 5] / [(3-4nu) sinh 2y - 2y]
 
-(G. Carbone and L. Mangialardi, J. Mech. Phys. Solids 56, 684 (2008); the published study's eq. 4.) As it stands, cosh
-overflows at q d = 355, and the denominator cancels for small q d as nu goes to 1/2. With x = 2y and both parts times
-exp(-x),
-
-    numerator   = (3-4nu) (1 + e^-2x)/2 + (x^2/2 + 5 - 12nu + 8nu^2) e^-x
-    denominator = (2-4nu) (1 - e^-2x)/2 + (sinh x - x) e^-x,
-
-every term is positive; sinh x - x comes from its series where it would cancel.
+(G. Carbone and L. Mangialardi, J. Mech. Phys. Solids 56, 684 (2008); the published study's eq. 4.) That is the coated
+half-space on a base of infinite modulus; `coated` has the form that neither overflows nor cancels.
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar
 
 import numpy as np
 
 from .. import checks
-from ..arrays import Array64
-from .edge_shift import wiener_hopf_shift
-from .exponentials import sinh_minus_argument
-from .layer import DEFAULT_MODULUS, ElasticLayer, check_modulus
-
-_HALF_SPACE_FROM = 25.0  # q d from which f differs from 1 by less than rounding: by 2000 exp(-50), nu = 1/2
+from ..arrays import Array64, gauss_legendre
+from . import coated
+from .layer import DEFAULT_MODULUS, HALF_SPACE_FROM, ElasticLayer, check_modulus
 
 
-def layer_factor(y: Array64, poisson_ratio: float) -> Array64:
-    """f(y), the layer's stiffness over the half-space's, for y = q d > 0 of any size; shape of `y`, dimensionless."""
-    y = np.asarray(y, dtype=np.float64)
-    found, nu = np.ones_like(y), poisson_ratio
-    deep = y < _HALF_SPACE_FROM
-    x = 2 * y[deep]
-    with np.errstate(under="ignore"):
-        e = np.exp(-x)
-        e2 = np.exp(-2 * x)
-        numerator = (3 - 4 * nu) * (1 + e2) / 2 + (x**2 / 2 + (5 - 12 * nu + 8 * nu**2)) * e
-        denominator = (2 - 4 * nu) * -np.expm1(-2 * x) / 2 + sinh_minus_argument(x)
-    found[deep] = numerator / denominator
-    return found
-
-
-def stiffness(wave_numbers: Array64, thickness: float, poisson_ratio: float) -> Array64:
-    """K(q) for wave numbers q > 0 of any shape, in the unit of E* q (the published study's eq. 4).
-
-    thickness: d in the unit of 1/q, `inf` for the half-space.
-    """
-    k = wave_numbers / 2
-    return k * layer_factor(wave_numbers * thickness, poisson_ratio) if math.isfinite(thickness) else k
+def stiffness(q: Array64, thickness: float, poisson_ratio: float) -> Array64:
+    """K(q), see `homogeneous_stiffness`."""
+    return coated.stiffness(q, thickness, poisson_ratio, 0.0, 0.0)
 
 
 def foundation_modulus(thickness: float, poisson_ratio: float) -> float:
@@ -59,9 +31,7 @@ def foundation_modulus(thickness: float, poisson_ratio: float) -> float:
 
     0 for the half-space, `inf` for nu = 1/2.
     """
-    if poisson_ratio == 0.5:
-        return math.inf
-    return (1 - poisson_ratio) ** 2 / ((1 - 2 * poisson_ratio) * thickness)
+    return 1 / foundation_compliance(poisson_ratio) / thickness if poisson_ratio < 0.5 else math.inf
 
 
 def foundation_compliance(poisson_ratio: float) -> float:
@@ -71,15 +41,22 @@ def foundation_compliance(poisson_ratio: float) -> float:
 
 @cache
 def edge_shift(poisson_ratio: float) -> float:
-    """c(nu) of the thin layer's effective half-width a + c d (dimensionless), see `wiener_hopf_shift`."""
-    nu = poisson_ratio
+    """c(nu) of the thin layer's effective half-width a + c d (dimensionless).
 
-    def factor(y: Array64) -> Array64:
-        return layer_factor(y, nu)
-
-    if nu == 0.5:
-        return wiener_hopf_shift(factor, 4 / 3, 2, 1e-3)
-    return wiener_hopf_shift(factor, foundation_compliance(nu), 0, 1e-3 * math.sqrt(1 - 2 * nu))
+    c = -(1/pi) int_0^inf ln[C(s)/C_0(s)]/s^2 ds with the layer's compliance C(q d) = 1/K and its limit C_0 for s -> 0:
+    the first-order term of the Wiener-Hopf factor of the compliance (V. M. Alexandrov's asymptotics for large a/d).
+    """
+    nu, last = poisson_ratio, HALF_SPACE_FROM
+    limit, power = (4 / 3, 2) if nu == 0.5 else (foundation_compliance(nu), 0)  # C_0 = limit s^power
+    # below `first` the integrand is constant to 1e-6, and rounding would swamp it; beyond `last` C = 2/s
+    first = 1e-3 * (math.sqrt(1 - 2 * nu) if nu < 0.5 else 1.0)
+    nodes, weights = gauss_legendre()
+    width = math.log(last / first)  # in y = ln s, ds/s^2 = exp(-y) dy
+    s = np.append(first, first * np.exp(width * (nodes + 1) / 2))
+    logarithm = -np.log(stiffness(s, 1.0, nu) * limit * s**power)
+    middle = width / 2 * float(weights @ (logarithm[1:] / s[1:]))
+    tail = (math.log(2 / (limit * last ** (power + 1))) - (power + 1)) / last
+    return -(float(logarithm[0]) / first + middle + tail) / math.pi
 
 
 @dataclass(frozen=True)
@@ -115,18 +92,8 @@ class Layer(ElasticLayer):
         return foundation_modulus(self.thickness / period, self.poisson_ratio)
 
     def to_dict(self) -> dict[str, Any]:
-        return {
-            "layer": self.name,
-            "thickness": self.thickness,
-            "poisson_ratio": self.poisson_ratio,
-            "contact_modulus": self.contact_modulus,
-        }
-
-    def ratios(self, period: float) -> dict[str, float]:
-        return {"thickness/period": self.thickness / period} if math.isfinite(self.thickness) else {}
-
-    def in_units(self, length: float, pressure: float) -> Self:
-        return replace(self, thickness=self.thickness * length, contact_modulus=self.contact_modulus * pressure)
+        names = ("thickness", "poisson_ratio", "contact_modulus")
+        return {"layer": self.name} | {name: getattr(self, name) for name in names}
 
     @property
     def edge_shift(self) -> float | None:

@@ -6,27 +6,40 @@ the defaults of the rest say "not known", and then no shortcut is taken.
 
 import math
 from abc import abstractmethod
-from typing import Any, ClassVar, Protocol, Self
+from collections.abc import Callable
+from typing import Any, ClassVar, Protocol
+
+import numpy as np
 
 from .. import checks
 from ..arrays import Array64
-from ..kind import Kind
+from ..value import Kind
 
 DEFAULT_MODULUS = float(1)
 """The default E* [pressure], an object of its own: a modulus that is given is another one."""
 
+HALF_SPACE_FROM = 25.0
+"""q d from which a homogeneous layer is a half-space to rounding: to 2000 exp(-50), bonded with nu = 1/2."""
 
-MODULUS = ("contact_modulus", "youngs_modulus", "poisson_ratio")
-"""Fields of E*, of E, which may be given instead, and of Poisson's ratio."""
+
+def homogeneous_stiffness(q: Array64, thickness: float, factor: Callable[[Array64], Array64]) -> Array64:
+    """K(q) = (q/2) f(q d) for q > 0 of any shape, in the unit of E* q.
+
+    thickness: d in the unit of 1/q, `inf` for the half-space. factor: f, asked for x = 2 q d, where it differs from 1.
+    """
+    k, long = q / 2, q < HALF_SPACE_FROM / thickness
+    with np.errstate(under="ignore"):
+        k[long] *= factor(2 * thickness * q[long])
+    return k
 
 
-def check_modulus(layer: Any, names: tuple[str, str, str] = MODULUS) -> None:
+def check_modulus(layer: Any, prefix: str = "") -> None:
     """Check E* > 0 of a layer that is being made, and compute it where E is given instead. Raises `ValueError`.
 
-    names: of the fields, as in `MODULUS`.
+    prefix: of the fields of the base.
     """
-    modulus, young, ratio = names
-    known, given, nu = (getattr(layer, name) for name in names)
+    modulus, young, ratio = f"{prefix or 'contact_'}modulus", f"{prefix}youngs_modulus", f"{prefix}poisson_ratio"
+    known, given, nu = (getattr(layer, name) for name in (modulus, young, ratio))
     missing = known is type(layer).__dataclass_fields__[modulus].default
     both = "allowed: one of the two, E* = E/(1-nu^2)"
     if given is None and missing and math.isnan(known):
@@ -84,13 +97,7 @@ class ElasticLayer(Kind, Protocol):
 
     def ratios(self, period: float) -> dict[str, float]:
         """The dimensionless numbers, by name, that must be neither too large nor too small to compute with."""
-        return {}
-
-    @abstractmethod
-    def in_units(self, length: float, pressure: float) -> Self:
-        """The same layer in other units: lengths are multiplied by `length`, pressures by `pressure`."""
-
-    # What a solve to an accuracy may use.
+        return {"thickness/period": self.thickness / period} if math.isfinite(self.thickness) else {}
 
     @property
     def edge_shift(self) -> float | None:

@@ -11,27 +11,14 @@ so nothing overflows or cancels. Poisson's ratio is in E* alone. The long waves 
 layer may spread along the base, so also an incompressible one is compressed.
 """
 
-import math
-from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Self
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 
 from .. import checks
 from ..arrays import Array64
-from .layer import DEFAULT_MODULUS, ElasticLayer, check_modulus
-
-_HALF_SPACE_FROM = 25.0  # q d from which f differs from 1 by less than rounding
-
-
-def sliding_factor(y: Array64) -> Array64:
-    """f(y), the layer's stiffness over the half-space's, for y = q d > 0 of any size; shape of `y`, dimensionless."""
-    y = np.asarray(y, dtype=np.float64)
-    found = np.ones_like(y)
-    deep = y < _HALF_SPACE_FROM
-    x = 2 * y[deep]
-    found[deep] = (-np.expm1(-2 * x) + 2 * x * np.exp(-x)) / np.expm1(-x) ** 2
-    return found
+from .layer import DEFAULT_MODULUS, ElasticLayer, check_modulus, homogeneous_stiffness
 
 
 @dataclass(frozen=True)
@@ -62,19 +49,13 @@ class SlidingLayer(ElasticLayer):
         checks.assign(self, thickness=thickness, poisson_ratio=None)
 
     def stiffness(self, wave_numbers: Array64, period: float) -> Array64:
-        k = wave_numbers / 2
-        if math.isinf(self.thickness):
-            return k
-        return np.asarray(k * sliding_factor(wave_numbers * (self.thickness / period)))
+        def factor(x: Array64) -> Array64:
+            return np.asarray((-np.expm1(-2 * x) + 2 * x * np.exp(-x)) / np.expm1(-x) ** 2)
+
+        return homogeneous_stiffness(wave_numbers, self.thickness / period, factor)
 
     def foundation_modulus(self, period: float) -> float:
         return period / self.thickness
 
     def to_dict(self) -> dict[str, Any]:
         return {"layer": self.name, "thickness": self.thickness, "contact_modulus": self.contact_modulus}
-
-    def ratios(self, period: float) -> dict[str, float]:
-        return {"thickness/period": self.thickness / period} if math.isfinite(self.thickness) else {}
-
-    def in_units(self, length: float, pressure: float) -> Self:
-        return replace(self, thickness=self.thickness * length, contact_modulus=self.contact_modulus * pressure)

@@ -19,10 +19,11 @@ from ..arrays import Array64
 from .layer import ElasticLayer
 
 _FEWEST = 8  # rows
-_COARSE = 0.02  # change of K where every other row is left out; with all rows it is some sixteenth of that
-_FINE = 1e-6  # the same, of a function
+CLOSE = 0.02
+"""Relative difference of K from a law, or of its power of q, at which it has become that law; and the largest change of
+K where every other row is left out (with all rows it is some sixteenth of that)."""
+_FINE = 1e-6  # change of a function
 _MOST = 2**16  # rows from which a function is not sampled more finely
-_STRAIGHT = 0.01  # difference of a slope d ln K/d ln q from 0 or 1 at which a law is taken to go on
 
 
 @dataclass(frozen=True)
@@ -63,9 +64,9 @@ class TabulatedLayer(ElasticLayer):
             allowed = "a table that begins where K is constant (a foundation), or goes like q (a half-space) or 1/q^2"
             raise ValueError(f"stiffnesses begin at q = {q[0]:.4g}, where K {slope}; allowed: {allowed}")
         error, about = _left_out(q, k)
-        if error > _COARSE:
+        if error > CLOSE:
             change = f"{error:.0%} about q = {about:.3g}"
-            allowed = f"rows so close that it is below {_COARSE:.0%}"
+            allowed = f"rows so close that it is below {CLOSE:.0%}"
             raise ValueError(f"stiffnesses, where every other row is left out, change by {change}; allowed: {allowed}")
 
     @classmethod
@@ -116,7 +117,7 @@ class TabulatedLayer(ElasticLayer):
     def thickness(self) -> float:  # type: ignore[override]
         """The length beyond which waves do not find the half-space of short waves any more [length]."""
         q, k = np.array(self.wave_numbers), np.array(self.stiffnesses)
-        other = np.flatnonzero(np.abs(2 * k / (self.contact_modulus * q) - 1) > _STRAIGHT)
+        other = np.flatnonzero(np.abs(2 * k / (self.contact_modulus * q) - 1) > CLOSE)
         return float(1 / q[other[-1]]) if other.size else math.inf
 
     def check(self, period: float) -> None:
@@ -133,7 +134,7 @@ class TabulatedLayer(ElasticLayer):
         low, high = self._start or 0, self._slopes[1]
         if float(q.min()) < first * (1 - 1e-12) and low < 0:
             raise ValueError(_missing("long", float(q.min()), first, "foundation or half-space"))
-        if float(q.max()) > last * (1 + 1e-12) and abs(high - 1) >= _STRAIGHT:
+        if float(q.max()) > last * (1 + 1e-12) and abs(high - 1) >= CLOSE:
             raise ValueError(_missing("short", float(q.max()), last, "half-space"))
         table = np.log(self.wave_numbers), np.log(self.stiffnesses)
         inside = np.log(np.clip(q, first, last))
@@ -145,7 +146,7 @@ class TabulatedLayer(ElasticLayer):
     def _start(self) -> int | None:
         """The power of q with which K begins: 0, 1 or -2; None for anything else."""
         slope = self._slopes[0]
-        return next((law for law in (0, 1, -2) if abs(slope - law) < _STRAIGHT * max(1, abs(law))), None)
+        return next((law for law in (0, 1, -2) if abs(slope - law) < CLOSE * max(1, abs(law))), None)
 
     @property
     def _slopes(self) -> tuple[float, float]:
@@ -167,7 +168,7 @@ class TabulatedLayer(ElasticLayer):
             "stiffness_source": self.source,
         }
 
-    def in_units(self, length: float, pressure: float) -> Self:
+    def in_units(self, length: float, pressure: float = 1.0) -> Self:
         return replace(
             self,
             wave_numbers=tuple(q / length for q in self.wave_numbers),
@@ -209,15 +210,12 @@ def _cubic(x: Array64, y: Array64, at: Array64) -> Array64:
     """The monotone piecewise cubic through the points (x, y) at places inside of them."""
     step = np.diff(x)
     secant = np.diff(y) / step
-    slope = np.empty_like(y)
-    weight = (2 * step[1:] + step[:-1], step[1:] + 2 * step[:-1])
+    before, after = secant[:-1], secant[1:]
+    weights = 2 * step[1:] + step[:-1], step[1:] + 2 * step[:-1]
     with np.errstate(divide="ignore", invalid="ignore"):
-        mean = (weight[0] + weight[1]) / (weight[0] / secant[:-1] + weight[1] / secant[1:])
-    slope[1:-1] = np.where(secant[:-1] * secant[1:] > 0, mean, 0.0)
-    slope[0], slope[-1] = secant[0], secant[-1]
+        mean = (weights[0] + weights[1]) / (weights[0] / before + weights[1] / after)
+    slope = np.concatenate([secant[:1], np.where(before * after > 0, mean, 0.0), secant[-1:]])
     place = np.clip(np.searchsorted(x, at, side="right") - 1, 0, step.size - 1)
-    h = step[place]
-    t = (at - x[place]) / h
-    left, right = h * slope[place], h * slope[place + 1]
-    rise = y[place + 1] - y[place]
-    return np.asarray(y[place] + t * (left + t * ((3 * rise - 2 * left - right) + t * (left + right - 2 * rise))))
+    t, left, right, over = at - x[place], slope[place], slope[place + 1], secant[place]
+    bend = (left + right - 2 * over) / step[place]
+    return np.asarray(y[place] + t * (left + t * ((over - left) / step[place] - bend + t * bend / step[place])))

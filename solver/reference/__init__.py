@@ -2,5 +2,5 @@
 
 Every error of the grid methods is measured against these. They know the bonded layer and power profiles only.
 
-May import: arrays, checks, quadrature, transforms, layers.
+May import: arrays, checks, transforms, layers.
 """

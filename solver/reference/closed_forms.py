@@ -10,12 +10,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..arrays import Array64
+from ..arrays import Array64, gauss_legendre
 from ..layers.bonded import foundation_compliance, foundation_modulus
-from ..quadrature import gauss_legendre
 from ..transforms.plain import irfft, rfft
-
-_GAUSS = 200
 
 
 def kappa_half_space(exponent: float) -> float:
@@ -42,7 +39,7 @@ def periodic_line_load(half_width: float, slope: Callable[[Array64], Array64]) -
     F = E* int_0^a h'(x) sin(pi x/L)/sqrt(sin^2(pi a/L) - sin^2(pi x/L)) dx (Westergaard's problem), made
     smooth by sin(pi x/L) = sin(pi a/L) sin(theta). `slope` maps x/L, shape (M,), to h', shape (M,).
     """
-    nodes, weights = gauss_legendre(_GAUSS)
+    nodes, weights = gauss_legendre()
     theta = (nodes + 1) * np.pi / 4
     x = np.arcsin(math.sin(math.pi * half_width) * np.sin(theta)) / np.pi
     return float(np.sum(weights * np.pi / 4 * slope(x) * np.tan(np.pi * x)) / np.pi)
@@ -67,15 +64,6 @@ def periodic_half_space_area(exponent: float, radius: float, reduced_load: float
     return low + high
 
 
-def westergaard_area(amplitude: float, reduced_load: float) -> float:
-    """Relative contact area of h = D (1 - cos(2 pi x/L)) on the half-space: p L/(pi E* D) = sin^2(pi a/L).
-
-    amplitude: D/L; reduced_load: p/E*. 1 beyond full contact.
-    """
-    sine = math.sqrt(min(reduced_load / (math.pi * amplitude), 1.0))
-    return 2 * math.asin(sine) / math.pi
-
-
 def foundation_half_width(reduced_load: float, exponent: float, radius: float, modulus: float) -> float:
     """Half-width a/L of a power profile on a Winkler foundation: p L = 2 k_W R^(1-n) a^(n+1)/(n+1).
 
@@ -87,21 +75,16 @@ def foundation_half_width(reduced_load: float, exponent: float, radius: float, m
     return _power(radius, (n - 1) / (n + 1)) * _power(reduced_load * (n + 1) / (2 * modulus), 1 / (n + 1))
 
 
-def incompressible_half_width(reduced_load: float, exponent: float, radius: float, thickness: float) -> float:
-    """Half-width a/L of a power profile on a thin layer with nu = 1/2: a^(n+3) = 2 (n+1)(n+3) d^3 R^(n-1) p L.
+def guessed_half_width(load: float, exponent: float, radius: float, thickness: float, poisson_ratio: float) -> float:
+    """Half-width [L]: the half-space's or that of a thin layer, compressible or not (the less stiff), if it is less.
 
-    radius: R/L; reduced_load: p/E*; thickness: d/L.
+    On a thin layer with nu = 1/2 a^(n+3) = 2 (n+1)(n+3) d^3 R^(n-1) p L.
     """
     n = exponent
-    load = _power(2 * (n + 1) * (n + 3) * reduced_load, 1 / (n + 3))
-    return _power(thickness, 3 / (n + 3)) * _power(radius, (n - 1) / (n + 3)) * load
-
-
-def guessed_half_width(load: float, exponent: float, radius: float, thickness: float, poisson_ratio: float) -> float:
-    """Half-width [L]: the half-space's or that of a thin layer, compressible or not (the less stiff), if it is less."""
-    foundation = foundation_half_width(load, exponent, radius, foundation_modulus(thickness, poisson_ratio))
-    thin = max(foundation, incompressible_half_width(load, exponent, radius, thickness))
-    return min(lone_half_width(load, exponent, radius), thin)
+    foundation = foundation_half_width(load, n, radius, foundation_modulus(thickness, poisson_ratio))
+    incompressible = _power(2 * (n + 1) * (n + 3) * load, 1 / (n + 3))
+    incompressible *= _power(thickness, 3 / (n + 3)) * _power(radius, (n - 1) / (n + 3))
+    return min(lone_half_width(load, n, radius), max(foundation, incompressible))
 
 
 def lone_half_width(load: float, exponent: float, radius: float, kappa_ratio: float = 1.0) -> float:

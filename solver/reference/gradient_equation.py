@@ -21,13 +21,13 @@ from numpy.typing import NDArray
 
 from ..arrays import Array64
 from ..layers import ElasticLayer
+from ..layers.layer import HALF_SPACE_FROM
 from .closed_forms import kappa_from_area, kappa_half_space
 
-_DECAY = 60.0  # exp(-(pi/2) 60) < 1e-40: distance in units of d beyond which a layer does not interact
 _MOST_VALUES = 6e7  # in one matrix: half a GiB
-STEEPEST = 1e100
-"""Slopes of profiles are cut off here, before they overflow (dimensionless)."""
-_MODES = 22.0  # exp(-2 * 22) < 1e-19: largest q d of the layer's sum
+STEEPEST: float = math.cbrt(np.finfo(np.float64).max)
+"""Slopes of profiles are cut off here, before their squares overflow (dimensionless)."""
+_DECAY = 2 * HALF_SPACE_FROM  # exp(-(pi/2) 50) < 1e-34: distance in units of d beyond which a layer does not interact
 
 
 @dataclass(frozen=True)
@@ -66,96 +66,67 @@ class Asperity:
         return pressure
 
 
-@dataclass(frozen=True)
 class System:
-    """The solved linear system for one half-width; `load` is cheap, `asperity` adds what only a final answer needs."""
+    """The solved linear system for one half-width; `load` is cheap, `asperity` adds what only a final answer needs.
 
-    half_width: float
-    """a."""
-    exponent: float
-    """n of the power profile."""
-    radius: float
-    """R of the power profile."""
-    layer: ElasticLayer
-    """The layer, with E* = 1 and its thickness in units of L."""
-    num_nodes: int
-    """Gauss-Chebyshev nodes on both halves of the contact."""
-    period: float
-    """P, the distance of the images that are kept; at most 1."""
-    theta: Array64
-    """Angles of the nodes, t = cos(theta), shape (M,)."""
-    weights: Array64
-    """Weights of the quadrature, shape (M,)."""
-    phi: Array64
-    """The solution, sigma = sqrt(1 - t^2) phi, shape (M,)."""
-    modes: tuple[Array64, Array64]
-    """Wave numbers and the layer's extra compliance, see `_layer_modes`."""
+    layer: with E* = 1 and its thickness in units of L. num_nodes: at least so many on both halves of the contact, and
+    `resolution` times sqrt(a/d) on each.
+    """
 
-    @classmethod
-    def solve(
-        cls,
-        half_width: float,
-        exponent: float,
-        radius: float,
-        layer: ElasticLayer,
-        num_nodes: int,
-        resolution: float,
-    ) -> "System":
+    def __init__(
+        self, half_width: float, exponent: float, radius: float, layer: ElasticLayer, num_nodes: int, resolution: float
+    ) -> None:
         a, thickness = half_width, layer.thickness
-        num_nodes = max(num_nodes, 2 * round(resolution * math.sqrt(a / thickness)))
+        n = max(num_nodes, 2 * round(resolution * math.sqrt(a / thickness)))
         period = min(1.0, 2 * a + _DECAY * thickness) if layer.foundation_modulus(1.0) else 1.0
-        count = _MODES / thickness * period / (2 * np.pi)
-        if num_nodes * max(num_nodes, count) > _MOST_VALUES:
+        count = HALF_SPACE_FROM / thickness * period / (2 * np.pi)
+        if n * max(n, count) > _MOST_VALUES:
             raise ValueError(
                 f"thickness is {thickness!r}; allowed: more, for a half-width of {a:.3g} collocation would need "
-                f"{num_nodes} nodes and {count:.0f} modes"
+                f"{n} nodes and {count:.0f} modes"
             )
-        j = np.arange(1.0, num_nodes // 2 + 1)
-        theta = j * np.pi / (num_nodes + 1)
-        t = np.cos(theta)
-        x = np.cos((2 * j - 1) * np.pi / (2 * num_nodes + 2))
-        weights = np.pi / (num_nodes + 1) * np.sin(theta) ** 2
+        self.half_width, self.num_nodes, self._period = half_width, n, period
+        self._exponent, self._radius, self._layer = exponent, radius, layer
+        j = np.arange(1.0, n // 2 + 1)
+        self._theta = j * np.pi / (n + 1)
+        t, x = np.cos(self._theta), np.cos((2 * j - 1) * np.pi / (2 * n + 2))
+        self._weights = np.pi / (n + 1) * np.sin(self._theta) ** 2
         z = np.pi * a / period
         kernel = 2 * a / period * (1 / np.tan(z * (x[:, None] - t)) + 1 / np.tan(z * (x[:, None] + t)))
-        q, compliance = modes = _layer_modes(period, layer)
+        waves = np.arange(1.0, math.ceil(count) + 1)  # none for the half-space
+        self._q = q = 2 * np.pi / period * waves
+        self._compliance = period / layer.stiffness(2 * np.pi * waves, period) - 2 / q  # beyond the half-space's
         if q.size:
             sines, cosines = np.sin(np.outer(a * x, q)), np.cos(np.outer(a * t, q))
-            kernel += 4 * a / period * (sines * (q * compliance)) @ cosines.T
+            kernel += 4 * a / period * (sines * (q * self._compliance)) @ cosines.T
         with np.errstate(over="ignore"):
             slope = np.minimum((a * x / radius) ** (exponent - 1), STEEPEST)
-        phi = np.asarray(np.linalg.solve(kernel * weights, slope), dtype=np.float64)
-        return cls(a, exponent, radius, layer, num_nodes, period, theta, weights, phi, modes)
-
-    @property
-    def load(self) -> float:
+        self._phi = np.asarray(np.linalg.solve(kernel * self._weights, slope), dtype=np.float64)
+        self.load = 2 * a * float(self._weights @ self._phi)
         """Line load over E* L."""
-        return 2 * self.half_width * float(self.weights @ self.phi)
 
     def asperity(self) -> Asperity:
-        """Peak pressure, approach and the rest."""
-        a, n, t, load = self.half_width, self.num_nodes, np.cos(self.theta), self.load
+        a, n, period, load, t = self.half_width, self.num_nodes, self._period, self.load, np.cos(self._theta)
+        pressure = np.sin(self._theta) * self._phi
         k = np.arange(1, n + 1, 2)  # sigma = sum_k b_k sin(k theta), k odd
-        b = 4 / (n + 1) * np.sin(np.outer(k, self.theta)) @ (np.sin(self.theta) * self.phi)
-        peak = _largest(np.sin(np.outer(np.linspace(0, np.pi / 2, 4 * n + 1), k)) @ b)
+        b = 4 / (n + 1) * np.sin(np.outer(k, self._theta)) @ pressure
         # displacement at x = 0 by the Green's function; the half-space's logarithm integrated in closed form
-        q, compliance = self.modes
-        smooth = -2 / np.pi * np.log(2 * np.sin(np.pi * a / self.period * t) / t)
-        smooth += 2 / self.period * np.cos(np.outer(a * t, q)) @ compliance
-        approach = 2 * a * float((self.weights * self.phi) @ smooth) - 2 / np.pi * a * float(b @ _log_moments(k))
-        foundation = self.layer.foundation_modulus(1.0)
-        approach += load / self.period / foundation if foundation else 0.0
-        kappa = kappa_from_area(self.exponent, 2 * a, self.radius, load)
+        smooth = -2 / np.pi * np.log(2 * np.sin(np.pi * a / period * t) / t)
+        smooth += 2 / period * np.cos(np.outer(a * t, self._q)) @ self._compliance
+        approach = 2 * a * float((self._weights * self._phi) @ smooth) - 2 / np.pi * a * float(b @ _log_moments(k))
+        foundation = self._layer.foundation_modulus(1.0)
+        kappa = kappa_from_area(self._exponent, 2 * a, self._radius, load)
         return Asperity(
             half_width=a,
             contact_area=2 * a,
             load=load,
-            peak_pressure=peak,
-            approach=approach,
+            peak_pressure=_largest(np.sin(np.outer(np.linspace(0, np.pi / 2, 4 * n + 1), k)) @ b),
+            approach=approach + (load / period / foundation if foundation else 0.0),
             kappa=kappa,
-            kappa_ratio=kappa / kappa_half_space(self.exponent),
-            reduced_thickness=self.layer.thickness / (2 * a),
+            kappa_ratio=kappa / kappa_half_space(self._exponent),
+            reduced_thickness=self._layer.thickness / (2 * a),
             t=t,
-            pressure=np.sin(self.theta) * self.phi,
+            pressure=pressure,
             waves=b,
         )
 
@@ -168,14 +139,6 @@ def _largest(samples: Array64) -> float:
     before, largest, after = samples[at - 1 : at + 2]
     curvature = before - 2 * largest + after
     return float(largest - (after - before) ** 2 / (8 * curvature)) if curvature < 0 else float(largest)
-
-
-def _layer_modes(period: float, layer: ElasticLayer) -> tuple[Array64, Array64]:
-    """Wave numbers q_k and the layer's extra compliance 1/K - 2/q_k, shape (M,) each; empty for the half-space."""
-    count = math.ceil(_MODES / layer.thickness * period / (2 * np.pi))
-    q = 2 * np.pi / period * np.arange(1.0, count + 1)
-    k = layer.stiffness(2 * np.pi * np.arange(1.0, count + 1), period) / period
-    return q, 1 / k - 2 / q
 
 
 def _log_moments(k: NDArray[np.int_]) -> Array64:

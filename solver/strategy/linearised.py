@@ -48,7 +48,7 @@ def contact_compliance(scene: Scene, contact: Mask) -> float:
     return _punch(scene, contact)[0]
 
 
-@on_one_thread
+@on_one_thread()
 def contact_stiffness(solution: Solution) -> float:
     """dp/d(approach) of a solution [pressure/length]; 0 where nothing touches.
 

@@ -14,9 +14,8 @@ import numpy as np
 from . import checks
 from .indenters import INDENTERS, Indenter
 from .layers import LAYERS, ElasticLayer
+from .layers.tabulated import CLOSE
 
-_ROUNDED = 1e-9  # relative difference of periods that are the same
-_ALIKE = 0.01  # relative difference of K of long waves from the foundation's modulus
 _LONG = (1e-3, 1e-6, 1e-9)
 """Long waves, over those of the longer of period and thickness; rounding may spoil K of the longest."""
 
@@ -44,9 +43,9 @@ def check_foundation(layer: ElasticLayer, period: float) -> None:
     longest, *long_waves = found.tolist()
     known = [value for value in long_waves if math.isfinite(value) and value != longest]  # a layer may cut off there
     if 0 < modulus < math.inf:
-        wrong = bool(known) and all(abs(value / modulus - 1) > _ALIKE for value in known)
+        wrong = bool(known) and all(abs(value / modulus - 1) > CLOSE for value in known)
     else:  # there is no limit to compare with, but a stiffness that hardly changes has a finite one
-        alike = all(abs(value - known[0]) <= _ALIKE * known[0] for value in known)
+        alike = all(abs(value - known[0]) <= CLOSE * known[0] for value in known)
         wrong = len(known) > 1 and known[0] > 0 and alike
     if wrong:
         at = ", ".join(f"{wave:.3g}" for wave in waves[1:])
@@ -65,7 +64,7 @@ def check_indenter(indenter: Indenter, num_points: int, period: float) -> None:
     own = indenter.given_period
     if own is not None:
         own = checks.real(f"given_period of indenter {indenter.name}", own, "a finite length > 0, or None", 0)
-        if abs(period / own - 1) > _ROUNDED:
+        if not math.isclose(period, own):
             raise ValueError(f"period is {period:.10g}; allowed: {own:.10g}, for which the heights were given")
     indenter.check(num_points)
 
