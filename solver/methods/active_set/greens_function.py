@@ -72,11 +72,11 @@ class GreensFunction:
             factor = self._factors[name] = inverse_cholesky(column(order))
         return factor
 
-    def solve(self, nodes: Indices, height: Array64) -> Array64 | None:
+    def solve(self, nodes: Indices, height: Array64, load: float = 1.0) -> Array64 | None:
         """The pressure on some nodes, not all, whose gap h + G sigma is one constant, shape (M,) [p]; None where
         rounding or too little memory makes that impossible.
 
-        nodes: shape (M,); height: h there [u].
+        nodes: shape (M,); height: h there [u]; load: the pressure's mean over N [p].
         """
         try:
             matrix = np.take(self.response.whole, nodes[:, None] - nodes, mode="wrap")
@@ -84,7 +84,7 @@ class GreensFunction:
         except (np.linalg.LinAlgError, MemoryError):
             return None
         with np.errstate(all="ignore"):
-            pressure = (self.num_points + shape.sum()) / punch.sum() * punch - shape
+            pressure = (load * self.num_points + shape.sum()) / punch.sum() * punch - shape
         return pressure if np.isfinite(pressure).all() else None
 
     @property
