@@ -59,9 +59,6 @@ class FrictionlessLayer(ElasticLayer):
     def foundation_modulus(self, period):
         return period / self.thickness
 
-    def in_units(self, length, pressure):
-        return replace(self, thickness=self.thickness * length, contact_modulus=self.contact_modulus * pressure)
-
     def to_dict(self):
         return {"layer": self.name, "thickness": self.thickness, "contact_modulus": self.contact_modulus}
 
