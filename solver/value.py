@@ -1,16 +1,17 @@
 """Frozen dataclasses that are their fields: equal where these are, and made anew where they are copied or pickled."""
 
 import inspect
+from abc import ABC
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass, replace
-from typing import Any, ClassVar, Protocol, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
 from . import display, units
 
 
-class Value(Protocol):
+class Value:
     """A dataclass of its own equality, in which NaN equals NaN and arrays are compared value by value.
 
     A copy comes from the constructor, which checks it and makes its arrays read-only as it did with the first one's.
@@ -70,7 +71,7 @@ def _looked_at(value: Any) -> Any:
     return value.shape  # equality tells arrays of one shape apart
 
 
-class Kind(Value, Protocol):
+class Kind(Value, ABC):
     """A kind of layer or of indenter: numbers with units.
 
     Making such a class raises `ValueError` like `units.declare`.

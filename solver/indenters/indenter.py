@@ -6,7 +6,7 @@ Heights come in units of the period L, so that a shape has no unit of its own.
 
 from abc import abstractmethod
 from collections.abc import Sequence
-from typing import Any, ClassVar, Protocol, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -18,7 +18,7 @@ _SIXTH, _EIGHTH = (45 / 60, -9 / 60, 1 / 60), (4 / 5, -1 / 5, 4 / 105, -1 / 280)
 """Shares of the nodes on either side in central differences of that order."""
 
 
-class Indenter(Kind, Protocol):
+class Indenter(Kind):
     """A rigid, periodic indenter, as the program needs to know it."""
 
     name: ClassVar[str]

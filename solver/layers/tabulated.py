@@ -16,7 +16,7 @@ import numpy as np
 
 from .. import checks, display
 from ..arrays import Array64
-from .layer import ElasticLayer
+from .layer import ElasticLayer, own_stiffness
 
 _FEWEST = 8  # rows
 CLOSE = 0.02
@@ -88,16 +88,7 @@ class TabulatedLayer(ElasticLayer):
         while True:
             count = 2 * count - 1  # an odd number, so that the last interval is examined, too
             q = np.geomspace(first, last, count)
-            try:
-                k = np.asarray(stiffness(q))
-            except TypeError as wrong:
-                raise ValueError(f"stiffness(q) fails: {wrong}; allowed: a function of an array of q") from wrong
-            if k.shape != q.shape or k.dtype.kind not in "fiu":
-                allowed = f"real numbers of the shape of q, {q.shape}"
-                raise ValueError(f"stiffness(q) has shape {k.shape} and type {k.dtype}; allowed: {allowed}")
-            bad = np.flatnonzero(~((k > 0) & (k < math.inf)))
-            if bad.size:
-                raise ValueError(f"stiffness(q) is {k[bad[0]]:.6g} at q = {q[bad[0]]:.6g}; allowed: finite numbers > 0")
+            k = own_stiffness("stiffness(q)", "q", stiffness, q)
             error, about = _left_out(q, k)
             if error < _FINE:
                 return cls(tuple(q.tolist()), tuple(k.tolist()), contact_modulus, "a function")
