@@ -25,7 +25,7 @@ MOST_ENERGY = 0.1
 """Bound on the energy's error over the elastic energy, at a tolerance that nobody asked for (dimensionless)."""
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True)
 class Level(Measured):
     """What a coarser grid gave; on grids before the last coarser one pressures alone tell the edges."""
 

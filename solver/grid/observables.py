@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from .. import display
 from ..arrays import Array64, Mask, parts
 from ..indenters import Indenter
 from ..reference.closed_forms import kappa_half_space
@@ -19,7 +18,7 @@ from .patches import Patches
 from .problem import squared_slope, squared_slope_doubt
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True)
 class Measured(Value):
     """What is measured on every grid; dimensionless unless a unit is given."""
 
@@ -48,11 +47,8 @@ class Measured(Value):
     num_patches: int
     """Runs of neighbouring contact nodes."""
 
-    def __repr__(self) -> str:
-        return display.line(self)
 
-
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True)
 class Observables(Measured):
     """What is measured on a solution; dimensionless unless a unit is given.
 
