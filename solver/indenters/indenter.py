@@ -112,16 +112,9 @@ class Indenter(Kind):
         """What there is to doubt of the surface itself, in words, for a warning; empty if nothing."""
         return ""
 
-    def effective_wave(self, num_points: int) -> int:
-        """Number in the period of the wave that decides how fine a grid has to be; 0 for a smooth profile.
-
-        By default the shortest; less where the shortest ones hardly matter.
-        """
-        return self.shortest_wave(num_points)
-
     @property
     def kinked(self) -> bool:
-        """Whether it has a few kinks, which `effective_wave` leaves out."""
+        """Whether it has a few kinks."""
         return False
 
     def omitted(self, num_points: int) -> float:

@@ -109,7 +109,7 @@ def estimated(
 
 
 def _left(quantity: Quantity, scene: Scene, num_points: int, found: Measured, values: Sequence[float]) -> float:
-    power, rough = scene.indenter.power_law, scene.indenter.effective_wave(num_points) > 0
+    power, rough = scene.indenter.power_law, scene.indenter.shortest_wave(num_points) > 0
     changes = [abs(after - before) for before, after in pairwise(values)]
     last, share = changes[-1], getattr(FITTED, quantity.of_change[rough]) if quantity.of_change else 0.0
     if power and power[0] < 2 and not (quantity.of_area or quantity.of_lowest):
