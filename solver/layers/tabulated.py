@@ -143,7 +143,7 @@ class TabulatedLayer(ElasticLayer):
     def foundation_modulus(self, period: float) -> float:
         """The first row's K where the table begins flat; 0 where K goes like q there, `inf` where like 1/q^2."""
         flat = self.stiffnesses[0] * period / self.contact_modulus
-        return {0: flat, 1: 0.0}.get(self._powers[0], math.inf)
+        return flat if self._powers[0] == 0 else 0.0 if self._powers[0] == 1 else math.inf
 
     def to_dict(self) -> dict[str, Any]:
         return {
