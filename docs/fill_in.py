@@ -127,8 +127,13 @@ def _default(field: "dataclasses.Field[Any]") -> str:
 
 
 def _methods(thing: type) -> Iterator[tuple[str, Any]]:
-    """What a class does and what it makes of its fields, in the order of its source."""
-    for name, value in vars(thing).items():
+    """What a class does and what it makes of its fields, in the order of its source, with its bases.
+
+    Those that only describe what a class must offer are left out.
+    """
+    bases = [base for base in thing.__mro__ if base is thing or not getattr(base, "__abstractmethods__", ())]
+    members = {name: value for base in reversed(bases) for name, value in vars(base).items()}
+    for name, value in members.items():
         inner = getattr(value, "func", value)
         if not name.startswith("_") and inspect.getdoc(value) and not isinstance(value, str | int | float | dict):
             called = inspect.isfunction(value) or isinstance(value, classmethod)

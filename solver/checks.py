@@ -1,6 +1,5 @@
 """Checks of user input: every error names the parameter, its value and what is allowed."""
 
-import inspect
 import math
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -72,24 +71,6 @@ def choice(name: str, value: object, allowed: tuple[str, ...]) -> str:
     if not isinstance(value, str) or value not in allowed:
         raise ValueError(f"{name} is {value!r}; allowed: {', '.join(allowed)}")
     return value
-
-
-def offers(name: str, value: object, kind: type[Any], allowed: str) -> None:
-    """Raise `ValueError` unless `value` is an object with everything that the protocol `kind` describes.
-
-    The message names what is missing; `allowed` says what may be given.
-    """
-    described = [member for base in kind.__mro__ for member in (*vars(base), *getattr(base, "__annotations__", ()))]
-    wanted = sorted({member for member in described if not member.startswith("_")})
-    absent = object()  # properties are looked up, not computed
-    missing = [member for member in wanted if inspect.getattr_static(value, member, absent) is absent]
-    if isinstance(value, type) or len(missing) == len(wanted):
-        raise ValueError(f"{name} is {value!r}; allowed: {allowed}")
-    if missing:
-        needed = [member for member in missing if member in kind.__abstractmethods__] or missing
-        others = len(missing) - len(needed)
-        lacks = ", ".join(needed) + f" and {others} more" * bool(others)
-        raise ValueError(f"{name} is {value!r}, which lacks {lacks}; allowed: {allowed}")
 
 
 @contextmanager

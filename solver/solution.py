@@ -11,7 +11,7 @@ from . import checks, display
 from .arrays import Array64, Mask
 from .endings import Reason, Status
 from .grid.certificate import Certificate
-from .grid.observables import Observables
+from .grid.observables import Measured, Observables
 from .grid.patch_table import PatchTable
 from .provenance import provenance
 from .scene import Scene
@@ -26,38 +26,15 @@ MOST_ENERGY = 0.1
 
 
 @dataclass(frozen=True)
-class Level(Value):
-    """What a coarser grid gave."""
+class Level(Measured):
+    """What a coarser grid gave; on grids before the last coarser one pressures alone tell the edges."""
 
     num_points: int
     """Its points."""
-    contact_area_subgrid: float
-    """a_r between sub-grid edges (dimensionless); on grids before the last coarser one by pressures alone."""
-    kappa_subgrid: float
-    """kappa between sub-grid edges (dimensionless)."""
-    peak_pressure: float
-    """Largest contact pressure [pressure]."""
-    peak_pressure_sampling: float
-    """By how much the largest pressure may differ from that [pressure]."""
-    approach: float
-    """Rigid approach since first touch [length]."""
-    approach_sampling: float
-    """By how much it may be off because the lowest point may lie between the nodes [length]."""
-    num_patches: int
-    """Contact patches."""
-    contact_area_edges_error: float
-    """a_r's error, estimated from the edges alone (dimensionless)."""
-    kappa_edges_error: float
-    """The same for kappa (dimensionless)."""
-    unseen_gap_area: float
-    """Share of the period that gaps and patches between two nodes may have (dimensionless)."""
     iterations: int
     """Iterations on this grid."""
     transform_pairs: float
     """Transform pairs on this grid, in pairs of its own length."""
-
-    def __repr__(self) -> str:
-        return display.line(self)
 
     def to_dict(self) -> dict[str, float]:
         """JSON-ready, without the number of points."""

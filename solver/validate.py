@@ -22,8 +22,9 @@ _LONG = (1e-3, 1e-6, 1e-9)
 
 def check_layer(layer: ElasticLayer, period: float) -> None:
     """Raise `ValueError` unless this is a layer for the period L [length]."""
-    checks.offers("layer", layer, ElasticLayer, "a Layer, or what `ElasticLayer` describes")
-    checks.real("thickness", layer.thickness, "a length > 0, or inf", 0, infinite=True)
+    if not isinstance(layer, ElasticLayer):
+        raise ValueError(f"layer is {layer!r}; allowed: a Layer, or what inherits from `ElasticLayer`")
+    checks.real("thickness", getattr(layer, "thickness", None), "a length > 0, or inf", 0, infinite=True)
     _check_description("layer", layer, LAYERS)
     checks.real(f"contact_modulus of layer {layer.name}", layer.contact_modulus, "a finite pressure > 0", 0)
     layer.check(period)
@@ -56,8 +57,9 @@ def check_foundation(layer: ElasticLayer, period: float) -> None:
 
 def check_indenter(indenter: Indenter, num_points: int, period: float) -> None:
     """Raise `ValueError` unless this is an indenter for a grid of so many points, and for the period L [length]."""
-    allowed = "a PowerIndenter, RoughIndenter or MeasuredIndenter, or what `Indenter` describes"
-    checks.offers("indenter", indenter, Indenter, allowed)
+    if not isinstance(indenter, Indenter):
+        allowed = "a PowerIndenter, RoughIndenter or MeasuredIndenter, or what inherits from `Indenter`"
+        raise ValueError(f"indenter is {indenter!r}; allowed: {allowed}")
     _check_description("indenter", indenter, INDENTERS)
     wave, allowed = indenter.shortest_wave(num_points), "an integer >= 0, 0 for a smooth profile"
     checks.integer(f"shortest_wave of indenter {indenter.name}", wave, allowed, 0, 2**53)
@@ -71,17 +73,18 @@ def check_indenter(indenter: Indenter, num_points: int, period: float) -> None:
 
 def _check_description(what: str, part: Any, listed: Mapping[str, type]) -> None:
     """Raise `ValueError` unless a part has a name of its own and a description that can be stored."""
-    if not isinstance(part.name, str) or not part.name:
-        raise ValueError(f"name of {what} is {part.name!r}; allowed: a text that is not empty")
-    owner = listed.get(part.name)
+    name = getattr(part, "name", None)
+    if not isinstance(name, str) or not name:
+        raise ValueError(f"name of {what} is {name!r}; allowed: a text that is not empty")
+    owner = listed.get(name)
     if owner and not isinstance(part, owner) and owner.__module__.startswith(f"{__package__}."):
-        raise ValueError(f"name of {what} is {part.name!r}, which is that of {owner.__name__}; allowed: another one")
+        raise ValueError(f"name of {what} is {name!r}, which is that of {owner.__name__}; allowed: another one")
     described, key = part.to_dict(), {"layer": "layer", "indenter": "profile"}[what]
-    if not isinstance(described, Mapping) or described.get(key) != part.name:
-        allowed = f"a dictionary with {part.name!r} under {key!r}"
-        raise ValueError(f"to_dict of {what} {part.name} gives {str(described)[:60]}; allowed: {allowed}")
-    for name, value in described.items():
+    if not isinstance(described, Mapping) or described.get(key) != name:
+        allowed = f"a dictionary with {name!r} under {key!r}"
+        raise ValueError(f"to_dict of {what} {name} gives {str(described)[:60]}; allowed: {allowed}")
+    for key, value in described.items():
         several = value if isinstance(value, list | tuple) else [value]
         if any(not isinstance(one, (str, Real, np.bool_)) for one in several):
             allowed = "a number, a text, True or False, or several of them"
-            raise ValueError(f"to_dict of {what} {part.name} has {name} {repr(value)[:40]}; allowed: {allowed}")
+            raise ValueError(f"to_dict of {what} {name} has {key} {repr(value)[:40]}; allowed: {allowed}")

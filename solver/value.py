@@ -1,16 +1,17 @@
 """Frozen dataclasses that are their fields: equal where these are, and made anew where they are copied or pickled."""
 
 import inspect
+from abc import ABC
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass, replace
-from typing import Any, ClassVar, Protocol, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
 from . import display, units
 
 
-class Value(Protocol):
+class Value:
     """A dataclass of its own equality, in which NaN equals NaN and arrays are compared value by value.
 
     A copy comes from the constructor, which checks it and makes its arrays read-only as it did with the first one's.
@@ -22,8 +23,8 @@ class Value(Protocol):
 
     def __init_subclass__(cls, **more: Any) -> None:
         super().__init_subclass__(**more)
-        for name, own in (("__eq__", _equal), ("__hash__", _hash)):
-            if name not in cls.__dict__:  # a dataclass would make its own
+        for name, own in (("__eq__", _equal), ("__hash__", _hash), ("__repr__", _line)):
+            if name not in cls.__dict__:  # a dataclass would make its own, and that of numbers without units
                 setattr(cls, name, own)
 
     def __reduce_ex__(self, protocol: Any) -> Any:
@@ -70,7 +71,11 @@ def _looked_at(value: Any) -> Any:
     return value.shape  # equality tells arrays of one shape apart
 
 
-class Kind(Value, Protocol):
+def _line(instance: Any) -> str:
+    return display.line(instance) if is_dataclass(instance) else object.__repr__(instance)
+
+
+class Kind(Value, ABC):
     """A kind of layer or of indenter: numbers with units.
 
     Making such a class raises `ValueError` like `units.declare`.
@@ -85,8 +90,6 @@ class Kind(Value, Protocol):
         # annotations may be texts; what belongs to the class is no number of a layer or an indenter
         numbers = [name for name, of in inspect.get_annotations(cls).items() if "ClassVar" not in str(of)]
         units.declare(cls.__dict__.get("units", {}), numbers)
-        if "__repr__" not in cls.__dict__:  # a dataclass would make its own, without units
-            cls.__repr__ = _line  # type: ignore[assignment]
 
     def in_units(self, length: float, pressure: float = 1.0) -> Self:
         """The same in other units: lengths are multiplied by `length`, pressures by `pressure`."""
@@ -95,7 +98,3 @@ class Kind(Value, Protocol):
         names = {name: self.units.get(name) or units.unit(name) for name, value in given.items() if value is not None}
         scaled = {name: given[name] * sizes[of] for name, of in names.items() if of in sizes}
         return replace(self, **scaled, **self._remade) if scaled else self  # type: ignore[type-var]
-
-
-def _line(instance: Any) -> str:
-    return display.line(instance) if is_dataclass(instance) else object.__repr__(instance)

@@ -303,13 +303,6 @@ def test_what_many_patches_have_in_common_is_estimated():
     assert max(beyond) < 1.5
 
 
-def test_the_wave_that_matters():
-    smooth = MeasuredIndenter(np.cos(2 * np.pi * np.arange(2**12) / 2**12), convention="gap")
-    assert smooth.effective_wave(2**12) == 1  # not the shortest that the values could hold
-    rough = MeasuredIndenter(RoughIndenter(0.8, 0, 1 / 8, 1 / 32).profile(2**12, 1.0), convention="gap")
-    assert rough.effective_wave(2**12) == pytest.approx(256, rel=0.02)
-
-
 def test_an_estimate_is_the_rule_of_its_parts():
     """sqrt((a c)^2 + e^2) + g, with the numbers of the file."""
     scene = Scene(Layer(), QUICK_ROUGH, 2e-2, num_points=2**14)

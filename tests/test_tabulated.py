@@ -211,7 +211,7 @@ def test_a_function_is_known_to_six_digits(layer):
         ),
         (lambda q: q, 10, 1, r"last is 1; allowed: at least twice the first, which is 10"),
         (lambda q: q, 0, 1, "first is 0"),
-        (lambda q: math.exp(-q), 1, 10, r"stiffness\(q\) fails: .*; allowed: a function of an array of q"),
+        (lambda q: math.exp(-q), 1, 10, r"stiffness\(q\) fails .*; allowed: a function of an array of wave"),
     ],
 )
 def test_functions_that_are_no_stiffness_are_named_at_once(function, first, last, message):

@@ -20,7 +20,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .. import display
 from ..arrays import Array64, Mask, parts
 from ..transforms.four_step import LongPair
 from ..transforms.pair import Pair
@@ -51,9 +50,6 @@ class Certificate(Value):
     small that both underflow."""
     approach_balance: float | None = None
     """|approach/(the one asked for) - 1|; None where the pressure is given, and not the approach."""
-
-    def __repr__(self) -> str:
-        return display.line(self)
 
 
 def certify(problem: Problem, displacement: Array64) -> tuple[Certificate, Array64, Mask]:

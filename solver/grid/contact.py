@@ -70,7 +70,7 @@ def contact_edges(
     at_tip = np.flatnonzero((patches.first <= n // 2) & (n // 2 <= patches.last) | (patches.count == 1))
     tip = indenter.end_error(float(edges.width[at_tip[0]])) if at_tip.size else 0.0
     error = np.maximum(edges.end_errors, tip)
-    if indenter.effective_wave(n):
+    if indenter.shortest_wave(n):
         error = np.maximum(error, np.where(edges.width < _SHORT_OF_FIT, edges.width / 2, 0.0))
     return patches, replace(edges, end_errors=error)
 

@@ -2,10 +2,10 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from .. import display
 from ..arrays import Array64, Mask, parts
 from ..indenters import Indenter
 from ..reference.closed_forms import kappa_half_space
@@ -19,7 +19,37 @@ from .problem import squared_slope, squared_slope_doubt
 
 
 @dataclass(frozen=True)
-class Observables(Value):
+class Measured(Value):
+    """What is measured on every grid; dimensionless unless a unit is given."""
+
+    contact_area_subgrid: float
+    """a_r between the sub-grid edges."""
+    rms_gradient_subgrid: float
+    """Rms of h' between the sub-grid edges."""
+    kappa_subgrid: float
+    """kappa between the sub-grid edges."""
+    contact_area_edges_error: float
+    """a_r's error, estimated from the ends of the patches alone."""
+    kappa_edges_error: float
+    """The same for kappa."""
+    unseen_gap_area: float
+    """Share of the period that gaps between two contact nodes, and patches between two open ones, may have; part of
+    `contact_area_error`."""
+    peak_pressure: float
+    """Largest contact pressure [pressure]."""
+    peak_pressure_sampling: float
+    """By how much the largest pressure may differ from that of the nodes, see `peak_sampling` [pressure]."""
+    approach: float
+    """Rigid approach since first touch [length]: mean(u) + p/k_W, for a half-space mean(u), by convention. Under a
+    rough surface the depth of its lowest point below its lowest node is added."""
+    approach_sampling: float
+    """By how much the approach may be off because the lowest point may lie between the nodes [length]."""
+    num_patches: int
+    """Runs of neighbouring contact nodes."""
+
+
+@dataclass(frozen=True)
+class Observables(Measured):
     """What is measured on a solution; dimensionless unless a unit is given.
 
     Areas and kappa come in two ways: by counting nodes, and with every contact edge located between two nodes
@@ -38,48 +68,21 @@ class Observables(Value):
     """kappa over kappa_inf(n) of the half-space; None for anything but power profiles."""
     reduced_thickness: float
     """d/(a_r L)."""
-    approach: float
-    """Rigid approach since first touch [length]: mean(u) + p/k_W, for a half-space mean(u), by convention. Under a
-    rough surface the depth of its lowest point below its lowest node is added."""
     mean_gap: float
     """Mean of h - u over all nodes [length]."""
-    peak_pressure: float
-    """Largest contact pressure [pressure]."""
-    num_patches: int
-    """Runs of neighbouring contact nodes."""
     num_counted_patches: int
     """Patches whose nodes are counted even in the sub-grid area: neither pressures nor loads tell their ends."""
     num_patches_by_load: int
     """Narrow patches whose ends are found by their loads, see `narrow`."""
-    contact_area_subgrid: float
-    """a_r between the sub-grid edges."""
     contact_area_error: float
     """Estimated error of the sub-grid a_r: what the edges and, with nested grids, the change from grid to grid leave
     (1 if a solve ended without a contact), and the unfinished iteration."""
-    rms_gradient_subgrid: float
-    """Rms of h' between the sub-grid edges."""
-    kappa_subgrid: float
-    """kappa between the sub-grid edges."""
     kappa_error: float
     """Estimated error of `kappa_subgrid`; `inf` where the contact is flat."""
-    contact_area_edges_error: float
-    """a_r's error, estimated from the ends of the patches alone."""
-    kappa_edges_error: float
-    """The same for kappa."""
-    peak_pressure_sampling: float
-    """By how much the largest pressure may differ from that of the nodes, see `peak_sampling` [pressure]."""
-    approach_sampling: float
-    """By how much the approach may be off because the lowest point may lie between the nodes [length]."""
-    unseen_gap_area: float
-    """Share of the period that gaps between two contact nodes, and patches between two open ones, may have; part of
-    `contact_area_error`."""
     peak_pressure_error: float = math.inf
     """Estimated error of the largest contact pressure [pressure]; `inf` where no coarser grid tells."""
     approach_error: float = math.inf
     """The same for the approach [length]."""
-
-    def __repr__(self) -> str:
-        return display.line(self)
 
 
 def observe(
@@ -96,34 +99,54 @@ def observe(
     reduced = scene.reduced_load / gradient if gradient else math.inf
     kappa = area / reduced
     layer, power = scene.layer, scene.indenter.power_law
-    patches, edges = contact_edges(scene, contact_pressure, profile, displacement)
-    area_subgrid, gradient_subgrid, kappa_subgrid, kappa_error = subgrid_measures(scene, patches, edges, squared)
-    area_error = edges.total_error / scene.num_points if area else 1.0
+    measured, patches, edges = measure(scene, profile, displacement, contact_pressure)
     found = Observables(
+        **measured,
         contact_area=area,
         rms_gradient_contact=gradient,
         reduced_pressure=reduced,
         kappa=kappa,
         kappa_ratio=kappa / kappa_half_space(power[0]) if power else None,
         reduced_thickness=layer.thickness / (area * scene.period) if area else math.inf,
-        approach=approach(scene, displacement, profile),
         mean_gap=sum(float((profile[part] - displacement[part]).sum()) for part in parts(profile.size)) / profile.size,
-        peak_pressure=float(contact_pressure.max(initial=0.0)),
-        num_patches=patches.count,
         num_counted_patches=int(edges.counted.sum()),
         num_patches_by_load=int(edges.by_load.sum()),
-        contact_area_subgrid=area_subgrid,
-        contact_area_error=area_error,
-        rms_gradient_subgrid=gradient_subgrid,
-        kappa_subgrid=kappa_subgrid,
-        kappa_error=kappa_error,
-        contact_area_edges_error=area_error,
-        kappa_edges_error=kappa_error,
-        peak_pressure_sampling=peak_sampling(scene.indenter, contact_pressure, patches, edges),
-        approach_sampling=approach_sampling(scene.indenter, profile, patches),
-        unseen_gap_area=edges.unseen / scene.num_points,
+        contact_area_error=measured["contact_area_edges_error"],
+        kappa_error=measured["kappa_edges_error"],
     )
     return found, patch_table(patches, edges, contact_pressure, scene.period)
+
+
+def measure(
+    scene: Scene,
+    profile: Array64,
+    displacement: Array64,
+    contact_pressure: Array64,
+    unit: float = 1.0,
+    by_loads: bool = True,
+) -> tuple[dict[str, Any], Patches, Edges]:
+    """The fields of `Measured` on any grid, by name; the patches, and their ends.
+
+    Arguments as for `observe`; contact_pressure: [`unit`]; by_loads: whether loads may tell the ends of patches.
+    """
+    num_points = profile.size
+    patches, edges = contact_edges(scene, contact_pressure, profile, displacement if by_loads else None)
+    squared = squared_slope(scene.indenter, num_points, scene.period)
+    area, gradient, kappa, kappa_error = subgrid_measures(scene, patches, edges, squared)
+    measured = {
+        "contact_area_subgrid": area,
+        "rms_gradient_subgrid": gradient,
+        "kappa_subgrid": kappa,
+        "contact_area_edges_error": edges.total_error / num_points if patches.count else 1.0,
+        "kappa_edges_error": kappa_error,
+        "unseen_gap_area": edges.unseen / num_points,
+        "peak_pressure": unit * float(contact_pressure.max(initial=0.0)),
+        "peak_pressure_sampling": unit * peak_sampling(scene.indenter, contact_pressure, patches, edges),
+        "approach": approach(scene, displacement, profile),
+        "approach_sampling": approach_sampling(scene.indenter, profile, patches),
+        "num_patches": patches.count,
+    }
+    return measured, patches, edges
 
 
 def foundation_modulus(scene: Scene) -> float:

@@ -24,6 +24,7 @@ from .. import checks
 from ..arrays import Array64
 from ..indenters import Indenter
 from ..layers import ElasticLayer
+from ..layers.layer import own_stiffness
 from ..scene import Scene
 from ..transforms.plain import irfft, rfft
 from .kept import kept
@@ -69,20 +70,12 @@ def squared_slope_doubt(indenter: Indenter, num_points: int, period: float) -> A
 def half_spectrum(layer: ElasticLayer, num_points: int, period: float) -> Array64:
     """K(q_k) of a layer for k = 0 ... N/2, shape (N//2 + 1,), in units of E*/L; 0 for the mean mode.
 
-    Raises `ValueError` for a stiffness that fails, is not positive and finite, or not of the waves' shape.
+    Raises `ValueError` like `own_stiffness`.
     """
     stiffness = np.zeros(num_points // 2 + 1)
     wave_numbers = 2 * np.pi * np.arange(1, stiffness.size, dtype=np.float64)
     what = f"stiffness of layer {layer.name}"
-    with checks.own_code(what, "allowed: a function of an array of wave numbers", layer):
-        found = np.asarray(layer.stiffness(wave_numbers, period))
-    if found.shape != wave_numbers.shape or found.dtype.kind not in "fiu":
-        allowed = f"real numbers of the wave numbers' shape, {wave_numbers.shape}"
-        raise ValueError(f"{what} has shape {found.shape} and type {found.dtype}; allowed: {allowed}")
-    if not 0 < found.min() <= found.max() < math.inf:
-        bad = np.flatnonzero(~((found > 0) & (found < math.inf)))[0]
-        raise ValueError(f"{what} is {found[bad]:.3g} at q L = {wave_numbers[bad]:.6g}; allowed: finite numbers > 0")
-    stiffness[1:] = found
+    stiffness[1:] = own_stiffness(what, "q L", lambda q: layer.stiffness(q, period), wave_numbers, layer)
     return stiffness
 
 

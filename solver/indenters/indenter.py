@@ -6,7 +6,7 @@ Heights come in units of the period L, so that a shape has no unit of its own.
 
 from abc import abstractmethod
 from collections.abc import Sequence
-from typing import Any, ClassVar, Protocol, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -18,7 +18,7 @@ _SIXTH, _EIGHTH = (45 / 60, -9 / 60, 1 / 60), (4 / 5, -1 / 5, 4 / 105, -1 / 280)
 """Shares of the nodes on either side in central differences of that order."""
 
 
-class Indenter(Kind, Protocol):
+class Indenter(Kind):
     """A rigid, periodic indenter, as the program needs to know it."""
 
     name: ClassVar[str]
@@ -112,16 +112,9 @@ class Indenter(Kind, Protocol):
         """What there is to doubt of the surface itself, in words, for a warning; empty if nothing."""
         return ""
 
-    def effective_wave(self, num_points: int) -> int:
-        """Number in the period of the wave that decides how fine a grid has to be; 0 for a smooth profile.
-
-        By default the shortest; less where the shortest ones hardly matter.
-        """
-        return self.shortest_wave(num_points)
-
     @property
     def kinked(self) -> bool:
-        """Whether it has a few kinks, which `effective_wave` leaves out."""
+        """Whether it has a few kinks."""
         return False
 
     def omitted(self, num_points: int) -> float:

@@ -13,9 +13,7 @@ from ..transforms.plain import irfft, rfft
 from ..units import named
 from .indenter import Indenter
 
-_MOST_CURVATURE = 0.99  # of the mean square curvature, in the waves that decide how fine a grid has to be
 _KINKS = 32  # most nodes that kinks are looked for at, and the nodes to each
-_SMOOTHER = 4  # times longer without its kinks: from then on a profile counts as kinked
 
 
 @dataclass(frozen=True)
@@ -86,31 +84,13 @@ class MeasuredIndenter(Indenter):
         """The shortest wave that the values and the grid hold, see `Indenter`."""
         return min(num_points, self.heights.size, self.measured_points or self.heights.size) // 2
 
-    def effective_wave(self, num_points: int) -> int:
-        """The wave up to which nearly all of the mean square curvature lies, but for that of a few kinks."""
-        curved = self._curved_between_kinks if self.kinked else self._curved_everywhere
-        return min(curved, self.shortest_wave(num_points))
-
-    @property
+    @cached_property
     def kinked(self) -> bool:
-        return _SMOOTHER * self._curved_between_kinks <= self._curved_everywhere
-
-    @cached_property
-    def _curved_everywhere(self) -> int:
-        return _most_of(np.arange(self._modes.size) ** 2 * self._modes)
-
-    @cached_property
-    def _curved_between_kinks(self) -> int:
-        """The same without the nodes whose second differences are most unlike those around them."""
+        """Whether a few nodes, whose second differences are unlike those around them, are most of what is unlike."""
         bend = np.roll(self.heights, -1) - 2 * self.heights + np.roll(self.heights, 1)
-        number = min(_KINKS, bend.size // _KINKS)
-        if not number:
-            return self._curved_everywhere
-        unlike = np.abs(bend - (np.roll(bend, 2) + np.roll(bend, -2)) / 2)
-        kinks = np.argpartition(unlike, -number)[-number:]
-        bend[kinks] = np.median(bend[(kinks[:, None] + np.arange(-3, 4)) % bend.size], axis=1)
-        bend[np.abs(bend) <= 4 * np.spacing(self.heights.max())] = 0.0  # between kinks it may be straight
-        return max(_most_of(rfft(bend)), 1)
+        unlike = np.sort((bend - (np.roll(bend, 2) + np.roll(bend, -2)) / 2) ** 2)
+        few = unlike[bend.size - min(_KINKS, bend.size // _KINKS) :]
+        return bool(2 * few.sum() > unlike.sum())
 
     def omitted(self, num_points: int) -> float:
         if num_points >= max(self.heights.size, self.measured_points or 0):
@@ -150,9 +130,3 @@ class MeasuredIndenter(Indenter):
 
     def to_dict(self) -> dict[str, Any]:
         return {"profile": self.name} | self.description
-
-
-def _most_of(curvature: Modes) -> int:
-    """Number of the wave up to which nearly all of the mean square of a curvature lies, from its half spectrum."""
-    upto = np.cumsum(np.abs(curvature) ** 2)
-    return int(np.searchsorted(upto, _MOST_CURVATURE * upto[-1]))

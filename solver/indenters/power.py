@@ -38,10 +38,7 @@ class PowerIndenter(Indenter):
 
     def profile(self, num_points: int, period: float) -> Array64:
         distance = self._distance(num_points)
-        steepness = self._steepness(distance, period)
-        distance /= self.exponent
-        distance *= steepness
-        return distance
+        return np.asarray(distance / self.exponent * self._steepness(distance, period))
 
     def slope(self, num_points: int, period: float) -> Array64:
         """Slopes, see `Indenter`; 0 at the lowest point."""
@@ -97,8 +94,4 @@ class PowerIndenter(Indenter):
     @staticmethod
     def _distance(num_points: int) -> Array64:
         """Distance from the lowest point [L], shape (num_points,)."""
-        distance = np.arange(num_points, dtype=np.float64)
-        distance -= num_points // 2
-        np.abs(distance, out=distance)
-        distance /= num_points
-        return distance
+        return np.asarray(np.abs(np.arange(num_points) - num_points // 2) / num_points)

@@ -21,11 +21,6 @@ from . import coated
 from .layer import DEFAULT_MODULUS, HALF_SPACE_FROM, ElasticLayer, check_modulus
 
 
-def stiffness(q: Array64, thickness: float, poisson_ratio: float) -> Array64:
-    """K(q), see `homogeneous_stiffness`."""
-    return coated.stiffness(q, thickness, poisson_ratio, 0.0, 0.0)
-
-
 def foundation_modulus(thickness: float, poisson_ratio: float) -> float:
     """Winkler modulus k_W = E* (1-nu)^2/((1-2nu) d), the limit K(0) for nu < 1/2, in units of E* over d's unit.
 
@@ -53,7 +48,7 @@ def edge_shift(poisson_ratio: float) -> float:
     nodes, weights = gauss_legendre()
     width = math.log(last / first)  # in y = ln s, ds/s^2 = exp(-y) dy
     s = np.append(first, first * np.exp(width * (nodes + 1) / 2))
-    logarithm = -np.log(stiffness(s, 1.0, nu) * limit * s**power)
+    logarithm = -np.log(coated.stiffness(s, 1.0, nu) * limit * s**power)
     middle = width / 2 * float(weights @ (logarithm[1:] / s[1:]))
     tail = (math.log(2 / (limit * last ** (power + 1))) - (power + 1)) / last
     return -(float(logarithm[0]) / first + middle + tail) / math.pi
@@ -86,7 +81,7 @@ class Layer(ElasticLayer):
         check_modulus(self)
 
     def stiffness(self, wave_numbers: Array64, period: float) -> Array64:
-        return stiffness(wave_numbers, self.thickness / period, self.poisson_ratio)
+        return coated.stiffness(wave_numbers, self.thickness / period, self.poisson_ratio)
 
     def foundation_modulus(self, period: float) -> float:
         return foundation_modulus(self.thickness / period, self.poisson_ratio)

@@ -31,8 +31,10 @@ _MOST_RATIO = 1e6
 _SERIES_BELOW = 2.0  # x below which sinh x - x would cancel
 
 
-def stiffness(q: Array64, thickness: float, poisson_ratio: float, base_ratio: float, shear_ratio: float) -> Array64:
-    """K(q), see `homogeneous_stiffness`; base_ratio: Poisson's of the base, shear_ratio: m (dimensionless)."""
+def stiffness(
+    q: Array64, thickness: float, poisson_ratio: float, base_ratio: float = 0.0, shear_ratio: float = 0.0
+) -> Array64:
+    """K(q), see `homogeneous_stiffness`. base_ratio: Poisson's of the base; shear_ratio: m, 0 for a rigid base."""
     m, alpha, beta = shear_ratio, 3 - 4 * poisson_ratio, 3 - 4 * base_ratio
 
     def factor(x: Array64) -> Array64:

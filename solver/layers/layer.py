@@ -7,7 +7,7 @@ the defaults of the rest say "not known", and then no shortcut is taken.
 import math
 from abc import abstractmethod
 from collections.abc import Callable
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -33,6 +33,22 @@ def homogeneous_stiffness(q: Array64, thickness: float, factor: Callable[[Array6
     return k
 
 
+def own_stiffness(what: str, unit: str, function: Callable[[Array64], Any], q: Array64, part: object = None) -> Array64:
+    """K(q) > 0 by a function that may be one's own, shape of `q`. unit: of q, with its name; part: see `own_code`.
+
+    Raises `ValueError` for a function that fails, and for what is not positive and finite, or not of that shape.
+    """
+    with checks.own_code(what, "allowed: a function of an array of wave numbers", part):
+        found = np.asarray(function(q))
+    if found.shape != q.shape or found.dtype.kind not in "fiu":
+        allowed = f"real numbers of the wave numbers' shape, {q.shape}"
+        raise ValueError(f"{what} has shape {found.shape} and type {found.dtype}; allowed: {allowed}")
+    if not 0 < found.min() <= found.max() < math.inf:
+        bad = np.flatnonzero(~((found > 0) & (found < math.inf)))[0]
+        raise ValueError(f"{what} is {found[bad]:.3g} at {unit} = {q[bad]:.6g}; allowed: finite numbers > 0")
+    return found
+
+
 def check_modulus(layer: Any, prefix: str = "") -> None:
     """Check E* > 0 of a layer that is being made, and compute it where E is given instead. Raises `ValueError`.
 
@@ -54,7 +70,7 @@ def check_modulus(layer: Any, prefix: str = "") -> None:
     checks.assign(layer, **{modulus: checks.real(modulus, known, "a finite pressure > 0", 0), young: None})
 
 
-class ElasticLayer(Kind, Protocol):
+class ElasticLayer(Kind):
     """An elastic layer and what it rests on, as the program needs to know them."""
 
     name: ClassVar[str]

@@ -16,12 +16,13 @@ import numpy as np
 
 from .. import checks, display
 from ..arrays import Array64
-from .layer import ElasticLayer
+from .layer import ElasticLayer, own_stiffness
 
 _FEWEST = 8  # rows
 CLOSE = 0.02
 """Relative difference of K from a law, or of its power of q, at which it has become that law; and the largest change of
 K where every other row is left out (with all rows it is some sixteenth of that)."""
+_LAWS = (0, 1, -2)  # powers of q with which K may begin
 _FINE = 1e-6  # change of a function
 _MOST = 2**16  # rows from which a function is not sampled more finely
 
@@ -59,8 +60,8 @@ class TabulatedLayer(ElasticLayer):
             stiffnesses=tuple(k.tolist()),
             contact_modulus=checks.real("contact_modulus", modulus, "a finite pressure > 0", 0),
         )
-        if self._start is None:
-            slope = f"goes like q^{self._slopes[0]:.2g}"
+        if self._powers[0] not in _LAWS:
+            slope = f"goes like q^{self._powers[0]:.2g}"
             allowed = "a table that begins where K is constant (a foundation), or goes like q (a half-space) or 1/q^2"
             raise ValueError(f"stiffnesses begin at q = {q[0]:.4g}, where K {slope}; allowed: {allowed}")
         error, about = _left_out(q, k)
@@ -88,16 +89,7 @@ class TabulatedLayer(ElasticLayer):
         while True:
             count = 2 * count - 1  # an odd number, so that the last interval is examined, too
             q = np.geomspace(first, last, count)
-            try:
-                k = np.asarray(stiffness(q))
-            except TypeError as wrong:
-                raise ValueError(f"stiffness(q) fails: {wrong}; allowed: a function of an array of q") from wrong
-            if k.shape != q.shape or k.dtype.kind not in "fiu":
-                allowed = f"real numbers of the shape of q, {q.shape}"
-                raise ValueError(f"stiffness(q) has shape {k.shape} and type {k.dtype}; allowed: {allowed}")
-            bad = np.flatnonzero(~((k > 0) & (k < math.inf)))
-            if bad.size:
-                raise ValueError(f"stiffness(q) is {k[bad[0]]:.6g} at q = {q[bad[0]]:.6g}; allowed: finite numbers > 0")
+            k = own_stiffness("stiffness(q)", "q", stiffness, q)
             error, about = _left_out(q, k)
             if error < _FINE:
                 return cls(tuple(q.tolist()), tuple(k.tolist()), contact_modulus, "a function")
@@ -131,33 +123,27 @@ class TabulatedLayer(ElasticLayer):
     def stiffness(self, wave_numbers: Array64, period: float) -> Array64:
         q = wave_numbers / period
         first, last = self.wave_numbers[0], self.wave_numbers[-1]
-        low, high = self._start or 0, self._slopes[1]
+        low, high = self._powers
         if float(q.min()) < first * (1 - 1e-12) and low < 0:
             raise ValueError(_missing("long", float(q.min()), first, "foundation or half-space"))
         if float(q.max()) > last * (1 + 1e-12) and abs(high - 1) >= CLOSE:
             raise ValueError(_missing("short", float(q.max()), last, "half-space"))
-        table = np.log(self.wave_numbers), np.log(self.stiffnesses)
-        inside = np.log(np.clip(q, first, last))
-        values = np.exp(_cubic(*table, inside))
+        inside = np.clip(q, first, last)
+        values = np.exp(_cubic(np.log(self.wave_numbers), np.log(self.stiffnesses), np.log(inside)))
         values *= np.minimum(q / first, 1.0) ** max(low, 0) * np.maximum(q / last, 1.0)
         return np.asarray(values * period / self.contact_modulus)
 
     @property
-    def _start(self) -> int | None:
-        """The power of q with which K begins: 0, 1 or -2; None for anything else."""
-        slope = self._slopes[0]
-        return next((law for law in (0, 1, -2) if abs(slope - law) < CLOSE * max(1, abs(law))), None)
-
-    @property
-    def _slopes(self) -> tuple[float, float]:
-        """d ln K/d ln q between the first two rows, and between the last two."""
-        q, k = np.log(self.wave_numbers), np.log(self.stiffnesses)
-        return float((k[1] - k[0]) / (q[1] - q[0])), float((k[-1] - k[-2]) / (q[-1] - q[-2]))
+    def _powers(self) -> tuple[float, float]:
+        """The powers of q with which K begins, 0, 1 or -2 where it is close to one of them, and ends."""
+        q, k = (np.diff(np.log(values))[[0, -1]] for values in (self.wave_numbers, self.stiffnesses))
+        begins, ends = (k / q).tolist()
+        return next((law for law in _LAWS if abs(begins - law) < CLOSE * max(1, abs(law))), begins), ends
 
     def foundation_modulus(self, period: float) -> float:
         """The first row's K where the table begins flat; 0 where K goes like q there, `inf` where like 1/q^2."""
         flat = self.stiffnesses[0] * period / self.contact_modulus
-        return flat if self._start == 0 else 0.0 if self._start == 1 else math.inf
+        return flat if self._powers[0] == 0 else 0.0 if self._powers[0] == 1 else math.inf
 
     def to_dict(self) -> dict[str, Any]:
         return {

@@ -48,8 +48,6 @@ class Asperity:
     """a_r/p*, p* the load over the rms slope in the contact."""
     kappa_ratio: float
     """kappa over that of the half-space."""
-    reduced_thickness: float
-    """d/a_r."""
     t: Array64
     """Nodes t_j in (0, 1) of the right half of the contact, x = a t, shape (M,)."""
     pressure: Array64
@@ -124,7 +122,6 @@ class System:
             approach=approach + (load / period / foundation if foundation else 0.0),
             kappa=kappa,
             kappa_ratio=kappa / kappa_half_space(self._exponent),
-            reduced_thickness=self._layer.thickness / (2 * a),
             t=t,
             pressure=pressure,
             waves=b,

@@ -31,7 +31,7 @@ from ..arrays import Array64
 from ..calibration import FITTED
 from ..grid.certificate import Certificate
 from ..grid.layer_on_grid import modulus_on_grid
-from ..grid.observables import Observables
+from ..grid.observables import Measured, Observables
 from ..grid.patches import Patches
 from ..scene import Scene
 from ..solution import MEANINGLESS, Level
@@ -40,7 +40,7 @@ from .grids import FACTOR
 
 @dataclass(frozen=True)
 class Quantity:
-    """Something that is measured, and how its error is estimated; names are those in `Observables` and `Level`."""
+    """Something that is measured, and how its error is estimated; names are those in `Observables`."""
 
     value: str
     """Its name."""
@@ -90,8 +90,8 @@ def estimated(
     quantity: Quantity,
     scene: Scene,
     num_points: int,
-    found: Observables | Level,
-    coarser: Sequence[Observables | Level],
+    found: Measured,
+    coarser: Sequence[Measured],
 ) -> float:
     """Estimated error that a grid leaves in a quantity, in its unit.
 
@@ -108,10 +108,8 @@ def estimated(
     return math.hypot(left, alone) + unseen
 
 
-def _left(
-    quantity: Quantity, scene: Scene, num_points: int, found: Observables | Level, values: Sequence[float]
-) -> float:
-    power, rough = scene.indenter.power_law, scene.indenter.effective_wave(num_points) > 0
+def _left(quantity: Quantity, scene: Scene, num_points: int, found: Measured, values: Sequence[float]) -> float:
+    power, rough = scene.indenter.power_law, scene.indenter.shortest_wave(num_points) > 0
     changes = [abs(after - before) for before, after in pairwise(values)]
     last, share = changes[-1], getattr(FITTED, quantity.of_change[rough]) if quantity.of_change else 0.0
     if power and power[0] < 2 and not (quantity.of_area or quantity.of_lowest):
