@@ -260,7 +260,6 @@ def test_collocation_stays_cheap_on_long_contacts(monkeypatch):
     [
         (1, 9343),  # a start from elsewhere, beyond float32
         (1, 6770),  # sampled fields above the wall by the rounding of units
-        (1, 17940),  # the certificate of a foundation, whose contact rounding of units had taken off the wall
         (1, 175),  # areas above 1
         (1, 330),
         (1, 8436),  # a patch where the surface has no curvature
