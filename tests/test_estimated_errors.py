@@ -350,9 +350,10 @@ def test_heights_with_a_kink_are_as_smooth_as_between_kinks(kink, thickness):
         for m in (n, 16 * n)
     )
     assert coarse.scene.indenter.kinked
-    for name, largest in (("contact-area", 0.01), ("kappa", 0.05)):
-        value, error = measured(coarse, QUANTITIES[name])
-        assert abs(value - measured(fine, QUANTITIES[name])[0]) < error < largest * value
+    value, error = measured(coarse, QUANTITIES["contact-area"])
+    assert abs(value - measured(fine, QUANTITIES["contact-area"])[0]) < error < 0.01 * value
+    for name in ("kappa", "peak-pressure"):  # at a kink they may have no limit
+        assert math.isinf(measured(coarse, QUANTITIES[name])[1])
     assert not MeasuredIndenter(QUICK_ROUGH.profile(n, 1.0), convention="gap").kinked
 
 

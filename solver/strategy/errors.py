@@ -13,10 +13,11 @@ pressure and approach the possible extremes between the nodes. g is the largest 
 nodes (`grid.unseen`), in area and kappa. The share that an iteration leaves at its residual is added.
 
 Under heights with a few kinks, and where a power profile's contact has split, all of c is taken. Nothing is known
-(`inf`) of peak pressure and approach without a coarser grid; of the peak pressure where its changes under a profile
-without a shortest wave hardly fall, as below a kink or at a step, where it may have no limit, and under a stiff coating
-thinner than a grid spacing, where the nodes may miss anything; and of all but the approach where a sharp tip (n < 2)
-presses a coating of a few spacings on a softer base down, which may split the contact between the nodes.
+(`inf`) of peak pressure and approach without a coarser grid; of peak pressure and kappa under heights with a few kinks,
+where they may have no limit; of the peak pressure where its changes under a profile without a shortest wave hardly
+fall, as at a step, and under a stiff coating thinner than a grid spacing, where the nodes may miss anything; and of all
+but the approach where a sharp tip (n < 2) presses a coating of a few spacings on a softer base down, which may split
+the contact between the nodes.
 """
 
 import math
@@ -132,11 +133,14 @@ def _left(
 
 
 def _unknown(quantity: Quantity, scene: Scene, num_points: int, area: float) -> bool:
-    """Whether the nodes may miss anything because shorter waves find the layer stiffer, as a coating on a softer base:
-    peaks at edges and tips, if the grid's shortest wave does not find it stiff, or a split of the contact by a tip.
+    """Whether a kink may leave a quantity without a limit, or the nodes may miss anything because shorter waves find
+    the layer stiffer, as a coating on a softer base: peaks at edges and tips, if the grid's shortest wave does not find
+    it stiff, or a split of the contact by a tip.
     """
     if quantity.of_lowest:
         return False
+    if scene.indenter.kinked and (quantity.of_slopes or not quantity.of_area):
+        return True
     waves = np.array([np.pi / FACTOR, np.pi])  # a sharp tip brings waves of eight spacings with it
     of_tip, shortest = modulus_on_grid(scene.layer, waves, num_points, scene.period)
     sharp = scene.indenter.power_law and scene.indenter.power_law[0] < 2
