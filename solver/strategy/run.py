@@ -2,7 +2,6 @@
 
 import time
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 from .. import checks
 from ..arrays import Array64
@@ -85,20 +84,15 @@ class Run:
         """Share of the nodes that are in contact, 0 where that is not known (dimensionless)."""
         return self.contact[1].nodes.size / self.contact[0].size if self.contact else 0.0
 
-    @property
-    def rounding(self) -> str:
-        """The precision whose rounding limits the residual: 'float32', or 'float64' in mixed precision, too."""
-        return "float32" if self.scene.precision == "float32" else "float64"
-
-    def begin(self, problem: Problem, tolerance: float, kind: MethodKind | None = None, **how: Any) -> Method:
-        """A method on a grid; by default the one that was chosen. how: see `ExecutionConfig`.
+    def begin(self, problem: Problem, tolerance: float, kind: MethodKind | None = None) -> Method:
+        """A method on a grid; by default the one that was chosen.
 
         Coarser grids than the scene's cost little in float64, and float32's residual would not tell their errors.
         """
         size = problem.num_points
         precision = self.scene.precision if size == self.scene.num_points else "float64"
-        given: dict[str, Any] = {"precision": precision, "contact_share": self.contact_share} | how
-        config = replace(self.config, tolerance=tolerance, backend=self.backend_on(size), **given)
+        share, backend = self.contact_share, self.backend_on(size)
+        config = replace(self.config, tolerance=tolerance, precision=precision, contact_share=share, backend=backend)
         return (kind or self.kind).begin(problem, config)
 
     def backend_on(self, num_points: int) -> str:
