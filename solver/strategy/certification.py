@@ -49,7 +49,7 @@ def certify_or_fall_back(run: Run, problem: Problem) -> Certified:
     found, begin = _certified(run, problem), time.perf_counter()
     if not _good(run, found):
         found = _tightened(run, problem, found)
-        ended = run.status is Status.INTERRUPTED or run.budget.spent or _good(run, found) or _rounded_off(run, found)
+        ended = run.status is Status.INTERRUPTED or run.spent or _good(run, found) or _rounded_off(run, found)
         if run.kind.fallback and not ended:
             found = _from_there(run, problem, found, METHODS[run.kind.fallback])
         run.times[2] += time.perf_counter() - begin  # further iterations are part of the solve
@@ -111,7 +111,7 @@ def _from_there(run: Run, problem: Problem, found: Certified, kind: MethodKind) 
     """The result of a method that starts at the end of the last one; the better of the two, with its status."""
     before, status = run.state, run.status
     run.handed_over = True
-    run.budget.allow(min(kind.max_iterations, _MOST_WORK // problem.num_points))
+    run.allow(min(kind.max_iterations, _MOST_WORK // problem.num_points))
     run.state = run.begin(problem, run.tolerance, kind)
     if found.residual < MEANINGLESS:
         run.state.start(found.displacement)
@@ -123,7 +123,7 @@ def _from_there(run: Run, problem: Problem, found: Certified, kind: MethodKind) 
     if _good(run, other) or other.residual < found.residual:
         return other
     run.state = before
-    if run.status is not Status.INTERRUPTED and not run.budget.spent:
+    if run.status is not Status.INTERRUPTED and not run.spent:
         run.status = status
     return found
 
@@ -141,7 +141,7 @@ def _reason(run: Run, found: Certified) -> Reason | None:
         case Status.INTERRUPTED:
             return INTERRUPTED
         case Status.ITERATION_LIMIT:
-            return Reason(Cause.ITERATIONS, "max_iterations", f"reached after {run.budget.taken}", f"more{looser}")
+            return Reason(Cause.ITERATIONS, "max_iterations", f"reached after {run.taken}", f"more{looser}")
         case _ if residual <= tolerance:
             off = f"the energy may be off by {found.certificate.energy_error_bound:.2g} of itself"
             return Reason(Cause.ENERGY, "tolerance", f"{tolerance:.2g}, at which {off}", f"a smaller one{other}")

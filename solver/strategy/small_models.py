@@ -16,7 +16,7 @@ import numpy as np
 
 from ..arrays import Array64
 from ..endings import Status
-from ..grid.observables import Observables, foundation_modulus, observe
+from ..grid.observables import Observables, foundation_modulus
 from ..grid.patch_table import PatchTable
 from ..grid.problem import Problem
 from ..reference import collocation
@@ -85,7 +85,7 @@ def by_small_model(run: Run, accuracy: float, of: str) -> Solution | None:
     displacement = problem.displacement_under(pressure) * problem.length_unit
     displacement = np.where(pressure > 0, profile, np.minimum(displacement, profile))
     pressure *= scene.pressure
-    observables, patches = _measured(scene, found, displacement, pressure)
+    observables, patches = _measured(scene, found, int(np.count_nonzero(pressure)))
     run.choices += [
         found.choice,
         Choice("grid", f"{n} points", "for the fields only, which are sampled"),
@@ -105,10 +105,8 @@ def _field_scene(scene: Scene, area: float) -> Scene:
     return replace(scene, num_points=min(num_points, scene.num_points))
 
 
-def _measured(
-    scene: Scene, found: _Contact, displacement: Array64, pressure: Array64
-) -> tuple[Observables, PatchTable]:
-    """Observables and the patch of a contact; displacement, pressure: sampled, shape (N,) [length], [pressure]."""
+def _measured(scene: Scene, found: _Contact, nodes: int) -> tuple[Observables, PatchTable]:
+    """Observables and the patch of a contact, which has some nodes of a scene's grid."""
     power = scene.indenter.power_law
     assert power
     load, period, area = scene.reduced_load, scene.period, found.area
@@ -116,8 +114,7 @@ def _measured(
     gradient = kappa / area * load
     approach, peak = period * found.approach, scene.layer.contact_modulus * found.peak_pressure
     area_error, kappa_error = found.errors["contact-area"] * area, found.errors["kappa"] * kappa
-    observables = replace(
-        observe(scene, scene.profile, displacement, pressure, pressure > 0)[0],
+    observables = Observables(
         contact_area=area,
         contact_area_subgrid=area,
         contact_area_error=area_error,
@@ -140,9 +137,10 @@ def _measured(
         peak_pressure_error=found.errors["peak-pressure"] * peak,
         approach=approach,
         approach_error=found.errors["approach"] * abs(approach),
+        approach_sampling=0.0,
         mean_gap=float(scene.profile.mean()) - approach + scene.pressure / (foundation_modulus(scene) or math.inf),
     )
-    middle, nodes = scene.num_points // 2 / scene.num_points, np.count_nonzero(pressure)
+    middle = scene.num_points // 2 / scene.num_points
     ends = ((middle + place) * period for place in (-area / 2, area / 2))
     table = np.array([*ends, area * period, nodes, scene.pressure * period, peak], dtype=np.float64)
     return observables, PatchTable(*table[:, None])

@@ -75,7 +75,7 @@ def _on_grids(run: Run, accuracy: float, of: str) -> Solution:
 
     def begin(size: int) -> Method:
         check_memory(size, run.kind, run.contact_share, memory)
-        run.budget.allow(run.kind.max_iterations)  # on each grid
+        run.allow(run.kind.max_iterations)  # on each grid
         run.tolerance, run.handed_over = tolerance, False
         return run.begin(Problem.from_scene(scene, size), tolerance)
 
