@@ -40,10 +40,8 @@ class Calibration:
     """The same in the approach under smooth profiles,"""
     of_approach_if_rough: float
     """and under rough ones."""
-    of_residual: float
-    """Error of the pressures at all ends by an unfinished iteration, over the rms residual,"""
     of_largest_residual: float
-    """and at single ends, over the largest residual."""
+    """Error of the pressures at ends by an unfinished iteration, over the largest residual."""
 
 
 FITTED = Calibration(**json.loads(FILE.read_text(encoding="utf-8"))["numbers"])

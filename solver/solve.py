@@ -13,7 +13,7 @@ from .scene import Scene
 from .solution import Solution
 from .strategy.errors import DEFAULT_QUANTITY
 from .strategy.report import nothing_touches, without_contact
-from .strategy.run import IterationBudget, Run
+from .strategy.run import Run
 from .strategy.to_accuracy import check_accuracy, solve_to_accuracy
 from .strategy.to_approach import solve_to_approach
 from .strategy.to_tolerance import solve_to_tolerance
@@ -76,8 +76,7 @@ def solve(
         return solve_to_accuracy(run, accuracy, accuracy_of)
 
     def under_load(scene: Scene) -> Solution:
-        run = Run(scene, kind, config, IterationBudget(max_iterations))
-        return solve_to_tolerance(run, nested, tolerance, initial)
+        return solve_to_tolerance(Run(scene, kind, config, limit=max_iterations), nested, tolerance, initial)
 
     with borrowed(device):
         return under_load(scene) if scene.approach is None else solve_to_approach(scene, under_load)

@@ -9,11 +9,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from linecontact.solver import Layer, MeasuredIndenter, PowerIndenter, RoughIndenter, Scene, Status, solve
-from linecontact.solver.methods import DEFAULT, ExecutionConfig
+from linecontact.solver.methods import DEFAULT
 from linecontact.solver.methods.active_set.active_set import ActiveSet
 from linecontact.solver.reference import collocation, gradient_equation
-from linecontact.solver.strategy import small_models
-from linecontact.solver.strategy.run import Run
 
 pytestmark = pytest.mark.once
 
@@ -31,12 +29,6 @@ def error(solution, exact):
 def mirrored(num_points):
     half = ROUGH.profile(num_points // 2, 1.0)
     return MeasuredIndenter(np.concatenate([half, half[::-1]]), convention="gap")
-
-
-def foundation(scene):
-    """Its observables, however inaccurate, and the relative error of its area."""
-    found = small_models.winkler(Run(scene, DEFAULT, ExecutionConfig()), math.inf, "contact-area").observables
-    return found, found.contact_area_error / found.contact_area_subgrid
 
 
 def test_a_thick_layer_is_as_accurate_as_a_half_space():
@@ -78,14 +70,12 @@ def test_units_do_not_matter_to_the_models():
         np.testing.assert_allclose(other.displacement, 8 * one.displacement, atol=1e-9 * np.ptp(other.displacement))
 
 
-@pytest.mark.parametrize("indenter", [PowerIndenter(), PowerIndenter(4.0), ROUGH])
+@pytest.mark.parametrize("indenter", [PowerIndenter(), PowerIndenter(4.0)])
 def test_a_thin_layer_is_a_winkler_foundation(indenter):
     scene = Scene(Layer(1e-6, 0.25), indenter, 2e-2, num_points=2**16)
     solution = solve(scene, accuracy=2e-2)
     assert solution.method == "winkler-foundation"
-    assert (solution.certificate is None) == isinstance(indenter, PowerIndenter)
-    if solution.certificate:
-        assert solution.certificate.free_residual < 1e-9
+    assert solution.certificate is None
     full = solve(scene).observables
     assert error(solution, full.contact_area_subgrid) <= solution.observables.contact_area_error / full.contact_area
     assert solution.observables.kappa_subgrid == pytest.approx(full.kappa_subgrid, rel=0.05)
@@ -110,43 +100,25 @@ def test_what_no_foundation_can_carry():
         assert chosen(solution)["model"] == "grid"
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(6))
 def test_the_foundation_is_off_by_no_more_than_estimated(seed):
     """Nor by much less: its edges are a third to a half of the estimate."""
     rng = np.random.default_rng(seed)
-    for indenter in (PowerIndenter(rng.uniform(1.5, 4)), RoughIndenter(rng.uniform(0.3, 0.9), seed, 1 / 8, 1 / 4)):
-        d = 10 ** rng.uniform(-5, -4)
-        scene = Scene(Layer(d, rng.uniform(-0.3, 0.25)), indenter, 10 ** rng.uniform(-1.5, -1), num_points=2**17)
-        found, estimate = foundation(scene)
-        exact = solve(scene).observables
-        off = abs(found.contact_area_subgrid / exact.contact_area_subgrid - 1)
-        assert off <= estimate + exact.contact_area_error / exact.contact_area_subgrid
-        assert off > 0.1 * estimate
+    layer = Layer(10 ** rng.uniform(-5, -4), rng.uniform(-0.3, 0.25))
+    scene = Scene(layer, PowerIndenter(rng.uniform(1.5, 4)), 10 ** rng.uniform(-1.5, -1), num_points=2**17)
+    solution, exact = solve(scene, accuracy=0.1), solve(scene).observables
+    assert solution.method == "winkler-foundation"
+    estimate = solution.observables.contact_area_error / exact.contact_area_subgrid
+    off = error(solution, exact.contact_area_subgrid)
+    assert 0.1 * estimate < off <= estimate + exact.contact_area_error / exact.contact_area_subgrid
 
 
-def test_short_waves_find_the_foundation_too_stiff_or_too_soft():
-    rough = RoughIndenter(0.5, 0, 1 / 4, 1 / 256)
-    scene = Scene(Layer(4e-4, 0.2), rough, 0.5, num_points=2**14)
-    (found, estimate), exact = foundation(scene), solve(scene).observables.contact_area_subgrid
-    assert abs(found.contact_area_subgrid / exact - 1) <= estimate
-    assert estimate > 0.1
-
-
-def test_a_gap_between_two_nodes_counts_on_a_foundation():
-    """Nearly full contact, of which only the highest point of the profile is left open."""
-    scene = Scene(Layer(1e-7, 0.2), RoughIndenter(0.8, 55, 1 / 4, 1 / 8), pressure=1.0, num_points=256)
-    profile, modulus = scene.profile, scene.layer.foundation_modulus(1.0) * scene.layer.contact_modulus
-    scene = replace(scene, pressure=modulus * float((profile.max() - profile).mean()) * 1.0001)
-    coarse, fine = (foundation(scene.on_grid(n))[0] for n in (256, 2**14))
-    assert coarse.contact_area_subgrid == 1
-    assert 1e-3 < 1 - fine.contact_area_subgrid <= coarse.unseen_gap_area < coarse.contact_area_error
-
-
-def test_a_refused_foundation_says_so():
-    solution = solve(Scene(Layer(1e-4, 0.25), ROUGH, 2e-2, num_points=2**16), accuracy=1e-3)
-    reasons = {choice.what: choice.reason for choice in solution.choices}
-    assert chosen(solution)["Winkler foundation"] == "no"
-    assert "off by" in reasons["Winkler foundation"]
+def test_rough_surfaces_on_thin_layers_take_the_grid():
+    thin = Scene(Layer(1e-6, 0.25), ROUGH, 2e-2, num_points=2**16)
+    solution, full = solve(thin, accuracy=1e-2), solve(thin)
+    assert solution.method == "active-set"
+    assert solution.status is Status.CONVERGED
+    assert error(solution, full.observables.contact_area_subgrid) < 1e-2
 
 
 @pytest.mark.parametrize("noise", [0.0, 1e-13, 1e-9])
@@ -320,7 +292,6 @@ def test_random_scenes_get_the_accuracy_they_asked_for(count):
     [
         Scene(Layer(1.86e-5, 0.25), PowerIndenter(1.2), pressure=1e-3, num_points=2**14),
         Scene(Layer(1e-6, 0.25), PowerIndenter(), pressure=1e-3, period=2.0, num_points=2**18),
-        Scene(Layer(1e-4), RoughIndenter(0.8, 1, 1 / 4, 1 / 16), pressure=1e-3, num_points=2**12),
     ],
 )
 def test_patches_of_smaller_models_are_those_of_the_area(scene):
@@ -329,5 +300,4 @@ def test_patches_of_smaller_models_are_those_of_the_area(scene):
     assert found.patches.width.sum() == pytest.approx(found.observables.contact_area_subgrid * scene.period, rel=1e-9)
     assert found.patches.load.sum() == pytest.approx(scene.pressure * scene.period, rel=1e-9)
     np.testing.assert_allclose(found.patches.right - found.patches.left, found.patches.width, rtol=1e-9)
-    if scene.indenter.power_law:
-        assert found.patches.peak_pressure == found.observables.peak_pressure
+    assert found.patches.peak_pressure == found.observables.peak_pressure

@@ -23,7 +23,7 @@ from linecontact.solver.methods import ExecutionConfig, active_set
 from linecontact.solver.methods.active_set import elimination
 from linecontact.solver.methods.active_set.active_set import ActiveSet
 from linecontact.solver.strategy import certification
-from linecontact.solver.strategy.run import IterationBudget
+from linecontact.solver.strategy.run import Run
 
 
 @pytest.mark.parametrize("num_points", [2**12, 2**14])
@@ -132,10 +132,10 @@ def test_after_a_hand_over_in_vain_the_status_is_the_first_method_s(monkeypatch)
 
 
 def test_every_grid_of_an_accuracy_begins_with_the_search_s_own_limit():
-    found, budget = [], IterationBudget()
+    found, run = [], Run(Scene(), active_set.KIND, ExecutionConfig())
     for iterations in (20_000, 2000):  # those of a hand-over, then the next grid's
-        budget.allow(iterations)
-        found.append(budget.left)
+        run.allow(iterations)
+        found.append(run.left)
     assert found == [20_000, 2000]
 
 

@@ -133,7 +133,7 @@ def test_a_residual_that_is_left_near_the_ends(thickness, exponent, pressure, nu
     4 times the estimated error)."""
     scene = Scene(Layer(thickness, 0.49), PowerIndenter(exponent), pressure, num_points=num_points)
     solution, exact = solve(scene, tolerance=tolerance), solve(scene, tolerance=1e-11).observables
-    assert solution.certificate.largest_residual > 10 * solution.certificate.free_residual
+    assert solution.certificate.largest_residual > 5 * solution.certificate.free_residual
     found = solution.observables
     off = abs(found.contact_area_subgrid - exact.contact_area_subgrid)
     assert off < found.contact_area_error < 10 * off
@@ -141,32 +141,23 @@ def test_a_residual_that_is_left_near_the_ends(thickness, exponent, pressure, nu
 
 
 def test_a_residual_leaves_little_at_the_ends_of_a_half_space(monkeypatch):
-    monkeypatch.setattr(FITTED, "of_residual", 5.0)
     monkeypatch.setattr(FITTED, "of_largest_residual", 2.0)
     solution = solve(Scene(Layer(), RoughIndenter(0.8, 1, cut_off_ratio=1 / 64), 0.01, num_points=2**12))
     patches = Patches.of(solution.contact)
-    left = left_at_ends(1e-4, patches, solution.contact_pressure, 1e-3)
+    left = left_at_ends(1e-3, patches, solution.contact_pressure)
     assert 0 < left < 4e-4 * solution.observables.contact_area
     whole = Patches.of(np.ones(8, dtype=bool))
     assert left_at_ends(1e-4, whole, np.ones(8)) == 0
     # all four nodes carry less than the residual leaves of it; then two of them; then hardly less than they carry
     one = Patches.of(np.array([0, 1, 1, 1, 1, 0, 0, 0], dtype=bool))
     pressure = np.array([0, 1.0, 7, 7, 1, 0, 0, 0])
-    assert left_at_ends(3.0, one, pressure, 3.0) == 4 / 8
-    assert left_at_ends(0.5, one, pressure, 0.5) == pytest.approx((2 + 2 * 5 / 7) / 8)
-    assert left_at_ends(1 / 20, one, pressure, 1 / 20) == pytest.approx(2 * 0.5 / 8)
-    # at single ends, in squares
-    assert left_at_ends(1 / 200, one, pressure, 1 / 5) == pytest.approx(math.hypot(0.8, 0.8) / 8)
+    assert left_at_ends(5.0, one, pressure) == 4 / 8
+    assert left_at_ends(1.25, one, pressure) == pytest.approx((2 + 2 * 5 / 7) / 8)
+    assert left_at_ends(1 / 5, one, pressure) == pytest.approx(2 * 0.8 / 8)
     # two patches, one of them over the end of the period, the other one below the error
     two = Patches.of(np.array([1, 1, 0, 1, 0, 0, 1, 1], dtype=bool))
     pressure = np.array([5, 1, 0, 0.1, 0, 0, 1, 5.0])
-    assert left_at_ends(0.0, two, pressure, 0.25 / pressure.mean()) == pytest.approx(math.hypot(1, 0.5, 0.5) / 8)
-    # all of the residual at one of a hundred free nodes
-    wide = Patches.of(np.isin(np.arange(104), [50, 51, 52, 53]))
-    pressure = np.where(np.isin(np.arange(104), [50, 51, 52, 53]), 26.0, 0.0)
-    assert left_at_ends(0.1, wide, pressure) == left_at_ends(0.1, wide, pressure, 1.0)
-    assert left_at_ends(0.1, wide, pressure) == pytest.approx(math.hypot(2, 2) / 26 / 104)
-    assert left_at_ends(0.1, wide, pressure, 0.1) == pytest.approx(2 * 0.5 / 26 / 104)
+    assert left_at_ends(0.25 / pressure.mean(), two, pressure) == pytest.approx(math.hypot(1, 0.5 + 0.5) / 8)
 
 
 @pytest.mark.parametrize(
@@ -343,9 +334,10 @@ def test_heights_with_a_kink_are_as_smooth_as_between_kinks(kink, thickness):
         for m in (n, 16 * n)
     )
     assert coarse.scene.indenter.kinked
-    for name, largest in (("contact-area", 0.01), ("kappa", 0.05)):
-        value, error = measured(coarse, QUANTITIES[name])
-        assert abs(value - measured(fine, QUANTITIES[name])[0]) < error < largest * value
+    value, error = measured(coarse, QUANTITIES["contact-area"])
+    assert abs(value - measured(fine, QUANTITIES["contact-area"])[0]) < error < 0.01 * value
+    for name in ("kappa", "peak-pressure"):  # at a kink they may have no limit
+        assert math.isinf(measured(coarse, QUANTITIES[name])[1])
     assert not MeasuredIndenter(QUICK_ROUGH.profile(n, 1.0), convention="gap").kinked
 
 

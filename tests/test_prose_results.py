@@ -104,8 +104,7 @@ def errors_of_the_hertz_study():
     yield f"an end is off by {FITTED.of_layer:g}$\\,m/d^2$ more"
     yield f"| peak pressure | {FITTED.of_peak_if_smooth:g} | {FITTED.of_peak_if_rough:g} |"
     yield f"| approach | {FITTED.of_approach_if_smooth:g} | {FITTED.of_approach_if_rough:g} |"
-    yield f"may be off by {FITTED.of_residual:g} times the `free_residual`"
-    yield f"by {FITTED.of_largest_residual:g} times the `largest_residual`"
+    yield f"may be off by {FITTED.of_largest_residual:g} times the `largest_residual`"
     assert (errors._LEAST_FALL, errors.FACTOR**2) == (1.25, 16)
     yield f"contacts of up to {2 * small_models._LONG_ASPERITY:.0f} thicknesses: milliseconds"
     yield f"of the contact area, from 1e-9 to {to_accuracy.MOST_ACCURACY}."

@@ -76,15 +76,14 @@ class Indenter(Kind):
     def squared_slope_doubt(self, num_points: int, period: float) -> Array64 | None:
         """What `slope` may be off by, as h'^2 at the nodes, shape (num_points,); None where it is the profile's own.
 
-        A profile without a shortest wave, or with a few kinks, may have a kink in the contact, between any two nodes:
-        there h'^2 is off by up to half of the square of the slope's jump, which second differences unlike those two
-        nodes away tell. For short waves the differences of sixth and eighth order differ by about the error of the
-        former.
+        A profile without a shortest wave may have a kink in the contact, between any two nodes: there h'^2 is off by up
+        to half of the square of the slope's jump, which second differences unlike those two nodes away tell. For short
+        waves the differences of sixth and eighth order differ by about the error of the former.
         """
         if type(self).slope is not Indenter.slope:
             return None
         h = np.asarray(self.profile(num_points, period))
-        if self.kinked or not self.shortest_wave(num_points):
+        if not self.shortest_wave(num_points):
             bend = num_points * (np.roll(h, -1) - 2 * h + np.roll(h, 1))
             return (bend - (np.roll(bend, 2) + np.roll(bend, -2)) / 2) ** 2 / 2
         return _central_differences(h, _SIXTH) ** 2 - _central_differences(h, _EIGHTH) ** 2

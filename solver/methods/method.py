@@ -7,7 +7,7 @@ import math
 import time
 from abc import abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 from ..arrays import Array64
@@ -124,10 +124,6 @@ class ExecutionConfig:
         return "float64" if self.precision == "float64" else "float32"
 
 
-def _most_bytes(contact_share: float) -> float:
-    return 160
-
-
 @dataclass(frozen=True)
 class MethodKind:
     """A method as a choice."""
@@ -150,7 +146,7 @@ class MethodKind:
     """Whether its iterations grow with the number of points, so that it takes long on large grids."""
     fallback: str | None = None
     """The method that takes over where it did not settle or its result could not be certified."""
-    bytes_per_point: Callable[[float], float] = _most_bytes
+    bytes_per_point: Callable[[float], float] = field(default=lambda contact_share: 160)
     """Memory that a solve takes at its peak by the share of the nodes in contact [bytes a point]."""
     share: float = 0.1
     """How often studies of random scenes try it, compared with the other methods (dimensionless)."""

@@ -12,7 +12,7 @@ from ..endings import INTERRUPTED, Cause, Reason, Status
 from ..grid.certificate import Certificate, certify
 from ..grid.problem import Problem, foundation_pressure, rounding_floor
 from ..methods import METHODS, MethodKind
-from ..solution import MEANINGLESS, MOST_ENERGY, Choice
+from ..solution import MEANINGLESS, MOST_ENERGY
 from .run import Run
 
 _NEAR_THE_FLOOR = 100  # times the residual of rounding: below, rounding may be the reason for the residual
@@ -40,8 +40,7 @@ class Certified:
 
 
 def certify_or_fall_back(run: Run, problem: Problem) -> Certified:
-    """Certify a relaxed state; where that fails the method aims at smaller residuals, and then begins once more, in
-    float64, from where it ended; at last its fallback does.
+    """Certify a relaxed state; where that fails the method aims at smaller residuals, and then its fallback goes on.
 
     problem: of the scene, which the certificate is for. The run gets its final status, with the reason, and a default
     tolerance that rounding does not allow becomes the residual that it does allow.
@@ -50,9 +49,9 @@ def certify_or_fall_back(run: Run, problem: Problem) -> Certified:
     found, begin = _certified(run, problem), time.perf_counter()
     if not _good(run, found):
         found = _tightened(run, problem, found)
-        for name in (run.kind.name, run.kind.fallback) if run.kind.fallback else ():
-            if _may_help(run, found, METHODS[name]):
-                found = _from_there(run, problem, found, METHODS[name])
+        ended = run.status is Status.INTERRUPTED or run.spent or _good(run, found) or _rounded_off(run, found)
+        if run.kind.fallback and not ended:
+            found = _from_there(run, problem, found, METHODS[run.kind.fallback])
         run.times[2] += time.perf_counter() - begin  # further iterations are part of the solve
     if not _good(run, found) and run.status in (Status.STAGNATED, Status.CONVERGED):
         run.status = Status.STAGNATED  # the method's own precision cannot see the difference
@@ -76,7 +75,8 @@ def _certified(run: Run, problem: Problem) -> Certified:
         displacement = state.displacement
     state.rest()
     certificate, pressure, contact = certify(problem, displacement)
-    floor = rounding_floor(problem.stiffness, displacement, run.rounding)
+    rounding = "float32" if run.scene.precision == "float32" else "float64"  # of the residual, mixed included
+    floor = rounding_floor(problem.stiffness, displacement, rounding)
     return Certified(certificate, displacement, pressure, contact, floor)
 
 
@@ -107,24 +107,13 @@ def _tightened(run: Run, problem: Problem, found: Certified) -> Certified:
     return found
 
 
-def _may_help(run: Run, found: Certified, kind: MethodKind) -> bool:
-    """Whether a method may find more from here; the same one not in float32, nor after its limit of iterations."""
-    if _good(run, found) or run.status is Status.INTERRUPTED or run.budget.spent or _rounded_off(run, found):
-        return False
-    return kind is not run.kind or (run.rounding == "float64" and run.status is not Status.ITERATION_LIMIT)
-
-
 def _from_there(run: Run, problem: Problem, found: Certified, kind: MethodKind) -> Certified:
     """The result of a method that starts at the end of the last one; the better of the two, with its status."""
     before, status = run.state, run.status
-    if kind is not run.kind:
-        run.handed_over = True
-        run.budget.allow(min(kind.max_iterations, _MOST_WORK // problem.num_points))
-    elif run.scene.precision == "mixed":
-        run.choices.append(Choice("precision", "float64", f"mixed ends at a residual of {found.residual:.1g}"))
-    precision = run.scene.precision if run.handed_over else run.rounding
-    run.state = run.begin(problem, run.tolerance, kind, precision=precision, contact_share=0.0)
-    if kind is run.kind or found.residual < MEANINGLESS:
+    run.handed_over = True
+    run.allow(min(kind.max_iterations, _MOST_WORK // problem.num_points))
+    run.state = run.begin(problem, run.tolerance, kind)
+    if found.residual < MEANINGLESS:
         run.state.start(found.displacement)
     else:  # then the displacement may be anything
         longest = float(problem.stiffness[1])
@@ -134,7 +123,7 @@ def _from_there(run: Run, problem: Problem, found: Certified, kind: MethodKind) 
     if _good(run, other) or other.residual < found.residual:
         return other
     run.state = before
-    if run.status is not Status.INTERRUPTED and not run.budget.spent:
+    if run.status is not Status.INTERRUPTED and not run.spent:
         run.status = status
     return found
 
@@ -152,7 +141,7 @@ def _reason(run: Run, found: Certified) -> Reason | None:
         case Status.INTERRUPTED:
             return INTERRUPTED
         case Status.ITERATION_LIMIT:
-            return Reason(Cause.ITERATIONS, "max_iterations", f"reached after {run.budget.taken}", f"more{looser}")
+            return Reason(Cause.ITERATIONS, "max_iterations", f"reached after {run.taken}", f"more{looser}")
         case _ if residual <= tolerance:
             off = f"the energy may be off by {found.certificate.energy_error_bound:.2g} of itself"
             return Reason(Cause.ENERGY, "tolerance", f"{tolerance:.2g}, at which {off}", f"a smaller one{other}")

@@ -13,10 +13,11 @@ pressure and approach the possible extremes between the nodes. g is the largest 
 nodes (`grid.unseen`), in area and kappa. The share that an iteration leaves at its residual is added.
 
 Under heights with a few kinks, and where a power profile's contact has split, all of c is taken. Nothing is known
-(`inf`) of peak pressure and approach without a coarser grid; of the peak pressure where its changes under a profile
-without a shortest wave hardly fall, as below a kink or at a step, where it may have no limit, and under a stiff coating
-thinner than a grid spacing, where the nodes may miss anything; and of all but the approach where a sharp tip (n < 2)
-presses a coating of a few spacings on a softer base down, which may split the contact between the nodes.
+(`inf`) of peak pressure and approach without a coarser grid; of peak pressure and kappa under heights with a few kinks,
+where they may have no limit; of the peak pressure where its changes under a profile without a shortest wave hardly
+fall, as at a step, and under a stiff coating thinner than a grid spacing, where the nodes may miss anything; and of all
+but the approach where a sharp tip (n < 2) presses a coating of a few spacings on a softer base down, which may split
+the contact between the nodes.
 """
 
 import math
@@ -130,11 +131,14 @@ def _left(quantity: Quantity, scene: Scene, num_points: int, found: Measured, va
 
 
 def _unknown(quantity: Quantity, scene: Scene, num_points: int, area: float) -> bool:
-    """Whether the nodes may miss anything because shorter waves find the layer stiffer, as a coating on a softer base:
-    peaks at edges and tips, if the grid's shortest wave does not find it stiff, or a split of the contact by a tip.
+    """Whether a kink may leave a quantity without a limit, or the nodes may miss anything because shorter waves find
+    the layer stiffer, as a coating on a softer base: peaks at edges and tips, if the grid's shortest wave does not find
+    it stiff, or a split of the contact by a tip.
     """
     if quantity.of_lowest:
         return False
+    if scene.indenter.kinked and (quantity.of_slopes or not quantity.of_area):
+        return True
     waves = np.array([np.pi / FACTOR, np.pi])  # a sharp tip brings waves of eight spacings with it
     of_tip, shortest = modulus_on_grid(scene.layer, waves, num_points, scene.period)
     sharp = scene.indenter.power_law and scene.indenter.power_law[0] < 2
@@ -168,24 +172,19 @@ def iteration_share(free_residual: float, area: float = 0.0) -> float:
     return max(free_residual, of_gaps) if free_residual < MEANINGLESS else math.inf
 
 
-def left_at_ends(free_residual: float, patches: Patches, pressure: Array64, largest: float | None = None) -> float:
+def left_at_ends(largest: float, patches: Patches, pressure: Array64) -> float:
     """Estimated error of a_r that a residual leaves at the ends of patches (dimensionless).
 
     An end is anywhere among the nodes whose pressure is below what the residual leaves of it, and the next node tells
-    it the better the more it carries. The part that all ends have in common follows from the rms residual; what is left
-    near single ends, which may be a hundred times as much, differs from end to end and adds up in squares.
+    it the better the more it carries. What is left near single ends, up to a hundred times the rms residual, adds up at
+    the two ends of a patch, and differs from patch to patch and adds up in squares.
 
-    free_residual, largest: rms and largest force on the free nodes, over the mean pressure; None where the largest one
-    is not known, and then all of the residual may be at one node; pressure: of all nodes, shape (N,) [any unit].
+    largest: the largest force on a free node over the mean pressure; pressure: of all nodes, shape (N,) [any unit].
     """
-    if not patches.count or patches.full or not math.isfinite(free_residual):
+    if not patches.count or patches.full or not math.isfinite(largest):
         return 0.0
-    if largest is None:
-        largest = free_residual * math.sqrt(pressure.size - patches.nodes.size)
-    unit = float(pressure.mean())
-    common = _off_at_ends(FITTED.of_residual * free_residual * unit, patches, pressure)
-    single = _off_at_ends(FITTED.of_largest_residual * largest * unit, patches, pressure)
-    return max(float(common.sum()), float(np.linalg.norm(single))) / pressure.size
+    off = _off_at_ends(FITTED.of_largest_residual * largest * float(pressure.mean()), patches, pressure)
+    return float(np.linalg.norm(off.sum(axis=0))) / pressure.size
 
 
 def _off_at_ends(error: float, patches: Patches, pressure: Array64) -> Array64:
@@ -221,7 +220,7 @@ def with_errors(
     area = observables.contact_area_subgrid
     residual = certificate.free_residual
     share = iteration_share(residual, area)
-    at_ends = left_at_ends(residual, patches, pressure, certificate.largest_residual)
+    at_ends = left_at_ends(certificate.largest_residual, patches, pressure)
     for quantity in QUANTITIES.values():
         value = abs(getattr(observables, quantity.value))
         left = share + at_ends / area if quantity.of_area and area else share

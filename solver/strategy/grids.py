@@ -4,7 +4,7 @@ The loop leaves to others which method works on a grid and when a grid is fine e
 
 A finer grid begins from the coarse one's contact pressure. At the edges of its patches that goes like a square root,
 which no interpolation follows; divided by the edge functions of both ends (`edge_curves.edge_function`, at the ends'
-sub-grid positions) it is smooth. So the smooth part is interpolated (cubic) and multiplied by the edge functions of the
+sub-grid positions) it is smooth. So the smooth part is interpolated and multiplied by the edge functions of the
 fine grid. The fine contact set comes out right except for a few nodes, and the error of the pressure is that of the
 coarse grid, not of the interpolation.
 """
@@ -106,7 +106,7 @@ def prolong(scene: Scene, pressure: Array64, patches: Patches, ends: Edges, num_
         coarse_curve, fine_curve = (edge_curve(scene.layer, n, scene.period) for n in (pressure.size, num_points))
     if patches.full:
         x = np.arange(num_points) / factor
-        return np.asarray(np.interp(x, np.arange(pressure.size + 1), np.append(pressure, pressure[0])))
+        return np.asarray(np.interp(x, np.arange(pressure.size), pressure, period=pressure.size))
     # the nodes whose distance beyond the edge lies between -s and 1 - s
     beyond = 1 - fine_curve.shift
     first = np.ceil(factor * ends.left - beyond).astype(np.int64)
@@ -114,16 +114,8 @@ def prolong(scene: Scene, pressure: Array64, patches: Patches, ends: Edges, num_
     nodes = np.arange(int(fine.size.sum())) - np.repeat(fine.offset - first, fine.size)
     p = fine.label
     smooth = pressure[patches.nodes] / np.maximum(_edge_functions(coarse_curve, patches, ends, 1.0), 1e-3)
-    # Newton's polynomial through up to four nodes of the patch
-    x = nodes / factor - patches.first[p]
-    base = np.clip(np.floor(x).astype(np.int64) - 1, 0, np.maximum(patches.size - 4, 0)[p])
-    x -= base
-    base += patches.offset[p]
-    first_nodes, *differences = _differences(smooth, patches)
-    values = np.zeros(x.size)
-    for k, difference in reversed([*enumerate(differences)]):
-        values = (values + difference[base]) * (x - k) / (k + 1)
-    values += first_nodes[base]
+    coarse_nodes = np.arange(smooth.size) - np.repeat(patches.offset - patches.first, patches.size)
+    values = np.interp(nodes / factor, coarse_nodes, smooth)
     values *= _edge_functions(fine_curve, fine, ends, factor)
     # every patch keeps its load; nodes may lie outside of where that says that the patch ends
     values = np.maximum(values, 0.0)
@@ -151,11 +143,3 @@ def _edge_functions(curve: EdgeCurve, patches: Patches, ends: Edges, factor: flo
 
     left, right = factor * ends.left - patches.first, patches.last - factor * ends.right
     return edge(left, inside) * edge(right, patches.size[p] - 1 - inside)
-
-
-def _differences(values: Array64, patches: Patches) -> list[Array64]:
-    """Values on contact nodes, and their first three forward differences; 0 for those that no patch of its size has."""
-    found = [values]
-    for k in range(1, 4):
-        found.append(np.where(patches.size[patches.label] > k, np.diff(found[-1], append=0.0), 0.0))
-    return found

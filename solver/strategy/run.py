@@ -1,8 +1,7 @@
-"""One solve, as it is passed along: its configuration, its budget of iterations, and the levels of its grids."""
+"""One solve, as it is passed along: its configuration, its iterations, and the levels of its grids."""
 
 import time
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 from .. import checks
 from ..arrays import Array64
@@ -22,30 +21,6 @@ Contact = tuple[Array64, Patches, Edges]
 
 
 @dataclass
-class IterationBudget:
-    """The iterations that a solve may still take, and those that it has taken."""
-
-    limit: int | None = None
-    """On all grids and by all methods together; None: each method has its own."""
-    left: int = 0
-    """Before the present attempt ends."""
-    taken: int = 0
-    """On all grids."""
-    points_transformed: float = 0.0
-    """Transform pairs on all grids times the points of each grid."""
-
-    @property
-    def spent(self) -> bool:
-        """Whether the limit allows nothing more."""
-        return self.limit is not None and self.taken >= self.limit
-
-    def allow(self, iterations: int, last: bool = True) -> None:
-        """Give the next attempt so many iterations; the last one gets all that is left of a limit that was given."""
-        left = iterations if self.limit is None else self.limit - self.taken
-        self.left = left if last else min(left, iterations)
-
-
-@dataclass
 class Run:
     """One solve."""
 
@@ -55,7 +30,14 @@ class Run:
     """The method that was chosen."""
     config: ExecutionConfig
     """Precision, threads, planning, kernels and device."""
-    budget: IterationBudget = field(default_factory=IterationBudget)
+    limit: int | None = None
+    """Of iterations on all grids and by all methods together; None: each method has its own."""
+    left: int = 0
+    """Iterations before the present attempt ends."""
+    taken: int = 0
+    """Iterations on all grids."""
+    points_transformed: float = 0.0
+    """Transform pairs on all grids times the points of each grid."""
     tolerance: float = 0.0
     """Of the certificate, on the free residual over p (dimensionless)."""
     own_tolerance: bool = False
@@ -78,27 +60,32 @@ class Run:
     """When the solve began, when it was set up, and when it was iterated to the end [s]."""
 
     def __post_init__(self) -> None:
-        self.budget.allow(self.kind.max_iterations, last=self.kind.fallback is None)
+        self.allow(self.kind.max_iterations, last=self.kind.fallback is None)
+
+    @property
+    def spent(self) -> bool:
+        """Whether the limit allows nothing more."""
+        return self.limit is not None and self.taken >= self.limit
+
+    def allow(self, iterations: int, last: bool = True) -> None:
+        """Give the next attempt so many iterations; the last one gets all that is left of a limit that was given."""
+        left = iterations if self.limit is None else self.limit - self.taken
+        self.left = left if last else min(left, iterations)
 
     @property
     def contact_share(self) -> float:
         """Share of the nodes that are in contact, 0 where that is not known (dimensionless)."""
         return self.contact[1].nodes.size / self.contact[0].size if self.contact else 0.0
 
-    @property
-    def rounding(self) -> str:
-        """The precision whose rounding limits the residual: 'float32', or 'float64' in mixed precision, too."""
-        return "float32" if self.scene.precision == "float32" else "float64"
-
-    def begin(self, problem: Problem, tolerance: float, kind: MethodKind | None = None, **how: Any) -> Method:
-        """A method on a grid; by default the one that was chosen. how: see `ExecutionConfig`.
+    def begin(self, problem: Problem, tolerance: float, kind: MethodKind | None = None) -> Method:
+        """A method on a grid; by default the one that was chosen.
 
         Coarser grids than the scene's cost little in float64, and float32's residual would not tell their errors.
         """
         size = problem.num_points
         precision = self.scene.precision if size == self.scene.num_points else "float64"
-        given: dict[str, Any] = {"precision": precision, "contact_share": self.contact_share} | how
-        config = replace(self.config, tolerance=tolerance, backend=self.backend_on(size), **given)
+        share, backend = self.contact_share, self.backend_on(size)
+        config = replace(self.config, tolerance=tolerance, precision=precision, contact_share=share, backend=backend)
         return (kind or self.kind).begin(problem, config)
 
     def backend_on(self, num_points: int) -> str:
@@ -106,12 +93,12 @@ class Run:
         return self.config.backend if num_points >= min(SMALLEST_WARP, self.scene.num_points) else "numpy"
 
     def relax(self, state: Method) -> Status:
-        """Relax, and add the iterations and transforms to the budget."""
-        budget, iterations, pairs = self.budget, state.iteration, state.transform_pairs
-        status = relax(state, iterations + budget.left, self.config.progress)
-        budget.left -= state.iteration - iterations
-        budget.taken += state.iteration - iterations
-        budget.points_transformed += (state.transform_pairs - pairs) * state.problem.num_points
+        """Relax, and count the iterations and transforms."""
+        iterations, pairs = state.iteration, state.transform_pairs
+        status = relax(state, iterations + self.left, self.config.progress)
+        self.left -= state.iteration - iterations
+        self.taken += state.iteration - iterations
+        self.points_transformed += (state.transform_pairs - pairs) * state.problem.num_points
         return status
 
 

@@ -13,7 +13,7 @@ from .errors import DEFAULT_QUANTITY, QUANTITIES, grid_error, iteration_share
 from .grids import FACTOR, coarser, grids, over_grids
 from .report import finish
 from .run import Run, check_memory
-from .small_models import MODELS, decide
+from .small_models import by_small_model
 
 MOST_ACCURACY = 0.1
 """Coarsest relative error that may be asked for (dimensionless)."""
@@ -33,7 +33,7 @@ def check_accuracy(accuracy: float | None, of: str) -> float | None:
 def solve_to_accuracy(run: Run, accuracy: float, of: str) -> Solution:
     """Solve the run's scene to an accuracy, the relative error of one of `QUANTITIES`. Raises `ValueError`.
 
-    The first model that is good enough gives the answer; the grid always does, or says that it is not good enough.
+    A smaller model that is good enough gives the answer; the grid always does, or says that it is not good enough.
     """
     scene = run.scene
     if not scene.indenter.power_law:  # that most likely needs no grid
@@ -41,11 +41,8 @@ def solve_to_accuracy(run: Run, accuracy: float, of: str) -> Solution:
     if scene.precision != "float64":
         raise ValueError(f"precision is {scene.precision!r}; allowed: float64, accuracy chooses the precision")
     run.tolerance = accuracy / 2
-    for model in decide(scene, accuracy, of):
-        solution = MODELS[model](run, accuracy, of)
-        if solution:
-            return _judged(solution, accuracy, of)
-    return _on_grids(run, accuracy, of)
+    solution = by_small_model(run, accuracy, of)
+    return _judged(solution, accuracy, of) if solution else _on_grids(run, accuracy, of)
 
 
 def _judged(solution: Solution, accuracy: float, of: str) -> Solution:
@@ -78,7 +75,7 @@ def _on_grids(run: Run, accuracy: float, of: str) -> Solution:
 
     def begin(size: int) -> Method:
         check_memory(size, run.kind, run.contact_share, memory)
-        run.budget.allow(run.kind.max_iterations)  # on each grid
+        run.allow(run.kind.max_iterations)  # on each grid
         run.tolerance, run.handed_over = tolerance, False
         return run.begin(Problem.from_scene(scene, size), tolerance)
 
