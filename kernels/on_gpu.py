@@ -9,7 +9,7 @@ from typing import Any
 
 from ..locks import once
 from .compiled import GPU_BLOCK, MODULES, ON_CPU_ONLY, compile_modules, copy_module, start_warp
-from .layout import FOLDED
+from .layout import FOLDED, PARTS
 from .record import Call
 
 CHUNK, LANES = 64, GPU_BLOCK
@@ -48,9 +48,9 @@ def prepare(calls: Sequence[Call]) -> Callable[[], None]:
 
     for call in calls:
         if call.kernel == "fire_control":
-            folded = cupy.zeros(len(call.inputs) * FOLDED)
+            folded = cupy.zeros((PARTS + 1) * FOLDED)
             add("fold_sums", folded.size * GPU_BLOCK, call.inputs, [folded])
-            add("fire_control", 1, cupy.split(folded, len(call.inputs)), call.outputs)
+            add("fire_control", 1, cupy.split(folded, [PARTS * FOLDED]), call.outputs)
         else:
             add(call.kernel, call.inputs[0].size // CHUNK, call.inputs, call.outputs)
 
