@@ -144,7 +144,8 @@ def test_the_way_that_is_fastest(wisdom_cache, n, settings, expected):
 def long(request, monkeypatch):
     """All pairs are long ones, which are in place and are made anew."""
     if request.param:
-        monkeypatch.setattr(plain, "_LONG", 0)
+        monkeypatch.setattr(plain, "_IN_PLACE", 0)
+        monkeypatch.setattr(plain, "_TOO_LONG", 0)
     return request.param
 
 
