@@ -42,6 +42,6 @@ STEP, BOUND = range(2)
 GAP_STATE_LENGTH = BOUND + 1
 
 
-def padded_length(length: int) -> int:
-    """Smallest multiple of `CHUNK` that holds `length` values."""
-    return -(-length // CHUNK) * CHUNK
+def padded_length(length: int, multiple: int = CHUNK) -> int:
+    """Smallest multiple of `CHUNK`, or of another number, that holds `length` values."""
+    return -(-length // multiple) * multiple

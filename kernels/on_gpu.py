@@ -15,11 +15,8 @@ from .record import Call
 CHUNK, LANES = 64, GPU_BLOCK
 """Points of a thread, and threads whose points take turns: of six pairs from 8 to 64 and from 32 to 256, measured on
 one H100, the one with which every kernel reaches 0.9 of the copy bandwidth or more, in float32, too."""
-
-
-def padded_length(length: int) -> int:
-    """Smallest multiple of what `LANES` threads work on that holds `length` values."""
-    return -(-length // (CHUNK * LANES)) * CHUNK * LANES
+SPAN = CHUNK * LANES
+"""Points of so many threads, of which an array's length is a multiple."""
 
 
 @once

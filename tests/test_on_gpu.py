@@ -57,7 +57,7 @@ ONE_PASS = sorted(
 
 def make_arrays(line, precision):
     """Arguments of a kernel by their names, and those for its reference kernel, whose sums are over longer chunks."""
-    rng, length = np.random.default_rng(0), 2 * on_gpu.padded_length(1)
+    rng, length = np.random.default_rng(0), 2 * on_gpu.SPAN
     arrays, references = {}, {}
     for name in (*line.inputs, *line.outputs):
         if name.endswith("sums"):

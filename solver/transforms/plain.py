@@ -16,7 +16,7 @@ from .four_step import FASTER, FASTER_THAN_REAL
 
 _PLANNED_FROM = 2**12
 """Values from which FFTW is faster, its planning included."""
-_IN_PLACE, _TOO_LONG = FASTER_THAN_REAL, FASTER
+_IN_PLACE, _TOO_LONG = FASTER_THAN_REAL, 4 * FASTER
 """Values from which FFTW's real transforms take less time in place, and from which a pair of them is not kept."""
 
 
@@ -84,7 +84,7 @@ def pair(num_points: int) -> Iterator[Pair]:
 
     Where they are kept, the block takes no other transform of this module, and leaves nothing in the buffers.
     """
-    if num_points >= _TOO_LONG:
+    if num_points > _TOO_LONG:
         yield Pair(num_points)
         return
     with BUFFERS:
@@ -97,7 +97,7 @@ def rfft(values: Array64) -> Modes:
         return np.fft.rfft(values)
     with pair(values.size) as transforms:
         modes = transforms.transform(values)
-        return modes.copy() if values.size < _TOO_LONG else modes
+        return modes.copy() if values.size <= _TOO_LONG else modes
 
 
 def irfft(modes: Modes | Array64, num_points: int) -> Array64:
@@ -109,7 +109,7 @@ def irfft(modes: Modes | Array64, num_points: int) -> Array64:
         return np.fft.irfft(modes, num_points)
     with pair(num_points) as transforms:
         transforms.invert(modes[: num_points // 2 + 1])
-        return transforms.real.copy() if num_points < _TOO_LONG else transforms.real
+        return transforms.real.copy() if num_points <= _TOO_LONG else transforms.real
 
 
 def hfft(values: Modes | Array64, num_points: int) -> Array64:
