@@ -4,7 +4,7 @@ Knows arrays and numbers: no scene, no file, no transform.
 """
 
 from . import layout
-from .compiled import KERNELS, flags, load, recompile, start_warp, started
+from .compiled import KERNELS, flags, load, recompile, start_warp
 from .interrupts import undivided
 from .layout import CHUNK, padded_length
 from .processor import instructions, processor
@@ -28,6 +28,5 @@ __all__ = [
     "sequence",
     "share",
     "start_warp",
-    "started",
     "undivided",
 ]

@@ -171,11 +171,6 @@ def _is_compiled(module: ModuleType, device: str) -> bool:
     return {file.suffix == ".meta" for file in _files(module, device)} == {True, False}  # what is known of it, and code
 
 
-def started() -> bool:
-    """Whether Warp is there, whose start takes half a second."""
-    return "warp" in sys.modules
-
-
 @locks.once
 def start_warp() -> None:
     """Import and initialise Warp. Raises `ValueError` if its kernel cache cannot be used."""

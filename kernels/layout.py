@@ -12,8 +12,12 @@ COLUMNS, STRIDE = 64, 68
 """Real columns that a four-step transform works on at a time, and the values from one of their rows to the next: if
 that were a power of two, the rows would push each other out of the cache (6 times as long)."""
 
+FORCE, HOLDING, POWER, VELOCITY = range(4)
+PARTS = VELOCITY + 1
+"""FIRE's sums of every chunk, one part after the other in one array: f.f, the number of held nodes, v.f and v.v."""
+
 FOLDED = 32
-"""Sums that a GPU leaves of each array of sums for FIRE's control step."""
+"""Sums that a GPU leaves of each part for FIRE's control step."""
 
 TOUCHING = 2.0**-60
 """Velocity that marks a node on the wall. As good as 0 (its square is the smallest that float32 holds well), positive,
@@ -38,6 +42,6 @@ STEP, BOUND = range(2)
 GAP_STATE_LENGTH = BOUND + 1
 
 
-def padded_length(length: int) -> int:
-    """Smallest multiple of `CHUNK` that holds `length` values."""
-    return -(-length // CHUNK) * CHUNK
+def padded_length(length: int, multiple: int = CHUNK) -> int:
+    """Smallest multiple of `CHUNK`, or of another number, that holds `length` values."""
+    return -(-length // multiple) * multiple

@@ -9,17 +9,14 @@ from typing import Any
 
 from ..locks import once
 from .compiled import GPU_BLOCK, MODULES, ON_CPU_ONLY, compile_modules, copy_module, start_warp
-from .layout import FOLDED
+from .layout import FOLDED, PARTS
 from .record import Call
 
 CHUNK, LANES = 64, GPU_BLOCK
 """Points of a thread, and threads whose points take turns: of six pairs from 8 to 64 and from 32 to 256, measured on
 one H100, the one with which every kernel reaches 0.9 of the copy bandwidth or more, in float32, too."""
-
-
-def padded_length(length: int) -> int:
-    """Smallest multiple of what `LANES` threads work on that holds `length` values."""
-    return -(-length // (CHUNK * LANES)) * CHUNK * LANES
+SPAN = CHUNK * LANES
+"""Points of so many threads, of which an array's length is a multiple."""
 
 
 @once
@@ -48,9 +45,9 @@ def prepare(calls: Sequence[Call]) -> Callable[[], None]:
 
     for call in calls:
         if call.kernel == "fire_control":
-            folded = cupy.zeros(len(call.inputs) * FOLDED)
+            folded = cupy.zeros((PARTS + 1) * FOLDED)
             add("fold_sums", folded.size * GPU_BLOCK, call.inputs, [folded])
-            add("fire_control", 1, cupy.split(folded, len(call.inputs)), call.outputs)
+            add("fire_control", 1, cupy.split(folded, [PARTS * FOLDED]), call.outputs)
         else:
             add(call.kernel, call.inputs[0].size // CHUNK, call.inputs, call.outputs)
 

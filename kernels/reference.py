@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import layout
-from .layout import CHUNK, COLUMNS, STRIDE, TOUCHING
+from .layout import CHUNK, COLUMNS, PARTS, STRIDE, TOUCHING
 
 Array = NDArray[Any]
 Array64 = NDArray[np.float64]
@@ -36,16 +36,15 @@ def _free_force(elastic: Array, velocity: Array, load: Array | int = 1) -> tuple
     return np.where(held, r.dtype.type(0), r), held
 
 
-def net_force(load: Array, elastic: Array, velocity: Array, force: Array, *sums: Array64) -> None:
+def net_force(load: Array, elastic: Array, velocity: Array, force: Array, sums: Array64) -> None:
     """Free part f of r = load - K u; sums of f.f, held nodes, v.f and v.v per chunk."""
     force[:], held = _free_force(elastic, velocity, load)
-    for target, values in zip(sums, (force * force, held, velocity * force, velocity * velocity), strict=True):
-        target[:] = _chunk_sums(values)
+    sums[:] = _chunk_sums(np.concatenate([force * force, held, velocity * force, velocity * velocity]))
 
 
-def plain_sums(elastic: Array, velocity: Array, *sums: Array64) -> None:
+def plain_sums(elastic: Array, velocity: Array, sums: Array64) -> None:
     """Sums of f.f, held nodes, v.f and v.v per chunk, for a load of 1."""
-    net_force(np.ones_like(elastic), elastic, velocity, np.empty_like(elastic), *sums)
+    net_force(np.ones_like(elastic), elastic, velocity, np.empty_like(elastic), sums)
 
 
 def restrict_to_free(force: Array, field: Array, squares: Array64) -> None:
@@ -54,10 +53,10 @@ def restrict_to_free(force: Array, field: Array, squares: Array64) -> None:
     squares[:] = _chunk_sums(field * field)
 
 
-def fire_control(*sums_and_state: Array64) -> None:
+def fire_control(sums: Array64, acceleration_sums: Array64, s: Array64) -> None:
     """FIRE's power rule on the chunks' sums: sets mix, gain and dt of the next step."""
-    *sums, s = sums_and_state
-    force, held, power, velocity, acceleration = (part.sum() for part in sums)
+    force, held, power, velocity = sums.reshape(PARTS, -1).sum(axis=1)
+    acceleration = acceleration_sums[: sums.size // PARTS].sum()
     s[layout.HELD] = held
     s[layout.RESIDUAL] = residual = np.sqrt(force / max(s[layout.NUM_POINTS] - held, 1.0))
     if not residual > s[layout.TOLERANCE] or residual > 1e30:

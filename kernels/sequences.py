@@ -1,30 +1,28 @@
 """The sequences of kernels that the methods launch between two transforms, by name.
 
 A line of a sequence is a kernel with the names of its inputs and, behind the arrow, of its outputs, in the kernel's
-order. Sums have one value per chunk.
+order. Sums have one value per chunk, or `layout.PARTS`.
 """
 
 from collections.abc import Mapping
 
 from .record import Array, Call
 
-SUMS = "force_sums held_sums power_sums velocity_sums"
-
 SEQUENCES = {
     "plain_move": (
-        f"plain_sums: elastic v -> {SUMS}",
-        f"fire_control: {SUMS} force_sums -> state",  # the force is the acceleration
+        "plain_sums: elastic v -> sums",
+        "fire_control: sums sums -> state",  # the force is the acceleration
         "plain_step: elastic h state -> u v",
     ),
     "loaded_move": (
-        f"net_force: load elastic v -> force {SUMS}",
-        f"fire_control: {SUMS} force_sums -> state",
+        "net_force: load elastic v -> force sums",
+        "fire_control: sums sums -> state",
         "fire_step: force h state -> u v",
     ),
-    "find_force": (f"net_force: load elastic v -> force {SUMS}",),
+    "find_force": ("net_force: load elastic v -> force sums",),
     "mass_weighted_move": (
         "restrict_to_free: force -> acceleration acceleration_sums",
-        f"fire_control: {SUMS} acceleration_sums -> state",
+        "fire_control: sums acceleration_sums -> state",
         "fire_step: acceleration h state -> u v",
     ),
 }

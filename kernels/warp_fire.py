@@ -42,17 +42,18 @@ def free_part(r: Any, v: Any):
     return wp.where(held, type(r)(0.0), r), wp.where(held, type(r)(1.0), type(r)(0.0))
 
 
+@wp.func
+def keep(sums: Doubles, tid: int, squares: Any, held: Any, power: Any, vv: Any):
+    """Put the sums of a chunk where `layout.PARTS` has them."""
+    chunks = sums.shape[0] // layout.PARTS
+    sums[layout.FORCE * chunks + tid] = wp.float64(squares)
+    sums[layout.HOLDING * chunks + tid] = wp.float64(held)
+    sums[layout.POWER * chunks + tid] = wp.float64(power)
+    sums[layout.VELOCITY * chunks + tid] = wp.float64(vv)
+
+
 @wp.kernel
-def net_force(
-    load: Field,
-    elastic: Field,
-    velocity: Field,
-    force: Field,
-    force_sums: Doubles,
-    held_sums: Doubles,
-    power_sums: Doubles,
-    velocity_sums: Doubles,
-):
+def net_force(load: Field, elastic: Field, velocity: Field, force: Field, sums: Doubles):
     """Free part f of r = load - K u, with the chunk's sums f.f, v.f and v.v and its number of held nodes."""
     tid = wp.tid()
     start = tid // LANES * SPAN + tid % LANES
@@ -69,21 +70,11 @@ def net_force(
         count += held
         power += v * f
         vv += v * v
-    force_sums[tid] = wp.float64(squares)
-    held_sums[tid] = wp.float64(count)
-    power_sums[tid] = wp.float64(power)
-    velocity_sums[tid] = wp.float64(vv)
+    keep(sums, tid, squares, count, power, vv)
 
 
 @wp.kernel
-def plain_sums(
-    elastic: Field,
-    velocity: Field,
-    force_sums: Doubles,
-    held_sums: Doubles,
-    power_sums: Doubles,
-    velocity_sums: Doubles,
-):
+def plain_sums(elastic: Field, velocity: Field, sums: Doubles):
     """Plain FIRE's sums f.f, v.f, v.v and the number of held nodes; the force is made again in `plain_step`."""
     tid = wp.tid()
     start = tid // LANES * SPAN + tid % LANES
@@ -99,10 +90,7 @@ def plain_sums(
         count += held
         power += v * f
         vv += v * v
-    force_sums[tid] = wp.float64(squares)
-    held_sums[tid] = wp.float64(count)
-    power_sums[tid] = wp.float64(power)
-    velocity_sums[tid] = wp.float64(vv)
+    keep(sums, tid, squares, count, power, vv)
 
 
 @wp.kernel
@@ -124,34 +112,32 @@ def restrict_to_free(force: Field, field: Field, squares: Doubles):
 
 
 @wp.func
-def total(parts: Doubles):
-    """Sum of all parts; most of them in blocks, whose fixed length lets LLVM vectorise the loop."""
+def total(sums: Doubles, part: int, chunks: int):
+    """Sum of a part over all chunks; most of them in blocks, whose fixed length lets LLVM vectorise the loop."""
     s = wp.float64(0.0)
-    blocks = parts.shape[0] // BLOCK
+    first = part * chunks
+    blocks = chunks // BLOCK
     for k in range(blocks):
-        start = k * BLOCK
+        start = first + k * BLOCK
         for j in range(BLOCK):
-            s += parts[start + j]
-    for i in range(blocks * BLOCK, parts.shape[0]):
-        s += parts[i]
+            s += sums[start + j]
+    for i in range(first + blocks * BLOCK, first + chunks):
+        s += sums[i]
     return s
 
 
 @wp.kernel
-def fire_control(
-    force_sums: Doubles,
-    held_sums: Doubles,
-    power_sums: Doubles,
-    velocity_sums: Doubles,
-    acceleration_sums: Doubles,
-    state: Doubles,
-):
-    """One thread: add the chunks' sums, apply FIRE's power rule, leave mix, gain and dt for the step."""
+def fire_control(sums: Doubles, acceleration_sums: Doubles, state: Doubles):
+    """One thread: add the chunks' sums, apply FIRE's power rule, leave mix, gain and dt for the step.
+
+    acceleration_sums: a.a of every chunk, in the first places.
+    """
+    chunks = sums.shape[0] // layout.PARTS
     zero = wp.float64(0.0)
     one = wp.float64(1.0)
-    held = total(held_sums)
+    held = total(sums, layout.HOLDING, chunks)
     free = wp.max(state[layout.NUM_POINTS] - held, one)
-    residual = wp.sqrt(total(force_sums) / free)
+    residual = wp.sqrt(total(sums, layout.FORCE, chunks) / free)
     state[layout.RESIDUAL] = residual
     state[layout.HELD] = held
     mix = zero
@@ -162,12 +148,13 @@ def fire_control(
     else:
         dt = state[layout.DT]
         alpha = state[layout.ALPHA]
-        if total(power_sums) > zero:
+        if total(sums, layout.POWER, chunks) > zero:
             state[layout.N_POSITIVE] = state[layout.N_POSITIVE] + one
             if state[layout.N_POSITIVE] > state[layout.N_MIN]:
                 dt = wp.min(dt * state[layout.F_INC], state[layout.DT_MAX])
                 alpha = alpha * state[layout.F_ALPHA]
-            ratio = wp.sqrt(total(velocity_sums) / wp.max(total(acceleration_sums), wp.float64(1.0e-300)))
+            squares = wp.max(total(acceleration_sums, 0, chunks), wp.float64(1.0e-300))
+            ratio = wp.sqrt(total(sums, layout.VELOCITY, chunks) / squares)
             # the mixing term is itself a gradient step: beyond 2/(dt lambda_max) it would blow up the stiffest mode
             mix = one - alpha
             gain = wp.min(alpha * ratio, one / (dt * state[layout.STIFFEST]))

@@ -4,49 +4,28 @@ and one thread alone would take longer with their sums than all others with the 
 
 import warp as wp
 
-from .layout import FOLDED
+from . import layout
 
 wp.set_module_options({"enable_backward": False})
 
 Doubles = wp.array[wp.float64]
-FOLDED_LENGTH = wp.constant(FOLDED)
-
-
-@wp.func
-def sum_every(parts: Doubles, first: int, stride: int):
-    """Sum of every so many parts, from the first on."""
-    s = wp.float64(0.0)
-    for i in range(first, parts.shape[0], stride):
-        s += parts[i]
-    return s
+FOLDED_LENGTH = wp.constant(layout.FOLDED)
 
 
 @wp.kernel
-def fold_sums(
-    force_sums: Doubles,
-    held_sums: Doubles,
-    power_sums: Doubles,
-    velocity_sums: Doubles,
-    acceleration_sums: Doubles,
-    folded: Doubles,
-):
-    """Each of the five arrays of sums as `FOLDED_LENGTH` sums, one after the other, by as many blocks of threads for
-    each; always in the same order, so that a solve repeats bit for bit.
+def fold_sums(sums: Doubles, acceleration_sums: Doubles, folded: Doubles):
+    """Each part of `sums`, and the sums of `fire_control` besides, as `FOLDED_LENGTH` sums, one after the other, by as
+    many blocks of threads for each; always in the same order, so that a solve repeats bit for bit.
     """
     tid = wp.tid()
     block = tid // wp.block_dim()
-    which = block // FOLDED_LENGTH
-    first = tid - which * FOLDED_LENGTH * wp.block_dim()
+    part = block // FOLDED_LENGTH
     stride = FOLDED_LENGTH * wp.block_dim()
+    chunks = sums.shape[0] // layout.PARTS
     s = wp.float64(0.0)
-    if which == 0:
-        s = sum_every(force_sums, first, stride)
-    elif which == 1:
-        s = sum_every(held_sums, first, stride)
-    elif which == 2:
-        s = sum_every(power_sums, first, stride)
-    elif which == 3:
-        s = sum_every(velocity_sums, first, stride)
-    else:
-        s = sum_every(acceleration_sums, first, stride)
+    for i in range(tid - part * stride, chunks, stride):
+        if part < layout.PARTS:
+            s += sums[part * chunks + i]
+        else:
+            s += acceleration_sums[i]
     wp.tile_store(folded, wp.tile_sum(wp.tile(s)), offset=block)

@@ -17,8 +17,8 @@ LENGTHS = [1, CHUNK - 1, CHUNK, CHUNK + 1, 3 * CHUNK, 5 * CHUNK + 17]
 ELEMENTWISE = {
     "spectral_multiply": ("coefficient", "spectrum"),
     "paired_multiply": ("straight", "crossed", "modes", "product"),
-    "net_force": ("load", "elastic", "v", "force", "sum", "sum", "sum", "sum"),
-    "plain_sums": ("elastic", "v", "sum", "sum", "sum", "sum"),
+    "net_force": ("load", "elastic", "v", "force", "sums"),
+    "plain_sums": ("elastic", "v", "sums"),
     "restrict_to_free": ("force", "field", "sum"),
     "fire_step": ("acceleration", "h", "state", "u", "v"),
     "plain_step": ("elastic", "h", "state", "u", "v"),
@@ -28,8 +28,7 @@ ELEMENTWISE = {
 NUM_OUTPUTS = {
     "spectral_multiply": 1,
     "paired_multiply": 1,
-    "net_force": 5,
-    "plain_sums": 4,
+    "plain_sums": 1,
     "restrict_to_free": 2,
 }
 OF_COLUMNS = ("unpack_columns", "pack_columns")
@@ -52,6 +51,8 @@ def make_arrays(kernel, length, precision, seed):
             arrays.append(u)
         elif name == "sum":
             arrays.append(np.full(padded // CHUNK, np.nan))
+        elif name == "sums":
+            arrays.append(np.full(layout.PARTS * padded // CHUNK, np.nan))
         elif name == "modes":
             arrays.append(rng.standard_normal(padded + CHUNK).astype(precision))
         elif name == "state":
@@ -87,7 +88,7 @@ def test_kernel_against_reference(kernel, length, precision):
     warp, reference = run("warp", kernel, arrays), run("numpy", kernel, arrays)
     eps = np.finfo(precision).eps
     for name, a, b, before in zip(ELEMENTWISE[kernel], warp, reference, arrays, strict=True):
-        if name == "sum":
+        if name in ("sum", "sums"):
             # reassociated sums of CHUNK terms of size ~1: error <= CHUNK eps of the sum of magnitudes (<= 20 CHUNK)
             np.testing.assert_allclose(a, b, rtol=0, atol=20 * CHUNK * eps)
         else:
@@ -174,21 +175,22 @@ def test_a_float32_change_of_a_float64_response():
 @pytest.mark.parametrize("precision", PRECISIONS)
 def test_force_is_zero_exactly_where_the_wall_carries(precision):
     arrays = make_arrays("net_force", 3 * CHUNK, precision, seed=2)
-    load, elastic, v, force, _, held, *_ = run("warp", "net_force", arrays)
+    load, elastic, v, force, sums = run("warp", "net_force", arrays)
     carried = (v == layout.TOUCHING) & (load - elastic > 0)
     assert carried.any()
     assert (force[carried] == 0).all()
     np.testing.assert_array_equal(force[~carried], (load - elastic)[~carried])
-    assert held.sum() == carried.sum()
+    assert sums.reshape(layout.PARTS, -1)[layout.HOLDING].sum() == carried.sum()
 
 
 @pytest.mark.parametrize("length", LENGTHS)
 def test_padding_is_held_and_still(length):
     arrays = make_arrays("net_force", length, "float64", seed=3)
-    _, _, v, force, squares, held, *_ = run("warp", "net_force", arrays)
-    assert held.sum() >= padded_length(length) - length
+    _, _, v, force, sums = run("warp", "net_force", arrays)
+    totals = sums.reshape(layout.PARTS, -1).sum(axis=1)
+    assert totals[layout.HOLDING] >= padded_length(length) - length
     assert (force[length:] == 0).all()
-    assert squares.sum() == pytest.approx((force[:length] ** 2).sum())
+    assert totals[layout.FORCE] == pytest.approx((force[:length] ** 2).sum())
     assert (v[length:] == layout.TOUCHING).all()
     *_, u, v = run("warp", "fire_step", make_arrays("fire_step", length, "float64", seed=3))
     assert (u[length:] == 0).all()
@@ -222,13 +224,13 @@ def control_state(**values):
 )
 def test_control_against_reference(power, force, changes):
     rng = np.random.default_rng(3)
-    sums = [rng.random(37) for _ in range(5)]
-    for values, total in ((sums[0], force), (sums[1], 100.0), (sums[2], power)):
-        values *= total / values.sum()
+    sums, of_accelerations = rng.random((layout.PARTS, 37)), rng.random(37)
+    for part, total in ((layout.FORCE, force), (layout.HOLDING, 100.0), (layout.POWER, power)):
+        sums[part] *= total / sums[part].sum()
     states = []
     for backend in ("warp", "numpy"):
         state = control_state(**changes)
-        record(backend, [Call("fire_control", tuple(sums), (state,))])()
+        record(backend, [Call("fire_control", (sums.ravel(), of_accelerations), (state,))])()
         states.append(state)
     np.testing.assert_allclose(states[0], states[1], rtol=1e-12)
     if not 0 < force < 1e100:
@@ -241,9 +243,9 @@ def test_control_against_reference(power, force, changes):
 
 
 def test_mixing_is_capped_by_the_stiffest_mode():
-    sums = [np.full(1, v) for v in (1.0, 0.0, 1.0, 1e12, 1.0)]  # |v|/|a| = 1e6
+    sums = np.array([1.0, 0.0, 1.0, 1e12])  # |v|/|a| = 1e6
     state = control_state(STIFFEST=4.0, DT=0.5, N_POSITIVE=0)
-    record("warp", [Call("fire_control", tuple(sums), (state,))])()
+    record("warp", [Call("fire_control", (sums, sums), (state,))])()
     assert state[layout.GAIN] - state[layout.DT] == pytest.approx(1 / (0.5 * 4.0))
 
 

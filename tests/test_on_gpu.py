@@ -57,11 +57,12 @@ ONE_PASS = sorted(
 
 def make_arrays(line, precision):
     """Arguments of a kernel by their names, and those for its reference kernel, whose sums are over longer chunks."""
-    rng, length = np.random.default_rng(0), 2 * on_gpu.padded_length(1)
+    rng, length = np.random.default_rng(0), 2 * on_gpu.SPAN
     arrays, references = {}, {}
     for name in (*line.inputs, *line.outputs):
-        if name.endswith("_sums"):
-            arrays[name], references[name] = np.full(length // on_gpu.CHUNK, np.nan), np.full(length // 1024, np.nan)
+        if name.endswith("sums"):
+            count = length * (layout.PARTS if name == "sums" else 1)
+            arrays[name], references[name] = np.full(count // on_gpu.CHUNK, np.nan), np.full(count // 1024, np.nan)
             continue
         values = rng.standard_normal(length).astype(precision)
         if name == "v":
@@ -77,9 +78,10 @@ def check_against_references(line, arrays, references, precision):
     getattr(reference, line.kernel)(*(references[name] for name in (*line.inputs, *line.outputs)))
     scale = np.finfo(precision).eps
     for name in line.outputs:
-        if name.endswith("_sums"):
-            exact, found = references[name].sum(), arrays[name].sum()
-            assert found == pytest.approx(exact, abs=float(4 * scale * arrays[line.inputs[0]].size))
+        if name.endswith("sums"):
+            parts = layout.PARTS if name == "sums" else 1
+            exact, found = (each[name].reshape(parts, -1).sum(axis=1) for each in (references, arrays))
+            np.testing.assert_allclose(found, exact, rtol=0, atol=4 * scale * arrays[line.inputs[0]].size)
         else:
             np.testing.assert_allclose(arrays[name], references[name], rtol=0, atol=8 * scale)
 
@@ -105,12 +107,13 @@ def test_the_form_for_a_gpu_does_what_the_reference_kernels_do(text, precision, 
 def test_sums_are_folded_whole(count, gpu_form):
     import warp as wp
 
-    sums = [np.random.default_rng(k).random(count) for k in range(5)]
-    folded = np.full(5 * on_gpu.FOLDED, np.nan)
-    inputs = [wp.array(array, copy=False, device="cpu") for array in sums]
+    sums = np.random.default_rng(0).random((layout.PARTS + 1, count))
+    folded = np.full(len(sums) * on_gpu.FOLDED, np.nan)
+    given = sums[: layout.PARTS].ravel(), sums[layout.PARTS]
+    inputs = [wp.array(array, copy=False, device="cpu") for array in given]
     outputs = [wp.array(folded, copy=False, device="cpu")]
     wp.launch(gpu_form["fold_sums"], dim=folded.size, inputs=inputs, outputs=outputs, device="cpu", block_dim=1)
-    np.testing.assert_allclose(folded.reshape(5, -1).sum(axis=1), [array.sum() for array in sums], rtol=1e-14)
+    np.testing.assert_allclose(folded.reshape(len(sums), -1).sum(axis=1), sums.sum(axis=1), rtol=1e-14)
 
 
 @pytest.mark.parametrize(

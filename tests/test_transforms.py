@@ -10,7 +10,7 @@ import time
 import numpy as np
 import pytest
 from linecontact.solver.transforms import four_step, plain, sharing
-from linecontact.solver.transforms.pair import Pair
+from linecontact.solver.transforms.plain import Pair
 from linecontact.solver.transforms.planned import WAYS, plan_transforms
 
 
@@ -140,39 +140,42 @@ def test_the_way_that_is_fastest(wisdom_cache, n, settings, expected):
     assert plan_transforms(n, **{"precision": "float64"} | settings).way == expected
 
 
+@pytest.fixture(params=[False, True])
+def long(request, monkeypatch):
+    """All pairs are long ones, which are in place and are made anew."""
+    if request.param:
+        monkeypatch.setattr(plain, "_IN_PLACE", 0)
+        monkeypatch.setattr(plain, "_TOO_LONG", 0)
+    return request.param
+
+
 @pytest.mark.parametrize("n", [1, 2, 7, 60, 128])
-def test_a_short_pair_against_numpy(n):
+def test_a_pair_against_numpy(n, long):
     pair = Pair(n)
     values = np.random.default_rng(0).standard_normal(n)
     pair.real[:] = values
     pair.forward()
     np.testing.assert_allclose(pair.modes, np.fft.rfft(values), atol=1e-13 * n)
+    assert np.shares_memory(pair.real, pair.modes) == long
     pair.inverse()
     np.testing.assert_allclose(pair.real / n, values, atol=1e-13)
 
 
-@pytest.mark.parametrize("make", [Pair, four_step.LongPair])
-@pytest.mark.parametrize("n", [128, 1024, 3 * 2**9])
-def test_a_pair_with_a_symbol_in_between(make, n):
-    pair, rng = make(n), np.random.default_rng(0)
+@pytest.mark.parametrize("n", [5, 128, 3 * 2**9])
+def test_a_pair_with_a_symbol_in_between(n, long):
+    pair, rng = Pair(n), np.random.default_rng(0)
     values, symbol = rng.standard_normal(n), rng.random(n // 2 + 1)
     for _ in range(2):
         pair.multiply(values, symbol)
         np.testing.assert_allclose(pair.real, np.fft.irfft(np.fft.rfft(values) * symbol, n), atol=1e-13)
         pair.real[:] = values
-        every = np.concatenate([symbol, symbol[n // 2 - 1 : 0 : -1]])
+        every = np.concatenate([symbol, symbol[(n - 1) // 2 : 0 : -1]])
         assert pair.power(symbol) == pytest.approx(float(every @ np.abs(np.fft.fft(values)) ** 2) / n, rel=1e-12)
 
 
-def test_power_of_an_odd_number_of_values():
-    pair, values = Pair(5), np.array([1.0, 4.0, -2.0, 3.0, 0.5])
-    pair.real[:] = values
-    assert pair.power(np.ones(3)) == pytest.approx(float(values @ values))
-
-
 @pytest.mark.parametrize("n", [128, 1024, 3 * 2**9])
-def test_a_long_inverse_transform(n):
-    values, pair = np.random.default_rng(0).standard_normal(n), four_step.LongPair(n)
+def test_an_inverse_transform_by_a_pair(n, long):
+    values, pair = np.random.default_rng(0).standard_normal(n), Pair(n)
     modes = np.fft.rfft(values)
     modes[[0, -1]] += 3j  # has no meaning and is taken as 0, as NumPy does
     for given in (modes, modes.real, modes[:9]):
@@ -180,22 +183,11 @@ def test_a_long_inverse_transform(n):
         np.testing.assert_allclose(pair.real, np.fft.irfft(given, n), atol=1e-13)
 
 
-def test_long_pairs_are_done_in_four_steps(monkeypatch):
-    monkeypatch.setattr(four_step, "FASTER", 1024)
-
-    def made(n):
-        with plain.pair(n) as first, plain.pair(n) as second:
-            assert first is not second
-            return type(first)
-
-    assert made(1024) is made(4096) is four_step.LongPair
-    assert made(4098) is Pair
+def test_pairs_are_kept_unless_they_are_long(long):
     with plain.pair(1000) as pair:
-        assert type(pair) is Pair
+        pass
     with plain.pair(1000) as again:
-        assert pair is again
-    monkeypatch.setattr(plain, "started", lambda: False)  # who uses the reference kernels does not wait for Warp
-    assert made(1024) is Pair
+        assert (pair is again) != long
 
 
 @pytest.mark.parametrize("n", [7, 60])
@@ -207,14 +199,11 @@ def test_plain_transforms_against_their_sums(n):
     np.testing.assert_allclose(plain.hfft(modes.conj(), n) / n, values, atol=1e-13)
 
 
-@pytest.mark.parametrize("kept", [True, False])
 @pytest.mark.parametrize("n", [4096, 5**6, 65521, 2**18])
-def test_long_plain_transforms_against_numpy(monkeypatch, n, kept):
+def test_long_plain_transforms_against_numpy(n, long):
     """With plans and buffers that are kept, and with new ones. Also of arrays that are strided, not aligned, read-only
     or too short, which they leave as they are.
     """
-    if not kept:
-        monkeypatch.setattr(four_step, "FASTER", 0)
     room = np.random.default_rng(0).standard_normal(2 * n + 1)
     for values in (room[:n], room[1 : n + 1], room[: 2 * n : 2]):
         values = values.view()

@@ -56,11 +56,10 @@ def choice(a: Arrays) -> Runs:
 def move_by_choice(a: Arrays) -> Runs:
     """A sequence: one kernel of one's own, two of the program's."""
     threads, shipped = a.num_points // a.chunk, kernels.load()
-    sums = [a.force_sums, a.held_sums, a.power_sums, a.velocity_sums, a.acceleration_sums]
     return launched(
         [
             (restrict_by_choice, threads, [a.force], [a.acceleration, a.acceleration_sums]),
-            (shipped["fire_control"], 1, sums, [a.state]),
+            (shipped["fire_control"], 1, [a.sums, a.acceleration_sums], [a.state]),
             (shipped["fire_step"], threads, [a.acceleration, a.h, a.state], [a.u, a.v]),
         ]
     )

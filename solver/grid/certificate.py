@@ -21,9 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array64, Mask, parts
-from ..transforms.four_step import LongPair
-from ..transforms.pair import Pair
-from ..transforms.plain import pair
+from ..transforms.plain import Pair, pair
 from ..value import Value
 from .problem import Problem
 
@@ -96,7 +94,7 @@ def certify(problem: Problem, displacement: Array64) -> tuple[Certificate, Array
     return certificate, pressure, contact
 
 
-def _energy_bound(problem: Problem, transforms: Pair | LongPair, free: float, pressure: Array64, load: float) -> float:
+def _energy_bound(problem: Problem, transforms: Pair, free: float, pressure: Array64, load: float) -> float:
     """s.K^+ s/2 with the free force balanced on the contact; `inf` without a contact.
 
     transforms: with the force on the free nodes in `real`, shape (N,) [p], which s takes the place of; free, load: sums

@@ -89,9 +89,9 @@ class Fire(Method):
 
     def _arrays(self, **more: Array) -> dict[str, Array]:
         """The arrays of a step by the names that the sequences of kernels have for them."""
-        sums = (f"{name}_sums" for name in ("force", "held", "power", "velocity", "acceleration"))
-        found: dict[str, Array] = {name: self.transforms.sums(self.u.size) for name in sums}
-        return found | {"elastic": self.work, "h": self.height, "state": self.state, "u": self.u, "v": self.v} | more
+        sums = self.transforms.sums(layout.PARTS * self.u.size)
+        found = {"elastic": self.work, "h": self.height, "sums": sums, "state": self.state, "u": self.u, "v": self.v}
+        return found | more
 
     def _prepare(self, own_load: bool) -> None:
         """What differs between the methods: further buffers, recorded kernels, the first dt."""

@@ -53,8 +53,8 @@ class MassWeightedFire(Fire):
 
         self._probe_stiffness = forward, *self._apply_stiffness[1:], keep
         self._probe_inverse_mass = forward, *self._apply_inverse_mass[1:], keep
-        arrays = self._arrays(force=self.force, load=self.load, acceleration=self.work)
-        self._squares = arrays["acceleration_sums"]  # free for the probe, between two steps
+        self._squares = squares = self.transforms.sums(self.u.size)  # free for the probe, between two steps
+        arrays = self._arrays(force=self.force, load=self.load, acceleration=self.work, acceleration_sums=squares)
         self._find_force = self._replay(*sequence("find_force", arrays))
         self._move = self._replay(*sequence("mass_weighted_move", arrays))
         self._restrict = self._replay(Call("restrict_to_free", (self.force,), (self.probe, self._squares)))

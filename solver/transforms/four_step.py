@@ -16,12 +16,12 @@ as R/2 rows of twice as many values; only the last row, k = R/2, comes behind th
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import numpy as np
 
 from ...kernels import CHUNK, Call, layout, padded_length
-from ..arrays import Array, Array64, Modes
+from ..arrays import Array, Array64
 from .columns import Columns
 from .planner import Transforms
 from .sharing import do_all
@@ -80,8 +80,7 @@ class FourStep(Transforms):
 
     def multiplication(self, symbol: Array64, target: Array) -> Callable[[], None]:
         """The rows are transformed before, and back after it. It is the same for every target."""
-        factors = self._by_row(symbol)
-        factors /= self.num_points
+        factors = self._by_row(symbol / self.num_points)
         doubled = self.doubled(factors.ravel())[: 2 * factors.size].reshape(self._num_rows, -1)
         workers = [_Worker(self._row, self) for _ in range(min(self.threads, len(self._batches)))]
 
@@ -94,85 +93,30 @@ class FourStep(Transforms):
             worker.transform_back()
             values[:] = worker.values
 
-        batches = list(self._with(doubled))
+        rows = [doubled[start : start + _ROWS] for start in range(0, self._num_rows, _ROWS)]
+        batches = list(zip(self._batches, rows, strict=True))
         return lambda: do_all(workers, batches, work)
 
-    def _with(self, rows: Array) -> Iterator[tuple[Array, Array]]:
-        """The batches, each with the values that belong to its rows; rows: see `_by_row`."""
-        for number, values in enumerate(self._batches):
-            yield values, rows[number * _ROWS : (number + 1) * _ROWS]
-
-    def _by_row(self, half: Modes | Array64) -> Array:
+    def _by_row(self, half: Array64) -> Array64:
         """All modes' values in the order of the spectrum, shape (R/2 + 1, C), from those of the half spectrum."""
-        found = np.empty((self._num_rows, self._row), np.result_type(half, np.float64))
-        first = self.num_points // self._row * np.arange(self._row)[:, None]
+        found = np.empty((self._num_rows, self._row))
+        by_column = np.concatenate([half, half[-2:0:-1]]).reshape(self._row, -1)
         for start in range(0, self._num_rows, _TOGETHER):
             rows = slice(start, min(start + _TOGETHER, self._num_rows))
-            modes = first + np.arange(rows.start, rows.stop)
-            mirrored = self.num_points - modes
-            values = half[np.minimum(modes, mirrored)]
-            found[rows] = np.conjugate(values, out=values, where=mirrored < modes).T
+            found[rows] = by_column[:, rows].copy().T
         return found
-
-
-class LongPair(FourStep):
-    """Transforms of N values there and back with buffers of their own, as `pair.Pair`. real: buffer of N values."""
-
-    def __init__(self, num_points: int) -> None:
-        super().__init__(num_points, "float64")
-        field = self.field()
-        self.real: Array64 = field[:num_points]
-        self._forward, self._inverse = self.forward(field), self.inverse(field)
-        self._worker = _Worker(self._row, self)
-
-    def multiply(self, values: Array64, symbol: Array64) -> None:
-        """As `pair.Pair.multiply`."""
-        self.real[:] = values
-        self._forward()
-        factors, worker = self._by_row(symbol), self._worker
-        factors /= self.num_points
-        for there, factor in self._with(factors):
-            worker.values[:] = there
-            worker.transform()
-            worker.modes[: len(factor)] *= factor
-            worker.transform_back()
-            there[:] = worker.values
-        self._inverse()
-
-    def invert(self, modes: Modes | Array64) -> None:
-        """As `pair.Pair.invert`."""
-        half, worker = np.zeros(self.num_points // 2 + 1, np.complex128), self._worker
-        np.divide(modes, self.num_points, out=half[: modes.size])
-        half.imag[[0, -1]] = 0
-        for there, values in self._with(self._by_row(half)):
-            worker.modes[: len(values)] = values
-            worker.transform_back()
-            there[:] = worker.values
-        self._inverse()
-
-    def power(self, symbol: Array64) -> float:
-        """As `pair.Pair.power`."""
-        self._forward()
-        worker, factors, total = self._worker, self._by_row(symbol), 0.0
-        factors[1 : self.num_points // self._row - self._num_rows + 1] *= 2  # for the rows that are not needed
-        for there, factor in self._with(factors):
-            worker.values[:] = there
-            worker.transform()
-            found = worker.modes[: len(factor)]
-            total += sum(float(np.einsum("ij,ij,ij", factor, part, part)) for part in (found.real, found.imag))
-        return total / self.num_points
 
 
 class _Worker:
     """Buffers for some rows, plans and kernels on them. values: by row, columns worked on at a time, half of them, and
-    value; modes: the same, shape (rows, C); factors: what `multiply` multiplies them by.
+    value; factors: what `multiply` multiplies them by.
     """
 
     def __init__(self, row: int, planner: Transforms) -> None:
         """row: C."""
         rows = planner.buffer(2 * row * _ROWS)
         self.values = rows.reshape(_ROWS, -1, 2, layout.COLUMNS)
-        self.modes = modes = planner.complex(rows).reshape(_ROWS, row)
+        modes = planner.complex(rows).reshape(_ROWS, row)
         self.transform = planner.plan(modes, modes, "FFTW_FORWARD", threads=1)
         self.transform_back = planner.plan(modes, modes, "FFTW_BACKWARD", threads=1)
         self.factors = planner.buffer(rows.size)

@@ -12,7 +12,7 @@ import cupy
 import warp as wp
 from cupy.cuda import cufft
 
-from ...kernels import Call, on_gpu
+from ...kernels import Call, on_gpu, padded_length
 from ..arrays import Array, Array64
 from .backend import Backend
 
@@ -37,7 +37,7 @@ class Transforms(Backend):
         self._modes = self.complex(self.spectrum[: 2 * (num_points // 2 + 1)])
 
     def buffer(self, length: int | None = None) -> Array:
-        return cast(Array, cupy.zeros(on_gpu.padded_length(length or self.num_points), dtype=self.dtype))
+        return cast(Array, cupy.zeros(padded_length(length or self.num_points, on_gpu.SPAN), dtype=self.dtype))
 
     def take(self, values: Array64) -> Array64:
         return cast(Array64, cupy.asarray(values))

@@ -3,48 +3,101 @@
 Short ones are NumPy's own, which need no plan. What is done often on arrays of one length goes through `planned`.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
-from ...kernels import started
 from ...locks import BUFFERS
-from ..arrays import Array64, Modes
-from . import four_step
-from .four_step import LongPair
-from .pair import Pair
+from ..arrays import Array64, Modes, parts
+from .fftw import Plan, pyfftw
+from .four_step import FASTER, FASTER_THAN_REAL
 
 _PLANNED_FROM = 2**12
 """Values from which FFTW is faster, its planning included."""
+_IN_PLACE, _TOO_LONG = FASTER_THAN_REAL, 4 * FASTER
+"""Values from which FFTW's real transforms take less time in place, and from which a pair of them is not kept."""
+
+
+class Pair:
+    """Forward and inverse transform of one length, in float64 and planned at once, when they are first needed.
+
+    length: n >= 1. real: buffer of n values; modes: of their half spectrum, n//2 + 1 complex numbers, which are in the
+    same memory where n is large. Both hold anything at first.
+    """
+
+    def __init__(self, length: int) -> None:
+        self.modes: Modes = pyfftw.empty_aligned(length // 2 + 1, dtype=np.complex128)
+        in_place = length >= _IN_PLACE
+        self.real: Array64 = self.modes.view(float)[:length] if in_place else pyfftw.empty_aligned(length)
+
+    @cached_property
+    def forward(self) -> Callable[[], None]:
+        """real -> modes; may destroy the values."""
+        return Plan(self.real, self.modes, flags=["FFTW_ESTIMATE"])
+
+    @cached_property
+    def inverse(self) -> Callable[[], None]:
+        """modes -> real, times n; destroys the modes."""
+        flags = ["FFTW_ESTIMATE", "FFTW_DESTROY_INPUT"]
+        return Plan(self.modes, self.real, direction="FFTW_BACKWARD", flags=flags)
+
+    def transform(self, values: Array64) -> Modes:
+        """`modes` of n values."""
+        self.real[:] = values
+        self.forward()
+        return self.modes
+
+    def multiply(self, values: Array64, symbol: Array64) -> None:
+        """Put into `real` what n values are after their spectrum was multiplied by a symbol, shape (n//2 + 1,)."""
+        self.transform(values)
+        self.modes *= symbol
+        self.inverse()
+        self.real /= self.real.size
+
+    def invert(self, modes: Modes | Array64) -> None:
+        """Put into `real` the values that have this half spectrum, normalised by 1/n; modes that lack are 0."""
+        np.multiply(modes, 1 / self.real.size, out=self.modes[: modes.size])
+        self.modes[modes.size :] = 0
+        self.inverse()
+
+    def power(self, symbol: Array64) -> float:
+        """The sum of a symbol, shape (n//2 + 1,), times |x_k|^2 over all n modes of `real`, over n; destroys `real`."""
+        self.forward()
+        total, n = 0.0, self.real.size
+        for part in parts(self.modes.size):
+            power = self.modes[part].real ** 2 + self.modes[part].imag ** 2
+            total += 2 * float(symbol[part] @ power)
+        total -= float(symbol[0] * np.abs(self.modes[0]) ** 2)  # the mean mode stands once,
+        if n % 2 == 0:  # and so does the Nyquist mode
+            total -= float(symbol[-1] * np.abs(self.modes[-1]) ** 2)
+        return total / n
+
 
 _kept = lru_cache(maxsize=10)(Pair)  # making them takes twice as long as the transform
 
 
 @contextmanager
-def pair(num_points: int) -> Iterator[Pair | LongPair]:
+def pair(num_points: int) -> Iterator[Pair]:
     """Both transforms of N values with their buffers, which hold anything at first.
 
     Where they are kept, the block takes no other transform of this module, and leaves nothing in the buffers.
     """
-    if num_points < four_step.FASTER:
-        with BUFFERS:
-            yield _kept(num_points)
-    elif started() and four_step.row_length(num_points):  # who has done without Warp is not to wait for it
-        yield LongPair(num_points)
-    else:
+    if num_points > _TOO_LONG:
         yield Pair(num_points)
+        return
+    with BUFFERS:
+        yield _kept(num_points)
 
 
 def rfft(values: Array64) -> Modes:
     """Half spectrum X_k = sum_i x_i exp(-2 pi i k i/N), k = 0 ... N//2, shape (N//2 + 1,), of N real values."""
     if values.size < _PLANNED_FROM:
         return np.fft.rfft(values)
-    if values.size >= four_step.FASTER:
-        return Pair(values.size).transform(values)
-    with BUFFERS:
-        return _kept(values.size).transform(values).copy()
+    with pair(values.size) as transforms:
+        modes = transforms.transform(values)
+        return modes.copy() if values.size <= _TOO_LONG else modes
 
 
 def irfft(modes: Modes | Array64, num_points: int) -> Array64:
@@ -56,7 +109,7 @@ def irfft(modes: Modes | Array64, num_points: int) -> Array64:
         return np.fft.irfft(modes, num_points)
     with pair(num_points) as transforms:
         transforms.invert(modes[: num_points // 2 + 1])
-        return transforms.real.copy() if num_points < four_step.FASTER else transforms.real
+        return transforms.real.copy() if num_points <= _TOO_LONG else transforms.real
 
 
 def hfft(values: Modes | Array64, num_points: int) -> Array64:

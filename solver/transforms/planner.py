@@ -10,7 +10,7 @@ import numpy as np
 from ... import locks
 from ...kernels import Call, padded_length, record
 from .. import checks
-from ..arrays import Array, Array64
+from ..arrays import Array
 from . import wisdom
 from .backend import Backend
 from .fftw import Plan, pyfftw
@@ -50,12 +50,6 @@ class Transforms(Backend):
         offset = self._count * _STAGGER // self.dtype.itemsize
         self._count += 1
         return np.asarray(pyfftw.zeros_aligned(padded + offset, dtype=self.dtype, n=64)[offset:])
-
-    def take(self, values: Array64) -> Array64:
-        return values
-
-    def fetch(self, values: Array) -> Array:
-        return values
 
     def record(self, calls: Sequence[Call]) -> Callable[[], None]:
         return record(self._backend, calls)

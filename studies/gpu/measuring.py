@@ -13,9 +13,9 @@ from linecontact.solver.methods import METHODS, ExecutionConfig
 
 KERNELS = {
     "spectral_multiply: coefficient -> spectrum": 3,
-    "plain_sums: elastic v -> force_sums held_sums power_sums velocity_sums": 2,
+    "plain_sums: elastic v -> sums": 2,
     "plain_step: elastic h state -> u v": 6,
-    "net_force: load elastic v -> force force_sums held_sums power_sums velocity_sums": 4,
+    "net_force: load elastic v -> force sums": 4,
     "restrict_to_free: force -> acceleration acceleration_sums": 3,
     "fire_step: acceleration h state -> u v": 6,
 }
@@ -57,8 +57,8 @@ def shares_of_the_copy_bandwidth(precision: str, num_points: int) -> dict[str, f
     values = np.random.default_rng(0).standard_normal(num_points)
 
     def array(name: str) -> Any:
-        if name.endswith("_sums"):
-            return backend.sums(num_points)
+        if name.endswith("sums"):
+            return backend.sums(layout.PARTS * num_points)
         if name == "state":
             return backend.take(np.zeros(layout.STATE_LENGTH))
         found = backend.buffer()

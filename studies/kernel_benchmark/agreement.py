@@ -66,8 +66,10 @@ def _bound(argument: Argument, wanted: Array, expected: Mapping[str, Array]) -> 
     if argument.role != "sum":
         return np.full(wanted.shape, relative * max(1.0, float(np.abs(wanted).max())))
     largest = max(float(np.abs(array).max()) for name, array in expected.items() if name in _TERMS)
-    near = 1.0 if argument.name == "held_sums" else 0.0
-    return np.full(wanted.shape, near + layout.CHUNK * relative * max(1.0, largest**2))
+    bound = np.full(wanted.shape, layout.CHUNK * relative * max(1.0, largest**2))
+    if argument.name == "sums":
+        bound.reshape(layout.PARTS, -1)[layout.HOLDING] += 1
+    return bound
 
 
 _TERMS = ("force", "elastic", "v", "acceleration")

@@ -30,18 +30,23 @@ class Argument(NamedTuple):
     """As the kernels call it."""
     role: str
     """'in', 'out' and 'inout' hold one value per point; 'part' (read) and
-    'sum' (written) one float64 per chunk; 'state' (read) and 'control' (read and written) float64 scalars."""
+    'sum' (written) one float64 per chunk, or several; 'state' (read) and 'control' (read and written) scalars."""
 
     @property
     def per_point(self) -> bool:
         """Whether it holds one value per point, in the precision asked for; all else is float64."""
         return self.role in ("in", "out", "inout")
 
+    @property
+    def per_chunk(self) -> int:
+        """Sums per chunk."""
+        return layout.PARTS if self.name == "sums" else 1
+
     def size(self, num_points: int) -> int:
         """Number of values that it holds."""
         if self.per_point:
             return _SIZES[self.name](num_points) if self.name in _SIZES else num_points
-        return num_points // CHUNK if self.role in ("part", "sum") else layout.STATE_LENGTH
+        return self.per_chunk * num_points // CHUNK if self.role in ("part", "sum") else layout.STATE_LENGTH
 
     def dtype(self, precision: str) -> str:
         """Type of its values."""
@@ -101,7 +106,7 @@ class Benchmark:
     flops: Callable[[int], float] = lambda num_points: 0.0
     """From the number of points to the floating-point operations of a call, comparisons not counted."""
     c: str = ""
-    """Body of the loop over i in C, where a 'sum' is a scalar."""
+    """Body of the loop over i in C, where a 'sum' is an array of one chunk's."""
     c_scalars: str = ""
     """What C reads from the state before the loop."""
     c_whole: str = ""

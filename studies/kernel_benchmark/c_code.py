@@ -113,11 +113,12 @@ def _calls(one: Benchmark, real: str) -> str:
 
 
 def _loop(one: Benchmark, body: str) -> str:
-    sums = [a.name for a in one.arrays if a.role == "sum"]
+    sums = [(a.name, part) for a in one.arrays if a.role == "sum" for part in range(a.per_chunk)]
     if not sums:
         return f"for (long i = 0; i < n; i++) {{ {body} }}"
-    scalars, stores = ", ".join(f"{s} = 0" for s in sums), " ".join(f"{s}_out[k] = {s};" for s in sums)
-    loop = f"for (long k = 0; k < n / CHUNK; k++) {{ REAL {scalars};\n"
+    stores = " ".join(f"{name}_out[{part} * (n / CHUNK) + k] = {name}[{part}];" for name, part in sums)
+    (name, last) = sums[-1]
+    loop = f"for (long k = 0; k < n / CHUNK; k++) {{ REAL {name}[{last + 1}] = {{0}};\n"
     return loop + f"  for (long i = k * CHUNK; i < (k + 1) * CHUNK; i++) {{ {body} }}\n  {stores} }}"
 
 
@@ -129,7 +130,7 @@ def _roof(one: Benchmark) -> str:
         for a in one.arrays
         if a.role in ("out", "inout")
     )
-    sums = "".join(f" {a.name} += t;" for a in one.arrays if a.role == "sum")
+    sums = "".join(f" {a.name}[{k}] += t;" for a in one.arrays if a.role == "sum" for k in range(a.per_chunk))
     return f"REAL t = {read};{written}{sums}"
 
 

@@ -113,7 +113,7 @@ def _line(library: Library, line: Line, arrays: Arrays) -> Runs:
 def _function(library: Library, name: str, precision: str, given: list[np.ndarray]) -> Runs:
     function: Callable[..., None] = getattr(library.loops, f"{name}_{REALS[precision]}")
     function.restype = None  # type: ignore[attr-defined]
-    points = given[0].size * (CHUNK if name == "fire_control" else 1)
+    points = given[0].size * CHUNK // kernels.layout.PARTS if name == "fire_control" else given[0].size
     pointers = [ctypes.c_void_p(array.ctypes.data) for array in given]
 
     def runs(repeats: int) -> Run:

@@ -47,7 +47,7 @@ Launch = tuple[Any, int, Sequence[Array], Sequence[Array]]
 class Arrays:
     """The arrays of a benchmark as attributes, by their names, and what they are for: NumPy arrays, which Warp shares.
 
-    One value per point, in `precision`, for `num_points` points; sums have one float64 per `chunk` points.
+    One value per point, in `precision`, for `num_points` points; sums have one float64 per `chunk` points, or several.
     """
 
     def __init__(self, benchmark: Benchmark, transforms: Transforms, arrays: dict[str, Array]) -> None:
@@ -130,7 +130,7 @@ def compiled_again(arrays: Arrays, chunk: int, compiled_with: str | None = None)
         arrays.chunk = chunk
         for argument in arrays.benchmark.arrays:
             if argument.role == "sum":
-                arrays.arrays[argument.name] = np.zeros(arrays.num_points // chunk)
+                arrays.arrays[argument.name] = np.zeros(argument.per_chunk * arrays.num_points // chunk)
     names = {line.kernel for line in arrays.benchmark.steps} & set(kernels.KERNELS)  # and no transforms
     return warp_lines(arrays, kernels.recompile(names, chunk, compiled_with))
 

@@ -12,8 +12,7 @@ import numpy as np
 
 from ...arrays import Array64, Indices
 from ...grid.response import LayerResponse
-from ...transforms.pair import Pair
-from ...transforms.plain import hfft, irfft
+from ...transforms.plain import Pair, hfft, irfft
 
 
 def inverse_cholesky(column: Array64) -> Array64:
@@ -141,9 +140,12 @@ class Convolution:
     @cached_property
     def rigidity(self) -> Array64:
         """K at the ring's wave numbers, since its tails decay; shape (length//2 + 1,)."""
-        stiffness = self._response.stiffness
-        at = np.linspace(0, stiffness.size - 1, self.length // 2 + 1)
-        return stiffness if at.size == stiffness.size else np.interp(at, np.arange(stiffness.size), stiffness)
+        stiffness, count = self._response.stiffness, self.length // 2 + 1
+        if count == stiffness.size:
+            return stiffness
+        at = np.linspace(0, stiffness.size - 1, count)
+        below = np.minimum(at.astype(np.intp), stiffness.size - 2)
+        return np.asarray(stiffness[below] + (at - below) * (stiffness[below + 1] - stiffness[below]))
 
     @cached_property
     def compliance(self) -> Array64:

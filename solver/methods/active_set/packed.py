@@ -11,7 +11,7 @@ import numpy as np
 
 from ...arrays import Array64, Indices
 from ...grid.split import Split
-from ...transforms.pair import Pair
+from ...transforms.plain import Pair
 
 
 def transformed_blocks(blocks: int) -> int:
