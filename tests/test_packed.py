@@ -164,7 +164,7 @@ def test_a_patch_that_a_coarser_grid_does_not_have_is_found():
     scene = rough(2**16)
     solution = solve(scene)
     patches, pressure = Patches.of(solution.contact), solution.contact_pressure / scene.pressure
-    apart = patches.to_neighbours.min(axis=0)
+    apart = patches.gap.min(axis=0)
     lost = int(np.argmax(np.where(patches.size < 40, apart, 0)))
     nodes = np.arange(patches.first[lost], patches.last[lost] + 1) % scene.num_points
     assert apart[lost] > 2 * 16  # blocks of 16 nodes

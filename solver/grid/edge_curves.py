@@ -44,6 +44,8 @@ _TABLE = 128  # beyond, S_j follows a power of the distance
 _STEP = 1.2  # factor of the wave number, to see how ln f ends on the grid
 _MOST_BEYOND = 0.5  # of delta's part by waves that the grid has not; real layers have up to 0.31
 _SPLIT = 2.0  # error where the curve says that nodes pull [grid spacings]
+_OF_BINOMIALS = np.array([[1, 3 / 8, 65 / 128], [0, 1, 15 / 8], [0, 0, 1]]) / [math.gamma(m + 0.5) for m in range(3)]
+"""Coefficients of j^(r-1/2) in those of (1-z)^-(m+1/2) for large j, by r and m."""
 _NO_PRESSURE = np.sqrt(np.finfo(np.float64).eps)  # of an edge at its last node, over that a spacing away
 
 
@@ -76,11 +78,6 @@ class EdgeCurve:
         """
         return np.asarray(np.linalg.inv(self.rows).T[::-1], dtype=np.float64)
 
-    @property
-    def punch_end(self) -> float:
-        """How far outside of its last node a flat punch ends, whose pressure is the family m = 0 [grid spacings]."""
-        return self.shift - 0.5
-
     def at(self, j: Indices) -> Array64:
         """S_j, 0 for j < 0; a power of the distance from the edge beyond the table."""
         last = self.table.size - 1
@@ -95,14 +92,10 @@ def edge_curve(layer: ElasticLayer, num_points: int, period: float) -> EdgeCurve
     """The edge on a layer, on a grid of `num_points` in the period L [length]."""
     if thickness_on_grid(layer, num_points, period) == math.inf:
         return half_space_curve()
-
-    def on_grid(q: Array64) -> Array64:
-        return np.log(modulus_on_grid(layer, q, num_points, period))
-
-    def anywhere(q: Array64) -> Array64:
-        return np.log(modulus_anywhere(layer, q, num_points, period))
-
-    return _curve(on_grid, anywhere)
+    return _curve(
+        lambda q: np.log(modulus_on_grid(layer, q, num_points, period)),
+        lambda q: np.log(modulus_anywhere(layer, q, num_points, period)),
+    )
 
 
 @cache
@@ -149,15 +142,17 @@ def _curve(on_grid: Logarithm, anywhere: Logarithm) -> EdgeCurve:
     mean = series[0] / 2
     series[0] = of_grid[0] / 2  # f may be large or small
     factor = _exponential(series)
-    families = [np.convolve(factor, _binomial(m + 0.5))[:_TABLE] for m in range(3)]
-    first = np.array([[family[j] for family in families] for j in range(3)])
+    steps = np.arange(1, _TABLE)
+    binomial = np.append(1.0, np.cumprod((steps - 0.5) / steps))  # coefficients of (1-z)^(-1/2)
+    family = np.convolve(factor, binomial)[:_TABLE]
+    families = np.stack([family, np.cumsum(family), np.cumsum(np.cumsum(family))])
     shift, table = 0.75 - slope - delta, families[1] * math.sqrt(math.pi) / 2
     if table.min() <= 0:  # a coating so stiff that contacts split at their edges on the grid
         error += _SPLIT
     return EdgeCurve(
         shift=shift,
         table=table,
-        rows=_far_field(slope) @ np.linalg.inv(first),
+        rows=_far_field(slope) @ np.linalg.inv(families[:, :3].T),
         power=_power(table, shift),
         strength=math.exp(mean + at_end / 2) * math.sqrt(math.pi),
         delta=delta,
@@ -196,25 +191,8 @@ def _far_field(slope: float) -> Array64:
     """Coefficients of j^(r-1/2) in the half-space's families m far from the edge, shape (3, 3), by r and m."""
     # c about z = 1: 1 - slope (1-z) + bend (1-z)^2, from ln c = slope (z-1) + ... and |ln c|'' = 1/24 at q = 0
     bend = (-1 / 24 - slope + slope**2) / 2
-    far = np.zeros((3, 3))
-    for m in range(3):
-        for power, coefficient in ((m, 1.0), (m - 1, -slope), (m - 2, bend)):
-            for r, value in zip(range(power, -1, -1), _far_binomial(power + 0.5), strict=False):
-                far[r, m] += coefficient * value
-    return far
-
-
-def _binomial(a: float) -> Array64:
-    """Coefficients of (1-z)^-a."""
-    n = np.arange(1.0, _TABLE)
-    return np.append(1.0, np.cumprod((a + n - 1) / n))
-
-
-def _far_binomial(a: float) -> tuple[float, float, float]:
-    """Coefficients of j^(a-1), j^(a-2), j^(a-3) in the large-j expansion of `_binomial`."""
-    return tuple(  # type: ignore[return-value]
-        c / math.gamma(a) for c in (1.0, a * (a - 1) / 2, a * (a - 1) * (a - 2) * (3 * a - 1) / 24)
-    )
+    lower = np.eye(3, k=1)  # 1 - z makes the family m - 1 of the family m
+    return _OF_BINOMIALS @ (np.eye(3) - slope * lower + bend * lower @ lower)
 
 
 def edge_function(curve: EdgeCurve, beta: Array64, j: Indices) -> Array64:

@@ -151,7 +151,7 @@ def find_edges(patches: Patches, pressure: Array64, layer: ElasticLayer, period:
     outside = np.where(counted, 0.5, -theta)
     left, right = apart(patches.first - outside[0], patches.last + outside[1], patches.num_points)
     by_size = FITTED.of_size / patches.size**2 + np.where(on_thick, 0.0, FITTED.of_size_if_wide / patches.size)
-    by_gap = FITTED.beside_gap / (patches.to_neighbours - 1) ** 2
+    by_gap = FITTED.beside_gap / patches.gap**2
     by_layer = FITTED.of_layer * patches.size / max(thickness, _THINNEST) ** 2
     error = np.minimum(FITTED.of_difference * spread + by_size + by_gap, COUNTED_ERROR)
     error += np.where(narrow, by_layer, by_curve)
@@ -207,7 +207,7 @@ def _around(patches: Patches, theta: Array64) -> tuple[Array64, Array64]:
     width = np.maximum(patches.size - 1 - theta.sum(axis=0), 2.0)
     left, right = theta
     facing = np.concatenate((right[-1:], right[:-1], left[1:], left[:1])).reshape(theta.shape)  # of the neighbours
-    gap = np.maximum(patches.to_neighbours + theta + facing, _NARROWEST)
+    gap = np.maximum(patches.gap + 1 + theta + facing, _NARROWEST)
     return np.broadcast_to(width, gap.shape), gap
 
 

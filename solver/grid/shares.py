@@ -23,7 +23,7 @@ from .few_nodes import response
 from .kept import kept
 from .narrow import Ends, punch_compliance
 from .patches import Patches
-from .problem import stiffness_on_grid
+from .problem import response_on_grid
 
 _TOGETHER = 128  # patches that share their load with each other, those that follow each other
 
@@ -34,8 +34,8 @@ def layer_response(layer: ElasticLayer, num_points: int, period: float) -> Array
 
     On large grids it has the error of a `split`: mostly a millionth, a thousandth on layers of a hundred spacings.
     """
-    stiffness = stiffness_on_grid(layer, num_points, period)
-    found = num_points / stiffness.unit * stiffness.response.head(num_points // 2 + 1)
+    of_layer = response_on_grid(layer, num_points, period)
+    found = num_points / of_layer.unit * of_layer.head(num_points // 2 + 1)
     found.flags.writeable = False
     return found
 

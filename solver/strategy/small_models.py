@@ -21,7 +21,8 @@ from ..grid.edges import Edges
 from ..grid.observables import Observables, foundation_modulus, observe, subgrid_measures
 from ..grid.patch_table import PatchTable, patch_table
 from ..grid.patches import Patches
-from ..grid.problem import Problem, Stiffness, foundation_level, squared_slope
+from ..grid.problem import Problem, foundation_level, squared_slope
+from ..grid.response import LayerResponse
 from ..reference import collocation
 from ..reference.closed_forms import foundation_half_width, kappa_from_area, kappa_half_space
 from ..scene import Scene
@@ -250,7 +251,7 @@ def _foundation(scene: Scene) -> Problem:
     problem = Problem.from_scene(scene)
     modulus = scene.layer.foundation_modulus(scene.period) / problem.stiffness_unit
     values = np.append(0.0, np.full(problem.stiffness.size - 1, modulus))
-    return replace(problem, rigidity=Stiffness(values, problem.num_points, problem.stiffness_unit))
+    return replace(problem, rigidity=LayerResponse(values, problem.num_points, problem.stiffness_unit))
 
 
 def _crossings(patches: Patches, depth: Array64) -> Edges:
