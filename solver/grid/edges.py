@@ -23,6 +23,7 @@ docs/edges.md). As it is the load of all patches together that is given, e is th
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,17 +56,17 @@ _ALIKE = 0.15
 
 
 def edge_offset(curve: EdgeCurve, pressures: Array64) -> tuple[Array64, Array64, Array64]:
-    """theta from the last three nodal pressures, shape (M, 3), last node first; and from the last two. [grid spacings]
+    """theta from the last three nodal pressures, (..., 3), last node first; and from the last two. [grid spacings]
 
     The edge lies theta inside the last contact node (outside for theta < 0); -s <= theta <= 1 - s. The third result is
     how little the pressures look like an edge: by how far the estimates differ, before they are put into these bounds.
     """
     least, most = -curve.shift, 1 - curve.shift
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        ratio = pressures[:, 0] / pressures[:, 1]
+        ratio = pressures[..., 0] / pressures[..., 1]
         two = curve.table[0] - ratio * curve.table[1]
         two = two / (two + ratio * curve.table[0]) - curve.shift
-        low, middle, high = curve.rows @ pressures.T
+        low, middle, high = np.moveaxis(pressures @ curve.rows.T, -1, 0)
         theta = -2 * low / middle
         for _ in range(TURNS):  # -theta middle/2 - 3/8 theta^2 high = low
             theta = -2 * low / (middle + 0.75 * theta * high)
@@ -136,15 +137,14 @@ def find_edges(patches: Patches, pressure: Array64, layer: ElasticLayer, period:
         half, error = np.array([0.5]), np.full((2, 1), 0.5)  # a gap that not even `unseen` finds
         return Edges(patches.first - half, patches.last + half, error, none, none, none)
     thickness = thickness_on_grid(layer, patches.num_points, period)
-    theta, spread = _in_row(patches, pressure)
+    theta, _, spread = edge_offset(half_space_curve(), _ends_in_row(patches, pressure))
     on_thick = (patches.size < _NARROW * thickness) & (thickness > _THINNEST)
     narrow = on_thick & (spread < _ALIKE)
     by_curve = 0.0
     if thickness < math.inf and not narrow.all():
         curve = edge_curve(layer, patches.num_points, period)
-        wide, _, spread_of_wide = edge_offset(curve, lone_ends(curve, patches, pressure).reshape(-1, 3))
-        theta = np.where(narrow, theta, wide.reshape(2, -1))
-        spread = np.where(narrow, spread, spread_of_wide.reshape(2, -1))
+        wide, _, spread_of_wide = edge_offset(curve, lone_ends(curve, patches, pressure))
+        theta, spread = np.where(narrow, theta, wide), np.where(narrow, spread, spread_of_wide)
         by_curve = curve.error
     counted = patches.size < COUNTED_BELOW
     theta = theta + _by_load(patches, theta, narrow & ~counted)
@@ -173,19 +173,19 @@ def _ends(patches: Patches, pressure: Array64) -> Array64:
     return np.stack([left, right])
 
 
-def _in_row(patches: Patches, pressure: Array64) -> tuple[Array64, Array64]:
-    """theta of left and right ends on the half-space, and how little they look like edges, shape (2, M) each; each end
-    as if patches like its own, with gaps like the one next to it, followed each other.
+def _ends_in_row(patches: Patches, pressure: Array64) -> Array64:
+    """The last three pressures on the half-space of each end alone, as `lone_ends`, as if patches like its own, with
+    gaps like the one next to it, followed each other.
     """
     curve = half_space_curve()
-    ends, theta = _ends(patches, pressure), np.full((2, patches.count), 0.5 - curve.shift)
-    for _ in range(TURNS):
+
+    def others(theta: Array64) -> Array64:
         width, gap = (of[..., None] for of in _around(patches, theta))
         wave, away = np.pi / (width + gap), np.minimum(edge_distance(curve, theta), width)
         beyond = np.sin(wave * np.maximum(width - away, _NARROWEST)) * np.sinc(wave / np.pi * away)
-        alone = ends / (np.sin(wave * (gap / 2 + away)) * np.sqrt(beyond))
-        theta, _, spread = (of.reshape(2, -1) for of in edge_offset(curve, alone.reshape(-1, 3)))
-    return theta, spread
+        return np.asarray(np.sin(wave * (gap / 2 + away)) * np.sqrt(beyond))
+
+    return _alone(curve, patches, pressure, others)
 
 
 def _by_load(patches: Patches, theta: Array64, known: Mask) -> Array64:
@@ -215,10 +215,20 @@ def lone_ends(curve: EdgeCurve, patches: Patches, pressure: Array64) -> Array64:
     """The last three pressures of left and right ends, last node first, divided by the edge function of the patch's
     other end, shape (2, M, 3).
     """
-    ends, away = _ends(patches, pressure), patches.size[:, None] - 1 - np.arange(3)
-    theta, alone = np.full((2, patches.count), 0.5 - curve.shift), ends
+    away = patches.size[:, None] - 1 - np.arange(3)
+
+    def others(theta: Array64) -> Array64:
+        return np.maximum(edge_function(curve, (theta + curve.shift)[::-1, :, None], away), 1e-3)
+
+    return _alone(curve, patches, pressure, others)
+
+
+def _alone(curve: EdgeCurve, patches: Patches, pressure: Array64, others: Callable[[Array64], Array64]) -> Array64:
+    """The last three pressures of left and right ends over those of all other ends, made from theta, which agrees."""
+    alone = ends = _ends(patches, pressure)
+    theta = np.full((2, patches.count), 0.5 - curve.shift)
     for turn in range(TURNS):
         if turn:
-            theta = edge_offset(curve, alone.reshape(-1, 3))[0].reshape(2, -1)
-        alone = ends / np.maximum(edge_function(curve, (theta + curve.shift)[::-1, :, None], away), 1e-3)
-    return np.asarray(alone)
+            theta = edge_offset(curve, alone)[0]
+        alone = ends / others(theta)
+    return alone
