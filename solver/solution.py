@@ -33,6 +33,8 @@ class Level(Value):
     """Its points."""
     contact_area_subgrid: float
     """a_r between sub-grid edges (dimensionless); on grids before the last coarser one by pressures alone."""
+    rms_gradient_subgrid: float
+    """Rms of h' between sub-grid edges (dimensionless)."""
     kappa_subgrid: float
     """kappa between sub-grid edges (dimensionless)."""
     peak_pressure: float

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from .contact import contact_edges
 from .edges import COUNTED_BELOW, Edges
 from .patch_table import PatchTable, patch_table
 from .patches import Patches
-from .problem import squared_slope, squared_slope_doubt
+from .problem import squared_slope
 
 
 @dataclass(frozen=True)
@@ -90,40 +91,54 @@ def observe(
 
     profile: h [length].
     """
-    squared = squared_slope(scene.indenter, scene.num_points, scene.period)
-    area = float(contact.mean())
+    common, patches, edges = measured(scene, profile, displacement, contact_pressure)
+    squared, _ = squared_slope(scene.indenter, scene.num_points, scene.period)
+    area, power = float(contact.mean()), scene.indenter.power_law
     gradient = math.sqrt(float(squared[contact].mean())) if area else 0.0
     reduced = scene.reduced_load / gradient if gradient else math.inf
     kappa = area / reduced
-    layer, power = scene.layer, scene.indenter.power_law
-    patches, edges = contact_edges(scene, contact_pressure, profile, displacement)
-    area_subgrid, gradient_subgrid, kappa_subgrid, kappa_error = subgrid_measures(scene, patches, edges, squared)
-    area_error = edges.total_error / scene.num_points if area else 1.0
     found = Observables(
         contact_area=area,
         rms_gradient_contact=gradient,
         reduced_pressure=reduced,
         kappa=kappa,
         kappa_ratio=kappa / kappa_half_space(power[0]) if power else None,
-        reduced_thickness=layer.thickness / (area * scene.period) if area else math.inf,
-        approach=approach(scene, displacement, profile),
+        reduced_thickness=scene.layer.thickness / (area * scene.period) if area else math.inf,
         mean_gap=sum(float((profile[part] - displacement[part]).sum()) for part in parts(profile.size)) / profile.size,
-        peak_pressure=float(contact_pressure.max(initial=0.0)),
-        num_patches=patches.count,
         num_counted_patches=int(edges.counted.sum()),
         num_patches_by_load=int(edges.by_load.sum()),
-        contact_area_subgrid=area_subgrid,
-        contact_area_error=area_error,
-        rms_gradient_subgrid=gradient_subgrid,
-        kappa_subgrid=kappa_subgrid,
-        kappa_error=kappa_error,
-        contact_area_edges_error=area_error,
-        kappa_edges_error=kappa_error,
-        peak_pressure_sampling=peak_sampling(scene.indenter, contact_pressure, patches, edges),
-        approach_sampling=approach_sampling(scene.indenter, profile, patches),
-        unseen_gap_area=edges.unseen / scene.num_points,
+        contact_area_error=common["contact_area_edges_error"],
+        kappa_error=common["kappa_edges_error"],
+        **common,
     )
     return found, patch_table(patches, edges, contact_pressure, scene.period)
+
+
+def measured(
+    scene: Scene, profile: Array64, displacement: Array64, pressure: Array64, by_loads: bool = True
+) -> tuple[dict[str, Any], Patches, Edges]:
+    """What is measured on every grid, by the names in `Observables`, and the patches with their ends.
+
+    profile, displacement, pressure: as for `observe`, on any grid; by_loads: whether loads and gaps may tell ends.
+    """
+    num_points = pressure.size
+    patches, edges = contact_edges(scene, pressure, profile, displacement if by_loads else None)
+    area, gradient, kappa, kappa_error = subgrid_measures(scene, patches, edges)
+    modulus, lowest = foundation_modulus(scene), scene.indenter.depth_between_nodes(profile)
+    common = {
+        "contact_area_subgrid": area,
+        "rms_gradient_subgrid": gradient,
+        "kappa_subgrid": kappa,
+        "contact_area_edges_error": edges.total_error / num_points if patches.count else 1.0,
+        "kappa_edges_error": kappa_error,
+        "unseen_gap_area": edges.unseen / num_points,
+        "num_patches": patches.count,
+        "peak_pressure": float(pressure.max(initial=0.0)),
+        "peak_pressure_sampling": peak_sampling(scene.indenter, pressure, patches, edges),
+        "approach": float(displacement.mean()) + (scene.pressure / modulus if modulus else 0.0) + lowest,
+        "approach_sampling": _approach_sampling(scene.indenter, profile, patches),
+    }
+    return common, patches, edges
 
 
 def foundation_modulus(scene: Scene) -> float:
@@ -169,7 +184,7 @@ def peak_sampling(indenter: Indenter, pressure: Array64, patches: Patches, edges
     return max(bent, abs(float(expected[lead]) - highest) + float(doubt))
 
 
-def approach_sampling(indenter: Indenter, profile: Array64, patches: Patches) -> float:
+def _approach_sampling(indenter: Indenter, profile: Array64, patches: Patches) -> float:
     """By how much the approach may be off because the lowest point may lie between the nodes, in the profile's unit.
 
     Patches of one or two nodes do not tell how deep it is in contact before a node touches. profile: h, shape (N,).
@@ -178,27 +193,14 @@ def approach_sampling(indenter: Indenter, profile: Array64, patches: Patches) ->
     return indenter.hidden_depth(profile) + (0.0 if resolved else indenter.depth_between_nodes(profile))
 
 
-def approach(scene: Scene, displacement: Array64, profile: Array64) -> float:
-    """Rigid approach since first touch [length], see `Observables`.
-
-    displacement, profile: u and h on any grid, shape (N,) [length].
-    """
-    modulus = foundation_modulus(scene)
-    compression = scene.pressure / modulus if modulus else 0.0
-    return float(displacement.mean()) + compression + scene.indenter.depth_between_nodes(profile)
-
-
-def subgrid_measures(
-    scene: Scene, patches: Patches, edges: Edges, squared: Array64
-) -> tuple[float, float, float, float]:
+def subgrid_measures(scene: Scene, patches: Patches, edges: Edges) -> tuple[float, float, float, float]:
     """a_r, g_c and kappa between the sub-grid edges, and kappa's error as far as edges and slopes tell it, without a
     coarser grid (dimensionless).
-
-    squared: h'^2 on the grid of `patches` and `edges`, shape (N,).
     """
-    num_points, width = squared.size, float(edges.width.sum())
+    num_points, width = patches.num_points, float(edges.width.sum())
     if width == 0:
         return 0.0, 0.0, 0.0, math.inf
+    squared, doubt = squared_slope(scene.indenter, num_points, scene.period)
     known = scene.indenter.squared_slope_between(edges.left, edges.right, num_points, scene.period)
     if known is None:
         known = np.full(patches.count, np.nan) if edges.squared_slope is None else edges.squared_slope
@@ -224,7 +226,6 @@ def subgrid_measures(
     # as for a power profile, whose kappa goes like a_r^n
     exponent = scene.indenter.power_law[0] if scene.indenter.power_law else 2.0
     by_edges = max(exponent, 2.0) * kappa * edges.total_error / width
-    doubt = squared_slope_doubt(scene.indenter, num_points, scene.period)
     by_slopes = 0.0  # of h'^2, twice that of its root
     if doubt is not None:
         by_slopes = float(np.abs(patches.sums(doubt[patches.nodes]))[unknown].sum()) / width / mean_square

@@ -48,21 +48,14 @@ def _profile(indenter: Indenter, num_points: int, period: float) -> Array64:
 
 
 @kept
-def squared_slope(indenter: Indenter, num_points: int, period: float) -> Array64:
-    """h'^2 on a grid, shape (num_points,), read-only (dimensionless)."""
-    slope = indenter.slope(num_points, period)
-    squared: Array64 = slope * slope
-    squared.flags.writeable = False
-    return squared
-
-
-@kept
-def squared_slope_doubt(indenter: Indenter, num_points: int, period: float) -> Array64 | None:
-    """What h'^2 may be off by at the nodes, shape (num_points,), read-only; None where nothing."""
-    doubt = indenter.squared_slope_doubt(num_points, period)
-    if doubt is not None:
-        doubt.flags.writeable = False
-    return doubt
+def squared_slope(indenter: Indenter, num_points: int, period: float) -> tuple[Array64, Array64 | None]:
+    """h'^2 on a grid, shape (num_points,), and what it may be off by there, None where nothing; read-only
+    (dimensionless).
+    """
+    squared, doubt = indenter.slope(num_points, period) ** 2, indenter.squared_slope_doubt(num_points, period)
+    for found in (squared,) if doubt is None else (squared, doubt):
+        found.flags.writeable = False
+    return squared, doubt
 
 
 def half_spectrum(layer: ElasticLayer, num_points: int, period: float) -> Array64:

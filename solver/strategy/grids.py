@@ -15,13 +15,11 @@ import numpy as np
 
 from ..arrays import Array64, Indices
 from ..endings import Status
-from ..grid.contact import contact_edges
 from ..grid.edge_curves import EdgeCurve, edge_curve, half_space_curve
 from ..grid.edges import COUNTED_BELOW, Edges
 from ..grid.layer_on_grid import thickness_on_grid
-from ..grid.observables import approach, approach_sampling, peak_sampling, subgrid_measures
+from ..grid.observables import measured
 from ..grid.patches import Patches
-from ..grid.problem import squared_slope
 from ..methods import Method
 from ..scene import Scene
 from ..solution import Level
@@ -89,24 +87,9 @@ def _measured(scene: Scene, state: Method, by_loads: bool) -> tuple[Level, Conta
     pressure, problem = state.contact_pressure, state.problem
     unit, num_points = problem.length_unit, problem.num_points
     profile, displacement = problem.height * unit, state.displacement * unit
-    patches, edges = contact_edges(scene, pressure, profile, displacement if by_loads else None)
-    squared = squared_slope(scene.indenter, num_points, scene.period)
-    area, _, kappa, kappa_error = subgrid_measures(scene, patches, edges, squared)
-    level = Level(
-        num_points=num_points,
-        contact_area_subgrid=area,
-        kappa_subgrid=kappa,
-        peak_pressure=scene.pressure * float(pressure.max(initial=0.0)),
-        peak_pressure_sampling=scene.pressure * peak_sampling(scene.indenter, pressure, patches, edges),
-        approach=approach(scene, displacement, profile),
-        approach_sampling=approach_sampling(scene.indenter, profile, patches),
-        num_patches=patches.count,
-        contact_area_edges_error=edges.total_error / num_points,
-        kappa_edges_error=kappa_error,
-        unseen_gap_area=edges.unseen / num_points,
-        iterations=state.iteration,
-        transform_pairs=round(state.transform_pairs, 3),
-    )
+    found, patches, edges = measured(scene, profile, displacement, scene.pressure * pressure, by_loads)
+    pairs = round(state.transform_pairs, 3)
+    level = Level(num_points=num_points, iterations=state.iteration, transform_pairs=pairs, **found)
     return level, (pressure, patches, edges)
 
 

@@ -21,7 +21,7 @@ from ..grid.edges import Edges
 from ..grid.observables import Observables, foundation_modulus, observe, subgrid_measures
 from ..grid.patch_table import PatchTable, patch_table
 from ..grid.patches import Patches
-from ..grid.problem import Problem, foundation_level, squared_slope
+from ..grid.problem import Problem, foundation_level
 from ..grid.response import LayerResponse
 from ..reference import collocation
 from ..reference.closed_forms import foundation_half_width, kappa_from_area, kappa_half_space
@@ -220,8 +220,7 @@ def _measured(
     scene: Scene, observables: Observables, patches: Patches, ends: Edges, height: Array64, modulus: float
 ) -> Observables:
     """Area and kappa between the places where the depth is 0; errors by edges, gaps and a grid of half the points."""
-    squared = squared_slope(scene.indenter, scene.num_points, scene.period)
-    area, gradient, kappa, _ = subgrid_measures(scene, patches, ends, squared)
+    area, gradient, kappa, _ = subgrid_measures(scene, patches, ends)
     error, layer, shortest = math.inf, scene.layer, scene.indenter.shortest_wave(scene.num_points)
     stiffening = 0.0  # for the profile's shortest wave, relative
     if shortest:
