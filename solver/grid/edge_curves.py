@@ -41,9 +41,9 @@ Logarithm = Callable[[Array64], Array64]
 """ln f of wave numbers q > 0 [1/grid spacing], of their shape."""
 
 _TABLE = 128  # beyond, S_j follows a power of the distance
-_STEP = 1.2  # factor of the wave number, to see how ln f ends on the grid
-_MOST_BEYOND = 0.5  # of delta's part by waves that the grid has not; real layers have up to 0.31
-_SPLIT = 2.0  # error where the curve says that nodes pull [grid spacings]
+UNKNOWN = 1.0
+"""Error of an end that no curve tells, and from where the part of delta by waves that the grid has not is no layer's:
+real ones have up to 0.31 [grid spacings]."""
 _OF_BINOMIALS = np.array([[1, 3 / 8, 65 / 128], [0, 1, 15 / 8], [0, 0, 1]]) / [math.gamma(m + 0.5) for m in range(3)]
 """Coefficients of j^(r-1/2) in those of (1-z)^-(m+1/2) for large j, by r and m."""
 _NO_PRESSURE = np.sqrt(np.finfo(np.float64).eps)  # of an edge at its last node, over that a spacing away
@@ -133,9 +133,9 @@ def _curve(on_grid: Logarithm, anywhere: Logarithm) -> EdgeCurve:
     known = np.isfinite(rest)
     last = float(rest[known][0]) if known.any() else 0.0  # of the shortest wave known, for those that are not
     beyond = float(of_beyond @ np.where(known, rest, last))
-    if not abs(beyond) < _MOST_BEYOND:  # nonsense
+    if not abs(beyond) < UNKNOWN:  # nonsense
         known[:], beyond, last = False, 0.0, 0.0
-    rise = float(at_end - on_grid(np.array([np.pi / _STEP]))[0]) / math.log(_STEP) if not known.any() else 0.0
+    rise = 0.0 if known.any() else float(inside[-1]) / math.log(q[-1] / np.pi)
     error = float(of_beyond[~known].sum()) * (abs(last + at_end) + 2 * abs(rise))
     delta = float(of_delta @ inside) + beyond
     series = of_grid + cosines @ inside
@@ -148,7 +148,7 @@ def _curve(on_grid: Logarithm, anywhere: Logarithm) -> EdgeCurve:
     families = np.stack([family, np.cumsum(family), np.cumsum(np.cumsum(family))])
     shift, table = 0.75 - slope - delta, families[1] * math.sqrt(math.pi) / 2
     if table.min() <= 0:  # a coating so stiff that contacts split at their edges on the grid
-        error += _SPLIT
+        error += UNKNOWN
     return EdgeCurve(
         shift=shift,
         table=table,

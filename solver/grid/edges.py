@@ -31,21 +31,19 @@ import numpy as np
 from ..arrays import Array64, Mask
 from ..calibration import FITTED
 from ..layers import ElasticLayer
-from .edge_curves import EdgeCurve, edge_curve, edge_distance, edge_function, half_space_curve
+from .edge_curves import UNKNOWN, EdgeCurve, edge_curve, edge_distance, edge_function, half_space_curve
 from .layer_on_grid import thickness_on_grid
 from .patches import Patches
 
 COUNTED_BELOW = 3
 """Nodes; smaller patches have no pressures that tell their ends."""
 
-_NARROW, _THINNEST = 2.0, 2.5
+_NARROW = 2.0
 """Layer thicknesses; narrower patches have the half-space's edge if their pressures look like it, on layers of so many
 grid spacings and more. Their load tells what the pressures leave to the second order."""
 
 COUNTED_ERROR = math.sqrt(0.5)
 """Error of an end halfway between two nodes, as counting has it, at most [grid spacings]."""
-_UNKNOWN = 1.0
-"""Error of an end at which the pressures do not look like one [grid spacings]."""
 
 _NARROWEST = 0.5  # gap between two patches that is believed [grid spacings]
 TURNS = 3
@@ -138,7 +136,7 @@ def find_edges(patches: Patches, pressure: Array64, layer: ElasticLayer, period:
         return Edges(patches.first - half, patches.last + half, error, none, none, none)
     thickness = thickness_on_grid(layer, patches.num_points, period)
     theta, _, spread = edge_offset(half_space_curve(), _ends_in_row(patches, pressure))
-    on_thick = (patches.size < _NARROW * thickness) & (thickness > _THINNEST)
+    on_thick = (patches.size < _NARROW * thickness) & (thickness > _NARROW)
     narrow = on_thick & (spread < _ALIKE)
     by_curve = 0.0
     if thickness < math.inf and not narrow.all():
@@ -152,10 +150,10 @@ def find_edges(patches: Patches, pressure: Array64, layer: ElasticLayer, period:
     left, right = apart(patches.first - outside[0], patches.last + outside[1], patches.num_points)
     by_size = FITTED.of_size / patches.size**2 + np.where(on_thick, 0.0, FITTED.of_size_if_wide / patches.size)
     by_gap = FITTED.beside_gap / patches.gap**2
-    by_layer = FITTED.of_layer * patches.size / max(thickness, _THINNEST) ** 2
+    by_layer = FITTED.of_layer * patches.size / max(thickness, _NARROW) ** 2
     error = np.minimum(FITTED.of_difference * spread + by_size + by_gap, COUNTED_ERROR)
     error += np.where(narrow, by_layer, by_curve)
-    error = np.where(spread < _ALIKE, error, _UNKNOWN)
+    error = np.where(spread < _ALIKE, error, UNKNOWN)
     return Edges(left, right, np.where(counted, COUNTED_ERROR, error), counted, none, none)
 
 
