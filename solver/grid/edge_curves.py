@@ -15,14 +15,9 @@ f = 1 (s = 0.80999 on the half-space), with
 
     delta = (1/2 pi) int_0^pi ln f(q) [2/q^2 - 1/(1 - cos q)] dq + (1/pi) int_pi^inf ln f(q)/q^2 dq.
 
-Nothing is asked of f at q = 0, where a foundation may be, an incompressible layer or another half-space.
-
-Against collocation (layers of 0.03 to 160 spacings: bonded with nu = -0.9 to 1/2, sliding, coatings with
-ratios of moduli from 1e-4 to 1e5) that is right to 0.03 spacings for contacts of 20 nodes and more (0.07 for nu = 1/2),
-mostly to 0.002, and from 200 nodes on to 0.002, mostly to 0.0002. In contacts narrower than some layer thicknesses each
-end feels the other; they have the half-space's edge where they look like it (see `edges`).
-
-`linecontact study edge-curve` measures these curves on high-resolution solutions.
+Nothing is asked of f at q = 0, where a foundation may be, an incompressible layer or another half-space. In contacts
+narrower than some layer thicknesses each end feels the other; they have the half-space's edge where they look like it
+(see `edges`). `linecontact study edge-curve` measures these curves on high-resolution solutions.
 """
 
 import math
@@ -149,11 +144,14 @@ def _curve(on_grid: Logarithm, anywhere: Logarithm) -> EdgeCurve:
     shift, table = 0.75 - slope - delta, families[1] * math.sqrt(math.pi) / 2
     if table.min() <= 0:  # a coating so stiff that contacts split at their edges on the grid
         error += UNKNOWN
+    power, last = 0.5, _TABLE - 1 + shift
+    if 0 < table[-2] < table[-1]:  # not on a stiff layer on a very soft base, pressed at its edges
+        power = math.log(table[-1] / table[-2]) / math.log(last / (last - 1))
     return EdgeCurve(
         shift=shift,
         table=table,
         rows=_far_field(slope) @ np.linalg.inv(families[:, :3].T),
-        power=_power(table, shift),
+        power=power,
         strength=math.exp(mean + at_end / 2) * math.sqrt(math.pi),
         delta=delta,
         error=error,
@@ -167,14 +165,6 @@ def _beyond(logarithm: Logarithm, q: Array64) -> Array64:
             return logarithm(q)
     except ValueError:
         return np.full_like(q, np.nan)
-
-
-def _power(table: Array64, shift: float) -> float:
-    """With which power of the distance a table goes on; that of the half-space where it does not grow."""
-    if not 0 < table[-2] < table[-1]:  # a stiff layer on a very soft base, pressed at its edges
-        return 0.5
-    last = _TABLE - 1 + shift
-    return math.log(table[-1] / table[-2]) / math.log(last / (last - 1))
 
 
 def _exponential(series: Array64) -> Array64:

@@ -11,10 +11,8 @@ length, g being the gap next to the end:
 
     p(x) ~ cos(pi x/P) [sin^2(pi A/P) - sin^2(pi x/P)]^1/2, x from the middle of a patch.
 
-The last pressures are divided by p over the root of the distance from the end; what is left looks like an edge. On a
-grid that distance is not the one between node and end: a far field x^1/2 (1 + c x) has the pressures sigma_j
-(1 + c X_j), with sigma_j those of the edge and X_j how the grid has the distance (`edge_curves.edge_distance`). With
-X_j in the place of the distance, ends of such rows are right to 0.012 grid spacings from gaps of one spacing on.
+The last pressures are divided by p over the root of the distance from the end; what is left looks like an edge. The
+distance is taken as the grid has it (`edge_curves.edge_distance`).
 
 For an edge theta = beta - s spacings inside the last node the curve goes over into a [(j - theta)^1/2 + e (j -
 theta)^-3/2], e = (beta^2 - beta + 1/6)/8, and not into the root alone. In a patch of half-width A with a given load the

@@ -21,9 +21,8 @@ How well a grid knows the load is told by the level. A patch with the load P is 
 lengths in grid spacings as `few_nodes.response` has it far from a node; by how much w - h differs from that
 `shares` puts right.
 
-On a layer that the grid does not resolve a patch of one or two nodes can be estimated only: as if nothing were around
-it and the layer were a half-space of the modulus 2K(q)/q at q = 3 pi/(4 a), which makes a parabola's load right on the
-half-space and on a Winkler foundation.
+On a layer that the grid does not resolve a patch of one or two nodes is estimated as if nothing were around it on a
+half-space of the modulus 2K(q)/q at q = 3 pi/(4 a), which is right for a parabola on a Winkler foundation, too.
 """
 
 from collections.abc import Callable

@@ -1,7 +1,6 @@
 """How several patches share a load, put right.
 
-A grid on which patches have few nodes has the compliance of each patch slightly wrong, and with it the load that the
-patch takes, by a percent where it has three nodes and by a tenth where it has one. All patches are pressed by the same
+A grid on which patches have few nodes has the compliance of each patch slightly wrong, and with it its load. All patches are pressed by the same
 approach. If patch k would have to lie deeper by r_k for its load (`narrow.level_errors`), then the loads are to
 change by D_k, of sum 0, such that
 
