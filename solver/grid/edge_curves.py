@@ -22,6 +22,7 @@ narrower than some layer thicknesses each end feels the other; they have the hal
 
 import math
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache, cached_property
 
@@ -124,7 +125,9 @@ def _curve(on_grid: Logarithm, anywhere: Logarithm) -> EdgeCurve:
     q, cosines, of_delta, shorter, of_beyond, of_grid, slope = _quadrature()
     at_end = float(on_grid(np.array([np.pi]))[0])
     inside = on_grid(q) - at_end
-    rest = _beyond(anywhere, shorter) - at_end
+    rest = np.full_like(shorter, np.nan)
+    with suppress(ValueError), np.errstate(all="ignore"):  # a table ends
+        rest = anywhere(shorter) - at_end
     known = np.isfinite(rest)
     last = float(rest[known][0]) if known.any() else 0.0  # of the shortest wave known, for those that are not
     beyond = float(of_beyond @ np.where(known, rest, last))
@@ -156,15 +159,6 @@ def _curve(on_grid: Logarithm, anywhere: Logarithm) -> EdgeCurve:
         delta=delta,
         error=error,
     )
-
-
-def _beyond(logarithm: Logarithm, q: Array64) -> Array64:
-    """ln f of waves shorter than the grid's; NaN among it where the layer does not know them, as a table that ends."""
-    try:
-        with np.errstate(all="ignore"):
-            return logarithm(q)
-    except ValueError:
-        return np.full_like(q, np.nan)
 
 
 def _exponential(series: Array64) -> Array64:

@@ -133,7 +133,8 @@ def find_edges(patches: Patches, pressure: Array64, layer: ElasticLayer, period:
         half, error = np.array([0.5]), np.full((2, 1), 0.5)  # a gap that not even `unseen` finds
         return Edges(patches.first - half, patches.last + half, error, none, none, none)
     thickness = thickness_on_grid(layer, patches.num_points, period)
-    theta, _, spread = edge_offset(half_space_curve(), _ends_in_row(patches, pressure))
+    half_space = half_space_curve()
+    theta, _, spread = edge_offset(half_space, lone_ends(half_space, patches, pressure, _in_row))
     on_thick = (patches.size < _NARROW * thickness) & (thickness > _NARROW)
     narrow = on_thick & (spread < _ALIKE)
     by_curve = 0.0
@@ -169,19 +170,14 @@ def _ends(patches: Patches, pressure: Array64) -> Array64:
     return np.stack([left, right])
 
 
-def _ends_in_row(patches: Patches, pressure: Array64) -> Array64:
-    """The last three pressures on the half-space of each end alone, as `lone_ends`, as if patches like its own, with
-    gaps like the one next to it, followed each other.
+def _in_row(curve: EdgeCurve, patches: Patches, theta: Array64) -> Array64:
+    """What the last three pressures of each end have from all others, shape (2, M, 3), as if patches like its own, with
+    gaps like the one next to it, followed each other on the half-space.
     """
-    curve = half_space_curve()
-
-    def others(theta: Array64) -> Array64:
-        width, gap = (of[..., None] for of in _around(patches, theta))
-        wave, away = np.pi / (width + gap), np.minimum(edge_distance(curve, theta), width)
-        beyond = np.sin(wave * np.maximum(width - away, _NARROWEST)) * np.sinc(wave / np.pi * away)
-        return np.asarray(np.sin(wave * (gap / 2 + away)) * np.sqrt(beyond))
-
-    return _alone(curve, patches, pressure, others)
+    width, gap = (of[..., None] for of in _around(patches, theta))
+    wave, away = np.pi / (width + gap), np.minimum(edge_distance(curve, theta), width)
+    beyond = np.sin(wave * np.maximum(width - away, _NARROWEST)) * np.sinc(wave / np.pi * away)
+    return np.asarray(np.sin(wave * (gap / 2 + away)) * np.sqrt(beyond))
 
 
 def _by_load(patches: Patches, theta: Array64, known: Mask) -> Array64:
@@ -207,24 +203,25 @@ def _around(patches: Patches, theta: Array64) -> tuple[Array64, Array64]:
     return np.broadcast_to(width, gap.shape), gap
 
 
-def lone_ends(curve: EdgeCurve, patches: Patches, pressure: Array64) -> Array64:
-    """The last three pressures of left and right ends, last node first, divided by the edge function of the patch's
-    other end, shape (2, M, 3).
-    """
+def _in_patch(curve: EdgeCurve, patches: Patches, theta: Array64) -> Array64:
+    """As `_in_row`, from the edge function of the patch's other end alone."""
     away = patches.size[:, None] - 1 - np.arange(3)
-
-    def others(theta: Array64) -> Array64:
-        return np.maximum(edge_function(curve, (theta + curve.shift)[::-1, :, None], away), 1e-3)
-
-    return _alone(curve, patches, pressure, others)
+    return np.maximum(edge_function(curve, (theta + curve.shift)[::-1, :, None], away), 1e-3)
 
 
-def _alone(curve: EdgeCurve, patches: Patches, pressure: Array64, others: Callable[[Array64], Array64]) -> Array64:
-    """The last three pressures of left and right ends over those of all other ends, made from theta, which agrees."""
+def lone_ends(
+    curve: EdgeCurve,
+    patches: Patches,
+    pressure: Array64,
+    others: Callable[[EdgeCurve, Patches, Array64], Array64] = _in_patch,
+) -> Array64:
+    """The last three pressures of left and right ends, last node first, divided by what they have from `others`, shape
+    (2, M, 3).
+    """
     alone = ends = _ends(patches, pressure)
     theta = np.full((2, patches.count), 0.5 - curve.shift)
     for turn in range(TURNS):
         if turn:
             theta = edge_offset(curve, alone)[0]
-        alone = ends / others(theta)
+        alone = ends / others(curve, patches, theta)
     return alone

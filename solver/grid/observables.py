@@ -155,10 +155,10 @@ def peak_sampling(indenter: Indenter, pressure: Array64, patches: Patches, edges
     """By how much the largest pressure may differ from the largest one at a node, in the pressure's unit.
 
     Between the nodes of a patch a parabola passes the largest of them by an eighth of the second difference at most.
-    One or two nodes carry the load P of their patch and tell nothing of its pressure. With a the half-width that the
-    load tells, the largest is 2P/(pi a) below a parabola (K. L. Johnson, Contact Mechanics (1985), section 4.2), n/(n -
-    1) P/(pi a) below a sharper tip (flat punches of all widths up to a, one on the other), and on a layer that the grid
-    does not resolve at most that of a thin incompressible one, 15/16 P/a. `inf` where nothing tells a.
+    One or two nodes tell their patch's load P only. With a the half-width that the load tells, the largest is 2P/(pi a)
+    below a parabola (K. L. Johnson, Contact Mechanics (1985), section 4.2), n/(n - 1) P/(pi a) below a sharper tip, and
+    on a layer that the grid does not resolve at most that of a thin incompressible one, 15/16 P/a. `inf` where nothing
+    tells a.
 
     pressure: shape (N,); patches, edges: its contact.
     """

@@ -1,14 +1,12 @@
-"""How several patches share a load, put right.
+"""How several patches share a load, put right where a grid has the compliance of patches of few nodes slightly wrong.
 
-A grid on which patches have few nodes has the compliance of each patch slightly wrong, and with it its load. All patches are pressed by the same
-approach. If patch k would have to lie deeper by r_k for its load (`narrow.level_errors`), then the loads are to
-change by D_k, of sum 0, such that
+All patches are pressed by the same approach. If patch k would have to lie deeper by r_k for its load
+(`narrow.level_errors`), then the loads are to change by D_k, of sum 0, such that
 
     c_k D_k + sum over j != k of G_kj D_j = r_k + one constant,
 
-with c_k the compliance of a flat punch in its place and G_kj the displacement at one patch by a unit load at another.
-Of many patches those that follow each other share their load; what they do to the others hardly changes by that.
-The load of a patch also acts where its centre is, which is not where the nodes have it.
+with c_k the compliance of a flat punch in its place and G_kj the displacement at one patch by a unit load at the centre
+of another (docs/edges.md). Of many patches those that follow each other share their load.
 """
 
 from collections.abc import Callable

@@ -13,7 +13,6 @@ What is left out is known: `far` beyond what the spline carries, and `near` beyo
 """
 
 import math
-from functools import cached_property
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -80,7 +79,7 @@ class Split:
 
     def response(self, count: int) -> Array64:
         """G in real space, as the two parts have it, on the nodes 0 to count - 1, at most N//2 + 1 [1/K]."""
-        found = self._interpolated(self._far_response, count)
+        found = self._smooth(self._far, count)
         found[: self.near.size] += self.near[:count]
         return found
 
@@ -94,7 +93,7 @@ class Split:
         smooth = self._far + load * np.exp(-((q * width) ** 2))
         smooth[1:] /= -4 * np.sin(q[1:] / 2) ** 2
         smooth[0] = 0
-        found = self._interpolated(self._of_blocks(smooth), self.num_points)
+        found = self._smooth(smooth, self.num_points)
         reach = min(max(int(8 * width), self.near.size), self.num_points // 2)
         rest = load / (-2 * math.sqrt(math.pi) * width) * np.exp(-((np.arange(reach) / (2 * width)) ** 2))
         rest[: self.near.size] += self.near
@@ -103,16 +102,9 @@ class Split:
         found[1 - rest.size :] += rest[:0:-1]
         return found
 
-    @cached_property
-    def _far_response(self) -> Array64:
-        return self._of_blocks(self._far)
-
-    def _of_blocks(self, symbol: Array64) -> Array64:
-        """The shares of the blocks in a smooth function with a symbol, shape (blocks,)."""
-        return irfft(symbol / self._spline / self.block, self.num_blocks)
-
-    def _interpolated(self, shares: Array64, count: int) -> Array64:
-        """A smooth function, of which the blocks have these shares, on the nodes 0 to count - 1."""
+    def _smooth(self, symbol: Array64, count: int) -> Array64:
+        """A smooth function with a symbol, on the nodes 0 to count - 1."""
+        shares = irfft(symbol / self._spline / self.block, self.num_blocks)
         at = np.arange(self.columns[0], -(-count // self.block) + self.columns[-1])
         shares = np.take(shares, at, mode="wrap")
         return (sliding_window_view(shares, _WIDTH) @ self.weights.T).ravel()[:count]
