@@ -142,8 +142,8 @@ def test_what_is_kept_of_large_grids(monkeypatch):
     for name, value in kept.items():
         np.testing.assert_array_equal(getattr(large, name), value)
     large.rest()
-    assert not large._kept
+    assert not kept.keys() & vars(large).keys()
     parted = layer_response(2**16)
     parted.head(64), parted.second_sum
     assert parted.split
-    assert parted._kept.keys() == {"second sum"}
+    assert kept.keys() & vars(parted).keys() == {"second_sum"}

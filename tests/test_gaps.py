@@ -73,7 +73,7 @@ def test_gaps_tell_nothing_where_the_profile_is_not_known_between_the_nodes():
         around = h[(node + np.arange(-2, 3)) % n]
         jagged[node] = abs(around @ [1, -4, 6, -4, 1]) > 1.9 * abs(around @ [0, 1, -2, 1, 0])
     middle = patches.last + (np.roll(patches.first, -1) - patches.last) // 2
-    narrow = np.flatnonzero((patches.size >= 3) & (np.roll(patches.size, -1) >= 3) & (patches.to_neighbours[1] == 2))
+    narrow = np.flatnonzero((patches.size >= 3) & (np.roll(patches.size, -1) >= 3) & (patches.gap[1] == 1))
     narrow = narrow[jagged[middle[narrow] % n] & ~edges.by_load[narrow]]
     assert narrow.size > 2
     np.testing.assert_array_equal(edges.right[narrow], by_pressures.right[narrow])

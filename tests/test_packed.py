@@ -40,7 +40,7 @@ def islands(num_blocks, seed):
 @pytest.mark.parametrize(("thickness", "nu"), LAYERS)
 @pytest.mark.parametrize(("num_points", "block"), [(2**14, 16), (48000, 15), (2**17, 32), (2**15, 8)])
 def test_packed_against_whole_transforms(num_points, block, thickness, nu):
-    """Errors are measured over what G does to that pressure, and are at most twice what the split says."""
+    """Errors are measured over what G does to that pressure, and are at most three times what the split says."""
     split, symbol = split_and_symbol(num_points, block, thickness, nu)
     packed = Packed(split, islands(num_points // block, seed=num_points))
     rng = np.random.default_rng(1)
@@ -50,7 +50,7 @@ def test_packed_against_whole_transforms(num_points, block, thickness, nu):
     whole[packed.blocks] = pressure
     expected = np.fft.irfft(np.fft.rfft(whole.ravel()) * symbol, num_points).reshape(-1, block)[packed.blocks]
     difference = packed(pressure) - expected
-    assert np.abs(difference - difference.mean()).max() <= 2 * split.error * np.ptp(expected)
+    assert np.abs(difference - difference.mean()).max() <= 3 * split.error * np.ptp(expected)
     assert split.error < 3e-3
     # symmetric to rounding
     other = rng.standard_normal(pressure.shape)
@@ -164,7 +164,7 @@ def test_a_patch_that_a_coarser_grid_does_not_have_is_found():
     scene = rough(2**16)
     solution = solve(scene)
     patches, pressure = Patches.of(solution.contact), solution.contact_pressure / scene.pressure
-    apart = patches.to_neighbours.min(axis=0)
+    apart = patches.gap.min(axis=0)
     lost = int(np.argmax(np.where(patches.size < 40, apart, 0)))
     nodes = np.arange(patches.first[lost], patches.last[lost] + 1) % scene.num_points
     assert apart[lost] > 2 * 16  # blocks of 16 nodes

@@ -11,7 +11,7 @@ import pytest
 from linecontact import read_scan
 from linecontact.solver import METHODS, Layer, MeasuredIndenter, RoughIndenter, Scene, scene, solve, warnings
 from linecontact.solver.display import rounded_up
-from linecontact.solver.grid import contact, edges, kept, problem, shares, surroundings
+from linecontact.solver.grid import contact, edges, kept, layer_on_grid, problem, shares, surroundings
 from linecontact.solver.layers import coated
 from linecontact.solver.methods.active_set import elimination
 from linecontact.solver.reference import closed_forms
@@ -97,10 +97,10 @@ def limits_of_edges():
     yield "More than 128 patches are corrected in groups of 128 that follow each other."
     assert shares._TOGETHER == 128
     yield "on which its shortest wave finds the half-space's stiffness to within a fifth"
-    assert contact._RESOLVED == 0.2
+    assert layer_on_grid._ALIKE == 0.2
     yield "narrower than two thicknesses of the layer each end feels the other"
-    yield "on layers thicker than 2.5 grid spacings they have the half-space's edge"
-    assert (edges._NARROW, edges._THINNEST) == (2, 2.5)
+    yield "on layers thicker than two grid spacings they have the half-space's edge"
+    assert edges._NARROW == 2
 
 
 def limits_of_precision():

@@ -21,9 +21,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array64, Mask, parts
-from ..transforms.plain import Pair, pair
+from ..transforms.plain import pair
 from ..value import Value
 from .problem import Problem
+from .split import inverse
 
 
 @dataclass(frozen=True)
@@ -81,7 +82,11 @@ def certify(problem: Problem, displacement: Array64) -> tuple[Certificate, Array
             squares += float(force @ force)
             free, load = free + float(force.sum()), load + float(held.sum())
         scale = math.sqrt(variance) or 1.0
-        bound = _energy_bound(problem, transforms, free, pressure, load)
+        bound = math.inf
+        if load > 0:  # s: the free force balanced on the contact
+            for part in parts(n):
+                elastic[part] -= pressure[part] * (free / load)
+            bound = transforms.power(inverse(problem.stiffness)) / 2
         certificate = Certificate(
             free_residual=math.sqrt(squares / max(1, n - int(contact.sum()))),
             largest_residual=largest,
@@ -92,18 +97,3 @@ def certify(problem: Problem, displacement: Array64) -> tuple[Certificate, Array
             energy_error_bound=bound / energy if energy > 0 else 0.0 if bound == 0 else math.inf,
         )
     return certificate, pressure, contact
-
-
-def _energy_bound(problem: Problem, transforms: Pair, free: float, pressure: Array64, load: float) -> float:
-    """s.K^+ s/2 with the free force balanced on the contact; `inf` without a contact.
-
-    transforms: with the force on the free nodes in `real`, shape (N,) [p], which s takes the place of; free, load: sums
-    of force and pressure.
-    """
-    if not load > 0:
-        return math.inf
-    force = transforms.real
-    for part in parts(force.size):
-        force[part] -= pressure[part] * (free / load)
-    compliance = np.append(0.0, 1 / problem.stiffness[1:])
-    return transforms.power(compliance) / 2

@@ -2,28 +2,23 @@
 knows it better.
 """
 
-import math
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
 from ..arrays import Array64, Indices, Mask
 from ..calibration import FITTED
-from ..layers import ElasticLayer
 from ..scene import Scene
 from .edges import COUNTED_BELOW, COUNTED_ERROR, Edges, apart, find_edges
 from .few_nodes import MOST_NODES, response, stiffness
 from .kept import MOST_POINTS
-from .layer_on_grid import modulus_on_grid
+from .layer_on_grid import modulus_on_grid, thickness_on_grid
 from .narrow import from_loads, gap_ends, level_errors
 from .patches import Patches
 from .shares import layer_response, shared_loads
 from .surroundings import Field, Heights, Surroundings
 from .unseen import unseen_gaps, unseen_patches
 
-_RESOLVED = 0.2
-"""Logarithm of the shortest wave's modulus over the half-space's, up to which a grid resolves a layer."""
 _JAGGED = 1.9
 """Fourth over second difference of given heights from which they do not tell what lies between them; 2 for a wave of
 four grid spacings."""
@@ -56,16 +51,15 @@ def contact_edges(
             profile = scene.period * indenter.profile(n, scene.period)
         spacings = n / scene.period
         surface = _Surface(
-            layer=scene.layer,
-            period=scene.period,
-            given=indenter.given_points is not None,
+            scene=scene,
+            thickness=thickness_on_grid(scene.layer, n, scene.period),
             heights=Heights(profile, spacings),
             pressure=lambda nodes: pressure[nodes % n] * scale,
             displacement=lambda nodes: displacement[nodes % n] * spacings,
         )
         edges = _by_gaps(surface, patches, _by_loads(surface, patches, edges, inside))
-        unseen = edges.unseen + unseen_patches(profile, displacement, surface.resolved)
-        edges = _with_slopes(patches, replace(edges, unseen=unseen), surface.heights)
+        unseen = edges.unseen + unseen_patches(profile, displacement, surface.thickness > 0)
+        edges = replace(edges, unseen=unseen, squared_slope=_squared_slope(patches, edges, surface.heights))
     # all ends, the same way, those of other patches by the share of the load
     at_tip = np.flatnonzero((patches.first <= n // 2) & (n // 2 <= patches.last) | (patches.count == 1))
     tip = indenter.end_error(float(edges.width[at_tip[0]])) if at_tip.size else 0.0
@@ -79,37 +73,16 @@ def contact_edges(
 class _Surface:
     """What is known of the surface on a grid."""
 
-    layer: ElasticLayer
-    """Below it."""
-    period: float
-    """L [length]."""
-    given: bool
-    """Whether the heights are known at nodes only."""
+    scene: Scene
+    """On any grid."""
+    thickness: float
+    """Of the layer, 0 where the grid does not resolve it [grid spacings]."""
     heights: Heights
     """Of the indenter."""
     pressure: Field
     """Over E*."""
     displacement: Field
     """u [grid spacings]."""
-
-    @property
-    def num_points(self) -> int:
-        """N."""
-        return self.heights.profile.size
-
-    def modulus(self, q: Array64) -> Array64:
-        """2K(q)/q over E*, for waves q [1/grid spacing], of their shape."""
-        return modulus_on_grid(self.layer, q, self.num_points, self.period)
-
-    @cached_property
-    def resolved(self) -> bool:
-        """Whether the shortest wave finds a half-space's stiffness."""
-        return abs(math.log(self.modulus(np.array([np.pi]))[0])) < _RESOLVED
-
-    def negative_opening(self, nodes: Indices) -> Array64:
-        """u - h at nodes, which may lie beyond the ends of the period [grid spacings]."""
-        height: Array64 = self.heights.profile[nodes % self.num_points] * self.heights.scale
-        return self.displacement(nodes) - height
 
     def uneven(self, first: Indices, size: Indices) -> tuple[Array64, Mask]:
         """How little the nodes tell of the heights between them: fourth and sixth over second differences, taken
@@ -120,16 +93,15 @@ class _Surface:
         second, fourth, sixth = np.abs(profile[nodes % profile.size] @ _DIFFERENCES).T
         with np.errstate(divide="ignore", invalid="ignore"):
             ratios = np.stack([fourth, sixth]) / second
-        return ratios.max(axis=-1), self.given & (ratios[0].min(axis=-1) > _JAGGED)
+        given = self.scene.indenter.given_points is not None  # at nodes only
+        return ratios.max(axis=-1), given & (ratios[0].min(axis=-1) > _JAGGED)
 
     def known(self, uneven: Array64, size: Indices) -> Array64:
         """Estimated errors of the ends of some patches by their loads, or of some gaps, shape (runs,) [grid spacings].
 
         uneven: what heights and neighbours leave, of their shape [grid spacings]; size: their nodes.
         """
-        thickness = self.layer.thickness / self.period * self.num_points
-        error = FITTED.always + uneven + FITTED.of_layer * size / thickness**2
-        return np.minimum(error, COUNTED_ERROR)
+        return np.minimum(FITTED.always + uneven + FITTED.of_layer * size / self.thickness**2, COUNTED_ERROR)
 
 
 def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array64) -> Edges:
@@ -137,7 +109,8 @@ def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array
 
     pressure: over E*, on the contact nodes in compact order.
     """
-    n, heights, resolved = surface.num_points, surface.heights, surface.resolved
+    n, heights, resolved = patches.num_points, surface.heights, surface.thickness > 0
+    layer, period = surface.scene.layer, surface.scene.period
     chosen = np.flatnonzero(patches.size <= min(MOST_NODES if resolved else COUNTED_BELOW - 1, n / 2))
     if not chosen.size:
         return edges
@@ -150,12 +123,12 @@ def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array
         found = from_loads(loads[chosen], heights, begin, around)
         if patches.count > 1 and n <= MOST_POINTS and found.solved.any():
             level, centre = level_errors(found, around, heights, loads[chosen])
-            green = layer_response(surface.layer, n, surface.period)
+            green = layer_response(layer, n, period)
             loads = shared_loads(patches, chosen, pressure, found, level, centre, green)
             found = from_loads(loads[chosen], heights, (found.middle, found.half_width), around)
         error = surface.known(FITTED.of_heights * uneven[1] + FITTED.beside_gap / gap**2, size)
     else:  # not known better than by counting, but narrower
-        found = from_loads(loads[chosen], heights, begin, modulus=surface.modulus)
+        found = from_loads(loads[chosen], heights, begin, modulus=lambda q: modulus_on_grid(layer, q, n, period))
         error = np.full(size.size, COUNTED_ERROR)
     edges, better = _taken(
         edges, np.stack([chosen, patches.count + chosen]), found.both, error, found.solved & ~jagged, n
@@ -167,14 +140,18 @@ def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array
 
 def _by_gaps(surface: _Surface, patches: Patches, edges: Edges) -> Edges:
     """Edges with those ends of patches on both sides of a narrow gap that the gap tells better than they do."""
-    n, gap, narrower = surface.num_points, patches.gap[1], np.minimum(patches.size, np.roll(patches.size, -1))
+    n, gap, narrower = patches.num_points, patches.gap[1], np.minimum(patches.size, np.roll(patches.size, -1))
     before = np.flatnonzero((gap <= np.minimum(narrower, MOST_NODES)) & (narrower >= COUNTED_BELOW))
-    if not before.size or not surface.resolved:
+    if not before.size or not surface.thickness:
         return edges
     behind = (before + 1) % patches.count
     beyond = np.where(behind == 0, n, 0)
     first, size = patches.last[before] + 1, gap[before]
-    closed = Surroundings.of(first, size, narrower[before], surface.negative_opening, surface.pressure, stiffness)
+
+    def negative_opening(nodes: Indices) -> Array64:
+        return surface.displacement(nodes) - surface.heights.at_nodes(nodes)
+
+    closed = Surroundings.of(first, size, narrower[before], negative_opening, surface.pressure, stiffness)
     found = gap_ends(closed, edges.right[before], edges.left[behind] + beyond)
     uneven, jagged = surface.uneven(first, size)
     error = surface.known(FITTED.of_heights_at_gaps * uneven[0], size)
@@ -205,11 +182,11 @@ def _taken(
     return replace(edges, left=left, right=right, end_errors=errors.reshape(2, -1)), better
 
 
-def _with_slopes(patches: Patches, edges: Edges, heights: Heights) -> Edges:
-    """Edges with the integral of h'^2 over the patches whose ends their loads tell, or let estimate."""
+def _squared_slope(patches: Patches, edges: Edges, heights: Heights) -> Array64:
+    """Integrals of h'^2 over the patches whose ends their loads tell, or let estimate; NaN for others, (patches,)."""
     known = edges.by_load | (patches.size < COUNTED_BELOW) & ~edges.counted
     half = edges.width[known, None] / 2
     _, slope, _ = heights.at((edges.left + edges.right)[known, None] / 2 + half * _PLACES)
     squared = np.full(patches.count, np.nan)
     squared[known] = (slope**2 * half) @ _WEIGHTS
-    return replace(edges, squared_slope=squared)
+    return squared

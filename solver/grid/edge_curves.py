@@ -15,18 +15,14 @@ f = 1 (s = 0.80999 on the half-space), with
 
     delta = (1/2 pi) int_0^pi ln f(q) [2/q^2 - 1/(1 - cos q)] dq + (1/pi) int_pi^inf ln f(q)/q^2 dq.
 
-Nothing is asked of f at q = 0, where a foundation may be, an incompressible layer or another half-space.
-
-Against collocation (layers of 0.03 to 160 spacings: bonded with nu = -0.9 to 1/2, sliding, coatings with
-ratios of moduli from 1e-4 to 1e5) that is right to 0.03 spacings for contacts of 20 nodes and more (0.07 for nu = 1/2),
-mostly to 0.002, and from 200 nodes on to 0.002, mostly to 0.0002. In contacts narrower than some layer thicknesses each
-end feels the other; they have the half-space's edge where they look like it (see `edges`).
-
-`linecontact study edge-curve` measures these curves on high-resolution solutions.
+Nothing is asked of f at q = 0, where a foundation may be, an incompressible layer or another half-space. In contacts
+narrower than some layer thicknesses each end feels the other; they have the half-space's edge where they look like it
+(see `edges`). `linecontact study edge-curve` measures these curves on high-resolution solutions.
 """
 
 import math
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache, cached_property
 
@@ -41,9 +37,11 @@ Logarithm = Callable[[Array64], Array64]
 """ln f of wave numbers q > 0 [1/grid spacing], of their shape."""
 
 _TABLE = 128  # beyond, S_j follows a power of the distance
-_STEP = 1.2  # factor of the wave number, to see how ln f ends on the grid
-_MOST_BEYOND = 0.5  # of delta's part by waves that the grid has not; real layers have up to 0.31
-_SPLIT = 2.0  # error where the curve says that nodes pull [grid spacings]
+UNKNOWN = 1.0
+"""Error of an end that no curve tells, and from where the part of delta by waves that the grid has not is no layer's:
+real ones have up to 0.31 [grid spacings]."""
+_OF_BINOMIALS = np.array([[1, 3 / 8, 65 / 128], [0, 1, 15 / 8], [0, 0, 1]]) / [math.gamma(m + 0.5) for m in range(3)]
+"""Coefficients of j^(r-1/2) in those of (1-z)^-(m+1/2) for large j, by r and m."""
 _NO_PRESSURE = np.sqrt(np.finfo(np.float64).eps)  # of an edge at its last node, over that a spacing away
 
 
@@ -76,11 +74,6 @@ class EdgeCurve:
         """
         return np.asarray(np.linalg.inv(self.rows).T[::-1], dtype=np.float64)
 
-    @property
-    def punch_end(self) -> float:
-        """How far outside of its last node a flat punch ends, whose pressure is the family m = 0 [grid spacings]."""
-        return self.shift - 0.5
-
     def at(self, j: Indices) -> Array64:
         """S_j, 0 for j < 0; a power of the distance from the edge beyond the table."""
         last = self.table.size - 1
@@ -95,14 +88,10 @@ def edge_curve(layer: ElasticLayer, num_points: int, period: float) -> EdgeCurve
     """The edge on a layer, on a grid of `num_points` in the period L [length]."""
     if thickness_on_grid(layer, num_points, period) == math.inf:
         return half_space_curve()
-
-    def on_grid(q: Array64) -> Array64:
-        return np.log(modulus_on_grid(layer, q, num_points, period))
-
-    def anywhere(q: Array64) -> Array64:
-        return np.log(modulus_anywhere(layer, q, num_points, period))
-
-    return _curve(on_grid, anywhere)
+    return _curve(
+        lambda q: np.log(modulus_on_grid(layer, q, num_points, period)),
+        lambda q: np.log(modulus_anywhere(layer, q, num_points, period)),
+    )
 
 
 @cache
@@ -136,50 +125,40 @@ def _curve(on_grid: Logarithm, anywhere: Logarithm) -> EdgeCurve:
     q, cosines, of_delta, shorter, of_beyond, of_grid, slope = _quadrature()
     at_end = float(on_grid(np.array([np.pi]))[0])
     inside = on_grid(q) - at_end
-    rest = _beyond(anywhere, shorter) - at_end
+    rest = np.full_like(shorter, np.nan)
+    with suppress(ValueError), np.errstate(all="ignore"):  # a table ends
+        rest = anywhere(shorter) - at_end
     known = np.isfinite(rest)
     last = float(rest[known][0]) if known.any() else 0.0  # of the shortest wave known, for those that are not
     beyond = float(of_beyond @ np.where(known, rest, last))
-    if not abs(beyond) < _MOST_BEYOND:  # nonsense
+    if not abs(beyond) < UNKNOWN:  # nonsense
         known[:], beyond, last = False, 0.0, 0.0
-    rise = float(at_end - on_grid(np.array([np.pi / _STEP]))[0]) / math.log(_STEP) if not known.any() else 0.0
+    rise = 0.0 if known.any() else float(inside[-1]) / math.log(q[-1] / np.pi)
     error = float(of_beyond[~known].sum()) * (abs(last + at_end) + 2 * abs(rise))
     delta = float(of_delta @ inside) + beyond
     series = of_grid + cosines @ inside
     mean = series[0] / 2
     series[0] = of_grid[0] / 2  # f may be large or small
     factor = _exponential(series)
-    families = [np.convolve(factor, _binomial(m + 0.5))[:_TABLE] for m in range(3)]
-    first = np.array([[family[j] for family in families] for j in range(3)])
+    steps = np.arange(1, _TABLE)
+    binomial = np.append(1.0, np.cumprod((steps - 0.5) / steps))  # coefficients of (1-z)^(-1/2)
+    family = np.convolve(factor, binomial)[:_TABLE]
+    families = np.stack([family, np.cumsum(family), np.cumsum(np.cumsum(family))])
     shift, table = 0.75 - slope - delta, families[1] * math.sqrt(math.pi) / 2
     if table.min() <= 0:  # a coating so stiff that contacts split at their edges on the grid
-        error += _SPLIT
+        error += UNKNOWN
+    power, last = 0.5, _TABLE - 1 + shift
+    if 0 < table[-2] < table[-1]:  # not on a stiff layer on a very soft base, pressed at its edges
+        power = math.log(table[-1] / table[-2]) / math.log(last / (last - 1))
     return EdgeCurve(
         shift=shift,
         table=table,
-        rows=_far_field(slope) @ np.linalg.inv(first),
-        power=_power(table, shift),
+        rows=_far_field(slope) @ np.linalg.inv(families[:, :3].T),
+        power=power,
         strength=math.exp(mean + at_end / 2) * math.sqrt(math.pi),
         delta=delta,
         error=error,
     )
-
-
-def _beyond(logarithm: Logarithm, q: Array64) -> Array64:
-    """ln f of waves shorter than the grid's; NaN among it where the layer does not know them, as a table that ends."""
-    try:
-        with np.errstate(all="ignore"):
-            return logarithm(q)
-    except ValueError:
-        return np.full_like(q, np.nan)
-
-
-def _power(table: Array64, shift: float) -> float:
-    """With which power of the distance a table goes on; that of the half-space where it does not grow."""
-    if not 0 < table[-2] < table[-1]:  # a stiff layer on a very soft base, pressed at its edges
-        return 0.5
-    last = _TABLE - 1 + shift
-    return math.log(table[-1] / table[-2]) / math.log(last / (last - 1))
 
 
 def _exponential(series: Array64) -> Array64:
@@ -196,25 +175,8 @@ def _far_field(slope: float) -> Array64:
     """Coefficients of j^(r-1/2) in the half-space's families m far from the edge, shape (3, 3), by r and m."""
     # c about z = 1: 1 - slope (1-z) + bend (1-z)^2, from ln c = slope (z-1) + ... and |ln c|'' = 1/24 at q = 0
     bend = (-1 / 24 - slope + slope**2) / 2
-    far = np.zeros((3, 3))
-    for m in range(3):
-        for power, coefficient in ((m, 1.0), (m - 1, -slope), (m - 2, bend)):
-            for r, value in zip(range(power, -1, -1), _far_binomial(power + 0.5), strict=False):
-                far[r, m] += coefficient * value
-    return far
-
-
-def _binomial(a: float) -> Array64:
-    """Coefficients of (1-z)^-a."""
-    n = np.arange(1.0, _TABLE)
-    return np.append(1.0, np.cumprod((a + n - 1) / n))
-
-
-def _far_binomial(a: float) -> tuple[float, float, float]:
-    """Coefficients of j^(a-1), j^(a-2), j^(a-3) in the large-j expansion of `_binomial`."""
-    return tuple(  # type: ignore[return-value]
-        c / math.gamma(a) for c in (1.0, a * (a - 1) / 2, a * (a - 1) * (a - 2) * (3 * a - 1) / 24)
-    )
+    lower = np.eye(3, k=1)  # 1 - z makes the family m - 1 of the family m
+    return _OF_BINOMIALS @ (np.eye(3) - slope * lower + bend * lower @ lower)
 
 
 def edge_function(curve: EdgeCurve, beta: Array64, j: Indices) -> Array64:

@@ -11,10 +11,8 @@ length, g being the gap next to the end:
 
     p(x) ~ cos(pi x/P) [sin^2(pi A/P) - sin^2(pi x/P)]^1/2, x from the middle of a patch.
 
-The last pressures are divided by p over the root of the distance from the end; what is left looks like an edge. On a
-grid that distance is not the one between node and end: a far field x^1/2 (1 + c x) has the pressures sigma_j
-(1 + c X_j), with sigma_j those of the edge and X_j how the grid has the distance (`edge_curves.edge_distance`). With
-X_j in the place of the distance, ends of such rows are right to 0.012 grid spacings from gaps of one spacing on.
+The last pressures are divided by p over the root of the distance from the end; what is left looks like an edge. The
+distance is taken as the grid has it (`edge_curves.edge_distance`).
 
 For an edge theta = beta - s spacings inside the last node the curve goes over into a [(j - theta)^1/2 + e (j -
 theta)^-3/2], e = (beta^2 - beta + 1/6)/8, and not into the root alone. In a patch of half-width A with a given load the
@@ -23,6 +21,7 @@ docs/edges.md). As it is the load of all patches together that is given, e is th
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,21 +29,19 @@ import numpy as np
 from ..arrays import Array64, Mask
 from ..calibration import FITTED
 from ..layers import ElasticLayer
-from .edge_curves import EdgeCurve, edge_curve, edge_distance, edge_function, half_space_curve
+from .edge_curves import UNKNOWN, EdgeCurve, edge_curve, edge_distance, edge_function, half_space_curve
 from .layer_on_grid import thickness_on_grid
 from .patches import Patches
 
 COUNTED_BELOW = 3
 """Nodes; smaller patches have no pressures that tell their ends."""
 
-_NARROW, _THINNEST = 2.0, 2.5
+_NARROW = 2.0
 """Layer thicknesses; narrower patches have the half-space's edge if their pressures look like it, on layers of so many
 grid spacings and more. Their load tells what the pressures leave to the second order."""
 
 COUNTED_ERROR = math.sqrt(0.5)
 """Error of an end halfway between two nodes, as counting has it, at most [grid spacings]."""
-_UNKNOWN = 1.0
-"""Error of an end at which the pressures do not look like one [grid spacings]."""
 
 _NARROWEST = 0.5  # gap between two patches that is believed [grid spacings]
 TURNS = 3
@@ -55,17 +52,17 @@ _ALIKE = 0.15
 
 
 def edge_offset(curve: EdgeCurve, pressures: Array64) -> tuple[Array64, Array64, Array64]:
-    """theta from the last three nodal pressures, shape (M, 3), last node first; and from the last two. [grid spacings]
+    """theta from the last three nodal pressures, (..., 3), last node first; and from the last two. [grid spacings]
 
     The edge lies theta inside the last contact node (outside for theta < 0); -s <= theta <= 1 - s. The third result is
     how little the pressures look like an edge: by how far the estimates differ, before they are put into these bounds.
     """
     least, most = -curve.shift, 1 - curve.shift
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        ratio = pressures[:, 0] / pressures[:, 1]
+        ratio = pressures[..., 0] / pressures[..., 1]
         two = curve.table[0] - ratio * curve.table[1]
         two = two / (two + ratio * curve.table[0]) - curve.shift
-        low, middle, high = curve.rows @ pressures.T
+        low, middle, high = np.moveaxis(pressures @ curve.rows.T, -1, 0)
         theta = -2 * low / middle
         for _ in range(TURNS):  # -theta middle/2 - 3/8 theta^2 high = low
             theta = -2 * low / (middle + 0.75 * theta * high)
@@ -136,26 +133,26 @@ def find_edges(patches: Patches, pressure: Array64, layer: ElasticLayer, period:
         half, error = np.array([0.5]), np.full((2, 1), 0.5)  # a gap that not even `unseen` finds
         return Edges(patches.first - half, patches.last + half, error, none, none, none)
     thickness = thickness_on_grid(layer, patches.num_points, period)
-    theta, spread = _in_row(patches, pressure)
-    on_thick = (patches.size < _NARROW * thickness) & (thickness > _THINNEST)
+    half_space = half_space_curve()
+    theta, _, spread = edge_offset(half_space, lone_ends(half_space, patches, pressure, _in_row))
+    on_thick = (patches.size < _NARROW * thickness) & (thickness > _NARROW)
     narrow = on_thick & (spread < _ALIKE)
     by_curve = 0.0
     if thickness < math.inf and not narrow.all():
         curve = edge_curve(layer, patches.num_points, period)
-        wide, _, spread_of_wide = edge_offset(curve, lone_ends(curve, patches, pressure).reshape(-1, 3))
-        theta = np.where(narrow, theta, wide.reshape(2, -1))
-        spread = np.where(narrow, spread, spread_of_wide.reshape(2, -1))
+        wide, _, spread_of_wide = edge_offset(curve, lone_ends(curve, patches, pressure))
+        theta, spread = np.where(narrow, theta, wide), np.where(narrow, spread, spread_of_wide)
         by_curve = curve.error
     counted = patches.size < COUNTED_BELOW
     theta = theta + _by_load(patches, theta, narrow & ~counted)
     outside = np.where(counted, 0.5, -theta)
     left, right = apart(patches.first - outside[0], patches.last + outside[1], patches.num_points)
     by_size = FITTED.of_size / patches.size**2 + np.where(on_thick, 0.0, FITTED.of_size_if_wide / patches.size)
-    by_gap = FITTED.beside_gap / (patches.to_neighbours - 1) ** 2
-    by_layer = FITTED.of_layer * patches.size / max(thickness, _THINNEST) ** 2
+    by_gap = FITTED.beside_gap / patches.gap**2
+    by_layer = FITTED.of_layer * patches.size / max(thickness, _NARROW) ** 2
     error = np.minimum(FITTED.of_difference * spread + by_size + by_gap, COUNTED_ERROR)
     error += np.where(narrow, by_layer, by_curve)
-    error = np.where(spread < _ALIKE, error, _UNKNOWN)
+    error = np.where(spread < _ALIKE, error, UNKNOWN)
     return Edges(left, right, np.where(counted, COUNTED_ERROR, error), counted, none, none)
 
 
@@ -173,19 +170,14 @@ def _ends(patches: Patches, pressure: Array64) -> Array64:
     return np.stack([left, right])
 
 
-def _in_row(patches: Patches, pressure: Array64) -> tuple[Array64, Array64]:
-    """theta of left and right ends on the half-space, and how little they look like edges, shape (2, M) each; each end
-    as if patches like its own, with gaps like the one next to it, followed each other.
+def _in_row(curve: EdgeCurve, patches: Patches, theta: Array64) -> Array64:
+    """What the last three pressures of each end have from all others, shape (2, M, 3), as if patches like its own, with
+    gaps like the one next to it, followed each other on the half-space.
     """
-    curve = half_space_curve()
-    ends, theta = _ends(patches, pressure), np.full((2, patches.count), 0.5 - curve.shift)
-    for _ in range(TURNS):
-        width, gap = (of[..., None] for of in _around(patches, theta))
-        wave, away = np.pi / (width + gap), np.minimum(edge_distance(curve, theta), width)
-        beyond = np.sin(wave * np.maximum(width - away, _NARROWEST)) * np.sinc(wave / np.pi * away)
-        alone = ends / (np.sin(wave * (gap / 2 + away)) * np.sqrt(beyond))
-        theta, _, spread = (of.reshape(2, -1) for of in edge_offset(curve, alone.reshape(-1, 3)))
-    return theta, spread
+    width, gap = (of[..., None] for of in _around(patches, theta))
+    wave, away = np.pi / (width + gap), np.minimum(edge_distance(curve, theta), width)
+    beyond = np.sin(wave * np.maximum(width - away, _NARROWEST)) * np.sinc(wave / np.pi * away)
+    return np.asarray(np.sin(wave * (gap / 2 + away)) * np.sqrt(beyond))
 
 
 def _by_load(patches: Patches, theta: Array64, known: Mask) -> Array64:
@@ -207,18 +199,29 @@ def _around(patches: Patches, theta: Array64) -> tuple[Array64, Array64]:
     width = np.maximum(patches.size - 1 - theta.sum(axis=0), 2.0)
     left, right = theta
     facing = np.concatenate((right[-1:], right[:-1], left[1:], left[:1])).reshape(theta.shape)  # of the neighbours
-    gap = np.maximum(patches.to_neighbours + theta + facing, _NARROWEST)
+    gap = np.maximum(patches.gap + 1 + theta + facing, _NARROWEST)
     return np.broadcast_to(width, gap.shape), gap
 
 
-def lone_ends(curve: EdgeCurve, patches: Patches, pressure: Array64) -> Array64:
-    """The last three pressures of left and right ends, last node first, divided by the edge function of the patch's
-    other end, shape (2, M, 3).
+def _in_patch(curve: EdgeCurve, patches: Patches, theta: Array64) -> Array64:
+    """As `_in_row`, from the edge function of the patch's other end alone."""
+    away = patches.size[:, None] - 1 - np.arange(3)
+    return np.maximum(edge_function(curve, (theta + curve.shift)[::-1, :, None], away), 1e-3)
+
+
+def lone_ends(
+    curve: EdgeCurve,
+    patches: Patches,
+    pressure: Array64,
+    others: Callable[[EdgeCurve, Patches, Array64], Array64] = _in_patch,
+) -> Array64:
+    """The last three pressures of left and right ends, last node first, divided by what they have from `others`, shape
+    (2, M, 3).
     """
-    ends, away = _ends(patches, pressure), patches.size[:, None] - 1 - np.arange(3)
-    theta, alone = np.full((2, patches.count), 0.5 - curve.shift), ends
+    alone = ends = _ends(patches, pressure)
+    theta = np.full((2, patches.count), 0.5 - curve.shift)
     for turn in range(TURNS):
         if turn:
-            theta = edge_offset(curve, alone.reshape(-1, 3))[0].reshape(2, -1)
-        alone = ends / np.maximum(edge_function(curve, (theta + curve.shift)[::-1, :, None], away), 1e-3)
-    return np.asarray(alone)
+            theta = edge_offset(curve, alone)[0]
+        alone = ends / others(curve, patches, theta)
+    return alone

@@ -11,20 +11,19 @@ from .kept import kept
 Modulus = Callable[[Array64], Array64]
 """2K(q)/q over E* for waves q [1/grid spacing]: 1 on the half-space."""
 
-_ALIKE = 0.01
-"""Of the shortest wave's stiffness, by which it may differ from the half-space's."""
+_ALIKE = 0.2
+"""Logarithm of the shortest wave's stiffness over the half-space's, up to which a grid resolves a layer."""
 
 
 @kept
 def thickness_on_grid(layer: ElasticLayer, num_points: int, period: float) -> float:
     """d [grid spacings], on a grid of `num_points` in the period L [length]; `inf` for a half-space.
 
-    Where it is large short waves find a half-space. A layer on which the grid's shortest wave does not has none.
-    Raises `ValueError` where the layer does not know that wave.
+    0 where the grid does not resolve the layer: its shortest wave does not find a half-space. Raises `ValueError`
+    where the layer does not know that wave.
     """
     (shortest,) = modulus_on_grid(layer, np.array([np.pi]), num_points, period)
-    thickness = layer.thickness / period * num_points
-    return thickness if abs(shortest - 1) < _ALIKE else 0.0
+    return layer.thickness / period * num_points if abs(np.log(shortest)) < _ALIKE else 0.0
 
 
 def modulus_on_grid(layer: ElasticLayer, q: Array64, num_points: int, period: float) -> Array64:

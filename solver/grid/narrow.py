@@ -14,16 +14,11 @@ in it, and closes smoothly: at its ends the pressure is 0 and not infinite. With
 M_1 = 0 (both stress intensity factors of a crack with this tension on its faces are 0; H. Tada, P. C. Paris and G. R.
 Irwin, The Stress Analysis of Cracks Handbook (1973)).
 
-How well a grid knows the load is told by the level. A patch with the load P is pressed into the surface around it by
+A patch with the load P is pressed into the surface around it by w - h = 2 P/(pi E*) ln(2/a), its mean with the same
+weight, lengths in grid spacings; by how much w - h differs from that `shares` puts right.
 
-    w - h = 2 P/(pi E*) ln(2/a), its mean with the same weight,
-
-lengths in grid spacings as `few_nodes.response` has it far from a node; by how much w - h differs from that
-`shares` puts right.
-
-On a layer that the grid does not resolve a patch of one or two nodes can be estimated only: as if nothing were around
-it and the layer were a half-space of the modulus 2K(q)/q at q = 3 pi/(4 a), which makes a parabola's load right on the
-half-space and on a Winkler foundation.
+On a layer that the grid does not resolve a patch of one or two nodes is estimated as if nothing were around it on a
+half-space of the modulus 2K(q)/q at q = 3 pi/(4 a), which is right for a parabola on a Winkler foundation, too.
 """
 
 from collections.abc import Callable

@@ -15,7 +15,7 @@ from .contact import contact_edges
 from .edges import COUNTED_BELOW, Edges
 from .patch_table import PatchTable, patch_table
 from .patches import Patches
-from .problem import squared_slope, squared_slope_doubt
+from .problem import squared_slope
 
 
 @dataclass(frozen=True)
@@ -93,13 +93,12 @@ def observe(
 
     profile: h [length].
     """
-    squared = squared_slope(scene.indenter, scene.num_points, scene.period)
-    area = float(contact.mean())
+    measured, patches, edges = measure(scene, profile, displacement, contact_pressure)
+    squared, _ = squared_slope(scene.indenter, scene.num_points, scene.period)
+    area, power = float(contact.mean()), scene.indenter.power_law
     gradient = math.sqrt(float(squared[contact].mean())) if area else 0.0
     reduced = scene.reduced_load / gradient if gradient else math.inf
     kappa = area / reduced
-    layer, power = scene.layer, scene.indenter.power_law
-    measured, patches, edges = measure(scene, profile, displacement, contact_pressure)
     found = Observables(
         **measured,
         contact_area=area,
@@ -107,7 +106,7 @@ def observe(
         reduced_pressure=reduced,
         kappa=kappa,
         kappa_ratio=kappa / kappa_half_space(power[0]) if power else None,
-        reduced_thickness=layer.thickness / (area * scene.period) if area else math.inf,
+        reduced_thickness=scene.layer.thickness / (area * scene.period) if area else math.inf,
         mean_gap=sum(float((profile[part] - displacement[part]).sum()) for part in parts(profile.size)) / profile.size,
         num_counted_patches=int(edges.counted.sum()),
         num_patches_by_load=int(edges.by_load.sum()),
@@ -131,8 +130,8 @@ def measure(
     """
     num_points = profile.size
     patches, edges = contact_edges(scene, contact_pressure, profile, displacement if by_loads else None)
-    squared = squared_slope(scene.indenter, num_points, scene.period)
-    area, gradient, kappa, kappa_error = subgrid_measures(scene, patches, edges, squared)
+    area, gradient, kappa, kappa_error = subgrid_measures(scene, patches, edges)
+    modulus, lowest = foundation_modulus(scene), scene.indenter.depth_between_nodes(profile)
     measured = {
         "contact_area_subgrid": area,
         "rms_gradient_subgrid": gradient,
@@ -142,8 +141,8 @@ def measure(
         "unseen_gap_area": edges.unseen / num_points,
         "peak_pressure": unit * float(contact_pressure.max(initial=0.0)),
         "peak_pressure_sampling": unit * peak_sampling(scene.indenter, contact_pressure, patches, edges),
-        "approach": approach(scene, displacement, profile),
-        "approach_sampling": approach_sampling(scene.indenter, profile, patches),
+        "approach": float(displacement.mean()) + (scene.pressure / modulus if modulus else 0.0) + lowest,
+        "approach_sampling": _approach_sampling(scene.indenter, profile, patches),
         "num_patches": patches.count,
     }
     return measured, patches, edges
@@ -163,10 +162,10 @@ def peak_sampling(indenter: Indenter, pressure: Array64, patches: Patches, edges
     """By how much the largest pressure may differ from the largest one at a node, in the pressure's unit.
 
     Between the nodes of a patch a parabola passes the largest of them by an eighth of the second difference at most.
-    One or two nodes carry the load P of their patch and tell nothing of its pressure. With a the half-width that the
-    load tells, the largest is 2P/(pi a) below a parabola (K. L. Johnson, Contact Mechanics (1985), section 4.2), n/(n -
-    1) P/(pi a) below a sharper tip (flat punches of all widths up to a, one on the other), and on a layer that the grid
-    does not resolve at most that of a thin incompressible one, 15/16 P/a. `inf` where nothing tells a.
+    One or two nodes tell their patch's load P only. With a the half-width that the load tells, the largest is 2P/(pi a)
+    below a parabola (K. L. Johnson, Contact Mechanics (1985), section 4.2), n/(n - 1) P/(pi a) below a sharper tip, and
+    on a layer that the grid does not resolve at most that of a thin incompressible one, 15/16 P/a. `inf` where nothing
+    tells a.
 
     pressure: shape (N,); patches, edges: its contact.
     """
@@ -192,7 +191,7 @@ def peak_sampling(indenter: Indenter, pressure: Array64, patches: Patches, edges
     return max(bent, abs(float(expected[lead]) - highest) + float(doubt))
 
 
-def approach_sampling(indenter: Indenter, profile: Array64, patches: Patches) -> float:
+def _approach_sampling(indenter: Indenter, profile: Array64, patches: Patches) -> float:
     """By how much the approach may be off because the lowest point may lie between the nodes, in the profile's unit.
 
     Patches of one or two nodes do not tell how deep it is in contact before a node touches. profile: h, shape (N,).
@@ -201,27 +200,14 @@ def approach_sampling(indenter: Indenter, profile: Array64, patches: Patches) ->
     return indenter.hidden_depth(profile) + (0.0 if resolved else indenter.depth_between_nodes(profile))
 
 
-def approach(scene: Scene, displacement: Array64, profile: Array64) -> float:
-    """Rigid approach since first touch [length], see `Observables`.
-
-    displacement, profile: u and h on any grid, shape (N,) [length].
-    """
-    modulus = foundation_modulus(scene)
-    compression = scene.pressure / modulus if modulus else 0.0
-    return float(displacement.mean()) + compression + scene.indenter.depth_between_nodes(profile)
-
-
-def subgrid_measures(
-    scene: Scene, patches: Patches, edges: Edges, squared: Array64
-) -> tuple[float, float, float, float]:
+def subgrid_measures(scene: Scene, patches: Patches, edges: Edges) -> tuple[float, float, float, float]:
     """a_r, g_c and kappa between the sub-grid edges, and kappa's error as far as edges and slopes tell it, without a
     coarser grid (dimensionless).
-
-    squared: h'^2 on the grid of `patches` and `edges`, shape (N,).
     """
-    num_points, width = squared.size, float(edges.width.sum())
+    num_points, width = patches.num_points, float(edges.width.sum())
     if width == 0:
         return 0.0, 0.0, 0.0, math.inf
+    squared, doubt = squared_slope(scene.indenter, num_points, scene.period)
     known = scene.indenter.squared_slope_between(edges.left, edges.right, num_points, scene.period)
     if known is None:
         known = np.full(patches.count, np.nan) if edges.squared_slope is None else edges.squared_slope
@@ -247,7 +233,6 @@ def subgrid_measures(
     # as for a power profile, whose kappa goes like a_r^n
     exponent = scene.indenter.power_law[0] if scene.indenter.power_law else 2.0
     by_edges = max(exponent, 2.0) * kappa * edges.total_error / width
-    doubt = squared_slope_doubt(scene.indenter, num_points, scene.period)
     by_slopes = 0.0  # of h'^2, twice that of its root
     if doubt is not None:
         by_slopes = float(np.abs(patches.sums(doubt[patches.nodes]))[unknown].sum()) / width / mean_square

@@ -57,15 +57,10 @@ class Patches:
         return np.cumsum(self.size) - self.size
 
     @cached_property
-    def to_neighbours(self) -> Array64:
-        """From first and last nodes of patches to the next contact nodes beyond, shape (2, M) [grid spacings]."""
-        gap = np.append(self.first[1:], self.first[:1] + self.num_points) - self.last
-        return np.concatenate((gap[-1:], gap[:-1], gap)).reshape(2, -1).astype(np.float64)
-
-    @cached_property
     def gap(self) -> Indices:
         """Nodes of the gaps to the left and right of patches, shape (2, M)."""
-        return self.to_neighbours.astype(np.int64) - 1
+        after = np.append(self.first[1:], self.first[:1] + self.num_points) - self.last - 1
+        return np.concatenate((after[-1:], after)).take([np.arange(self.count), np.arange(1, self.count + 1)])
 
     def hold(self, nodes: Indices) -> Mask:
         """Whether these nodes, from 0 to N - 1, are contact nodes; of their shape."""

@@ -15,8 +15,7 @@ mean one; u <= 0 where h = 0, and u = h >= 0 somewhere: so |u| <= 2 sum_k 1/K(q_
 """
 
 import math
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -50,21 +49,14 @@ def _profile(indenter: Indenter, num_points: int, period: float) -> Array64:
 
 
 @kept
-def squared_slope(indenter: Indenter, num_points: int, period: float) -> Array64:
-    """h'^2 on a grid, shape (num_points,), read-only (dimensionless)."""
-    slope = indenter.slope(num_points, period)
-    squared: Array64 = slope * slope
-    squared.flags.writeable = False
-    return squared
-
-
-@kept
-def squared_slope_doubt(indenter: Indenter, num_points: int, period: float) -> Array64 | None:
-    """What h'^2 may be off by at the nodes, shape (num_points,), read-only; None where nothing."""
-    doubt = indenter.squared_slope_doubt(num_points, period)
-    if doubt is not None:
-        doubt.flags.writeable = False
-    return doubt
+def squared_slope(indenter: Indenter, num_points: int, period: float) -> tuple[Array64, Array64 | None]:
+    """h'^2 on a grid, shape (num_points,), and what it may be off by there, None where nothing; read-only
+    (dimensionless).
+    """
+    squared, doubt = indenter.slope(num_points, period) ** 2, indenter.squared_slope_doubt(num_points, period)
+    for found in (squared,) if doubt is None else (squared, doubt):
+        found.flags.writeable = False
+    return squared, doubt
 
 
 def half_spectrum(layer: ElasticLayer, num_points: int, period: float) -> Array64:
@@ -79,33 +71,14 @@ def half_spectrum(layer: ElasticLayer, num_points: int, period: float) -> Array6
     return stiffness
 
 
-@dataclass(frozen=True, eq=False)
-class Stiffness:
-    """K(q_k) of a layer on a grid, and what methods make from it for every problem with it."""
-
-    values: Array64
-    """Shape (N//2 + 1,) [`unit`]; 0 for the mean mode. A layer's are read-only, the largest is from 1 to below 2."""
-    num_points: int
-    """N."""
-    unit: float
-    """A power of two over E*/L (dimensionless)."""
-    made: dict[Any, Any] = field(default_factory=dict)
-    """What methods have made from the values, by name, and use again."""
-    response: LayerResponse = field(init=False)
-    """G = 1/K in real space [1/`unit`]."""
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "response", LayerResponse(self.values, self.num_points))
-
-
 @kept
-def stiffness_on_grid(layer: ElasticLayer, num_points: int, period: float) -> Stiffness:
-    """K(q_k) of a layer on a grid. Raises `ValueError` like `half_spectrum`."""
+def response_on_grid(layer: ElasticLayer, num_points: int, period: float) -> LayerResponse:
+    """K(q_k) of a layer on a grid, read-only. Raises `ValueError` like `half_spectrum`."""
     values = half_spectrum(layer, num_points, period)
     unit = 2.0 ** math.floor(math.log2(values.max()))
     values /= unit
     values.flags.writeable = False
-    return Stiffness(values, num_points, unit)
+    return LayerResponse(values, num_points, unit)
 
 
 def full_contact_pressure(scene: Scene) -> float:
@@ -121,8 +94,8 @@ class Problem:
 
     profile: Array64
     """Heights above the lowest point, shape (N,) [period]."""
-    rigidity: Stiffness
-    """K of the layer on this grid."""
+    rigidity: LayerResponse
+    """K of the layer on this grid, and what follows from it."""
     height: Array64
     """h(x_i), shape (N,) [`length_unit`]."""
     length_unit: float
@@ -132,7 +105,7 @@ class Problem:
     def from_scene(cls, scene: Scene, num_points: int | None = None) -> "Problem":
         """Discretise a scene on its own grid, or on another one of `num_points`."""
         n = num_points or scene.num_points
-        rigidity = stiffness_on_grid(scene.layer, n, scene.period)
+        rigidity = response_on_grid(scene.layer, n, scene.period)
         unit = scene.reduced_load / rigidity.unit
         profile = _profile(scene.indenter, n, scene.period)
         with np.errstate(over="ignore"):
@@ -140,14 +113,14 @@ class Problem:
         return cls(
             profile=profile,
             rigidity=rigidity,
-            height=np.minimum(height, _FAR * _reach(rigidity.values, n), out=height),
+            height=np.minimum(height, _FAR * _reach(rigidity.stiffness, n), out=height),
             length_unit=unit * scene.period,
         )
 
     @property
     def stiffness(self) -> Array64:
         """K(q_k), shape (N//2 + 1,) [`stiffness_unit`]."""
-        return self.rigidity.values
+        return self.rigidity.stiffness
 
     @property
     def stiffness_unit(self) -> float:

@@ -1,7 +1,9 @@
-"""The layer's response in real space, G = 1/K without the mean mode: the displacement around one loaded node."""
+"""The layer's response on one grid: K of its waves, and in real space G = 1/K without the mean mode, the displacement
+around one loaded node.
+"""
 
-from collections.abc import Callable
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -14,26 +16,20 @@ _STIFF = 2.0  # K of the longest wave over the least K, up to which K is short-r
 
 
 class LayerResponse:
-    """G of one grid. Arrays in real space are kept, and read-only."""
+    """K and G of one grid; what follows from K is made when it is asked for."""
 
-    def __init__(self, stiffness: Array64, num_points: int) -> None:
-        """stiffness: K(q_k), shape (N//2 + 1,) [K]; num_points: N."""
-        self.stiffness, self.num_points = stiffness, num_points
-        self._large = num_points > MOST_POINTS
-        self._kept: dict[str, Array64] = {}
+    def __init__(self, stiffness: Array64, num_points: int, unit: float = 1.0) -> None:
+        """stiffness: K(q_k), shape (N//2 + 1,) [K]; 0 for the mean mode. num_points: N; unit: [K] over E*/L, a power of
+        two for a layer, whose largest K is from 1 to below 2 (dimensionless).
+        """
+        self.stiffness, self.num_points, self.unit = stiffness, num_points, unit
+        self.made: dict[Any, Any] = {}
+        """What methods have made from K, by name, and use again."""
 
-    def _known(self, name: str, make: Callable[[], Array64]) -> Array64:
-        """What is kept by that name; made, and kept, if it is not."""
-        found = self._kept.get(name)
-        if found is None:
-            found = self._kept[name] = make()
-            found.flags.writeable = False
-        return found
-
-    @property
+    @cached_property
     def compliance(self) -> Array64:
-        """G(q_k) = 1/K(q_k), 0 for the mean mode; shape (N//2 + 1,). Not kept on large grids."""
-        return inverse(self.stiffness) if self._large else self._known("compliance", lambda: inverse(self.stiffness))
+        """G(q_k) = 1/K(q_k), 0 for the mean mode; shape (N//2 + 1,) [1/K]."""
+        return inverse(self.stiffness)
 
     @cached_property
     def split(self) -> Split | None:
@@ -47,10 +43,10 @@ class LayerResponse:
         """
         return bool(self.stiffness[1] <= _STIFF * self.stiffness[1:].min())
 
-    @property
+    @cached_property
     def whole(self) -> Array64:
         """G in real space, shape (N,) [1/K]."""
-        return self._known("whole", lambda: irfft(self.compliance, self.num_points))
+        return irfft(self.compliance, self.num_points)
 
     def head(self, count: int) -> Array64:
         """G on the nodes 0 to count - 1 [1/K]. Where it has two parts it is made of them, with their error, and on
@@ -58,23 +54,19 @@ class LayerResponse:
         """
         return self.split.response(count) if self.split else self.whole[:count]
 
-    @property
+    @cached_property
     def second_sum(self) -> Array64:
         """T with T(k+1) - 2 T(k) + T(k-1) = G(k), shape (N,), with the error of the two parts where there are any."""
-
-        def make() -> Array64:
-            if self.split:
-                return self.split.second_sum()
-            sums = irfft(self.compliance, self.num_points)
-            np.cumsum(sums, out=sums)
-            sums -= sums.mean()  # so that the second sum is periodic, too
-            sums[1:] = np.cumsum(sums[:-1])
-            sums[0] = 0
-            return sums
-
-        return self._known("second sum", make)
+        if self.split:
+            return self.split.second_sum()
+        sums = irfft(self.compliance, self.num_points)
+        np.cumsum(sums, out=sums)
+        sums -= sums.mean()  # so that the second sum is periodic, too
+        sums[1:] = np.cumsum(sums[:-1])
+        sums[0] = 0
+        return sums
 
     def rest(self) -> None:
         """Give back what holds a value for each node of a large grid."""
-        if self._large:
-            self._kept.clear()
+        for name in ("compliance", "whole", "second_sum") if self.num_points > MOST_POINTS else ():
+            self.__dict__.pop(name, None)

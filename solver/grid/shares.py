@@ -1,15 +1,12 @@
-"""How several patches share a load, put right.
+"""How several patches share a load, put right where a grid has the compliance of patches of few nodes slightly wrong.
 
-A grid on which patches have few nodes has the compliance of each patch slightly wrong, and with it the load that the
-patch takes, by a percent where it has three nodes and by a tenth where it has one. All patches are pressed by the same
-approach. If patch k would have to lie deeper by r_k for its load (`narrow.level_errors`), then the loads are to
-change by D_k, of sum 0, such that
+All patches are pressed by the same approach. If patch k would have to lie deeper by r_k for its load
+(`narrow.level_errors`), then the loads are to change by D_k, of sum 0, such that
 
     c_k D_k + sum over j != k of G_kj D_j = r_k + one constant,
 
-with c_k the compliance of a flat punch in its place and G_kj the displacement at one patch by a unit load at another.
-Of many patches those that follow each other share their load; what they do to the others hardly changes by that.
-The load of a patch also acts where its centre is, which is not where the nodes have it.
+with c_k the compliance of a flat punch in its place and G_kj the displacement at one patch by a unit load at the centre
+of another (docs/edges.md). Of many patches those that follow each other share their load.
 """
 
 from collections.abc import Callable
@@ -23,7 +20,7 @@ from .few_nodes import response
 from .kept import kept
 from .narrow import Ends, punch_compliance
 from .patches import Patches
-from .problem import stiffness_on_grid
+from .problem import response_on_grid
 
 _TOGETHER = 128  # patches that share their load with each other, those that follow each other
 
@@ -34,8 +31,8 @@ def layer_response(layer: ElasticLayer, num_points: int, period: float) -> Array
 
     On large grids it has the error of a `split`: mostly a millionth, a thousandth on layers of a hundred spacings.
     """
-    stiffness = stiffness_on_grid(layer, num_points, period)
-    found = num_points / stiffness.unit * stiffness.response.head(num_points // 2 + 1)
+    of_layer = response_on_grid(layer, num_points, period)
+    found = num_points / of_layer.unit * of_layer.head(num_points // 2 + 1)
     found.flags.writeable = False
     return found
 

@@ -13,7 +13,6 @@ What is left out is known: `far` beyond what the spline carries, and `near` beyo
 """
 
 import math
-from functools import cached_property
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -23,8 +22,6 @@ from ..transforms.plain import irfft
 
 _NEGLECTED = 1e-5
 """Of either part, over the largest value of `near` (dimensionless)."""
-_TOLERABLE = 1e-3
-"""What may be neglected in all, over the same: of two splits that neglect less, that of shorter range is taken."""
 
 _WIDTH = 6
 """Of the spline [blocks], its order: with far waves no shorter than four blocks it errs by 1e-7 to 5e-7 of `near`."""
@@ -34,7 +31,7 @@ _FEWEST = 2**16  # points of the smallest grid on which that pays
 _BLOCK = 32  # nodes, at most; a quarter of that at least
 _LARGEST_ERROR = 0.2
 """Error of the split over the smallest G(q): beyond, on thin and nearly incompressible layers, the packed operator is
-not positive, and conjugate gradients find no way down."""
+not positive, and conjugate gradients find no way down. Of two splits below, that of shorter range is taken."""
 
 
 class Split:
@@ -47,7 +44,8 @@ class Split:
     def __init__(self, stiffness: Array64, num_points: int, block: int) -> None:
         self.num_points, self.block, self.num_blocks = num_points, block, num_points // block
         shortest = math.pi / (2 * block)  # wave number of the shortest far wave, q in units of 1/spacing
-        ring = num_points // _stride(num_points)
+        # the shortest that goes into N and has enough nodes
+        ring = num_points // next(d for d in range(max(1, num_points // _RING), 0, -1) if num_points % d == 0)
         q = 2 * np.pi * np.arange(ring // 2 + 1) / ring
         symbol = inverse(stiffness[:: num_points // ring])
         count = num_points // (4 * block) + 1
@@ -63,8 +61,11 @@ class Split:
             reach = int(np.searchsorted(-beyond, -_NEGLECTED))
             error = float(left.max(initial=0.0) + 2 * np.abs(values[reach + 1 :]).sum()) / largest
             far = far_symbol - split(far_q, far_symbol, shortest)
-            found.append((max(error, _TOLERABLE), reach, error, largest, values, far))
-        _, self.range, self.error, self.largest, values, far = min(found, key=lambda one: one[:2])
+            over_smallest = error * largest * float(stiffness.max())
+            found.append((max(over_smallest, _LARGEST_ERROR), reach, error, largest, values, far))
+        worst, self.range, self.error, self.largest, values, far = min(found, key=lambda one: one[:2])
+        self.usable = worst <= _LARGEST_ERROR
+        """Whether the packed operator is positive."""
         self.near = values[: self.range + 1]
         """Of `near` in real space, for the distances from 0 to the range."""
         self._far, self._spline = far, np.sinc(np.arange(count) / self.num_blocks) ** _WIDTH
@@ -78,7 +79,7 @@ class Split:
 
     def response(self, count: int) -> Array64:
         """G in real space, as the two parts have it, on the nodes 0 to count - 1, at most N//2 + 1 [1/K]."""
-        found = self._interpolated(self._far_response, count)
+        found = self._smooth(self._far, count)
         found[: self.near.size] += self.near[:count]
         return found
 
@@ -92,7 +93,7 @@ class Split:
         smooth = self._far + load * np.exp(-((q * width) ** 2))
         smooth[1:] /= -4 * np.sin(q[1:] / 2) ** 2
         smooth[0] = 0
-        found = self._interpolated(self._of_blocks(smooth), self.num_points)
+        found = self._smooth(smooth, self.num_points)
         reach = min(max(int(8 * width), self.near.size), self.num_points // 2)
         rest = load / (-2 * math.sqrt(math.pi) * width) * np.exp(-((np.arange(reach) / (2 * width)) ** 2))
         rest[: self.near.size] += self.near
@@ -101,24 +102,12 @@ class Split:
         found[1 - rest.size :] += rest[:0:-1]
         return found
 
-    @cached_property
-    def _far_response(self) -> Array64:
-        return self._of_blocks(self._far)
-
-    def _of_blocks(self, symbol: Array64) -> Array64:
-        """The shares of the blocks in a smooth function with a symbol, shape (blocks,)."""
-        return irfft(symbol / self._spline / self.block, self.num_blocks)
-
-    def _interpolated(self, shares: Array64, count: int) -> Array64:
-        """A smooth function, of which the blocks have these shares, on the nodes 0 to count - 1."""
+    def _smooth(self, symbol: Array64, count: int) -> Array64:
+        """A smooth function with a symbol, on the nodes 0 to count - 1."""
+        shares = irfft(symbol / self._spline / self.block, self.num_blocks)
         at = np.arange(self.columns[0], -(-count // self.block) + self.columns[-1])
         shares = np.take(shares, at, mode="wrap")
         return (sliding_window_view(shares, _WIDTH) @ self.weights.T).ravel()[:count]
-
-
-def _stride(num_points: int) -> int:
-    """The largest divisor of N that leaves enough nodes for the ring."""
-    return next(d for d in range(max(1, num_points // _RING), 0, -1) if num_points % d == 0)
 
 
 def _width(shortest: float) -> float:
@@ -128,22 +117,14 @@ def _width(shortest: float) -> float:
 
 def _of_half_space(q: Array64, symbol: Array64, shortest: float) -> Array64:
     width = 0.95 * _width(shortest)
-    factor = symbol[-1] * q[-1]
     near = np.full_like(q, 2 * width / math.sqrt(math.pi))
-    near[1:] = _erf(q[1:] * width) / q[1:]
-    return np.asarray(near * factor)
+    near[1:] = np.vectorize(math.erf)(q[1:] * width) / q[1:]
+    return np.asarray(symbol[-1] * q[-1] * near)
 
 
 def _of_layer(q: Array64, symbol: Array64, shortest: float) -> Array64:
     width = _width(shortest)
     return np.asarray(symbol * -np.expm1(-((q * width) ** 2)))
-
-
-def _erf(x: Array64) -> Array64:
-    small = x[x < 6]
-    found = np.ones_like(x)
-    found[x < 6] = np.fromiter(map(math.erf, small), np.float64, small.size)
-    return found
 
 
 def _splines(x: Array64) -> Array64:
@@ -170,4 +151,4 @@ def make_split(stiffness: Array64, num_points: int) -> Split | None:
     if block is None or num_points < _FEWEST:
         return None
     split = Split(stiffness, num_points, block)
-    return split if split.error * split.largest <= _LARGEST_ERROR / float(stiffness.max()) else None
+    return split if split.usable else None

@@ -1,13 +1,11 @@
 """What lies between the nodes: the indenter's heights, and what everything else does where a patch or a gap of a few
 nodes is.
 
-The displacement around a patch has two parts. What the patch's own pressure causes bends within a grid spacing where
-the patch ends, and no grid resolves that. What all other patches and the layer's base cause is smooth. At the nodes it
-is the displacement plus what the patch's own pressure causes on the grid of a half-space (`few_nodes.response`);
-between them it is the polynomial through these values (least squares).
-
-For a gap it is the same with the pressure in the place of the displacement: the pressure less what the gap's own
-opening causes (`few_nodes.stiffness`), which is the one that closing this gap alone would leave.
+The displacement around a patch has two parts. What the patch's own pressure causes bends within a grid spacing at its
+ends, which no grid resolves. What all else causes is smooth: at the nodes it is the displacement plus what the patch's
+own pressure causes on the grid of a half-space (`few_nodes.response`), between them the polynomial through these values
+(least squares). For a gap it is the pressure less what the gap's own opening causes (`few_nodes.stiffness`), which is
+the one that closing this gap alone would leave.
 
 Units: grid spacings, and E* = 1.
 """
@@ -38,6 +36,10 @@ class Heights:
     """h on the grid, shape (N,) [any length]."""
     scale: float
     """What makes grid spacings of that length."""
+
+    def at_nodes(self, nodes: Indices) -> Array64:
+        """h at nodes, which may lie beyond the ends of the period [grid spacings]."""
+        return self.profile[nodes % self.profile.size] * self.scale
 
     def at(self, places: Array64) -> tuple[Array64, Array64, Array64]:
         """h, h' and h'' at places between the nodes, of their shape [grid spacings], from six nodes."""

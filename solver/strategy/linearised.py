@@ -105,7 +105,7 @@ def _beyond_nodes(solution: Solution, punch: Array64, surface: Array64) -> float
         begins = patches.first + beyond_first
         edges = replace(edges, left=begins, right=begins + table.width / scene.period * n)
     curve = edge_curve(scene.layer, pressure.size, scene.period)
-    gaps, many = patches.to_neighbours - 1, patches.size >= COUNTED_BELOW  # nodes of the gaps
+    gaps, many = patches.gap, patches.size >= COUNTED_BELOW  # nodes of the gaps
     # where the layer, or a gap, is narrower than a patch, a lone punch on a half-space says nothing of that
     alone = (patches.size < gaps.min(axis=0)) | ~many
     thick = patches.size < thickness_on_grid(scene.layer, pressure.size, scene.period)
@@ -115,7 +115,7 @@ def _beyond_nodes(solution: Solution, punch: Array64, surface: Array64) -> float
     beyond = np.stack([patches.first - edges.left, edges.right - patches.last])
     squared = (punch[last_nodes] / curve.strength) ** 2  # k^2 over the grid spacing
     known = many & (gaps >= COUNTED_BELOW) & ~by_load & ~told
-    total = float(np.where(known, squared * (beyond - curve.punch_end), 0.0).sum())
+    total = float(np.where(known, squared * (beyond - (curve.shift - 0.5)), 0.0).sum())
     of_nodes = equivalent_half_widths()[patches.size[by_load] - 1]
     wider = np.log(edges.width[by_load] / (2 * of_nodes))
     total += float(np.sum((patches.sums(punch[patches.nodes])[by_load] / math.pi) ** 2 * wider))
@@ -131,7 +131,7 @@ def _by_gaps(patches: Patches, edges: Edges, surface: Array64) -> float:
     """
     (before,) = np.nonzero(edges.by_gap)
     n, behind = patches.num_points, (before + 1) % patches.count
-    size = patches.to_neighbours[1, before].astype(np.int64) - 1
+    size = patches.gap[1, before]
     width = edges.left[behind] + np.where(behind == 0, n, 0) - edges.right[before]
     wider = (width / (2 * equivalent_gaps()[size - 1])) ** 2 - 1
     steps = np.arange(MOST_NODES)

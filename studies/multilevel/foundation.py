@@ -25,7 +25,7 @@ def press(scene: Scene, num_points: int) -> dict[str, float]:
     level = foundation_level(heights, modulus / scene.pressure)
     contact = heights < level
     area = float(contact.mean())
-    squared = squared_slope(indenter, num_points, scene.period)
+    squared, _ = squared_slope(indenter, num_points, scene.period)
     return {
         "kappa_subgrid": area * math.sqrt(float(squared[contact].mean())) / scene.reduced_load,
         "contact_area_subgrid": area,

@@ -25,13 +25,13 @@ __all__ = ["KIND", "ActiveSet", "begin"]
 
 def begin(problem: Problem, config: ExecutionConfig) -> ActiveSet | FreeNodes:
     """The active set on a grid, in the form that suits the contact's share of it."""
-    of_layer = problem.rigidity.response
+    of_layer = problem.rigidity
     free = suits(problem, config)
     symbol = problem.stiffness if free else of_layer.compliance
     # plans and recorded kernels are a quarter of a small solve's time: they serve the next one with layer and grid
     apart = modes_apart(symbol, config.tolerance)
     key = free, apart, config.precision, config.threads, config.planning, config.backend
-    left: list[tuple[Everywhere, GreensFunction]] = problem.rigidity.made.setdefault(key, [])
+    left: list[tuple[Everywhere, GreensFunction]] = of_layer.made.setdefault(key, [])
     try:
         field, green = left.pop()
         field.begin(problem.height)

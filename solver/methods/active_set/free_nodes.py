@@ -27,7 +27,7 @@ _LEAST = 0.23  # share of the nodes in contact from which this form takes less t
 def suits(problem: Problem, config: ExecutionConfig) -> bool:
     """Whether this form takes less time than that in the pressure."""
     enough = config.contact_share >= _LEAST and config.precision == "float64"
-    return enough and problem.rigidity.response.stiffness_decays
+    return enough and problem.rigidity.stiffness_decays
 
 
 class FreeNodes(Search[FreeSet]):
