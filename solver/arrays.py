@@ -20,7 +20,7 @@ _PART = 2**14  # values whose intermediate results stay in the cache
 _NODES = 200  # of Gauss-Legendre quadrature: smooth integrands to rounding
 
 
-def parts(length: int) -> Iterator[slice]:
+def chunks(length: int) -> Iterator[slice]:
     """The parts of an array of that length, in order: memory for long intermediate results takes longer to get than
     their values take to compute.
     """

@@ -69,7 +69,7 @@ class Solution(Value):
     method: str
     """Name of the method; of the smaller model where no iteration was needed."""
     tolerance: float
-    """On the free residual over p; where no iteration was needed, the error that was allowed (dimensionless)."""
+    """On the equilibrium residual over p; where no iteration was needed, the error that was allowed (dimensionless)."""
     status: Status
     """Only `Status.CONVERGED` is certified at `tolerance`, or is as accurate as was asked for."""
     displacement: Array64

@@ -44,12 +44,12 @@ def own(monkeypatch):
 def wisdom_cache(tmp_path, monkeypatch):
     """An empty cache folder, and a process that has not looked for wisdom yet."""
     import pyfftw
-    from linecontact.solver.grid import kept
+    from linecontact.solver.grid import cached
     from linecontact.solver.transforms import wisdom
 
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     monkeypatch.setattr(wisdom, "_loaded", False)
     pyfftw.forget_wisdom()
-    kept.forget()
+    cached.forget()
     yield tmp_path
     pyfftw.forget_wisdom()

@@ -312,10 +312,10 @@ def test_small_patches_are_counted_and_flagged():
         Scene(indenter=MeasuredIndenter(1e-3 * heights, convention="gap"), pressure=1e-5, num_points=256)
     ).observables
     assert o.num_patches == 3
-    assert o.num_counted_patches == 2
+    assert o.num_unresolved_patches == 2
     patches = Patches.of(heights == 0)
     ends = edges.find_edges(patches, np.ones(patches.nodes.size), Layer(), 1.0)
-    np.testing.assert_array_equal(ends.counted, [True, True, False])
+    np.testing.assert_array_equal(ends.unresolved, [True, True, False])
     np.testing.assert_allclose(ends.width[:2], [1, 2])
 
 

@@ -29,7 +29,7 @@ def test_two_processes_give_the_same_data_as_one(tmp_path):
     for plan in dummy_tasks.real_plans():
         one, two = (data(plan.path(tmp_path / workers)) for workers in ("1", "2"))
         assert one == two
-        assert {"task", "contact_area_subgrid", "certificate.free_residual"} < set(one[0])
+        assert {"task", "contact_area_subgrid", "certificate.equilibrium_residual"} < set(one[0])
         assert one[1]
     assert task_files(tmp_path / "1").keys() == task_files(tmp_path / "2").keys()
 

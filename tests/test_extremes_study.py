@@ -65,8 +65,8 @@ def falsified(solution):
     )
     yield replace(solution, observables=replace(o, contact_area_error=1e-12)), "estimated error 1e-12"
     yield replace(solution, contact_pressure=7 * solution.contact_pressure), "the load is off by 6"
-    yield replace(solution, contact_pressure=moved, contact=moved > 0), "free residual"
-    yield replace(solution, displacement=lower), "free residual"
+    yield replace(solution, contact_pressure=moved, contact=moved > 0), "equilibrium residual"
+    yield replace(solution, displacement=lower), "equilibrium residual"
     yield replace(solution, displacement=solution.displacement + 1.0), "above the wall"
     yield replace(solution, contact=~solution.contact), "off the contact"
 

@@ -131,8 +131,8 @@ SCENES = [
 )
 def test_same_contact_as_on_all_nodes(scene, nested, monkeypatch):
     near = solve(scene, nested=nested)
-    response = active_set.Response
-    monkeypatch.setattr(active_set, "Response", lambda problem, split, *rest: response(problem, None, *rest))
+    response = active_set.Surface
+    monkeypatch.setattr(active_set, "Surface", lambda problem, split, *rest: response(problem, None, *rest))
     everywhere = solve(scene, nested=nested)
     assert near.status is everywhere.status is Status.CONVERGED
     np.testing.assert_array_equal(near.contact, everywhere.contact)
@@ -143,13 +143,13 @@ def test_same_contact_as_on_all_nodes(scene, nested, monkeypatch):
 def count_renewals(monkeypatch):
     """Whole transforms by the number of points."""
     found = {}
-    plain = active_set.Response.renew
+    plain = active_set.Surface.renew
 
     def renew(self, now):
         found[self._problem.num_points] = found.get(self._problem.num_points, 0) + 1
         plain(self, now)
 
-    monkeypatch.setattr(active_set.Response, "renew", renew)
+    monkeypatch.setattr(active_set.Surface, "renew", renew)
     return found
 
 
@@ -181,7 +181,7 @@ def test_where_blocks_do_not_pay_any_more_nodes_have_their_values_in_the_whole_f
     pressure[1000:1040] = 1.0
     state = active_set.begin(problem, ExecutionConfig(1e-8))
     state.start_from_pressure(pressure)
-    response, now = state._response, state._set
+    response, now = state._surface, state._set
     np.testing.assert_array_equal(now.places, response._nearby.places(now.nodes))
     assert response._nearby.nodes.size < 2**10
     response._surround(now, np.arange(2**16))
@@ -202,7 +202,7 @@ def test_contact_nearly_everywhere_is_solved_on_all_nodes(monkeypatch):
 def test_an_operator_worse_than_it_says(error, left, monkeypatch):
     """Found out by whole transforms; where they become many, or there is no way down, all nodes are worked on."""
     plain, made = Packed.__call__, []
-    begin = active_set.Response.__init__
+    begin = active_set.Surface.__init__
 
     def keep(self, *arguments):
         made.append(self)
@@ -212,7 +212,7 @@ def test_an_operator_worse_than_it_says(error, left, monkeypatch):
         return (1 + error * np.cos(self.blocks))[:, None] * plain(self, values)
 
     monkeypatch.setattr(Packed, "__call__", wrong)
-    monkeypatch.setattr(active_set.Response, "__init__", keep)
+    monkeypatch.setattr(active_set.Surface, "__init__", keep)
     solution = solve(SCENES[0])
     assert solution.status is Status.CONVERGED
     assert not solution.handed_over

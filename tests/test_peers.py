@@ -29,5 +29,5 @@ def test_against_the_peers(run):
     assert int(solution.contact.sum()) == run["contact_nodes"]
     assert solution.observables.peak_pressure == pytest.approx(run["peak_pressure"], rel=1e-8)
     found = solution.contact_pressure[run["nodes"]]
-    # rms free residual 1e-8 p; single nodes at patch ends are off by up to 4e-7 p, the same from either peer
+    # rms equilibrium residual 1e-8 p; single nodes at patch ends are off by up to 4e-7 p, the same from either peer
     np.testing.assert_allclose(found, run["contact_pressure"], rtol=0, atol=1e-6 * run["pressure"])

@@ -44,7 +44,7 @@ def test_the_floor_of_float32_is_predicted(scene):
     transforms = plan_transforms(scene.num_points, "float32")
     state = MassWeightedFire(Problem.from_scene(single), transforms, 1e-3 * floor)
     relax(state, 1200)
-    reached = certify(state.problem, state.displacement)[0].free_residual
+    reached = certify(state.problem, state.displacement)[0].equilibrium_residual
     assert 0.25 * floor < reached < 4 * floor
     assert low.choices == ()
     with pytest.raises(ValueError, match=f"tolerance is .*allowed: at least {rounded_up(floor)}, "):
@@ -65,12 +65,12 @@ MIXED_SCENES = [
 def test_mixed_equals_float64_to_its_certificate(method, scene):
     double, mixed = (solve(replace(scene, precision=p), method=method, tolerance=1e-10) for p in ("float64", "mixed"))
     assert double.status is mixed.status is Status.CONVERGED
-    assert mixed.certificate.free_residual <= 1e-10
+    assert mixed.certificate.equilibrium_residual <= 1e-10
     assert double.handed_over is mixed.handed_over is False
     if method == "active-set":  # rounding is mended in a few iterations, not chased
         assert mixed.iterations <= double.iterations + 10
     np.testing.assert_array_equal(mixed.contact, double.contact)
-    # the pressure's error is the free residual's, times at most the preconditioned condition (about 10), at any node
+    # the pressure's error is the residual's, times at most the preconditioned condition (about 10), at any node
     atol = 20 * math.sqrt(scene.num_points) * 1e-10 * scene.pressure
     np.testing.assert_allclose(mixed.contact_pressure, double.contact_pressure, rtol=0, atol=atol)
 
@@ -82,7 +82,7 @@ def test_mixed_reaches_what_float32_cannot():
         assert solve(scene, method=method, tolerance=1e-3 * floor).status is Status.CONVERGED
     hopeless = solve(scene, method="mass-weighted-fire", tolerance=2e-14)
     assert hopeless.status is Status.STAGNATED
-    assert hopeless.certificate.free_residual < 1e-10
+    assert hopeless.certificate.equilibrium_residual < 1e-10
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ import pytest
 from linecontact import read_scan
 from linecontact.solver import METHODS, Layer, MeasuredIndenter, RoughIndenter, Scene, scene, solve, warnings
 from linecontact.solver.display import rounded_up
-from linecontact.solver.grid import contact, edges, kept, layer_on_grid, problem, shares, surroundings
+from linecontact.solver.grid import cached, contact, edges, layer_on_grid, problem, shares, surroundings
 from linecontact.solver.layers import coated
 from linecontact.solver.methods.active_set import elimination
 from linecontact.solver.reference import closed_forms
@@ -144,9 +144,9 @@ def limits_of_scenes():
 
 
 def what_is_kept():
-    yield f"on grids of up to 2^{math.log2(kept.MOST_POINTS):.0f} points"
+    yield f"on grids of up to 2^{math.log2(cached.MOST_POINTS):.0f} points"
     yield "The last seven grids are kept"
-    assert kept._GRIDS == 7
+    assert cached._GRIDS == 7
     yield "FIRE's float64 transforms of 2^18 to 2^20 points"
     assert (four_step.FASTER_THAN_REAL, four_step.FASTER) == (2**18, 2**20)
     yield f"of 2^{math.log2(four_step.FASTER):.0f} points and more are done"

@@ -10,7 +10,7 @@ import warnings
 import pyfftw
 import pytest
 from linecontact.solver import Layer, RoughIndenter, Scene, solve
-from linecontact.solver.grid import kept
+from linecontact.solver.grid import cached
 from linecontact.solver.transforms import planned, wisdom
 from linecontact.solver.transforms.planned import plan_transforms
 
@@ -19,7 +19,7 @@ def begin_anew():
     """Know as little of wisdom as a new process."""
     wisdom._loaded = False
     pyfftw.forget_wisdom()
-    kept.forget()
+    cached.forget()
 
 
 @pytest.fixture

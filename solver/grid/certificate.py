@@ -20,7 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import Array64, Mask, parts
+from ..arrays import Array64, Mask, chunks
 from ..transforms.plain import pair
 from ..value import Value
 from .problem import Problem
@@ -31,7 +31,7 @@ from .split import inverse
 class Certificate(Value):
     """Errors of a displacement, all dimensionless."""
 
-    free_residual: float
+    equilibrium_residual: float
     """Rms net force on the free nodes over the mean pressure."""
     largest_residual: float
     """Largest net force on a free node over the mean pressure; what an iteration leaves is often near the ends of a few
@@ -64,7 +64,7 @@ def certify(problem: Problem, displacement: Array64) -> tuple[Certificate, Array
         mean = float(h.mean())
         free = squares = energy = variance = apart = load = 0.0
         tensile = penetration = largest = 0.0
-        for part in parts(n):
+        for part in chunks(n):
             heights, u, ku = h[part], displacement[part], elastic[part]
             energy += float(u @ ku) / 2
             force, gap, away = np.subtract(1, ku, out=ku), heights - u, heights - mean
@@ -84,11 +84,11 @@ def certify(problem: Problem, displacement: Array64) -> tuple[Certificate, Array
         scale = math.sqrt(variance) or 1.0
         bound = math.inf
         if load > 0:  # s: the free force balanced on the contact
-            for part in parts(n):
+            for part in chunks(n):
                 elastic[part] -= pressure[part] * (free / load)
             bound = transforms.power(inverse(problem.stiffness)) / 2
         certificate = Certificate(
-            free_residual=math.sqrt(squares / max(1, n - int(contact.sum()))),
+            equilibrium_residual=math.sqrt(squares / max(1, n - int(contact.sum()))),
             largest_residual=largest,
             tensile_violation=tensile,
             penetration=penetration / scale,

@@ -9,13 +9,13 @@ import numpy as np
 from ..arrays import Array64, Indices, Mask
 from ..calibration import FITTED
 from ..scene import Scene
-from .edges import COUNTED_BELOW, COUNTED_ERROR, Edges, apart, find_edges
-from .few_nodes import MOST_NODES, response, stiffness
-from .kept import MOST_POINTS
+from .cached import MOST_POINTS
+from .edges import UNRESOLVED_BELOW, UNRESOLVED_ERROR, Edges, apart, find_edges
+from .few_nodes import MOST_NODES, node_compliance, node_stiffness
 from .layer_on_grid import modulus_on_grid, thickness_on_grid
 from .narrow import from_loads, gap_ends, level_errors
 from .patches import Patches
-from .shares import layer_response, shared_loads
+from .shares import layer_compliance, shared_loads
 from .surroundings import Field, Heights, Surroundings
 from .unseen import unseen_gaps, unseen_patches
 
@@ -101,7 +101,7 @@ class _Surface:
 
         uneven: what heights and neighbours leave, of their shape [grid spacings]; size: their nodes.
         """
-        return np.minimum(FITTED.always + uneven + FITTED.of_layer * size / self.thickness**2, COUNTED_ERROR)
+        return np.minimum(FITTED.always + uneven + FITTED.of_layer * size / self.thickness**2, UNRESOLVED_ERROR)
 
 
 def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array64) -> Edges:
@@ -111,7 +111,7 @@ def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array
     """
     n, heights, resolved = patches.num_points, surface.heights, surface.thickness > 0
     layer, period = surface.scene.layer, surface.scene.period
-    chosen = np.flatnonzero(patches.size <= min(MOST_NODES if resolved else COUNTED_BELOW - 1, n / 2))
+    chosen = np.flatnonzero(patches.size <= min(MOST_NODES if resolved else UNRESOLVED_BELOW - 1, n / 2))
     if not chosen.size:
         return edges
     first, size, loads = patches.first[chosen], patches.size[chosen], patches.sums(pressure)
@@ -119,29 +119,29 @@ def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array
     begin = (edges.left + edges.right)[chosen] / 2, np.minimum(edges.width[chosen], size) / 2
     if resolved:
         gap = patches.gap.min(axis=0)[chosen]
-        around = Surroundings.of(first, size, gap, surface.pressure, surface.displacement, response)
+        around = Surroundings.of(first, size, gap, surface.pressure, surface.displacement, node_compliance)
         found = from_loads(loads[chosen], heights, begin, around)
         if patches.count > 1 and n <= MOST_POINTS and found.solved.any():
             level, centre = level_errors(found, around, heights, loads[chosen])
-            green = layer_response(layer, n, period)
+            green = layer_compliance(layer, n, period)
             loads = shared_loads(patches, chosen, pressure, found, level, centre, green)
             found = from_loads(loads[chosen], heights, (found.middle, found.half_width), around)
         error = surface.known(FITTED.of_heights * uneven[1] + FITTED.beside_gap / gap**2, size)
     else:  # not known better than by counting, but narrower
         found = from_loads(loads[chosen], heights, begin, modulus=lambda q: modulus_on_grid(layer, q, n, period))
-        error = np.full(size.size, COUNTED_ERROR)
+        error = np.full(size.size, UNRESOLVED_ERROR)
     edges, better = _taken(
         edges, np.stack([chosen, patches.count + chosen]), found.both, error, found.solved & ~jagged, n
     )
-    counted, by_load = edges.counted.copy(), edges.by_load.copy()
-    counted[chosen[better]], by_load[chosen[better]] = False, resolved
-    return replace(edges, counted=counted, by_load=by_load)
+    unresolved, by_load = edges.unresolved.copy(), edges.by_load.copy()
+    unresolved[chosen[better]], by_load[chosen[better]] = False, resolved
+    return replace(edges, unresolved=unresolved, by_load=by_load)
 
 
 def _by_gaps(surface: _Surface, patches: Patches, edges: Edges) -> Edges:
     """Edges with those ends of patches on both sides of a narrow gap that the gap tells better than they do."""
     n, gap, narrower = patches.num_points, patches.gap[1], np.minimum(patches.size, np.roll(patches.size, -1))
-    before = np.flatnonzero((gap <= np.minimum(narrower, MOST_NODES)) & (narrower >= COUNTED_BELOW))
+    before = np.flatnonzero((gap <= np.minimum(narrower, MOST_NODES)) & (narrower >= UNRESOLVED_BELOW))
     if not before.size or not surface.thickness:
         return edges
     behind = (before + 1) % patches.count
@@ -151,7 +151,7 @@ def _by_gaps(surface: _Surface, patches: Patches, edges: Edges) -> Edges:
     def negative_opening(nodes: Indices) -> Array64:
         return surface.displacement(nodes) - surface.heights.at_nodes(nodes)
 
-    closed = Surroundings.of(first, size, narrower[before], negative_opening, surface.pressure, stiffness)
+    closed = Surroundings.of(first, size, narrower[before], negative_opening, surface.pressure, node_stiffness)
     found = gap_ends(closed, edges.right[before], edges.left[behind] + beyond)
     uneven, jagged = surface.uneven(first, size)
     error = surface.known(FITTED.of_heights_at_gaps * uneven[0], size)
@@ -184,7 +184,7 @@ def _taken(
 
 def _squared_slope(patches: Patches, edges: Edges, heights: Heights) -> Array64:
     """Integrals of h'^2 over the patches whose ends their loads tell, or let estimate; NaN for others, (patches,)."""
-    known = edges.by_load | (patches.size < COUNTED_BELOW) & ~edges.counted
+    known = edges.by_load | (patches.size < UNRESOLVED_BELOW) & ~edges.unresolved
     half = edges.width[known, None] / 2
     _, slope, _ = heights.at((edges.left + edges.right)[known, None] / 2 + half * _PLACES)
     squared = np.full(patches.count, np.nan)

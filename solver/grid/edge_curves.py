@@ -30,7 +30,7 @@ import numpy as np
 
 from ..arrays import Array64, Indices, gauss_legendre
 from ..layers import ElasticLayer
-from .kept import kept
+from .cached import cached
 from .layer_on_grid import modulus_anywhere, modulus_on_grid, thickness_on_grid
 
 Logarithm = Callable[[Array64], Array64]
@@ -83,7 +83,7 @@ class EdgeCurve:
         return values
 
 
-@kept
+@cached
 def edge_curve(layer: ElasticLayer, num_points: int, period: float) -> EdgeCurve:
     """The edge on a layer, on a grid of `num_points` in the period L [length]."""
     if thickness_on_grid(layer, num_points, period) == math.inf:

@@ -33,14 +33,14 @@ from .edge_curves import UNKNOWN, EdgeCurve, edge_curve, edge_distance, edge_fun
 from .layer_on_grid import thickness_on_grid
 from .patches import Patches
 
-COUNTED_BELOW = 3
+UNRESOLVED_BELOW = 3
 """Nodes; smaller patches have no pressures that tell their ends."""
 
 _NARROW = 2.0
 """Layer thicknesses; narrower patches have the half-space's edge if their pressures look like it, on layers of so many
 grid spacings and more. Their load tells what the pressures leave to the second order."""
 
-COUNTED_ERROR = math.sqrt(0.5)
+UNRESOLVED_ERROR = math.sqrt(0.5)
 """Error of an end halfway between two nodes, as counting has it, at most [grid spacings]."""
 
 _NARROWEST = 0.5  # gap between two patches that is believed [grid spacings]
@@ -89,7 +89,7 @@ class Edges:
     end_errors: Array64
     """Estimated errors of left and right ends, shape (2, M) [grid spacings]. They add up, because what causes them is
     much the same at all ends."""
-    counted: Mask
+    unresolved: Mask
     """Which patches have as many spacings as nodes because nothing better is known, shape (M,)."""
     by_load: Mask
     """Which narrow patches have ends that their loads have told, see `narrow`, shape (M,); without those on a layer
@@ -143,17 +143,17 @@ def find_edges(patches: Patches, pressure: Array64, layer: ElasticLayer, period:
         wide, _, spread_of_wide = edge_offset(curve, lone_ends(curve, patches, pressure))
         theta, spread = np.where(narrow, theta, wide), np.where(narrow, spread, spread_of_wide)
         by_curve = curve.error
-    counted = patches.size < COUNTED_BELOW
-    theta = theta + _by_load(patches, theta, narrow & ~counted)
-    outside = np.where(counted, 0.5, -theta)
+    unresolved = patches.size < UNRESOLVED_BELOW
+    theta = theta + _by_load(patches, theta, narrow & ~unresolved)
+    outside = np.where(unresolved, 0.5, -theta)
     left, right = apart(patches.first - outside[0], patches.last + outside[1], patches.num_points)
     by_size = FITTED.of_size / patches.size**2 + np.where(on_thick, 0.0, FITTED.of_size_if_wide / patches.size)
     by_gap = FITTED.beside_gap / patches.gap**2
     by_layer = FITTED.of_layer * patches.size / max(thickness, _NARROW) ** 2
-    error = np.minimum(FITTED.of_difference * spread + by_size + by_gap, COUNTED_ERROR)
+    error = np.minimum(FITTED.of_difference * spread + by_size + by_gap, UNRESOLVED_ERROR)
     error += np.where(narrow, by_layer, by_curve)
     error = np.where(spread < _ALIKE, error, UNKNOWN)
-    return Edges(left, right, np.where(counted, COUNTED_ERROR, error), counted, none, none)
+    return Edges(left, right, np.where(unresolved, UNRESOLVED_ERROR, error), unresolved, none, none)
 
 
 def apart(left: Array64, right: Array64, num_points: int) -> tuple[Array64, Array64]:

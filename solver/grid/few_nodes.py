@@ -18,7 +18,7 @@ MARGIN = 3
 
 
 @functools.cache
-def response() -> Array64:
+def node_compliance() -> Array64:
     """Displacement g_j by a unit load on one node, j = 0, 1, ... nodes away, shape (MOST_NODES + MARGIN,).
 
     g_j = 2/pi (gamma + ln pi - int (1 - cos j t)/t dt over 0 < t < pi): far away -2/pi ln j, as without a grid.
@@ -32,7 +32,7 @@ def response() -> Array64:
 
 
 @functools.cache
-def stiffness() -> Array64:
+def node_stiffness() -> Array64:
     """Pressure K_j where the surface is displaced by 1 at one node, j = 0, 1, ... nodes away, shape (MOST_NODES +
     MARGIN,): 1/(2 pi) int t cos j t dt over 0 < t < pi.
     """
@@ -49,7 +49,7 @@ def equivalent_gaps() -> Array64:
     A gap of the half-width b opens over the area pi b^2 p where the pressure p is taken away (H. Tada, P. C. Paris and
     G. R. Irwin, The Stress Analysis of Cracks Handbook (1973), of one side of the crack).
     """
-    return np.asarray(np.sqrt(_sums(stiffness()) / np.pi))
+    return np.asarray(np.sqrt(_sums(node_stiffness()) / np.pi))
 
 
 @functools.cache
@@ -60,7 +60,7 @@ def equivalent_half_widths() -> Array64:
     A punch of the half-width a under the load P is displaced by -2/pi P ln(a/2) (K. L. Johnson, Contact Mechanics
     (1985), section 2.8).
     """
-    return np.asarray(2 * np.exp(-np.pi / 2 / _sums(response())))
+    return np.asarray(2 * np.exp(-np.pi / 2 / _sums(node_compliance())))
 
 
 def _sums(kernel: Array64) -> Array64:

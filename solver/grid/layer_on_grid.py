@@ -6,7 +6,7 @@ import numpy as np
 
 from ..arrays import Array64
 from ..layers import ElasticLayer
-from .kept import kept
+from .cached import cached
 
 Modulus = Callable[[Array64], Array64]
 """2K(q)/q over E* for waves q [1/grid spacing]: 1 on the half-space."""
@@ -15,7 +15,7 @@ _ALIKE = 0.2
 """Logarithm of the shortest wave's stiffness over the half-space's, up to which a grid resolves a layer."""
 
 
-@kept
+@cached
 def thickness_on_grid(layer: ElasticLayer, num_points: int, period: float) -> float:
     """d [grid spacings], on a grid of `num_points` in the period L [length]; `inf` for a half-space.
 

@@ -107,7 +107,7 @@ def level_errors(found: Ends, around: Surroundings, heights: Heights, load: Arra
 
 
 def punch_compliance(half_width: Array64) -> Array64:
-    """Displacement of a flat punch by a unit load, as deep as `few_nodes.response` has it, of their shape (E* = 1).
+    """Displacement of flat punches by a unit load, as deep as `few_nodes.node_compliance` has it (E* = 1).
 
     half_width: [grid spacings].
     """

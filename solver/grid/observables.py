@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from ..arrays import Array64, Mask, parts
+from ..arrays import Array64, Mask, chunks
 from ..indenters import Indenter
 from ..reference.closed_forms import kappa_half_space
 from ..scene import SMALLEST, Scene
 from ..value import Value
 from .contact import contact_edges
-from .edges import COUNTED_BELOW, Edges
+from .edges import UNRESOLVED_BELOW, Edges
 from .patch_table import PatchTable, patch_table
 from .patches import Patches
 from .problem import squared_slope
@@ -70,8 +70,8 @@ class Observables(Measured):
     """d/(a_r L)."""
     mean_gap: float
     """Mean of h - u over all nodes [length]."""
-    num_counted_patches: int
-    """Patches whose nodes are counted even in the sub-grid area: neither pressures nor loads tell their ends."""
+    num_unresolved_patches: int
+    """Patches whose ends neither pressures nor loads tell: their nodes are counted even in the sub-grid area."""
     num_patches_by_load: int
     """Narrow patches whose ends are found by their loads, see `narrow`."""
     contact_area_error: float
@@ -107,8 +107,8 @@ def observe(
         kappa=kappa,
         kappa_ratio=kappa / kappa_half_space(power[0]) if power else None,
         reduced_thickness=scene.layer.thickness / (area * scene.period) if area else math.inf,
-        mean_gap=sum(float((profile[part] - displacement[part]).sum()) for part in parts(profile.size)) / profile.size,
-        num_counted_patches=int(edges.counted.sum()),
+        mean_gap=sum(float((profile[part] - displacement[part]).sum()) for part in chunks(profile.size)) / profile.size,
+        num_unresolved_patches=int(edges.unresolved.sum()),
         num_patches_by_load=int(edges.by_load.sum()),
         contact_area_error=measured["contact_area_edges_error"],
         kappa_error=measured["kappa_edges_error"],
@@ -174,16 +174,16 @@ def peak_sampling(indenter: Indenter, pressure: Array64, patches: Patches, edges
     at = int(np.argmax(pressure))
     before, highest, after = (float(pressure[(at + step) % pressure.size]) for step in (-1, 0, 1))
     bent = max(2 * highest - before - after, 0.0) / 8 if min(before, after) > 0 else 0.0
-    few = patches.size < COUNTED_BELOW
+    few = patches.size < UNRESOLVED_BELOW
     if not few.any():
         return bent
     inside = pressure[patches.nodes]
     largest = np.maximum.reduceat(inside, patches.offset)
-    if (largest[few & edges.counted] == highest).any():
+    if (largest[few & edges.unresolved] == highest).any():
         return math.inf
     exponent = indenter.power_law[0] if indenter.power_law else 2.0
     share = np.where(edges.by_load, 2 / math.pi * max(2.0, exponent / (exponent - 1)), 15 / 8)
-    told = few & ~edges.counted
+    told = few & ~edges.unresolved
     width = np.maximum(edges.width, SMALLEST)
     expected = np.where(told, share * patches.sums(inside) / width, largest)
     lead = int(np.argmax(expected))
@@ -196,7 +196,7 @@ def _approach_sampling(indenter: Indenter, profile: Array64, patches: Patches) -
 
     Patches of one or two nodes do not tell how deep it is in contact before a node touches. profile: h, shape (N,).
     """
-    resolved = patches.count > 0 and int(patches.size.max()) >= COUNTED_BELOW
+    resolved = patches.count > 0 and int(patches.size.max()) >= UNRESOLVED_BELOW
     return indenter.hidden_depth(profile) + (0.0 if resolved else indenter.depth_between_nodes(profile))
 
 
@@ -217,7 +217,7 @@ def subgrid_measures(scene: Scene, patches: Patches, edges: Edges) -> tuple[floa
     first, last = patches.first, patches.last
     rise = squared[(last + 1) % num_points] - squared[last % num_points]
     rise -= squared[first % num_points] - squared[(first - 1) % num_points]
-    whole += np.where(unknown & ~edges.counted, rise / 24, 0.0)
+    whole += np.where(unknown & ~edges.unresolved, rise / 24, 0.0)
     # the strips between the last nodes' cells and the edges, at the slope in their middle
     strips = np.stack([first - 0.5 - edges.left, edges.right - last - 0.5])
     middles = np.stack([(first - 0.5 + edges.left) / 2, (last + 0.5 + edges.right) / 2])

@@ -26,13 +26,13 @@ from ..layers import ElasticLayer
 from ..layers.layer import own_stiffness
 from ..scene import Scene
 from ..transforms.plain import irfft, rfft
-from .kept import kept
+from .cached import cached
 from .response import LayerResponse
 
 _FAR = 1e6  # times the reach
 
 
-@kept
+@cached
 def _profile(indenter: Indenter, num_points: int, period: float) -> Array64:
     """The indenter's heights on a grid, shape (num_points,) [L], read-only. Raises `ValueError` for anything else."""
     what = f"profile of indenter {indenter.name}"
@@ -48,7 +48,7 @@ def _profile(indenter: Indenter, num_points: int, period: float) -> Array64:
     return heights
 
 
-@kept
+@cached
 def squared_slope(indenter: Indenter, num_points: int, period: float) -> tuple[Array64, Array64 | None]:
     """h'^2 on a grid, shape (num_points,), and what it may be off by there, None where nothing; read-only
     (dimensionless).
@@ -71,7 +71,7 @@ def half_spectrum(layer: ElasticLayer, num_points: int, period: float) -> Array6
     return stiffness
 
 
-@kept
+@cached
 def response_on_grid(layer: ElasticLayer, num_points: int, period: float) -> LayerResponse:
     """K(q_k) of a layer on a grid, read-only. Raises `ValueError` like `half_spectrum`."""
     values = half_spectrum(layer, num_points, period)
@@ -203,7 +203,7 @@ def typical_stiffness(problem: Problem) -> float:
 
 
 def rounding_floor(stiffness: Array64, displacement: Array64, precision: str) -> float:
-    """The rms free residual over p that rounding leaves in a displacement, shape (N,) [u] (dimensionless).
+    """The rms equilibrium residual over p that rounding leaves in a displacement, shape (N,) [u] (dimensionless).
 
     A relative rounding error eps in u comes back as force, times the rms of K; so it grows with K_max and N. Measured
     in float32 on 150 scenes, 2^10 to 2^18 points: FIRE stagnates at 0.1 to 2 of eps rms(K) rms(u), mostly at a half;

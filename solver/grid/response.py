@@ -9,7 +9,7 @@ import numpy as np
 
 from ..arrays import Array64
 from ..transforms.plain import irfft
-from .kept import MOST_POINTS
+from .cached import MOST_POINTS
 from .split import Split, inverse, make_split
 
 _STIFF = 2.0  # K of the longest wave over the least K, up to which K is short-ranged

@@ -3,9 +3,9 @@ nodes is.
 
 The displacement around a patch has two parts. What the patch's own pressure causes bends within a grid spacing at its
 ends, which no grid resolves. What all else causes is smooth: at the nodes it is the displacement plus what the patch's
-own pressure causes on the grid of a half-space (`few_nodes.response`), between them the polynomial through these values
-(least squares). For a gap it is the pressure less what the gap's own opening causes (`few_nodes.stiffness`), which is
-the one that closing this gap alone would leave.
+own pressure causes on the grid of a half-space (`few_nodes.node_compliance`), between them the polynomial through these
+values (least squares). For a gap it is the pressure less what the gap's own opening causes
+(`few_nodes.node_stiffness`), which is the one that closing this gap alone would leave.
 
 Units: grid spacings, and E* = 1.
 """
@@ -71,7 +71,7 @@ class Surroundings:
         first, size: first nodes and numbers of nodes of the runs, up to `few_nodes.MOST_NODES`; beside: nodes of the
         narrower one of the gaps, or patches, beside each; all of shape (runs,). own: pressures, or displacements less
         heights, 0 beyond the runs; field: displacements, or pressures. caused: what a unit of `own` takes off the
-        field so many nodes away, `few_nodes.response` or `few_nodes.stiffness`.
+        field so many nodes away, `few_nodes.node_compliance` or `few_nodes.node_stiffness`.
         """
         margin = np.clip(beside // 2, 1, MARGIN)
         coefficients = np.zeros((size.size, _DEGREE + 1))

@@ -9,7 +9,7 @@ from numpy.polynomial.polynomial import polyval
 
 from ..arrays import Array64
 from .edges import TURNS
-from .few_nodes import response
+from .few_nodes import node_compliance
 from .patches import Patches
 
 _THROUGH_SIX = np.linalg.inv(np.vander(np.arange(-2.5, 3), increasing=True))  # to coefficients of the polynomial
@@ -27,7 +27,7 @@ def unseen_gaps(patches: Patches, pressure: Array64, kinks: bool) -> float:
       (least squares), or of the polynomial through six there, and may be less by as much as the two differ.
     - The pressure falls the faster the nearer. Beside a gap at a kink of the heights, which no load closes, it goes
       like arcosh(2 y/g), far away ln(4 y/g). For a kink anywhere between the two nodes the grid has that logarithm, in
-      the mean of both nodes and of the next ones, at the y of `few_nodes.response`, 0.407 and 1.379.
+      the mean of both nodes and of the next ones, at the y of `few_nodes.node_compliance`, 0.407 and 1.379.
     """
     size, label = pressure.size, patches.label
     four = np.arange(size) if patches.full else np.flatnonzero(label[3:] == label[:-3])
@@ -40,7 +40,7 @@ def unseen_gaps(patches: Patches, pressure: Array64, kinks: bool) -> float:
     before[1], falls[1], across[1] = -before[1], -falls[1], -across[1]
     kinked = kinks & ((falls > before) | (across > falls)).all(axis=0)
     bend, inner = falls.sum(axis=0), six[2] + six[3]
-    near, far = np.exp(-np.pi / 4 * (response()[:2] + response()[1:3]))
+    near, far = np.exp(-np.pi / 4 * (node_compliance()[:2] + node_compliance()[1:3]))
     at_kink = 4 * near * (far / near) ** (-inner / bend)
     middle = np.clip((3 * (six[1] - six[4]) + six[2] - six[3]) / (5 * bend), -0.5, 0.5)
     by_four = inner / 2 - bend * (1 + 4 * middle**2) / 16

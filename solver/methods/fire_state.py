@@ -40,8 +40,8 @@ class Fire(Method):
     """How many arrays of N values it has, those of the transforms included."""
 
     def __init__(self, problem: Problem, transforms: Backend, tolerance: float, own_load: bool = False) -> None:
-        """tolerance: on the rms free residual over the mean pressure; own_load: the mean pressure may be replaced by
-        a load that differs from node to node, `load`, shape (padded N,) [p].
+        """tolerance: on the rms equilibrium residual over the mean pressure; own_load: the mean pressure may be
+        replaced by a load that differs from node to node, `load`, shape (padded N,) [p].
         """
         n = self.num_points = problem.num_points
         self.problem, self.transforms, self.tolerance = problem, transforms, tolerance

@@ -85,7 +85,7 @@ class Method(Protocol):
         return PATIENCE
 
     def tighten(self) -> bool:
-        """Aim at a smaller residual, after the certificate found the free residual too large; False: it cannot."""
+        """Aim at a smaller residual, after the certificate found too large a force; False: it cannot."""
         return False
 
     def rest(self) -> None:

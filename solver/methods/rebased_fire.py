@@ -94,7 +94,7 @@ class RebasedFire(Method):
             self._rebase()
 
     def _rebase(self) -> None:
-        """A change of 0, scaled so that the base's free residual is 1."""
+        """A change of 0, scaled so that the base's equilibrium residual is 1."""
         fire = self.fire
         n, s = fire.num_points, fire.state
         if not np.isfinite(self._base).all():  # the last step went beyond all numbers

@@ -31,12 +31,12 @@ class Certified:
     contact: Mask
     """Nodes that the wall carries, shape (N,)."""
     floor: float
-    """Free residual of rounding in the scene's precision, over p (dimensionless)."""
+    """Equilibrium residual of rounding in the scene's precision, over p (dimensionless)."""
 
     @property
     def residual(self) -> float:
-        """The free residual over p (dimensionless)."""
-        return self.certificate.free_residual
+        """The equilibrium residual over p (dimensionless)."""
+        return self.certificate.equilibrium_residual
 
 
 def certify_or_fall_back(run: Run, problem: Problem) -> Certified:

@@ -161,15 +161,15 @@ def sensitivity(quantity: Quantity, scene: Scene) -> float:
     return max(2.0, power[0] if power else 2.0) if quantity.of_slopes else 1.0
 
 
-def iteration_share(free_residual: float, area: float = 0.0) -> float:
-    """Estimated relative error of a_r that a free residual leaves; `inf` where the area may be anything.
+def iteration_share(equilibrium_residual: float, area: float = 0.0) -> float:
+    """Estimated relative error of a_r that a equilibrium residual leaves; `inf` where the area may be anything.
 
     area: a_r. If that is nearly the whole period, a load that is off by the residual moves the ends of the last gaps,
     as under H. M. Westergaard's wave: p = p_full [1 - cos^2(pi a_r/2)].
     """
     open_part = math.cos(math.pi / 2 * area)
-    of_gaps = 2 / math.pi * (math.hypot(open_part, math.sqrt(free_residual)) - open_part) if area < 1 else 0.0
-    return max(free_residual, of_gaps) if free_residual < MEANINGLESS else math.inf
+    of_gaps = 2 / math.pi * (math.hypot(open_part, math.sqrt(equilibrium_residual)) - open_part) if area < 1 else 0.0
+    return max(equilibrium_residual, of_gaps) if equilibrium_residual < MEANINGLESS else math.inf
 
 
 def left_at_ends(largest: float, patches: Patches, pressure: Array64) -> float:
@@ -218,7 +218,7 @@ def with_errors(
     """
     errors: dict[str, Any] = {}
     area = observables.contact_area_subgrid
-    residual = certificate.free_residual
+    residual = certificate.equilibrium_residual
     share = iteration_share(residual, area)
     at_ends = left_at_ends(certificate.largest_residual, patches, pressure)
     for quantity in QUANTITIES.values():

@@ -16,7 +16,7 @@ import numpy as np
 from ..arrays import Array64, Indices
 from ..endings import Status
 from ..grid.edge_curves import EdgeCurve, edge_curve, half_space_curve
-from ..grid.edges import COUNTED_BELOW, Edges
+from ..grid.edges import UNRESOLVED_BELOW, Edges
 from ..grid.layer_on_grid import thickness_on_grid
 from ..grid.observables import measure
 from ..grid.patches import Patches
@@ -102,7 +102,7 @@ def prolong(scene: Scene, pressure: Array64, patches: Patches, ends: Edges, num_
     factor = num_points / pressure.size
     coarse_curve = fine_curve = half_space_curve()
     # on layers thicker than the nodes that tell an edge the half-space's is right near it, and the rest is smooth
-    if thickness_on_grid(scene.layer, pressure.size, scene.period) < COUNTED_BELOW:
+    if thickness_on_grid(scene.layer, pressure.size, scene.period) < UNRESOLVED_BELOW:
         coarse_curve, fine_curve = (edge_curve(scene.layer, n, scene.period) for n in (pressure.size, num_points))
     if patches.full:
         x = np.arange(num_points) / factor

@@ -25,7 +25,7 @@ from ..arrays import Array64, Mask
 from ..endings import Status
 from ..grid.contact import contact_edges
 from ..grid.edge_curves import edge_curve
-from ..grid.edges import COUNTED_BELOW, Edges
+from ..grid.edges import UNRESOLVED_BELOW, Edges
 from ..grid.few_nodes import MOST_NODES, equivalent_gaps, equivalent_half_widths
 from ..grid.layer_on_grid import thickness_on_grid
 from ..grid.observables import foundation_modulus
@@ -105,7 +105,7 @@ def _beyond_nodes(solution: Solution, punch: Array64, surface: Array64) -> float
         begins = patches.first + beyond_first
         edges = replace(edges, left=begins, right=begins + table.width / scene.period * n)
     curve = edge_curve(scene.layer, pressure.size, scene.period)
-    gaps, many = patches.gap, patches.size >= COUNTED_BELOW  # nodes of the gaps
+    gaps, many = patches.gap, patches.size >= UNRESOLVED_BELOW  # nodes of the gaps
     # where the layer, or a gap, is narrower than a patch, a lone punch on a half-space says nothing of that
     alone = (patches.size < gaps.min(axis=0)) | ~many
     thick = patches.size < thickness_on_grid(scene.layer, pressure.size, scene.period)
@@ -114,7 +114,7 @@ def _beyond_nodes(solution: Solution, punch: Array64, surface: Array64) -> float
     last_nodes = np.stack([patches.first, patches.last]) % pressure.size
     beyond = np.stack([patches.first - edges.left, edges.right - patches.last])
     squared = (punch[last_nodes] / curve.strength) ** 2  # k^2 over the grid spacing
-    known = many & (gaps >= COUNTED_BELOW) & ~by_load & ~told
+    known = many & (gaps >= UNRESOLVED_BELOW) & ~by_load & ~told
     total = float(np.where(known, squared * (beyond - (curve.shift - 0.5)), 0.0).sum())
     of_nodes = equivalent_half_widths()[patches.size[by_load] - 1]
     wider = np.log(edges.width[by_load] / (2 * of_nodes))

@@ -39,7 +39,7 @@ class Run:
     points_transformed: float = 0.0
     """Transform pairs on all grids times the points of each grid."""
     tolerance: float = 0.0
-    """Of the certificate, on the free residual over p (dimensionless)."""
+    """Of the certificate, on the equilibrium residual over p (dimensionless)."""
     own_tolerance: bool = False
     """Whether that was asked for. Any other gives way to the residual of rounding."""
     levels: list[Level] = field(default_factory=list)

@@ -129,7 +129,7 @@ def _measured(scene: Scene, found: _Contact, nodes: int) -> tuple[Observables, P
         kappa_edges_error=kappa_error,
         kappa_ratio=kappa / kappa_half_space(power[0]),
         num_patches=1,
-        num_counted_patches=0,
+        num_unresolved_patches=0,
         num_patches_by_load=0,
         unseen_gap_area=0.0,
         peak_pressure=peak,

@@ -57,7 +57,7 @@ def _judged(solution: Solution, accuracy: float, of: str) -> Solution:
         allowed = f"{above}a finer grid: num_points above {solution.scene.num_points}{heights}"
         reason = Reason(Cause.GRID, "accuracy", f"{accuracy:g}", allowed)
     elif reason and status is not Status.INTERRUPTED and solution.certificate:
-        got = solution.certificate.free_residual
+        got = solution.certificate.equilibrium_residual
         takes = f"{accuracy:g}, which takes a residual of {solution.tolerance:.2g} and got {got:.2g}"
         reason = Reason(reason.cause, "accuracy", takes, "a larger one")
     return replace(solution, status=status, reason=reason, accuracy=accuracy, accuracy_of=of)

@@ -17,7 +17,7 @@ from .report import finish
 from .run import Run, check_memory
 
 DEFAULT_TOLERANCE, COARSE_TOLERANCE = 1e-8, 1e-4
-"""Free residual over p at which to stop in float64 and mixed precision, and on coarse grids or in float32, at least."""
+"""Equilibrium residual over p to stop at in float64 and mixed precision; on coarse grids or in float32, at least."""
 _OVER_FLOOR = 4.0  # times the residual of rounding: the default tolerance in float32, at least
 
 
@@ -74,7 +74,7 @@ def _displacement(initial: Array64, scene: Scene, problem: Problem) -> Array64:
 
 
 def float32_floor(scene: Scene, problem: Problem) -> float:
-    """The rms free residual over p that rounding in float32 leaves, see `rounding_floor` (dimensionless).
+    """The rms equilibrium residual over p that rounding in float32 leaves, see `rounding_floor` (dimensionless).
 
     problem: of the scene; the size of u, which hardly depends on the grid, is that on a coarse one. Ctrl-C meanwhile is
     passed on.

@@ -10,7 +10,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from ...locks import BUFFERS
-from ..arrays import Array64, Modes, parts
+from ..arrays import Array64, Modes, chunks
 from .fftw import Plan, pyfftw
 from .four_step import FASTER, FASTER_THAN_REAL
 
@@ -66,7 +66,7 @@ class Pair:
         """The sum of a symbol, shape (n//2 + 1,), times |x_k|^2 over all n modes of `real`, over n; destroys `real`."""
         self.forward()
         total, n = 0.0, self.real.size
-        for part in parts(self.modes.size):
+        for part in chunks(self.modes.size):
             power = self.modes[part].real ** 2 + self.modes[part].imag ** 2
             total += 2 * float(symbol[part] @ power)
         total -= float(symbol[0] * np.abs(self.modes[0]) ** 2)  # the mean mode stands once,

@@ -46,7 +46,7 @@ class Known:
 
         estimated, value, true = estimates(), values(found), self.true
         if self.unfinished:
-            by_grid = estimates(free_residual=0.0, largest_residual=0.0)
+            by_grid = estimates(equilibrium_residual=0.0, largest_residual=0.0)
             estimated = estimated - np.where(np.isfinite(by_grid), by_grid, 0.0)
         floor = _FLOOR * np.abs(true)
         return np.asarray(np.maximum(estimated, floor) / np.maximum(np.abs(value - true), floor))

@@ -51,8 +51,8 @@ def _contact(solution: Solution) -> Iterator[Row]:
         yield "  gaps and patches that no node shows", rounded_up(gaps), "-"
     yield "contact width a_r L", width, "length"
     yield f"contact patches{', mirror image too' * mirrored(scene.to_dict())}", found.num_patches, "-"
-    if found.num_counted_patches:
-        yield "  with ends not known, nodes counted", found.num_counted_patches, "-"
+    if found.num_unresolved_patches:
+        yield "  with ends not known, nodes counted", found.num_unresolved_patches, "-"
     yield "mean pressure p", scene.pressure, "pressure"
     yield "contact modulus E*", scene.layer.contact_modulus, "pressure"
     yield "rms gradient in contact g_c", found.rms_gradient_subgrid, "-"

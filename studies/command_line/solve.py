@@ -48,8 +48,8 @@ class Options(making.Options):
     grids: Literal["auto", "nested", "single"] = "auto"
     """Start from the solution on coarser grids; auto: for the active set."""
     tolerance: float | None = _DEFAULTS["tolerance"]
-    """Stop at this rms free residual over p, 1e-14 to 0.5 (dimensionless); default 1e-8, in float32 what rounding
-    allows."""
+    """Stop at this rms equilibrium residual over p, 1e-14 to 0.5 (dimensionless); default 1e-8, in float32 what
+    rounding allows."""
     max_iterations: int | None = _DEFAULTS["max_iterations"]
     """Iteration limit; reaching it gives exit status 3."""
     precision: str = one_of(PRECISIONS, Scene.precision)

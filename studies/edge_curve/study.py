@@ -59,7 +59,7 @@ class Configuration:
     places: int = 12
     """Places of the edge between two nodes, for each scene."""
     tolerance: float = 1e-9
-    """Of the solves: rms free residual over p (dimensionless)."""
+    """Of the solves: rms equilibrium residual over p (dimensionless)."""
 
     def plan(self) -> Plan:
         """The tasks."""
@@ -97,7 +97,7 @@ class Task:
     place: float
     """About where the edge is between two nodes [grid spacings]."""
     tolerance: float
-    """Rms free residual over p to stop at (dimensionless)."""
+    """Rms equilibrium residual over p to stop at (dimensionless)."""
 
     def run(self, report: Progress | None) -> Record:
         """The record with the pressures' ratio, the edge's true offset and what the closed form makes of the ratio."""

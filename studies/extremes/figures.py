@@ -29,7 +29,7 @@ def draw(path: Path) -> dict[str, Figure]:
     certified = verdict == CERTIFIED
     plain = study.column("asked") == 0
     figure, panels = empty_panels(2, 2, TWO_COLUMNS, 5.6)
-    residual = np.maximum(_numbers(study, "certificate.free_residual"), 1e-17)
+    residual = np.maximum(_numbers(study, "certificate.equilibrium_residual"), 1e-17)
     double = certified & plain & (study.column("precision") != "float32")
     places = column, row
     _map(panels[0, 0], places, residual, double, np.max, "viridis", LogNorm(1e-12, 1e-3))

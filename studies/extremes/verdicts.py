@@ -110,7 +110,7 @@ def _numbers(solution: Solution) -> Record:
     names = ("contact_area", "contact_area_subgrid", "contact_area_error", "num_patches", "iterations")
     kept: Record = {name: record[name] for name in (*names, "transform_pairs", "tolerance", "handed_over")}
     kept["outcome"] = record["status"]
-    told = record["certificate"].keys() & {"free_residual", "energy_error_bound"}  # collocation has none
+    told = record["certificate"].keys() & {"equilibrium_residual", "energy_error_bound"}  # collocation has none
     return kept | {f"certificate.{name}": record["certificate"][name] for name in sorted(told)}
 
 
@@ -139,9 +139,9 @@ def _look_again(solution: Solution, asked: bool) -> None:
     if solution.method in GRID_FREE:
         return
     again, force, _ = certify(problem, u)
-    if not again.free_residual <= 2 * solution.tolerance + rounding:
+    if not again.equilibrium_residual <= 2 * solution.tolerance + rounding:
         said = f"the solution says {solution.tolerance:.2g}"
-        raise DefectError(f"free residual {again.free_residual:.2g} at the second look, {said}")
+        raise DefectError(f"equilibrium residual {again.equilibrium_residual:.2g} at the second look, {said}")
     if not asked and not again.energy_error_bound <= 1.01 * _MOST_ENERGY:  # units round
         raise DefectError(f"the energy may be off by {again.energy_error_bound:.2g} of itself")
     off = float(np.sqrt(np.mean((pressure / scene.pressure - force) ** 2)))

@@ -16,7 +16,11 @@ __all__ = ["RESULTS_VERSION", "flatten", "is_text", "plain", "renamed", "run_rec
 RESULTS_VERSION = 2
 """To be raised whenever the same task gives other results: they must not be mixed."""
 
-_RENAMED = {"certificate.adhesion": "certificate.tensile_violation"}
+_RENAMED = {
+    "certificate.adhesion": "certificate.tensile_violation",
+    "certificate.free_residual": "certificate.equilibrium_residual",
+    "num_counted_patches": "num_unresolved_patches",
+}
 """Names of quantities in older files, and what they are called since."""
 
 

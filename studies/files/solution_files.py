@@ -51,7 +51,7 @@ class StoredSolution(Value):
     contact_pressure: NDArray[np.float64]
     """sigma, shape (N,) [pressure]."""
     results: dict[str, Any]
-    """Everything else, by the names of the command line's JSON joined by dots, like 'certificate.free_residual'."""
+    """Everything else, by the names of the command line's JSON joined by dots, like 'certificate.penetration'."""
     patches: PatchTable | None = None
     """The contact patches; None where an earlier version has written the file, without them."""
 

@@ -96,7 +96,7 @@ def solves(runs: Sequence[Record]) -> Table:
             str(round(run["iterations"])),
             f"{run['seconds.solve']:.3g}",
             f"{run['seconds.total']:.3g}",
-            rounded_up(run["certificate.free_residual"]),
+            rounded_up(run["certificate.equilibrium_residual"]),
         )
     return table
 
@@ -114,7 +114,9 @@ def agreement(runs: Sequence[Record]) -> str:
     certified = [run for run in runs if run["certified"]]
     same = sum(run["nodes_that_differ"] == 0 for run in certified)
     most = max((run["nodes_that_differ"] for run in certified), default=0)
-    worst = max((abs(run["free_residual.gpu"] / run["free_residual.cpu"] - 1) for run in certified), default=0.0)
+    worst = max(
+        (abs(run["equilibrium_residual.gpu"] / run["equilibrium_residual.cpu"] - 1) for run in certified), default=0.0
+    )
     others = [run for run in runs if not run["certified"]]
     alike = sum(run["status.cpu"] == run["status.gpu"] for run in others)
     points = [run["num_points"] for run in runs]
@@ -123,7 +125,7 @@ def agreement(runs: Sequence[Record]) -> str:
         f"on CPU and GPU: {len(certified)} certified on both, {same} of them with the same nodes in contact"
     )
     told += f" (the others differ in up to {most:.0f} nodes)" if most else ""
-    told += f"; the free residuals of their certificates differ by up to {100 * worst:.1g} %."
+    told += f"; the equilibrium residuals of their certificates differ by up to {100 * worst:.1g} %."
     return told + (f" Of the other {len(others)} solves {alike} end with the same status." if others else "")
 
 

@@ -116,8 +116,8 @@ class Agreement:
             "certified": int(here.status is there.status is Status.CONVERGED),
             "nodes": int(here.contact.sum()),
             "nodes_that_differ": int((here.contact != there.contact).sum()),
-            "free_residual.cpu": here.certificate.free_residual,
-            "free_residual.gpu": there.certificate.free_residual,
+            "equilibrium_residual.cpu": here.certificate.equilibrium_residual,
+            "equilibrium_residual.gpu": there.certificate.equilibrium_residual,
             "iterations.cpu": here.iterations,
             "iterations.gpu": there.iterations,
         } | _machine()

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from linecontact.solver import PowerIndenter, RoughIndenter, Scene, solve
-from linecontact.solver.grid.kept import forget
+from linecontact.solver.grid.cached import forget
 from linecontact.solver.methods import DEFAULT, METHODS, Progress
 from linecontact.solver.reference import closed_forms
 from linecontact.solver.transforms.planned import plan_transforms
@@ -46,7 +46,7 @@ class Configuration:
     growing: tuple[int, ...] = (12, 14, 16, 18)
     """The same for methods whose iterations grow with the number of points."""
     tolerance: float = 1e-8
-    """Of the solves: rms free residual over p (dimensionless)."""
+    """Of the solves: rms equilibrium residual over p (dimensionless)."""
 
     def plan(self) -> Plan:
         """The tasks."""
@@ -105,7 +105,7 @@ class Task:
     log2_num_points: int
     """log2 of the number of grid points."""
     tolerance: float
-    """Rms free residual over p to stop at (dimensionless)."""
+    """Rms equilibrium residual over p to stop at (dimensionless)."""
 
     def run(self, report: Progress | None) -> Record:
         """The solution's record, with the time of a transform pair taken before and after."""

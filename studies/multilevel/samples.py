@@ -24,7 +24,7 @@ OBSERVABLES = {
 """What a mean can be taken of, with the names of the solution's observables."""
 
 TOLERANCE = 1e-5
-"""Rms free residual over p of the solves (dimensionless); it leaves kappa an error of 1e-5, far below the scatter."""
+"""Equilibrium residual over p of the solves (dimensionless); it leaves kappa an error of 1e-5, below the scatter."""
 
 FOUNDATION = 0
 """In place of the points of a grid: the surface is on a Winkler foundation, see `foundation`."""

@@ -17,7 +17,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 from linecontact.solver import RoughIndenter, Scene, Status, provenance, solve
-from linecontact.solver.grid.kept import forget
+from linecontact.solver.grid.cached import forget
 from linecontact.solver.methods import Progress
 from numpy.typing import NDArray
 

@@ -18,7 +18,7 @@ import numpy as np
 from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, Solution, Status, provenance
 from linecontact.solver import solve as solve_ours
 from linecontact.solver.arrays import Array64
-from linecontact.solver.grid.kept import forget
+from linecontact.solver.grid.cached import forget
 from linecontact.solver.methods import Progress
 from linecontact.solver.reference import collocation
 

@@ -44,7 +44,7 @@ class Configuration:
     thinnest_incompressible: float = 0.0
     """The least of them for nu = 1/2 (dimensionless)."""
     tolerance: float = 1e-8
-    """Of the solves: rms free residual over p (dimensionless)."""
+    """Of the solves: rms equilibrium residual over p (dimensionless)."""
     method: str = DEFAULT.name
     """Of the solves."""
     line_points: int = 30
@@ -68,7 +68,7 @@ class Task:
     reduced_thickness: float
     """The wanted d/(a_r L); inf for the half-space."""
     tolerance: float
-    """Rms free residual over p to stop at (dimensionless)."""
+    """Rms equilibrium residual over p to stop at (dimensionless)."""
     method: str
     """Of the solve."""
 

@@ -53,7 +53,7 @@ class Configuration:
     half_space_areas: tuple[float, ...] = (0.003, 0.01, 0.03, 0.1, 0.3, 0.5, 0.7, 0.9, 0.97, 0.99)
     """The loads of power profiles, by the a_r that they make on the half-space (dimensionless)."""
     tolerance: float = 1e-8
-    """Of the solves: rms free residual over p (dimensionless)."""
+    """Of the solves: rms equilibrium residual over p (dimensionless)."""
 
 
 CONFIGURATION = Configuration()
@@ -84,7 +84,7 @@ class ProfileTask:
     thickness: float
     """d/L; inf for the half-space."""
     tolerance: float
-    """Rms free residual over p to stop at (dimensionless)."""
+    """Rms equilibrium residual over p to stop at (dimensionless)."""
 
     @property
     def pressure(self) -> float:

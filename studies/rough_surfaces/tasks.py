@@ -47,7 +47,7 @@ class Configuration:
     realisations: int = 32
     """Surfaces for every point."""
     tolerance: float = 1e-8
-    """Of the solves: rms free residual over p (dimensionless)."""
+    """Of the solves: rms equilibrium residual over p (dimensionless)."""
     method: str = DEFAULT.name
     """Of the solves."""
 
@@ -78,7 +78,7 @@ class Task:
     seed: int
     """Of the surface."""
     tolerance: float
-    """Rms free residual over p to stop at (dimensionless)."""
+    """Rms equilibrium residual over p to stop at (dimensionless)."""
     method: str
     """Of the solve."""
 

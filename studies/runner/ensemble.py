@@ -204,7 +204,7 @@ class Ensemble:
 
 
 def _residual(record: Record) -> float:
-    residual = float(record.get("certificate.free_residual", 0.0))
+    residual = float(record.get("certificate.equilibrium_residual", 0.0))
     return math.inf if math.isnan(residual) else residual
 
 

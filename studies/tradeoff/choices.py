@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 from linecontact.solver import Solution, Status, solve
-from linecontact.solver.grid.kept import forget
+from linecontact.solver.grid.cached import forget
 from linecontact.solver.methods import Progress
 
 from ..iterations.study import pair_seconds
@@ -34,7 +34,7 @@ class Choice:
     precision: str
     """Of the iteration."""
     tolerance: float | None
-    """Rms free residual over p to stop at (dimensionless); None for the default."""
+    """Rms equilibrium residual over p to stop at (dimensionless); None for the default."""
     log2_points: int
     """log2 of the number of grid points."""
     threads: int

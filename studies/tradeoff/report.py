@@ -284,7 +284,7 @@ def not_certified(study: StudyFile) -> Iterator[str]:
             yield (
                 f"Not certified: {run['family']}, {run['method']}, {run['precision']}, tolerance "
                 f"{run['tolerance.asked']}, 2^{run['log2_points']:.0f}, {'nested' if run['nested'] else 'one grid'}: "
-                f"{run['status']}, residual {run['certificate.free_residual']:.1e}."
+                f"{run['status']}, residual {run['certificate.equilibrium_residual']:.1e}."
             )
     reference = max((run["error.reference"] for run in runs if is_rough(run["family"])), default=0.0)
     if reference > 0:

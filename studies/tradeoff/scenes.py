@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, Solution, Status, solve
-from linecontact.solver.grid.kept import forget
+from linecontact.solver.grid.cached import forget
 from linecontact.solver.methods import Progress
 from linecontact.solver.reference import closed_forms, collocation
 from linecontact.solver.strategy import small_models

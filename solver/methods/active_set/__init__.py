@@ -1,7 +1,7 @@
 """The active set: the method that needs fewest transforms, put together from its parts.
 
 `active_set` is the method with pressures as unknown, `free_nodes` with displacements; `search` is common to both.
-`contact_set` and `free_set` hold one set of nodes with its iteration, `elimination` solves small ones. `response` is
+`contact_set` and `free_set` hold one set of nodes with its iteration, `elimination` solves small ones. `surface` is
 the displacement under the pressure, on all nodes in `everywhere`, near the contact in `nearby` by the operator of
 `packed`. `preconditioner` with `local_inverses` and `greens_function` makes the iterations few.
 
@@ -11,14 +11,14 @@ linecontact.kernels.
 
 import weakref
 
-from ...grid.kept import MOST_POINTS
+from ...grid.cached import MOST_POINTS
 from ...grid.problem import Problem
 from ..method import ExecutionConfig, MethodKind
 from .active_set import ActiveSet
 from .everywhere import Everywhere, modes_apart
 from .free_nodes import FreeNodes, suits
 from .greens_function import GreensFunction
-from .response import Response
+from .surface import Surface
 
 __all__ = ["KIND", "ActiveSet", "begin"]
 
@@ -42,8 +42,8 @@ def begin(problem: Problem, config: ExecutionConfig) -> ActiveSet | FreeNodes:
     if free:
         found = FreeNodes(problem, config, green, field)
     else:
-        response = Response(problem, of_layer.split, field)
-        found = ActiveSet(problem, config, green, response)
+        surface = Surface(problem, of_layer.split, field)
+        found = ActiveSet(problem, config, green, surface)
     if problem.num_points <= MOST_POINTS:
         weakref.finalize(found, left.append, (field, green)).atexit = False
     return found

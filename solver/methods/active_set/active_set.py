@@ -3,7 +3,7 @@
 Unknown is the contact pressure sigma >= 0 on the contact nodes C, with the load fixed. There the gap h + G sigma must
 be one constant, the rigid approach; elsewhere it must not be less. Conjugate gradients on G_CC (M. R. Hestenes and E.
 Stiefel, 1952) with the preconditioner of `preconditioner` take one application of G an iteration, because the response
-G sigma is carried along (`response`): on blocks of nodes around the contact where that pays (`packed`), and on all
+G sigma is carried along (`surface`): on blocks of nodes around the contact where that pays (`packed`), and on all
 nodes elsewhere and before anything is believed. Small sets are solved by elimination instead. An update of the set
 drops nodes that pull and adds nodes that penetrate.
 
@@ -29,8 +29,8 @@ from . import elimination
 from .contact_set import ContactSet
 from .greens_function import GreensFunction
 from .preconditioner import PatchDeflation
-from .response import Response
 from .search import OVER_FLOOR, SMALLEST, History, Search
+from .surface import Surface
 
 _SOFT = 0.01  # stiffness of a base over that of its coating, below which the coating is stiff
 
@@ -38,19 +38,19 @@ _SOFT = 0.01  # stiffness of a base over that of its coating, below which the co
 class ActiveSet(Search[ContactSet]):
     """The active set on one grid, by pressures."""
 
-    def __init__(self, problem: Problem, config: ExecutionConfig, green: GreensFunction, response: Response) -> None:
+    def __init__(self, problem: Problem, config: ExecutionConfig, green: GreensFunction, surface: Surface) -> None:
         super().__init__(problem, config, green)
-        self._response = response
+        self._surface = surface
         # a single node that penetrates so much takes that part of the tolerance as its force
         self._smallest_gap = SMALLEST * self.tolerance / float(problem.stiffness.mean())
         # on a half-space K is q/2: below a stiff coating long waves find a base that is softer
         soft_base = bool(problem.stiffness[1] * (problem.stiffness.size - 1) < _SOFT * problem.stiffness[-1])
-        self._begins_cautious = soft_base and response.exact and not self._fixed_set
+        self._begins_cautious = soft_base and surface.exact and not self._fixed_set
         self._begun = False
 
     @property
     def transform_pairs(self) -> float:
-        return self._response.pairs + self._green.transformed / self.problem.num_points
+        return self._surface.pairs + self._green.transformed / self.problem.num_points
 
     def start(self, displacement: Array64) -> None:
         self.start_from_pressure(self.problem.wall_pressure(displacement))
@@ -68,37 +68,37 @@ class ActiveSet(Search[ContactSet]):
         self._take_set(nodes, nodes, pressure[nodes])
         self._begun, self.stopped, self._history = True, False, History(self._begins_cautious)
         if self._begins_cautious:
-            self._response.stay_everywhere(self._set)
+            self._surface.stay_everywhere(self._set)
         else:
-            self._response.renew(self._set)
-        self._floor = OVER_FLOOR * self._response.floor(self._set)
+            self._surface.renew(self._set)
+        self._floor = OVER_FLOOR * self._surface.floor(self._set)
 
     def rest(self) -> None:
-        self._response.rest()
+        self._surface.rest()
         self._green.response.rest()
 
     def step(self) -> None:
         """Solve on the set, by one iteration; where that has come far enough, update the set instead."""
         if not self._begun:
             self.start_cold()
-        now, drift = self._set, self._response.drift
-        if self._response.plain and elimination.suits(now, self._history.cautious):
+        now, drift = self._set, self._surface.drift
+        if self._surface.plain and elimination.suits(now, self._history.cautious):
             self._eliminate()
             return
         if now.preconditioner is None:
             now.preconditioner = PatchDeflation(self._green, now.patches, self._history.cautious)
-        touching = self._response.touching(now)
+        touching = self._surface.touching(now)
         r = float(touching.mean()) - touching
         z = now.preconditioner.apply(r)
         self.residual = math.sqrt(float(z @ z) / self.problem.num_points)
         if drift and self.residual <= max(self._aim, drift):
             now.first_residual = min(now.first_residual, self.residual)
-            self._response.renew(now)
+            self._surface.renew(now)
             now.last_product = 0.0
             self.iteration += 1
             self._update_set()  # the gap of all nodes is known only now
         else:
-            self._go_on(lambda: self._response.go_along(now, now.turn(r, z)))
+            self._go_on(lambda: self._surface.go_along(now, now.turn(r, z)))
 
     def _eliminate(self) -> None:
         """Solve on a small set by elimination, as well as rounding allows, and update it."""
@@ -109,7 +109,7 @@ class ActiveSet(Search[ContactSet]):
         self._renew_eliminated(now)
         # under a stiff coating elements of G are millions of times as large as what short waves need of them: rounding
         if self.residual > self._aim:
-            touching = self._response.touching(now)
+            touching = self._surface.touching(now)
             change = self._green.solve(now.nodes, touching - touching.mean(), load=0.0)
             if change is not None:
                 now.pressure = now.pressure + change
@@ -121,13 +121,13 @@ class ActiveSet(Search[ContactSet]):
 
     def _renew_eliminated(self, now: ContactSet) -> None:
         """Make the response to a pressure by elimination, and its residual."""
-        self._response.renew(now)
-        touching = self._response.touching(now)
+        self._surface.renew(now)
+        touching = self._surface.touching(now)
         # G_CC^-1 is at most K_CC, and K at most 2
         self.residual = 2 * float(touching.std()) * math.sqrt(touching.size / self.problem.num_points)
 
     def _operator_is_exact(self) -> bool:
-        return not self._response.leave_nearby(self._set)
+        return not self._surface.leave_nearby(self._set)
 
     def _take_set(self, nodes: Indices, loaded: Indices, pressure: Array64) -> None:
         """A new set of nodes, in ascending order, of which some are loaded by a pressure, shape (loaded nodes,) [p]."""
@@ -138,7 +138,7 @@ class ActiveSet(Search[ContactSet]):
     def _update_set(self) -> bool:
         """Drop nodes that pull, add nodes that penetrate; False if there are none."""
         now, pulling = self._set, bool((self._set.pressure < 0).any())
-        new = self._response.penetrating(now, self._smallest_gap)
+        new = self._surface.penetrating(now, self._smallest_gap)
         if self._fixed_set or not (pulling or new.size):
             return False
         if pulling and self._history.cautious:
@@ -146,7 +146,7 @@ class ActiveSet(Search[ContactSet]):
         nodes, kept = now.changed(new)
         self._take_set(nodes, now.nodes[kept], now.pressure[kept])
         if not self._circles(now):
-            self._response.follow(now, self._set, changed=not kept.all())
+            self._surface.follow(now, self._set, changed=not kept.all())
         return True
 
     @property
@@ -155,14 +155,14 @@ class ActiveSet(Search[ContactSet]):
         because the pressure's own work is least [u].
         """
         now = self._set
-        if self._response.drift:
-            self._response.renew(now)
-        return float(now.pressure @ self._response.touching(now)) / self.problem.num_points
+        if self._surface.drift:
+            self._surface.renew(now)
+        return float(now.pressure @ self._surface.touching(now)) / self.problem.num_points
 
     @property
     def displacement(self) -> Array64:
         """u, shape (N,) [u], in float64; contact nodes stand on the exact wall. 0 before the first set."""
-        return self._response.displacement(self._set) if self._begun else np.zeros(self.problem.num_points)
+        return self._surface.displacement(self._set) if self._begun else np.zeros(self.problem.num_points)
 
     @property
     def contact_pressure(self) -> Array64:

@@ -12,7 +12,7 @@ import numpy as np
 
 from ....kernels import CHUNK, Call, layout, record
 from ...arrays import Array, Array64, Indices
-from ...grid.kept import MOST_POINTS
+from ...grid.cached import MOST_POINTS
 from ...transforms.planned import plan_transforms
 from ...transforms.planner import Transforms
 from ..method import ExecutionConfig

@@ -25,10 +25,10 @@ from .greens_function import GreensFunction
 SMALLEST = 0.1
 """Force of a node that joins or leaves, over the tolerance: below, sets would change by rounding."""
 OVER_FLOOR = 0.3
-"""Residual that can be reached, over the free residual that rounding leaves."""
+"""Residual that can be reached, over the equilibrium residual that rounding leaves."""
 _SAFETY = 0.2
-"""Residual to stop at over the tolerance: the free residual is mostly up to four times the pressure's error. Once more
-after the certificate has found it too large."""
+"""Residual to stop at over the tolerance: the equilibrium residual is up to four times the pressure's error, mostly.
+Once more after the certificate has found it too large."""
 _PATIENCE = 25  # iterations in which the residual does not become less; then it is rounding, too, and may grow
 _BOLD, _CAUTIOUS = 0.05, 1e-4  # forcing terms
 

@@ -18,8 +18,8 @@ from linecontact.solver import (
     Status,
     solve,
 )
-from linecontact.solver.grid import kept as kept_module
-from linecontact.solver.grid.kept import forget, kept
+from linecontact.solver.grid import cached as cached_module
+from linecontact.solver.grid.cached import cached, forget
 from linecontact.solver.grid.problem import Problem
 from linecontact.solver.methods import active_set
 from linecontact.solver.methods.active_set.everywhere import Everywhere
@@ -122,14 +122,14 @@ class NoHash:
 def test_what_cannot_be_hashed_or_is_large_is_made_anew_and_few_grids_are_kept(monkeypatch):
     made = []
 
-    @kept
+    @cached
     def make(part, num_points, period):
         made.append(num_points)
         return num_points
 
     for _ in range(2):
         assert make(NoHash(), 8, 1.0) == 8
-        assert make(Layer(), kept_module.MOST_POINTS + 1, 1.0) == kept_module.MOST_POINTS + 1
+        assert make(Layer(), cached_module.MOST_POINTS + 1, 1.0) == cached_module.MOST_POINTS + 1
     assert len(made) == 4
     for n in range(20):
         make(Layer(), n, 1.0)

@@ -23,7 +23,7 @@ from .nearby import Nearby, surround
 _SAMPLE = 2**14  # nodes that tell the size of u
 
 
-class Response:
+class Surface:
     """w = G sigma of one grid, and what is read off it. Units are the problem's."""
 
     def __init__(self, problem: Problem, split: Split | None, everywhere: Everywhere) -> None:
@@ -165,7 +165,7 @@ class Response:
         return below[~now.patches.hold(below)]
 
     def floor(self, now: ContactSet) -> float:
-        """The rms free residual over p that rounding leaves here (dimensionless)."""
+        """The rms equilibrium residual over p that rounding leaves here (dimensionless)."""
         sample = np.arange(0, self._problem.num_points, max(1, self._problem.num_points // _SAMPLE))
         response = self._all.field[sample]
         displacement = np.minimum(self.level(now) - response, self._problem.height[sample])

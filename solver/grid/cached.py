@@ -15,7 +15,7 @@ _BY_IDENTITY: Any = object.__hash__
 _clearing: list[Callable[[], None]] = []  # of every function: forgets what it has kept
 
 
-def kept(make: Callable[[Any, int, float], Made]) -> Callable[[Any, int, float], Made]:
+def cached(make: Callable[[Any, int, float], Made]) -> Callable[[Any, int, float], Made]:
     """A function of a layer or an indenter, the grid's points and the period, whose latest results are kept.
 
     What it makes is used again and must not be changed: arrays should be made read-only. Layers and indenters that
