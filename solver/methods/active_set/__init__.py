@@ -1,9 +1,9 @@
 """The active set: the method that needs fewest transforms, put together from its parts.
 
 `active_set` is the method with pressures as unknown, `free_nodes` with displacements; `search` is common to both.
-`contact_set` and `free_set` hold one set of nodes with its iteration, `elimination` solves small ones. `surface` is
-the displacement under the pressure, on all nodes in `everywhere`, near the contact in `nearby` by the operator of
-`packed`. `preconditioner` with `local_inverses` and `greens_function` makes the iterations few.
+`contact_set` holds one set of nodes with its iteration. `surface` is the displacement under the pressure, on all nodes
+in `everywhere`, near the contact in `nearby`. `preconditioner` with `local_inverses` and `greens_function` makes the
+iterations few.
 
 May import: method, linecontact.solver.arrays, linecontact.solver.transforms, linecontact.solver.grid,
 linecontact.kernels.
@@ -34,10 +34,10 @@ def begin(problem: Problem, config: ExecutionConfig) -> ActiveSet | FreeNodes:
     left: list[tuple[Everywhere, GreensFunction]] = of_layer.made.setdefault(key, [])
     try:
         field, green = left.pop()
-        field.begin(problem.height)
-        green.begin()
     except IndexError:  # all are in use
-        field, green = Everywhere(symbol, problem.height, config, apart), GreensFunction(of_layer)
+        field, green = Everywhere(symbol, problem.num_points, config, apart), GreensFunction(of_layer)
+    field.begin(problem.height)
+    green.begin()
     found: ActiveSet | FreeNodes
     if free:
         found = FreeNodes(problem, config, green, field)

@@ -25,13 +25,13 @@ import numpy as np
 from ...arrays import Array64, Indices
 from ...grid.problem import Problem, foundation_pressure, typical_stiffness
 from ..method import ExecutionConfig
-from . import elimination
 from .contact_set import ContactSet
-from .greens_function import GreensFunction
+from .greens_function import HARD, GreensFunction
 from .preconditioner import PatchDeflation
-from .search import OVER_FLOOR, SMALLEST, History, Search
+from .search import OVER_FLOOR, SMALLEST, Search
 from .surface import Surface
 
+_SMALL = 256  # nodes of a contact up to which elimination takes less time than the iterations
 _SOFT = 0.01  # stiffness of a base over that of its coating, below which the coating is stiff
 
 
@@ -66,7 +66,8 @@ class ActiveSet(Search[ContactSet]):
             return
         nodes = np.flatnonzero(pressure > 0)
         self._take_set(nodes, nodes, pressure[nodes])
-        self._begun, self.stopped, self._history = True, False, History(self._begins_cautious)
+        self._begin(self._begins_cautious)
+        self._begun = True
         if self._begins_cautious:
             self._surface.stay_everywhere(self._set)
         else:
@@ -82,14 +83,15 @@ class ActiveSet(Search[ContactSet]):
         if not self._begun:
             self.start_cold()
         now, drift = self._set, self._surface.drift
-        if self._surface.plain and elimination.suits(now, self._history.cautious):
+        small = now.nodes.size <= (HARD if self._cautious else _SMALL)
+        if small and self._surface.plain and not (now.eliminated or now.patches.full):
             self._eliminate()
             return
         if now.preconditioner is None:
-            now.preconditioner = PatchDeflation(self._green, now.patches, self._history.cautious)
+            now.preconditioner = PatchDeflation(self._green, now.patches, self._cautious)
         touching = self._surface.touching(now)
         r = float(touching.mean()) - touching
-        z = now.preconditioner.apply(r)
+        z = now.preconditioner(r)
         self.residual = math.sqrt(float(z @ z) / self.problem.num_points)
         if drift and self.residual <= max(self._aim, drift):
             now.first_residual = min(now.first_residual, self.residual)
@@ -101,11 +103,24 @@ class ActiveSet(Search[ContactSet]):
             self._go_on(lambda: self._surface.go_along(now, now.turn(r, z)))
 
     def _eliminate(self) -> None:
-        """Solve on a small set by elimination, as well as rounding allows, and update it."""
-        now = elimination.solve(self._set, self._green, self.problem.height, self._history.cautious)
-        if now is None:  # iterate
+        """Solve on a small set by elimination, as well as rounding allows, and update it. In a cautious search nodes
+        that would pull are dropped until none does.
+        """
+        now, height = self._set, self.problem.height
+        now.eliminated, nodes = True, now.nodes
+        pressure = self._green.solve(nodes, height[nodes])
+        while self._cautious and pressure is not None and (pressure < 0).any():
+            nodes = nodes[pressure >= 0]
+            pressure = self._green.solve(nodes, height[nodes])
+        if pressure is None:  # iterate
             return
-        self._set = now
+        if nodes.size < now.nodes.size:
+            order = np.argsort(nodes)
+            now = self._set = ContactSet.of(nodes[order], pressure[order], height.size)
+            now.eliminated = True
+        else:
+            now.pressure = pressure
+        now.begin_anew()  # the search direction belongs to another pressure
         self._renew_eliminated(now)
         # under a stiff coating elements of G are millions of times as large as what short waves need of them: rounding
         if self.residual > self._aim:
@@ -141,7 +156,7 @@ class ActiveSet(Search[ContactSet]):
         new = self._surface.penetrating(now, self._smallest_gap)
         if self._fixed_set or not (pulling or new.size):
             return False
-        if pulling and self._history.cautious:
+        if pulling and self._cautious:
             new = new[:0]
         nodes, kept = now.changed(new)
         self._take_set(nodes, now.nodes[kept], now.pressure[kept])

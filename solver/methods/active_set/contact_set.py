@@ -1,25 +1,22 @@
 """What belongs to one set of contact nodes; the active set makes a new one whenever it changes the set."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
 from ...arrays import Array64, Indices, Mask
 from ...grid.patches import Patches
-from .preconditioner import PatchDeflation
 from .search import NodeSet
 
 
-@dataclass(eq=False)
+@dataclass(eq=False, kw_only=True)
 class ContactSet(NodeSet):
     """A set of contact nodes and the pressure on them, in the compact order of `Patches`."""
 
-    pressure: Array64 = field(default_factory=lambda: np.zeros(0))
+    pressure: Array64
     """Contact pressure, shape (contact nodes,) [p]; negative where the wall would have to pull."""
-    places: Indices = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    places: Indices
     """Where they have their values in the response that is carried along, shape (contact nodes,)."""
-    preconditioner: PatchDeflation | None = None
-    """Made when it is needed."""
     eliminated: bool = False
     """Whether the pressure is or was that by elimination."""
 
@@ -29,12 +26,7 @@ class ContactSet(NodeSet):
         patches = Patches.of_nodes(nodes, num_points)
         if patches.nodes[0] != nodes[0]:  # a patch goes on at node 0
             pressure = np.roll(pressure, -int(np.searchsorted(nodes, patches.nodes[0])))
-        return cls(patches, pressure=pressure)
-
-    @property
-    def nodes(self) -> Indices:
-        """Grid index of each contact node, shape (contact nodes,)."""
-        return self.patches.nodes
+        return cls(patches=patches, pressure=pressure, places=patches.nodes)
 
     def changed(self, new: Indices) -> tuple[Indices, Mask]:
         """Drop nodes that pull and add new ones: the nodes of the next set in ascending order, and which of this one's

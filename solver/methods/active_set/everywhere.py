@@ -1,7 +1,5 @@
-"""A field of all nodes that an operator makes and adds to, and the kernels that work on it.
-
-With G it is the response w = G sigma to the contact pressure: a node's gap is h + w - level, the level being the rigid
-approach. With K it is the net force r = 1 - K u.
+"""A field of all nodes that an operator makes and adds to: with G the response w = G sigma to a contact pressure, with K
+the force K u of a displacement.
 """
 
 import math
@@ -14,7 +12,6 @@ from ....kernels import CHUNK, Call, layout, record
 from ...arrays import Array, Array64, Indices
 from ...grid.cached import MOST_POINTS
 from ...transforms.planned import plan_transforms
-from ...transforms.planner import Transforms
 from ..method import ExecutionConfig
 
 _TIMES_ROUNDING = 50
@@ -29,66 +26,66 @@ def modes_apart(symbol: Array64, tolerance: float) -> bool:
     return bool(tolerance <= _TIMES_ROUNDING * rounding)
 
 
-class Compliance:
-    """G = 1/K without the mean mode, or K, applied by one pair of transforms, in the precision of the transforms.
+class Operator:
+    """G = 1/K without the mean mode, or K, applied by one pair of transforms, in the precision of the transforms."""
 
-    The symbol, G(q_k) or K(q_k), has the shape (N//2 + 1,).
-    """
-
-    def __init__(self, symbol: Array64, transforms: Transforms) -> None:
+    def __init__(self, symbol: Array64, num_points: int, precision: str, config: ExecutionConfig, apart: bool) -> None:
+        how = config.threads, config.planning, config.backend
+        transforms = plan_transforms(num_points, precision, *how, apart=apart)
         self.new_field = transforms.buffer
-        """Makes a field of the target's length and type."""
         self.target = transforms.field()
         forward, inverse = transforms.forward(self.target), transforms.inverse(self.target)
-        multiply = transforms.multiplication(symbol, self.target)
-        self._parts = forward, multiply, inverse
+        self._parts = forward, transforms.multiplication(symbol, self.target), inverse
 
-    def apply(self, places: Indices | slice, values: Array64) -> None:
-        """target = G values, or K values; values: 0 at all other places, of the places' shape."""
+    def apply(self, places: Indices | slice, values: Array64) -> Array:
+        """`target` after it was these values at these places and 0 elsewhere."""
         self.target[:] = 0
         self.target[places] = values
         for part in self._parts:
             part()
+        return self.target
 
 
 class Everywhere:
-    """The field of an operator, on all nodes: w [u] or r [p]."""
+    """The field of an operator, on all nodes: w [u] or K u [p]. It serves after `begin`, one solve at a time."""
 
-    def __init__(self, symbol: Array64, height: Array64, config: ExecutionConfig, apart: bool) -> None:
-        """symbol: of the operator, shape (N//2 + 1,); height: h, shape (N,) [u]; apart: see `modes_apart`."""
-        self._symbol, self._config, self._num_points, self._apart = symbol, config, height.size, apart
+    pair_length = 1.0
+    """As `Nearby.pair_length`."""
+
+    def __init__(self, symbol: Array64, num_points: int, config: ExecutionConfig, apart: bool) -> None:
+        """symbol: of the operator, shape (N//2 + 1,); num_points: N; apart: see `modes_apart`."""
+        self._symbol, self._num_points, self._config, self._apart = symbol, num_points, config, apart
         self.mixed = config.precision == "mixed"
         """Whether images of search directions are float32 and the field is float64."""
         self.field = self._operators[1].new_field()
         """Shape (N,) and padding."""
         self._state = np.zeros(layout.GAP_STATE_LENGTH)
-        self.begin(height)
+        self._counts = np.zeros(self.field.size // CHUNK)
 
     def begin(self, height: Array64) -> None:
-        """Turn to another scene. height: h, shape (N,) [u]."""
+        """Turn to a scene. height: h, shape (N,) [u]."""
         self.field[:] = 0  # what an earlier solve has left
         self._height: Array = height
         if self.field.shape != height.shape or self.field.dtype != height.dtype:
             self._height = np.full_like(self.field, math.inf)  # padding never touches
             self._height[: height.size] = height
-        self._counts = np.zeros(self._height.size // CHUNK)
         self.__dict__.pop("_count", None)
 
     @cached_property
-    def _operators(self) -> tuple[Compliance, Compliance]:
+    def _operators(self) -> tuple[Operator, Operator]:
         """For search directions and for the field itself: two objects in mixed precision, else the same one."""
-        config = self._config
-
-        def operator(precision: str) -> Compliance:
-            how = config.threads, config.planning, config.backend
-            return Compliance(self._symbol, plan_transforms(self._num_points, precision, *how, apart=self._apart))
-
-        directions = operator(config.working_precision)
-        return directions, operator("float64") if self.mixed else directions
+        how = self._config, self._apart
+        directions = Operator(self._symbol, self._num_points, self._config.working_precision, *how)
+        return directions, Operator(self._symbol, self._num_points, "float64", *how) if self.mixed else directions
 
     @cached_property
     def _advance(self) -> Callable[[], None]:
         call = Call("advance_response", (self._operators[0].target, self._state), (self.field,))
+        return record(self._config.backend, [call])
+
+    @cached_property
+    def _count(self) -> Callable[[], None]:
+        call = Call("count_below", (self.field, self._height, self._state), (self._counts,))
         return record(self._config.backend, [call])
 
     def rest(self) -> None:
@@ -96,28 +93,17 @@ class Everywhere:
         for name in ("_advance", "_operators") if self._num_points > MOST_POINTS else ():
             self.__dict__.pop(name, None)
 
-    @cached_property
-    def _count(self) -> Callable[[], None]:
-        call = Call("count_below", (self.field, self._height, self._state), (self._counts,))
-        return record(self._config.backend, [call])
+    def renew(self, places: Indices | slice, values: Array64) -> None:
+        """Make the field of values at these places, 0 elsewhere."""
+        self.field[:] = self._operators[1].apply(places, values)
 
-    def renew(self, places: Indices, pressure: Array64) -> None:
-        """Make the response to a pressure at these places, 0 elsewhere [p]."""
-        whole = self._operators[1]
-        whole.apply(places, pressure)
-        self.field[:] = whole.target
-
-    def renew_force(self, displacement: Array64) -> None:
-        """Make the net force 1 - K u of a displacement, shape (N,) [u]."""
-        whole = self._operators[1]
-        whole.apply(slice(displacement.size), displacement)
-        np.subtract(1, whole.target, out=self.field)
+    def places(self, nodes: Indices) -> Indices:
+        """As `Nearby.places`."""
+        return nodes
 
     def image(self, places: Indices, direction: Array64) -> Array:
         """The image of a search direction at these places, in the precision of its transforms, there."""
-        directions = self._operators[0]
-        directions.apply(places, direction)
-        return np.asarray(directions.target[places])
+        return np.asarray(self._operators[0].apply(places, direction)[places])
 
     def advance(self, step: float) -> None:
         """Add the latest image times a step."""

@@ -2,24 +2,26 @@
 
 Where much of the period is in contact, few nodes are free, and K between them is short-ranged, so that this form of
 the same problem takes three quarters to a sixth of the iterations: K_FF u_F = p - K_FC h_C by preconditioned conjugate
-gradients, with the preconditioner of `free_set`. The net force r = p - K u of all nodes is carried along; on the free
-nodes it is the residual that the certificate looks at, too. An update puts free nodes that penetrate onto the wall, and
-sets those free that the wall would have to hold by pulling.
+gradients. K u of all nodes is carried along; on the free nodes p - K u is the residual that the certificate looks at,
+too. An update puts free nodes that penetrate onto the wall, and sets those free that the wall would have to hold by
+pulling.
 
 Not for layers whose longest waves are the stiffest, thin and incompressible ones: there K is long-ranged.
 """
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
 from ...arrays import Array64, Mask
+from ...grid.patches import Patches
 from ...grid.problem import Problem, foundation_pressure, rounding_floor, typical_stiffness
 from ..method import ExecutionConfig
 from .everywhere import Everywhere
-from .free_set import FreeSet, GapByGap
 from .greens_function import GreensFunction
-from .search import OVER_FLOOR, SMALLEST, History, Search
+from .local_inverses import Inverse, RunByRun
+from .search import OVER_FLOOR, SMALLEST, NodeSet, Search
 
 _LEAST = 0.23  # share of the nodes in contact from which this form takes less time than that in the pressure
 
@@ -30,18 +32,42 @@ def suits(problem: Problem, config: ExecutionConfig) -> bool:
     return enough and problem.rigidity.stiffness_decays
 
 
+def gap_by_gap(green: GreensFunction, gaps: Patches) -> RunByRun:
+    """Approximate inverse of K on runs of free nodes: a displacement in one gap hardly presses on the next, so no loads
+    need to be solved for together. On long gaps 1/K on a short ring of nodes is nearly the inverse.
+    """
+
+    def long(size: int) -> Inverse:
+        ring = green.ring(size)
+        return lambda force: ring(ring.inverse_rigidity, force)
+
+    return RunByRun(gaps, green.stiffness_factor, long)
+
+
+@dataclass(eq=False, kw_only=True)
+class FreeSet(NodeSet):
+    """A set of free nodes: `patches` are runs of free nodes here."""
+
+    free: Mask
+    """Which nodes are free, shape (N,)."""
+
+    @classmethod
+    def of(cls, free: Mask) -> "FreeSet":
+        """The set of the nodes that are free, shape (N,)."""
+        return cls(patches=Patches.of(free), free=free)
+
+
 class FreeNodes(Search[FreeSet]):
     """The active set on one grid, by displacements; in float64."""
 
     def __init__(
         self, problem: Problem, config: ExecutionConfig, green: GreensFunction, everywhere: Everywhere
     ) -> None:
-        """everywhere: the net force of all nodes, by K."""
+        """everywhere: K u of all nodes."""
         super().__init__(problem, config, green)
         self._all, self._pairs = everywhere, 0.0
         self._displacement = np.zeros(problem.num_points)
         self._set = FreeSet.of(self._displacement < problem.height)
-        self._all.field[:] = 1
 
     @property
     def transform_pairs(self) -> float:
@@ -63,17 +89,22 @@ class FreeNodes(Search[FreeSet]):
 
     def _take(self, displacement: Array64, free: Mask) -> None:
         """Begin from a displacement [u] and the nodes that are free, both shape (N,)."""
-        self._displacement, self.stopped, self._history = displacement, False, History()
-        self._set = FreeSet.of(free)
+        self._begin()
+        self._displacement, self._set = displacement, FreeSet.of(free)
         self._make_force()
         self._floor = OVER_FLOOR * rounding_floor(self.problem.stiffness, displacement, "float64")
 
     def _make_force(self) -> None:
-        """The net force of all nodes from their displacement, those in contact on the exact wall."""
+        """The force of all nodes from their displacement, those in contact on the exact wall."""
         held = ~self._set.free
         self._displacement[held] = self.problem.height[held]
-        self._all.renew_force(self._displacement)
+        self._all.renew(slice(held.size), self._displacement)
         self._pairs += 1
+
+    @property
+    def _residual_force(self) -> Array64:
+        """r on the free nodes [p]."""
+        return 1 - self._all.field[self._set.nodes]
 
     def tighten(self) -> bool:
         self._make_force()  # what is carried along has lost touch with the displacement
@@ -82,33 +113,32 @@ class FreeNodes(Search[FreeSet]):
 
     def step(self) -> None:
         """One iteration on the free nodes; where they are solved well enough, update which nodes are free instead."""
-        force = self._all.field[self._set.patches.nodes]
+        force = self._residual_force
         self.residual = math.sqrt(float(force @ force) / max(1, force.size))
         self._go_on(lambda: self._iterate(force))
 
     def _iterate(self, force: Array64) -> bool:
         """One iteration of conjugate gradients; False if rounding has left no way down."""
         now = self._set
-        if now.inverse is None:
-            now.inverse = GapByGap(self._green, now.patches)
-        direction = now.turn(force, now.inverse.apply(force))
-        curvature = float(direction @ self._all.image(now.patches.nodes, direction))
+        if now.preconditioner is None:
+            now.preconditioner = gap_by_gap(self._green, now.patches)
+        direction = now.turn(force, now.preconditioner(force))
+        curvature = float(direction @ self._all.image(now.nodes, direction))
         self._pairs += 1
         if not curvature > 0:
             return False
         step = now.last_product / curvature
-        self._displacement[now.patches.nodes] += step * direction
-        self._all.advance(-step)
+        self._displacement[now.nodes] += step * direction
+        self._all.advance(step)
         return True
 
     def _update_set(self) -> bool:
         """Put nodes that penetrate onto the wall, set nodes free that pull; False if none does."""
-        height, nodes = self.problem.height, self._set.patches.nodes
+        height, nodes = self.problem.height, self._set.nodes
         penetrating = nodes[self._displacement[nodes] > height[nodes]]
-        pull = self._all.field[: self.problem.num_points] < -SMALLEST * self.tolerance
+        pull = self._all.field[: height.size] > 1 + SMALLEST * self.tolerance
         pull &= ~self._set.free
-        changed = penetrating.size + int(np.count_nonzero(pull))
-        if self._fixed_set or not changed:
+        if self._fixed_set or not (penetrating.size or pull.any()):
             return False
         free = self._set.free | pull
         free[penetrating] = False
@@ -122,7 +152,7 @@ class FreeNodes(Search[FreeSet]):
     @property
     def punch_approach(self) -> float:
         """As `ActiveSet.punch_approach`: what is left of the free force does its share of the work [u]."""
-        u, force = self._displacement[self._set.patches.nodes], self._all.field[self._set.patches.nodes]
+        u, force = self._displacement[self._set.nodes], self._residual_force
         return (float(u.sum()) + float(u @ force)) / self.problem.num_points
 
     @property
@@ -133,4 +163,4 @@ class FreeNodes(Search[FreeSet]):
     @property
     def contact_pressure(self) -> Array64:
         """sigma, shape (N,) [p]."""
-        return np.where(self._set.free, 0.0, np.maximum(self._all.field[: self.problem.num_points], 0.0))
+        return np.where(self._set.free, 0.0, np.maximum(1 - self._all.field[: self.problem.num_points], 0.0))

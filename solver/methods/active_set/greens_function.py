@@ -36,7 +36,6 @@ def inverse_cholesky(column: Array64) -> Array64:
 
 HARD = 2048
 """Unknowns up to which a stiff coating's equations are solved by elimination: they are hard to iterate on."""
-_LITTLE_LONGER = 1.125  # least length of a ring for K, over that of the run
 _SHORT = 16  # times shorter than the grid are rings that are kept for the next solve
 
 
@@ -61,15 +60,13 @@ class GreensFunction:
         return self._factor("G", order, self.response.head)
 
     def stiffness_factor(self, order: int) -> Array64:
-        """`inverse_cholesky` of K in real space [1/K^(1/2)]; kept for the next call."""
+        """The same of K [1/K^(1/2)]."""
         return self._factor("K", order, lambda order: irfft(self.response.stiffness, self.num_points)[:order])
 
     def _factor(self, name: str, order: int, column: Callable[[int], Array64]) -> Array64:
-        factor = self._factors.get(name)
-        if factor is None or factor.shape[0] < order:
-            order = min(64 * -(-order // 64), self.num_points - 1)
-            factor = self._factors[name] = inverse_cholesky(column(order))
-        return factor
+        if name not in self._factors or len(self._factors[name]) < order:
+            self._factors[name] = inverse_cholesky(column(min(64 * -(-order // 64), self.num_points - 1)))
+        return self._factors[name]
 
     def solve(self, nodes: Indices, height: Array64, load: float = 1.0) -> Array64 | None:
         """The pressure on some nodes, not all, whose gap h + G sigma is one constant, shape (M,) [p]; None where
@@ -97,21 +94,12 @@ class GreensFunction:
             self._convolutions[length] = Convolution(self.response, length)
         return self._convolutions[length]
 
-    def around(self, size: int) -> "Convolution":
+    def ring(self, size: int) -> "Convolution":
         """The convolution for a run of so many nodes, on a ring of at least twice as many, which keeps its ends apart,
         or of all; runs of similar size share one.
         """
-        return self._ring(size, 2.0, 2)
-
-    def along(self, size: int) -> "Convolution":
-        """The convolution with K for a run of so many nodes: on a ring that is an eighth to three eighths longer, where
-        little of K reaches around it.
-        """
-        return self._ring(size, _LITTLE_LONGER, 1) if self.response.stiffness_decays else self.around(size)
-
-    def _ring(self, size: int, longer: float, steps: int) -> "Convolution":
-        step = steps << (size.bit_length() - 3)  # four to eight lengths to an octave
-        return self.convolution(min(step * math.ceil(longer * size / step), self.num_points))
+        step = 2 << (size.bit_length() - 3)  # four to eight lengths to an octave
+        return self.convolution(min(step * math.ceil(2 * size / step), self.num_points))
 
 
 def patch_sums(second_sum: Array64, first: Indices, last: Indices) -> Array64:

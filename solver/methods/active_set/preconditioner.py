@@ -12,12 +12,14 @@ The parts are kept apart: the local part carries no load, the coarse one makes t
 leaves the total load as it is, and a constant in the residual (the rigid approach) has no effect.
 """
 
+from functools import partial
+
 import numpy as np
 
 from ...arrays import Array64
 from ...grid.patches import Patches
 from .greens_function import HARD, GreensFunction, patch_sums
-from .local_inverses import PatchByPatch
+from .local_inverses import LongPatch, RunByRun
 
 
 class PatchDeflation:
@@ -31,8 +33,8 @@ class PatchDeflation:
         self._factor = np.ones((1, 1))
         if patches.full:
             return
-        self._local = PatchByPatch(green, patches)
-        self._punch = self._local.punch
+        self._local = RunByRun(patches, green.factor, partial(LongPatch, green))
+        self._punch = self._local(np.ones(patches.nodes.size))
         loads = patches.sums(self._punch)
         share = -(-patches.count // max(HARD if cautious else 0, _unknowns(patches.num_points)))
         self._starts = starts = np.arange(0, patches.count, share)
@@ -52,7 +54,7 @@ class PatchDeflation:
         """Sums over the patches of each unknown."""
         return np.add.reduceat(self.patches.sums(values), self._starts)
 
-    def apply(self, residual: Array64) -> Array64:
+    def __call__(self, residual: Array64) -> Array64:
         """Preconditioned residual (a pressure), both shape (contact nodes,) in compact order; its sum is 0."""
         if self.patches.full:
             whole = self._green.convolution(residual.size)

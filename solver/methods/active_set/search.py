@@ -16,7 +16,7 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
-from ...arrays import Array64
+from ...arrays import Array64, Indices
 from ...grid.patches import Patches
 from ...grid.problem import Problem
 from ..method import ExecutionConfig, Method
@@ -30,15 +30,17 @@ _SAFETY = 0.2
 """Residual to stop at over the tolerance: the equilibrium residual is up to four times the pressure's error, mostly.
 Once more after the certificate has found it too large."""
 _PATIENCE = 25  # iterations in which the residual does not become less; then it is rounding, too, and may grow
-_BOLD, _CAUTIOUS = 0.05, 1e-4  # forcing terms
+_BOLD, _CAUTIOUS = 0.05, 1e-4  # part of a new set's residual at which the set is updated
 
 
-@dataclass(eq=False)
+@dataclass(eq=False, kw_only=True)
 class NodeSet:
     """A set of nodes with conjugate gradients on it, in the compact order of its runs of neighbouring nodes."""
 
     patches: Patches
     """Its runs of neighbouring nodes."""
+    preconditioner: Callable[[Array64], Array64] | None = None
+    """Made when it is needed."""
     direction: Array64 = field(default_factory=lambda: np.zeros(0))
     """Search direction, shape (nodes,): a pressure [p] or a displacement [u]."""
     last_product: float = 0.0
@@ -46,17 +48,17 @@ class NodeSet:
     descent."""
     first_residual: float = math.inf
     """Residual when the set was new, over p."""
-    settled: bool = False
-    """No node wanted to join or leave when the set was last examined."""
     least_residual: float = math.inf
     """The smallest of them, over p."""
     in_vain: int = 0
     """Iterations since then."""
+    settled: bool = False
+    """No node wanted to join or leave when the set was last examined."""
 
     @property
-    def key(self) -> int:
-        """By which a set that comes back is recognised."""
-        return hash((self.patches.first.tobytes(), self.patches.last.tobytes()))
+    def nodes(self) -> Indices:
+        """Grid index of each of them, shape (nodes,)."""
+        return self.patches.nodes
 
     def iterate(self, residual: float) -> bool:
         """Count an iteration that begins with this residual, over p; False if more of them are of no use."""
@@ -81,30 +83,6 @@ class NodeSet:
 Nodes = TypeVar("Nodes", bound=NodeSet)
 
 
-@dataclass
-class History:
-    """The sets that a search has had. It is bold until one comes back."""
-
-    cautious: bool = False
-    """Whether every set is solved well before it is updated."""
-    keys: set[int] = field(default_factory=set)
-    """Of the sets since it began, or became cautious."""
-
-    @property
-    def forcing_term(self) -> float:
-        """Part of a new set's residual at which the set is updated."""
-        return _CAUTIOUS if self.cautious else _BOLD
-
-    def settles(self, key: int) -> bool:
-        """Note a new set; False if it comes back although the search is cautious."""
-        if key in self.keys:
-            if self.cautious:
-                return False
-            self.cautious, self.keys = True, set()
-        self.keys.add(key)
-        return True
-
-
 class Search(Method, Generic[Nodes]):
     """The active set on one grid, in either form."""
 
@@ -116,8 +94,15 @@ class Search(Method, Generic[Nodes]):
 
     def __init__(self, problem: Problem, config: ExecutionConfig, green: GreensFunction) -> None:
         self.problem, self.tolerance, self._fixed_set = problem, config.tolerance, config.fixed_set
-        self._green, self._history = green, History()
-        self._target, self._floor = _SAFETY * config.tolerance, 0.0
+        self._green, self._target = green, _SAFETY * config.tolerance
+        self._begin()
+
+    def _begin(self, cautious: bool = False) -> None:
+        """Begin from another set. cautious: solve every set well before it is updated; a search becomes so when a set
+        comes back.
+        """
+        self._cautious, self._floor, self.stopped = cautious, 0.0, False
+        self._keys: set[int] = set()  # of the sets since then
 
     @property
     def _aim(self) -> float:
@@ -128,7 +113,7 @@ class Search(Method, Generic[Nodes]):
         self._target *= _SAFETY
         self._floor *= _SAFETY
         self.stopped = False
-        self._history.keys.clear()
+        self._keys.clear()
         return True
 
     def _go_on(self, iterate: Callable[[], bool]) -> None:
@@ -139,7 +124,8 @@ class Search(Method, Generic[Nodes]):
         now = self._set
         if math.isinf(now.first_residual):
             now.first_residual = self.residual
-        if self.residual <= max(self._aim, 0.0 if now.settled else self._history.forcing_term * now.first_residual):
+        forcing = 0.0 if now.settled else _CAUTIOUS if self._cautious else _BOLD
+        if self.residual <= max(self._aim, forcing * now.first_residual):
             if self._update_set():
                 self.iteration += 1
                 return
@@ -169,7 +155,11 @@ class Search(Method, Generic[Nodes]):
 
     def _circles(self, before: Nodes) -> bool:
         """Whether the new set comes back although the search is cautious, which ends it with the one before."""
-        if self._history.settles(self._set.key):
-            return False
-        self._set, self.stopped, self.residual = before, True, max(self.residual, 2 * self.tolerance)
-        return True
+        key = hash((self._set.patches.first.tobytes(), self._set.patches.last.tobytes()))
+        if key in self._keys and self._cautious:
+            self._set, self.stopped, self.residual = before, True, max(self.residual, 2 * self.tolerance)
+            return True
+        if key in self._keys:
+            self._cautious, self._keys = True, set()
+        self._keys.add(key)
+        return False
