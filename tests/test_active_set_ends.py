@@ -20,7 +20,6 @@ from linecontact.solver import (
 from linecontact.solver.endings import Cause
 from linecontact.solver.grid.problem import Problem
 from linecontact.solver.methods import ExecutionConfig, active_set
-from linecontact.solver.methods.active_set import elimination
 from linecontact.solver.methods.active_set.active_set import ActiveSet
 from linecontact.solver.strategy import certification
 from linecontact.solver.strategy.run import Run
@@ -78,7 +77,7 @@ def test_hand_over_is_said(monkeypatch):
 
 def where_no_search_is_cautious(monkeypatch):
     """As in single precision; and hard sets are iterated on."""
-    monkeypatch.setattr(elimination, "HARD", 0)
+    monkeypatch.setattr(active_set.active_set, "HARD", 0)
     monkeypatch.setattr(active_set.active_set, "_SOFT", 0)
 
 
@@ -174,7 +173,7 @@ def test_sets_that_come_back_are_noticed():
         if state.stopped:
             break
     assert state.stopped
-    assert state._history.cautious
+    assert state._cautious
 
 
 def test_interrupted_on_a_coarse_grid(monkeypatch):

@@ -91,7 +91,7 @@ def test_preconditioner(d, nu, unknowns, longest, monkeypatch):
 def check_preconditioner(d, nu, patches, condition):
     m = patches.nodes.size
     preconditioner = deflation.PatchDeflation(greens_function(512, d, nu), patches)
-    matrix = np.stack([preconditioner.apply(e) for e in np.eye(m)], axis=1)
+    matrix = np.stack([preconditioner(e) for e in np.eye(m)], axis=1)
     size = np.abs(matrix).max()
     np.testing.assert_allclose(matrix, matrix.T, atol=1e-9 * size)
     np.testing.assert_allclose(matrix.sum(axis=0), 0, atol=1e-9 * size)  # keeps the load, ignores a constant
@@ -127,7 +127,7 @@ def test_a_long_patch_is_nearly_inverted(thickness, nu):
     size, green = 500, greens_function(4096, thickness, nu)
     matrix = np.take(green.response.whole, np.arange(size)[:, None] - np.arange(size), mode="wrap")
     patch = local_inverses.LongPatch(green, size)
-    inverse = np.stack([patch.solve(unit) for unit in np.eye(size)])
+    inverse = np.stack([patch(unit) for unit in np.eye(size)])
     np.testing.assert_allclose(inverse, inverse.T, atol=1e-12 * np.abs(inverse).max())
     values = np.linalg.eigvals(inverse @ matrix).real
     assert 0.4 < values.min() <= values.max() < 2.1

@@ -86,11 +86,11 @@ def test_fields_that_are_in_use_are_not_lent_again():
     forget()
     problem, setting = Problem.from_scene(SCENES[1]), ExecutionConfig(1e-8)
     first, second = active_set.begin(problem, setting), active_set.begin(problem, setting)
-    fields = [method._response._all.field for method in (first, second)]
+    fields = [method._surface._all.field for method in (first, second)]
     assert fields[0] is not fields[1]
     del first
     third = active_set.begin(problem, setting)
-    assert third._response._all.field is fields[0]
+    assert third._surface._all.field is fields[0]
 
 
 def test_nothing_that_is_kept_can_be_changed():

@@ -16,8 +16,7 @@ from linecontact.solver import (
     solve,
 )
 from linecontact.solver.grid.problem import Problem
-from linecontact.solver.methods.active_set import active_set, elimination
-from linecontact.solver.methods.active_set.contact_set import ContactSet
+from linecontact.solver.methods.active_set import active_set
 from linecontact.solver.methods.active_set.greens_function import GreensFunction
 from linecontact.solver.strategy.linearised import contact_compliance
 
@@ -64,20 +63,28 @@ def test_a_cautious_search_finds_the_same_contact(even, small, monkeypatch):
     scenes = [Scene(Layer(d), indenter, 0.02, num_points=2**10) for d in (math.inf, 1e-3)]
     usual = [solve(scene).contact_pressure for scene in scenes]
     monkeypatch.setattr(active_set, "_SOFT", math.inf)
-    monkeypatch.setattr(elimination, "HARD", small)
+    monkeypatch.setattr(active_set, "HARD", small)
     for scene, pressure in zip(scenes, usual, strict=True):
         found = solve(scene, nested=False)
         assert found.status is Status.CONVERGED
         assert np.abs(found.contact_pressure - pressure).max() < 1e-6 * pressure.max()
 
 
-def test_larger_sets_are_eliminated_in_a_cautious_search():
-    nodes = np.arange(0, 1200, 2)
-    now = ContactSet.of(nodes, np.ones(nodes.size), 2**12)
-    assert not elimination.suits(now, cautious=False)
-    assert elimination.suits(now, cautious=True)
-    now.eliminated = True
-    assert not elimination.suits(now, cautious=True)
+@pytest.mark.parametrize(("base", "largest"), [(1e-4, 2048), (1.0, 256)])
+def test_larger_sets_are_eliminated_in_a_cautious_search(base, largest, monkeypatch):
+    sizes, eliminate = [], GreensFunction.solve
+
+    def noted(self, nodes, *arguments, **options):
+        sizes.append(nodes.size)
+        return eliminate(self, nodes, *arguments, **options)
+
+    monkeypatch.setattr(GreensFunction, "solve", noted)
+    scene = Scene(CoatedHalfSpace(0.01, base), PowerIndenter(), 5e-3, num_points=2**12)
+    solution = solve(scene)
+    assert solution.status is Status.CONVERGED
+    assert solution.contact.sum() > 256
+    assert largest / 8 < max(sizes) <= largest
+    assert (max(sizes) > 256) is (largest > 256)
 
 
 def test_where_elimination_fails_conjugate_gradients_go_on(monkeypatch):

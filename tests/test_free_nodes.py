@@ -16,8 +16,7 @@ from linecontact.solver.grid.patches import Patches
 from linecontact.solver.grid.problem import Problem, full_contact_pressure
 from linecontact.solver.methods import ExecutionConfig, active_set, relax
 from linecontact.solver.methods.active_set.active_set import ActiveSet
-from linecontact.solver.methods.active_set.free_nodes import FreeNodes
-from linecontact.solver.methods.active_set.free_set import GapByGap
+from linecontact.solver.methods.active_set.free_nodes import FreeNodes, gap_by_gap
 from linecontact.solver.methods.active_set.greens_function import GreensFunction
 from linecontact.solver.transforms.plain import irfft
 
@@ -81,7 +80,7 @@ def test_the_preconditioner_inverts_a_short_gap_exactly():
     column, nodes = irfft(problem.stiffness, 2**10), np.arange(80)
     force = np.random.default_rng(0).standard_normal(80)
     green = GreensFunction(problem.rigidity)
-    found = GapByGap(green, Patches.of(free)).apply(force)
+    found = gap_by_gap(green, Patches.of(free))(force)
     np.testing.assert_allclose(found, np.linalg.solve(column[abs(nodes[:, None] - nodes)], force), rtol=1e-9)
 
 

@@ -12,7 +12,7 @@ from linecontact.solver.grid.problem import Problem, half_spectrum
 from linecontact.solver.grid.split import Split
 from linecontact.solver.methods import ExecutionConfig, active_set, relax
 from linecontact.solver.methods.active_set import nearby
-from linecontact.solver.methods.active_set.packed import Packed, transformed_blocks
+from linecontact.solver.methods.active_set.nearby import Nearby, transformed_blocks
 
 LAYERS = [(math.inf, 0.25)] + [
     (d, nu) for d in (1, 0.1, 0.01, 1e-3, 1e-4, 1e-5) for nu in (-0.9, 0.25, 0.45, 0.499, 0.5)
@@ -42,13 +42,14 @@ def islands(num_blocks, seed):
 def test_packed_against_whole_transforms(num_points, block, thickness, nu):
     """Errors are measured over what G does to that pressure, and are at most three times what the split says."""
     split, symbol = split_and_symbol(num_points, block, thickness, nu)
-    packed = Packed(split, islands(num_points // block, seed=num_points))
+    blocks = islands(num_points // block, seed=num_points)
+    packed = Nearby(split, blocks, np.zeros(num_points)).apply
     rng = np.random.default_rng(1)
-    pressure = rng.standard_normal((packed.blocks.size, block))
+    pressure = rng.standard_normal((blocks.size, block))
     pressure -= pressure.mean()  # a constant in the image tells nothing, and a load makes one
     whole = np.zeros((num_points // block, block))
-    whole[packed.blocks] = pressure
-    expected = np.fft.irfft(np.fft.rfft(whole.ravel()) * symbol, num_points).reshape(-1, block)[packed.blocks]
+    whole[blocks] = pressure
+    expected = np.fft.irfft(np.fft.rfft(whole.ravel()) * symbol, num_points).reshape(-1, block)[blocks]
     difference = packed(pressure) - expected
     assert np.abs(difference - difference.mean()).max() <= 3 * split.error * np.ptp(expected)
     assert split.error < 3e-3
@@ -86,12 +87,13 @@ def test_smooth_displacements_stay_smooth(thickness):
     """The packed operator's error under a load, as force on the nodes over the largest pressure, here 1."""
     num_points, block = 2**16, 16
     split, symbol = split_and_symbol(num_points, block, thickness)
-    packed = Packed(split, np.arange(1000, 1100))
+    blocks = np.arange(1000, 1100)
+    packed = Nearby(split, blocks, np.zeros(num_points)).apply
     x = np.linspace(-1, 1, 100 * block)
     pressure = (1 - x**2).reshape(-1, block)  # it ends at 0, so all its waves are long
     whole = np.zeros((num_points // block, block))
-    whole[packed.blocks] = pressure
-    exact = np.fft.irfft(np.fft.rfft(whole.ravel()) * symbol, num_points).reshape(-1, block)[packed.blocks]
+    whole[blocks] = pressure
+    exact = np.fft.irfft(np.fft.rfft(whole.ravel()) * symbol, num_points).reshape(-1, block)[blocks]
     error = (packed(pressure) - exact).ravel()
     force = np.diff(error, 2) / symbol[1:].min() / 4  # of the shortest wave the second difference is -4 times the wave
     assert np.abs(force).max() < 1e-6
@@ -182,10 +184,10 @@ def test_where_blocks_do_not_pay_any_more_nodes_have_their_values_in_the_whole_f
     state = active_set.begin(problem, ExecutionConfig(1e-8))
     state.start_from_pressure(pressure)
     response, now = state._surface, state._set
-    np.testing.assert_array_equal(now.places, response._nearby.places(now.nodes))
-    assert response._nearby.nodes.size < 2**10
+    np.testing.assert_array_equal(now.places, response._at.places(now.nodes))
+    assert response._at.nodes.size < 2**10
     response._surround(now, np.arange(2**16))
-    assert response._nearby is None
+    assert response._at is response._all
     np.testing.assert_array_equal(now.places, now.nodes)
 
 
@@ -201,7 +203,7 @@ def test_contact_nearly_everywhere_is_solved_on_all_nodes(monkeypatch):
 @pytest.mark.parametrize(("error", "left"), [(1e-3, False), (0.03, False), (0.5, True), (-2.0, True)])
 def test_an_operator_worse_than_it_says(error, left, monkeypatch):
     """Found out by whole transforms; where they become many, or there is no way down, all nodes are worked on."""
-    plain, made = Packed.__call__, []
+    plain, made = Nearby.apply, []
     begin = active_set.Surface.__init__
 
     def keep(self, *arguments):
@@ -209,15 +211,15 @@ def test_an_operator_worse_than_it_says(error, left, monkeypatch):
         begin(self, *arguments)
 
     def wrong(self, values):
-        return (1 + error * np.cos(self.blocks))[:, None] * plain(self, values)
+        return (1 + error * np.cos(self._blocks))[:, None] * plain(self, values)
 
-    monkeypatch.setattr(Packed, "__call__", wrong)
+    monkeypatch.setattr(Nearby, "apply", wrong)
     monkeypatch.setattr(active_set.Surface, "__init__", keep)
     solution = solve(SCENES[0])
     assert solution.status is Status.CONVERGED
     assert not solution.handed_over
     assert (made[-1]._split is None) is left
-    monkeypatch.setattr(Packed, "__call__", plain)
+    monkeypatch.setattr(Nearby, "apply", plain)
     np.testing.assert_array_equal(solution.contact, solve(SCENES[0]).contact)
 
 

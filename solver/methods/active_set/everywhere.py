@@ -1,5 +1,5 @@
-"""A field of all nodes that an operator makes and adds to: with G the response w = G sigma to a contact pressure, with K
-the force K u of a displacement.
+"""A field of all nodes that an operator makes and adds to: with G the response w = G sigma to a contact pressure,
+with K the force K u of a displacement.
 """
 
 import math

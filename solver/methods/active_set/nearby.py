@@ -89,7 +89,7 @@ class Nearby:
         block, inside = np.divmod(nodes, self._split.block)
         return np.asarray(self._index[block] * self._split.block + inside)
 
-    def image(self, places: Indices, direction: Array64) -> Array64:
+    def image(self, places: Indices | slice, direction: Array64) -> Array64:
         """The response to a pressure at these places, 0 elsewhere, there [u]."""
         values = np.zeros(self.nodes.size)
         values[places] = direction
