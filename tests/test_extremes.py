@@ -203,7 +203,7 @@ def test_mixed_goes_on_in_float64(monkeypatch):
 
     def stuck(self):
         step(self)
-        self.stopped = self.stopped or (self._surface.mixed and self.iteration > 3)
+        self.stopped = self.stopped or (self._all.mixed and self.iteration > 3)
 
     monkeypatch.setattr(ActiveSet, "step", stuck)
     monkeypatch.setattr("linecontact.solver.methods.active_set.active_set._SMALL", 0)  # nothing by elimination

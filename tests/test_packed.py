@@ -11,7 +11,7 @@ from linecontact.solver.grid.patches import Patches
 from linecontact.solver.grid.problem import Problem, half_spectrum
 from linecontact.solver.grid.split import Split
 from linecontact.solver.methods import ExecutionConfig, active_set, relax
-from linecontact.solver.methods.active_set import nearby
+from linecontact.solver.methods.active_set import nearby, surface
 from linecontact.solver.methods.active_set.nearby import Nearby, transformed_blocks
 
 LAYERS = [(math.inf, 0.25)] + [
@@ -133,8 +133,8 @@ SCENES = [
 )
 def test_same_contact_as_on_all_nodes(scene, nested, monkeypatch):
     near = solve(scene, nested=nested)
-    response = active_set.Surface
-    monkeypatch.setattr(active_set, "Surface", lambda problem, split, *rest: response(problem, None, *rest))
+    response = surface.Surface
+    monkeypatch.setattr(active_set.active_set, "Surface", lambda problem, split, *rest: response(problem, None, *rest))
     everywhere = solve(scene, nested=nested)
     assert near.status is everywhere.status is Status.CONVERGED
     np.testing.assert_array_equal(near.contact, everywhere.contact)
@@ -145,13 +145,13 @@ def test_same_contact_as_on_all_nodes(scene, nested, monkeypatch):
 def count_renewals(monkeypatch):
     """Whole transforms by the number of points."""
     found = {}
-    plain = active_set.Surface.renew
+    plain = surface.Surface.renew
 
     def renew(self, now):
         found[self._problem.num_points] = found.get(self._problem.num_points, 0) + 1
         plain(self, now)
 
-    monkeypatch.setattr(active_set.Surface, "renew", renew)
+    monkeypatch.setattr(surface.Surface, "renew", renew)
     return found
 
 
@@ -204,7 +204,7 @@ def test_contact_nearly_everywhere_is_solved_on_all_nodes(monkeypatch):
 def test_an_operator_worse_than_it_says(error, left, monkeypatch):
     """Found out by whole transforms; where they become many, or there is no way down, all nodes are worked on."""
     plain, made = Nearby.apply, []
-    begin = active_set.Surface.__init__
+    begin = surface.Surface.__init__
 
     def keep(self, *arguments):
         made.append(self)
@@ -214,7 +214,7 @@ def test_an_operator_worse_than_it_says(error, left, monkeypatch):
         return (1 + error * np.cos(self._blocks))[:, None] * plain(self, values)
 
     monkeypatch.setattr(Nearby, "apply", wrong)
-    monkeypatch.setattr(active_set.Surface, "__init__", keep)
+    monkeypatch.setattr(surface.Surface, "__init__", keep)
     solution = solve(SCENES[0])
     assert solution.status is Status.CONVERGED
     assert not solution.handed_over

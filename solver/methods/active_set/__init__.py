@@ -18,7 +18,6 @@ from .active_set import ActiveSet
 from .everywhere import Everywhere, modes_apart
 from .free_nodes import FreeNodes, suits
 from .greens_function import GreensFunction
-from .surface import Surface
 
 __all__ = ["KIND", "ActiveSet", "begin"]
 
@@ -38,12 +37,7 @@ def begin(problem: Problem, config: ExecutionConfig) -> ActiveSet | FreeNodes:
         field, green = Everywhere(symbol, problem.num_points, config, apart), GreensFunction(of_layer)
     field.begin(problem.height)
     green.begin()
-    found: ActiveSet | FreeNodes
-    if free:
-        found = FreeNodes(problem, config, green, field)
-    else:
-        surface = Surface(problem, of_layer.split, field)
-        found = ActiveSet(problem, config, green, surface)
+    found: ActiveSet | FreeNodes = (FreeNodes if free else ActiveSet)(problem, config, green, field)
     if problem.num_points <= MOST_POINTS:
         weakref.finalize(found, left.append, (field, green)).atexit = False
     return found

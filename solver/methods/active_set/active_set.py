@@ -22,10 +22,11 @@ import math
 
 import numpy as np
 
-from ...arrays import Array64, Indices
-from ...grid.problem import Problem, foundation_pressure, typical_stiffness
+from ...arrays import Array64
+from ...grid.problem import Problem, foundation_pressure, rounding_floor, typical_stiffness
 from ..method import ExecutionConfig
 from .contact_set import ContactSet
+from .everywhere import Everywhere
 from .greens_function import HARD, GreensFunction
 from .preconditioner import PatchDeflation
 from .search import OVER_FLOOR, SMALLEST, Search
@@ -38,53 +39,42 @@ _SOFT = 0.01  # stiffness of a base over that of its coating, below which the co
 class ActiveSet(Search[ContactSet]):
     """The active set on one grid, by pressures."""
 
-    def __init__(self, problem: Problem, config: ExecutionConfig, green: GreensFunction, surface: Surface) -> None:
-        super().__init__(problem, config, green)
-        self._surface = surface
+    def __init__(
+        self, problem: Problem, config: ExecutionConfig, green: GreensFunction, everywhere: Everywhere
+    ) -> None:
+        super().__init__(problem, config, green, everywhere)
+        self._precision = "float32" if config.precision == "float32" else "float64"
         # a single node that penetrates so much takes that part of the tolerance as its force
         self._smallest_gap = SMALLEST * self.tolerance / float(problem.stiffness.mean())
         # on a half-space K is q/2: below a stiff coating long waves find a base that is softer
         soft_base = bool(problem.stiffness[1] * (problem.stiffness.size - 1) < _SOFT * problem.stiffness[-1])
-        self._begins_cautious = soft_base and surface.exact and not self._fixed_set
+        self._begins_cautious = soft_base and self._precision == "float64" and not self._fixed_set
+        self._surface = Surface(problem, None if self._begins_cautious else problem.rigidity.split, everywhere)
         self._begun = False
-
-    @property
-    def transform_pairs(self) -> float:
-        return self._surface.pairs + self._green.transformed / self.problem.num_points
 
     def start(self, displacement: Array64) -> None:
         self.start_from_pressure(self.problem.wall_pressure(displacement))
 
-    def start_cold(self) -> None:
-        """Begin with the pressure of a Winkler foundation as stiff as the layer is for this profile."""
-        self.start_from_pressure(foundation_pressure(self.problem, typical_stiffness(self.problem)))
-
     def start_from_pressure(self, pressure: Array64) -> None:
-        """Begin from a contact pressure, shape (N,) [p]; without any, from `start_cold`."""
+        """Begin from a contact pressure, shape (N,) [p]; without any, from that of a Winkler foundation as stiff as the
+        layer is for this profile.
+        """
         if not pressure.any():
-            self.start_cold()
-            return
+            pressure = foundation_pressure(self.problem, typical_stiffness(self.problem))
         nodes = np.flatnonzero(pressure > 0)
-        self._take_set(nodes, nodes, pressure[nodes])
+        self._set = ContactSet.of(nodes, pressure[nodes], self.problem.num_points)
         self._begin(self._begins_cautious)
         self._begun = True
-        if self._begins_cautious:
-            self._surface.stay_everywhere(self._set)
-        else:
-            self._surface.renew(self._set)
-        self._floor = OVER_FLOOR * self._surface.floor(self._set)
-
-    def rest(self) -> None:
-        self._surface.rest()
-        self._green.response.rest()
+        self._surface.renew(self._set)
+        self._floor = OVER_FLOOR * rounding_floor(self.problem.stiffness, self.displacement, self._precision)
 
     def step(self) -> None:
         """Solve on the set, by one iteration; where that has come far enough, update the set instead."""
         if not self._begun:
-            self.start_cold()
+            self.start_from_pressure(np.zeros(self.problem.num_points))
         now, drift = self._set, self._surface.drift
-        small = now.nodes.size <= (HARD if self._cautious else _SMALL)
-        if small and self._surface.plain and not (now.eliminated or now.patches.full):
+        small = now.nodes.size <= (HARD if self._cautious else _SMALL) and self._precision == "float64"
+        if small and not (self._surface.nearby or now.eliminated or now.patches.full):
             self._eliminate()
             return
         if now.preconditioner is None:
@@ -142,13 +132,10 @@ class ActiveSet(Search[ContactSet]):
         self.residual = 2 * float(touching.std()) * math.sqrt(touching.size / self.problem.num_points)
 
     def _operator_is_exact(self) -> bool:
-        return not self._surface.leave_nearby(self._set)
-
-    def _take_set(self, nodes: Indices, loaded: Indices, pressure: Array64) -> None:
-        """A new set of nodes, in ascending order, of which some are loaded by a pressure, shape (loaded nodes,) [p]."""
-        everywhere = np.zeros(nodes.size)
-        everywhere[np.searchsorted(nodes, loaded)] = pressure
-        self._set = ContactSet.of(nodes, everywhere, self.problem.num_points)
+        if not self._surface.nearby:
+            return True
+        self._surface.leave_nearby(self._set)
+        return False
 
     def _update_set(self) -> bool:
         """Drop nodes that pull, add nodes that penetrate; False if there are none."""
@@ -156,23 +143,10 @@ class ActiveSet(Search[ContactSet]):
         new = self._surface.penetrating(now, self._smallest_gap)
         if self._fixed_set or not (pulling or new.size):
             return False
-        if pulling and self._cautious:
-            new = new[:0]
-        nodes, kept = now.changed(new)
-        self._take_set(nodes, now.nodes[kept], now.pressure[kept])
+        self._set, dropped = now.changed(new[:0] if pulling and self._cautious else new)
         if not self._circles(now):
-            self._surface.follow(now, self._set, changed=not kept.all())
+            self._surface.follow(now, self._set, dropped)
         return True
-
-    @property
-    def punch_approach(self) -> float:
-        """Where all contact nodes have the height 0: mean of u, with an error of the second order in the residual,
-        because the pressure's own work is least [u].
-        """
-        now = self._set
-        if self._surface.drift:
-            self._surface.renew(now)
-        return float(now.pressure @ self._surface.touching(now)) / self.problem.num_points
 
     @property
     def displacement(self) -> Array64:

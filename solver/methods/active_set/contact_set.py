@@ -28,9 +28,9 @@ class ContactSet(NodeSet):
             pressure = np.roll(pressure, -int(np.searchsorted(nodes, patches.nodes[0])))
         return cls(patches=patches, pressure=pressure, places=patches.nodes)
 
-    def changed(self, new: Indices) -> tuple[Indices, Mask]:
-        """Drop nodes that pull and add new ones: the nodes of the next set in ascending order, and which of this one's
-        stay and keep their pressure.
+    def changed(self, new: Indices) -> tuple["ContactSet", bool]:
+        """Drop nodes that pull and add new ones, on which there is no pressure: the next set, and whether nodes were
+        dropped.
 
         Where m nodes pull at the end of a patch, about 2m lie outside of the contact (it shrinks by half of that with
         every update): 2m - 1 are dropped.
@@ -45,4 +45,7 @@ class ContactSet(NodeSet):
         kept &= ~bears[label] | ((place > beyond[0][label] - 2) & (place < beyond[1][label] + 2))
         if not (new.size or kept.any()):
             kept[np.argmax(self.pressure)] = True
-        return np.sort(np.concatenate([self.nodes[kept], new]), kind="stable"), kept  # merges what is in order
+        nodes = np.sort(np.concatenate([self.nodes[kept], new]), kind="stable")  # merges what is in order
+        pressure = np.zeros(nodes.size)
+        pressure[np.searchsorted(nodes, self.nodes[kept])] = self.pressure[kept]
+        return ContactSet.of(nodes, pressure, self.patches.num_points), not kept.all()

@@ -49,9 +49,6 @@ class Operator:
 class Everywhere:
     """The field of an operator, on all nodes: w [u] or K u [p]. It serves after `begin`, one solve at a time."""
 
-    pair_length = 1.0
-    """As `Nearby.pair_length`."""
-
     def __init__(self, symbol: Array64, num_points: int, config: ExecutionConfig, apart: bool) -> None:
         """symbol: of the operator, shape (N//2 + 1,); num_points: N; apart: see `modes_apart`."""
         self._symbol, self._num_points, self._config, self._apart = symbol, num_points, config, apart
@@ -59,11 +56,14 @@ class Everywhere:
         """Whether images of search directions are float32 and the field is float64."""
         self.field = self._operators[1].new_field()
         """Shape (N,) and padding."""
+        self.pairs = 0.0
+        """Transform pairs in this solve, short ones by their length over N."""
         self._state = np.zeros(layout.GAP_STATE_LENGTH)
         self._counts = np.zeros(self.field.size // CHUNK)
 
     def begin(self, height: Array64) -> None:
         """Turn to a scene. height: h, shape (N,) [u]."""
+        self.pairs = 0.0
         self.field[:] = 0  # what an earlier solve has left
         self._height: Array = height
         if self.field.shape != height.shape or self.field.dtype != height.dtype:
@@ -95,14 +95,16 @@ class Everywhere:
 
     def renew(self, places: Indices | slice, values: Array64) -> None:
         """Make the field of values at these places, 0 elsewhere."""
+        self.pairs += 1
         self.field[:] = self._operators[1].apply(places, values)
 
     def places(self, nodes: Indices) -> Indices:
-        """As `Nearby.places`."""
+        """Where these nodes have their values."""
         return nodes
 
-    def image(self, places: Indices, direction: Array64) -> Array:
+    def image(self, places: Indices | slice, direction: Array64) -> Array:
         """The image of a search direction at these places, in the precision of its transforms, there."""
+        self.pairs += 1
         return np.asarray(self._operators[0].apply(places, direction)[places])
 
     def advance(self, step: float) -> None:

@@ -64,14 +64,9 @@ class FreeNodes(Search[FreeSet]):
         self, problem: Problem, config: ExecutionConfig, green: GreensFunction, everywhere: Everywhere
     ) -> None:
         """everywhere: K u of all nodes."""
-        super().__init__(problem, config, green)
-        self._all, self._pairs = everywhere, 0.0
+        super().__init__(problem, config, green, everywhere)
         self._displacement = np.zeros(problem.num_points)
         self._set = FreeSet.of(self._displacement < problem.height)
-
-    @property
-    def transform_pairs(self) -> float:
-        return self._pairs + self._green.transformed / self.problem.num_points
 
     def start(self, displacement: Array64) -> None:
         if (displacement < self.problem.height).all():  # K knows no load without contact
@@ -85,7 +80,7 @@ class FreeNodes(Search[FreeSet]):
             pressure = foundation_pressure(self.problem, typical_stiffness(self.problem))
         # nodes that penetrate stay free at first: the pressure is only about right, and most of them belong outside
         self._take(self.problem.surface_under(pressure), ~(pressure > 0))
-        self._pairs += 1
+        self._all.pairs += 1
 
     def _take(self, displacement: Array64, free: Mask) -> None:
         """Begin from a displacement [u] and the nodes that are free, both shape (N,)."""
@@ -99,7 +94,6 @@ class FreeNodes(Search[FreeSet]):
         held = ~self._set.free
         self._displacement[held] = self.problem.height[held]
         self._all.renew(slice(held.size), self._displacement)
-        self._pairs += 1
 
     @property
     def _residual_force(self) -> Array64:
@@ -124,7 +118,6 @@ class FreeNodes(Search[FreeSet]):
             now.preconditioner = gap_by_gap(self._green, now.patches)
         direction = now.turn(force, now.preconditioner(force))
         curvature = float(direction @ self._all.image(now.nodes, direction))
-        self._pairs += 1
         if not curvature > 0:
             return False
         step = now.last_product / curvature
@@ -148,12 +141,6 @@ class FreeNodes(Search[FreeSet]):
         if not self._circles(now):
             self._make_force()
         return True
-
-    @property
-    def punch_approach(self) -> float:
-        """As `ActiveSet.punch_approach`: what is left of the free force does its share of the work [u]."""
-        u, force = self._displacement[self._set.nodes], self._residual_force
-        return (float(u.sum()) + float(u @ force)) / self.problem.num_points
 
     @property
     def displacement(self) -> Array64:

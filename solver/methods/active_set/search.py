@@ -20,6 +20,7 @@ from ...arrays import Array64, Indices
 from ...grid.patches import Patches
 from ...grid.problem import Problem
 from ..method import ExecutionConfig, Method
+from .everywhere import Everywhere
 from .greens_function import GreensFunction
 
 SMALLEST = 0.1
@@ -92,7 +93,11 @@ class Search(Method, Generic[Nodes]):
     patience = None  # the residual starts anew with every set
     _set: Nodes
 
-    def __init__(self, problem: Problem, config: ExecutionConfig, green: GreensFunction) -> None:
+    def __init__(
+        self, problem: Problem, config: ExecutionConfig, green: GreensFunction, everywhere: Everywhere
+    ) -> None:
+        """everywhere: the field that is carried along on all nodes."""
+        self._all = everywhere
         self.problem, self.tolerance, self._fixed_set = problem, config.tolerance, config.fixed_set
         self._green, self._target = green, _SAFETY * config.tolerance
         self._begin()
@@ -103,6 +108,14 @@ class Search(Method, Generic[Nodes]):
         """
         self._cautious, self._floor, self.stopped = cautious, 0.0, False
         self._keys: set[int] = set()  # of the sets since then
+
+    @property
+    def transform_pairs(self) -> float:
+        return self._all.pairs + self._green.transformed / self.problem.num_points
+
+    def rest(self) -> None:
+        self._all.rest()
+        self._green.response.rest()
 
     @property
     def _aim(self) -> float:

@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from ...arrays import Array, Array64, Indices
-from ...grid.problem import Problem, rounding_floor
+from ...grid.problem import Problem
 from ...grid.split import Split
 from .contact_set import ContactSet
 from .everywhere import Everywhere
@@ -33,22 +33,14 @@ class Surface:
         # what rounding to float32 adds to an image, as rms pressure over the rms of the image [p/u]
         rms = math.sqrt(float(np.mean(problem.stiffness**2))) if everywhere.mixed else 0.0
         self._rounding = float(np.finfo(np.float32).eps) * rms
-        self.rest = everywhere.rest
-        self.pairs = 0.0
-        """Transform pairs so far, short ones by their length."""
         self.drift = 0.0
         """Error that images have added since the response was made, as rms pressure over p; 0 in float64 on all nodes.
         """
 
     @property
-    def exact(self) -> bool:
-        """Whether the response on all nodes is made in float64."""
-        return bool(self._all.field.dtype == np.float64)
-
-    @property
-    def plain(self) -> bool:
-        """Whether the response is carried along on all nodes and in float64."""
-        return self._at is self._all and self.exact
+    def nearby(self) -> bool:
+        """Whether the response is carried along near the contact only."""
+        return self._at is not self._all
 
     def _scale(self, now: ContactSet) -> None:
         load = float(now.pressure.sum())
@@ -60,20 +52,12 @@ class Surface:
         """Scale the pressure of a set to the load, and make the response to it anew on all nodes."""
         self._scale(now)
         self._all.renew(now.nodes, now.pressure)
-        self.pairs += 1
         self.drift = 0.0
         self._surround(now, now.nodes)
 
-    def leave_nearby(self, now: ContactSet) -> bool:
-        """From now on work on all nodes; False if that is so already."""
-        if self._at is self._all:
-            return False
-        self.stay_everywhere(now)
-        return True
-
-    def stay_everywhere(self, now: ContactSet) -> None:
+    def leave_nearby(self, now: ContactSet) -> None:
         """Make the response to the pressure of a set anew, and never work near the contact only from now on."""
-        self._split, self._at = None, self._all
+        self._split = None
         self.renew(now)
 
     def _surround(self, now: ContactSet, nodes: Indices) -> None:
@@ -97,25 +81,29 @@ class Surface:
                 change = np.zeros(at.nodes.size)
                 change[at.places(before.nodes)] -= before.pressure
                 change[now.places] += now.pressure
-                self._advance(1.0, change, at.image(slice(None), change))
+                self._advance(1.0, change, self._image(slice(None), change))
         elif changed or earlier is not self._all:
             self.renew(now)
 
     def go_along(self, now: ContactSet, direction: Array64) -> bool:
         """Step along a search direction to where the energy is least; False if rounding has left no way down."""
-        image = self._at.image(now.places, direction)
+        image = self._image(now.places, direction)
         curvature = float(direction @ image)
         if not curvature > 0:
-            self.pairs += self._at.pair_length
             return False
         step = now.last_product / curvature
         now.pressure += step * direction
         self._advance(step, direction, image)
         return True
 
+    def _image(self, places: Indices | slice, direction: Array64) -> Array:
+        """The response to a pressure at these places, there [u]."""
+        if isinstance(self._at, Nearby):
+            self._all.pairs += self._at.pair_length
+        return self._at.image(places, direction)
+
     def _advance(self, step: float, direction: Array64, image: Array) -> None:
         """Add the latest image times a step to the response."""
-        self.pairs += self._at.pair_length
         factor, cause = (self._at.error, direction) if isinstance(self._at, Nearby) else (self._rounding, image)
         size = abs(step) * float(np.linalg.norm(cause)) / math.sqrt(self._problem.num_points)
         self.drift = math.hypot(self.drift, factor * size)  # first: an interruption must not hide it
@@ -134,13 +122,9 @@ class Surface:
         below = known.below(float(self.touching(now).mean()) - smallest)
         return below[~now.patches.hold(below)]
 
-    def floor(self, now: ContactSet) -> float:
-        """The rms equilibrium residual over p that rounding leaves here (dimensionless)."""
-        return rounding_floor(self._problem.stiffness, self.displacement(now), self._all.field.dtype.name)
-
     def displacement(self, now: ContactSet) -> Array64:
         """u, shape (N,) [u], in float64; contact nodes stand on the exact wall."""
-        if self._at is not self._all and self.drift:
+        if self.nearby and self.drift:
             self.renew(now)
         height = self._problem.height
         # not `touching`: an interruption may have come before `places`
