@@ -87,7 +87,7 @@ def test_all_methods_agree(scene):
 @pytest.mark.parametrize("small", [0, 384])
 def test_few_pairs_without_help(d, nu, indenter, small, monkeypatch):
     """Nested, to 1e-8, not handed over, in a number of pairs that FIRE needs hundreds for; with elimination or not."""
-    monkeypatch.setattr("linecontact.solver.methods.active_set.active_set._SMALL", small)
+    monkeypatch.setattr("linecontact.solver.methods.active_set.active_set.SMALL", small)
     solution = solve(Scene(Layer(d, nu), indenter, 1e-2, num_points=2**12))
     assert solution.status is Status.CONVERGED
     assert not solution.handed_over

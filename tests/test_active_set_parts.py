@@ -82,7 +82,7 @@ def test_one_factor_inverts_every_patch(d, nu):
 @pytest.mark.parametrize(("d", "nu"), LAYERS)
 def test_preconditioner(d, nu, unknowns, longest, monkeypatch):
     """Symmetric, positive on loads of zero sum, near the inverse; long patches and shared unknowns included."""
-    monkeypatch.setattr(local_inverses, "LONGEST_DENSE", longest)
+    monkeypatch.setattr(local_inverses, "SMALL", longest)
     monkeypatch.setattr(deflation, "_unknowns", lambda n: unknowns)
     patches = Patches.of(PATCHES)
     check_preconditioner(d, nu, patches, 6 if unknowns == 100 else 60)

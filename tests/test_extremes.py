@@ -206,7 +206,7 @@ def test_mixed_goes_on_in_float64(monkeypatch):
         self.stopped = self.stopped or (self._all.mixed and self.iteration > 3)
 
     monkeypatch.setattr(ActiveSet, "step", stuck)
-    monkeypatch.setattr("linecontact.solver.methods.active_set.active_set._SMALL", 0)  # nothing by elimination
+    monkeypatch.setattr("linecontact.solver.methods.active_set.active_set.SMALL", 0)  # nothing by elimination
     solution = solve(Scene(Layer(0.01), RoughIndenter(0.8, 0, 1 / 4, 1 / 16), 0.01, num_points=1024, precision="mixed"))
     assert solution.status is Status.CONVERGED
     assert not solution.handed_over

@@ -13,7 +13,7 @@ from linecontact.solver import METHODS, Layer, MeasuredIndenter, RoughIndenter, 
 from linecontact.solver.display import rounded_up
 from linecontact.solver.grid import cached, contact, edges, layer_on_grid, problem, shares, surroundings
 from linecontact.solver.layers import coated
-from linecontact.solver.methods.active_set import elimination
+from linecontact.solver.methods.active_set import greens_function
 from linecontact.solver.reference import closed_forms
 from linecontact.solver.strategy import certification, to_tolerance
 from linecontact.solver.transforms import four_step
@@ -129,7 +129,7 @@ def stiffness_under_a_sine_wave():
 
 def limits_of_the_methods():
     search, heavy = METHODS["active-set"], METHODS["mass-weighted-fire"]
-    yield f"of up to {elimination._SMALL} nodes, are solved by elimination."
+    yield f"of up to {greens_function.SMALL} nodes, are solved by elimination."
     yield f"has not settled after {search.max_iterations} iterations"
     most = certification._MOST_WORK
     assert heavy.max_iterations == most / 2**16 == 20_000

@@ -1,10 +1,7 @@
-"""The layer's response in two parts, G = near + far.
+"""The layer's response in two parts, G = near + far; docs/architecture.md says for which use.
 
 `near` is short-ranged. `far` is smooth, and known by its values on a grid of one point for each block of nodes: between
-them stands a cardinal B-spline, which errs least with the longest waves, by far the largest (the sum of P. P. Ewald,
-Ann. Phys. 369, 253 (1921) in one dimension, on a grid as by U. Essmann et al., J. Chem. Phys. 103, 8577 (1995)).
-
-Two splits, with theta = q s for the width s of the split; the one whose near part has the shorter range is taken:
+them stands a cardinal B-spline. Two splits, with theta = q s for the width s of the split:
 
     near(q) = c (2/q) erf(theta)          where G(q) = 2c/q as far as `far` reaches, like on a half-space
     near(q) = G(q) (1 - exp(-theta^2))    where G is regular at q = 0, like on thin layers

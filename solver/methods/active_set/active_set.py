@@ -1,21 +1,13 @@
 """Active set: preconditioned conjugate gradients on the contact, the set of contact nodes updated on the way.
 
 Unknown is the contact pressure sigma >= 0 on the contact nodes C, with the load fixed. There the gap h + G sigma must
-be one constant, the rigid approach; elsewhere it must not be less. Conjugate gradients on G_CC (M. R. Hestenes and E.
-Stiefel, 1952) with the preconditioner of `preconditioner` take one application of G an iteration, because the response
-G sigma is carried along (`surface`): on blocks of nodes around the contact where that pays (`packed`), and on all
-nodes elsewhere and before anything is believed. Small sets are solved by elimination instead. An update of the set
-drops nodes that pull and adds nodes that penetrate.
+be one constant, the rigid approach; elsewhere it must not be less. An iteration takes one application of G, because the
+response G sigma is carried along (`surface`). It is made anew, by transforms of all nodes, when the error that it has
+gathered comes close to the residual, and before the end. The residual is the preconditioned one, an estimate of the
+pressure's error: rms over all nodes, over the mean pressure.
 
-Under a stiff coating on a soft base every node's pressure is felt by all others, and sets that are decided on rough
-solutions grow from hundreds of nodes to a quarter of all. There it is cautious at once: it solves every set well,
-by elimination up to 2048 nodes, and adds nodes only when none pulls (C. L. Lawson and R. J. Hanson, Solving Least
+Under a stiff coating on a soft base the search is cautious at once (C. L. Lawson and R. J. Hanson, Solving Least
 Squares Problems (1974), ch. 23, with the load fixed, and all nodes at once that penetrate).
-
-The residual is the preconditioned one, an estimate of the pressure's error: rms over all nodes, over the mean pressure.
-
-The response is made anew from the pressure, by transforms of all nodes, when what the packed operator's error, or in
-mixed precision the rounding of float32 images, may have put into the residual comes close to it, and before the end.
 """
 
 import math
@@ -27,12 +19,11 @@ from ...grid.problem import Problem, foundation_pressure, rounding_floor, typica
 from ..method import ExecutionConfig
 from .contact_set import ContactSet
 from .everywhere import Everywhere
-from .greens_function import HARD, GreensFunction
+from .greens_function import HARD, SMALL, GreensFunction
 from .preconditioner import PatchDeflation
 from .search import OVER_FLOOR, SMALLEST, Search
 from .surface import Surface
 
-_SMALL = 256  # nodes of a contact up to which elimination takes less time than the iterations
 _SOFT = 0.01  # stiffness of a base over that of its coating, below which the coating is stiff
 
 
@@ -73,7 +64,7 @@ class ActiveSet(Search[ContactSet]):
         if not self._begun:
             self.start_from_pressure(np.zeros(self.problem.num_points))
         now, drift = self._set, self._surface.drift
-        small = now.nodes.size <= (HARD if self._cautious else _SMALL) and self._precision == "float64"
+        small = now.nodes.size <= (HARD if self._cautious else SMALL) and self._precision == "float64"
         if small and not (self._surface.nearby or now.eliminated or now.patches.full):
             self._eliminate()
             return

@@ -34,6 +34,8 @@ def inverse_cholesky(column: Array64) -> Array64:
     return factor
 
 
+SMALL = 256
+"""Nodes up to which dense matrices take less time than transforms, in elimination and for single runs."""
 HARD = 2048
 """Unknowns up to which a stiff coating's equations are solved by elimination: they are hard to iterate on."""
 _SHORT = 16  # times shorter than the grid are rings that are kept for the next solve

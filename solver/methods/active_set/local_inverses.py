@@ -14,9 +14,7 @@ import numpy as np
 
 from ...arrays import Array64
 from ...grid.patches import Patches
-from .greens_function import GreensFunction
-
-LONGEST_DENSE = 256  # nodes; the factor of longer runs costs more than short transforms
+from .greens_function import SMALL, GreensFunction
 
 Inverse = Callable[[Array64], Array64]
 
@@ -26,7 +24,7 @@ class RunByRun:
 
     def __init__(self, runs: Patches, factor: Callable[[int], Array64], long: Callable[[int], Inverse]) -> None:
         """factor: the inverse Cholesky factor of at least an order; long: the inverse on a run too long for that."""
-        short = runs.size <= LONGEST_DENSE
+        short = runs.size <= SMALL
         widths = np.where(short, np.maximum(8, 2 ** np.ceil(np.log2(runs.size)).astype(np.int64)), 0)
         self._blocks = []
         for width in np.unique(widths[short])[::-1]:  # the longest first, whose factor serves the others

@@ -1,8 +1,7 @@
-"""G on the neighbourhood of the contact only, without a transform of all nodes: the two parts of a `grid.split`.
+"""The response near the contact only, without a transform of all nodes: by the two parts of a `grid.split`.
 
 `near`: blocks of nodes around the contact are moved together until gaps are as wide as its range, and are convolved by
-one short transform. `far`: spread to the blocks by the spline, convolved there, and gathered by it, so the whole is
-symmetric. What is left out is known, see `Split.error`.
+one short transform. `far`: spread to the blocks by the spline, convolved there, and gathered by it.
 """
 
 from functools import cached_property

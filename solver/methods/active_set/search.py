@@ -1,11 +1,8 @@
 """The search for the contact nodes in both of its forms, by pressures and by displacements.
 
-Conjugate gradients (M. R. Hestenes and E. Stiefel, 1952) go on until the residual has fallen to a given part (the
-forcing term) of what it was when the set last changed. Then the set is updated (primal-dual active set, M.
-Hintermueller et al., SIAM J. Optim. 13, 865 (2002)). The search ends when an update changes nothing at the tolerance
-asked for. When a set comes back it goes on cautiously, and ends if one comes back then, too.
-
-All numbers are dimensionless.
+Conjugate gradients go on until the residual has fallen to a given part of what it was when the set last changed. Then
+the set is updated. The search ends when an update changes nothing at the tolerance asked for. When a set comes back it
+goes on cautiously, and ends if one comes back then, too. All numbers are dimensionless.
 """
 
 import math
