@@ -231,7 +231,7 @@ def _measured(found: Table, options: Options) -> tuple[Profile, dict[str, str]]:
 
 
 def _statistics(profile: Profile) -> dict[str, float]:
-    """Numbers that tell whether a scan was understood: lengths, and the rms slope (dimensionless), about the mean line."""
+    """Lengths that tell whether a scan was understood, and the rms slope (dimensionless), about the mean line."""
     i = np.arange(profile.z.size)
     straight = profile.z - np.polynomial.Polynomial.fit(i, profile.z, 1)(i)
     height, slope = (float(np.sqrt(np.mean(z**2))) for z in (straight, np.diff(straight) / profile.spacing))
