@@ -86,7 +86,7 @@ class MeasuredIndenter(Indenter):
 
     @cached_property
     def kinked(self) -> bool:
-        """Whether a few nodes hold more than half of the squares by which second differences differ from those around."""
+        """Whether a few nodes hold more than half of the squares of how second differences differ from those around."""
         bend = np.roll(self.heights, -1) - 2 * self.heights + np.roll(self.heights, 1)
         unlike = np.sort((bend - (np.roll(bend, 2) + np.roll(bend, -2)) / 2) ** 2)
         few = unlike[bend.size - min(_KINKS, bend.size // _KINKS) :]
