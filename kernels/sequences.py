@@ -30,15 +30,11 @@ SEQUENCES = {
 the step from it and the acceleration."""
 
 
-Line = Call
-"""A line of a sequence: a call with names in the place of arrays."""
-
-
-def parse(text: str) -> Line:
-    """The line that a text like "fire_step: acceleration h state -> u v" stands for."""
+def parse(text: str) -> Call:
+    """The line of a sequence, with names in the place of arrays, from a text like "fire_step: h state -> u v"."""
     kernel, _, names = text.partition(":")
     inputs, _, outputs = names.partition("->")
-    return Line(kernel, tuple(inputs.split()), tuple(outputs.split()))
+    return Call(kernel, tuple(inputs.split()), tuple(outputs.split()))
 
 
 def sequence(name: str, arrays: Mapping[str, Array]) -> list[Call]:

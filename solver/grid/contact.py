@@ -20,7 +20,7 @@ from .surroundings import Field, Heights, Surroundings
 from .unseen import unseen_gaps, unseen_patches
 
 _JAGGED = 1.9
-"""Fourth over second difference of given heights from which they do not tell what lies between them; 2 for a wave of
+"""Fourth over second difference of given heights from which they do not tell the heights between them; 2 for a wave of
 four grid spacings."""
 _DIFFERENCES = np.array([[0, 0, 1, -2, 1, 0, 0], [0, 1, -4, 6, -4, 1, 0], [1, -6, 15, -20, 15, -6, 1]]).T
 _SHORT_OF_FIT = 0.1

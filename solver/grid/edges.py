@@ -11,7 +11,7 @@ length, g being the gap next to the end:
 
     p(x) ~ cos(pi x/P) [sin^2(pi A/P) - sin^2(pi x/P)]^1/2, x from the middle of a patch.
 
-The last pressures are divided by p over the root of the distance from the end; what is left looks like an edge. The
+The last pressures are divided by p over the root of the distance from the end: the quotient looks like an edge. The
 distance is taken as the grid has it (`edge_curves.edge_distance`).
 
 For an edge theta = beta - s spacings inside the last node the curve goes over into a [(j - theta)^1/2 + e (j -
@@ -38,7 +38,7 @@ UNRESOLVED_BELOW = 3
 
 _NARROW = 2.0
 """Layer thicknesses; narrower patches have the half-space's edge if their pressures look like it, on layers of so many
-grid spacings and more. Their load tells what the pressures leave to the second order."""
+grid spacings and more. Their load tells the second order, which the pressures leave."""
 
 UNRESOLVED_ERROR = math.sqrt(0.5)
 """Error of an end halfway between two nodes, as counting has it, at most [grid spacings]."""

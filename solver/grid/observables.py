@@ -232,7 +232,8 @@ def subgrid_measures(scene: Scene, patches: Patches, edges: Edges) -> tuple[floa
     kappa = per_area * width / num_points
     # as for a power profile, whose kappa goes like a_r^n
     exponent = scene.indenter.power_law[0] if scene.indenter.power_law else 2.0
-    by_edges = max(exponent, 2.0) * kappa * edges.total_error / width
+    with np.errstate(over="ignore"):
+        by_edges = kappa * float(np.expm1(max(exponent, 2.0) * math.log1p(edges.total_error / width)))
     by_slopes = 0.0  # of h'^2, twice that of its root
     if doubt is not None:
         by_slopes = float(np.abs(patches.sums(doubt[patches.nodes]))[unknown].sum()) / width / mean_square

@@ -1,11 +1,10 @@
-"""What lies between the nodes: the indenter's heights, and what everything else does where a patch or a gap of a few
-nodes is.
+"""Heights between the nodes, and the displacement around a patch of a few nodes that all others cause.
 
-The displacement around a patch has two parts. What the patch's own pressure causes bends within a grid spacing at its
-ends, which no grid resolves. What all else causes is smooth: at the nodes it is the displacement plus what the patch's
-own pressure causes on the grid of a half-space (`few_nodes.node_compliance`), between them the polynomial through these
-values (least squares). For a gap it is the pressure less what the gap's own opening causes
-(`few_nodes.node_stiffness`), which is the one that closing this gap alone would leave.
+The displacement around a patch has two parts. The patch's own part bends within a grid spacing at its ends, which no
+grid resolves. The part of all others is smooth: at the nodes it is the displacement plus the patch's own part on the
+grid of a half-space (`few_nodes.node_compliance`), between them the polynomial through these values (least squares).
+For a gap it is the pressure less the part of the gap's own opening (`few_nodes.node_stiffness`): the pressure that
+closing this gap alone would leave.
 
 Units: grid spacings, and E* = 1.
 """

@@ -13,7 +13,7 @@ from ..transforms.plain import irfft, rfft
 from ..units import named
 from .indenter import Indenter
 
-_KINKS = 32  # most nodes that kinks are looked for at, and the nodes to each
+_KINKS = 32  # nodes at most that kinks are looked for at; one in so many
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ class MeasuredIndenter(Indenter):
 
     @cached_property
     def kinked(self) -> bool:
-        """Whether a few nodes, whose second differences are unlike those around them, are most of what is unlike."""
+        """Whether a few nodes hold more than half of the squares of how second differences differ from those around."""
         bend = np.roll(self.heights, -1) - 2 * self.heights + np.roll(self.heights, 1)
         unlike = np.sort((bend - (np.roll(bend, 2) + np.roll(bend, -2)) / 2) ** 2)
         few = unlike[bend.size - min(_KINKS, bend.size // _KINKS) :]

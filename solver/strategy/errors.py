@@ -162,7 +162,7 @@ def sensitivity(quantity: Quantity, scene: Scene) -> float:
 
 
 def iteration_share(equilibrium_residual: float, area: float = 0.0) -> float:
-    """Estimated relative error of a_r that a equilibrium residual leaves; `inf` where the area may be anything.
+    """Estimated relative error of a_r that an equilibrium residual leaves; `inf` where the area may be anything.
 
     area: a_r. If that is nearly the whole period, a load that is off by the residual moves the ends of the last gaps,
     as under H. M. Westergaard's wave: p = p_full [1 - cos^2(pi a_r/2)].

@@ -51,7 +51,7 @@ class Run:
     state: Method = field(init=False)
     """The method on the present grid."""
     status: Status = Status.ITERATION_LIMIT
-    """How that was relaxed, and in the end the solve's."""
+    """How the present attempt ended; in the end, how the solve did."""
     reason: Reason | None = None
     """Why it did not converge; None if it did."""
     contact: Contact | None = None

@@ -17,11 +17,11 @@ RESULTS_VERSION = 2
 """To be raised whenever the same task gives other results: they must not be mixed."""
 
 _RENAMED = {
-    "certificate.adhesion": "certificate.tensile_violation",
-    "certificate.free_residual": "certificate.equilibrium_residual",
+    "adhesion": "tensile_violation",
+    "free_residual": "equilibrium_residual",
     "num_counted_patches": "num_unresolved_patches",
 }
-"""Names of quantities in older files, and what they are called since."""
+"""Names in older files, between dots, and those of today."""
 
 
 def flatten(record: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
@@ -37,7 +37,7 @@ def flatten(record: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
 
 def renamed(record: Mapping[str, Any]) -> dict[str, Any]:
     """A stored record with the names of today."""
-    return {_RENAMED.get(name, name): value for name, value in record.items()}
+    return {".".join(_RENAMED.get(part, part) for part in name.split(".")): value for name, value in record.items()}
 
 
 def is_text(value: Any) -> bool:

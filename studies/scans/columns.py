@@ -142,8 +142,9 @@ def units(found: Table, given: dict[str, str | None], unknown: str | None) -> di
         names, kinds = (" and ".join(of(axis) for axis in missing) for of in ("{}_unit".format, _KINDS.__getitem__))
         labels = ", ".join(filter(None, (found.labels[axis].text for axis in missing)))
         line = next((line for line, said, _ in found.head.said() if said), labels)
-        seen = f" (its line {line[:60]!r} is not understood: labels are like 'x [um]', parted as the rows are)"
-        many, seen = "are" if len(missing) > 1 else "is", f"the file names no unit of its {kinds}{seen * bool(line)}"
+        why = f" (its line {line[:60]!r} is not understood: labels are like 'x [um]', parted as the rows are)"
+        seen = f"the file names no unit of its {kinds}{why if line else ''}"
+        many = "are" if len(missing) > 1 else "is"
         allowed = f"{', '.join(UNITS)}; or scene_units, if its numbers are in the scene's own unit"
         raise ValueError(f"{names} {many} missing: {seen}; allowed: {allowed}")
     return units

@@ -115,7 +115,9 @@ def read_scan(path: str | os.PathLike[str], **options: Any) -> Scan:
     Raises `ValueError` for a file that cannot be read, leaves something open, or is no profile; it says what to add.
     """
     allowed = [field.name for field in fields(Options) if field.name not in ("profile_file", "period")]
-    for name in set(options) - {*allowed, "period"}:
+    for name in options:
+        if name in (*allowed, "period"):
+            continue
         raise ValueError(f"option is {name!r}; allowed: {', '.join(allowed)}")
     return read(Options(as_path("path", path), **options))
 
@@ -229,7 +231,7 @@ def _measured(found: Table, options: Options) -> tuple[Profile, dict[str, str]]:
 
 
 def _statistics(profile: Profile) -> dict[str, float]:
-    """Numbers that tell whether a scan was understood [length]; rms height and slope are about the mean line."""
+    """Lengths that tell whether a scan was understood, and the rms slope (dimensionless), about the mean line."""
     i = np.arange(profile.z.size)
     straight = profile.z - np.polynomial.Polynomial.fit(i, profile.z, 1)(i)
     height, slope = (float(np.sqrt(np.mean(z**2))) for z in (straight, np.diff(straight) / profile.spacing))
