@@ -6,8 +6,7 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-from linecontact.kernels import CHUNK, layout, padded_length
-from linecontact.kernels.sequences import Line
+from linecontact.kernels import CHUNK, Call, layout, padded_length
 from numpy.typing import NDArray
 
 Array = NDArray[Any]
@@ -113,7 +112,7 @@ class Benchmark:
     """Body of a C function that is no loop over points, instead of `c`."""
     state: dict[str, float] = field(default_factory=dict)
     """Values of the state by the names of their slots."""
-    lines: tuple[Line, ...] = ()
+    lines: tuple[Call, ...] = ()
     """Kernels and transforms in order, with the names of the arrays that they work on."""
     parts: tuple["Benchmark", ...] = ()
     """The benchmarks of these kernels and transforms by themselves."""
@@ -129,10 +128,10 @@ class Benchmark:
         return padded_length(num_points + 2) if spectral or argument.name == "modes" else argument.size(num_points)
 
     @cached_property
-    def steps(self) -> tuple[Line, ...]:
+    def steps(self) -> tuple[Call, ...]:
         """What it does, in order; of a kernel the only line."""
         inputs = tuple(a.name for a in self.arrays if a.role in READS)
-        return self.lines or (Line(self.name, inputs, tuple(a.name for a in self.arrays if a.role not in READS)),)
+        return self.lines or (Call(self.name, inputs, tuple(a.name for a in self.arrays if a.role not in READS)),)
 
     @property
     def transforms(self) -> bool:
@@ -177,7 +176,7 @@ class Benchmark:
         return made
 
 
-def compose(name: str, group: str, lines: tuple[Line, ...], known: dict[str, Benchmark]) -> Benchmark:
+def compose(name: str, group: str, lines: tuple[Call, ...], known: dict[str, Benchmark]) -> Benchmark:
     """The benchmark of several kernels and transforms in order. known: the benchmark of each by itself."""
     roles: dict[str, str] = {}
     state: dict[str, float] = {}

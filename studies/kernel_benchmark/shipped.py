@@ -6,8 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 from linecontact import kernels
-from linecontact.kernels import CHUNK, reference
-from linecontact.kernels.sequences import Line
+from linecontact.kernels import CHUNK, Call, reference
 
 from . import transforms
 from .benchmark import Benchmark
@@ -56,7 +55,7 @@ def reference_kernels(arrays: Arrays) -> Runs:
     return in_turn([repeated(run) for run in runs])
 
 
-def _numpy_transform(arrays: Arrays, line: Line) -> Run:
+def _numpy_transform(arrays: Arrays, line: Call) -> Run:
     n, source, target = arrays.num_points, arrays.arrays[line.inputs[0]], arrays.arrays[line.outputs[0]]
     pairs = np.result_type(source, np.complex64)
 
@@ -105,7 +104,7 @@ def _c(library: Library, arrays: Arrays, prefix: str = "") -> Runs:
     return by_parts(arrays, lambda lines: in_turn([_line(library, line, arrays) for line in lines]))
 
 
-def _line(library: Library, line: Line, arrays: Arrays) -> Runs:
+def _line(library: Library, line: Call, arrays: Arrays) -> Runs:
     given = [arrays.arrays[name] for name in (*line.inputs, *line.outputs)]
     return _function(library, line.kernel, arrays.precision, given)
 

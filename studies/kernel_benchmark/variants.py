@@ -29,8 +29,7 @@ from typing import Any
 
 import numpy as np
 from linecontact import kernels
-from linecontact.kernels import CHUNK
-from linecontact.kernels.sequences import Line
+from linecontact.kernels import CHUNK, Call
 from linecontact.solver import checks
 from linecontact.solver.transforms.planner import Transforms, check_settings
 
@@ -225,7 +224,7 @@ def warp_lines(arrays: Arrays, compiled: dict[str, Any]) -> Runs:
     return by_parts(arrays, lambda lines: launched(_launches(lines, arrays, compiled)))
 
 
-def by_parts(arrays: Arrays, make: Callable[[list[Line]], Runs]) -> Runs:
+def by_parts(arrays: Arrays, make: Callable[[list[Call]], Runs]) -> Runs:
     """A benchmark's transforms as the program plans them, and what `make` makes of the kernels between them."""
     parts: list[Runs] = []
     for is_kernel, group in itertools.groupby(arrays.benchmark.steps, lambda line: line.kernel in kernels.KERNELS):
@@ -234,7 +233,7 @@ def by_parts(arrays: Arrays, make: Callable[[list[Line]], Runs]) -> Runs:
     return in_turn(parts)
 
 
-def _plan(arrays: Arrays, line: Line) -> Run:
+def _plan(arrays: Arrays, line: Call) -> Run:
     source, target = arrays.arrays[line.inputs[0]], arrays.arrays[line.outputs[0]]
     if line.kernel == "product":
         return product(arrays.transforms, source, target)
@@ -253,7 +252,7 @@ def product(transforms: Transforms, source: Array, target: Array, factor: float 
     return run
 
 
-def _launches(lines: Iterable[Line], arrays: Arrays, compiled: dict[str, Any]) -> list[Launch]:
+def _launches(lines: Iterable[Call], arrays: Arrays, compiled: dict[str, Any]) -> list[Launch]:
     found: list[Launch] = []
     for line in lines:
         inputs, outputs = ([arrays.arrays[n] for n in names] for names in (line.inputs, line.outputs))

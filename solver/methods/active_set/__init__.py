@@ -27,14 +27,15 @@ def begin(problem: Problem, config: ExecutionConfig) -> ActiveSet | FreeNodes:
     of_layer = problem.rigidity
     free = suits(problem, config)
     symbol = problem.stiffness if free else of_layer.compliance
-    # plans and recorded kernels are a quarter of a small solve's time: they serve the next one with layer and grid
+    # plans and recorded kernels are a quarter of a small solve's time: they serve the next one with layer and grid, and
+    # do not keep the layer's response alive
     apart = modes_apart(symbol, config.tolerance)
     key = free, apart, config.precision, config.threads, config.planning, config.backend
     left: list[tuple[Everywhere, GreensFunction]] = of_layer.made.setdefault(key, [])
     try:
         field, green = left.pop()
     except IndexError:  # all are in use
-        field, green = Everywhere(symbol, problem.num_points, config, apart), GreensFunction(of_layer)
+        field, green = Everywhere(symbol, problem.num_points, config, apart), GreensFunction(weakref.proxy(of_layer))
     field.begin(problem.height)
     green.begin()
     found: ActiveSet | FreeNodes = (FreeNodes if free else ActiveSet)(problem, config, green, field)
@@ -44,9 +45,9 @@ def begin(problem: Problem, config: ExecutionConfig) -> ActiveSet | FreeNodes:
 
 
 def _bytes_per_point(contact_share: float) -> float:
-    # measured on 2^23 and 2^24 points: 88 to 90 (2 % in contact), 116 (10 %), 152 (21 %), 163 (74 %), 188 (99.8 %)
+    # measured on 2^23 and 2^24 points: 92 to 101 (2 % in contact), 116 (10 %), 152 (21 %), 163 (74 %), 188 (99.8 %)
     # and up to 12 % more on 2^23 points with what is kept of coarser grids
-    return 110 + min(360 * contact_share, 60 + 100 * contact_share)
+    return 120 + min(360 * contact_share, 60 + 100 * contact_share)
 
 
 KIND = MethodKind(

@@ -75,7 +75,8 @@ class ActiveSet(Search[ContactSet]):
         z = now.preconditioner(r)
         self.residual = math.sqrt(float(z @ z) / self.problem.num_points)
         if drift and self.residual <= max(self._aim, drift):
-            now.first_residual = min(now.first_residual, self.residual)
+            if math.isinf(now.first_residual):
+                now.first_residual = self.residual
             self._surface.renew(now)
             now.last_product = 0.0
             self.iteration += 1
