@@ -115,10 +115,8 @@ def read_scan(path: str | os.PathLike[str], **options: Any) -> Scan:
     Raises `ValueError` for a file that cannot be read, leaves something open, or is no profile; it says what to add.
     """
     allowed = [field.name for field in fields(Options) if field.name not in ("profile_file", "period")]
-    for name in options:
-        if name in (*allowed, "period"):
-            continue
-        raise ValueError(f"option is {name!r}; allowed: {', '.join(allowed)}")
+    if wrong := [name for name in options if name not in (*allowed, "period")]:
+        raise ValueError(f"option is {wrong[0]!r}; allowed: {', '.join(allowed)}")
     return read(Options(as_path("path", path), **options))
 
 
