@@ -225,6 +225,8 @@ def subgrid_measures(scene: Scene, patches: Patches, edges: Edges) -> tuple[floa
     part = middles - node
     at = (1 - part) * squared[node % num_points] + part * squared[(node + 1) % num_points]
     mean_square = float((whole + np.where(unknown, (strips * at).sum(axis=0), 0.0)).sum()) / width
+    if not mean_square > 0:  # beside a step differences of high order leave less than nothing: as the nodes have it
+        mean_square = float(squared[patches.nodes].mean())
     if not mean_square > 0:
         return width / num_points, 0.0, 0.0, math.inf
     gradient = math.sqrt(mean_square)
