@@ -304,3 +304,11 @@ def test_a_narrow_patch_beside_one_that_is_longer_than_half_of_the_period():
     assert found.observables.num_patches_by_load == 1
     difference = abs(found.observables.contact_area_subgrid - finer.observables.contact_area_subgrid)
     assert difference < 0.04 / 1024
+
+
+@pytest.mark.parametrize("pressure", [4.8e-15, 1e-12, 1e-9])
+@pytest.mark.parametrize("num_points", [256, 1021])
+def test_widths_far_below_a_spacing(pressure, num_points):
+    """Down to 1e-5 spacings, against Hertz (found by a soak: off by half of the width)."""
+    found = solve(Scene(Layer(114.0, -0.5), PowerIndenter(), pressure, num_points=num_points)).observables
+    assert found.contact_area_subgrid == pytest.approx(2 * math.sqrt(4 * pressure / math.pi), rel=1e-5)
