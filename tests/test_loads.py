@@ -312,3 +312,11 @@ def test_widths_far_below_a_spacing(pressure, num_points):
     """Down to 1e-5 spacings, against Hertz (found by a soak: off by half of the width)."""
     found = solve(Scene(Layer(114.0, -0.5), PowerIndenter(), pressure, num_points=num_points)).observables
     assert found.contact_area_subgrid == pytest.approx(2 * math.sqrt(4 * pressure / math.pi), rel=1e-5)
+
+
+def test_ends_by_loads_stay_beside_the_last_nodes():
+    """On a nearly incompressible layer of five spacings (found by a soak: off by twelve times the estimated error)."""
+    rough = RoughIndenter(0.97962, 1971399427, 0.188701, 0.278915, 419.746)
+    scene = Scene(Layer(0.016228, 0.499), rough, 128.091, num_points=286)
+    found, fine = (solve(scene.on_grid(n)).observables for n in (286, 4576))
+    assert abs(found.contact_area_subgrid - fine.contact_area_subgrid) < found.contact_area_error

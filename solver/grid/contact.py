@@ -131,7 +131,7 @@ def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array
         found = from_loads(loads[chosen], heights, begin, modulus=lambda q: modulus_on_grid(layer, q, n, period))
         error = np.full(size.size, UNRESOLVED_ERROR)
     edges, better = _taken(
-        edges, np.stack([chosen, patches.count + chosen]), found.both, error, found.solved & ~jagged, n
+        edges, np.stack([chosen, patches.count + chosen]), found.both, error, found.solved & ~jagged, patches
     )
     unresolved, by_load = edges.unresolved.copy(), edges.by_load.copy()
     unresolved[chosen[better]], by_load[chosen[better]] = False, resolved
@@ -157,28 +157,29 @@ def _by_gaps(surface: _Surface, patches: Patches, edges: Edges) -> Edges:
     error = surface.known(FITTED.of_heights_at_gaps * uneven[0], size)
     left, right = found.both
     at, ends = np.stack([patches.count + before, behind]), np.stack([left, right - beyond])
-    edges, better = _taken(edges, at, ends, error, found.solved & ~jagged, n)
+    edges, better = _taken(edges, at, ends, error, found.solved & ~jagged, patches)
     by_gap = edges.by_gap.copy()
     by_gap[before[better]] = True
     return replace(edges, by_gap=by_gap)
 
 
 def _taken(
-    edges: Edges, at: Indices, ends: Array64, error: Array64, solved: Mask, num_points: int
+    edges: Edges, at: Indices, ends: Array64, error: Array64, solved: Mask, patches: Patches
 ) -> tuple[Edges, Mask]:
-    """Edges with those pairs of ends that are known better, by less than a spacing elsewhere; and which pairs.
+    """Edges with those pairs of ends that are known better, and lie less than a spacing beside the last nodes of their
+    patches, as the next nodes do not touch; and which pairs.
 
     at: their places among all left and all right ends, shape (2, pairs); ends: new ones, of that shape; error: of both,
     shape (pairs,) [grid spacings]; solved: which there are.
     """
     places, errors = np.append(edges.left, edges.right), edges.end_errors.ravel().copy()
-    moves = ends - places[at]
-    better = solved & (2 * error <= errors[at].sum(axis=0)) & (np.abs(moves) < 1).all(axis=0)
+    beside = np.abs(ends - np.append(patches.first, patches.last)[at])
+    better = solved & (2 * error <= errors[at].sum(axis=0)) & (beside < 1).all(axis=0)
     at = at[:, better]
-    places[at] += moves[:, better]
+    places[at] = ends[:, better]
     errors[at] = error[better]
     left, right = places.reshape(2, -1)
-    left, right = apart(left, right, num_points)
+    left, right = apart(left, right, patches.num_points)
     return replace(edges, left=left, right=right, end_errors=errors.reshape(2, -1)), better
 
 

@@ -35,10 +35,10 @@ _T1 = np.cos(np.pi * (np.arange(_SAMPLES) + 0.5) / _SAMPLES)
 _MEANS = _T1[:, None] ** np.arange(3) / _SAMPLES
 _WAVE = 3 * np.pi / 4  # q a at which the layer's modulus is taken
 _STEPS, _STEP, _NEARLY = 24, 0.25, 0.02
-"""Of Newton's method: most, their length [grid spacings], and that of the last one, at most, over the half-width or the
-spacing, whichever is less. In the second half longer ones are halved, as they may go to and fro about a node, where the
+"""Of Newton's method: most, their length and that of the last one, at most [grid spacings]; the last one is at most that
+part of the half-width, too. In the second half longer ones are halved, as they may go to and fro about a node, where the
 polynomials of the heights change."""
-_CLOSE = _NEARLY**2  # length of a step that needs no other
+_CLOSE = _NEARLY**2  # length of a step that needs no other, over the half-width or the spacing
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,9 +144,8 @@ def _newton(
         length, most = np.abs(step).max(axis=0), np.minimum(_STEP, half / 2)
         step = np.clip(step, -most, most) * np.where((turn >= _STEPS // 2) & (length > _NEARLY), 0.5, 1.0)
         m[going_on], a[going_on] = m[going_on] - step[0], half - step[1]
-        length /= np.minimum(half, 1.0)
-        solved[going_on] = usable & (length < _NEARLY)
-        going_on = going_on[usable & (length >= _CLOSE)]
+        solved[going_on] = usable & (length < np.minimum(_NEARLY, _STEP * half))
+        going_on = going_on[usable & (length >= _CLOSE * np.minimum(half, 1.0))]
         if not going_on.size:
             break
     return Ends(m, a, solved)
