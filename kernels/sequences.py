@@ -31,7 +31,7 @@ the step from it and the acceleration."""
 
 
 def parse(text: str) -> Call:
-    """The line of a sequence, with names in the place of arrays, from a text like "fire_step: h state -> u v"."""
+    """The line of a sequence, with names instead of arrays, from a text like "fire_step: h state -> u v"."""
     kernel, _, names = text.partition(":")
     inputs, _, outputs = names.partition("->")
     return Call(kernel, tuple(inputs.split()), tuple(outputs.split()))

@@ -19,7 +19,7 @@ def _libraries() -> ThreadpoolController:
 
 @contextmanager
 def on_one_thread() -> Iterator[None]:
-    """Linear algebra takes one thread meanwhile (also as a decorator); what the user has set is back afterwards.
+    """Linear algebra takes one thread meanwhile (also as a decorator); the user's setting is back afterwards.
 
     Where several threads are here, the first of them sets the limit and takes it back at its end.
     """

@@ -152,7 +152,7 @@ class Solution(Value):
     @cached_property
     def contact_stiffness(self) -> float:
         """dp/d(approach) [pressure/length], computed on first use; see `linecontact.contact_stiffness`."""
-        import linecontact  # the package's front knows what stands above a solution, here and below
+        import linecontact  # the package's front knows the levels above a solution, here and below
 
         return linecontact.contact_stiffness(self)
 

@@ -106,7 +106,7 @@ def _config(
 def _check_goal(
     scene: Scene, accuracy: float | None, of: str, chosen: Mapping[str, object], device: str
 ) -> float | None:
-    """The accuracy, if one is asked for. Raises `ValueError`, also where what it chooses is given, too."""
+    """The accuracy, if one is asked for. Raises `ValueError`, also where one of its choices is given, too."""
     if scene.approach is not None and not (accuracy is None and chosen["initial"] is None):
         given = f"accuracy is {accuracy!r}" if chosen["initial"] is None else "initial is given"
         raise ValueError(f"{given}; allowed: none for a scene with an approach")

@@ -99,7 +99,7 @@ class _Surface:
     def known(self, uneven: Array64, size: Indices) -> Array64:
         """Estimated errors of the ends of some patches by their loads, or of some gaps, shape (runs,) [grid spacings].
 
-        uneven: what heights and neighbours leave, of their shape [grid spacings]; size: their nodes.
+        uneven: errors by heights and neighbours, of their shape [grid spacings]; size: their nodes.
         """
         return np.minimum(FITTED.always + uneven + FITTED.of_layer * size / self.thickness**2, UNRESOLVED_ERROR)
 

@@ -10,7 +10,7 @@ are 0 at both ends: for that M_0 has to be 0). These two equations give m and a,
 over the nodes.
 
 If one gap were pressed shut, the pressure there would be partly negative. The gap opens so far that no pressure is left
-in it, and closes smoothly: at its ends the pressure is 0 and not infinite. With that pressure in the place of g, M_0 =
+in it, and closes smoothly: at its ends the pressure is 0 and not infinite. With that pressure instead of g, M_0 =
 M_1 = 0 (both stress intensity factors of a crack with this tension on its faces are 0; H. Tada, P. C. Paris and G. R.
 Irwin, The Stress Analysis of Cracks Handbook (1973)).
 
@@ -35,9 +35,9 @@ _T1 = np.cos(np.pi * (np.arange(_SAMPLES) + 0.5) / _SAMPLES)
 _MEANS = _T1[:, None] ** np.arange(3) / _SAMPLES
 _WAVE = 3 * np.pi / 4  # q a at which the layer's modulus is taken
 _STEPS, _STEP, _NEARLY = 24, 0.25, 0.02
-"""Of Newton's method: most, their length and that of the last one, at most [grid spacings]; the last one is at most that
-part of the half-width, too. In the second half longer ones are halved, as they may go to and fro about a node, where the
-polynomials of the heights change."""
+"""Of Newton's method: most, their length and that of the last one, at most [grid spacings]; the last one is at most
+that part of the half-width, too. In the second half longer ones are halved, as they may go to and fro about a node,
+where the polynomials of the heights change."""
 _CLOSE = _NEARLY**2  # length of a step that needs no other, over the half-width or the spacing
 
 

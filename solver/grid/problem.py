@@ -50,7 +50,7 @@ def _profile(indenter: Indenter, num_points: int, period: float) -> Array64:
 
 @cached
 def squared_slope(indenter: Indenter, num_points: int, period: float) -> tuple[Array64, Array64 | None]:
-    """h'^2 on a grid, shape (num_points,), and what it may be off by there, None where nothing; read-only
+    """h'^2 on a grid, shape (num_points,), and its largest error there, None where there is none; read-only
     (dimensionless).
     """
     squared, doubt = indenter.slope(num_points, period) ** 2, indenter.squared_slope_doubt(num_points, period)
@@ -95,7 +95,7 @@ class Problem:
     profile: Array64
     """Heights above the lowest point, shape (N,) [period]."""
     rigidity: LayerResponse
-    """K of the layer on this grid, and what follows from it."""
+    """K and G of the layer on this grid."""
     height: Array64
     """h(x_i), shape (N,) [`length_unit`]."""
     length_unit: float

@@ -16,7 +16,7 @@ _STIFF = 2.0  # K of the longest wave over the least K, up to which K is short-r
 
 
 class LayerResponse:
-    """K and G of one grid; what follows from K is made when it is asked for."""
+    """K and G of one grid; G is made from K when it is asked for."""
 
     def __init__(self, stiffness: Array64, num_points: int, unit: float = 1.0) -> None:
         """stiffness: K(q_k), shape (N//2 + 1,) [K]; 0 for the mean mode. num_points: N; unit: [K] over E*/L, a power of

@@ -69,8 +69,8 @@ class Surroundings:
 
         first, size: first nodes and numbers of nodes of the runs, up to `few_nodes.MOST_NODES`; beside: nodes of the
         narrower one of the gaps, or patches, beside each; all of shape (runs,). own: pressures, or displacements less
-        heights, 0 beyond the runs; field: displacements, or pressures. caused: what a unit of `own` takes off the
-        field so many nodes away, `few_nodes.node_compliance` or `few_nodes.node_stiffness`.
+        heights, 0 beyond the runs; field: displacements, or pressures. caused: the part that a unit of `own` takes
+        off the field so many nodes away, `few_nodes.node_compliance` or `few_nodes.node_stiffness`.
         """
         margin = np.clip(beside // 2, 1, MARGIN)
         coefficients = np.zeros((size.size, _DEGREE + 1))

@@ -77,7 +77,7 @@ class RoughIndenter(Indenter):
 
     def depth_between_nodes(self, heights: Array64) -> float:
         """See `Indenter`. Between the nodes it is the polynomial of fourth order through the five nearest ones: with 32
-        points to the shortest wave this leaves some 1/3000 of what the lowest node is off by, with 4 about an eighth.
+        points to the shortest wave this leaves some 1/3000 of the error of the lowest node, with 4 about an eighth.
         """
         at, count = int(np.argmin(heights)), heights.size
         lowest = float(heights[at])

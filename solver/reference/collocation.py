@@ -94,7 +94,7 @@ def solve_to_accuracy(
 
 
 def _error(coarser: Asperity, finer: Asperity, exponent: float, name: str) -> float:
-    """Relative error of the finer result, at least what rounding leaves: from the change by the last doubling, and a
+    """Relative error of the finer result, at least that of rounding: from the change by the last doubling, and a
     cautious order of convergence. Area and kappa converge with about the power n + 1 of the nodes or faster, approaches
     with n, and peak pressures at tips with n - 1.
     """

@@ -175,9 +175,9 @@ def iteration_share(equilibrium_residual: float, area: float = 0.0) -> float:
 def left_at_ends(largest: float, patches: Patches, pressure: Array64) -> float:
     """Estimated error of a_r that a residual leaves at the ends of patches (dimensionless).
 
-    An end is anywhere among the nodes whose pressure is below what the residual leaves of it, and the next node tells
-    it the better the more it carries. What is left near single ends, up to a hundred times the rms residual, adds up at
-    the two ends of a patch, and differs from patch to patch and adds up in squares.
+    An end is anywhere among the nodes whose pressure is below the error that the residual leaves, and the
+    next node tells it the better the more it carries. Residuals near single ends, up to a hundred times the rms, add up
+    at the two ends of a patch; those of different patches add up in squares.
 
     largest: the largest force on a free node over the mean pressure; pressure: of all nodes, shape (N,) [any unit].
     """
@@ -212,7 +212,7 @@ def with_errors(
     patches: Patches,
     pressure: Array64,
 ) -> Observables:
-    """Observables on the scene's grid with the estimated errors: what the grid leaves, and an unfinished iteration.
+    """Observables on the scene's grid with the estimated errors, of the grid and of the unfinished iteration.
 
     levels: the coarser grids, from coarse to fine; patches, pressure: of the contact, see `left_at_ends`.
     """

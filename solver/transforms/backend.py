@@ -1,4 +1,4 @@
-"""Where a method's arrays are, what transforms them and what runs its kernels."""
+"""A method's arrays, their transforms and the kernels between them."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
@@ -13,7 +13,7 @@ class Backend(ABC):
     """Transforms of N values, with the arrays and the kernels between them: `planner.Transforms` on the CPU,
     `on_gpu.Transforms` on a GPU.
 
-    num_points: N; dtype: of the values; spectrum: what a forward transform gives, a flat real view (re, im, ...)
+    num_points: N; dtype: of the values; spectrum: result of a forward transform, a flat real view (re, im, ...)
     padded with zeros.
     """
 
@@ -65,7 +65,7 @@ class Backend(ABC):
         return found
 
     def multiplication(self, symbol: Array64, target: Array) -> Callable[[], None]:
-        """A function without arguments that multiplies by a symbol, shape (N//2 + 1,), and by what normalises the
+        """A function without arguments that multiplies by a symbol, shape (N//2 + 1,), and by the factor of the
         inverse, between `forward` and `inverse` to this target.
         """
         return self.record([Call("spectral_multiply", (self.doubled(symbol / self.num_points),), (self.spectrum,))])

@@ -109,7 +109,7 @@ class FourStep(Transforms):
 
 class _Worker:
     """Buffers for some rows, plans and kernels on them. values: by row, columns worked on at a time, half of them, and
-    value; factors: what `multiply` multiplies them by.
+    value; factors: those of `multiply`.
     """
 
     def __init__(self, row: int, planner: Transforms) -> None:

@@ -50,7 +50,7 @@ class Pair:
         return self.modes
 
     def multiply(self, values: Array64, symbol: Array64) -> None:
-        """Put into `real` what n values are after their spectrum was multiplied by a symbol, shape (n//2 + 1,)."""
+        """Put n values into `real`, their spectrum multiplied by a symbol, shape (n//2 + 1,)."""
         self.transform(values)
         self.modes *= symbol
         self.inverse()

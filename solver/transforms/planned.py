@@ -1,7 +1,7 @@
 """Real transforms planned once and done often, over buffers that the kernels share, in the way that is fastest.
 
-Convention: forward sum_i x_i exp(-2 pi i k i/N), k = 0 ... N/2; the inverse is unnormalised (a factor N), so what
-multiplies in between carries 1/N.
+Convention: forward sum_i x_i exp(-2 pi i k i/N), k = 0 ... N/2; the inverse is unnormalised (a factor N), so the
+factors in between carry 1/N.
 """
 
 from collections.abc import Callable
@@ -45,7 +45,7 @@ def plan_transforms(
 ) -> Transforms:
     """Transforms of N values, see `Transforms`.
 
-    way: one of `WAYS`, by default what is fastest. apart: the rounding of no mode may spoil another one, which leaves
+    way: one of `WAYS`, by default the fastest. apart: the rounding of no mode may spoil another one, which leaves
     out 'half-length'. Raises `ValueError`.
     """
     threads, planning = check_settings(threads, planning)

@@ -1,4 +1,4 @@
-"""What transforms on the CPU are made from, whatever their way: staggered buffers, FFTW's plans, and kernels."""
+"""Parts of all transforms on the CPU: staggered buffers, FFTW's plans, and kernels."""
 
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
@@ -42,7 +42,7 @@ class Transforms(Backend):
 
     @abstractmethod
     def prepare(self) -> None:
-        """Make the spectrum, and what else a way needs."""
+        """Make the spectrum, and other buffers of a way."""
 
     def buffer(self, length: int | None = None) -> Array:
         """A padded, aligned, staggered array for `length` (default N) values: zeros."""

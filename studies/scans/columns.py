@@ -22,7 +22,7 @@ _KINDS = {"x": "positions", "z": "heights"}
 
 
 def load(path: Path, dataset: str | None, columns: str | None, decimal: Decimal | None) -> Table:
-    """The columns of x and z, or of z alone, of a profile file. Raises `ValueError`, and what reading raises.
+    """The columns of x and z, or of z alone, of a profile file. Raises `ValueError`, and the errors of reading.
 
     dataset: name of the one to read in an HDF5 file, None for the only one. columns: numbers of those of x and z, or
     of z alone, from 1; None for those that the file makes clear. decimal: the decimal sign of a text.

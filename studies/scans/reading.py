@@ -1,4 +1,4 @@
-"""From a file to an indenter. Nothing is guessed: a file that leaves something open is refused with what to add."""
+"""From a file to an indenter. Nothing is guessed: a file that leaves something open is refused, with options to add."""
 
 import math
 import os

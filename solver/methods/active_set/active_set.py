@@ -104,7 +104,7 @@ class ActiveSet(Search[ContactSet]):
             now.pressure = pressure
         now.begin_anew()  # the search direction belongs to another pressure
         self._renew_eliminated(now)
-        # under a stiff coating elements of G are millions of times as large as what short waves need of them: rounding
+        # rounding: under a stiff coating elements of G are millions of times as large as the part that short waves need
         if self.residual > self._aim:
             touching = self._surface.touching(now)
             change = self._green.solve(now.nodes, touching - touching.mean(), load=0.0)

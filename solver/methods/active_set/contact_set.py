@@ -45,7 +45,7 @@ class ContactSet(NodeSet):
         kept &= ~bears[label] | ((place > beyond[0][label] - 2) & (place < beyond[1][label] + 2))
         if not (new.size or kept.any()):
             kept[np.argmax(self.pressure)] = True
-        nodes = np.sort(np.concatenate([self.nodes[kept], new]), kind="stable")  # merges what is in order
+        nodes = np.sort(np.concatenate([self.nodes[kept], new]), kind="stable")  # merges two ordered parts
         pressure = np.zeros(nodes.size)
         pressure[np.searchsorted(nodes, self.nodes[kept])] = self.pressure[kept]
         return ContactSet.of(nodes, pressure, self.patches.num_points), not kept.all()

@@ -64,7 +64,7 @@ class Everywhere:
     def begin(self, height: Array64) -> None:
         """Turn to a scene. height: h, shape (N,) [u]."""
         self.pairs = 0.0
-        self.field[:] = 0  # what an earlier solve has left
+        self.field[:] = 0  # of an earlier solve
         self._height: Array = height
         if self.field.shape != height.shape or self.field.dtype != height.dtype:
             self._height = np.full_like(self.field, math.inf)  # padding never touches

@@ -1,7 +1,7 @@
 """The search for the contact nodes in both of its forms, by pressures and by displacements.
 
-Conjugate gradients go on until the residual has fallen to a given part of what it was when the set last changed. Then
-the set is updated. The search ends when an update changes nothing at the tolerance asked for. When a set comes back it
+Conjugate gradients go on until the residual has fallen to a given part of the one when the set last changed. Then the
+set is updated. The search ends when an update changes nothing at the tolerance asked for. When a set comes back it
 goes on cautiously, and ends if one comes back then, too. All numbers are dimensionless.
 """
 
@@ -149,8 +149,8 @@ class Search(Method, Generic[Nodes]):
             self.stopped = True
         elif not useful or not iterate():
             if self._operator_is_exact():
-                # this set is not solved any further; it may be the wrong one, unless it was examined before: now what
-                # rounding has made of the solution would decide
+                # this set is not solved any further; it may be the wrong one, unless it was examined before: now
+                # rounding would decide
                 self.stopped = now.settled or not self._update_set() or self.stopped
             else:
                 now.begin_anew()

@@ -17,11 +17,11 @@ from .nearby import Nearby, surround
 
 
 class Surface:
-    """w = G sigma of one grid, and what is read off it. Units are the problem's.
+    """w = G sigma of one grid, with gaps and displacements by it. Units are the problem's.
 
     Every step near the contact adds its error to the response, which drifts away from the pressure that it belongs to,
-    until it is made anew on all nodes. So it does in mixed precision, where search directions and their images are
-    float32 and the response is float64.
+    until it is made anew on all nodes. The same happens in mixed precision, where search directions and their images
+    are float32 and the response is float64.
     """
 
     def __init__(self, problem: Problem, split: Split | None, everywhere: Everywhere) -> None:
@@ -30,7 +30,7 @@ class Surface:
         """
         self._problem, self._split, self._all = problem, split, everywhere
         self._at: Everywhere | Nearby = everywhere
-        # what rounding to float32 adds to an image, as rms pressure over the rms of the image [p/u]
+        # added to an image by rounding to float32, as rms pressure over the rms of the image [p/u]
         rms = math.sqrt(float(np.mean(problem.stiffness**2))) if everywhere.mixed else 0.0
         self._rounding = float(np.finfo(np.float32).eps) * rms
         self.drift = 0.0
