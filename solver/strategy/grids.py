@@ -1,4 +1,4 @@
-"""Nested grids: the one loop from coarse to fine. A solution on a coarse grid is where the next finer one starts.
+"""Nested grids: the one loop from coarse to fine. The next finer grid starts at a coarse grid's solution.
 
 The loop leaves to others which method works on a grid and when a grid is fine enough.
 
@@ -117,7 +117,7 @@ def prolong(scene: Scene, pressure: Array64, patches: Patches, ends: Edges, num_
     coarse_nodes = np.arange(smooth.size) - np.repeat(patches.offset - patches.first, patches.size)
     values = np.interp(nodes / factor, coarse_nodes, smooth)
     values *= _edge_functions(fine_curve, fine, ends, factor)
-    # every patch keeps its load; nodes may lie outside of where that says that the patch ends
+    # every patch keeps its load, also where its nodes lie beyond its ends
     values = np.maximum(values, 0.0)
     lost = fine.sums(values) <= 0
     values[lost[p]] = 1.0

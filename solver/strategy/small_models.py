@@ -4,8 +4,7 @@ They give observables with errors of their own, without a grid; the fields are s
 except the pressure at the tip of a profile sharper than a parabola, the foundation contact area and kappa alone.
 
 A layer much thinner than its contact is wide is a Winkler foundation, K = k_W at all wave numbers: sigma = k_W (level -
-h) where that is positive. What it leaves out is the layer's edge, which lies c(nu) d further out
-(`ElasticLayer.edge_shift`).
+h) where that is positive. It leaves out the layer's edge, which lies c(nu) d further out (`ElasticLayer.edge_shift`).
 """
 
 import math
@@ -28,7 +27,7 @@ from .report import make_solution
 from .run import Run
 
 _LEAST_EDGE, _TIMES_SHIFT = 0.6, 3.0
-"""What the foundation's two edges may be off by together: this share of the thickness, or so many times the edge shift
+"""Error of the foundation's two edges together: this share of the thickness, or so many times the edge shift
 if that is more (dimensionless)."""
 
 _LONG_ASPERITY = 100.0  # half-width over thickness above which collocation takes longer than a grid
@@ -55,7 +54,7 @@ class _Contact:
 
 
 def decide(scene: Scene, accuracy: float, of: str = DEFAULT_QUANTITY) -> str | None:
-    """The name in `MODELS` of the one worth trying before the grid, from what is known without solving anything."""
+    """The name in `MODELS` of the one worth trying before the grid, before anything is solved."""
     layer, power = scene.layer, scene.indenter.power_law
     if not power:
         return None
