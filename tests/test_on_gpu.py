@@ -301,7 +301,8 @@ def test_a_solve_on_the_gpu_is_certified_like_one_on_the_cpu(method, precision):
     scene = Scene(SCENE.layer, SCENE.indenter, SCENE.pressure, num_points=2**12, precision=precision)
     here, there = solve(scene, method=method), solve(scene, method=method, device="cuda")
     assert here.status is there.status is Status.CONVERGED
-    assert there.certificate.equilibrium_residual <= there.tolerance == here.tolerance
+    assert there.certificate.equilibrium_residual <= there.tolerance
+    assert there.tolerance == pytest.approx(here.tolerance, rel=0.01)  # where rounding limits it, it is measured
     if precision != "float32":  # whose rounding moves a node at an edge
         assert (here.contact == there.contact).all()
     assert there.device == device.device_name("cuda")
