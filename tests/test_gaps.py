@@ -4,8 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from linecontact.solver import CoatedHalfSpace, Layer, MeasuredIndenter, Scene, SlidingLayer, solve
+from linecontact.solver import CoatedHalfSpace, Layer, MeasuredIndenter, PowerIndenter, Scene, SlidingLayer, solve
 from linecontact.solver.grid.contact import contact_edges
+from linecontact.solver.reference.closed_forms import periodic_half_space_area
 
 DEPTH = 0.01
 
@@ -35,6 +36,13 @@ def test_a_gap_of_few_nodes_ends_where_westergaard_says(nodes, beside):
     middle = (patches.right[0] * n + gap / 2 - beside + n / 2) % n - n / 2
     assert middle == pytest.approx(0, abs=1e-4)
     assert abs(gap - nodes) < found.contact_area_error * n < 0.2
+
+
+def test_ends_deep_inside_their_patches_are_not_believed():
+    """Beside a gap of 13 nodes under a profile that rises there to the 28th power."""
+    found = solve(Scene(Layer(math.inf), PowerIndenter(exponent=27.85), pressure=5.789e-12, num_points=70)).observables
+    off = abs(found.contact_area_subgrid - periodic_half_space_area(27.85, 1.0, 5.789e-12))
+    assert off <= min(found.contact_area_error, 1 / 70)
 
 
 @pytest.mark.parametrize("layer", [Layer(0.05), Layer(0.05, 0.5), SlidingLayer(0.03), CoatedHalfSpace(0.04, 0.1)])

@@ -166,15 +166,15 @@ def _by_gaps(surface: _Surface, patches: Patches, edges: Edges) -> Edges:
 def _taken(
     edges: Edges, at: Indices, ends: Array64, error: Array64, solved: Mask, patches: Patches
 ) -> tuple[Edges, Mask]:
-    """Edges with those pairs of ends that are known better, and lie less than a spacing beside the last nodes of their
-    patches, as the next nodes do not touch; and which pairs.
+    """Edges with those pairs of ends that are known better, and lie less than half a spacing inside the last nodes of
+    their patches, or less than one outside, where the next nodes do not touch; and which pairs.
 
     at: their places among all left and all right ends, shape (2, pairs); ends: new ones, of that shape; error: of both,
     shape (pairs,) [grid spacings]; solved: which there are.
     """
     places, errors = np.append(edges.left, edges.right), edges.end_errors.ravel().copy()
-    beside = np.abs(ends - np.append(patches.first, patches.last)[at])
-    better = solved & (2 * error <= errors[at].sum(axis=0)) & (beside < 1).all(axis=0)
+    inside = (ends - np.append(patches.first, patches.last)[at]) * np.where(at < patches.count, 1, -1)
+    better = solved & (2 * error <= errors[at].sum(axis=0)) & ((inside > -1) & (inside < 0.5)).all(axis=0)
     at = at[:, better]
     places[at] = ends[:, better]
     errors[at] = error[better]
