@@ -20,7 +20,7 @@ from linecontact.solver import (
     certify,
     solve,
 )
-from linecontact.solver.grid import response as grid_response
+from linecontact.solver.grid import layer_on_grid as grid_response
 from linecontact.solver.grid.cached import forget
 from linecontact.solver.grid.problem import Problem, foundation_pressure, typical_stiffness
 from linecontact.solver.methods import ExecutionConfig, active_set, relax

@@ -6,21 +6,20 @@ import tracemalloc
 import numpy as np
 import pytest
 from linecontact.solver import Layer
-from linecontact.solver.grid import response as grid_response
+from linecontact.solver.grid import layer_on_grid as grid_response
+from linecontact.solver.grid.layer_on_grid import LayerOnGrid
 from linecontact.solver.grid.patches import Patches
-from linecontact.solver.grid.problem import half_spectrum
-from linecontact.solver.grid.response import LayerResponse
 from linecontact.solver.methods.active_set import local_inverses
 from linecontact.solver.methods.active_set import preconditioner as deflation
 from linecontact.solver.methods.active_set.greens_function import GreensFunction, inverse_cholesky, patch_sums
 
 
 def stiffness(num_points, thickness, nu):
-    return half_spectrum(Layer(thickness, nu), num_points, 1.0)
+    return layer_response(num_points, thickness, nu).stiffness
 
 
 def layer_response(num_points, thickness=0.1, nu=0.25):
-    return LayerResponse(stiffness(num_points, thickness, nu), num_points)
+    return LayerOnGrid(Layer(thickness, nu), num_points, 1.0)
 
 
 def greens_function(num_points, thickness=0.1, nu=0.25):

@@ -49,10 +49,10 @@ def test_another_load_uses_what_is_kept_and_another_layer_does_not():
     problem = Problem.from_scene(SCENES[0])
     loaded = Problem.from_scene(replace(SCENES[0], pressure=0.1))
     assert loaded.rigidity is problem.rigidity
-    assert loaded.profile is problem.profile
+    assert loaded.indenter is problem.indenter
     other = Problem.from_scene(replace(SCENES[0], layer=Layer(0.1, 0.31), indenter=replace(ROUGH, seed=1)))
     assert other.rigidity is not problem.rigidity
-    assert other.profile is not problem.profile
+    assert other.indenter is not problem.indenter
     longer = Problem.from_scene(replace(SCENES[0], period=2.0))
     assert longer.rigidity is not problem.rigidity
 

@@ -8,6 +8,7 @@ from linecontact.solver import Layer, MeasuredIndenter, PowerIndenter, Scene, so
 from linecontact.solver.grid import edges
 from linecontact.solver.grid.edge_curves import edge_distance, half_space_curve
 from linecontact.solver.grid.edges import find_edges
+from linecontact.solver.grid.layer_on_grid import layer_on_grid
 from linecontact.solver.grid.patches import Patches
 
 
@@ -35,7 +36,9 @@ def test_ends_of_a_row_between_the_nodes(least, off, period):
         gap = least + more
         solution = row(period - gap, gap)
         patches = Patches.of(solution.contact_pressure > 0)
-        ends = find_edges(patches, solution.contact_pressure[patches.nodes], Layer(), 1.0)
+        ends = find_edges(
+            patches, solution.contact_pressure[patches.nodes], layer_on_grid(Layer(), patches.num_points, 1.0)
+        )
         wrong = abs(ends.width[0] - (period - gap))
         assert wrong < 2 * off
         assert wrong <= ends.error[0] < max(150 * off, 0.06)
@@ -55,7 +58,7 @@ def test_what_other_rules_leave_beside_narrow_gaps(rule, beside_one, beside_ten,
             solution = row(period - gap, gap)
             patches = Patches.of(solution.contact_pressure > 0)
             pressure = solution.contact_pressure[patches.nodes]
-            width = find_edges(patches, pressure, Layer(), 1.0).width[0]
+            width = find_edges(patches, pressure, layer_on_grid(Layer(), patches.num_points, 1.0)).width[0]
             if rule == "alone":
                 width = patches.size[0] - 1 - edges.edge_offset(curve, edges._ends(patches, pressure)[:, 0])[0].sum()
             wrong.append(abs(width - (period - gap)) / 2)
@@ -73,7 +76,9 @@ def test_ends_are_not_moved_one_by_one_where_patches_share_the_load():
         Scene(Layer(), MeasuredIndenter(amplitude * wave, convention="gap"), load, num_points=n), tolerance=1e-11
     )
     patches = Patches.of(solution.contact_pressure > 0)
-    ends = find_edges(patches, solution.contact_pressure[patches.nodes], Layer(), 1.0)
+    ends = find_edges(
+        patches, solution.contact_pressure[patches.nodes], layer_on_grid(Layer(), patches.num_points, 1.0)
+    )
     assert patches.count == repeats
     assert abs(ends.width.mean() - width) < 6e-4
     assert ends.width.std() < 2.2e-3  # 3.2e-3 if each had to carry its load
@@ -131,5 +136,7 @@ def test_wide_patches_are_well_known(size):
     """Also where the fourth power of their nodes is no 64-bit integer."""
     x = np.arange(float(size))
     pressure = np.sqrt((x + 0.3) * (size - 0.6 - x))
-    found = find_edges(Patches(4 * size, np.array([9]), np.array([size + 8])), pressure, Layer(), 1.0)
+    found = find_edges(
+        Patches(4 * size, np.array([9]), np.array([size + 8])), pressure, layer_on_grid(Layer(), 4 * size, 1.0)
+    )
     assert 0 < found.error[0] < 0.02

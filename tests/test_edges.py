@@ -18,9 +18,11 @@ from linecontact.solver import (
     solve,
 )
 from linecontact.solver.grid import edges
-from linecontact.solver.grid.edge_curves import edge_curve, edge_function, half_space_curve
+from linecontact.solver.grid.edge_curves import edge_function, half_space_curve
 from linecontact.solver.grid.edges import find_edges
+from linecontact.solver.grid.layer_on_grid import layer_on_grid
 from linecontact.solver.grid.patches import Patches
+from linecontact.solver.grid.problem import Problem
 from linecontact.solver.layers.bonded import edge_shift, foundation_modulus
 from linecontact.solver.reference import closed_forms, collocation
 from linecontact.solver.strategy.grids import grids, prolong
@@ -39,7 +41,7 @@ STORED = Path(studies.__file__).parent / "results" / "edge-curve.h5"
 
 def curve_of(layer):
     """The edge on a layer whose thickness is given in grid spacings."""
-    return edge_curve(layer.in_units(1 / 2**20, 1.0), 2**20, 1.0)
+    return layer_on_grid(layer.in_units(1 / 2**20, 1.0), 2**20, 1.0).edge_curve
 
 
 def test_closed_form_constants():
@@ -143,7 +145,9 @@ def test_wide_patches_on_thin_layers_have_edges_to_the_first_order_only():
         solution = solve(Scene(layer, pressure=load, num_points=2**12), tolerance=1e-10)
         patches = Patches.of(solution.contact_pressure > 0)
         pressure = solution.contact_pressure[patches.nodes]
-        there, half_space = (find_edges(patches, pressure, of, 1.0) for of in (layer, Layer()))
+        there, half_space = (
+            find_edges(patches, pressure, layer_on_grid(of, patches.num_points, 1.0)) for of in (layer, Layer())
+        )
         assert (there.width == half_space.width).all() == narrow
         exact = collocation.solve_load(load, 2.0, 1.0, 60 / 2**12, 0.3).contact_area * 2**12
         assert abs(there.width[0] - exact) < 1e-3
@@ -211,7 +215,7 @@ def test_what_a_table_does_not_tell_of_the_edge_is_estimated():
     q = np.geomspace(2 * np.pi, np.pi * n, 400)
     table = TabulatedLayer(tuple(q), tuple(layer.stiffness(q, 1.0)), contact_modulus=1.0)
     found = solve(Scene(table, num_points=n)).observables
-    curve = edge_curve(table, n, 1.0)
+    curve = layer_on_grid(table, n, 1.0).edge_curve
     at_end = math.log(2 * layer.stiffness(q[-1:], 1.0)[0] / q[-1])
     assert at_end / math.pi**2 < curve.error < 4 * at_end / math.pi**2
     assert abs(found.contact_area_subgrid - exact.contact_area) < found.contact_area_error
@@ -314,7 +318,7 @@ def test_small_patches_are_counted_and_flagged():
     assert o.num_patches == 3
     assert o.num_unresolved_patches == 2
     patches = Patches.of(heights == 0)
-    ends = edges.find_edges(patches, np.ones(patches.nodes.size), Layer(), 1.0)
+    ends = edges.find_edges(patches, np.ones(patches.nodes.size), layer_on_grid(Layer(), patches.num_points, 1.0))
     np.testing.assert_array_equal(ends.unresolved, [True, True, False])
     np.testing.assert_allclose(ends.width[:2], [1, 2])
 
@@ -336,8 +340,9 @@ def test_patches_wrap_round():
 
 def finer(pressure, num_points):
     patches = Patches.of(pressure > 0)
-    ends = edges.find_edges(patches, pressure[patches.nodes], Layer(), 1.0)
-    return prolong(Scene(), pressure, patches, ends, num_points)
+    ends = edges.find_edges(patches, pressure[patches.nodes], layer_on_grid(Layer(), patches.num_points, 1.0))
+    coarse, finer = (Problem.from_scene(Scene(num_points=n)) for n in (pressure.size, num_points))
+    return prolong(coarse, pressure, patches, ends, finer)
 
 
 def test_grids_and_prolongation():

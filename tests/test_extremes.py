@@ -19,6 +19,7 @@ from linecontact.solver import (
 )
 from linecontact.solver.endings import Cause
 from linecontact.solver.grid import edges
+from linecontact.solver.grid.layer_on_grid import layer_on_grid
 from linecontact.solver.grid.patches import Patches
 from linecontact.solver.grid.problem import Problem
 from linecontact.solver.methods.active_set.active_set import ActiveSet
@@ -180,7 +181,9 @@ def test_edges_do_not_pass_each_other():
     contact = np.ones(16, dtype=bool)
     contact[[3, 9]] = False
     patches = Patches.of(contact)
-    ends = edges.find_edges(patches, np.where(contact, 1.0, 0)[patches.nodes], Layer(), 1.0)
+    ends = edges.find_edges(
+        patches, np.where(contact, 1.0, 0)[patches.nodes], layer_on_grid(Layer(), patches.num_points, 1.0)
+    )
     assert (np.roll(ends.left, -1)[:-1] >= ends.right[:-1]).all()
     assert ends.left[0] + 16 >= ends.right[-1]
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from linecontact.solver import CoatedHalfSpace, Layer, MeasuredIndenter, PowerIndenter, Scene, SlidingLayer, solve
 from linecontact.solver.grid.contact import contact_edges
+from linecontact.solver.grid.problem import Problem
 from linecontact.solver.reference.closed_forms import periodic_half_space_area
 
 DEPTH = 0.01
@@ -73,8 +74,9 @@ def test_gaps_tell_nothing_where_the_profile_is_not_known_between_the_nodes():
     n = 2**10
     noisy = MeasuredIndenter(wave(n, 0.3, 5).heights + np.random.default_rng(2).uniform(0, 3e-4, n), convention="gap")
     solution = solve(Scene(indenter=noisy, pressure=0.6 * math.pi * 5 * DEPTH, num_points=n))
-    patches, edges = contact_edges(solution.scene, solution.contact_pressure, displacement=solution.displacement)
-    _, by_pressures = contact_edges(solution.scene, solution.contact_pressure)
+    problem = Problem.from_scene(solution.scene)
+    patches, edges = contact_edges(problem, solution.contact_pressure, solution.displacement)
+    _, by_pressures = contact_edges(problem, solution.contact_pressure)
     h = solution.scene.profile
     jagged = np.zeros(n, dtype=bool)
     for node in range(n):

@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, Status, solve
+from linecontact.solver.grid.layer_on_grid import half_spectrum
 from linecontact.solver.grid.patches import Patches
-from linecontact.solver.grid.problem import Problem, half_spectrum
+from linecontact.solver.grid.problem import Problem
 from linecontact.solver.grid.split import Split
 from linecontact.solver.methods import ExecutionConfig, active_set, relax
 from linecontact.solver.methods.active_set import nearby, surface

@@ -22,7 +22,8 @@ from linecontact.solver import (
     certify,
     solve,
 )
-from linecontact.solver.grid.problem import Problem, half_spectrum
+from linecontact.solver.grid.layer_on_grid import half_spectrum
+from linecontact.solver.grid.problem import Problem
 from linecontact.solver.reference import closed_forms, collocation
 
 FAST = list(METHODS)[:2]

@@ -6,7 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 from linecontact.solver import Layer
-from linecontact.solver.grid.problem import half_spectrum
+from linecontact.solver.grid.layer_on_grid import half_spectrum
 from linecontact.solver.layers.bonded import foundation_modulus
 
 POISSON_RATIOS = [-0.99, -0.5, 0.0, 0.25, 0.4, 0.45, 0.49, 0.4999, 0.5 - 1e-6, 0.5 - 1e-12, 0.5]

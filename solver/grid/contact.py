@@ -8,14 +8,14 @@ import numpy as np
 
 from ..arrays import Array64, Indices, Mask
 from ..calibration import FITTED
-from ..scene import Scene
 from .cached import MOST_POINTS
 from .edges import UNRESOLVED_BELOW, UNRESOLVED_ERROR, Edges, apart, find_edges
 from .few_nodes import MOST_NODES, node_compliance, node_stiffness
-from .layer_on_grid import modulus_on_grid, thickness_on_grid
+from .layer_on_grid import LayerOnGrid
 from .narrow import from_loads, gap_ends, level_errors
 from .patches import Patches
-from .shares import layer_compliance, shared_loads
+from .problem import Problem
+from .shares import shared_loads
 from .surroundings import Field, Heights, Surroundings
 from .unseen import unseen_gaps, unseen_patches
 
@@ -29,42 +29,35 @@ valley may be lower between the nodes."""
 _PLACES, _WEIGHTS = np.polynomial.legendre.leggauss(MOST_NODES // 2)  # of the integral of h'^2 over a patch
 
 
-def contact_edges(
-    scene: Scene,
-    pressure: Array64,
-    profile: Array64 | None = None,
-    displacement: Array64 | None = None,
-) -> tuple[Patches, Edges]:
-    """Patches and their sub-grid edges, from the contact pressure [any unit], 0 off the contact, shape (N,), any N.
+def contact_edges(problem: Problem, pressure: Array64, displacement: Array64 | None = None) -> tuple[Patches, Edges]:
+    """Patches and their sub-grid edges, from the contact pressure [any unit], 0 off the contact, shape (N,).
 
-    profile: h, shape (N,) [length], if it is at hand. displacement: u, shape (N,) [length], with which loads and gaps
-    tell where narrow patches end; None: pressures alone tell the ends, in half of the time.
+    displacement: u, shape (N,) [length], with which loads and gaps tell where narrow patches end; None: pressures alone
+    tell the ends, in half of the time.
     """
-    n, indenter = pressure.size, scene.indenter
-    scale = scene.reduced_load / (float(pressure.mean()) or 1.0)
+    n, indenter, layer = problem.num_points, problem.indenter, problem.rigidity
+    scale = problem.scene.reduced_load / (float(pressure.mean()) or 1.0)
     patches = Patches.of(pressure > 0)
     inside = pressure[patches.nodes] * scale
-    kinks = indenter.kinked or not indenter.shortest_wave(n)
-    edges = replace(find_edges(patches, inside, scene.layer, scene.period), unseen=unseen_gaps(patches, inside, kinks))
+    kinks = indenter.of.kinked or not indenter.shortest_wave
+    edges = replace(find_edges(patches, inside, layer), unseen=unseen_gaps(patches, inside, kinks))
     if displacement is not None and patches.count and not patches.full:
-        if profile is None:
-            profile = scene.period * indenter.profile(n, scene.period)
-        spacings = n / scene.period
+        spacings = n / problem.scene.period
         surface = _Surface(
-            scene=scene,
-            thickness=thickness_on_grid(scene.layer, n, scene.period),
-            heights=Heights(profile, spacings),
+            layer=layer,
+            given=indenter.of.given_points is not None,
+            heights=Heights(problem.profile, spacings),
             pressure=lambda nodes: pressure[nodes % n] * scale,
             displacement=lambda nodes: displacement[nodes % n] * spacings,
         )
         edges = _by_gaps(surface, patches, _by_loads(surface, patches, edges, inside))
-        unseen = edges.unseen + unseen_patches(profile, displacement, surface.thickness > 0)
+        unseen = edges.unseen + unseen_patches(problem.profile, displacement, layer.thickness > 0)
         edges = replace(edges, unseen=unseen, squared_slope=_squared_slope(patches, edges, surface.heights))
     # all ends, the same way, those of other patches by the share of the load
     at_tip = np.flatnonzero((patches.first <= n // 2) & (n // 2 <= patches.last) | (patches.count == 1))
-    tip = indenter.end_error(float(edges.width[at_tip[0]])) if at_tip.size else 0.0
+    tip = indenter.of.end_error(float(edges.width[at_tip[0]])) if at_tip.size else 0.0
     error = np.maximum(edges.end_errors, tip)
-    if indenter.shortest_wave(n):
+    if indenter.shortest_wave:
         error = np.maximum(error, np.where(edges.width < _SHORT_OF_FIT, edges.width / 2, 0.0))
     return patches, replace(edges, end_errors=error)
 
@@ -73,10 +66,9 @@ def contact_edges(
 class _Surface:
     """What is known of the surface on a grid."""
 
-    scene: Scene
-    """On any grid."""
-    thickness: float
-    """Of the layer, 0 where the grid does not resolve it [grid spacings]."""
+    layer: LayerOnGrid
+    given: bool
+    """Whether the heights are known at nodes only."""
     heights: Heights
     """Of the indenter."""
     pressure: Field
@@ -93,15 +85,14 @@ class _Surface:
         second, fourth, sixth = np.abs(profile[nodes % profile.size] @ _DIFFERENCES).T
         with np.errstate(divide="ignore", invalid="ignore"):
             ratios = np.stack([fourth, sixth]) / second
-        given = self.scene.indenter.given_points is not None  # at nodes only
-        return ratios.max(axis=-1), given & (ratios[0].min(axis=-1) > _JAGGED)
+        return ratios.max(axis=-1), self.given & (ratios[0].min(axis=-1) > _JAGGED)
 
     def known(self, uneven: Array64, size: Indices) -> Array64:
         """Estimated errors of the ends of some patches by their loads, or of some gaps, shape (runs,) [grid spacings].
 
         uneven: errors by heights and neighbours, of their shape [grid spacings]; size: their nodes.
         """
-        return np.minimum(FITTED.always + uneven + FITTED.of_layer * size / self.thickness**2, UNRESOLVED_ERROR)
+        return np.minimum(FITTED.always + uneven + FITTED.of_layer * size / self.layer.thickness**2, UNRESOLVED_ERROR)
 
 
 def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array64) -> Edges:
@@ -109,8 +100,7 @@ def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array
 
     pressure: over E*, on the contact nodes in compact order.
     """
-    n, heights, resolved = patches.num_points, surface.heights, surface.thickness > 0
-    layer, period = surface.scene.layer, surface.scene.period
+    n, heights, layer, resolved = patches.num_points, surface.heights, surface.layer, surface.layer.thickness > 0
     chosen = np.flatnonzero(patches.size <= min(MOST_NODES if resolved else UNRESOLVED_BELOW - 1, n / 2))
     if not chosen.size:
         return edges
@@ -123,12 +113,11 @@ def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array
         found = from_loads(loads[chosen], heights, begin, around)
         if patches.count > 1 and n <= MOST_POINTS and found.solved.any():
             level, centre = level_errors(found, around, heights, loads[chosen])
-            green = layer_compliance(layer, n, period)
-            loads = shared_loads(patches, chosen, pressure, found, level, centre, green)
+            loads = shared_loads(patches, chosen, pressure, found, level, centre, layer.around_node)
             found = from_loads(loads[chosen], heights, (found.middle, found.half_width), around)
         error = surface.known(FITTED.of_heights * uneven[1] + FITTED.beside_gap / gap**2, size)
     else:  # not known better than by counting, but narrower
-        found = from_loads(loads[chosen], heights, begin, modulus=lambda q: modulus_on_grid(layer, q, n, period))
+        found = from_loads(loads[chosen], heights, begin, modulus=layer.modulus)
         error = np.full(size.size, UNRESOLVED_ERROR)
     edges, better = _taken(
         edges, np.stack([chosen, patches.count + chosen]), found.both, error, found.solved & ~jagged, patches
@@ -142,7 +131,7 @@ def _by_gaps(surface: _Surface, patches: Patches, edges: Edges) -> Edges:
     """Edges with those ends of patches on both sides of a narrow gap that the gap tells better than they do."""
     n, gap, narrower = patches.num_points, patches.gap[1], np.minimum(patches.size, np.roll(patches.size, -1))
     before = np.flatnonzero((gap <= np.minimum(narrower, MOST_NODES)) & (narrower >= UNRESOLVED_BELOW))
-    if not before.size or not surface.thickness:
+    if not before.size or not surface.layer.thickness:
         return edges
     behind = (before + 1) % patches.count
     beyond = np.where(behind == 0, n, 0)

@@ -29,9 +29,6 @@ from functools import cache, cached_property
 import numpy as np
 
 from ..arrays import Array64, Indices, gauss_legendre
-from ..layers import ElasticLayer
-from .cached import cached
-from .layer_on_grid import modulus_anywhere, modulus_on_grid, thickness_on_grid
 
 Logarithm = Callable[[Array64], Array64]
 """ln f of wave numbers q > 0 [1/grid spacing], of their shape."""
@@ -83,21 +80,10 @@ class EdgeCurve:
         return values
 
 
-@cached
-def edge_curve(layer: ElasticLayer, num_points: int, period: float) -> EdgeCurve:
-    """The edge on a layer, on a grid of `num_points` in the period L [length]."""
-    if thickness_on_grid(layer, num_points, period) == math.inf:
-        return half_space_curve()
-    return _curve(
-        lambda q: np.log(modulus_on_grid(layer, q, num_points, period)),
-        lambda q: np.log(modulus_anywhere(layer, q, num_points, period)),
-    )
-
-
 @cache
 def half_space_curve() -> EdgeCurve:
     """The half-space's edge, the same for all grids and indenters."""
-    return _curve(np.zeros_like, np.zeros_like)
+    return make_curve(np.zeros_like, np.zeros_like)
 
 
 @cache
@@ -118,7 +104,7 @@ def _quadrature() -> tuple[Array64, Array64, Array64, Array64, Array64, Array64,
     return q, cosines, of_delta, np.pi / root**2, weights * root / np.pi**2, cosines @ of_grid, slope
 
 
-def _curve(on_grid: Logarithm, anywhere: Logarithm) -> EdgeCurve:
+def make_curve(on_grid: Logarithm, anywhere: Logarithm) -> EdgeCurve:
     """The curve of ln f. on_grid: where waves that the grid has not count as its longest or shortest; anywhere: as they
     are.
     """

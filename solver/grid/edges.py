@@ -28,9 +28,8 @@ import numpy as np
 
 from ..arrays import Array64, Mask
 from ..calibration import FITTED
-from ..layers import ElasticLayer
-from .edge_curves import UNKNOWN, EdgeCurve, edge_curve, edge_distance, edge_function, half_space_curve
-from .layer_on_grid import thickness_on_grid
+from .edge_curves import UNKNOWN, EdgeCurve, edge_distance, edge_function, half_space_curve
+from .layer_on_grid import LayerOnGrid
 from .patches import Patches
 
 UNRESOLVED_BELOW = 3
@@ -119,27 +118,26 @@ class Edges:
         return float(self.end_errors.sum())
 
 
-def find_edges(patches: Patches, pressure: Array64, layer: ElasticLayer, period: float) -> Edges:
+def find_edges(patches: Patches, pressure: Array64, layer: LayerOnGrid) -> Edges:
     """Sub-grid edges of patches from the pressure, shape (contact nodes,) in compact order [any unit].
 
     Patches of fewer than three nodes end half a spacing outside their last nodes, as counting has it, and a full
     contact has no edge at all.
 
-    period: L [length]. The error is an estimate, see `calibration`; it is a spacing where the pressures do not look
+    The error is an estimate, see `calibration`; it is a spacing where the pressures do not look
     like an edge, because the profile bends within a few spacings.
     """
     none = np.zeros(patches.count, dtype=bool)
     if patches.full:
         half, error = np.array([0.5]), np.full((2, 1), 0.5)  # a gap that not even `unseen` finds
         return Edges(patches.first - half, patches.last + half, error, none, none, none)
-    thickness = thickness_on_grid(layer, patches.num_points, period)
-    half_space = half_space_curve()
+    thickness, half_space = layer.thickness, half_space_curve()
     theta, _, spread = edge_offset(half_space, lone_ends(half_space, patches, pressure, _in_row))
     on_thick = (patches.size < _NARROW * thickness) & (thickness > _NARROW)
     narrow = on_thick & (spread < _ALIKE)
     by_curve = 0.0
     if thickness < math.inf and not narrow.all():
-        curve = edge_curve(layer, patches.num_points, period)
+        curve = layer.edge_curve
         wide, _, spread_of_wide = edge_offset(curve, lone_ends(curve, patches, pressure))
         theta, spread = np.where(narrow, theta, wide), np.where(narrow, spread, spread_of_wide)
         by_curve = curve.error

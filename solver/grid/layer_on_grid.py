@@ -1,29 +1,36 @@
-"""A layer on the scale of a grid: its thickness in grid spacings, and its stiffness over the half-space's."""
+"""A layer on one grid: K of its waves, in real space G = 1/K without the mean mode, the displacement around one loaded
+node, and how the pressure ends at the edge of a contact.
+"""
 
-from collections.abc import Callable
+import math
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from ..arrays import Array64
 from ..layers import ElasticLayer
-from .cached import cached
+from ..layers.layer import own_stiffness
+from ..transforms.plain import irfft
+from .cached import MOST_POINTS, cached
+from .edge_curves import EdgeCurve, half_space_curve, make_curve
+from .split import Split, inverse, make_split
 
-Modulus = Callable[[Array64], Array64]
-"""2K(q)/q over E* for waves q [1/grid spacing]: 1 on the half-space."""
-
+_STIFF = 2.0  # K of the longest wave over the least K, up to which K is short-ranged
 _ALIKE = 0.2
 """Logarithm of the shortest wave's stiffness over the half-space's, up to which a grid resolves a layer."""
 
 
-@cached
-def thickness_on_grid(layer: ElasticLayer, num_points: int, period: float) -> float:
-    """d [grid spacings], on a grid of `num_points` in the period L [length]; `inf` for a half-space.
+def half_spectrum(layer: ElasticLayer, num_points: int, period: float) -> Array64:
+    """K(q_k) of a layer for k = 0 ... N/2, shape (N//2 + 1,), in units of E*/L; 0 for the mean mode.
 
-    0 where the grid does not resolve the layer: its shortest wave does not find a half-space. Raises `ValueError`
-    where the layer does not know that wave.
+    Raises `ValueError` like `own_stiffness`.
     """
-    (shortest,) = modulus_on_grid(layer, np.array([np.pi]), num_points, period)
-    return layer.thickness / period * num_points if abs(np.log(shortest)) < _ALIKE else 0.0
+    stiffness = np.zeros(num_points // 2 + 1)
+    wave_numbers = 2 * np.pi * np.arange(1, stiffness.size, dtype=np.float64)
+    what = f"stiffness of layer {layer.name}"
+    stiffness[1:] = own_stiffness(what, "q L", lambda q: layer.stiffness(q, period), wave_numbers, layer)
+    return stiffness
 
 
 def modulus_on_grid(layer: ElasticLayer, q: Array64, num_points: int, period: float) -> Array64:
@@ -33,13 +40,107 @@ def modulus_on_grid(layer: ElasticLayer, q: Array64, num_points: int, period: fl
     the layer does not know the grid's waves.
     """
     longest = 2 * np.pi / num_points
-    return modulus_anywhere(layer, np.clip(q, longest, longest * (num_points // 2)), num_points, period)
+    return _modulus(layer, np.clip(q, longest, longest * (num_points // 2)), num_points, period)
 
 
-def modulus_anywhere(layer: ElasticLayer, q: Array64, num_points: int, period: float) -> Array64:
-    """2K(q)/(E* q) of any waves q > 0 [1/grid spacing], of their shape (dimensionless).
-
-    Raises `ValueError` where the layer does not know them.
-    """
+def _modulus(layer: ElasticLayer, q: Array64, num_points: int, period: float) -> Array64:
+    """The same of any waves. Raises `ValueError` where the layer does not know them."""
     wave_numbers = q * num_points
     return np.asarray(2 * np.asarray(layer.stiffness(wave_numbers, period)) / wave_numbers)
+
+
+class LayerOnGrid:
+    """A layer on one grid; all but K is made when it is asked for. Raises `ValueError` like `half_spectrum`."""
+
+    def __init__(self, layer: ElasticLayer, num_points: int, period: float) -> None:
+        self._layer, self.num_points, self._period = layer, num_points, period
+        self.stiffness = half_spectrum(layer, num_points, period)
+        """K(q_k), shape (N//2 + 1,) [K], read-only; 0 for the mean mode."""
+        self.unit = 2.0 ** math.floor(math.log2(self.stiffness.max()))
+        """[K] over E*/L, a power of two, so that the largest K is from 1 to below 2 (dimensionless)."""
+        self.stiffness /= self.unit
+        self.stiffness.flags.writeable = False
+        self.made: dict[Any, Any] = {}
+        """What methods have made from K, by name, and use again."""
+
+    def modulus(self, q: Array64) -> Array64:
+        """See `modulus_on_grid`."""
+        return modulus_on_grid(self._layer, q, self.num_points, self._period)
+
+    @cached_property
+    def thickness(self) -> float:
+        """d [grid spacings]; `inf` for a half-space, 0 where the grid does not resolve the layer: its shortest wave
+        does not find a half-space.
+        """
+        (shortest,) = self.modulus(np.array([np.pi]))
+        return self._layer.thickness / self._period * self.num_points if abs(np.log(shortest)) < _ALIKE else 0.0
+
+    @cached_property
+    def edge_curve(self) -> EdgeCurve:
+        """The pressure at the edge of a contact."""
+        if self.thickness == math.inf:
+            return half_space_curve()
+
+        def anywhere(q: Array64) -> Array64:
+            return np.asarray(np.log(_modulus(self._layer, q, self.num_points, self._period)))
+
+        return make_curve(lambda q: np.log(self.modulus(q)), anywhere)
+
+    @cached_property
+    def around_node(self) -> Array64:
+        """Displacement around a node by a unit load on it, without its mean, shape (N//2 + 1,) (E* = 1).
+
+        On large grids it has the error of a `split`: mostly a millionth, a thousandth on layers of a hundred spacings.
+        """
+        return self.num_points / self.unit * self.head(self.num_points // 2 + 1)
+
+    @cached_property
+    def compliance(self) -> Array64:
+        """G(q_k) = 1/K(q_k), 0 for the mean mode; shape (N//2 + 1,) [1/K]."""
+        return inverse(self.stiffness)
+
+    @cached_property
+    def split(self) -> Split | None:
+        """Its two parts, see `make_split`."""
+        return make_split(self.stiffness, self.num_points)
+
+    @cached_property
+    def stiffness_decays(self) -> bool:
+        """Whether K in real space is short-ranged; not where its longest waves are the stiffest, as on thin
+        incompressible layers.
+        """
+        return bool(self.stiffness[1] <= _STIFF * self.stiffness[1:].min())
+
+    @cached_property
+    def whole(self) -> Array64:
+        """G in real space, shape (N,) [1/K]."""
+        return irfft(self.compliance, self.num_points)
+
+    def head(self, count: int) -> Array64:
+        """G on the nodes 0 to count - 1 [1/K]. Where it has two parts it is made of them, with their error, and on
+        N//2 + 1 nodes at most.
+        """
+        return self.split.response(count) if self.split else self.whole[:count]
+
+    @cached_property
+    def second_sum(self) -> Array64:
+        """T with T(k+1) - 2 T(k) + T(k-1) = G(k), shape (N,), with the error of the two parts where there are any."""
+        if self.split:
+            return self.split.second_sum()
+        sums = irfft(self.compliance, self.num_points)
+        np.cumsum(sums, out=sums)
+        sums -= sums.mean()  # so that the second sum is periodic, too
+        sums[1:] = np.cumsum(sums[:-1])
+        sums[0] = 0
+        return sums
+
+    def rest(self) -> None:
+        """Give back what holds a value for each node of a large grid."""
+        for name in ("compliance", "whole", "second_sum") if self.num_points > MOST_POINTS else ():
+            self.__dict__.pop(name, None)
+
+
+@cached
+def layer_on_grid(layer: ElasticLayer, num_points: int, period: float) -> LayerOnGrid:
+    """A layer on a grid of `num_points` in the period L [length]. Raises `ValueError` like `half_spectrum`."""
+    return LayerOnGrid(layer, num_points, period)

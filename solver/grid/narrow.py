@@ -27,7 +27,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array64, Indices, Mask
-from .layer_on_grid import Modulus
 from .surroundings import Heights, Surroundings
 
 _SAMPLES = 8  # of the slope over a patch, or of the pressure over a gap
@@ -63,10 +62,11 @@ def from_loads(
     heights: Heights,
     begin: tuple[Array64, Array64],
     around: Surroundings | None = None,
-    modulus: Modulus | None = None,
+    modulus: Callable[[Array64], Array64] | None = None,
 ) -> Ends:
     """Ends of some patches. load: over E* [grid spacings]; begin: middles and half-widths to begin with [grid
-    spacings]; all of shape (patches,). modulus: of a layer that the grid does not resolve, where nothing is `around`.
+    spacings]; all of shape (patches,). modulus: see `LayerOnGrid`, where the grid does
+    not resolve the layer and nothing is `around`.
     """
 
     def slope(which: Indices, at: Array64) -> tuple[Array64, Array64]:

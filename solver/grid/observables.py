@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array64, Mask, chunks
-from ..indenters import Indenter
 from ..reference.closed_forms import kappa_half_space
 from ..scene import SMALLEST, Scene
 from ..value import Value
@@ -15,7 +14,7 @@ from .contact import contact_edges
 from .edges import UNRESOLVED_BELOW, Edges
 from .patch_table import PatchTable, patch_table
 from .patches import Patches
-from .problem import squared_slope
+from .problem import Problem
 
 
 @dataclass(frozen=True)
@@ -86,17 +85,15 @@ class Observables(Measured):
 
 
 def observe(
-    scene: Scene, profile: Array64, displacement: Array64, contact_pressure: Array64, contact: Mask
+    problem: Problem, displacement: Array64, contact_pressure: Array64, contact: Mask
 ) -> tuple[Observables, PatchTable]:
     """Observables and patches of a displacement [length] and contact pressure [pressure], 0 off the contact; all shape
     (N,).
-
-    profile: h [length].
     """
-    measured, patches, edges = measure(scene, profile, displacement, contact_pressure)
-    squared, _ = squared_slope(scene.indenter, scene.num_points, scene.period)
-    area, power = float(contact.mean()), scene.indenter.power_law
-    gradient = math.sqrt(float(squared[contact].mean())) if area else 0.0
+    measured, patches, edges = measure(problem, displacement, contact_pressure)
+    scene, profile, exponent = problem.scene, problem.profile, problem.indenter.exponent
+    area = float(contact.mean())
+    gradient = math.sqrt(float(problem.indenter.squared_slope[contact].mean())) if area else 0.0
     reduced = scene.reduced_load / gradient if gradient else math.inf
     kappa = area / reduced
     found = Observables(
@@ -105,7 +102,7 @@ def observe(
         rms_gradient_contact=gradient,
         reduced_pressure=reduced,
         kappa=kappa,
-        kappa_ratio=kappa / kappa_half_space(power[0]) if power else None,
+        kappa_ratio=kappa / kappa_half_space(exponent) if exponent else None,
         reduced_thickness=scene.layer.thickness / (area * scene.period) if area else math.inf,
         mean_gap=sum(float((profile[part] - displacement[part]).sum()) for part in chunks(profile.size)) / profile.size,
         num_unresolved_patches=int(edges.unresolved.sum()),
@@ -117,21 +114,16 @@ def observe(
 
 
 def measure(
-    scene: Scene,
-    profile: Array64,
-    displacement: Array64,
-    contact_pressure: Array64,
-    unit: float = 1.0,
-    by_loads: bool = True,
+    problem: Problem, displacement: Array64, contact_pressure: Array64, unit: float = 1.0, by_loads: bool = True
 ) -> tuple[dict[str, Any], Patches, Edges]:
     """The fields of `Measured` on any grid, by name; the patches, and their ends.
 
     Arguments as for `observe`; contact_pressure: [`unit`]; by_loads: whether loads may tell the ends of patches.
     """
-    num_points = profile.size
-    patches, edges = contact_edges(scene, contact_pressure, profile, displacement if by_loads else None)
-    area, gradient, kappa, kappa_error = subgrid_measures(scene, patches, edges)
-    modulus, lowest = foundation_modulus(scene), scene.indenter.depth_between_nodes(profile)
+    scene, indenter, num_points = problem.scene, problem.indenter, problem.num_points
+    patches, edges = contact_edges(problem, contact_pressure, displacement if by_loads else None)
+    area, gradient, kappa, kappa_error = subgrid_measures(problem, patches, edges)
+    modulus, lowest = foundation_modulus(scene), indenter.of.depth_between_nodes(problem.profile)
     measured = {
         "contact_area_subgrid": area,
         "rms_gradient_subgrid": gradient,
@@ -140,9 +132,9 @@ def measure(
         "kappa_edges_error": kappa_error,
         "unseen_gap_area": edges.unseen / num_points,
         "peak_pressure": unit * float(contact_pressure.max(initial=0.0)),
-        "peak_pressure_sampling": unit * peak_sampling(scene.indenter, contact_pressure, patches, edges),
+        "peak_pressure_sampling": unit * peak_sampling(indenter.exponent, contact_pressure, patches, edges),
         "approach": float(displacement.mean()) + (scene.pressure / modulus if modulus else 0.0) + lowest,
-        "approach_sampling": _approach_sampling(scene.indenter, profile, patches),
+        "approach_sampling": _approach_sampling(problem, patches),
         "num_patches": patches.count,
     }
     return measured, patches, edges
@@ -158,7 +150,7 @@ def first_node(scene: Scene) -> float:
     return scene.indenter.depth_between_nodes(scene.profile)
 
 
-def peak_sampling(indenter: Indenter, pressure: Array64, patches: Patches, edges: Edges) -> float:
+def peak_sampling(exponent: float | None, pressure: Array64, patches: Patches, edges: Edges) -> float:
     """By how much the largest pressure may differ from the largest one at a node, in the pressure's unit.
 
     Between the nodes of a patch a parabola passes the largest of them by an eighth of the second difference at most.
@@ -167,7 +159,7 @@ def peak_sampling(indenter: Indenter, pressure: Array64, patches: Patches, edges
     on a layer that the grid does not resolve at most that of a thin incompressible one, 15/16 P/a. `inf` where nothing
     tells a.
 
-    pressure: shape (N,); patches, edges: its contact.
+    exponent: n of a power profile; pressure: shape (N,); patches, edges: its contact.
     """
     if not patches.count:
         return 0.0
@@ -181,8 +173,8 @@ def peak_sampling(indenter: Indenter, pressure: Array64, patches: Patches, edges
     largest = np.maximum.reduceat(inside, patches.offset)
     if (largest[few & edges.unresolved] == highest).any():
         return math.inf
-    exponent = indenter.power_law[0] if indenter.power_law else 2.0
-    share = np.where(edges.by_load, 2 / math.pi * max(2.0, exponent / (exponent - 1)), 15 / 8)
+    sharper = exponent / (exponent - 1) if exponent else 2.0
+    share = np.where(edges.by_load, 2 / math.pi * max(2.0, sharper), 15 / 8)
     told = few & ~edges.unresolved
     width = np.maximum(edges.width, SMALLEST)
     expected = np.where(told, share * patches.sums(inside) / width, largest)
@@ -191,24 +183,25 @@ def peak_sampling(indenter: Indenter, pressure: Array64, patches: Patches, edges
     return max(bent, abs(float(expected[lead]) - highest) + float(doubt))
 
 
-def _approach_sampling(indenter: Indenter, profile: Array64, patches: Patches) -> float:
-    """By how much the approach may be off because the lowest point may lie between the nodes, in the profile's unit.
+def _approach_sampling(problem: Problem, patches: Patches) -> float:
+    """By how much the approach may be off because the lowest point may lie between the nodes [length].
 
-    Patches of one or two nodes do not tell how deep it is in contact before a node touches. profile: h, shape (N,).
+    Patches of one or two nodes do not tell how deep it is in contact before a node touches.
     """
+    indenter, profile = problem.indenter.of, problem.profile
     resolved = patches.count > 0 and int(patches.size.max()) >= UNRESOLVED_BELOW
     return indenter.hidden_depth(profile) + (0.0 if resolved else indenter.depth_between_nodes(profile))
 
 
-def subgrid_measures(scene: Scene, patches: Patches, edges: Edges) -> tuple[float, float, float, float]:
+def subgrid_measures(problem: Problem, patches: Patches, edges: Edges) -> tuple[float, float, float, float]:
     """a_r, g_c and kappa between the sub-grid edges, and kappa's error as far as edges and slopes tell it, without a
     coarser grid (dimensionless).
     """
     num_points, width = patches.num_points, float(edges.width.sum())
     if width == 0:
         return 0.0, 0.0, 0.0, math.inf
-    squared, doubt = squared_slope(scene.indenter, num_points, scene.period)
-    known = scene.indenter.squared_slope_between(edges.left, edges.right, num_points, scene.period)
+    scene, indenter, squared = problem.scene, problem.indenter, problem.indenter.squared_slope
+    known = indenter.squared_slope_between(edges.left, edges.right)
     if known is None:
         known = np.full(patches.count, np.nan) if edges.squared_slope is None else edges.squared_slope
     unknown = np.isnan(known)
@@ -233,10 +226,9 @@ def subgrid_measures(scene: Scene, patches: Patches, edges: Edges) -> tuple[floa
     per_area = gradient * scene.layer.contact_modulus / scene.pressure
     kappa = per_area * width / num_points
     # as for a power profile, whose kappa goes like a_r^n
-    exponent = scene.indenter.power_law[0] if scene.indenter.power_law else 2.0
     with np.errstate(over="ignore"):
-        by_edges = kappa * float(np.expm1(max(exponent, 2.0) * math.log1p(edges.total_error / width)))
+        by_edges = kappa * float(np.expm1(max(indenter.exponent or 2.0, 2.0) * math.log1p(edges.total_error / width)))
     by_slopes = 0.0  # of h'^2, twice that of its root
-    if doubt is not None:
+    if (doubt := indenter.squared_slope_doubt) is not None:
         by_slopes = float(np.abs(patches.sums(doubt[patches.nodes]))[unknown].sum()) / width / mean_square
     return width / num_points, gradient, kappa, math.hypot(by_edges, by_slopes * kappa)

@@ -16,74 +16,22 @@ mean one; u <= 0 where h = 0, and u = h >= 0 somewhere: so |u| <= 2 sum_k 1/K(q_
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from .. import checks
-from ..arrays import Array64
-from ..indenters import Indenter
-from ..layers import ElasticLayer
-from ..layers.layer import own_stiffness
+from ..arrays import Array64, Mask
 from ..scene import Scene
 from ..transforms.plain import irfft, rfft
-from .cached import cached
-from .response import LayerResponse
+from .indenter_on_grid import IndenterOnGrid, indenter_on_grid
+from .layer_on_grid import LayerOnGrid, half_spectrum, layer_on_grid
 
 _FAR = 1e6  # times the reach
 
 
-@cached
-def _profile(indenter: Indenter, num_points: int, period: float) -> Array64:
-    """The indenter's heights on a grid, shape (num_points,) [L], read-only. Raises `ValueError` for anything else."""
-    what = f"profile of indenter {indenter.name}"
-    allowed = f"allowed: {num_points} finite floating-point heights, the lowest 0, in units of the period"
-    with checks.own_code(what, allowed, indenter):
-        heights = np.asarray(indenter.profile(num_points, period)).view()
-    if heights.shape != (num_points,) or heights.dtype.kind != "f":
-        raise ValueError(f"{what} is of type {heights.dtype} and shape {heights.shape}; {allowed}")
-    lowest, highest = float(heights.min()), float(heights.max())
-    if not abs(lowest) <= 1e-9 * highest < math.inf:
-        raise ValueError(f"{what} is from {lowest:.3g} to {highest:.3g}; {allowed}")
-    heights.flags.writeable = False
-    return heights
-
-
-@cached
-def squared_slope(indenter: Indenter, num_points: int, period: float) -> tuple[Array64, Array64 | None]:
-    """h'^2 on a grid, shape (num_points,), and its largest error there, None where there is none; read-only
-    (dimensionless).
-    """
-    squared, doubt = indenter.slope(num_points, period) ** 2, indenter.squared_slope_doubt(num_points, period)
-    for found in (squared,) if doubt is None else (squared, doubt):
-        found.flags.writeable = False
-    return squared, doubt
-
-
-def half_spectrum(layer: ElasticLayer, num_points: int, period: float) -> Array64:
-    """K(q_k) of a layer for k = 0 ... N/2, shape (N//2 + 1,), in units of E*/L; 0 for the mean mode.
-
-    Raises `ValueError` like `own_stiffness`.
-    """
-    stiffness = np.zeros(num_points // 2 + 1)
-    wave_numbers = 2 * np.pi * np.arange(1, stiffness.size, dtype=np.float64)
-    what = f"stiffness of layer {layer.name}"
-    stiffness[1:] = own_stiffness(what, "q L", lambda q: layer.stiffness(q, period), wave_numbers, layer)
-    return stiffness
-
-
-@cached
-def response_on_grid(layer: ElasticLayer, num_points: int, period: float) -> LayerResponse:
-    """K(q_k) of a layer on a grid, read-only. Raises `ValueError` like `half_spectrum`."""
-    values = half_spectrum(layer, num_points, period)
-    unit = 2.0 ** math.floor(math.log2(values.max()))
-    values /= unit
-    values.flags.writeable = False
-    return LayerResponse(values, num_points, unit)
-
-
 def full_contact_pressure(scene: Scene) -> float:
     """The smallest mean pressure under which all nodes of a scene's grid touch, p = max(K h) [pressure]."""
-    profile = _profile(scene.indenter, scene.num_points, scene.period)
+    profile = indenter_on_grid(scene.indenter, scene.num_points, scene.period).profile
     held = irfft(half_spectrum(scene.layer, profile.size, scene.period) * rfft(profile), profile.size)
     return float(held.max()) * scene.layer.contact_modulus
 
@@ -92,10 +40,12 @@ def full_contact_pressure(scene: Scene) -> float:
 class Problem:
     """The discrete problem. Docstrings call its units of stiffness, displacement and pressure [K], [u] and [p]."""
 
-    profile: Array64
-    """Heights above the lowest point, shape (N,) [period]."""
-    rigidity: LayerResponse
-    """K and G of the layer on this grid."""
+    scene: Scene
+    """Of any grid."""
+    rigidity: LayerOnGrid
+    """The layer on this grid."""
+    indenter: IndenterOnGrid
+    """The indenter on this grid."""
     height: Array64
     """h(x_i), shape (N,) [`length_unit`]."""
     length_unit: float
@@ -105,17 +55,31 @@ class Problem:
     def from_scene(cls, scene: Scene, num_points: int | None = None) -> "Problem":
         """Discretise a scene on its own grid, or on another one of `num_points`."""
         n = num_points or scene.num_points
-        rigidity = response_on_grid(scene.layer, n, scene.period)
-        unit = scene.reduced_load / rigidity.unit
-        profile = _profile(scene.indenter, n, scene.period)
+        rigidity = layer_on_grid(scene.layer, n, scene.period)
+        indenter = indenter_on_grid(scene.indenter, n, scene.period)
+        unit = (scene.reduced_load or 1.0) / rigidity.unit
         with np.errstate(over="ignore"):
-            height = profile / unit
+            height = indenter.profile / unit
         return cls(
-            profile=profile,
+            scene=scene,
             rigidity=rigidity,
+            indenter=indenter,
             height=np.minimum(height, _FAR * _reach(rigidity.stiffness, n), out=height),
             length_unit=unit * scene.period,
         )
+
+    @cached_property
+    def profile(self) -> Array64:
+        """Heights above the lowest point, shape (N,) [length]."""
+        profile, period = self.indenter.profile, self.scene.period
+        return profile if period == 1 else period * profile
+
+    def to_length(self, displacement: Array64, contact: Mask) -> Array64:
+        """A displacement u <= h, shape (N,) [u], as [length], in place; exactly on the wall at the contact nodes."""
+        displacement *= self.length_unit
+        np.minimum(displacement, self.profile, out=displacement)  # units round
+        displacement[contact] = self.profile[contact]
+        return displacement
 
     @property
     def stiffness(self) -> Array64:

@@ -15,26 +15,11 @@ from contextlib import suppress
 import numpy as np
 
 from ..arrays import Array64, Indices
-from ..layers import ElasticLayer
-from .cached import cached
 from .few_nodes import node_compliance
 from .narrow import Ends, punch_compliance
 from .patches import Patches
-from .problem import response_on_grid
 
 _TOGETHER = 128  # patches that share their load with each other, those that follow each other
-
-
-@cached
-def layer_compliance(layer: ElasticLayer, num_points: int, period: float) -> Array64:
-    """Displacement around a node by a unit load on it, without its mean, shape (N//2 + 1,), read-only (E* = 1).
-
-    On large grids it has the error of a `split`: mostly a millionth, a thousandth on layers of a hundred spacings.
-    """
-    of_layer = response_on_grid(layer, num_points, period)
-    found = num_points / of_layer.unit * of_layer.head(num_points // 2 + 1)
-    found.flags.writeable = False
-    return found
 
 
 def shared_loads(
@@ -49,8 +34,8 @@ def shared_loads(
     """The loads of all patches, shape (M,) [grid spacings], over E*, after some of them were put right.
 
     pressure: over E*, on the contact nodes in compact order; found: ends of the chosen patches with the loads that the
-    grid has; level, centre_of_load: see `narrow.level_errors`; green: see `layer_compliance`. A load that would not
-    stay positive is left as it is, and all are where rounding makes the matrix singular.
+    grid has; level, centre_of_load: see `narrow.level_errors`; green: see `LayerOnGrid.around_node`. A load that would
+    not stay positive is left as it is, and all are where rounding makes the matrix singular.
     """
 
     def at(node: Indices) -> Array64:

@@ -15,13 +15,12 @@ import numpy as np
 
 from ..arrays import Array64, Indices
 from ..endings import Status
-from ..grid.edge_curves import EdgeCurve, edge_curve, half_space_curve
+from ..grid.edge_curves import EdgeCurve, half_space_curve
 from ..grid.edges import UNRESOLVED_BELOW, Edges
-from ..grid.layer_on_grid import thickness_on_grid
 from ..grid.observables import measure
 from ..grid.patches import Patches
+from ..grid.problem import Problem
 from ..methods import Method
-from ..scene import Scene
 from ..solution import Level
 from .run import Contact, Run
 
@@ -63,7 +62,7 @@ def over_grids(
             status, contact = run.relax(state), run.contact
             if measure_last or size < sizes[-1]:
                 # of an area, errors follow from the last two grids
-                level, contact = _measured(run.scene, state, by_loads=measure_last or size in sizes[-2:])
+                level, contact = _measured(state, by_loads=measure_last or size in sizes[-2:])
                 if status in (Status.CONVERGED, Status.STAGNATED):  # how far another is off says nothing of the rest
                     run.levels.append(level)
             run.state, run.status, run.contact = state, status, contact
@@ -78,32 +77,33 @@ def over_grids(
 
 def start_from_contact(run: Run, finer: Method) -> None:
     """Begin on a finer grid from the contact of the last one that was measured; without one where the method does."""
-    if run.contact and run.contact[0].any():
-        finer.start_from_pressure(prolong(run.scene, *run.contact, finer.problem.num_points))
+    if run.contact and run.contact[1].any():
+        finer.start_from_pressure(prolong(*run.contact, finer.problem))
 
 
-def _measured(scene: Scene, state: Method, by_loads: bool) -> tuple[Level, Contact]:
+def _measured(state: Method, by_loads: bool) -> tuple[Level, Contact]:
     """Level and contact of a grid; by_loads: whether loads may tell the ends of patches, for the errors."""
     pressure, problem = state.contact_pressure, state.problem
-    profile, displacement = problem.height * problem.length_unit, state.displacement * problem.length_unit
-    measured, patches, edges = measure(scene, profile, displacement, pressure, scene.pressure, by_loads)
+    displacement = problem.to_length(state.displacement.copy(), pressure > 0)
+    measured, patches, edges = measure(problem, displacement, pressure, problem.scene.pressure, by_loads)
     pairs = round(state.transform_pairs, 3)
     level = Level(**measured, num_points=problem.num_points, iterations=state.iteration, transform_pairs=pairs)
-    return level, (pressure, patches, edges)
+    return level, (problem, pressure, patches, edges)
 
 
-def prolong(scene: Scene, pressure: Array64, patches: Patches, ends: Edges, num_points: int) -> Array64:
-    """A contact pressure, shape (N,), on a grid of `num_points`, shape (num_points,); both 0 off the contact [p].
+def prolong(coarse: Problem, pressure: Array64, patches: Patches, ends: Edges, finer: Problem) -> Array64:
+    """A contact pressure of a coarse grid on a finer one, shape (N,) of each; both 0 off the contact [p].
 
     patches, ends: of that pressure, see `grid.contact.contact_edges`.
     """
+    num_points = finer.num_points
     if not patches.count:  # none that rounding leaves
         return np.zeros(num_points)
     factor = num_points / pressure.size
     coarse_curve = fine_curve = half_space_curve()
     # on layers thicker than the nodes that tell an edge the half-space's is right near it, and the rest is smooth
-    if thickness_on_grid(scene.layer, pressure.size, scene.period) < UNRESOLVED_BELOW:
-        coarse_curve, fine_curve = (edge_curve(scene.layer, n, scene.period) for n in (pressure.size, num_points))
+    if coarse.rigidity.thickness < UNRESOLVED_BELOW:
+        coarse_curve, fine_curve = coarse.rigidity.edge_curve, finer.rigidity.edge_curve
     if patches.full:
         x = np.arange(num_points) / factor
         return np.asarray(np.interp(x, np.arange(pressure.size), pressure, period=pressure.size))

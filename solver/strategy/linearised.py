@@ -24,10 +24,8 @@ import numpy as np
 from ..arrays import Array64, Mask
 from ..endings import Status
 from ..grid.contact import contact_edges
-from ..grid.edge_curves import edge_curve
 from ..grid.edges import UNRESOLVED_BELOW, Edges
 from ..grid.few_nodes import MOST_NODES, equivalent_gaps, equivalent_half_widths
-from ..grid.layer_on_grid import thickness_on_grid
 from ..grid.observables import foundation_modulus
 from ..grid.patches import Patches
 from ..grid.problem import Problem
@@ -99,18 +97,18 @@ def _beyond_nodes(solution: Solution, punch: Array64, surface: Array64) -> float
     as its nodes. Not known, and 0, for other patches of one or two nodes.
     """
     scene, pressure = solution.scene, np.where(solution.contact, solution.contact_pressure, 0.0)
-    profile = Problem.from_scene(scene).profile * scene.period
-    patches, edges = contact_edges(scene, pressure, profile, solution.displacement)
+    problem = Problem.from_scene(scene)
+    patches, edges = contact_edges(problem, pressure, solution.displacement)
     if not solution.certificate:  # a smaller model knows where its patches end, its sampled pressures do not
         n, table = pressure.size, solution.patches
         beyond_first = (table.left / scene.period * n - patches.first + n / 2) % n - n / 2
         begins = patches.first + beyond_first
         edges = replace(edges, left=begins, right=begins + table.width / scene.period * n)
-    curve = edge_curve(scene.layer, pressure.size, scene.period)
+    curve = problem.rigidity.edge_curve
     gaps, many = patches.gap, patches.size >= UNRESOLVED_BELOW  # nodes of the gaps
     # where the layer, or a gap, is narrower than a patch, a lone punch on a half-space says nothing of that
     alone = (patches.size < gaps.min(axis=0)) | ~many
-    thick = patches.size < thickness_on_grid(scene.layer, pressure.size, scene.period)
+    thick = patches.size < problem.rigidity.thickness
     by_load = edges.by_load & alone & thick & (edges.width > 0)
     told = np.stack([np.roll(edges.by_gap, 1), edges.by_gap])
     last_nodes = np.stack([patches.first, patches.last]) % pressure.size

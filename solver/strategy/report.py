@@ -30,15 +30,10 @@ def finish(run: Run, scene: Scene, problem: Problem) -> Solution:
     certified = certify_or_fall_back(run, problem)
     if scene.num_points == run.scene.num_points:
         del run.state  # and with it the method's fields, which are most of the memory
-    profile = problem.profile if scene.period == 1 else scene.period * problem.profile
-    certificate, displacement = certified.certificate, certified.displacement
-    pressure, contact = certified.pressure, certified.contact
-    displacement *= problem.length_unit  # in place: they may be large
-    np.minimum(displacement, profile, out=displacement)  # units round
-    displacement[contact] = profile[contact]
-    pressure *= scene.pressure
-    observables, patches = observe(scene, profile, displacement, pressure, contact)
-    del profile
+    certificate, pressure, contact = certified.certificate, certified.pressure, certified.contact
+    displacement = problem.to_length(certified.displacement, contact)
+    pressure *= scene.pressure  # in place: it may be large
+    observables, patches = observe(problem, displacement, pressure, contact)
     levels = [level for level in run.levels if level.num_points < scene.num_points]
     observables = with_errors(scene, observables, levels, certificate, Patches.of(contact), pressure)
     return make_solution(run, scene, run.kind.name, displacement, pressure, contact, observables, patches, certificate)
@@ -106,7 +101,7 @@ def without_contact(run: Run) -> Solution:
         scene = replace(scene, approach=None, pressure=0.0)
     displacement, pressure = np.full(scene.num_points, approach - first), np.zeros(scene.num_points)
     contact = np.zeros(scene.num_points, dtype=bool)
-    found, patches = observe(scene, scene.profile, displacement, pressure, contact)
+    found, patches = observe(Problem.from_scene(scene), displacement, pressure, contact)
     none: dict[str, Any] = dict.fromkeys(("reduced_pressure", "kappa", "kappa_subgrid", "kappa_error"), math.nan)
     found = replace(
         found,

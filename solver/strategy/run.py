@@ -16,8 +16,8 @@ from ..solution import Choice, Level
 SMALLEST_WARP = 2**13
 """Points; on smaller coarse grids recording Warp's launches takes longer than a few passes of the reference kernels."""
 
-Contact = tuple[Array64, Patches, Edges]
-"""Contact pressure of all nodes, shape (N,) [p], and its patches with their ends."""
+Contact = tuple[Problem, Array64, Patches, Edges]
+"""A grid, the contact pressure of its nodes, shape (N,) [p], and the patches with their ends."""
 
 
 @dataclass
@@ -75,7 +75,7 @@ class Run:
     @property
     def contact_share(self) -> float:
         """Share of the nodes that are in contact, 0 where that is not known (dimensionless)."""
-        return self.contact[1].nodes.size / self.contact[0].size if self.contact else 0.0
+        return self.contact[2].nodes.size / self.contact[1].size if self.contact else 0.0
 
     def begin(self, problem: Problem, tolerance: float, kind: MethodKind | None = None) -> Method:
         """A method on a grid; by default the one that was chosen.

@@ -17,8 +17,9 @@ from typing import Any
 import numpy as np
 
 from ..endings import Cause, Reason, Status
+from ..grid.layer_on_grid import half_spectrum
 from ..grid.observables import first_node, foundation_modulus
-from ..grid.problem import full_contact_pressure, half_spectrum
+from ..grid.problem import full_contact_pressure
 from ..scene import Scene
 from ..solution import Choice, Solution
 from .errors import QUANTITIES, estimated

@@ -11,6 +11,7 @@ from linecontact.solver.arrays import Array64
 from linecontact.solver.calibration import FITTED
 from linecontact.solver.grid.observables import observe
 from linecontact.solver.grid.patches import Patches
+from linecontact.solver.grid.problem import Problem
 from linecontact.solver.strategy.errors import with_errors
 
 Numbers = dict[str, float]
@@ -37,7 +38,7 @@ class Known:
         """Estimated errors by the present numbers over true errors, shape (4,)."""
         one, certificate = self.found, self.found.certificate
         assert certificate
-        found, _ = observe(one.scene, one.scene.profile, one.displacement, one.contact_pressure, one.contact)
+        found, _ = observe(Problem.from_scene(one.scene), one.displacement, one.contact_pressure, one.contact)
         contact = Patches.of(one.contact), one.contact_pressure
 
         def estimates(**left: float) -> Array64:

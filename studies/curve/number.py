@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 from linecontact.solver import Scene
-from linecontact.solver.grid.problem import half_spectrum
+from linecontact.solver.grid.layer_on_grid import half_spectrum
 from linecontact.solver.strategy.to_approach import check_approach
 
 Spacing = Literal["auto", "log", "linear", "area"]

@@ -11,6 +11,7 @@ from typing import ClassVar
 import numpy as np
 from linecontact.solver import Layer, RoughIndenter, Scene, solve
 from linecontact.solver.grid.contact import contact_edges
+from linecontact.solver.grid.problem import Problem
 from linecontact.solver.methods import Progress
 from rich.table import Table
 
@@ -81,7 +82,7 @@ class Surface:
         def solved(points: int) -> dict[str, float | str]:
             scene = Scene(layer, indenter, self.pressure, num_points=points * waves)
             solution = solve(scene, progress=report)
-            _, alone = contact_edges(scene, solution.contact_pressure)
+            _, alone = contact_edges(Problem.from_scene(scene), solution.contact_pressure)
             return {
                 "num_points": scene.num_points,
                 "points_to_wave": points,

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 from linecontact.solver.grid import edges
-from linecontact.solver.grid.edge_curves import edge_curve
+from linecontact.solver.grid.layer_on_grid import layer_on_grid
 from matplotlib.figure import Figure
 
 from ..figures.style import COLOURS, MARKERS, ONE_COLUMN, legend_below, load, panels
@@ -24,7 +24,7 @@ def draw(path: Path) -> dict[str, Figure]:
         colour = COLOURS[i % len(COLOURS)]
         marker = MARKERS[(i + i // len(COLOURS)) % len(MARKERS)]  # no pair twice
         exponent, kind, spacings, nu, base = scene
-        curve = edge_curve(layer_of(kind, float(spacings) / _FINE, nu, base), _FINE, 1.0)
+        curve = layer_on_grid(layer_of(kind, float(spacings) / _FINE, nu, base), _FINE, 1.0).edge_curve
         if curve.shift not in drawn:
             ratio = np.linspace(1e-3, curve.table[0] / curve.table[1], 200)
             pressures = np.stack([ratio, np.ones_like(ratio), np.ones_like(ratio)], axis=1)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from linecontact.solver import PowerIndenter, Scene, solve
 from linecontact.solver.grid import edges
-from linecontact.solver.grid.edge_curves import edge_curve
+from linecontact.solver.grid.layer_on_grid import layer_on_grid
 from linecontact.solver.grid.patches import Patches
 from linecontact.solver.methods import Progress
 from linecontact.solver.reference import collocation
@@ -113,7 +113,7 @@ class Task:
         scene = Scene(layer, PowerIndenter(self.exponent), load, num_points=n)
         solution = solve(scene, tolerance=self.tolerance, progress=report)
         patches = Patches.of(solution.contact_pressure > 0)
-        curve = edge_curve(layer, n, 1.0)
+        curve = layer_on_grid(layer, n, 1.0).edge_curve
         last = edges.lone_ends(curve, patches, solution.contact_pressure[patches.nodes])[0]
         three, two, _ = edges.edge_offset(curve, last)
         return records.run_record(solution) | {

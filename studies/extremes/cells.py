@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 from linecontact.solver import METHODS, Layer, MeasuredIndenter, PowerIndenter, RoughIndenter, Scene
-from linecontact.solver.grid.problem import half_spectrum
+from linecontact.solver.grid.layer_on_grid import half_spectrum
 from linecontact.solver.methods import DEFAULT
 from linecontact.solver.scene import PRECISIONS
 from linecontact.solver.transforms.plain import irfft, rfft

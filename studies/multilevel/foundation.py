@@ -6,8 +6,9 @@ import math
 
 import numpy as np
 from linecontact.solver import Scene
+from linecontact.solver.grid.indenter_on_grid import indenter_on_grid
 from linecontact.solver.grid.observables import foundation_modulus
-from linecontact.solver.grid.problem import foundation_level, squared_slope
+from linecontact.solver.grid.problem import foundation_level
 
 
 def is_one(scene: Scene) -> bool:
@@ -25,7 +26,7 @@ def press(scene: Scene, num_points: int) -> dict[str, float]:
     level = foundation_level(heights, modulus / scene.pressure)
     contact = heights < level
     area = float(contact.mean())
-    squared, _ = squared_slope(indenter, num_points, scene.period)
+    squared = indenter_on_grid(indenter, num_points, scene.period).squared_slope
     return {
         "kappa_subgrid": area * math.sqrt(float(squared[contact].mean())) / scene.reduced_load,
         "contact_area_subgrid": area,

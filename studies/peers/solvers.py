@@ -19,7 +19,7 @@ from types import SimpleNamespace
 import numpy as np
 from linecontact.solver import Scene
 from linecontact.solver.arrays import Array64
-from linecontact.solver.grid.problem import half_spectrum
+from linecontact.solver.grid.layer_on_grid import half_spectrum
 from linecontact.solver.methods import Progress
 
 PEERS = ("tamaas", "ContactMechanics")

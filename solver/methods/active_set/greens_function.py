@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from ...arrays import Array64, Indices
-from ...grid.response import LayerResponse
+from ...grid.layer_on_grid import LayerOnGrid
 from ...transforms.plain import Pair, hfft, irfft
 
 
@@ -44,7 +44,7 @@ _SHORT = 16  # times shorter than the grid are rings that are kept for the next 
 class GreensFunction:
     """Real-space G and K of one grid of N points, with its short transforms; for one solve at a time."""
 
-    def __init__(self, response: LayerResponse) -> None:
+    def __init__(self, response: LayerOnGrid) -> None:
         """response: G of the grid."""
         self.response, self.num_points = response, response.num_points
         self._factors: dict[str, Array64] = {}
@@ -107,7 +107,7 @@ class GreensFunction:
 def patch_sums(second_sum: Array64, first: Indices, last: Indices) -> Array64:
     """Z'GZ for Z = 1 on each of M runs of nodes: the sums of G(a - b) over a in one run and b in another.
 
-    second_sum: of G, see `LayerResponse`; first, last: end nodes, shape (..., M). Returns shape (..., M, M).
+    second_sum: of G, see `LayerOnGrid`; first, last: end nodes, shape (..., M). Returns shape (..., M, M).
     """
     start, stop = first, last + 1
 
@@ -121,7 +121,7 @@ def patch_sums(second_sum: Array64, first: Indices, last: Indices) -> Array64:
 class Convolution:
     """Short transforms of one length, for values on a patch that is no longer."""
 
-    def __init__(self, response: LayerResponse, length: int) -> None:
+    def __init__(self, response: LayerOnGrid, length: int) -> None:
         self._response, self.length = response, length
         self._pair = Pair(length)
         self.count = 0

@@ -1,0 +1,59 @@
+"""An indenter on one grid: its heights, its slopes, its lowest point."""
+
+from functools import cached_property
+
+import numpy as np
+
+from .. import checks
+from ..arrays import Array64
+from ..indenters import Indenter
+from .cached import cached
+
+
+class IndenterOnGrid:
+    """An indenter on a grid of `num_points` in the period L [length]. Raises `ValueError` for wrong heights."""
+
+    def __init__(self, indenter: Indenter, num_points: int, period: float) -> None:
+        self.of, self.num_points, self._period = indenter, num_points, period
+        what = f"profile of indenter {indenter.name}"
+        allowed = f"allowed: {num_points} finite floating-point heights, the lowest 0, in units of the period"
+        with checks.own_code(what, allowed, indenter):
+            heights = np.asarray(indenter.profile(num_points, period)).view()
+        if heights.shape != (num_points,) or heights.dtype.kind != "f":
+            raise ValueError(f"{what} is of type {heights.dtype} and shape {heights.shape}; {allowed}")
+        lowest, highest = float(heights.min()), float(heights.max())
+        if not abs(lowest) <= 1e-9 * highest < np.inf:
+            raise ValueError(f"{what} is from {lowest:.3g} to {highest:.3g}; {allowed}")
+        heights.flags.writeable = False
+        self.profile: Array64 = heights
+        """Heights above the lowest point, shape (N,) [L], read-only."""
+        self.shortest_wave = indenter.shortest_wave(num_points)
+        """How many of the shortest wave fit into the period, 0 for a smooth profile without one."""
+        self.exponent = indenter.power_law[0] if indenter.power_law else None
+        """n of a power profile; None for any other shape."""
+
+    @cached_property
+    def squared_slope(self) -> Array64:
+        """h'^2, shape (N,), read-only (dimensionless)."""
+        return _read_only(self.of.slope(self.num_points, self._period) ** 2)
+
+    @cached_property
+    def squared_slope_doubt(self) -> Array64 | None:
+        """Its largest error at the nodes, shape (N,), read-only; None where there is none (dimensionless)."""
+        doubt = self.of.squared_slope_doubt(self.num_points, self._period)
+        return None if doubt is None else _read_only(doubt)
+
+    def squared_slope_between(self, left: Array64, right: Array64) -> Array64 | None:
+        """See `Indenter.squared_slope_between`."""
+        return self.of.squared_slope_between(left, right, self.num_points, self._period)
+
+
+def _read_only(values: Array64) -> Array64:
+    values.flags.writeable = False
+    return values
+
+
+@cached
+def indenter_on_grid(indenter: Indenter, num_points: int, period: float) -> IndenterOnGrid:
+    """An indenter on a grid of `num_points` in the period L [length]. Raises `ValueError` for wrong heights."""
+    return IndenterOnGrid(indenter, num_points, period)
