@@ -1,12 +1,11 @@
-"""Elastic layers: what a layer must offer (`layer`), and one file for each kind of layer.
+"""Elastic layers: what a layer must offer (`layer`), and the kinds of layers.
 
 Whoever adds a layer writes one file here and adds one line to `LAYERS`.
 
 May import: arrays, checks, display, value.
 """
 
-from .bonded import Layer
-from .coated import CoatedHalfSpace
+from .bonded import CoatedHalfSpace, Layer
 from .layer import ElasticLayer
 from .sliding import SlidingLayer
 from .tabulated import TabulatedLayer

@@ -28,6 +28,7 @@ from typing import Any
 
 import numpy as np
 
+from .. import checks
 from ..arrays import Array64
 from ..calibration import FITTED
 from ..grid.certificate import Certificate
@@ -36,7 +37,7 @@ from ..grid.observables import Measured, Observables
 from ..grid.patches import Patches
 from ..scene import Scene
 from ..solution import MEANINGLESS, Level
-from .grids import FACTOR
+from .run import FACTOR
 
 
 @dataclass(frozen=True)
@@ -81,10 +82,24 @@ QUANTITIES = {
 
 DEFAULT_QUANTITY = "contact-area"
 
+MOST_ACCURACY = 0.1
+"""Coarsest relative error that may be asked for (dimensionless)."""
+
 _LEAST_FALL = 1.25
 """Factor by which changes of a quantity with a limit fall from grid to grid."""
 _STIFF = 0.9
 """2K/(E* q) of a wave, below which shorter ones find the layer stiffer."""
+
+
+def check_accuracy(accuracy: float | None, of: str) -> float | None:
+    """The accuracy, if it is one that may be asked for, of one of `QUANTITIES`; None for none. Raises `ValueError`."""
+    checks.choice("accuracy_of", of, tuple(QUANTITIES))
+    if accuracy is not None:
+        allowed = "1e-9 <= accuracy <= 0.1"
+        return checks.real("accuracy", accuracy, allowed, math.nextafter(1e-9, 0), MOST_ACCURACY)
+    if of != DEFAULT_QUANTITY:
+        raise ValueError(f"accuracy_of is {of!r}; allowed: together with an accuracy")
+    return None
 
 
 def estimated(

@@ -1,4 +1,5 @@
-"""Models that are smaller than the scene: a power profile's one contact, by collocation or on the Winkler foundation.
+"""Models that are smaller than the scene: a power profile's one contact, by collocation or on the Winkler foundation,
+and no contact at all.
 
 They give observables with errors of their own, without a grid; the fields are sampled. Collocation knows all of them,
 except the pressure at the tip of a profile sharper than a parabola, the foundation contact area and kappa alone.
@@ -10,12 +11,13 @@ h) where that is positive. It leaves out the layer's edge, which lies c(nu) d fu
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from ..arrays import Array64
 from ..endings import Status
-from ..grid.observables import Observables, foundation_modulus
+from ..grid.observables import Observables, first_node, foundation_modulus, observe
 from ..grid.patch_table import PatchTable
 from ..grid.problem import Problem
 from ..reference import collocation
@@ -23,7 +25,7 @@ from ..reference.closed_forms import foundation_half_width, kappa_from_area, kap
 from ..scene import Scene
 from ..solution import Choice, Solution
 from .errors import DEFAULT_QUANTITY
-from .report import make_solution
+from .finish import make_solution
 from .run import Run
 
 _LEAST_EDGE, _TIMES_SHIFT = 0.6, 3.0
@@ -93,7 +95,55 @@ def by_small_model(run: Run, accuracy: float, of: str) -> Solution | None:
         tip = "rough: too low at a tip sharper than a parabola"
         run.choices.append(Choice("peak pressure", "by collocation", tip))
     run.status = Status.CONVERGED
-    return make_solution(run, scene, name, displacement, pressure, pressure > 0, observables, patches)
+    return make_solution(
+        run,
+        scene,
+        method=name,
+        displacement=displacement,
+        contact_pressure=pressure,
+        contact=pressure > 0,
+        observables=observables,
+        patches=patches,
+    )
+
+
+def without_contact(run: Run) -> Solution:
+    """The solution of a scene in which nothing touches: the surface flat, away from the indenter's lowest point.
+
+    Without load their distance may be any, and is 0. p* and kappa are NaN.
+    """
+    scene = run.scene
+    approach, first = scene.approach or 0.0, first_node(scene)
+    unseen = 1 / scene.num_points if approach > 0 else 0.0
+    if scene.approach is not None:
+        unit = scene.length_unit
+        why = f"for the approach of {approach:g} [{unit}]: up to {first:g} [{unit}] no node touches"
+        run.choices.append(Choice("pressure", "0", why))
+        scene = replace(scene, approach=None, pressure=0.0)
+    displacement, pressure = np.full(scene.num_points, approach - first), np.zeros(scene.num_points)
+    contact = np.zeros(scene.num_points, dtype=bool)
+    found, patches = observe(scene, scene.profile, displacement, pressure, contact)
+    unknown = ("reduced_pressure", "kappa", "kappa_subgrid", "kappa_error", "kappa_edges_error")
+    known: dict[str, Any] = dict.fromkeys(unknown, math.nan) | {
+        "contact_area_error": unseen,
+        "contact_area_edges_error": unseen,
+        "peak_pressure_sampling": 0.0,
+        "peak_pressure_error": math.inf if unseen else 0.0,
+        "approach": approach,
+        "approach_error": 0.0,
+        "kappa_ratio": None if found.kappa_ratio is None else math.nan,
+    }
+    run.status, run.config = Status.CONVERGED, replace(run.config, device="cpu")
+    return make_solution(
+        run,
+        scene,
+        method="no contact",
+        displacement=displacement,
+        contact_pressure=pressure,
+        contact=contact,
+        observables=replace(found, **known),
+        patches=patches,
+    )
 
 
 def _field_scene(scene: Scene, area: float) -> Scene:
