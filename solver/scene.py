@@ -223,9 +223,9 @@ def _check_description(what: str, part: Any, listed: Mapping[str, type]) -> None
     owner = listed.get(name)
     if owner and not isinstance(part, owner) and owner.__module__.startswith(f"{__package__}."):
         raise ValueError(f"name of {what} is {name!r}, which is that of {owner.__name__}; allowed: another one")
-    described, key = part.to_dict(), {"layer": "layer", "indenter": "profile"}[what]
-    if not isinstance(described, Mapping) or described.get(key) != name:
-        allowed = f"a dictionary with {name!r} under {key!r}"
+    described = part.to_dict()
+    if not isinstance(described, Mapping) or described.get(part.part) != name:
+        allowed = f"a dictionary with {name!r} under {part.part!r}"
         raise ValueError(f"to_dict of {what} {name} gives {str(described)[:60]}; allowed: {allowed}")
     for key, value in described.items():
         several = value if isinstance(value, list | tuple) else [value]

@@ -92,13 +92,7 @@ def solve(
 
 
 def _config(
-    scene: object,
-    nested: object,
-    threads: int,
-    planning: str,
-    backend: str,
-    device: str,
-    progress: Progress | None,
+    scene: object, nested: object, threads: int, planning: str, backend: str, device: str, progress: Progress | None
 ) -> ExecutionConfig:
     """The configuration that was asked for. Raises `ValueError`, also for no scene and a bad `nested`."""
     if not isinstance(scene, Scene):

@@ -6,7 +6,7 @@ Heights come in units of the period L, so that a shape has no unit of its own.
 
 from abc import abstractmethod
 from collections.abc import Sequence
-from typing import Any, ClassVar, Self
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -21,8 +21,7 @@ _SIXTH, _EIGHTH = (45 / 60, -9 / 60, 1 / 60), (4 / 5, -1 / 5, 4 / 105, -1 / 280)
 class Indenter(Kind):
     """A rigid, periodic indenter, as the program needs to know it."""
 
-    name: ClassVar[str]
-    """The indenter's name on the command line and in stored results."""
+    part: ClassVar[str] = "profile"
 
     knows_lowest: ClassVar[bool] = False
     """Whether `depth_between_nodes` tells the lowest point between the nodes."""
@@ -61,12 +60,6 @@ class Indenter(Kind):
         0 for a smooth profile without a shortest wave, which every grid resolves as far as it resolves anything.
         """
 
-    @abstractmethod
-    def to_dict(self) -> dict[str, Any]:
-        """Flat, JSON-ready description under the command line's names: numbers, texts, truth values, or lists of them;
-        'profile' is the indenter's name.
-        """
-
     def slope(self, num_points: int, period: float) -> Array64:
         """Slopes h'(x_i), shape (num_points,), dimensionless; unless there is better, by central differences of the
         sixth order, which have a wave of eight grid spacings right to 0.2 %.
@@ -101,10 +94,6 @@ class Indenter(Kind):
     def check(self, num_points: int) -> None:
         """Raise `ValueError` if a grid of that many points cannot hold the surface."""
         return
-
-    def ratios(self, period: float) -> dict[str, float]:
-        """The dimensionless numbers, by name, that must be neither too large nor too small to compute with."""
-        return {}
 
     @property
     def doubts(self) -> str:

@@ -1,7 +1,7 @@
 """One asperity, a power of the distance: the published study's sharp, Hertzian and blunt indenters."""
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -56,9 +56,6 @@ class PowerIndenter(Indenter):
     def shortest_wave(self, num_points: int) -> int:
         """0: the profile is smooth, see `Indenter`."""
         return 0
-
-    def to_dict(self) -> dict[str, Any]:
-        return {"profile": self.name, "exponent": self.exponent, "radius": self.radius}
 
     def ratios(self, period: float) -> dict[str, float]:
         return {"radius/period": self.radius / period}

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -105,10 +105,6 @@ class RoughIndenter(Indenter):
                 f"(cut_off_ratio) and dx/lambda_s is {spacing:.4g}; allowed: dx/lambda_s < 1/2 (1/64 and less for "
                 "a converged area), by more points or larger ratios"
             )
-
-    def to_dict(self) -> dict[str, Any]:
-        names = ("hurst", "seed", "roll_off_ratio", "cut_off_ratio", "rms_gradient")
-        return {"profile": self.name} | {name: getattr(self, name) for name in names}
 
     def guessed_half_width(self, reduced_load: float, layer: ElasticLayer, period: float) -> float:
         """Half the width of a single patch of twice the half-space's area sqrt(8/pi) p* (B. N. J. Persson, 2001); a

@@ -15,11 +15,4 @@ LAYERS: dict[str, type[ElasticLayer]] = {
 }
 """The one list of layers, by name; the first is the default."""
 
-__all__ = [
-    "LAYERS",
-    "CoatedHalfSpace",
-    "ElasticLayer",
-    "Layer",
-    "SlidingLayer",
-    "TabulatedLayer",
-]
+__all__ = ["LAYERS", "CoatedHalfSpace", "ElasticLayer", "Layer", "SlidingLayer", "TabulatedLayer"]

@@ -24,7 +24,7 @@ the layer's material.
 import math
 from dataclasses import dataclass
 from functools import cache
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -141,10 +141,6 @@ class Layer(ElasticLayer):
     def foundation_modulus(self, period: float) -> float:
         return foundation_modulus(self.thickness / period, self.poisson_ratio)
 
-    def to_dict(self) -> dict[str, Any]:
-        names = ("thickness", "poisson_ratio", "contact_modulus")
-        return {"layer": self.name} | {name: getattr(self, name) for name in names}
-
     @property
     def edge_shift(self) -> float | None:
         """c(nu) d, see `ElasticLayer`."""
@@ -206,7 +202,3 @@ class CoatedHalfSpace(ElasticLayer):
 
     def foundation_modulus(self, period: float) -> float:
         return 0.0  # long waves find a half-space
-
-    def to_dict(self) -> dict[str, Any]:
-        names = ("thickness", "poisson_ratio", "contact_modulus", "base_modulus", "base_poisson_ratio")
-        return {"layer": self.name} | {name: getattr(self, name) for name in names}

@@ -102,13 +102,7 @@ def check_accuracy(accuracy: float | None, of: str) -> float | None:
     return None
 
 
-def estimated(
-    quantity: Quantity,
-    scene: Scene,
-    num_points: int,
-    found: Measured,
-    coarser: Sequence[Measured],
-) -> float:
+def estimated(quantity: Quantity, scene: Scene, num_points: int, found: Measured, coarser: Sequence[Measured]) -> float:
     """Estimated error that a grid leaves in a quantity, in its unit.
 
     found: on this grid; coarser: the grids before it, from coarse to fine. Without any, the estimate by this grid
@@ -198,25 +192,17 @@ def left_at_ends(largest: float, patches: Patches, pressure: Array64) -> float:
     """
     if not patches.count or patches.full or not math.isfinite(largest):
         return 0.0
-    off = _off_at_ends(FITTED.of_largest_residual * largest * float(pressure.mean()), patches, pressure)
-    return float(np.linalg.norm(off.sum(axis=0))) / pressure.size
-
-
-def _off_at_ends(error: float, patches: Patches, pressure: Array64) -> Array64:
-    """How far off the ends of patches are where the pressures of their nodes are off by `error`, shape (2, patches)
-    [grid spacings].
-    """
-    inside = pressure[patches.nodes]
+    error, inside = FITTED.of_largest_residual * largest * float(pressure.mean()), pressure[patches.nodes]
     above, begin = np.flatnonzero(inside > error), patches.offset
     behind = begin + patches.size
     first, last = np.searchsorted(above, begin), np.searchsorted(above, behind) - 1
     some = first <= last
-    off = np.zeros((2, patches.count))
+    off = np.zeros((2, patches.count))  # [grid spacings]
     off[0] = patches.size  # without a node above, all of the patch
     first, last = above[first[some]], above[last[some]]
     off[0, some] = first - begin[some] + error / inside[first]
     off[1, some] = behind[some] - 1 - last + error / inside[last]
-    return off
+    return float(np.linalg.norm(off.sum(axis=0))) / pressure.size
 
 
 def with_errors(

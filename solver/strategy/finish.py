@@ -3,7 +3,6 @@
 import math
 import time
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -11,7 +10,8 @@ from .. import display
 from ..arrays import Array64, Mask
 from ..endings import INTERRUPTED, Cause, Reason, Status
 from ..grid.certificate import Certificate, certify
-from ..grid.observables import observe
+from ..grid.observables import Observables, observe
+from ..grid.patch_table import PatchTable
 from ..grid.patches import Patches
 from ..grid.problem import Problem, foundation_pressure, rounding_floor
 from ..methods import METHODS, MethodKind
@@ -42,30 +42,36 @@ def finish(run: Run, scene: Scene, problem: Problem) -> Solution:
     observables, patches = observe(scene, profile, displacement, pressure, contact)
     del profile
     levels = [level for level in run.levels if level.num_points < scene.num_points]
-    return make_solution(
-        run,
-        scene,
-        method=run.kind.name,
-        displacement=displacement,
-        contact_pressure=pressure,
-        contact=contact,
-        observables=with_errors(scene, observables, levels, found.certificate, Patches.of(contact), pressure),
-        patches=patches,
-        certificate=found.certificate,
-    )
+    observables = with_errors(scene, observables, levels, found.certificate, Patches.of(contact), pressure)
+    fields = displacement, pressure, contact
+    return make_solution(run, scene, run.kind.name, fields, observables, patches, found.certificate)
 
 
-def make_solution(run: Run, scene: Scene, certificate: Certificate | None = None, **found: Any) -> Solution:
-    """The solution of a scene with all that the run says of it. found: the other arguments of `Solution`."""
+def make_solution(
+    run: Run,
+    scene: Scene,
+    method: str,
+    fields: tuple[Array64, Array64, Mask],
+    observables: Observables,
+    patches: PatchTable,
+    certificate: Certificate | None = None,
+) -> Solution:
+    """The solution of a scene with all that the run says of it. fields: displacement, contact pressure and contact; the
+    other arguments as in `Solution`.
+    """
     (begin, ready, relaxed, *_), end = run.times, time.perf_counter()
     device, choices = run.config.device, tuple(run.choices)
     if device != "cpu":
         reason = f"as asked, with {gpu_libraries()}; the certificate is computed on the CPU, in float64"
         choices += (Choice("device", device_name(device), reason),)
     return Solution(
-        scene=scene,
-        tolerance=run.tolerance,
-        status=run.status,
+        scene,
+        method,
+        run.tolerance,
+        run.status,
+        *fields,
+        observables=observables,
+        patches=patches,
         certificate=certificate,
         iterations=run.taken,
         transform_pairs=run.points_transformed / scene.num_points,
@@ -78,7 +84,6 @@ def make_solution(run: Run, scene: Scene, certificate: Certificate | None = None
         levels=tuple(level for level in run.levels if level.num_points < scene.num_points),
         choices=choices,
         device=device_name(device),
-        **found,
     )
 
 

@@ -87,24 +87,12 @@ def by_small_model(run: Run, accuracy: float, of: str) -> Solution | None:
     displacement = np.where(pressure > 0, profile, np.minimum(displacement, profile))
     pressure *= scene.pressure
     observables, patches = _measured(scene, found, int(np.count_nonzero(pressure)))
-    run.choices += [
-        found.choice,
-        Choice("grid", f"{n} points", "for the fields only, which are sampled"),
-    ]
+    run.choices += [found.choice, Choice("grid", f"{n} points", "for the fields only, which are sampled")]
     if name == "collocation" and math.isinf(found.errors["peak-pressure"]):
         tip = "rough: too low at a tip sharper than a parabola"
         run.choices.append(Choice("peak pressure", "by collocation", tip))
     run.status = Status.CONVERGED
-    return make_solution(
-        run,
-        scene,
-        method=name,
-        displacement=displacement,
-        contact_pressure=pressure,
-        contact=pressure > 0,
-        observables=observables,
-        patches=patches,
-    )
+    return make_solution(run, scene, name, (displacement, pressure, pressure > 0), observables, patches)
 
 
 def without_contact(run: Run) -> Solution:
@@ -120,9 +108,9 @@ def without_contact(run: Run) -> Solution:
         why = f"for the approach of {approach:g} [{unit}]: up to {first:g} [{unit}] no node touches"
         run.choices.append(Choice("pressure", "0", why))
         scene = replace(scene, approach=None, pressure=0.0)
-    displacement, pressure = np.full(scene.num_points, approach - first), np.zeros(scene.num_points)
-    contact = np.zeros(scene.num_points, dtype=bool)
-    found, patches = observe(scene, scene.profile, displacement, pressure, contact)
+    n = scene.num_points
+    fields = np.full(n, approach - first), np.zeros(n), np.zeros(n, dtype=bool)
+    found, patches = observe(scene, scene.profile, *fields)
     unknown = ("reduced_pressure", "kappa", "kappa_subgrid", "kappa_error", "kappa_edges_error")
     known: dict[str, Any] = dict.fromkeys(unknown, math.nan) | {
         "contact_area_error": unseen,
@@ -134,16 +122,7 @@ def without_contact(run: Run) -> Solution:
         "kappa_ratio": None if found.kappa_ratio is None else math.nan,
     }
     run.status, run.config = Status.CONVERGED, replace(run.config, device="cpu")
-    return make_solution(
-        run,
-        scene,
-        method="no contact",
-        displacement=displacement,
-        contact_pressure=pressure,
-        contact=contact,
-        observables=replace(found, **known),
-        patches=patches,
-    )
+    return make_solution(run, scene, "no contact", fields, replace(found, **known), patches)
 
 
 def _field_scene(scene: Scene, area: float) -> Scene:
