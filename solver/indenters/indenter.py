@@ -11,7 +11,6 @@ from typing import ClassVar, Self
 import numpy as np
 
 from ..arrays import Array64
-from ..layers import ElasticLayer
 from ..value import Kind
 
 _SIXTH, _EIGHTH = (45 / 60, -9 / 60, 1 / 60), (4 / 5, -1 / 5, 4 / 105, -1 / 280)
@@ -131,13 +130,6 @@ class Indenter(Kind):
         enough [grid spacings]; 0 without. width: of the contact with the lowest point in its middle [grid spacings].
         """
         return 0.0
-
-    def guessed_half_width(self, reduced_load: float, layer: ElasticLayer, period: float) -> float:
-        """An estimate from above of half the contact's width [L], before anything is solved; 0.5 if nothing is known.
-
-        reduced_load: p/E* (dimensionless).
-        """
-        return 0.5
 
 
 def _central_differences(heights: Array64, shares: Sequence[float]) -> Array64:

@@ -8,8 +8,6 @@ import numpy as np
 from .. import checks
 from ..arrays import Array64
 from ..calibration import FITTED
-from ..layers import ElasticLayer
-from ..reference.closed_forms import guessed_half_width
 from ..reference.gradient_equation import STEEPEST
 from .indenter import Indenter
 
@@ -63,13 +61,6 @@ class PowerIndenter(Indenter):
     @property
     def power_law(self) -> tuple[float, float] | None:
         return self.exponent, self.radius
-
-    def guessed_half_width(self, reduced_load: float, layer: ElasticLayer, period: float) -> float:
-        """The half-space's or the thin layer's, see `Indenter`."""
-        if layer.bonded is None:
-            return 0.5
-        thickness, nu = layer.bonded
-        return guessed_half_width(reduced_load, self.exponent, self.radius / period, thickness / period, nu)
 
     def end_error(self, width: float) -> float:
         """See `Indenter`. The sum over nodes of |x|^n is off at its tip by a power n + 1 of the spacing, which moves an

@@ -140,10 +140,7 @@ def _left(quantity: Quantity, scene: Scene, num_points: int, found: Measured, va
 
 
 def _unknown(quantity: Quantity, scene: Scene, num_points: int, area: float) -> bool:
-    """Whether a kink may leave a quantity without a limit, or the nodes may miss anything because shorter waves find
-    the layer stiffer, as a coating on a softer base: peaks at edges and tips, if the grid's shortest wave does not find
-    it stiff, or a split of the contact by a tip.
-    """
+    """Whether nothing is known of a quantity because of a kink, or because shorter waves find the layer stiffer."""
     if quantity.of_lowest:
         return False
     if scene.indenter.kinked and (quantity.of_slopes or not quantity.of_area):

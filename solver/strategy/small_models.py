@@ -21,7 +21,7 @@ from ..grid.observables import Observables, first_node, foundation_modulus, obse
 from ..grid.patch_table import PatchTable
 from ..grid.problem import Problem
 from ..reference import collocation
-from ..reference.closed_forms import foundation_half_width, kappa_from_area, kappa_half_space
+from ..reference.closed_forms import foundation_half_width, guessed_half_width, kappa_from_area, kappa_half_space
 from ..scene import Scene
 from ..solution import Choice, Solution
 from .errors import DEFAULT_QUANTITY
@@ -63,10 +63,11 @@ def decide(scene: Scene, accuracy: float, of: str = DEFAULT_QUANTITY) -> str | N
     founded = 0 < _foundation_area(scene) < _FULL and layer.edge_shift is not None
     if founded and _on_foundation(scene, accuracy, of).errors[of] <= accuracy:
         return "winkler-foundation"
-    half_width = scene.indenter.guessed_half_width(scene.reduced_load, layer, scene.period)
-    known = power[0] >= 2 or of != "peak-pressure"
-    one = known and layer.bonded and half_width < min(_FULL / 2, _LONG_ASPERITY * layer.thickness / scene.period)
-    return "collocation" if one else None
+    if layer.bonded is None or (power[0] < 2 and of == "peak-pressure"):
+        return None
+    radius, thickness = power[1] / scene.period, layer.bonded[0] / scene.period
+    half_width = guessed_half_width(scene.reduced_load, power[0], radius, thickness, layer.bonded[1])
+    return "collocation" if half_width < min(_FULL / 2, _LONG_ASPERITY * thickness) else None
 
 
 def by_small_model(run: Run, accuracy: float, of: str) -> Solution | None:
@@ -79,8 +80,12 @@ def by_small_model(run: Run, accuracy: float, of: str) -> Solution | None:
     except ValueError as error:
         run.choices.append(Choice(name, "no", str(error)))
         return None
-    scene = _field_scene(scene, found.area)
-    n, problem, profile = scene.num_points, Problem.from_scene(scene), scene.profile
+    n = _FIELD_POINTS
+    while n * found.area < math.sqrt(_FIELD_POINTS) and n < scene.num_points:
+        n *= 2
+    n = min(n, scene.num_points)
+    scene = replace(scene, num_points=n)
+    problem, profile = Problem.from_scene(scene), scene.profile
     pressure = found.pressure_at((np.arange(n) - n // 2) / n / (found.area / 2))
     pressure /= pressure.mean()  # the sampled load is off by the sampling
     displacement = problem.displacement_under(pressure) * problem.length_unit
@@ -123,14 +128,6 @@ def without_contact(run: Run) -> Solution:
     }
     run.status, run.config = Status.CONVERGED, replace(run.config, device="cpu")
     return make_solution(run, scene, "no contact", fields, replace(found, **known), patches)
-
-
-def _field_scene(scene: Scene, area: float) -> Scene:
-    """The scene on a grid for sampled fields, no finer than its own."""
-    num_points = _FIELD_POINTS
-    while num_points * area < math.sqrt(_FIELD_POINTS) and num_points < scene.num_points:
-        num_points *= 2
-    return replace(scene, num_points=min(num_points, scene.num_points))
 
 
 def _measured(scene: Scene, found: _Contact, nodes: int) -> tuple[Observables, PatchTable]:
