@@ -37,7 +37,6 @@ class MeasuredIndenter(Indenter):
     """Whether `heights` are given as those of a surface; `replace` must name it, too."""
 
     name: ClassVar[str] = "file"
-    units: ClassVar[dict[str, str]] = {"heights": "length", "given_period": "length"}
     _remade: ClassVar[dict[str, Any]] = {"convention": "gap"}
 
     def __post_init__(self, convention: str) -> None:
@@ -117,6 +116,10 @@ class MeasuredIndenter(Indenter):
         measured = self.measured_points or self.heights.size
         heights = self.profile(num_points, period) * period
         return replace(self, heights=heights, measured_points=measured, **self._remade)
+
+    def in_units(self, length: float, pressure: float = 1.0) -> Self:
+        period = None if self.given_period is None else self.given_period * length
+        return replace(self, heights=self.heights * length, given_period=period, **self._remade)
 
     def ratios(self, period: float) -> dict[str, float]:
         return {"largest height/period": float(self.heights.max()) / period}
