@@ -16,10 +16,9 @@ from .layers import LAYERS, CoatedHalfSpace, ElasticLayer, Layer, SlidingLayer, 
 from .methods import METHODS, Method, MethodKind
 from .scene import Scene
 from .solution import Choice, Solution
-from .solve import solve
+from .solve import default_tolerance, solve
 from .strategy.errors import QUANTITIES
 from .strategy.linearised import contact_stiffness
-from .strategy.to_tolerance import default_tolerance
 
 __all__ = [
     "INDENTERS",

@@ -1,11 +1,14 @@
-"""Arrays: names for their types, long ones part by part, and the nodes of a quadrature."""
+"""Arrays: names for their types, long ones part by part, nodes of a quadrature, and linear algebra on one thread."""
 
+import threading
 from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import ThreadpoolController
 
 Array = NDArray[Any]
 """Real numbers in the precision that a method works in, float32 or float64."""
@@ -18,6 +21,7 @@ Modes = NDArray[np.complex128]
 
 _PART = 2**14  # values whose intermediate results stay in the cache
 _NODES = 200  # of Gauss-Legendre quadrature: smooth integrands to rounding
+_limiting = threading.Lock()  # held while `on_one_thread` has set the limit, which is the whole process's
 
 
 def chunks(length: int) -> Iterator[slice]:
@@ -31,3 +35,26 @@ def chunks(length: int) -> Iterator[slice]:
 def gauss_legendre() -> tuple[Array64, Array64]:
     """Nodes and weights on (-1, 1), shape (M,) each, kept because they cost an eigenvalue problem."""
     return np.polynomial.legendre.leggauss(_NODES)
+
+
+@cache
+def _libraries() -> ThreadpoolController:
+    """The libraries that this process has loaded; finding them takes a few milliseconds."""
+    return ThreadpoolController()
+
+
+@contextmanager
+def on_one_thread() -> Iterator[None]:
+    """Linear algebra takes one thread meanwhile (also as a decorator); the user's setting is back afterwards.
+
+    Its matrices are small, and where cores are busy its threads wait for each other. Where several threads are here,
+    the first of them sets the limit and takes it back at its end.
+    """
+    if not _limiting.acquire(blocking=False):
+        yield
+        return
+    try:
+        with _libraries().limit(limits=1, user_api="blas"):
+            yield
+    finally:
+        _limiting.release()

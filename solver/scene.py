@@ -5,17 +5,20 @@ modulus, pressure). The defaults are the published study's: all three scales are
 """
 
 import math
+from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from numbers import Real
 from typing import Any, Self
 
 import numpy as np
 
 from . import checks, display
 from .arrays import Array64
-from .indenters import Indenter, PowerIndenter
-from .layers import ElasticLayer, Layer
+from .indenters import INDENTERS, Indenter, PowerIndenter
+from .layers import LAYERS, ElasticLayer, Layer
+from .layers.tabulated import CLOSE
 from .units import PRESSURES, named
-from .validate import check_foundation, check_indenter, check_layer
 from .value import Value
 
 PRECISIONS = ("float64", "float32", "mixed")
@@ -24,6 +27,8 @@ SMALLEST = 1e-60
 LARGEST = 1 / SMALLEST
 """Bounds on the units and on the dimensionless ratios of a scene."""
 
+_LONG = (1e-3, 1e-6, 1e-9)
+"""Long waves, over those of the longer of period and thickness; rounding may spoil K of the longest."""
 _PRESSURE = float("2e-3")  # the default, an object of its own, by which it is told from a pressure that is given
 
 
@@ -67,10 +72,10 @@ class Scene(Value):
         checks.choice("precision", self.precision, PRECISIONS)
         if self.pressure_unit is not None:
             checks.choice("pressure_unit", self.pressure_unit, tuple(PRESSURES))
-        check_indenter(self.indenter, self.num_points, self.period)
-        check_layer(self.layer, self.period)
+        _check_indenter(self.indenter, self.num_points, self.period)
+        _check_layer(self.layer, self.period)
         self._check_scales()
-        check_foundation(self.layer, self.period)
+        _check_foundation(self.layer, self.period)
 
     def _check_load(self) -> None:
         """Of pressure and approach one must be given, or none."""
@@ -157,3 +162,73 @@ class Scene(Value):
         grid = {name: getattr(self, name) for name in ("period", "num_points", "precision", "pressure_unit")}
         described = {**self.indenter.to_dict(), **load, **self.layer.to_dict(), **grid}
         return {name: checks.plain(value) for name, value in described.items() if value is not None}
+
+
+def _check_layer(layer: ElasticLayer, period: float) -> None:
+    """Raise `ValueError` unless this is a layer for the period L [length]."""
+    if not isinstance(layer, ElasticLayer):
+        raise ValueError(f"layer is {layer!r}; allowed: a Layer, or what inherits from `ElasticLayer`")
+    checks.real("thickness", getattr(layer, "thickness", None), "a length > 0, or inf", 0, infinite=True)
+    _check_description("layer", layer, LAYERS)
+    checks.real(f"contact_modulus of layer {layer.name}", layer.contact_modulus, "a finite pressure > 0", 0)
+    layer.check(period)
+
+
+def _check_foundation(layer: ElasticLayer, period: float) -> None:
+    """Raise `ValueError` unless a layer's foundation modulus is one, and K of some long waves if it is one's own."""
+    what, allowed = f"foundation_modulus of layer {layer.name}", "a number >= 0, inf where it is incompressible"
+    modulus = checks.real(what, layer.foundation_modulus(period), allowed, checks.BELOW_ZERO, infinite=True)
+    if type(layer).__module__.startswith(f"{__package__}."):
+        return
+    periods = float(layer.thickness) / period
+    waves = 2 * np.pi * np.array([1.0, *(one / max(periods if periods < math.inf else 1.0, 1.0) for one in _LONG)])
+    found = np.full(waves.shape, np.nan)
+    with np.errstate(all="ignore"), suppress(Exception):  # one's own code: what is wrong is said where it is used
+        found[:] = layer.stiffness(waves, period)
+    longest, *long_waves = found.tolist()
+    known = [value for value in long_waves if math.isfinite(value) and value != longest]  # a layer may cut off there
+    if 0 < modulus < math.inf:
+        wrong = bool(known) and all(abs(value / modulus - 1) > CLOSE for value in known)
+    else:  # there is no limit to compare with, but a stiffness that hardly changes has a finite one
+        alike = all(abs(value - known[0]) <= CLOSE * known[0] for value in known)
+        wrong = len(known) > 1 and known[0] > 0 and alike
+    if wrong:
+        at = ", ".join(f"{wave:.3g}" for wave in waves[1:])
+        told = ", ".join(f"{value:.4g}" for value in long_waves)
+        allowed = "the limit of its stiffness for long waves, in units of E*/L"
+        raise ValueError(f"{what} is {modulus:.6g}, and its stiffness at q L = {at} is {told}; allowed: {allowed}")
+
+
+def _check_indenter(indenter: Indenter, num_points: int, period: float) -> None:
+    """Raise `ValueError` unless this is an indenter for a grid of so many points, and for the period L [length]."""
+    if not isinstance(indenter, Indenter):
+        allowed = "a PowerIndenter, RoughIndenter or MeasuredIndenter, or what inherits from `Indenter`"
+        raise ValueError(f"indenter is {indenter!r}; allowed: {allowed}")
+    _check_description("indenter", indenter, INDENTERS)
+    wave, allowed = indenter.shortest_wave(num_points), "an integer >= 0, 0 for a smooth profile"
+    checks.integer(f"shortest_wave of indenter {indenter.name}", wave, allowed, 0, 2**53)
+    own = indenter.given_period
+    if own is not None:
+        own = checks.real(f"given_period of indenter {indenter.name}", own, "a finite length > 0, or None", 0)
+        if not math.isclose(period, own):
+            raise ValueError(f"period is {period:.10g}; allowed: {own:.10g}, for which the heights were given")
+    indenter.check(num_points)
+
+
+def _check_description(what: str, part: Any, listed: Mapping[str, type]) -> None:
+    """Raise `ValueError` unless a part has a name of its own and a description that can be stored."""
+    name = getattr(part, "name", None)
+    if not isinstance(name, str) or not name:
+        raise ValueError(f"name of {what} is {name!r}; allowed: a text that is not empty")
+    owner = listed.get(name)
+    if owner and not isinstance(part, owner) and owner.__module__.startswith(f"{__package__}."):
+        raise ValueError(f"name of {what} is {name!r}, which is that of {owner.__name__}; allowed: another one")
+    described = part.to_dict()
+    if not isinstance(described, Mapping) or described.get(part.part) != name:
+        allowed = f"a dictionary with {name!r} under {part.part!r}"
+        raise ValueError(f"to_dict of {what} {name} gives {str(described)[:60]}; allowed: {allowed}")
+    for key, value in described.items():
+        several = value if isinstance(value, list | tuple) else [value]
+        if any(not isinstance(one, (str, Real, np.bool_)) for one in several):
+            allowed = "a number, a text, True or False, or several of them"
+            raise ValueError(f"to_dict of {what} {name} has {key} {repr(value)[:40]}; allowed: {allowed}")

@@ -36,10 +36,6 @@ class Level(Measured):
     transform_pairs: float
     """Transform pairs on this grid, in pairs of its own length."""
 
-    def to_dict(self) -> dict[str, float]:
-        """JSON-ready, without the number of points."""
-        return {name: value for name, value in asdict(self).items() if name != "num_points"}
-
 
 @dataclass(frozen=True)
 class Choice:
@@ -178,7 +174,7 @@ class Solution(Value):
     def to_dict(self) -> dict[str, Any]:
         """Everything but the fields that has a meaning, JSON-ready: numbers, text, flat objects; infinite: 'inf'."""
         known = {"contact_stiffness": self.contact_stiffness} if self.status is Status.CONVERGED else {}
-        levels = {str(level.num_points): level.to_dict() for level in self.levels}
+        levels = {str(level.pop("num_points")): level for level in map(asdict, self.levels)}
         warnings = {str(warning.kind): warning.text for warning in self.warnings}
         return self.to_record() | dict(checks.plain({**known, "levels": levels, "warnings": warnings}))
 
@@ -199,10 +195,7 @@ class Solution(Value):
             "certificate": {name: value for name, value in certified.items() if value is not None},
             "method": self.method,
             "precision": self.scene.precision,
-            "tolerance": self.tolerance,
-            "threads": self.threads,
-            "planning": self.planning,
-            "backend": self.backend,
+            **{name: getattr(self, name) for name in ("tolerance", "threads", "planning", "backend")},
             **({"device": self.device} if self.device != "cpu" else {}),
             "scene": self.scene.to_dict(),
             "version": __version__,

@@ -1,24 +1,33 @@
-"""From a scene to a certified solution."""
+"""From a scene to a certified solution: the checks of what is asked for, and the way to a residual.
 
+The ways to an accuracy and to an approach, and all that they share with this one, are in `strategy`.
+"""
+
+import math
+import time
 from collections.abc import Mapping
 
 import numpy as np
 
 from ..kernels import BACKENDS
-from . import checks
-from .arrays import Array64
-from .methods import DEFAULT, METHODS, ExecutionConfig, MethodKind, Progress
-from .one_thread import on_one_thread
+from . import checks, display
+from .arrays import Array64, on_one_thread
+from .endings import Status
+from .grid.observables import first_node
+from .grid.problem import Problem, rounding_floor
+from .methods import DEFAULT, METHODS, ExecutionConfig, Method, MethodKind, Progress, relax
 from .scene import Scene
-from .solution import Solution
-from .strategy.errors import DEFAULT_QUANTITY
-from .strategy.report import nothing_touches, without_contact
-from .strategy.run import Run
-from .strategy.to_accuracy import check_accuracy, solve_to_accuracy
+from .solution import MEANINGLESS, Solution
+from .strategy.errors import DEFAULT_QUANTITY, check_accuracy
+from .strategy.finish import finish
+from .strategy.run import COARSE_TOLERANCE, COARSEST, DEFAULT_TOLERANCE, Run, check_memory, grids
+from .strategy.small_models import without_contact
+from .strategy.to_accuracy import solve_to_accuracy
 from .strategy.to_approach import solve_to_approach
-from .strategy.to_tolerance import solve_to_tolerance
 from .transforms.device import DEVICES, borrowed, check_device
 from .transforms.planner import check_settings
+
+_OVER_FLOOR = 4.0  # times the residual of rounding: the default tolerance in float32, at least
 
 
 @on_one_thread()
@@ -70,7 +79,7 @@ def solve(
     if max_iterations is not None:
         max_iterations = checks.integer("max_iterations", max_iterations, "an integer from 1 to 2^53", 1, 2**53)
     run = Run(scene, kind, config)
-    if nothing_touches(scene):
+    if not (scene.pressure > 0 if scene.approach is None else scene.approach > first_node(scene)):
         return without_contact(run)
     if accuracy:
         return solve_to_accuracy(run, accuracy, accuracy_of)
@@ -83,13 +92,7 @@ def solve(
 
 
 def _config(
-    scene: object,
-    nested: object,
-    threads: int,
-    planning: str,
-    backend: str,
-    device: str,
-    progress: Progress | None,
+    scene: object, nested: object, threads: int, planning: str, backend: str, device: str, progress: Progress | None
 ) -> ExecutionConfig:
     """The configuration that was asked for. Raises `ValueError`, also for no scene and a bad `nested`."""
     if not isinstance(scene, Scene):
@@ -133,3 +136,101 @@ def _kind(method: str | None, config: ExecutionConfig) -> MethodKind:
         raise ValueError(f"backend is {config.backend!r}; allowed: warp, on device {config.device}")
     check_device(config.device)
     return kind
+
+
+def solve_to_tolerance(run: Run, nested: bool | None, tolerance: float | None, initial: Array64 | None) -> Solution:
+    """Solve the run's scene by its method to a tolerance; arguments as in `solve`. Raises `ValueError`."""
+    scene, kind = run.scene, run.kind
+    nested = kind.nested if nested is None else nested
+    sizes = grids(scene.num_points) if nested and initial is None else [scene.num_points]
+    memory = checks.available_memory()
+    # without a coarser grid there is no telling how much will be in contact
+    check_memory(scene.num_points, kind, 0.0 if len(sizes) > 1 else 1.0, memory)
+    if scene.precision not in kind.precisions:
+        raise ValueError(f"precision is {scene.precision!r}; allowed: {', '.join(kind.precisions)}, for {kind.name}")
+    if tolerance is not None:
+        tolerance = checks.real("tolerance", tolerance, "1e-14 to 0.5", math.nextafter(1e-14, 0), 0.5)
+    problem = Problem.from_scene(scene)
+    run.tolerance, run.own_tolerance = _reachable(scene, problem, tolerance), tolerance is not None
+    start = None if initial is None else _displacement(initial, scene, problem)
+    run.times[1] = time.perf_counter()
+
+    def begin(num_points: int) -> Method:
+        if num_points < scene.num_points:
+            least = 0.0 if scene.precision == "float32" else run.tolerance
+            return run.begin(Problem.from_scene(scene, num_points), max(COARSE_TOLERANCE, least))
+        if run.contact:
+            check_memory(num_points, kind, run.contact_share, memory)
+        finest = run.begin(problem, run.tolerance)
+        if start is not None:
+            finest.start(start)
+        return finest
+
+    for _ in run.over_grids(sizes, begin, measure_last=False):
+        pass
+    if run.state.problem.num_points < scene.num_points:  # interrupted: the last contact, on the finest grid
+        run.state = begin(scene.num_points)
+        run.start_from_contact(run.state)
+    return finish(run, scene, problem)
+
+
+def _displacement(initial: Array64, scene: Scene, problem: Problem) -> Array64:
+    """A displacement to start from, shape (N,) [length], in the problem's unit; see `solve`. Raises `ValueError`."""
+    allowed = f"allowed: an array of {scene.num_points} finite real numbers"
+    displacement = checks.array(initial)
+    if displacement is None:
+        raise ValueError(f"initial is masked or not an array of real numbers; {allowed}")
+    if displacement.shape != (scene.num_points,):
+        raise ValueError(f"initial has shape {displacement.shape}; {allowed}")
+    if not np.isfinite(displacement).all():
+        raise ValueError(f"initial holds a value that is not finite; {allowed}")
+    # on the wall exactly, whatever the units' rounding; and not beyond where any solution is
+    reach = problem.reach * problem.length_unit
+    inside = np.clip(displacement, -reach, reach) / problem.length_unit
+    return np.where(displacement >= scene.profile, problem.height, inside)
+
+
+def float32_floor(scene: Scene, problem: Problem) -> float:
+    """The rms equilibrium residual over p that rounding in float32 leaves, see `rounding_floor` (dimensionless).
+
+    problem: of the scene; the size of u, which hardly depends on the grid, is that on a coarse one. Ctrl-C meanwhile is
+    passed on.
+    """
+    coarse = Problem.from_scene(scene, min(scene.num_points, 2 * COARSEST))
+    state = DEFAULT.begin(coarse, ExecutionConfig(COARSE_TOLERANCE, backend="numpy"))
+    if relax(state, DEFAULT.max_iterations) is Status.INTERRUPTED:
+        raise KeyboardInterrupt
+    displacement = state.displacement * (coarse.length_unit / problem.length_unit)
+    return rounding_floor(problem.stiffness, displacement, "float32")
+
+
+def default_tolerance(scene: Scene) -> float:
+    """1e-8; in float32 the larger of 1e-4 and four times the residual of rounding (dimensionless).
+
+    Where rounding turns out to leave more, `Solution.tolerance` says how much, up to `MEANINGLESS`, as long as
+    `MOST_ENERGY` bounds the energy's error.
+
+    Raises `ValueError` where rounding in float32 leaves no meaning in the residual.
+    """
+    return _reachable(scene, Problem.from_scene(scene), None)
+
+
+def _reachable(scene: Scene, problem: Problem, tolerance: float | None) -> float:
+    """A tolerance, by default as `default_tolerance` has it; `ValueError` if the scene's precision cannot reach it."""
+    if scene.precision != "float32":
+        return DEFAULT_TOLERANCE if tolerance is None else tolerance
+    floor = float32_floor(scene, problem)
+    if tolerance is not None and tolerance >= floor:
+        return tolerance
+    if floor > MEANINGLESS or (tolerance is None and _OVER_FLOOR * floor > MEANINGLESS):
+        own = "a tolerance of your own, " if floor < MEANINGLESS else ""
+        raise ValueError(
+            f"num_points is {scene.num_points}, where float32 leaves a residual of about {floor:.1g}; allowed: "
+            f"fewer points, {own}or precision mixed or float64"
+        )
+    if tolerance is None:
+        return max(COARSE_TOLERANCE, _OVER_FLOOR * floor)
+    raise ValueError(
+        f"tolerance is {tolerance!r}; allowed: at least {display.rounded_up(floor)}, which is what rounding in float32 "
+        "leaves of the residual, or precision mixed or float64"
+    )

@@ -81,6 +81,10 @@ class Kind(Value, ABC):
     Making such a class raises `ValueError` like `units.declare`.
     """
 
+    name: ClassVar[str]
+    """Its name on the command line and in stored results."""
+    part: ClassVar[str]
+    """Under which name that stands in its description: 'layer' or 'profile'."""
     units: ClassVar[Mapping[str, str]] = {}
     """Units of its fields by name: 'length', 'pressure' or 'pressure/length'. A field that is not named here has the
     unit that the program has for its name, as for `thickness` and `radius`, and is dimensionless if it has none."""
@@ -90,6 +94,17 @@ class Kind(Value, ABC):
         # annotations may be texts; what belongs to the class is no number of a layer or an indenter
         numbers = [name for name, of in inspect.get_annotations(cls).items() if "ClassVar" not in str(of)]
         units.declare(cls.__dict__.get("units", {}), numbers)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Flat, JSON-ready description under the command line's names: numbers, texts, truth values, or lists of them;
+        its name as 'layer' or 'profile', and by default the fields that are not None.
+        """
+        known = {f.name: getattr(self, f.name) for f in fields(self)}  # type: ignore[arg-type]
+        return {self.part: self.name} | {name: value for name, value in known.items() if value is not None}
+
+    def ratios(self, period: float) -> dict[str, float]:
+        """The dimensionless numbers, by name, that must be neither too large nor too small to compute with."""
+        return {}
 
     def in_units(self, length: float, pressure: float = 1.0) -> Self:
         """The same in other units: lengths are multiplied by `length`, pressures by `pressure`."""

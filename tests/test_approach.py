@@ -22,8 +22,8 @@ from linecontact.solver import (
 )
 from linecontact.solver.grid.problem import full_contact_pressure
 from linecontact.solver.reference import collocation
+from linecontact.solver.solve import solve_to_tolerance
 from linecontact.solver.strategy.linearised import contact_compliance
-from linecontact.solver.strategy.to_tolerance import solve_to_tolerance
 from linecontact.studies.command_line import main
 
 ROUGH = RoughIndenter(0.8, 0, cut_off_ratio=1 / 16)

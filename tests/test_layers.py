@@ -7,7 +7,7 @@ import mpmath
 import numpy as np
 import pytest
 from linecontact.solver import CoatedHalfSpace, Layer, PowerIndenter, RoughIndenter, Scene, SlidingLayer, Status, solve
-from linecontact.solver.layers import coated
+from linecontact.solver.layers import bonded
 from linecontact.solver.reference import collocation
 
 Y = np.concatenate([np.logspace(-12, 8, 61), [0.2, 0.2499, 0.25, 0.9999, 1.0, 1.0001, 24.9, 25.1, 354, 401]])
@@ -48,7 +48,7 @@ def test_coated_factor_against_mpmath(nu_1, nu_2):
     for ratio in (1e-6, 1e-3, 0.7, 1.0, 30.0, 1e6):
         with warnings.catch_warnings():
             warnings.simplefilter("error")
-            factor = 2 / Y * coated.stiffness(Y, 1.0, nu_1, nu_2, ratio)
+            factor = 2 / Y * bonded.stiffness(Y, 1.0, nu_1, nu_2, ratio)
         assert worst(factor, lambda y, m=ratio: exact_coated(y, nu_1, nu_2, m)) <= 1e-14
 
 

@@ -59,9 +59,6 @@ class FrictionlessLayer(ElasticLayer):
     def foundation_modulus(self, period):
         return period / self.thickness
 
-    def to_dict(self):
-        return {"layer": self.name, "thickness": self.thickness, "contact_modulus": self.contact_modulus}
-
 
 @dataclass(frozen=True)
 class GivenLayer(FrictionlessLayer):
@@ -94,9 +91,6 @@ class CosineIndenter(Indenter):
 
     def shortest_wave(self, num_points):
         return self.waves
-
-    def to_dict(self):
-        return {"profile": self.name, "amplitude": self.amplitude, "waves": self.waves}
 
 
 class ProjectedGradient(Method):
@@ -298,7 +292,7 @@ def test_the_command_line_names_what_is_missing(monkeypatch, capsys):
 
     monkeypatch.setitem(INDENTERS, "unfinished", Unfinished)
     assert main.main(["solve", "--profile", "unfinished"]) == 2
-    said = "linecontact: profile unfinished lacks profile, to_dict; allowed: one that offers what it must\n"
+    said = "linecontact: profile unfinished lacks profile; allowed: one that offers what it must\n"
     assert capsys.readouterr().err == said
 
 

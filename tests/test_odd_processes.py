@@ -357,8 +357,8 @@ def test_only_what_we_raise_ourselves_is_bad_input():
 
 BROKEN = """
 import math, sys
-from linecontact.solver.strategy import to_tolerance
-to_tolerance.solve_to_tolerance.__globals__["_reachable"] = lambda *_: math.log(0)
+from linecontact.solver.solve import solve_to_tolerance
+solve_to_tolerance.__globals__["_reachable"] = lambda *_: math.log(0)
 from linecontact.studies.__main__ import main
 sys.exit(main())
 """

@@ -15,7 +15,7 @@ from linecontact.kernels.sequences import SEQUENCES, parse
 from linecontact.solver import METHODS, Layer, PowerIndenter, Scene, Status, solve
 from linecontact.solver import solve as solve_function
 from linecontact.solver.methods import MethodKind
-from linecontact.solver.strategy import report
+from linecontact.solver.strategy import finish
 from linecontact.solver.transforms import device
 from linecontact.solver.transforms.planned import plan_transforms
 from linecontact.studies.command_line import main
@@ -203,8 +203,8 @@ def pretended(monkeypatch):
     monkeypatch.setattr(package, "on_gpu", fake, raising=False)
     monkeypatch.delitem(sys.modules, "linecontact.solver.methods.fire_on_gpu", raising=False)
     monkeypatch.setattr(sys.modules[solve_function.__module__], "check_device", lambda device: None)
-    monkeypatch.setattr(report, "device_name", lambda device: "pretended" if device == "cuda" else device)
-    monkeypatch.setattr(report, "gpu_libraries", lambda: "no libraries")
+    monkeypatch.setattr(finish, "device_name", lambda device: "pretended" if device == "cuda" else device)
+    monkeypatch.setattr(finish, "gpu_libraries", lambda: "no libraries")
     yield fake
     sys.modules.pop("linecontact.solver.methods.fire_on_gpu", None)
 

@@ -5,7 +5,7 @@ import threading
 import numpy as np  # loads the library whose threads are counted
 import pytest
 from linecontact.solver import PowerIndenter, Scene, contact_stiffness, solve
-from linecontact.solver.one_thread import _libraries, on_one_thread
+from linecontact.solver.arrays import _libraries, on_one_thread
 from threadpoolctl import threadpool_info, threadpool_limits
 
 

@@ -22,7 +22,7 @@ from linecontact.solver.display import rounded_up
 from linecontact.solver.grid.problem import Problem
 from linecontact.solver.methods import relax
 from linecontact.solver.methods.mass_weighted_fire import MassWeightedFire
-from linecontact.solver.strategy.to_tolerance import float32_floor
+from linecontact.solver.solve import float32_floor
 from linecontact.solver.transforms.planned import plan_transforms
 
 

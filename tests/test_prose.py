@@ -12,10 +12,11 @@ from linecontact import read_scan
 from linecontact.solver import METHODS, Layer, MeasuredIndenter, RoughIndenter, Scene, scene, solve, warnings
 from linecontact.solver.display import rounded_up
 from linecontact.solver.grid import cached, contact, edges, layer_on_grid, problem, shares, surroundings
-from linecontact.solver.layers import coated
+from linecontact.solver.layers import bonded
 from linecontact.solver.methods.active_set import greens_function
 from linecontact.solver.reference import closed_forms
-from linecontact.solver.strategy import certification, to_tolerance
+from linecontact.solver.solve import _OVER_FLOOR
+from linecontact.solver.strategy import finish, run
 from linecontact.solver.transforms import four_step
 from linecontact.studies.explore import controls
 from linecontact.studies.figures.style import ONE_COLUMN, TWO_COLUMNS
@@ -109,9 +110,9 @@ def limits_of_precision():
     displacement = solve(scene_of_hertz).displacement / discrete.length_unit
     floor = problem.rounding_floor(discrete.stiffness, displacement, "float64")
     yield f"some {floor:.0e} for the parabola on the half-space at 2^18 points"
-    yield f"The default tolerance, {to_tolerance.DEFAULT_TOLERANCE:.0e}, is raised".replace("e-0", "e-")
+    yield f"The default tolerance, {run.DEFAULT_TOLERANCE:.0e}, is raised".replace("e-0", "e-")
     yield "the larger of 1e-4 and four times what is predicted"
-    assert (to_tolerance.COARSE_TOLERANCE, to_tolerance._OVER_FLOOR) == (1e-4, 4)
+    assert (run.COARSE_TOLERANCE, _OVER_FLOOR) == (1e-4, 4)
 
 
 def stiffness_under_a_sine_wave():
@@ -131,7 +132,7 @@ def limits_of_the_methods():
     search, heavy = METHODS["active-set"], METHODS["mass-weighted-fire"]
     yield f"of up to {greens_function.SMALL} nodes, are solved by elimination."
     yield f"has not settled after {search.max_iterations} iterations"
-    most = certification._MOST_WORK
+    most = finish._MOST_WORK
     assert heavy.max_iterations == most / 2**16 == 20_000
     yield f"20 000 iterations on up to 2^16 points, {most / 2**18:.0f} on 2^18,"
 
@@ -140,7 +141,7 @@ def limits_of_scenes():
     yield "Ratios from 1e-60 to 1e60 are allowed."
     assert (scene.SMALLEST, scene.LARGEST) == (1e-60, 1 / 1e-60)
     yield "(1e-6 to 1e6 of the layer's)"
-    assert coated._MOST_RATIO == 1e6
+    assert bonded._MOST_RATIO == 1e6
 
 
 def what_is_kept():

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from linecontact.solver import RoughIndenter, Scene, solve
 from linecontact.solver.calibration import FITTED
-from linecontact.solver.strategy import errors, small_models, to_accuracy
+from linecontact.solver.strategy import errors, small_models
 from linecontact.studies.multilevel import allocation
 from linecontact.studies.paper import statements
 from linecontact.studies.peers import areas
@@ -107,7 +107,7 @@ def errors_of_the_hertz_study():
     yield f"may be off by {FITTED.of_largest_residual:g} times the `largest_residual`"
     assert (errors._LEAST_FALL, errors.FACTOR**2) == (1.25, 16)
     yield f"contacts of up to {2 * small_models._LONG_ASPERITY:.0f} thicknesses: milliseconds"
-    yield f"of the contact area, from 1e-9 to {to_accuracy.MOST_ACCURACY}."
+    yield f"of the contact area, from 1e-9 to {errors.MOST_ACCURACY}."
 
 
 def the_figure_of_the_first_page():

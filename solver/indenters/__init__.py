@@ -2,7 +2,7 @@
 
 Whoever adds an indenter writes one file here and adds one line to `INDENTERS`.
 
-May import: arrays, calibration, checks, display, transforms, layers, reference, units, value.
+May import: arrays, calibration, checks, display, transforms, reference, units, value.
 """
 
 from .indenter import Indenter

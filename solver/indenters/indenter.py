@@ -6,12 +6,11 @@ Heights come in units of the period L, so that a shape has no unit of its own.
 
 from abc import abstractmethod
 from collections.abc import Sequence
-from typing import Any, ClassVar, Self
+from typing import ClassVar, Self
 
 import numpy as np
 
 from ..arrays import Array64
-from ..layers import ElasticLayer
 from ..value import Kind
 
 _SIXTH, _EIGHTH = (45 / 60, -9 / 60, 1 / 60), (4 / 5, -1 / 5, 4 / 105, -1 / 280)
@@ -21,8 +20,7 @@ _SIXTH, _EIGHTH = (45 / 60, -9 / 60, 1 / 60), (4 / 5, -1 / 5, 4 / 105, -1 / 280)
 class Indenter(Kind):
     """A rigid, periodic indenter, as the program needs to know it."""
 
-    name: ClassVar[str]
-    """The indenter's name on the command line and in stored results."""
+    part: ClassVar[str] = "profile"
 
     knows_lowest: ClassVar[bool] = False
     """Whether `depth_between_nodes` tells the lowest point between the nodes."""
@@ -61,12 +59,6 @@ class Indenter(Kind):
         0 for a smooth profile without a shortest wave, which every grid resolves as far as it resolves anything.
         """
 
-    @abstractmethod
-    def to_dict(self) -> dict[str, Any]:
-        """Flat, JSON-ready description under the command line's names: numbers, texts, truth values, or lists of them;
-        'profile' is the indenter's name.
-        """
-
     def slope(self, num_points: int, period: float) -> Array64:
         """Slopes h'(x_i), shape (num_points,), dimensionless; unless there is better, by central differences of the
         sixth order, which have a wave of eight grid spacings right to 0.2 %.
@@ -101,10 +93,6 @@ class Indenter(Kind):
     def check(self, num_points: int) -> None:
         """Raise `ValueError` if a grid of that many points cannot hold the surface."""
         return
-
-    def ratios(self, period: float) -> dict[str, float]:
-        """The dimensionless numbers, by name, that must be neither too large nor too small to compute with."""
-        return {}
 
     @property
     def doubts(self) -> str:
@@ -142,13 +130,6 @@ class Indenter(Kind):
         enough [grid spacings]; 0 without. width: of the contact with the lowest point in its middle [grid spacings].
         """
         return 0.0
-
-    def guessed_half_width(self, reduced_load: float, layer: ElasticLayer, period: float) -> float:
-        """An estimate from above of half the contact's width [L], before anything is solved; 0.5 if nothing is known.
-
-        reduced_load: p/E* (dimensionless).
-        """
-        return 0.5
 
 
 def _central_differences(heights: Array64, shares: Sequence[float]) -> Array64:

@@ -1,15 +1,13 @@
 """One asperity, a power of the distance: the published study's sharp, Hertzian and blunt indenters."""
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from .. import checks
 from ..arrays import Array64
 from ..calibration import FITTED
-from ..layers import ElasticLayer
-from ..reference.closed_forms import guessed_half_width
 from ..reference.gradient_equation import STEEPEST
 from .indenter import Indenter
 
@@ -57,22 +55,12 @@ class PowerIndenter(Indenter):
         """0: the profile is smooth, see `Indenter`."""
         return 0
 
-    def to_dict(self) -> dict[str, Any]:
-        return {"profile": self.name, "exponent": self.exponent, "radius": self.radius}
-
     def ratios(self, period: float) -> dict[str, float]:
         return {"radius/period": self.radius / period}
 
     @property
     def power_law(self) -> tuple[float, float] | None:
         return self.exponent, self.radius
-
-    def guessed_half_width(self, reduced_load: float, layer: ElasticLayer, period: float) -> float:
-        """The half-space's or the thin layer's, see `Indenter`."""
-        if layer.bonded is None:
-            return 0.5
-        thickness, nu = layer.bonded
-        return guessed_half_width(reduced_load, self.exponent, self.radius / period, thickness / period, nu)
 
     def end_error(self, width: float) -> float:
         """See `Indenter`. The sum over nodes of |x|^n is off at its tip by a power n + 1 of the spacing, which moves an

@@ -3,13 +3,12 @@
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from .. import checks
 from ..arrays import Array64, Modes
-from ..layers import ElasticLayer
 from ..transforms.plain import irfft
 from .indenter import Indenter
 
@@ -105,13 +104,3 @@ class RoughIndenter(Indenter):
                 f"(cut_off_ratio) and dx/lambda_s is {spacing:.4g}; allowed: dx/lambda_s < 1/2 (1/64 and less for "
                 "a converged area), by more points or larger ratios"
             )
-
-    def to_dict(self) -> dict[str, Any]:
-        names = ("hurst", "seed", "roll_off_ratio", "cut_off_ratio", "rms_gradient")
-        return {"profile": self.name} | {name: getattr(self, name) for name in names}
-
-    def guessed_half_width(self, reduced_load: float, layer: ElasticLayer, period: float) -> float:
-        """Half the width of a single patch of twice the half-space's area sqrt(8/pi) p* (B. N. J. Persson, 2001); a
-        layer's area is smaller.
-        """
-        return min(0.5, math.sqrt(8 / math.pi) * reduced_load / self.rms_gradient)

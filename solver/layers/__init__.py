@@ -16,11 +16,4 @@ LAYERS: dict[str, type[ElasticLayer]] = {
 }
 """The one list of layers, by name; the first is the default."""
 
-__all__ = [
-    "LAYERS",
-    "CoatedHalfSpace",
-    "ElasticLayer",
-    "Layer",
-    "SlidingLayer",
-    "TabulatedLayer",
-]
+__all__ = ["LAYERS", "CoatedHalfSpace", "ElasticLayer", "Layer", "SlidingLayer", "TabulatedLayer"]

@@ -1,24 +1,76 @@
-"""The published study's layer: elastic, of any thickness and Poisson's ratio, bonded to a rigid base.
+"""A layer bonded to a rigid base, as in the published study; and the stiffness of one bonded to an elastic base.
 
-Convention: u(x) = sum_k u_k exp(i q_k x) with q_k = 2 pi k/L; the elastic pressure of mode k is K(q_k) u_k.
+Convention: u(x) = sum_k u_k exp(i q_k x) with q_k = 2 pi k/L; the elastic pressure of mode k is K(q_k) u_k. On a rigid
+base (G. Carbone and L. Mangialardi, J. Mech. Phys. Solids 56, 684 (2008); the published study's eq. 4)
 
     K(q) = (E* q/2) f(q d),  f(y) = [(3-4nu) cosh 2y + 2y^2 - 4nu(3-2nu) + 5] / [(3-4nu) sinh 2y - 2y]
 
-(G. Carbone and L. Mangialardi, J. Mech. Phys. Solids 56, 684 (2008); the published study's eq. 4.) That is the coated
-half-space on a base of infinite modulus; `coated` has the form that neither overflows nor cancels.
+On an elastic half-space, with the shear moduli's ratio m = mu_1/mu_2 of layer and half-space, alpha = 3 - 4 nu_1, beta
+= 3 - 4 nu_2, x = 2 q d and e = exp(-x), it is the response function of T. Nogi and T. Kato (J. Tribology 119, 493
+(1997)), both parts multiplied by (1 + m beta)(m + alpha):
+
+    K(q) = (E* q/2) D/N
+    D = alpha [1 + e^2] + (alpha^2 + 1 + x^2) e + m [(1-e)(1 + alpha beta + (alpha + beta) e) + (beta-1) x^2 e]
+        + m^2 beta [(1-e)^2 - x^2 e]
+    N = [alpha (1-e^2) - 2 x e] + m [(2 + beta (alpha-1)) + (alpha + 2 beta - 1) e^2 + (beta-1)(1 - e^2 - 2 x e)]
+        + m^2 beta [1 - e^2 + 2 x e]
+
+E* the layer's. Every bracket is positive, and those that cancel for small x come from the series of sinh: 1 - e^2 -
+2 x e = 2 (sinh x - x) e and, with z = x/2, (1-e)^2 - x^2 e = 4 (sinh^2 z - z^2) e. So nothing overflows or cancels.
+m = 0 is the rigid base, equal materials are the half-space; long waves find the half-space below, short ones that of
+the layer's material.
 """
 
 import math
 from dataclasses import dataclass
 from functools import cache
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from .. import checks
 from ..arrays import Array64, gauss_legendre
-from . import coated
-from .layer import DEFAULT_MODULUS, HALF_SPACE_FROM, ElasticLayer, check_modulus
+from .layer import DEFAULT_MODULUS, HALF_SPACE_FROM, ElasticLayer, check_modulus, homogeneous_stiffness
+
+_SERIES_BELOW = 2.0  # x below which sinh x - x would cancel
+
+
+def stiffness(
+    q: Array64, thickness: float, poisson_ratio: float, base_ratio: float = 0.0, shear_ratio: float = 0.0
+) -> Array64:
+    """K(q), see `homogeneous_stiffness`. base_ratio: Poisson's of the base; shear_ratio: m, 0 for a rigid base."""
+    m, alpha, beta = shear_ratio, 3 - 4 * poisson_ratio, 3 - 4 * base_ratio
+
+    def factor(x: Array64) -> Array64:
+        e, below, below2 = np.exp(-x), -np.expm1(-x), -np.expm1(-2 * x)  # e, 1 - e, 1 - e^2
+        e2, tiny = e * e, 2 * _sinh_minus_argument(x)  # 1 - e^2 - 2 x e
+        stiff = alpha * (1 + e2) + (alpha**2 + 1 + x**2) * e
+        soft = (alpha - 1) * below2 + tiny
+        if m:
+            z = x / 2
+            flat = 4 * _sinh_minus_argument(z) * (below / 2 + z * np.exp(-z))  # (1-e)^2 - x^2 e
+            stiff += m * (below * (1 + alpha * beta + (alpha + beta) * e) + (beta - 1) * x**2 * e) + m**2 * beta * flat
+            soft += m * (2 + beta * (alpha - 1) + (alpha + 2 * beta - 1) * e2 + (beta - 1) * tiny)
+            soft += m**2 * beta * (below2 + 2 * x * e)
+        return np.asarray(stiff / soft)
+
+    return homogeneous_stiffness(q, thickness, factor)
+
+
+def _sinh_minus_argument(x: Array64) -> Array64:
+    """(sinh x - x) exp(-x) without cancellation; shape of `x` >= 0."""
+    e = np.exp(-x)
+    found = -np.expm1(-2 * x) / 2 - x * e
+    small, power = x < _SERIES_BELOW, 3
+    square = x[small] ** 2
+    term = x[small] * square / 6
+    series = term.copy()
+    while (term > np.finfo(np.float64).eps * series).any():
+        power += 2
+        term *= square / (power * (power - 1))
+        series += term
+    found[small] = series * e[small]
+    return np.asarray(found)
 
 
 def foundation_modulus(thickness: float, poisson_ratio: float) -> float:
@@ -48,7 +100,7 @@ def edge_shift(poisson_ratio: float) -> float:
     nodes, weights = gauss_legendre()
     width = math.log(last / first)  # in y = ln s, ds/s^2 = exp(-y) dy
     s = np.append(first, first * np.exp(width * (nodes + 1) / 2))
-    logarithm = -np.log(coated.stiffness(s, 1.0, nu) * limit * s**power)
+    logarithm = -np.log(stiffness(s, 1.0, nu) * limit * s**power)
     middle = width / 2 * float(weights @ (logarithm[1:] / s[1:]))
     tail = (math.log(2 / (limit * last ** (power + 1))) - (power + 1)) / last
     return -(float(logarithm[0]) / first + middle + tail) / math.pi
@@ -81,14 +133,10 @@ class Layer(ElasticLayer):
         check_modulus(self)
 
     def stiffness(self, wave_numbers: Array64, period: float) -> Array64:
-        return coated.stiffness(wave_numbers, self.thickness / period, self.poisson_ratio)
+        return stiffness(wave_numbers, self.thickness / period, self.poisson_ratio)
 
     def foundation_modulus(self, period: float) -> float:
         return foundation_modulus(self.thickness / period, self.poisson_ratio)
-
-    def to_dict(self) -> dict[str, Any]:
-        names = ("thickness", "poisson_ratio", "contact_modulus")
-        return {"layer": self.name} | {name: getattr(self, name) for name in names}
 
     @property
     def edge_shift(self) -> float | None:

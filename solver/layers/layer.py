@@ -73,8 +73,7 @@ def check_modulus(layer: Any, prefix: str = "") -> None:
 class ElasticLayer(Kind):
     """An elastic layer and what it rests on, as the program needs to know them."""
 
-    name: ClassVar[str]
-    """The layer's name on the command line and in stored results."""
+    part: ClassVar[str] = "layer"
 
     contact_modulus: float
     """E* > 0 [pressure], the modulus with which short waves find a half-space: K(q) = E* q/2."""
@@ -96,12 +95,6 @@ class ElasticLayer(Kind):
         0 for a half-space, `inf` for an incompressible layer. period: L [length].
         """
 
-    @abstractmethod
-    def to_dict(self) -> dict[str, Any]:
-        """Flat, JSON-ready description under the command line's names: numbers, texts, truth values, or lists of them;
-        'layer' is the layer's name.
-        """
-
     @property
     def has_default_modulus(self) -> bool:
         """Whether nobody gave E* when this was made, so that pressures are in units of it. Copies do not know."""
@@ -112,7 +105,6 @@ class ElasticLayer(Kind):
         return
 
     def ratios(self, period: float) -> dict[str, float]:
-        """The dimensionless numbers, by name, that must be neither too large nor too small to compute with."""
         return {"thickness/period": self.thickness / period} if math.isfinite(self.thickness) else {}
 
     @property

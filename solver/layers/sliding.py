@@ -12,7 +12,7 @@ layer may spread along the base, so also an incompressible one is compressed.
 """
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -56,6 +56,3 @@ class SlidingLayer(ElasticLayer):
 
     def foundation_modulus(self, period: float) -> float:
         return period / self.thickness
-
-    def to_dict(self) -> dict[str, Any]:
-        return {"layer": self.name, "thickness": self.thickness, "contact_modulus": self.contact_modulus}

@@ -1,8 +1,8 @@
 """How a scene is solved: which model and method, in which precision, on which grids, and what if that fails.
 
-`to_tolerance` and `to_accuracy` are the two ways through. Both go over the grids by one loop (`grids`), have the result
-certified or another method try (`certification`), and make the solution from what was found (`report`).
+A solve to a residual (`solve`), to an accuracy or to an approach goes over the grids by one loop (`run`), has the
+result certified or another method try, and makes the solution from what was found (`finish`).
 
 May import: arrays, calibration, checks, display, endings, layers, indenters, scene, reference, transforms, grid,
-methods, solution, one_thread, linecontact.kernels.
+methods, solution, linecontact.kernels.
 """

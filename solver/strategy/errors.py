@@ -28,6 +28,7 @@ from typing import Any
 
 import numpy as np
 
+from .. import checks
 from ..arrays import Array64
 from ..calibration import FITTED
 from ..grid.certificate import Certificate
@@ -36,7 +37,7 @@ from ..grid.observables import Measured, Observables
 from ..grid.patches import Patches
 from ..scene import Scene
 from ..solution import MEANINGLESS, Level
-from .grids import FACTOR
+from .run import FACTOR
 
 
 @dataclass(frozen=True)
@@ -81,19 +82,27 @@ QUANTITIES = {
 
 DEFAULT_QUANTITY = "contact-area"
 
+MOST_ACCURACY = 0.1
+"""Coarsest relative error that may be asked for (dimensionless)."""
+
 _LEAST_FALL = 1.25
 """Factor by which changes of a quantity with a limit fall from grid to grid."""
 _STIFF = 0.9
 """2K/(E* q) of a wave, below which shorter ones find the layer stiffer."""
 
 
-def estimated(
-    quantity: Quantity,
-    scene: Scene,
-    num_points: int,
-    found: Measured,
-    coarser: Sequence[Measured],
-) -> float:
+def check_accuracy(accuracy: float | None, of: str) -> float | None:
+    """The accuracy, if it is one that may be asked for, of one of `QUANTITIES`; None for none. Raises `ValueError`."""
+    checks.choice("accuracy_of", of, tuple(QUANTITIES))
+    if accuracy is not None:
+        allowed = "1e-9 <= accuracy <= 0.1"
+        return checks.real("accuracy", accuracy, allowed, math.nextafter(1e-9, 0), MOST_ACCURACY)
+    if of != DEFAULT_QUANTITY:
+        raise ValueError(f"accuracy_of is {of!r}; allowed: together with an accuracy")
+    return None
+
+
+def estimated(quantity: Quantity, scene: Scene, num_points: int, found: Measured, coarser: Sequence[Measured]) -> float:
     """Estimated error that a grid leaves in a quantity, in its unit.
 
     found: on this grid; coarser: the grids before it, from coarse to fine. Without any, the estimate by this grid
@@ -131,10 +140,7 @@ def _left(quantity: Quantity, scene: Scene, num_points: int, found: Measured, va
 
 
 def _unknown(quantity: Quantity, scene: Scene, num_points: int, area: float) -> bool:
-    """Whether a kink may leave a quantity without a limit, or the nodes may miss anything because shorter waves find
-    the layer stiffer, as a coating on a softer base: peaks at edges and tips, if the grid's shortest wave does not find
-    it stiff, or a split of the contact by a tip.
-    """
+    """Whether nothing is known of a quantity because of a kink, or because shorter waves find the layer stiffer."""
     if quantity.of_lowest:
         return False
     if scene.indenter.kinked and (quantity.of_slopes or not quantity.of_area):
@@ -183,25 +189,17 @@ def left_at_ends(largest: float, patches: Patches, pressure: Array64) -> float:
     """
     if not patches.count or patches.full or not math.isfinite(largest):
         return 0.0
-    off = _off_at_ends(FITTED.of_largest_residual * largest * float(pressure.mean()), patches, pressure)
-    return float(np.linalg.norm(off.sum(axis=0))) / pressure.size
-
-
-def _off_at_ends(error: float, patches: Patches, pressure: Array64) -> Array64:
-    """How far off the ends of patches are where the pressures of their nodes are off by `error`, shape (2, patches)
-    [grid spacings].
-    """
-    inside = pressure[patches.nodes]
+    error, inside = FITTED.of_largest_residual * largest * float(pressure.mean()), pressure[patches.nodes]
     above, begin = np.flatnonzero(inside > error), patches.offset
     behind = begin + patches.size
     first, last = np.searchsorted(above, begin), np.searchsorted(above, behind) - 1
     some = first <= last
-    off = np.zeros((2, patches.count))
+    off = np.zeros((2, patches.count))  # [grid spacings]
     off[0] = patches.size  # without a node above, all of the patch
     first, last = above[first[some]], above[last[some]]
     off[0, some] = first - begin[some] + error / inside[first]
     off[1, some] = behind[some] - 1 - last + error / inside[last]
-    return off
+    return float(np.linalg.norm(off.sum(axis=0))) / pressure.size
 
 
 def with_errors(

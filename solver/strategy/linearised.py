@@ -21,7 +21,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..arrays import Array64, Mask
+from ..arrays import Array64, Mask, on_one_thread
 from ..endings import Status
 from ..grid.contact import contact_edges
 from ..grid.edges import UNRESOLVED_BELOW, Edges
@@ -30,7 +30,6 @@ from ..grid.observables import foundation_modulus
 from ..grid.patches import Patches
 from ..grid.problem import Problem
 from ..methods import ExecutionConfig, active_set, relax
-from ..one_thread import on_one_thread
 from ..scene import Scene
 from ..solution import Solution
 from .run import SMALLEST_WARP

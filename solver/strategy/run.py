@@ -1,12 +1,24 @@
-"""One solve, as it is passed along: its configuration, its iterations, and the levels of its grids."""
+"""One solve, as it is passed along: its configuration, its iterations, and its grids from coarse to fine.
+
+Which method works on a grid, and when a grid is fine enough, is said elsewhere. A finer grid begins from the coarse
+one's contact pressure (`prolong`). At the edges of its patches that goes like a square root, which no interpolation
+follows; divided by the edge functions of both ends (`edge_curves.edge_function`, at the ends' sub-grid positions) it is
+smooth. So the smooth part is interpolated and multiplied by the edge functions of the fine grid. The fine contact set
+comes out right except for a few nodes, and the error of the pressure is that of the coarse grid.
+"""
 
 import time
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
+import numpy as np
+
 from .. import checks
-from ..arrays import Array64
+from ..arrays import Array64, Indices
 from ..endings import Reason, Status
-from ..grid.edges import Edges
+from ..grid.edge_curves import EdgeCurve, half_space_curve
+from ..grid.edges import UNRESOLVED_BELOW, Edges
+from ..grid.observables import measure
 from ..grid.patches import Patches
 from ..grid.problem import Problem
 from ..methods import DEFAULT, ExecutionConfig, Method, MethodKind, relax
@@ -15,6 +27,13 @@ from ..solution import Choice, Level
 
 SMALLEST_WARP = 2**13
 """Points; on smaller coarse grids recording Warp's launches takes longer than a few passes of the reference kernels."""
+
+FACTOR = 4
+COARSEST = 512
+"""Points of the coarsest grid, at least."""
+
+DEFAULT_TOLERANCE, COARSE_TOLERANCE = 1e-8, 1e-4
+"""Equilibrium residual over p to stop at in float64 and mixed precision; on coarse grids or in float32, at least."""
 
 Contact = tuple[Problem, Array64, Patches, Edges]
 """A grid, the contact pressure of its nodes, shape (N,) [p], and the patches with their ends."""
@@ -101,6 +120,52 @@ class Run:
         self.points_transformed += (state.transform_pairs - pairs) * state.problem.num_points
         return status
 
+    def start_from_contact(self, finer: Method) -> None:
+        """Begin on a finer grid from the contact of the last one that was measured, if there is one."""
+        if self.contact and self.contact[1].any():
+            finer.start_from_pressure(prolong(*self.contact, finer.problem))
+
+    def over_grids(self, sizes: Sequence[int], begin: Callable[[int], Method], measure_last: bool) -> Iterator[None]:
+        """From coarse to fine; each grid as it is reached.
+
+        sizes: numbers of points. begin: the method on a grid of so many. measure_last: whether the level of the finest
+        grid is wanted, too, as any may be the last. An interruption before the first grid is reached is passed on; a
+        later one ends the loop, and leaves the last grid that was reached, as interrupted.
+        """
+        for size in sizes:
+            try:
+                if self.contact:
+                    self.state.rest()
+                state = begin(size)
+                self.start_from_contact(state)
+                status, contact = self.relax(state), self.contact
+                if measure_last or size < sizes[-1]:
+                    # of an area, errors follow from the last two grids
+                    level, contact = _measured(state, by_loads=measure_last or size in sizes[-2:])
+                    if status in (Status.CONVERGED, Status.STAGNATED):  # another says nothing of errors
+                        self.levels.append(level)
+                self.state, self.status, self.contact = state, status, contact
+            except KeyboardInterrupt:  # while a grid is prepared or measured
+                if not self.contact:
+                    raise
+                self.status = Status.INTERRUPTED
+            yield
+            if self.status is Status.INTERRUPTED:
+                return
+
+
+def grids(num_points: int) -> list[int]:
+    """Grid sizes from coarse to fine, each about four times the one before; the coarser ones are even."""
+    sizes = [num_points]
+    while sizes[0] // FACTOR >= COARSEST:
+        sizes.insert(0, coarser(sizes[0]))
+    return sizes
+
+
+def coarser(num_points: int) -> int:
+    """The next coarser grid."""
+    return 2 * round(num_points / FACTOR / 2)
+
 
 def check_memory(
     num_points: int, kind: MethodKind = DEFAULT, contact_share: float = 0.0, available: int | None = None
@@ -117,3 +182,66 @@ def check_memory(
             f"num_points is {num_points}, needing about {needed / 2**30:.1f} GiB; allowed: what fits into the "
             f"{available / 2**30:.1f} GiB that are free"
         )
+
+
+def _measured(state: Method, by_loads: bool) -> tuple[Level, Contact]:
+    """Level and contact of a grid; by_loads: whether loads may tell the ends of patches, for the errors."""
+    pressure, problem, pairs = state.contact_pressure, state.problem, round(state.transform_pairs, 3)
+    displacement = problem.to_length(state.displacement.copy(), pressure > 0)
+    measured, patches, edges = measure(problem, displacement, pressure, problem.scene.pressure, by_loads)
+    level = Level(**measured, num_points=problem.num_points, iterations=state.iteration, transform_pairs=pairs)
+    return level, (problem, pressure, patches, edges)
+
+
+def prolong(coarse: Problem, pressure: Array64, patches: Patches, ends: Edges, finer: Problem) -> Array64:
+    """A contact pressure of a coarse grid on a finer one, shape (N,) of each; both 0 off the contact [p].
+
+    patches, ends: of that pressure, see `grid.contact.contact_edges`.
+    """
+    num_points = finer.num_points
+    if not patches.count:  # none that rounding leaves
+        return np.zeros(num_points)
+    factor = num_points / pressure.size
+    coarse_curve = fine_curve = half_space_curve()
+    # on layers thicker than the nodes that tell an edge the half-space's is right near it, and the rest is smooth
+    if coarse.rigidity.thickness < UNRESOLVED_BELOW:
+        coarse_curve, fine_curve = coarse.rigidity.edge_curve, finer.rigidity.edge_curve
+    if patches.full:
+        x = np.arange(num_points) / factor
+        return np.asarray(np.interp(x, np.arange(pressure.size), pressure, period=pressure.size))
+    # the nodes whose distance beyond the edge lies between -s and 1 - s
+    beyond = 1 - fine_curve.shift
+    first = np.ceil(factor * ends.left - beyond).astype(np.int64)
+    fine = Patches(num_points, first, np.maximum(first, np.floor(factor * ends.right + beyond).astype(np.int64)))
+    nodes = np.arange(int(fine.size.sum())) - np.repeat(fine.offset - first, fine.size)
+    p = fine.label
+    smooth = pressure[patches.nodes] / np.maximum(_edge_functions(coarse_curve, patches, ends, 1.0), 1e-3)
+    coarse_nodes = np.arange(smooth.size) - np.repeat(patches.offset - patches.first, patches.size)
+    values = np.interp(nodes / factor, coarse_nodes, smooth)
+    values *= _edge_functions(fine_curve, fine, ends, factor)
+    # every patch keeps its load, also where its nodes lie beyond its ends
+    values = np.maximum(values, 0.0)
+    lost = fine.sums(values) <= 0
+    values[lost[p]] = 1.0
+    values *= (factor * patches.sums(pressure[patches.nodes]) / fine.sums(values))[p]
+    fine_pressure = np.zeros(num_points)
+    # never 0: the node belongs to the contact
+    fine_pressure[nodes % num_points] = np.maximum(values, 1e-12 * pressure.max())
+    return fine_pressure
+
+
+def _edge_functions(curve: EdgeCurve, patches: Patches, ends: Edges, factor: float) -> Array64:
+    """The edge functions of both ends of the patches, multiplied, at their contact nodes; see `edge_function`.
+
+    factor: grid spacings of the patches in one of the ends.
+    """
+    steps = np.arange(int(patches.size.max()))
+    known, before = curve.at(steps), curve.at(steps - 1)  # of every step once, for all ends
+    inside, p = np.arange(patches.label.size) - np.repeat(patches.offset, patches.size), patches.label
+
+    def edge(beyond: Array64, j: Indices) -> Array64:
+        beta = np.clip(beyond + curve.shift, 0, 1)[p]
+        return np.asarray((1 - beta) * known[j] + beta * before[j])
+
+    left, right = factor * ends.left - patches.first, patches.last - factor * ends.right
+    return edge(left, inside) * edge(right, patches.size[p] - 1 - inside)

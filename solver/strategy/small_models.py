@@ -1,4 +1,5 @@
-"""Models that are smaller than the scene: a power profile's one contact, by collocation or on the Winkler foundation.
+"""Models that are smaller than the scene: a power profile's one contact, by collocation or on the Winkler foundation,
+and no contact at all.
 
 They give observables with errors of their own, without a grid; the fields are sampled. Collocation knows all of them,
 except the pressure at the tip of a profile sharper than a parabola, the foundation contact area and kappa alone.
@@ -10,20 +11,21 @@ h) where that is positive. It leaves out the layer's edge, which lies c(nu) d fu
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from ..arrays import Array64
 from ..endings import Status
-from ..grid.observables import Observables, foundation_modulus
+from ..grid.observables import Observables, first_node, foundation_modulus, observe
 from ..grid.patch_table import PatchTable
 from ..grid.problem import Problem
 from ..reference import collocation
-from ..reference.closed_forms import foundation_half_width, kappa_from_area, kappa_half_space
+from ..reference.closed_forms import foundation_half_width, guessed_half_width, kappa_from_area, kappa_half_space
 from ..scene import Scene
 from ..solution import Choice, Solution
 from .errors import DEFAULT_QUANTITY
-from .report import make_solution
+from .finish import make_solution
 from .run import Run
 
 _LEAST_EDGE, _TIMES_SHIFT = 0.6, 3.0
@@ -61,10 +63,11 @@ def decide(scene: Scene, accuracy: float, of: str = DEFAULT_QUANTITY) -> str | N
     founded = 0 < _foundation_area(scene) < _FULL and layer.edge_shift is not None
     if founded and _on_foundation(scene, accuracy, of).errors[of] <= accuracy:
         return "winkler-foundation"
-    half_width = scene.indenter.guessed_half_width(scene.reduced_load, layer, scene.period)
-    known = power[0] >= 2 or of != "peak-pressure"
-    one = known and layer.bonded and half_width < min(_FULL / 2, _LONG_ASPERITY * layer.thickness / scene.period)
-    return "collocation" if one else None
+    if layer.bonded is None or (power[0] < 2 and of == "peak-pressure"):
+        return None
+    radius, thickness = power[1] / scene.period, layer.bonded[0] / scene.period
+    half_width = guessed_half_width(scene.reduced_load, power[0], radius, thickness, layer.bonded[1])
+    return "collocation" if half_width < min(_FULL / 2, _LONG_ASPERITY * thickness) else None
 
 
 def by_small_model(run: Run, accuracy: float, of: str) -> Solution | None:
@@ -77,31 +80,54 @@ def by_small_model(run: Run, accuracy: float, of: str) -> Solution | None:
     except ValueError as error:
         run.choices.append(Choice(name, "no", str(error)))
         return None
-    scene = _field_scene(scene, found.area)
-    n, problem, profile = scene.num_points, Problem.from_scene(scene), scene.profile
+    n = _FIELD_POINTS
+    while n * found.area < math.sqrt(_FIELD_POINTS) and n < scene.num_points:
+        n *= 2
+    n = min(n, scene.num_points)
+    scene = replace(scene, num_points=n)
+    problem, profile = Problem.from_scene(scene), scene.profile
     pressure = found.pressure_at((np.arange(n) - n // 2) / n / (found.area / 2))
     pressure /= pressure.mean()  # the sampled load is off by the sampling
     displacement = problem.displacement_under(pressure) * problem.length_unit
     displacement = np.where(pressure > 0, profile, np.minimum(displacement, profile))
     pressure *= scene.pressure
     observables, patches = _measured(scene, found, int(np.count_nonzero(pressure)))
-    run.choices += [
-        found.choice,
-        Choice("grid", f"{n} points", "for the fields only, which are sampled"),
-    ]
+    run.choices += [found.choice, Choice("grid", f"{n} points", "for the fields only, which are sampled")]
     if name == "collocation" and math.isinf(found.errors["peak-pressure"]):
         tip = "rough: too low at a tip sharper than a parabola"
         run.choices.append(Choice("peak pressure", "by collocation", tip))
     run.status = Status.CONVERGED
-    return make_solution(run, scene, name, displacement, pressure, pressure > 0, observables, patches)
+    return make_solution(run, scene, name, (displacement, pressure, pressure > 0), observables, patches)
 
 
-def _field_scene(scene: Scene, area: float) -> Scene:
-    """The scene on a grid for sampled fields, no finer than its own."""
-    num_points = _FIELD_POINTS
-    while num_points * area < math.sqrt(_FIELD_POINTS) and num_points < scene.num_points:
-        num_points *= 2
-    return replace(scene, num_points=min(num_points, scene.num_points))
+def without_contact(run: Run) -> Solution:
+    """The solution of a scene in which nothing touches: the surface flat, away from the indenter's lowest point.
+
+    Without load their distance may be any, and is 0. p* and kappa are NaN.
+    """
+    scene = run.scene
+    approach, first = scene.approach or 0.0, first_node(scene)
+    unseen = 1 / scene.num_points if approach > 0 else 0.0
+    if scene.approach is not None:
+        unit = scene.length_unit
+        why = f"for the approach of {approach:g} [{unit}]: up to {first:g} [{unit}] no node touches"
+        run.choices.append(Choice("pressure", "0", why))
+        scene = replace(scene, approach=None, pressure=0.0)
+    n = scene.num_points
+    fields = np.full(n, approach - first), np.zeros(n), np.zeros(n, dtype=bool)
+    found, patches = observe(Problem.from_scene(scene), *fields)
+    unknown = ("reduced_pressure", "kappa", "kappa_subgrid", "kappa_error", "kappa_edges_error")
+    known: dict[str, Any] = dict.fromkeys(unknown, math.nan) | {
+        "contact_area_error": unseen,
+        "contact_area_edges_error": unseen,
+        "peak_pressure_sampling": 0.0,
+        "peak_pressure_error": math.inf if unseen else 0.0,
+        "approach": approach,
+        "approach_error": 0.0,
+        "kappa_ratio": None if found.kappa_ratio is None else math.nan,
+    }
+    run.status, run.config = Status.CONVERGED, replace(run.config, device="cpu")
+    return make_solution(run, scene, "no contact", fields, replace(found, **known), patches)
 
 
 def _measured(scene: Scene, found: _Contact, nodes: int) -> tuple[Observables, PatchTable]:

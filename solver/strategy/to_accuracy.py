@@ -9,25 +9,10 @@ from ..endings import Cause, Reason, Status
 from ..grid.problem import Problem
 from ..methods import Method
 from ..solution import Choice, Solution
-from .errors import DEFAULT_QUANTITY, QUANTITIES, grid_error, iteration_share
-from .grids import FACTOR, coarser, grids, over_grids
-from .report import finish
-from .run import Run, check_memory
+from .errors import MOST_ACCURACY, QUANTITIES, grid_error, iteration_share
+from .finish import finish
+from .run import FACTOR, Run, check_memory, coarser, grids
 from .small_models import by_small_model
-
-MOST_ACCURACY = 0.1
-"""Coarsest relative error that may be asked for (dimensionless)."""
-
-
-def check_accuracy(accuracy: float | None, of: str) -> float | None:
-    """The accuracy, if it is one that may be asked for, of one of `QUANTITIES`; None for none. Raises `ValueError`."""
-    checks.choice("accuracy_of", of, tuple(QUANTITIES))
-    if accuracy is not None:
-        allowed = "1e-9 <= accuracy <= 0.1"
-        return checks.real("accuracy", accuracy, allowed, math.nextafter(1e-9, 0), MOST_ACCURACY)
-    if of != DEFAULT_QUANTITY:
-        raise ValueError(f"accuracy_of is {of!r}; allowed: together with an accuracy")
-    return None
 
 
 def solve_to_accuracy(run: Run, accuracy: float, of: str) -> Solution:
@@ -82,7 +67,7 @@ def _on_grids(run: Run, accuracy: float, of: str) -> Solution:
     sizes = grids(scene.num_points)
     if len(sizes) == 1 and sizes[0] >= FACTOR**3:  # without a coarser one there is no telling the error
         sizes.insert(0, coarser(sizes[0]))
-    for _ in over_grids(run, sizes, begin, measure_last=True):
+    for _ in run.over_grids(sizes, begin, measure_last=True):
         size, found = run.state.problem.num_points, run.levels
         settled = found and found[-1].num_points == size
         error = grid_error(quantity, scene, found[-1], found[:-1]) if settled else math.inf

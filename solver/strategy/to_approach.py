@@ -22,11 +22,9 @@ from ..grid.observables import first_node, foundation_modulus
 from ..grid.problem import full_contact_pressure
 from ..scene import Scene
 from ..solution import Choice, Solution
-from .errors import QUANTITIES, estimated
-from .grids import COARSEST, FACTOR, grids
+from .errors import MOST_ACCURACY, QUANTITIES, estimated
 from .linearised import contact_compliance
-from .to_accuracy import MOST_ACCURACY
-from .to_tolerance import DEFAULT_TOLERANCE
+from .run import COARSEST, DEFAULT_TOLERANCE, FACTOR, grids
 
 _MOST_SOLVES = 40  # on a grid
 _LONGEST_STEP = 30.0  # factor of the pressure

@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 from linecontact.solver import Observables, Scene, checks
-from linecontact.solver.strategy.errors import DEFAULT_QUANTITY
-from linecontact.solver.strategy.to_accuracy import check_accuracy
+from linecontact.solver.strategy.errors import DEFAULT_QUANTITY, check_accuracy
 from numpy.typing import NDArray
 
 from . import number

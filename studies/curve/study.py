@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from linecontact.solver import MeasuredIndenter, Scene, checks
 from linecontact.solver.grid.problem import full_contact_pressure
-from linecontact.solver.strategy.errors import DEFAULT_QUANTITY, QUANTITIES
-from linecontact.solver.strategy.to_accuracy import check_accuracy
+from linecontact.solver.strategy.errors import DEFAULT_QUANTITY, QUANTITIES, check_accuracy
 from linecontact.solver.units import unit
 
 from ..runner import study

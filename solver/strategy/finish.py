@@ -1,4 +1,4 @@
-"""The certificate's verdict on what a method found, and what is tried where it is bad."""
+"""The end of a solve: its certificate, another attempt where that is bad, and the solution made from what was found."""
 
 import math
 import time
@@ -10,17 +10,81 @@ from .. import display
 from ..arrays import Array64, Mask
 from ..endings import INTERRUPTED, Cause, Reason, Status
 from ..grid.certificate import Certificate, certify
+from ..grid.observables import Observables, observe
+from ..grid.patch_table import PatchTable
+from ..grid.patches import Patches
 from ..grid.problem import Problem, foundation_pressure, rounding_floor
 from ..methods import METHODS, MethodKind
-from ..solution import MEANINGLESS, MOST_ENERGY
+from ..scene import Scene
+from ..solution import MEANINGLESS, MOST_ENERGY, Choice, Solution
+from ..transforms.device import device_name, gpu_libraries
+from .errors import with_errors
 from .run import Run
 
 _NEAR_THE_FLOOR = 100  # times the residual of rounding: below, rounding may be the reason for the residual
 _MOST_WORK = 20_000 * 2**16  # iterations times points of a method that goes on where another one failed
 
 
+def finish(run: Run, scene: Scene, problem: Problem) -> Solution:
+    """Have the run's state certified, and make the solution.
+
+    scene: the run's, on the grid of the answer; problem: of that scene, which the certificate is for.
+    """
+    found = _certify_or_fall_back(run, problem)
+    if scene.num_points == run.scene.num_points:
+        del run.state  # and with it the method's fields, which are most of the memory
+    pressure, contact = found.pressure, found.contact
+    displacement = problem.to_length(found.displacement, contact)
+    pressure *= scene.pressure  # in place: it may be large
+    observables, patches = observe(problem, displacement, pressure, contact)
+    levels = [level for level in run.levels if level.num_points < scene.num_points]
+    observables = with_errors(scene, observables, levels, found.certificate, Patches.of(contact), pressure)
+    fields = displacement, pressure, contact
+    return make_solution(run, scene, run.kind.name, fields, observables, patches, found.certificate)
+
+
+def make_solution(
+    run: Run,
+    scene: Scene,
+    method: str,
+    fields: tuple[Array64, Array64, Mask],
+    observables: Observables,
+    patches: PatchTable,
+    certificate: Certificate | None = None,
+) -> Solution:
+    """The solution of a scene with all that the run says of it. fields: displacement, contact pressure and contact; the
+    other arguments as in `Solution`.
+    """
+    (begin, ready, relaxed, *_), end = run.times, time.perf_counter()
+    device, choices = run.config.device, tuple(run.choices)
+    if device != "cpu":
+        reason = f"as asked, with {gpu_libraries()}; the certificate is computed on the CPU, in float64"
+        choices += (Choice("device", device_name(device), reason),)
+    return Solution(
+        scene,
+        method,
+        run.tolerance,
+        run.status,
+        *fields,
+        observables=observables,
+        patches=patches,
+        certificate=certificate,
+        iterations=run.taken,
+        transform_pairs=run.points_transformed / scene.num_points,
+        seconds={"setup": ready - begin, "solve": relaxed - ready, "certificate": end - relaxed, "total": end - begin},
+        threads=run.config.threads,
+        planning=run.config.planning,
+        backend=run.backend_on(scene.num_points),
+        reason=run.reason,
+        handed_over=run.handed_over,
+        levels=tuple(level for level in run.levels if level.num_points < scene.num_points),
+        choices=choices,
+        device=device_name(device),
+    )
+
+
 @dataclass(frozen=True)
-class Certified:
+class _Certified:
     """A displacement with its certificate."""
 
     certificate: Certificate
@@ -39,7 +103,7 @@ class Certified:
         return self.certificate.equilibrium_residual
 
 
-def certify_or_fall_back(run: Run, problem: Problem) -> Certified:
+def _certify_or_fall_back(run: Run, problem: Problem) -> _Certified:
     """Certify a relaxed state; where that fails the method aims at smaller residuals, and then its fallback goes on.
 
     problem: of the scene, which the certificate is for. The run gets its final status, with the reason, and a default
@@ -64,7 +128,7 @@ def certify_or_fall_back(run: Run, problem: Problem) -> Certified:
     return found
 
 
-def _certified(run: Run, problem: Problem) -> Certified:
+def _certified(run: Run, problem: Problem) -> _Certified:
     """The present state with its certificate."""
     state, displacement = run.state, run.state.displacement
     if np.shape(displacement) != (problem.num_points,):
@@ -77,25 +141,25 @@ def _certified(run: Run, problem: Problem) -> Certified:
     certificate, pressure, contact = certify(problem, displacement)
     rounding = "float32" if run.scene.precision == "float32" else "float64"  # of the residual, mixed included
     floor = rounding_floor(problem.stiffness, displacement, rounding)
-    return Certified(certificate, displacement, pressure, contact, floor)
+    return _Certified(certificate, displacement, pressure, contact, floor)
 
 
-def _bounded(run: Run, found: Certified) -> bool:
+def _bounded(run: Run, found: _Certified) -> bool:
     """Whether the energy's error is bounded well enough."""
     bound = found.certificate.energy_error_bound
     return math.isfinite(bound) if run.own_tolerance else bound <= MOST_ENERGY
 
 
-def _good(run: Run, found: Certified) -> bool:
+def _good(run: Run, found: _Certified) -> bool:
     return found.residual <= run.tolerance and _bounded(run, found)
 
 
-def _rounded_off(run: Run, found: Certified) -> bool:
+def _rounded_off(run: Run, found: _Certified) -> bool:
     """Whether rounding keeps the residual above the tolerance; no other method knows a way below that."""
     return run.tolerance < 2 * found.floor and found.residual < _NEAR_THE_FLOOR * found.floor
 
 
-def _tightened(run: Run, problem: Problem, found: Certified) -> Certified:
+def _tightened(run: Run, problem: Problem, found: _Certified) -> _Certified:
     """The result of the same method aiming at smaller residuals, unless that makes them larger."""
     while run.status is Status.CONVERGED and not _good(run, found) and run.state.tighten():
         residual, pressure = found.residual, run.state.contact_pressure
@@ -107,7 +171,7 @@ def _tightened(run: Run, problem: Problem, found: Certified) -> Certified:
     return found
 
 
-def _from_there(run: Run, problem: Problem, found: Certified, kind: MethodKind) -> Certified:
+def _from_there(run: Run, problem: Problem, found: _Certified, kind: MethodKind) -> _Certified:
     """The result of a method that starts at the end of the last one; the better of the two, with its status."""
     before, status = run.state, run.status
     run.handed_over = True
@@ -128,16 +192,16 @@ def _from_there(run: Run, problem: Problem, found: Certified, kind: MethodKind) 
     return found
 
 
-def _reason(run: Run, found: Certified) -> Reason | None:
+def _reason(run: Run, found: _Certified) -> Reason | None:
     """The reason why the solve ended short of its goal, with a way out."""
+    if run.status is Status.CONVERGED:
+        return None
     residual, tolerance, scene = found.residual, run.tolerance, run.scene
     other = ", or precision mixed or float64" if scene.precision == "float32" else ""
     looser = f", or tolerance above {display.rounded_up(residual)} (it is {tolerance:g})"
     if not tolerance < residual < MEANINGLESS:
         looser = ""
     match run.status:
-        case Status.CONVERGED:
-            return None
         case Status.INTERRUPTED:
             return INTERRUPTED
         case Status.ITERATION_LIMIT:
