@@ -24,11 +24,6 @@ def spectral_multiply(coefficient: Array, spectrum: Array) -> None:
     spectrum *= coefficient
 
 
-def paired_multiply(straight: Array, crossed: Array, modes: Array, product: Array) -> None:
-    """straight z_k + i crossed conj(z_-k) of N/2 complex modes; flat real views, of the modes N + 2 values or more."""
-    product[:] = straight * modes[: product.size] + crossed * modes[product.size + 1 : 1 : -1]
-
-
 def _free_force(elastic: Array, velocity: Array, load: Array | int = 1) -> tuple[Array, Array]:
     """Free part of r = load - K u, and the held nodes."""
     r = load - elastic

@@ -31,17 +31,6 @@ def spectral_multiply(coefficient: Field, spectrum: Field):
 
 
 @wp.kernel
-def paired_multiply(straight: Field, crossed: Field, modes: Field, product: Field):
-    """product = straight z_k + i crossed conj(z_-k): what a symbol does to the transform of N real values that is taken
-    as one of N/2 complex numbers; on flat real views, the first of the modes once more behind the last."""
-    start = wp.tid() * CHUNK_LENGTH
-    least = wp.max(product.shape[0] + 2 - start - CHUNK_LENGTH, 0)  # LLVM must see that it is never negative
-    for j in range(CHUNK_LENGTH):
-        i = start + j
-        product[i] = straight[i] * modes[i] + crossed[i] * modes[least + (CHUNK_LENGTH - 1 - j)]
-
-
-@wp.kernel
 def advance_response(change: Field, state: Doubles, response: Field):
     """w += step (G d): the response w = G sigma follows a step along the direction d; the gap is h + w - level.
 

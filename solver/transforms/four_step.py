@@ -27,10 +27,7 @@ from .planner import Transforms
 from .sharing import do_all
 
 FASTER = 2**20
-"""Values from which it takes less time than any other way, if FFTW estimates: 0.7 of the next one's at first, 0.6 on
-2^22."""
-FASTER_THAN_REAL = 2**18
-"""Values, in float64, from which it takes less time than real transforms, as those of half the length do."""
+"""Values from which it takes less time than FFTW's transforms, if FFTW estimates."""
 
 _ROWS = 8  # that are transformed at a time
 _SHORTEST_ROW = CHUNK // (2 * _ROWS)  # complex numbers; a multiple of the columns that are worked on at a time

@@ -12,12 +12,13 @@ import numpy as np
 from ...locks import BUFFERS
 from ..arrays import Array64, Modes, chunks
 from .fftw import Plan, pyfftw
-from .four_step import FASTER, FASTER_THAN_REAL
 
 _PLANNED_FROM = 2**12
 """Values from which FFTW is faster, its planning included."""
-_IN_PLACE, _TOO_LONG = FASTER_THAN_REAL, 4 * FASTER
-"""Values from which FFTW's real transforms take less time in place, and from which a pair of them is not kept."""
+IN_PLACE = 2**18
+"""Values, in float64, from which FFTW's real transforms take less time in place."""
+_TOO_LONG = 2**22
+"""Values beyond which a pair is not kept."""
 
 
 class Pair:
@@ -29,7 +30,7 @@ class Pair:
 
     def __init__(self, length: int) -> None:
         self.modes: Modes = pyfftw.empty_aligned(length // 2 + 1, dtype=np.complex128)
-        in_place = length >= _IN_PLACE
+        in_place = length >= IN_PLACE
         self.real: Array64 = self.modes.view(float)[:length] if in_place else pyfftw.empty_aligned(length)
 
     @cached_property

@@ -78,17 +78,6 @@ class Transforms(Backend):
                 wisdom.save()  # after Ctrl-C, too, which waits until FFTW has finished
 
 
-def has_poor_plan(num_points: int, precision: str, threads: int) -> bool:
-    """Whether all that FFTW has for a real transform of that length is an estimate."""
-    wisdom.load()
-    values = pyfftw.empty_aligned(num_points, dtype=precision)
-    modes = pyfftw.empty_aligned(num_points // 2 + 1, dtype=np.result_type(values, np.complex64))
-    with suppress(RuntimeError):  # wisdom does not hold it
-        Plan(values, modes, threads=threads, flags=["FFTW_MEASURE", "FFTW_WISDOM_ONLY"])
-        return False
-    return True
-
-
 def library() -> str:
     """The library that plans, with its version."""
     return str(pyfftw.fftw_version)

@@ -15,7 +15,7 @@ from ...grid.cached import MOST_POINTS
 from ...grid.problem import Problem
 from ..method import ExecutionConfig, MethodKind
 from .active_set import ActiveSet
-from .everywhere import Everywhere, modes_apart
+from .everywhere import Everywhere
 from .free_nodes import FreeNodes, suits
 from .greens_function import GreensFunction
 
@@ -29,13 +29,12 @@ def begin(problem: Problem, config: ExecutionConfig) -> ActiveSet | FreeNodes:
     symbol = problem.stiffness if free else of_layer.compliance
     # plans and recorded kernels are a quarter of a small solve's time: they serve the next one with layer and grid, and
     # do not keep the layer's response alive
-    apart = modes_apart(symbol, config.tolerance)
-    key = free, apart, config.precision, config.threads, config.planning, config.backend
+    key = free, config.precision, config.threads, config.planning, config.backend
     left: list[tuple[Everywhere, GreensFunction]] = of_layer.made.setdefault(key, [])
     try:
         field, green = left.pop()
     except IndexError:  # all are in use
-        field, green = Everywhere(symbol, problem.num_points, config, apart), GreensFunction(weakref.proxy(of_layer))
+        field, green = Everywhere(symbol, problem.num_points, config), GreensFunction(weakref.proxy(of_layer))
     field.begin(problem.height)
     green.begin()
     found: ActiveSet | FreeNodes = (FreeNodes if free else ActiveSet)(problem, config, green, field)

@@ -14,24 +14,12 @@ from ...grid.cached import MOST_POINTS
 from ...transforms.planned import plan_transforms
 from ..method import ExecutionConfig
 
-_TIMES_ROUNDING = 50
-"""Tolerance over the relative error that rounding of the strongest mode puts into the weakest, down to which transforms
-may be of half the length: these take less time, but mix the rounding of long and short waves."""
-
-
-def modes_apart(symbol: Array64, tolerance: float) -> bool:
-    """Whether the rounding of no mode may spoil another one of an operator, for a tolerance (dimensionless)."""
-    weakest = float(symbol[1:].min())
-    rounding = np.finfo(np.float64).eps * float(symbol.max()) / weakest if weakest > 0 else math.inf
-    return bool(tolerance <= _TIMES_ROUNDING * rounding)
-
 
 class Operator:
     """G = 1/K without the mean mode, or K, applied by one pair of transforms, in the precision of the transforms."""
 
-    def __init__(self, symbol: Array64, num_points: int, precision: str, config: ExecutionConfig, apart: bool) -> None:
-        how = config.threads, config.planning, config.backend
-        transforms = plan_transforms(num_points, precision, *how, apart=apart)
+    def __init__(self, symbol: Array64, num_points: int, precision: str, config: ExecutionConfig) -> None:
+        transforms = plan_transforms(num_points, precision, config.threads, config.planning, config.backend)
         self.new_field = transforms.buffer
         self.target = transforms.field()
         forward, inverse = transforms.forward(self.target), transforms.inverse(self.target)
@@ -49,9 +37,9 @@ class Operator:
 class Everywhere:
     """The field of an operator, on all nodes: w [u] or K u [p]. It serves after `begin`, one solve at a time."""
 
-    def __init__(self, symbol: Array64, num_points: int, config: ExecutionConfig, apart: bool) -> None:
-        """symbol: of the operator, shape (N//2 + 1,); num_points: N; apart: see `modes_apart`."""
-        self._symbol, self._num_points, self._config, self._apart = symbol, num_points, config, apart
+    def __init__(self, symbol: Array64, num_points: int, config: ExecutionConfig) -> None:
+        """symbol: of the operator, shape (N//2 + 1,); num_points: N."""
+        self._symbol, self._num_points, self._config = symbol, num_points, config
         self.mixed = config.precision == "mixed"
         """Whether images of search directions are float32 and the field is float64."""
         self.field = self._operators[1].new_field()
@@ -74,9 +62,9 @@ class Everywhere:
     @cached_property
     def _operators(self) -> tuple[Operator, Operator]:
         """For search directions and for the field itself: two objects in mixed precision, else the same one."""
-        how = self._config, self._apart
-        directions = Operator(self._symbol, self._num_points, self._config.working_precision, *how)
-        return directions, Operator(self._symbol, self._num_points, "float64", *how) if self.mixed else directions
+        of = self._symbol, self._num_points
+        directions = Operator(*of, self._config.working_precision, self._config)
+        return directions, Operator(*of, "float64", self._config) if self.mixed else directions
 
     @cached_property
     def _advance(self) -> Callable[[], None]:
