@@ -16,7 +16,6 @@ LENGTHS = [1, CHUNK - 1, CHUNK, CHUNK + 1, 3 * CHUNK, 5 * CHUNK + 17]
 
 ELEMENTWISE = {
     "spectral_multiply": ("coefficient", "spectrum"),
-    "paired_multiply": ("straight", "crossed", "modes", "product"),
     "net_force": ("load", "elastic", "v", "force", "sums"),
     "plain_sums": ("elastic", "v", "sums"),
     "restrict_to_free": ("force", "field", "sum"),
@@ -27,7 +26,6 @@ ELEMENTWISE = {
 }
 NUM_OUTPUTS = {
     "spectral_multiply": 1,
-    "paired_multiply": 1,
     "plain_sums": 1,
     "restrict_to_free": 2,
 }
@@ -53,8 +51,6 @@ def make_arrays(kernel, length, precision, seed):
             arrays.append(np.full(padded // CHUNK, np.nan))
         elif name == "sums":
             arrays.append(np.full(layout.PARTS * padded // CHUNK, np.nan))
-        elif name == "modes":
-            arrays.append(rng.standard_normal(padded + CHUNK).astype(precision))
         elif name == "state":
             state = np.zeros(layout.STATE_LENGTH)
             state[[layout.MIX, layout.GAIN, layout.DT]] = 0.9, 0.7, 0.3

@@ -142,7 +142,7 @@ def replanned(benchmark: str, name: str, planning: str = "estimate", threads: in
     def build(arrays: Arrays) -> Runs:
         arrays.transforms = again = copy.copy(arrays.transforms)  # on the same buffers
         if again.way == "four-step":
-            raise ValueError("way is 'four-step'; allowed: 'real' or 'half-length', whose plans are made anew")
+            raise ValueError("way is 'four-step'; allowed: 'real', whose plans are made anew")
         again.threads, again.planning = threads, planning
         return warp_lines(arrays, kernels.load())
 
