@@ -17,8 +17,7 @@ from .strategy.run import Run
 from .strategy.to_accuracy import check_accuracy, solve_to_accuracy
 from .strategy.to_approach import solve_to_approach
 from .strategy.to_tolerance import solve_to_tolerance
-from .transforms.device import DEVICES, borrowed, check_device
-from .transforms.planner import check_settings
+from .transforms.device import DEVICES, borrowed, check_device, check_settings
 
 
 @on_one_thread()

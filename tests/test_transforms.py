@@ -9,7 +9,7 @@ import time
 
 import numpy as np
 import pytest
-from linecontact.solver.transforms import four_step, plain, planned, sharing
+from linecontact.solver.transforms import four_step, plain, planned
 from linecontact.solver.transforms.plain import Pair
 from linecontact.solver.transforms.planned import WAYS, plan_transforms
 
@@ -76,7 +76,7 @@ def test_real_transforms_in_place(n, monkeypatch):
 
 def test_shared_work_is_done_once_and_what_fails_is_raised():
     done = []
-    sharing.do_all("abc", range(20), lambda worker, part: done.append((part, worker)))
+    four_step.do_all("abc", range(20), lambda worker, part: done.append((part, worker)))
     assert sorted(done) == [(part, "abc"[part % 3]) for part in range(20)]
 
     def fail(worker, part):
@@ -86,7 +86,7 @@ def test_shared_work_is_done_once_and_what_fails_is_raised():
 
     done.clear()
     with pytest.raises(MemoryError, match="part 4"):
-        sharing.do_all("abc", range(9), fail)
+        four_step.do_all("abc", range(9), fail)
     assert sorted(done) == [0, 1, 2, 3, 4, 5, 6, 8]  # the others went on
 
 
@@ -102,7 +102,7 @@ def test_shared_work_is_ended_before_ctrl_c_is_taken():
     before = signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell has its background programs ignore it
     try:
         with pytest.raises(KeyboardInterrupt):
-            sharing.do_all("abc", range(12), work)
+            four_step.do_all("abc", range(12), work)
     finally:
         signal.signal(signal.SIGINT, before)
     assert sorted(done) == list(range(12))
@@ -112,9 +112,9 @@ def test_shared_work_without_another_thread(monkeypatch):
     def no_thread(_):
         raise RuntimeError("can't start new thread")
 
-    monkeypatch.setattr(sharing.threading.Thread, "start", no_thread)
+    monkeypatch.setattr(four_step.threading.Thread, "start", no_thread)
     done = []
-    sharing.do_all("abc", range(9), lambda worker, part: done.append((part, worker)))
+    four_step.do_all("abc", range(9), lambda worker, part: done.append((part, worker)))
     assert sorted(done) == [(part, "abc"[part % 3]) for part in range(9)]
 
 

@@ -12,9 +12,10 @@ import numpy as np
 from ...kernels import CHUNK
 from ..arrays import Array
 from . import wisdom
+from .backend import Transforms
+from .device import check_settings
 from .four_step import FASTER, FourStep, row_length
 from .plain import IN_PLACE, Plan, pyfftw
-from .planner import Transforms, check_settings
 
 
 class Real(Transforms):

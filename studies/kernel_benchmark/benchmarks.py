@@ -226,9 +226,9 @@ _ITERATIONS = {
         "advance_response: change state -> response",
     ),
 }
-"""One iteration of plain FIRE, with real transforms and in four steps, which the program chooses from 2^20 points unless
-plans were measured; of FIRE in mixed precision, of mass-weighted FIRE, and of the active set's search without what it
-does on the contact nodes alone.
+"""One iteration of plain FIRE, with real transforms and in four steps, which the program chooses from 2^20 points on
+unless plans were measured; of FIRE in mixed precision, of mass-weighted FIRE, and of the active set's search without
+what it does on the contact nodes alone.
 """
 
 

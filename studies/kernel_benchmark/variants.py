@@ -31,7 +31,8 @@ import numpy as np
 from linecontact import kernels
 from linecontact.kernels import CHUNK, Call
 from linecontact.solver import checks
-from linecontact.solver.transforms.planner import Transforms, check_settings
+from linecontact.solver.transforms.backend import Transforms
+from linecontact.solver.transforms.device import check_settings
 
 from .benchmark import Array, Benchmark
 from .benchmarks import BENCHMARKS
