@@ -10,15 +10,14 @@ import numpy as np
 from ...kernels import CHUNK, Call, padded_length, record
 from ..arrays import Array, Array64
 from . import wisdom
-from .device import check_settings
 from .plain import Plan, pyfftw
 
 _STAGGER = 1024  # bytes: buffers that start at equal page offsets slow each other down
 
 
 class Backend(ABC):
-    """Transforms of N values, with the arrays and the kernels between them: `Transforms` on the CPU, `on_gpu.Transforms`
-    on a GPU.
+    """Transforms of N values, with the arrays and the kernels between them: on the CPU `Transforms`, on a GPU
+    `on_gpu.Transforms`.
 
     num_points: N; dtype: of the values; spectrum: result of a forward transform, a flat real view (re, im, ...)
     padded with zeros.
@@ -102,7 +101,7 @@ class Transforms(Backend):
         self, num_points: int, precision: str, threads: int = 1, planning: str = "estimate", backend: str = "warp"
     ) -> None:
         super().__init__(num_points, precision)
-        self.threads, self.planning = check_settings(threads, planning)
+        self.threads, self.planning = threads, planning
         self._backend, self._count = backend, 0
         wisdom.load()
         self.prepare()

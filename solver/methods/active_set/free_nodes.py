@@ -18,18 +18,10 @@ from ...arrays import Array64, Mask
 from ...grid.patches import Patches
 from ...grid.problem import Problem, foundation_pressure, rounding_floor, typical_stiffness
 from ..method import ExecutionConfig
-from .everywhere import Everywhere
+from .fields import Everywhere
 from .greens_function import GreensFunction
-from .local_inverses import Inverse, RunByRun
+from .preconditioner import Inverse, RunByRun
 from .search import OVER_FLOOR, SMALLEST, NodeSet, Search
-
-_LEAST = 0.23  # share of the nodes in contact from which this form takes less time than that in the pressure
-
-
-def suits(problem: Problem, config: ExecutionConfig) -> bool:
-    """Whether this form takes less time than that in the pressure."""
-    enough = config.contact_share >= _LEAST and config.precision == "float64"
-    return enough and problem.rigidity.stiffness_decays
 
 
 def gap_by_gap(green: GreensFunction, gaps: Patches) -> RunByRun:

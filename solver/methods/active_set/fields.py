@@ -1,0 +1,219 @@
+"""The field that an operator makes of values on some nodes and adds to: with G the response w = G sigma to a contact
+pressure, with K the force K u of a displacement.
+
+`Everywhere` makes it on all nodes, by transforms of their number. `Nearby` makes the response near the contact only, by
+the two parts of a `grid.split`. `near`: blocks of nodes around the contact are moved together until gaps are as wide as
+its range, and are convolved by one short transform. `far`: spread to the blocks by the spline, convolved there, and
+gathered by it.
+"""
+
+import math
+from collections.abc import Callable
+from functools import cached_property
+
+import numpy as np
+
+from ....kernels import CHUNK, Call, layout, record
+from ...arrays import Array, Array64, Indices
+from ...grid.cached import MOST_POINTS
+from ...grid.split import Split
+from ...transforms.plain import Pair
+from ...transforms.planned import plan_transforms
+from ..method import ExecutionConfig
+
+_HALO = 4  # nodes on either side of the contact whose gap is watched, too; less than a block
+_WORTH = 0.5  # length of the packed transforms over that of the field's, up to which they are faster
+
+
+class Operator:
+    """G = 1/K without the mean mode, or K, applied by one pair of transforms, in the precision of the transforms."""
+
+    def __init__(self, symbol: Array64, num_points: int, precision: str, config: ExecutionConfig) -> None:
+        transforms = plan_transforms(num_points, precision, config.threads, config.planning, config.backend)
+        self.new_field = transforms.buffer
+        self.target = transforms.field()
+        forward, inverse = transforms.forward(self.target), transforms.inverse(self.target)
+        self._parts = forward, transforms.multiplication(symbol, self.target), inverse
+
+    def apply(self, places: Indices | slice, values: Array64) -> Array:
+        """`target` after it was these values at these places and 0 elsewhere."""
+        self.target[:] = 0
+        self.target[places] = values
+        for part in self._parts:
+            part()
+        return self.target
+
+
+class Everywhere:
+    """The field of an operator, on all nodes: w [u] or K u [p]. It serves after `begin`, one solve at a time."""
+
+    def __init__(self, symbol: Array64, num_points: int, config: ExecutionConfig) -> None:
+        """symbol: of the operator, shape (N//2 + 1,); num_points: N."""
+        self._symbol, self._num_points, self._config = symbol, num_points, config
+        self.mixed = config.precision == "mixed"
+        """Whether images of search directions are float32 and the field is float64."""
+        self.field = self._operators[1].new_field()
+        """Shape (N,) and padding."""
+        self.pairs = 0.0
+        """Transform pairs in this solve, short ones by their length over N."""
+        self._state = np.zeros(layout.GAP_STATE_LENGTH)
+        self._counts = np.zeros(self.field.size // CHUNK)
+
+    def begin(self, height: Array64) -> None:
+        """Turn to a scene. height: h, shape (N,) [u]."""
+        self.pairs = 0.0
+        self.field[:] = 0  # of an earlier solve
+        self._height: Array = height
+        if self.field.shape != height.shape or self.field.dtype != height.dtype:
+            self._height = np.full_like(self.field, math.inf)  # padding never touches
+            self._height[: height.size] = height
+        self.__dict__.pop("_count", None)
+
+    @cached_property
+    def _operators(self) -> tuple[Operator, Operator]:
+        """For search directions and for the field itself: two objects in mixed precision, else the same one."""
+        of = self._symbol, self._num_points
+        directions = Operator(*of, self._config.working_precision, self._config)
+        return directions, Operator(*of, "float64", self._config) if self.mixed else directions
+
+    @cached_property
+    def _advance(self) -> Callable[[], None]:
+        call = Call("advance_response", (self._operators[0].target, self._state), (self.field,))
+        return record(self._config.backend, [call])
+
+    @cached_property
+    def _count(self) -> Callable[[], None]:
+        call = Call("count_below", (self.field, self._height, self._state), (self._counts,))
+        return record(self._config.backend, [call])
+
+    def rest(self) -> None:
+        """Give back the operators on a large grid; they are made anew when they are needed."""
+        for name in ("_advance", "_operators") if self._num_points > MOST_POINTS else ():
+            self.__dict__.pop(name, None)
+
+    def renew(self, places: Indices | slice, values: Array64) -> None:
+        """Make the field of values at these places, 0 elsewhere."""
+        self.pairs += 1
+        self.field[:] = self._operators[1].apply(places, values)
+
+    def places(self, nodes: Indices) -> Indices:
+        """Where these nodes have their values."""
+        return nodes
+
+    def image(self, places: Indices | slice, direction: Array64) -> Array:
+        """The image of a search direction at these places, in the precision of its transforms, there."""
+        self.pairs += 1
+        return np.asarray(self._operators[0].apply(places, direction)[places])
+
+    def advance(self, step: float) -> None:
+        """Add the latest image times a step."""
+        self._state[layout.STEP] = step
+        self._advance()
+
+    def below(self, bound: float) -> Indices:
+        """Nodes where h + w is below a bound [u]."""
+        self._state[layout.BOUND] = bound
+        self._count()
+        chunks = np.flatnonzero(self._counts)
+        height, response = (array.reshape(-1, CHUNK)[chunks] for array in (self._height, self.field))
+        row, column = np.nonzero(height + response < bound)
+        return np.asarray(chunks[row] * CHUNK + column)
+
+
+def transformed_blocks(blocks: int) -> int:
+    """The shortest length, of eight to an octave, that holds so many blocks: plans for them serve again."""
+    unit = max(1, (1 << (blocks - 1).bit_length()) // 16)
+    return -(-blocks // unit) * unit
+
+
+class Nearby:
+    """The response w = G sigma, up to a constant, on some blocks of nodes, which must leave a gap wider than the
+    split's range somewhere.
+    """
+
+    def __init__(self, split: Split, blocks: Indices, height: Array64) -> None:
+        """blocks: their numbers in ascending order, shape (B,); height: h of all nodes, shape (N,) [u]."""
+        self._split, self._blocks = split, blocks
+        gaps = np.diff(blocks, append=blocks[0] + split.num_blocks)
+        start = int(np.argmax(gaps)) + 1  # the widest gap is left open
+        steps = np.minimum(np.roll(gaps, -start)[:-1], -(-split.range // split.block) + 1)
+        position = np.append(0, np.cumsum(steps))
+        self._position = np.roll(position, start)
+        last = (int(position[-1]) + 1) * split.block
+        self._length = split.block * transformed_blocks(-(-(last + split.range) // split.block))
+        self.pair_length = (self._length + split.num_blocks) / height.size
+        """Length of the transforms over N (dimensionless)."""
+        self.error = split.error
+        """Of an image, see `Split`."""
+        self.nodes = (blocks[:, None] * split.block + np.arange(split.block)).ravel()
+        """Of the blocks, in order, shape (nodes,) like `field`."""
+        self._index = np.full(split.num_blocks, -1)
+        self._index[blocks] = np.arange(blocks.size)
+        self._height = height[self.nodes]
+        self.field = np.zeros(self.nodes.size)
+        """w [u]."""
+        self._image = np.zeros(0)
+
+    @cached_property
+    def _transforms(self) -> tuple[Pair, Array64, Pair]:
+        """Those of the blocks moved together, the symbol of `near` for them, and those of one point for each block."""
+        pair, near, kernel = Pair(self._length), self._split.near, np.zeros(self._length)
+        kernel[: near.size] = near
+        kernel[1 - near.size :] = near[:0:-1]
+        return pair, pair.transform(kernel).real / self._length, Pair(self._split.num_blocks)
+
+    @cached_property
+    def _spread_to(self) -> Indices:
+        return np.asarray((self._blocks[:, None] + self._split.columns) % self._split.num_blocks)
+
+    def apply(self, values: Array64) -> Array64:
+        """G values, up to a constant; both on the nodes of the blocks, shape (B, block)."""
+        split, (pair, near, coarse) = self._split, self._transforms
+        packed = pair.real.reshape(-1, split.block)
+        packed[:] = 0
+        packed[self._position] = values
+        pair.forward()
+        pair.modes *= near
+        pair.inverse()
+        shares, coarse.real[:] = values @ split.weights, 0
+        for column, share in zip(self._spread_to.T, shares.T, strict=True):
+            coarse.real[column] += share  # no block twice in a column
+        coarse.forward()
+        coarse.modes *= split.far
+        coarse.inverse()
+        return np.asarray(packed[self._position] + coarse.real[self._spread_to] @ split.weights.T)
+
+    def covers(self, nodes: Indices) -> bool:
+        """Whether all these nodes are among those of the blocks."""
+        return bool((self._index[nodes // self._split.block] >= 0).all())
+
+    def places(self, nodes: Indices) -> Indices:
+        """Where these nodes have their values."""
+        block, inside = np.divmod(nodes, self._split.block)
+        return np.asarray(self._index[block] * self._split.block + inside)
+
+    def image(self, places: Indices | slice, direction: Array64) -> Array64:
+        """The response to a pressure at these places, 0 elsewhere, there [u]."""
+        values = np.zeros(self.nodes.size)
+        values[places] = direction
+        self._image = self.apply(values.reshape(-1, self._split.block)).ravel()
+        return self._image[places]
+
+    def advance(self, step: float) -> None:
+        """Add the latest image times a step."""
+        self.field += step * self._image
+
+    def below(self, bound: float) -> Indices:
+        """Nodes of the blocks where h + w is below a bound [u]."""
+        return np.asarray(self.nodes[self._height + self.field < bound])
+
+
+def surround(split: Split, nodes: Indices, height: Array64) -> Nearby | None:
+    """The blocks around some nodes; None where the packed transforms would take as long as the field's."""
+    near = np.zeros(split.num_blocks, dtype=bool)
+    for step in (-_HALO, 0, _HALO):
+        near[(nodes + step) // split.block % split.num_blocks] = True
+    if near.sum() > _WORTH * split.num_blocks:
+        return None
+    found = Nearby(split, np.flatnonzero(near), height)
+    return found if found.pair_length <= _WORTH else None
