@@ -38,7 +38,7 @@ def _hidden(*names: str) -> Iterator[None]:
 with _hidden("scipy", "dask"):
     import pyfftw
 
-__all__ = ["IN_PLACE", "Pair", "Plan", "hfft", "irfft", "library", "next_fast_len", "pair", "pyfftw", "rfft"]
+__all__ = ["IN_PLACE", "Pair", "Plan", "irfft", "library", "next_fast_len", "pair", "pyfftw", "rfft"]
 
 next_fast_len = pyfftw.next_fast_len
 
@@ -179,11 +179,3 @@ def irfft(modes: Modes | Array64, num_points: int) -> Array64:
     with pair(num_points) as transforms:
         transforms.invert(modes[: num_points // 2 + 1])
         return transforms.real.copy() if num_points <= _TOO_LONG else transforms.real
-
-
-def hfft(values: Modes | Array64, num_points: int) -> Array64:
-    """The real spectrum, shape (num_points,), of Hermitian values: `rfft`'s exponent, no factor.
-
-    values: the first half of them, shape (M,); cut off or filled up with zeros to M = num_points//2 + 1.
-    """
-    return irfft(np.conj(values) * num_points, num_points)

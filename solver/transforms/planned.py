@@ -34,31 +34,33 @@ class Real(Transforms):
     def field(self) -> Array:
         return self.spectrum[: self.num_points] if self._in_place else self.buffer()
 
+    def _at(self, array: Array) -> Array:
+        """Where the values of an array are transformed."""
+        return (self.spectrum if self._in_place else array)[: self.num_points]
+
     def forward(self, source: Array) -> Callable[[], None]:
-        source = source[: self.num_points]
-        if not self._in_place:
-            return self.plan(source, self._modes, "FFTW_FORWARD")
-        values = self.spectrum[: self.num_points]
+        values = self._at(source)
         execute = self.plan(values, self._modes, "FFTW_FORWARD")
-        return execute if np.shares_memory(source, values) else in_turn(lambda: np.copyto(values, source), execute)
+        if np.shares_memory(source, values):
+            return execute
+
+        def run() -> None:
+            values[:] = source[: values.size]
+            execute()
+
+        return run
 
     def inverse(self, target: Array) -> Callable[[], None]:
-        target = target[: self.num_points]
-        if not self._in_place:
-            return self.plan(self._modes, target, "FFTW_BACKWARD")
-        values = self.spectrum[: self.num_points]
+        values = self._at(target)
         execute = self.plan(self._modes, values, "FFTW_BACKWARD")
-        return execute if np.shares_memory(target, values) else in_turn(execute, lambda: np.copyto(target, values))
+        if np.shares_memory(target, values):
+            return execute
 
+        def run() -> None:
+            execute()
+            target[: values.size] = values
 
-def in_turn(*functions: Callable[[], None]) -> Callable[[], None]:
-    """A function without arguments that calls others in order."""
-
-    def run() -> None:
-        for function in functions:
-            function()
-
-    return run
+        return run
 
 
 WAYS: dict[str, type[Transforms]] = {kind.way: kind for kind in (Real, FourStep)}

@@ -11,6 +11,7 @@ Not for layers whose longest waves are the stiffest, thin and incompressible one
 
 import math
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -33,7 +34,7 @@ def gap_by_gap(green: GreensFunction, gaps: Patches) -> RunByRun:
         ring = green.ring(size)
         return lambda force: ring(ring.inverse_rigidity, force)
 
-    return RunByRun(gaps, green.stiffness_factor, long)
+    return RunByRun(gaps, partial(green.factor, of_stiffness=True), long)
 
 
 @dataclass(eq=False, kw_only=True)
