@@ -97,11 +97,6 @@ def advance_response(change: Array, state: Array64, response: Array) -> None:
     response += response.dtype.type(state[layout.STEP]) * change.astype(response.dtype)
 
 
-def count_below(response: Array, h: Array, state: Array64, counts: Array64) -> None:
-    """Nodes per chunk where h + w is below the bound."""
-    counts[:] = _chunk_sums(h + response < h.dtype.type(state[layout.BOUND]))
-
-
 def _complex(values: Array) -> Array:
     return values.view(np.result_type(values, np.complex64))
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import warp as wp
 
-from .layout import BOUND, CHUNK, STEP
+from .layout import CHUNK, STEP
 
 wp.set_module_options({"enable_backward": False})
 
@@ -42,16 +42,3 @@ def advance_response(change: Field, state: Doubles, response: Field):
     for j in range(CHUNK_LENGTH):
         i = start + j * LANES
         response[i] = response[i] + step * response.dtype(change[i])
-
-
-@wp.kernel
-def count_below(response: Field, h: Field, state: Doubles, counts: Doubles):
-    """Nodes of the chunk where h + w is below the bound."""
-    tid = wp.tid()
-    start = tid // LANES * SPAN + tid % LANES
-    bound = h.dtype(state[BOUND])
-    count = h.dtype(0.0)
-    for j in range(CHUNK_LENGTH):
-        i = start + j * LANES
-        count += wp.where(h[i] + response[i] < bound, h.dtype(1.0), h.dtype(0.0))
-    counts[tid] = wp.float64(count)

@@ -170,14 +170,6 @@ _KERNELS = (
         "REAL step = state[STEP];",
         STEP=0.75,
     ),
-    _kernel(
-        "count_below",
-        "response:in h:in state:state counts:sum",
-        2,
-        "counts[0] += h[i] + response[i] < bound;",
-        "REAL bound = state[BOUND];",
-        BOUND=0.125,
-    ),
 )
 
 _HALVES = (

@@ -7,14 +7,13 @@ its range, and are convolved by one short transform. `far`: spread to the blocks
 gathered by it.
 """
 
-import math
 from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
 
-from ....kernels import CHUNK, Call, layout, record
-from ...arrays import Array, Array64, Indices
+from ....kernels import Call, layout, record
+from ...arrays import Array, Array64, Indices, chunks
 from ...grid.cached import MOST_POINTS
 from ...grid.split import Split
 from ...transforms.plain import Pair
@@ -56,18 +55,13 @@ class Everywhere:
         """Shape (N,) and padding."""
         self.pairs = 0.0
         """Transform pairs in this solve, short ones by their length over N."""
-        self._state = np.zeros(layout.GAP_STATE_LENGTH)
-        self._counts = np.zeros(self.field.size // CHUNK)
+        self._state = np.zeros(layout.STEP + 1)
 
     def begin(self, height: Array64) -> None:
         """Turn to a scene. height: h, shape (N,) [u]."""
         self.pairs = 0.0
         self.field[:] = 0  # of an earlier solve
-        self._height: Array = height
-        if self.field.shape != height.shape or self.field.dtype != height.dtype:
-            self._height = np.full_like(self.field, math.inf)  # padding never touches
-            self._height[: height.size] = height
-        self.__dict__.pop("_count", None)
+        self._height: Array = height.astype(self.field.dtype, copy=False)
 
     @cached_property
     def _operators(self) -> tuple[Operator, Operator]:
@@ -79,11 +73,6 @@ class Everywhere:
     @cached_property
     def _advance(self) -> Callable[[], None]:
         call = Call("advance_response", (self._operators[0].target, self._state), (self.field,))
-        return record(self._config.backend, [call])
-
-    @cached_property
-    def _count(self) -> Callable[[], None]:
-        call = Call("count_below", (self.field, self._height, self._state), (self._counts,))
         return record(self._config.backend, [call])
 
     def rest(self) -> None:
@@ -112,12 +101,8 @@ class Everywhere:
 
     def below(self, bound: float) -> Indices:
         """Nodes where h + w is below a bound [u]."""
-        self._state[layout.BOUND] = bound
-        self._count()
-        chunks = np.flatnonzero(self._counts)
-        height, response = (array.reshape(-1, CHUNK)[chunks] for array in (self._height, self.field))
-        row, column = np.nonzero(height + response < bound)
-        return np.asarray(chunks[row] * CHUNK + column)
+        height, field = self._height, self.field[: self._num_points]
+        return np.concatenate([np.flatnonzero(height[p] + field[p] < bound) + p.start for p in chunks(height.size)])
 
 
 def transformed_blocks(blocks: int) -> int:

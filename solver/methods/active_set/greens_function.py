@@ -57,7 +57,7 @@ class GreensFunction:
             ring.count = 0
 
     def factor(self, order: int, of_stiffness: bool = False) -> Array64:
-        """`inverse_cholesky` of G [K^(1/2)], or of K [1/K^(1/2)], shape (m, m) with m >= order; kept for the next call."""
+        """`inverse_cholesky` of G [K^(1/2)] or K [1/K^(1/2)], shape (m, m) with m >= order; kept for the next call."""
         known = self._factors.get(of_stiffness)
         if known is None or len(known) < order:
             order, whole = min(64 * -(-order // 64), self.num_points - 1), self.response.stiffness
