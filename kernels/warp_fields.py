@@ -1,8 +1,7 @@
 """Warp kernels on fields and their transforms, float32 and float64 from one generic source; on their form, see
 `compiled`.
 
-A complex half spectrum is passed as its flat real view (re, im, re, im, ...), because Warp has no complex type. The
-kernels of the active set work on the response w = G sigma; a node's gap is h + w - level.
+A complex half spectrum is passed as its flat real view (re, im, re, im, ...), because Warp has no complex type.
 """
 
 from typing import Any

@@ -27,9 +27,9 @@ NUM_OUTPUTS = {
     "spectral_multiply": 1,
     "plain_sums": 1,
     "restrict_to_free": 2,
+    "advance_response": 1,
 }
 OF_COLUMNS = ("unpack_columns", "pack_columns")
-NUM_OUTPUTS["advance_response"] = 1
 
 
 def make_arrays(kernel, length, precision, seed):

@@ -65,18 +65,49 @@ class FourStep(Transforms):
         """The spectrum by batches of rows, each in the order of its modes."""
         self._split = self.spectrum[: 2 * self._row * self._num_rows].reshape(-1, 2, self._row)
         """The spectrum by row, half of the columns worked on at a time, and value."""
-        self._columns = _Columns(self.num_points, self._row, self)
+        starts, rows = np.arange(0, self._row, layout.COLUMNS), np.arange(self._num_rows)
+        near = self.buffer(2 * layout.COLUMNS * rows.size)
+        turns = rows[:, None] * np.arange(layout.COLUMNS)
+        self.complex(near)[: turns.size] = self._twiddle_factors(turns).ravel()
+        far = np.zeros((starts.size, padded_length(2 * rows.size)), near.dtype)
+        self.complex(far)[:, : rows.size] = self._twiddle_factors(starts[:, None] * rows)
+        columns = [slice(start, start + layout.COLUMNS) for start in starts.tolist()]
+        self._columns = list(zip(columns, far, strict=True))
+        """Columns that are worked on at a time, with the first one's twiddle factors."""
+        threads = min(self.threads, starts.size)
+        self._workers = [_ColumnWorker(self.num_points // self._row, near, self) for _ in range(threads)]
+
+    def _twiddle_factors(self, turns: Indices) -> Modes:
+        return np.asarray(np.exp(-2j * np.pi / self.num_points * turns))
 
     def field(self) -> Array:
         return self.spectrum[: padded_length(self.num_points)]
 
     def forward(self, source: Array) -> Callable[[], None]:
-        """Plan source[:N] -> columns transformed and turned."""
-        return self._columns.forward(source[: self.num_points].reshape(-1, self._row), self._split)
+        """Plan source[:N] -> columns transformed and turned; both may be the same memory."""
+        values = source[: self.num_points].reshape(-1, self._row)
+
+        def work(worker: _ColumnWorker, part: tuple[slice, Array]) -> None:
+            columns, worker.far[:] = part
+            worker.columns[:] = values[:, columns]
+            worker.transform()
+            worker.unpack()
+            self._split[:, :, columns] = worker.spectra
+
+        return lambda: do_all(self._workers, self._columns, work)
 
     def inverse(self, target: Array) -> Callable[[], None]:
         """Plan columns turned back and transformed -> target[:N], times R."""
-        return self._columns.inverse(self._split, target[: self.num_points].reshape(-1, self._row))
+        values = target[: self.num_points].reshape(-1, self._row)
+
+        def work(worker: _ColumnWorker, part: tuple[slice, Array]) -> None:
+            columns, worker.far[:] = part
+            worker.spectra[:] = self._split[:, :, columns]
+            worker.pack()
+            worker.transform_back()
+            values[:, columns] = worker.columns
+
+        return lambda: do_all(self._workers, self._columns, work)
 
     def multiplication(self, symbol: Array64, target: Array) -> Callable[[], None]:
         """The rows are transformed before, and back after it. It is the same for every target."""
@@ -123,49 +154,6 @@ class _RowWorker:
         self.multiply = planner.record([Call("spectral_multiply", (self.factors,), (rows,))])
 
 
-class _Columns:
-    """Transforms of the columns of N = R C real values, there and back."""
-
-    def __init__(self, num_points: int, row: int, planner: Transforms) -> None:
-        """row: C, the number of columns, a multiple of those that are worked on at a time."""
-        count = num_points // row // 2 + 1
-        starts, rows = np.arange(0, row, layout.COLUMNS), np.arange(count)
-        near = planner.buffer(2 * layout.COLUMNS * count)
-        turns = rows[:, None] * np.arange(layout.COLUMNS)
-        planner.complex(near)[: turns.size] = _twiddle_factors(turns, num_points).ravel()
-        far = np.zeros((starts.size, padded_length(2 * count)), near.dtype)
-        planner.complex(far)[:, :count] = _twiddle_factors(starts[:, None] * rows, num_points)
-        columns = [slice(start, start + layout.COLUMNS) for start in starts.tolist()]
-        self._parts = list(zip(columns, far, strict=True))
-        """Columns that are worked on at a time, with the first one's twiddle factors."""
-        threads = min(planner.threads, starts.size)
-        self._workers = [_ColumnWorker(num_points // row, near, planner) for _ in range(threads)]
-
-    def forward(self, source: Array, spectrum: Array) -> Callable[[], None]:
-        """source: shape (R, C), and spectrum: shape (R/2 + 1, 2, C), may be the same memory."""
-
-        def work(worker: _ColumnWorker, part: tuple[slice, Array]) -> None:
-            columns, worker.far[:] = part
-            worker.columns[:] = source[:, columns]
-            worker.transform()
-            worker.unpack()
-            spectrum[:, :, columns] = worker.spectra
-
-        return lambda: do_all(self._workers, self._parts, work)
-
-    def inverse(self, spectrum: Array, target: Array) -> Callable[[], None]:
-        """The way back, times R."""
-
-        def work(worker: _ColumnWorker, part: tuple[slice, Array]) -> None:
-            columns, worker.far[:] = part
-            worker.spectra[:] = spectrum[:, :, columns]
-            worker.pack()
-            worker.transform_back()
-            target[:, columns] = worker.columns
-
-        return lambda: do_all(self._workers, self._parts, work)
-
-
 class _ColumnWorker:
     """Buffers for some columns, plans and kernels on them. columns: shape (R, columns); spectra: shape (R/2 + 1, 2,
     columns), of two columns after the other; far: their first column's twiddle factors.
@@ -184,10 +172,6 @@ class _ColumnWorker:
         self.transform_back = planner.plan(modes, modes, "FFTW_BACKWARD", axis=0, threads=1)
         self.unpack = planner.record([Call("unpack_columns", (near, self.far, columns), (spectra,))])
         self.pack = planner.record([Call("pack_columns", (near, self.far, spectra), (columns,))])
-
-
-def _twiddle_factors(turns: Indices, num_points: int) -> Modes:
-    return np.asarray(np.exp(-2j * np.pi / num_points * turns))
 
 
 def do_all(workers: Sequence[Worker], parts: Sequence[Part], work: Callable[[Worker, Part], None]) -> None:
