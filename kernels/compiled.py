@@ -24,7 +24,7 @@ from .interrupts import undivided
 from .layout import CHUNK, COLUMNS
 
 MODULES = {
-    "warp_fields": ("spectral_multiply", "paired_multiply", "advance_response", "count_below"),
+    "warp_fields": ("spectral_multiply", "advance_response"),
     "warp_fire": ("net_force", "plain_sums", "restrict_to_free", "fire_control", "fire_step", "plain_step"),
     "warp_columns": ("unpack_columns", "pack_columns"),
 }

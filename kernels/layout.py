@@ -36,10 +36,8 @@ contact."""
 # fmt: on
 STATE_LENGTH = STOPPED + 1
 
-# The active set's scalars, in an array of their own: length of a step along a direction, and bound of h + w, below
-# which a node penetrates.
-STEP, BOUND = range(2)
-GAP_STATE_LENGTH = BOUND + 1
+STEP = 0
+"""The active set's only scalar, in an array of its own: length of a step along a direction."""
 
 
 def padded_length(length: int, multiple: int = CHUNK) -> int:

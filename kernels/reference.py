@@ -24,11 +24,6 @@ def spectral_multiply(coefficient: Array, spectrum: Array) -> None:
     spectrum *= coefficient
 
 
-def paired_multiply(straight: Array, crossed: Array, modes: Array, product: Array) -> None:
-    """straight z_k + i crossed conj(z_-k) of N/2 complex modes; flat real views, of the modes N + 2 values or more."""
-    product[:] = straight * modes[: product.size] + crossed * modes[product.size + 1 : 1 : -1]
-
-
 def _free_force(elastic: Array, velocity: Array, load: Array | int = 1) -> tuple[Array, Array]:
     """Free part of r = load - K u, and the held nodes."""
     r = load - elastic
@@ -100,11 +95,6 @@ def plain_step(elastic: Array, h: Array, state: Array64, u: Array, v: Array) -> 
 def advance_response(change: Array, state: Array64, response: Array) -> None:
     """w += step (G d)."""
     response += response.dtype.type(state[layout.STEP]) * change.astype(response.dtype)
-
-
-def count_below(response: Array, h: Array, state: Array64, counts: Array64) -> None:
-    """Nodes per chunk where h + w is below the bound."""
-    counts[:] = _chunk_sums(h + response < h.dtype.type(state[layout.BOUND]))
 
 
 def _complex(values: Array) -> Array:

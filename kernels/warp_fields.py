@@ -1,15 +1,14 @@
 """Warp kernels on fields and their transforms, float32 and float64 from one generic source; on their form, see
 `compiled`.
 
-A complex half spectrum is passed as its flat real view (re, im, re, im, ...), because Warp has no complex type. The
-kernels of the active set work on the response w = G sigma; a node's gap is h + w - level.
+A complex half spectrum is passed as its flat real view (re, im, re, im, ...), because Warp has no complex type.
 """
 
 from typing import Any
 
 import warp as wp
 
-from .layout import BOUND, CHUNK, STEP
+from .layout import CHUNK, STEP
 
 wp.set_module_options({"enable_backward": False})
 
@@ -31,17 +30,6 @@ def spectral_multiply(coefficient: Field, spectrum: Field):
 
 
 @wp.kernel
-def paired_multiply(straight: Field, crossed: Field, modes: Field, product: Field):
-    """product = straight z_k + i crossed conj(z_-k): what a symbol does to the transform of N real values that is taken
-    as one of N/2 complex numbers; on flat real views, the first of the modes once more behind the last."""
-    start = wp.tid() * CHUNK_LENGTH
-    least = wp.max(product.shape[0] + 2 - start - CHUNK_LENGTH, 0)  # LLVM must see that it is never negative
-    for j in range(CHUNK_LENGTH):
-        i = start + j
-        product[i] = straight[i] * modes[i] + crossed[i] * modes[least + (CHUNK_LENGTH - 1 - j)]
-
-
-@wp.kernel
 def advance_response(change: Field, state: Doubles, response: Field):
     """w += step (G d): the response w = G sigma follows a step along the direction d; the gap is h + w - level.
 
@@ -53,16 +41,3 @@ def advance_response(change: Field, state: Doubles, response: Field):
     for j in range(CHUNK_LENGTH):
         i = start + j * LANES
         response[i] = response[i] + step * response.dtype(change[i])
-
-
-@wp.kernel
-def count_below(response: Field, h: Field, state: Doubles, counts: Doubles):
-    """Nodes of the chunk where h + w is below the bound."""
-    tid = wp.tid()
-    start = tid // LANES * SPAN + tid % LANES
-    bound = h.dtype(state[BOUND])
-    count = h.dtype(0.0)
-    for j in range(CHUNK_LENGTH):
-        i = start + j * LANES
-        count += wp.where(h[i] + response[i] < bound, h.dtype(1.0), h.dtype(0.0))
-    counts[tid] = wp.float64(count)

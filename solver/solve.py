@@ -24,8 +24,7 @@ from .strategy.run import COARSE_TOLERANCE, COARSEST, DEFAULT_TOLERANCE, Run, ch
 from .strategy.small_models import without_contact
 from .strategy.to_accuracy import solve_to_accuracy
 from .strategy.to_approach import solve_to_approach
-from .transforms.device import DEVICES, borrowed, check_device
-from .transforms.planner import check_settings
+from .transforms.device import DEVICES, borrowed, check_device, check_settings
 
 _OVER_FLOOR = 4.0  # times the residual of rounding: the default tolerance in float32, at least
 

@@ -21,7 +21,7 @@ from linecontact.solver.endings import Cause
 from linecontact.solver.grid.problem import Problem
 from linecontact.solver.methods import ExecutionConfig, active_set
 from linecontact.solver.methods.active_set.active_set import ActiveSet
-from linecontact.solver.methods.active_set.contact_set import ContactSet
+from linecontact.solver.methods.active_set.surface import ContactSet
 from linecontact.solver.strategy import finish
 from linecontact.solver.strategy.run import Run
 

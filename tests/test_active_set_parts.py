@@ -9,7 +9,6 @@ from linecontact.solver import Layer
 from linecontact.solver.grid import layer_on_grid as grid_response
 from linecontact.solver.grid.layer_on_grid import LayerOnGrid
 from linecontact.solver.grid.patches import Patches
-from linecontact.solver.methods.active_set import local_inverses
 from linecontact.solver.methods.active_set import preconditioner as deflation
 from linecontact.solver.methods.active_set.greens_function import GreensFunction, inverse_cholesky, patch_sums
 
@@ -81,7 +80,7 @@ def test_one_factor_inverts_every_patch(d, nu):
 @pytest.mark.parametrize(("d", "nu"), LAYERS)
 def test_preconditioner(d, nu, unknowns, longest, monkeypatch):
     """Symmetric, positive on loads of zero sum, near the inverse; long patches and shared unknowns included."""
-    monkeypatch.setattr(local_inverses, "SMALL", longest)
+    monkeypatch.setattr(deflation, "SMALL", longest)
     monkeypatch.setattr(deflation, "_unknowns", lambda n: unknowns)
     patches = Patches.of(PATCHES)
     check_preconditioner(d, nu, patches, 6 if unknowns == 100 else 60)
@@ -125,7 +124,7 @@ def test_a_long_patch_is_nearly_inverted(thickness, nu):
     """Also on thin and nearly incompressible layers, where K reaches far: 0.04 to 2 if it were taken for short."""
     size, green = 500, greens_function(4096, thickness, nu)
     matrix = np.take(green.response.whole, np.arange(size)[:, None] - np.arange(size), mode="wrap")
-    patch = local_inverses.LongPatch(green, size)
+    patch = deflation.LongPatch(green, size)
     inverse = np.stack([patch(unit) for unit in np.eye(size)])
     np.testing.assert_allclose(inverse, inverse.T, atol=1e-12 * np.abs(inverse).max())
     values = np.linalg.eigvals(inverse @ matrix).real

@@ -22,7 +22,7 @@ from linecontact.solver.grid import cached as cached_module
 from linecontact.solver.grid.cached import cached, forget
 from linecontact.solver.grid.problem import Problem
 from linecontact.solver.methods import active_set
-from linecontact.solver.methods.active_set.everywhere import Everywhere
+from linecontact.solver.methods.active_set.fields import Everywhere
 from linecontact.solver.methods.method import ExecutionConfig
 
 ROUGH = RoughIndenter(0.8, 0, cut_off_ratio=1 / 32)

@@ -35,7 +35,7 @@ MORE = {
     "linecontact curve --profile rough --hurst 0.8 --thickness 0.01": f"--points 3 {SMOOTH}",
     "linecontact ensemble --hurst 0.8 --thickness 0.01 --standard-error 0.01 --folder thin": POOR,
     "linecontact ensemble --profile rough --hurst 0.8 --pressure 0.01 --standard-error 0.002": POOR,
-    "linecontact study kernels": f"--kernel count_below {LITTLE}",
+    "linecontact study kernels": f"--kernel plain_sums {LITTLE}",
     "linecontact study kernels --kernel fire_step --size 2^18": LITTLE,
     "linecontact study kernels --variants mine.py --kernel fire_step --size 2^18": LITTLE,
     "linecontact study kernels --kernel fire_step --folder before": LITTLE,

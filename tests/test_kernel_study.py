@@ -226,14 +226,14 @@ def test_a_wrong_variant_is_told_and_not_timed(own, monkeypatch, tmp_path, capsy
     file = tmp_path / "mine.py"
     file.write_text(
         "from linecontact.studies.kernel_benchmark.variants import repeated, variant\n"
-        "@variant('count_below')\n"
+        "@variant('plain_sums')\n"
         "def mine(a):\n"
-        "    return repeated(lambda: a.counts.fill(3))\n"
+        "    return repeated(lambda: a.sums.fill(3))\n"
     )
-    command = ["study", "kernels", "--variants", str(file), "--kernel", "count_below", "--size", "2^10"]
+    command = ["study", "kernels", "--variants", str(file), "--kernel", "plain_sums", "--size", "2^10"]
     assert cli.main([*command, "--folder", str(tmp_path)]) == 4
     caught = capsys.readouterr()
-    text = "count_below in float32 on 1024 points: mine and numpy disagree in 1 of 1 values of counts: number 0 is 3.0"
+    text = "plain_sums in float32 on 1024 points: mine and numpy disagree in 4 of 4 values of sums: number 0 is 3.0"
     assert text in caught.err
     (file,) = tmp_path.glob("*/kernels.h5")
     assert len(study_files.load_study(file).failures) == 8  # and nothing is timed in later repetitions

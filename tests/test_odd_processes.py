@@ -156,9 +156,9 @@ OWN_PLANNING = """
 import os, threading, time
 import pyfftw
 from linecontact import Scene, solve
-from linecontact.solver.transforms import fftw
+from linecontact.solver.transforms import plain
 
-fftw._PATIENCE = 1.0
+plain._PATIENCE = 1.0
 values = pyfftw.empty_aligned(2**18, dtype=complex)
 plan = {"args": (values, values), "kwargs": {"flags": ["FFTW_PATIENT"]}, "daemon": True}
 threading.Thread(target=pyfftw.FFTW, **plan).start()

@@ -12,8 +12,8 @@ from linecontact.solver.grid.patches import Patches
 from linecontact.solver.grid.problem import Problem
 from linecontact.solver.grid.split import Split
 from linecontact.solver.methods import ExecutionConfig, active_set, relax
-from linecontact.solver.methods.active_set import nearby, surface
-from linecontact.solver.methods.active_set.nearby import Nearby, transformed_blocks
+from linecontact.solver.methods.active_set import fields, surface
+from linecontact.solver.methods.active_set.fields import Nearby, transformed_blocks
 
 LAYERS = [(math.inf, 0.25)] + [
     (d, nu) for d in (1, 0.1, 0.01, 1e-3, 1e-4, 1e-5) for nu in (-0.9, 0.25, 0.45, 0.499, 0.5)
@@ -194,7 +194,7 @@ def test_where_blocks_do_not_pay_any_more_nodes_have_their_values_in_the_whole_f
 
 def test_contact_nearly_everywhere_is_solved_on_all_nodes(monkeypatch):
     made = []
-    monkeypatch.setattr(nearby, "Nearby", lambda *arguments: made.append(arguments))
+    monkeypatch.setattr(fields, "Nearby", lambda *arguments: made.append(arguments))
     solution = solve(Scene(Layer(), RoughIndenter(cut_off_ratio=1 / 64), pressure=0.5, num_points=2**16))
     assert solution.status is Status.CONVERGED
     assert solution.observables.contact_area > 0.3
@@ -227,13 +227,13 @@ def test_an_operator_worse_than_it_says(error, left, monkeypatch):
 def test_far_from_the_start_the_neighbourhood_grows(monkeypatch):
     """From a load on one patch of many; nodes that touch elsewhere are found by whole transforms."""
     scene, made = SCENES[0], []
-    begin = nearby.Nearby.__init__
+    begin = fields.Nearby.__init__
 
     def keep(self, *arguments):
         begin(self, *arguments)
         made.append(self)
 
-    monkeypatch.setattr(nearby.Nearby, "__init__", keep)
+    monkeypatch.setattr(fields.Nearby, "__init__", keep)
     expected = solve(scene)
     made.clear()
     state = active_set.begin(Problem.from_scene(scene), ExecutionConfig(1e-9))

@@ -12,12 +12,12 @@ from linecontact import read_scan
 from linecontact.solver import METHODS, Layer, MeasuredIndenter, RoughIndenter, Scene, scene, solve, warnings
 from linecontact.solver.display import rounded_up
 from linecontact.solver.grid import cached, contact, edges, layer_on_grid, problem, shares, surroundings
-from linecontact.solver.layers import bonded
+from linecontact.solver.layers import coated
 from linecontact.solver.methods.active_set import greens_function
 from linecontact.solver.reference import closed_forms
 from linecontact.solver.solve import _OVER_FLOOR
 from linecontact.solver.strategy import finish, run
-from linecontact.solver.transforms import four_step
+from linecontact.solver.transforms import four_step, plain
 from linecontact.studies.explore import controls
 from linecontact.studies.figures.style import ONE_COLUMN, TWO_COLUMNS
 from linecontact.studies.files import confined
@@ -141,15 +141,14 @@ def limits_of_scenes():
     yield "Ratios from 1e-60 to 1e60 are allowed."
     assert (scene.SMALLEST, scene.LARGEST) == (1e-60, 1 / 1e-60)
     yield "(1e-6 to 1e6 of the layer's)"
-    assert bonded._MOST_RATIO == 1e6
+    assert coated._MOST_RATIO == 1e6
 
 
 def what_is_kept():
     yield f"on grids of up to 2^{math.log2(cached.MOST_POINTS):.0f} points"
     yield "The last seven grids are kept"
     assert cached._GRIDS == 7
-    yield "FIRE's float64 transforms of 2^18 to 2^20 points"
-    assert (four_step.FASTER_THAN_REAL, four_step.FASTER) == (2**18, 2**20)
+    yield f"Float64 transforms of 2^{math.log2(plain.IN_PLACE):.0f} points and more"
     yield f"of 2^{math.log2(four_step.FASTER):.0f} points and more are done"
 
 

@@ -40,7 +40,7 @@ def transforms_by_hand(source):
         "from numpy.fft import rfft as transform",
         "import scipy.fft",
         "import pyfftw",
-        "from ..transforms.fftw import pyfftw",
+        "from ..transforms.plain import pyfftw",
         "pyfftw.FFTW(a, b)",
         "def f():\n    from pyfftw.interfaces import numpy_fft",
     ],

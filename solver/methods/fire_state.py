@@ -14,7 +14,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ...kernels import Call, layout, sequence
+from ...kernels import layout, sequence
 from ..arrays import Array, Array64
 from ..grid.problem import Problem
 from ..transforms.backend import Backend
@@ -67,9 +67,6 @@ class Fire(Method):
         multiply = self.transforms.multiplication(symbol, self.work)
         return self.transforms.forward(source), multiply, self._inverse
 
-    def _replay(self, *calls: Call) -> Callable[[], None]:
-        return self.transforms.record(calls)
-
     def _start_state(self) -> Array64:
         s = np.zeros(layout.STATE_LENGTH)
         s[layout.N_MIN], s[layout.F_INC], s[layout.F_DEC] = self.n_min, self.f_inc, self.f_dec
@@ -87,21 +84,19 @@ class Fire(Method):
         dt = s[layout.DT] or self.dt_start * s[layout.DT_MAX]
         s[layout.DT] = min(dt, s[layout.DT_MAX])
 
-    def _arrays(self, **more: Array) -> dict[str, Array]:
+    def _arrays(self) -> dict[str, Array]:
         """The arrays of a step by the names that the sequences of kernels have for them."""
         sums = self.transforms.sums(layout.PARTS * self.u.size)
-        found = {"elastic": self.work, "h": self.height, "sums": sums, "state": self.state, "u": self.u, "v": self.v}
-        return found | more
+        return {"elastic": self.work, "h": self.height, "sums": sums, "state": self.state, "u": self.u, "v": self.v}
 
     def _prepare(self, own_load: bool) -> None:
         """What differs between the methods: further buffers, recorded kernels, the first dt."""
+        arrays = self._arrays()
         if own_load:
             self.force, self.load = self.transforms.buffer(), self.transforms.buffer()
             self.load[:] = 1
-            arrays = self._arrays(force=self.force, load=self.load)
-            self._move = self._replay(*sequence("loaded_move", arrays))
-        else:
-            self._move = self._replay(*sequence("plain_move", self._arrays()))
+            arrays |= {"force": self.force, "load": self.load}
+        self._move = self.transforms.record(sequence("loaded_move" if own_load else "plain_move", arrays))
         self._limit_step(float(self.problem.stiffness.max()))
 
     @property

@@ -19,9 +19,9 @@ import math
 import numpy as np
 
 from ...kernels import Call, sequence
+from .fire import begin_fire
 from .fire_state import Fire, Operator
 from .method import PATIENCE, MethodKind
-from .rebased_fire import begin_fire
 
 
 class MassWeightedFire(Fire):
@@ -54,10 +54,12 @@ class MassWeightedFire(Fire):
         self._probe_stiffness = forward, *self._apply_stiffness[1:], keep
         self._probe_inverse_mass = forward, *self._apply_inverse_mass[1:], keep
         self._squares = squares = self.transforms.sums(self.u.size)  # free for the probe, between two steps
-        arrays = self._arrays(force=self.force, load=self.load, acceleration=self.work, acceleration_sums=squares)
-        self._find_force = self._replay(*sequence("find_force", arrays))
-        self._move = self._replay(*sequence("mass_weighted_move", arrays))
-        self._restrict = self._replay(Call("restrict_to_free", (self.force,), (self.probe, self._squares)))
+        arrays = {"force": self.force, "load": self.load, "acceleration": self.work, "acceleration_sums": squares}
+        arrays |= self._arrays()
+        record = self.transforms.record
+        self._find_force = record(sequence("find_force", arrays))
+        self._move = record(sequence("mass_weighted_move", arrays))
+        self._restrict = record([Call("restrict_to_free", (self.force,), (self.probe, squares))])
 
     @property
     def parts(self) -> Operator:

@@ -1,10 +1,9 @@
 """Every Fourier transform of the program, but for the checks that share no code with it: a faster one is put in here.
 
-`planned` has the transforms that are planned once and done often, in the fastest of three ways: FFTW's real ones,
-`half_length`, and `four_step` with `columns`, whose parts `sharing` divides between threads; `planner` makes their
-buffers and plans. `plain` has those of plain arrays now and then, `wisdom` the plans that FFTW has measured, `fftw` the
-library itself. `on_gpu` has those of a GPU, `backend` the interface of both for a method, `device` which devices there
-are.
+`planned` has the transforms that are planned once and done often, in the faster of two ways: FFTW's real ones and those
+of `four_step`. `backend` has the buffers, plans and kernels of both, and the interface for a method; `on_gpu` the same
+on a GPU. `plain` has FFTW itself and transforms of plain arrays now and then, `wisdom` the plans that FFTW has
+measured, `device` which devices there are, and what else transforms are told.
 
 May import: arrays, checks, linecontact.kernels.
 """

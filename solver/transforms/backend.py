@@ -1,17 +1,23 @@
-"""A method's arrays, their transforms and the kernels between them."""
+"""A method's arrays, their transforms and the kernels between them: the interface, and its parts on the CPU."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
+from contextlib import suppress
+from typing import ClassVar
 
 import numpy as np
 
-from ...kernels import CHUNK, Call
+from ...kernels import CHUNK, Call, padded_length, record
 from ..arrays import Array, Array64
+from . import wisdom
+from .plain import Plan, pyfftw
+
+_STAGGER = 1024  # bytes: buffers that start at equal page offsets slow each other down
 
 
 class Backend(ABC):
-    """Transforms of N values, with the arrays and the kernels between them: `planner.Transforms` on the CPU,
-    `on_gpu.Transforms` on a GPU.
+    """Transforms of N values, with the arrays and the kernels between them: on the CPU `Transforms`, on a GPU
+    `on_gpu.Transforms`.
 
     num_points: N; dtype: of the values; spectrum: result of a forward transform, a flat real view (re, im, ...)
     padded with zeros.
@@ -79,3 +85,60 @@ class Backend(ABC):
     @abstractmethod
     def inverse(self, target: Array) -> Callable[[], None]:
         """A function without arguments that transforms the spectrum, which it may destroy, into target[:N]."""
+
+
+class Transforms(Backend):
+    """Transforms of N values in one way, and the buffers, plans and kernels that it is made from.
+
+    precision: 'float64' or 'float32'; threads: of the transforms, >= 1; planning: one of `PLANNING`; backend: see
+    `ExecutionConfig.backend`. Raises `ValueError`.
+    """
+
+    way: ClassVar[str]
+    """How the transforms are done."""
+
+    def __init__(
+        self, num_points: int, precision: str, threads: int = 1, planning: str = "estimate", backend: str = "warp"
+    ) -> None:
+        super().__init__(num_points, precision)
+        self.threads, self.planning = threads, planning
+        self._backend, self._count = backend, 0
+        wisdom.load()
+        self.prepare()
+
+    @abstractmethod
+    def prepare(self) -> None:
+        """Make the spectrum, and other buffers of a way."""
+
+    def buffer(self, length: int | None = None) -> Array:
+        """A padded, aligned, staggered array for `length` (default N) values: zeros."""
+        padded = padded_length(self.num_points if length is None else length)
+        offset = self._count * _STAGGER // self.dtype.itemsize
+        self._count += 1
+        return np.asarray(pyfftw.zeros_aligned(padded + offset, dtype=self.dtype, n=64)[offset:])
+
+    def record(self, calls: Sequence[Call]) -> Callable[[], None]:
+        return record(self._backend, calls)
+
+    def plan(
+        self, source: Array, target: Array, direction: str, axis: int = -1, threads: int | None = None
+    ) -> Callable[[], None]:
+        """The plan that wisdom holds, or else a new one, which is kept at once if finding it took effort.
+
+        direction: 'FFTW_FORWARD', or 'FFTW_BACKWARD', which destroys the source; axis: of arrays of two dimensions;
+        threads: by default the transforms'.
+        """
+
+        def plan(effort: str, *more: str) -> Callable[[], None]:
+            flags = [f"FFTW_{effort.upper()}", *more, *(["FFTW_DESTROY_INPUT"] if direction == "FFTW_BACKWARD" else [])]
+            count = threads or self.threads
+            return Plan(source, target, axes=(axis,), direction=direction, threads=count, flags=flags)
+
+        estimated = self.planning == "estimate"
+        with suppress(RuntimeError):  # wisdom does not hold it
+            return plan("measure" if estimated else self.planning, "FFTW_WISDOM_ONLY")
+        try:
+            return plan(self.planning)
+        finally:
+            if not estimated:
+                wisdom.save()  # after Ctrl-C, too, which waits until FFTW has finished

@@ -1,15 +1,30 @@
-"""Which devices a solve can run on, and whether there is one of them."""
+"""Where a solve can run, and whether that is there; threads of its transforms, and FFTW's effort in planning them."""
 
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from ... import locks
 from ...kernels import start_warp
+from .. import checks
 
 DEVICES = ("cpu", "cuda")
 """Where a method can work: on the CPU, or on a GPU of NVIDIA's."""
+PLANNING = ("estimate", "measure", "patient")
+"""Planning effort. 'estimate' plans at once, and takes what wisdom holds of an earlier, greater effort."""
 
 _one_at_a_time = threading.RLock()
+
+
+def check_settings(threads: int, planning: str) -> tuple[int, str]:
+    """Both, if they are allowed. Raises `ValueError`, too, for threads in a process that was forked: had FFTW threads
+    before, by whatever called it, it would wait for these for ever.
+    """
+    allowed = checks.integer("threads", threads, "an integer from 1 to 1024", 1, 1024)
+    if allowed > 1 and locks.forked:
+        here = "1 in a process that was forked (by 'spawn' or 'forkserver' it may have more)"
+        raise ValueError(f"threads is {allowed}; allowed: {here}")
+    return allowed, checks.choice("planning", planning, PLANNING)
 
 
 def check_device(device: str) -> None:

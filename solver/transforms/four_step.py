@@ -16,27 +16,27 @@ as R/2 rows of twice as many values; only the last row, k = R/2, comes behind th
 """
 
 import math
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Sequence
+from typing import TypeVar
 
 import numpy as np
 
-from ...kernels import CHUNK, Call, layout, padded_length
-from ..arrays import Array, Array64
-from .columns import Columns
-from .planner import Transforms
-from .sharing import do_all
+from ...kernels import CHUNK, Call, layout, padded_length, undivided
+from ..arrays import Array, Array64, Indices, Modes
+from .backend import Transforms
 
 FASTER = 2**20
-"""Values from which it takes less time than any other way, if FFTW estimates: 0.7 of the next one's at first, 0.6 on
-2^22."""
-FASTER_THAN_REAL = 2**18
-"""Values, in float64, from which it takes less time than real transforms, as those of half the length do."""
+"""Values from which it takes less time than FFTW's transforms, if FFTW estimates."""
 
 _ROWS = 8  # that are transformed at a time
 _SHORTEST_ROW = CHUNK // (2 * _ROWS)  # complex numbers; a multiple of the columns that are worked on at a time
 _LONGEST_ROW = 2**12  # whose transform stays in the cache
 _MOST_ROWS = 16  # over the columns: longer columns would not stay there
 _TOGETHER = 33  # rows that are put into their order together; a power of two would push itself out of the cache
+
+Worker = TypeVar("Worker")
+Part = TypeVar("Part")
 
 
 def row_length(num_points: int) -> int:
@@ -65,26 +65,57 @@ class FourStep(Transforms):
         """The spectrum by batches of rows, each in the order of its modes."""
         self._split = self.spectrum[: 2 * self._row * self._num_rows].reshape(-1, 2, self._row)
         """The spectrum by row, half of the columns worked on at a time, and value."""
-        self._columns = Columns(self.num_points, self._row, self)
+        starts, rows = np.arange(0, self._row, layout.COLUMNS), np.arange(self._num_rows)
+        near = self.buffer(2 * layout.COLUMNS * rows.size)
+        turns = rows[:, None] * np.arange(layout.COLUMNS)
+        self.complex(near)[: turns.size] = self._twiddle_factors(turns).ravel()
+        far = np.zeros((starts.size, padded_length(2 * rows.size)), near.dtype)
+        self.complex(far)[:, : rows.size] = self._twiddle_factors(starts[:, None] * rows)
+        columns = [slice(start, start + layout.COLUMNS) for start in starts.tolist()]
+        self._columns = list(zip(columns, far, strict=True))
+        """Columns that are worked on at a time, with the first one's twiddle factors."""
+        threads = min(self.threads, starts.size)
+        self._workers = [_ColumnWorker(self.num_points // self._row, near, self) for _ in range(threads)]
+
+    def _twiddle_factors(self, turns: Indices) -> Modes:
+        return np.asarray(np.exp(-2j * np.pi / self.num_points * turns))
 
     def field(self) -> Array:
         return self.spectrum[: padded_length(self.num_points)]
 
     def forward(self, source: Array) -> Callable[[], None]:
-        """Plan source[:N] -> columns transformed and turned."""
-        return self._columns.forward(source[: self.num_points].reshape(-1, self._row), self._split)
+        """Plan source[:N] -> columns transformed and turned; both may be the same memory."""
+        values = source[: self.num_points].reshape(-1, self._row)
+
+        def work(worker: _ColumnWorker, part: tuple[slice, Array]) -> None:
+            columns, worker.far[:] = part
+            worker.columns[:] = values[:, columns]
+            worker.transform()
+            worker.unpack()
+            self._split[:, :, columns] = worker.spectra
+
+        return lambda: do_all(self._workers, self._columns, work)
 
     def inverse(self, target: Array) -> Callable[[], None]:
         """Plan columns turned back and transformed -> target[:N], times R."""
-        return self._columns.inverse(self._split, target[: self.num_points].reshape(-1, self._row))
+        values = target[: self.num_points].reshape(-1, self._row)
+
+        def work(worker: _ColumnWorker, part: tuple[slice, Array]) -> None:
+            columns, worker.far[:] = part
+            worker.spectra[:] = self._split[:, :, columns]
+            worker.pack()
+            worker.transform_back()
+            values[:, columns] = worker.columns
+
+        return lambda: do_all(self._workers, self._columns, work)
 
     def multiplication(self, symbol: Array64, target: Array) -> Callable[[], None]:
         """The rows are transformed before, and back after it. It is the same for every target."""
         factors = self._by_row(symbol / self.num_points)
         doubled = self.doubled(factors.ravel())[: 2 * factors.size].reshape(self._num_rows, -1)
-        workers = [_Worker(self._row, self) for _ in range(min(self.threads, len(self._batches)))]
+        workers = [_RowWorker(self._row, self) for _ in range(min(self.threads, len(self._batches)))]
 
-        def work(worker: _Worker, batch: tuple[Array, Array]) -> None:
+        def work(worker: _RowWorker, batch: tuple[Array, Array]) -> None:
             values, factor = batch
             worker.factors[: factor.size] = factor.ravel()
             worker.values[:] = values
@@ -107,7 +138,7 @@ class FourStep(Transforms):
         return found
 
 
-class _Worker:
+class _RowWorker:
     """Buffers for some rows, plans and kernels on them. values: by row, columns worked on at a time, half of them, and
     value; factors: those of `multiply`.
     """
@@ -121,3 +152,55 @@ class _Worker:
         self.transform_back = planner.plan(modes, modes, "FFTW_BACKWARD", threads=1)
         self.factors = planner.buffer(rows.size)
         self.multiply = planner.record([Call("spectral_multiply", (self.factors,), (rows,))])
+
+
+class _ColumnWorker:
+    """Buffers for some columns, plans and kernels on them. columns: shape (R, columns); spectra: shape (R/2 + 1, 2,
+    columns), of two columns after the other; far: their first column's twiddle factors.
+    """
+
+    def __init__(self, num_rows: int, near: Array, planner: Transforms) -> None:
+        """near: twiddle factors from the first column."""
+        count = num_rows // 2 + 1
+        self.far = planner.buffer(2 * count)
+        columns, spectra = planner.buffer(num_rows * layout.STRIDE), planner.buffer(near.size)
+        columns = columns[: num_rows * layout.STRIDE]
+        self.columns = columns.reshape(-1, layout.STRIDE)[:, : layout.COLUMNS]
+        self.spectra = spectra[: 2 * layout.COLUMNS * count].reshape(count, 2, layout.COLUMNS)
+        modes = planner.complex(self.columns)
+        self.transform = planner.plan(modes, modes, "FFTW_FORWARD", axis=0, threads=1)
+        self.transform_back = planner.plan(modes, modes, "FFTW_BACKWARD", axis=0, threads=1)
+        self.unpack = planner.record([Call("unpack_columns", (near, self.far, columns), (spectra,))])
+        self.pack = planner.record([Call("pack_columns", (near, self.far, spectra), (columns,))])
+
+
+def do_all(workers: Sequence[Worker], parts: Sequence[Part], work: Callable[[Worker, Part], None]) -> None:
+    """Do `work` on every part, each worker in a thread of its own, the first one in this thread.
+
+    Python's lock is held for a small share of the time only: NumPy, FFTW and Warp give it back while they work. Returns
+    when all workers have ended, and then raises what went wrong first; Ctrl-C waits for that, too.
+    """
+    failed: list[BaseException] = []
+
+    def in_turn(number: int) -> None:
+        try:
+            for part in parts[number :: len(workers)]:
+                work(workers[number], part)
+        except BaseException as error:
+            failed.append(error)
+
+    here, threads = [0], []
+    with undivided():
+        for number in range(1, len(workers)):
+            thread = threading.Thread(target=in_turn, args=(number,))
+            try:
+                thread.start()
+                threads.append(thread)
+            except RuntimeError:  # no more threads, or the interpreter is about to end
+                here.append(number)
+        for number in here:
+            in_turn(number)
+        for thread in threads:
+            thread.join()
+    if failed:
+        raise failed[0]

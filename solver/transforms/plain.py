@@ -1,23 +1,92 @@
-"""Transforms of plain arrays now and then, in float64, with NumPy's normalisation: 1/N on the way back.
+"""FFTW: the library, its plans, and transforms of plain arrays now and then.
 
-Short ones are NumPy's own, which need no plan. What is done often on arrays of one length goes through `planned`.
+Those are in float64, with NumPy's normalisation: 1/N on the way back. Short ones are NumPy's own, which need no plan.
+What is done often on arrays of one length goes through `planned`.
+
+pyFFTW is imported without SciPy and Dask, which its interfaces would import although nothing here uses them. They are
+hidden only while pyFFTW is being imported; afterwards they can be imported as ever. pyFFTW's interfaces for them are
+then missing: who wants those imports pyFFTW first.
 """
 
+import sys
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 
-from ...locks import BUFFERS
+from ... import locks
+from ...locks import BUFFERS, PLANNING
 from ..arrays import Array64, Modes, chunks
-from .fftw import Plan, pyfftw
-from .four_step import FASTER, FASTER_THAN_REAL
 
+
+@contextmanager
+def _hidden(*names: str) -> Iterator[None]:
+    """Modules that are not loaded yet cannot be imported meanwhile."""
+    hidden = [name for name in names if name not in sys.modules]
+    for name in hidden:
+        sys.modules[name] = None  # type: ignore[assignment]
+    try:
+        yield
+    finally:
+        for name in hidden:
+            del sys.modules[name]
+
+
+with _hidden("scipy", "dask"):
+    import pyfftw
+
+__all__ = ["IN_PLACE", "Pair", "Plan", "irfft", "library", "next_fast_len", "pair", "pyfftw", "rfft"]
+
+next_fast_len = pyfftw.next_fast_len
+
+_PATIENCE = 20.0  # s, for a plan that takes microseconds
 _PLANNED_FROM = 2**12
 """Values from which FFTW is faster, its planning included."""
-_IN_PLACE, _TOO_LONG = FASTER_THAN_REAL, 4 * FASTER
-"""Values from which FFTW's real transforms take less time in place, and from which a pair of them is not kept."""
+IN_PLACE = 2**18
+"""Values, in float64, from which FFTW's real transforms take less time in place."""
+_TOO_LONG = 2**22
+"""Values beyond which a pair is not kept."""
+
+
+def library() -> str:
+    """The library that plans, with its version."""
+    return str(pyfftw.fftw_version)
+
+
+@locks.once
+def _await_planner() -> None:
+    """Raise `ValueError` if a thread that a fork has left behind has FFTW's planner: one of the user's own."""
+    values = pyfftw.empty_aligned(2, dtype=complex)
+    thread = threading.Thread(target=pyfftw.FFTW, args=(values, values), daemon=True)
+    thread.start()
+    thread.join(_PATIENCE)
+    if thread.is_alive():
+        what = "the process was forked while another of its threads planned a transform of its own"
+        raise ValueError(f"{what}, and waits for that for ever; allowed: 'spawn' or 'forkserver'")
+
+
+class Plan:
+    """A plan of FFTW's, made as `pyfftw.FFTW` is and done by calling it.
+
+    pyFFTW takes its planner's lock to make and to remove one, and a child of a fork would wait for ever for a thread
+    of its parent that held it.
+    """
+
+    def __init__(self, *arrays: Any, **options: Any) -> None:
+        if locks.forked:
+            _await_planner()
+        with PLANNING:
+            self._execute: Callable[[], None] = pyfftw.FFTW(*arrays, **options).execute
+
+    def __call__(self) -> None:
+        self._execute()
+
+    def __del__(self) -> None:
+        with PLANNING:
+            self.__dict__.clear()
 
 
 class Pair:
@@ -29,7 +98,7 @@ class Pair:
 
     def __init__(self, length: int) -> None:
         self.modes: Modes = pyfftw.empty_aligned(length // 2 + 1, dtype=np.complex128)
-        in_place = length >= _IN_PLACE
+        in_place = length >= IN_PLACE
         self.real: Array64 = self.modes.view(float)[:length] if in_place else pyfftw.empty_aligned(length)
 
     @cached_property
@@ -110,11 +179,3 @@ def irfft(modes: Modes | Array64, num_points: int) -> Array64:
     with pair(num_points) as transforms:
         transforms.invert(modes[: num_points // 2 + 1])
         return transforms.real.copy() if num_points <= _TOO_LONG else transforms.real
-
-
-def hfft(values: Modes | Array64, num_points: int) -> Array64:
-    """The real spectrum, shape (num_points,), of Hermitian values: `rfft`'s exponent, no factor.
-
-    values: the first half of them, shape (M,); cut off or filled up with zeros to M = num_points//2 + 1.
-    """
-    return irfft(np.conj(values) * num_points, num_points)

@@ -5,16 +5,23 @@ factors in between carry 1/N.
 """
 
 from collections.abc import Callable
+from contextlib import suppress
+
+import numpy as np
 
 from ...kernels import CHUNK
 from ..arrays import Array
-from .four_step import FASTER, FASTER_THAN_REAL, FourStep, row_length
-from .half_length import HalfLength
-from .planner import Transforms, check_settings, has_poor_plan
+from . import wisdom
+from .backend import Transforms
+from .device import check_settings
+from .four_step import FASTER, FourStep, row_length
+from .plain import IN_PLACE, Plan, pyfftw
 
 
 class Real(Transforms):
-    """FFTW's own real transforms. spectrum: flat real view of the half spectrum, N + 2 values or N + 1, and zeros."""
+    """FFTW's own real transforms, long ones in place. spectrum: flat real view of the half spectrum, N + 2 values or
+    N + 1, and zeros.
+    """
 
     way = "real"
 
@@ -22,16 +29,42 @@ class Real(Transforms):
         count = 2 * (self.num_points // 2 + 1)
         self.spectrum = self.buffer(count)
         self._modes = self.complex(self.spectrum[:count])
+        self._in_place = is_in_place(self.num_points, self.dtype.name)
+
+    def field(self) -> Array:
+        return self.spectrum[: self.num_points] if self._in_place else self.buffer()
+
+    def _at(self, array: Array) -> Array:
+        """Where the values of an array are transformed."""
+        return (self.spectrum if self._in_place else array)[: self.num_points]
 
     def forward(self, source: Array) -> Callable[[], None]:
-        return self.plan(source[: self.num_points], self._modes, "FFTW_FORWARD")
+        values = self._at(source)
+        execute = self.plan(values, self._modes, "FFTW_FORWARD")
+        if np.shares_memory(source, values):
+            return execute
+
+        def run() -> None:
+            values[:] = source[: values.size]
+            execute()
+
+        return run
 
     def inverse(self, target: Array) -> Callable[[], None]:
-        return self.plan(self._modes, target[: self.num_points], "FFTW_BACKWARD")
+        values = self._at(target)
+        execute = self.plan(self._modes, values, "FFTW_BACKWARD")
+        if np.shares_memory(target, values):
+            return execute
+
+        def run() -> None:
+            execute()
+            target[: values.size] = values
+
+        return run
 
 
-WAYS: dict[str, type[Transforms]] = {kind.way: kind for kind in (Real, HalfLength, FourStep)}
-"""By name: FFTW's real transforms, complex ones of half the length, and long ones on parts that fit into the cache."""
+WAYS: dict[str, type[Transforms]] = {kind.way: kind for kind in (Real, FourStep)}
+"""By name: FFTW's real transforms, and long ones on parts that fit into the cache."""
 
 
 def plan_transforms(
@@ -41,25 +74,32 @@ def plan_transforms(
     planning: str = "estimate",
     backend: str = "warp",
     way: str | None = None,
-    apart: bool = False,
 ) -> Transforms:
     """Transforms of N values, see `Transforms`.
 
-    way: one of `WAYS`, by default the fastest. apart: the rounding of no mode may spoil another one, which leaves
-    out 'half-length'. Raises `ValueError`.
+    way: one of `WAYS`, by default the fastest. Raises `ValueError`.
     """
     threads, planning = check_settings(threads, planning)
     if way is None:
-        way = _fastest(num_points, precision, threads, apart) if planning == "estimate" else "real"
+        long = planning == "estimate" and num_points >= FASTER and row_length(num_points)
+        way = "four-step" if long and has_poor_plan(num_points, precision, threads) else "real"
     return WAYS[way](num_points, precision, threads, planning, backend)
 
 
-def _fastest(num_points: int, precision: str, threads: int, apart: bool) -> str:
-    """The way that takes least time, as far as that is known, if FFTW estimates."""
-    least = FASTER_THAN_REAL if precision == "float64" else FASTER
-    if num_points < least or not has_poor_plan(num_points, precision, threads):
-        return "real"
-    if (apart or num_points >= FASTER) and row_length(num_points):
-        return "four-step"
-    packed = threads == 1 and num_points < FASTER and num_points % CHUNK == 0 and not apart
-    return "half-length" if packed else "real"
+def is_in_place(num_points: int, precision: str) -> bool:
+    """Whether FFTW's real transforms of that length take less time in place; there is no padding then."""
+    return precision == "float64" and num_points >= IN_PLACE and num_points % CHUNK == 0
+
+
+def has_poor_plan(num_points: int, precision: str, threads: int) -> bool:
+    """Whether all that FFTW has for a real transform of that length is an estimate."""
+    wisdom.load()
+    modes = pyfftw.empty_aligned(num_points // 2 + 1, dtype=np.result_type(precision, np.complex64))
+    if is_in_place(num_points, precision):
+        values = modes.view(precision)[:num_points]
+    else:
+        values = pyfftw.empty_aligned(num_points, dtype=precision)
+    with suppress(RuntimeError):  # wisdom does not hold it
+        Plan(values, modes, threads=threads, flags=["FFTW_MEASURE", "FFTW_WISDOM_ONLY"])
+        return False
+    return True

@@ -8,7 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from ...locks import PLANNING
-from .fftw import pyfftw
+from .plain import pyfftw
 
 _loaded = False
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import warp as wp
 from linecontact import kernels
 from linecontact.solver import provenance
-from linecontact.solver.transforms import planner, wisdom
+from linecontact.solver.transforms import plain, wisdom
 from linecontact.solver.transforms.device import check_device, gpu_libraries
 
 from ..runner.executors import usable_cores
@@ -38,7 +38,7 @@ def command(_: Options) -> int:
     table = Whole(title="linecontact", show_header=False)
     rows = {
         **provenance.provenance(),
-        "FFTW": planner.library(),
+        "FFTW": plain.library(),
         "threads": f"transforms 1 by default (--threads), kernels 1; {usable_cores()} cores usable",
         "instruction sets": kernels.instructions() or "unknown",
         "kernel flags": kernels.flags(),

@@ -8,8 +8,7 @@ from typing import Literal
 
 from linecontact.solver import METHODS, QUANTITIES, MeasuredIndenter, Scene, Solution, Status, solve
 from linecontact.solver.scene import PRECISIONS
-from linecontact.solver.transforms.device import DEVICES
-from linecontact.solver.transforms.planner import PLANNING
+from linecontact.solver.transforms.device import DEVICES, PLANNING
 from linecontact.solver.units import named
 
 from ..files import solution_files, writing

@@ -81,8 +81,6 @@ _SIZES: dict[str, Callable[[int], int]] = {
 
 _VALUES: dict[str, Callable[[Array, Array], Array]] = {
     "coefficient": lambda x, _: np.where(x < 0, -1, 1) * (1 + np.clip(np.round(x), -1, 1) / 32),  # used again and again
-    "straight": lambda x, _: np.where(x < 0, -1, 1) * (1 + np.clip(np.round(x), -1, 1) / 32),
-    "crossed": lambda x, _: np.clip(np.round(x), -1, 1) / 32,
     "weight": lambda x, _: np.where(x < 0, -1, 1),
     "velocity": lambda x, wall: np.where(wall, layout.TOUCHING, x),
     "v": lambda x, wall: np.where(wall, layout.TOUCHING, x),
@@ -125,7 +123,7 @@ class Benchmark:
     def length(self, argument: Argument, num_points: int) -> int:
         """Number of values that one of its arrays holds, padding included."""
         spectral = self.transforms and argument.name in ("spectrum", "coefficient", "weight")
-        return padded_length(num_points + 2) if spectral or argument.name == "modes" else argument.size(num_points)
+        return padded_length(num_points + 2) if spectral else argument.size(num_points)
 
     @cached_property
     def steps(self) -> tuple[Call, ...]:
@@ -141,8 +139,7 @@ class Benchmark:
     @property
     def way(self) -> str:
         """How its real transforms are done, see `linecontact.solver.transforms.planned`."""
-        used = {line.kernel for line in self.lines}
-        return "half-length" if "paired_multiply" in used else "four-step" if "product" in used else "real"
+        return "four-step" if any(line.kernel == "product" for line in self.lines) else "real"
 
     def traffic(self, num_points: int, precision: str) -> int:
         """Bytes that a call reads and writes: each array once, and twice what is changed in place; of several kernels
@@ -171,8 +168,8 @@ class Benchmark:
                     values[getattr(layout, slot)] = value
             elif argument.role in ("out", "sum"):
                 values[:] = 0
-            elif self.transforms and argument.name in ("coefficient", "weight", "straight", "crossed"):
-                values /= num_points // 2 if self.way == "half-length" else num_points  # the transforms' factor
+            elif self.transforms and argument.name in ("coefficient", "weight"):
+                values /= num_points  # the transforms' factor
         return made
 
 

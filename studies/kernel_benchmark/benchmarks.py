@@ -119,12 +119,6 @@ def _of_columns(name: str, arguments: str, pair: str) -> Benchmark:
 
 _KERNELS = (
     _kernel("spectral_multiply", "coefficient:in spectrum:inout", 1, "spectrum[i] *= coefficient[i];"),
-    _kernel(
-        "paired_multiply",
-        "straight:in crossed:in modes:in product:out",
-        3,
-        "product[i] = straight[i] * modes[i] + crossed[i] * modes[n + 1 - i];",
-    ),
     _of_columns("unpack_columns", "near:in far:in columns:in spectra:out", _UNPACK),
     _of_columns("pack_columns", "near:in far:in spectra:in columns:inout", _PACK),
     _kernel(
@@ -176,14 +170,6 @@ _KERNELS = (
         "REAL step = state[STEP];",
         STEP=0.75,
     ),
-    _kernel(
-        "count_below",
-        "response:in h:in state:state counts:sum",
-        2,
-        "counts[0] += h[i] + response[i] < bound;",
-        "REAL bound = state[BOUND];",
-        BOUND=0.125,
-    ),
 )
 
 _HALVES = (
@@ -210,11 +196,6 @@ _ROOFS = (
 
 _PAIR = ("forward: source -> spectrum", "inverse: spectrum -> target")
 _STIFFNESS = ("forward: u -> spectrum", "spectral_multiply: coefficient -> spectrum", "inverse: spectrum -> elastic")
-_HALF_LENGTH = (
-    "forward: u -> spectrum",
-    "paired_multiply: straight crossed spectrum -> elastic",
-    "inverse: elastic -> elastic",
-)
 _INVERSE_MASS = (
     "forward: force -> spectrum",
     "spectral_multiply: weight -> spectrum",
@@ -222,7 +203,6 @@ _INVERSE_MASS = (
 )
 _ITERATIONS = {
     "plain_iteration": (*_STIFFNESS, *sequences.SEQUENCES["plain_move"]),
-    "half_length_iteration": (*_HALF_LENGTH, *sequences.SEQUENCES["plain_move"]),
     "four_step_iteration": ("product: u -> elastic", *sequences.SEQUENCES["plain_move"]),
     "loaded_iteration": (*_STIFFNESS, *sequences.SEQUENCES["loaded_move"]),
     "mass_weighted_iteration": (
@@ -238,10 +218,9 @@ _ITERATIONS = {
         "advance_response: change state -> response",
     ),
 }
-"""One iteration of plain FIRE, with real transforms, with complex ones of half the length, which the program chooses in
-float64 from 2^17 to 2^19 points on one thread, and in four steps, from 2^20 points, both unless plans were measured;
-of FIRE in mixed precision, of mass-weighted FIRE, and of the active set's search without what it does on the contact
-nodes alone.
+"""One iteration of plain FIRE, with real transforms and in four steps, which the program chooses from 2^20 points on
+unless plans were measured; of FIRE in mixed precision, of mass-weighted FIRE, and of the active set's search without
+what it does on the contact nodes alone.
 """
 
 

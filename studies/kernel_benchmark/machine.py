@@ -18,7 +18,7 @@ from typing import Any
 
 from linecontact import kernels, solver
 from linecontact.solver.provenance import provenance
-from linecontact.solver.transforms import planner
+from linecontact.solver.transforms import plain
 
 from .benchmark import PRECISIONS
 from .benchmarks import BENCHMARKS
@@ -35,7 +35,7 @@ def identity() -> dict[str, str]:
 
     kernels.load()
     libraries = {name: version(name) for name in ("warp-lang", "numpy", "pyfftw")}
-    libraries |= {"FFTW": planner.library(), "Python": platform.python_version()}
+    libraries |= {"FFTW": plain.library(), "Python": platform.python_version()}
     found = {
         "source": source_hash(),
         "flags": kernels.flags(),

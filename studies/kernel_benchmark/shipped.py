@@ -67,20 +67,11 @@ def _numpy_transform(arrays: Arrays, line: Call) -> Run:
         modes = source[: 2 * (n // 2 + 1)].view(pairs)
         target[:n] = np.fft.irfft(modes, n, norm="forward")
 
-    def half_length_forward() -> None:
-        target[:n] = np.fft.fft(source[:n].view(pairs)).view(source.dtype)
-        target[n : n + 2] = target[:2]
-
-    def half_length_inverse() -> None:
-        target[:n] = np.fft.ifft(source[:n].view(pairs), norm="forward").view(source.dtype)
-
     def product() -> None:
         target[:n] = np.fft.irfft(np.fft.rfft(source[:n]), n)
 
     if line.kernel == "product":
         return product
-    if arrays.transforms.way == "half-length":
-        return half_length_forward if line.kernel == "forward" else half_length_inverse
     return forward if line.kernel == "forward" else inverse
 
 

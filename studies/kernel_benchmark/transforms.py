@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 from linecontact.solver.transforms import wisdom
-from linecontact.solver.transforms.fftw import pyfftw
+from linecontact.solver.transforms.device import PLANNING
 from linecontact.solver.transforms.four_step import row_length
+from linecontact.solver.transforms.plain import pyfftw
 from linecontact.solver.transforms.planned import plan_transforms
-from linecontact.solver.transforms.planner import PLANNING
 
 from .benchmark import Array, Benchmark
 from .benchmarks import ROW

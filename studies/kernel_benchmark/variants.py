@@ -31,7 +31,8 @@ import numpy as np
 from linecontact import kernels
 from linecontact.kernels import CHUNK, Call
 from linecontact.solver import checks
-from linecontact.solver.transforms.planner import Transforms, check_settings
+from linecontact.solver.transforms.backend import Transforms
+from linecontact.solver.transforms.device import check_settings
 
 from .benchmark import Array, Benchmark
 from .benchmarks import BENCHMARKS
@@ -142,7 +143,7 @@ def replanned(benchmark: str, name: str, planning: str = "estimate", threads: in
     def build(arrays: Arrays) -> Runs:
         arrays.transforms = again = copy.copy(arrays.transforms)  # on the same buffers
         if again.way == "four-step":
-            raise ValueError("way is 'four-step'; allowed: 'real' or 'half-length', whose plans are made anew")
+            raise ValueError("way is 'four-step'; allowed: 'real', whose plans are made anew")
         again.threads, again.planning = threads, planning
         return warp_lines(arrays, kernels.load())
 

@@ -11,6 +11,7 @@ Not for layers whose longest waves are the stiffest, thin and incompressible one
 
 import math
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -18,18 +19,10 @@ from ...arrays import Array64, Mask
 from ...grid.patches import Patches
 from ...grid.problem import Problem, foundation_pressure, rounding_floor, typical_stiffness
 from ..method import ExecutionConfig
-from .everywhere import Everywhere
+from .fields import Everywhere
 from .greens_function import GreensFunction
-from .local_inverses import Inverse, RunByRun
+from .preconditioner import Inverse, RunByRun
 from .search import OVER_FLOOR, SMALLEST, NodeSet, Search
-
-_LEAST = 0.23  # share of the nodes in contact from which this form takes less time than that in the pressure
-
-
-def suits(problem: Problem, config: ExecutionConfig) -> bool:
-    """Whether this form takes less time than that in the pressure."""
-    enough = config.contact_share >= _LEAST and config.precision == "float64"
-    return enough and problem.rigidity.stiffness_decays
 
 
 def gap_by_gap(green: GreensFunction, gaps: Patches) -> RunByRun:
@@ -41,7 +34,7 @@ def gap_by_gap(green: GreensFunction, gaps: Patches) -> RunByRun:
         ring = green.ring(size)
         return lambda force: ring(ring.inverse_rigidity, force)
 
-    return RunByRun(gaps, green.stiffness_factor, long)
+    return RunByRun(gaps, partial(green.factor, of_stiffness=True), long)
 
 
 @dataclass(eq=False, kw_only=True)

@@ -5,14 +5,13 @@ are differences of its second running sum. Convolutions over a few nodes go by s
 """
 
 import math
-from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
 
 from ...arrays import Array64, Indices
 from ...grid.layer_on_grid import LayerOnGrid
-from ...transforms.plain import Pair, hfft, irfft
+from ...transforms.plain import Pair, irfft
 
 
 def inverse_cholesky(column: Array64) -> Array64:
@@ -47,7 +46,7 @@ class GreensFunction:
     def __init__(self, response: LayerOnGrid) -> None:
         """response: G of the grid."""
         self.response, self.num_points = response, response.num_points
-        self._factors: dict[str, Array64] = {}
+        self._factors: dict[bool, Array64] = {}
         self._convolutions: dict[int, Convolution] = {}
 
     def begin(self) -> None:
@@ -57,18 +56,14 @@ class GreensFunction:
         for ring in self._convolutions.values():
             ring.count = 0
 
-    def factor(self, order: int) -> Array64:
-        """`inverse_cholesky` of G [1/K], shape (m, m) with m >= order; kept for the next call."""
-        return self._factor("G", order, self.response.head)
-
-    def stiffness_factor(self, order: int) -> Array64:
-        """The same of K [1/K^(1/2)]."""
-        return self._factor("K", order, lambda order: irfft(self.response.stiffness, self.num_points)[:order])
-
-    def _factor(self, name: str, order: int, column: Callable[[int], Array64]) -> Array64:
-        if name not in self._factors or len(self._factors[name]) < order:
-            self._factors[name] = inverse_cholesky(column(min(64 * -(-order // 64), self.num_points - 1)))
-        return self._factors[name]
+    def factor(self, order: int, of_stiffness: bool = False) -> Array64:
+        """`inverse_cholesky` of G [K^(1/2)] or K [1/K^(1/2)], shape (m, m) with m >= order; kept for the next call."""
+        known = self._factors.get(of_stiffness)
+        if known is None or len(known) < order:
+            order, whole = min(64 * -(-order // 64), self.num_points - 1), self.response.stiffness
+            column = irfft(whole, self.num_points)[:order] if of_stiffness else self.response.head(order)
+            known = self._factors[of_stiffness] = inverse_cholesky(column)
+        return known
 
     def solve(self, nodes: Indices, height: Array64, load: float = 1.0) -> Array64 | None:
         """The pressure on some nodes, not all, whose gap h + G sigma is one constant, shape (M,) [p]; None where
@@ -143,7 +138,7 @@ class Convolution:
         if self.length == self._response.num_points:
             return self._response.compliance
         count = self.length // 2 + 1
-        return hfft(self._response.head(count), self.length)[:count]
+        return irfft(self._response.head(count) * self.length, self.length)[:count]
 
     @cached_property
     def inverse_rigidity(self) -> Array64:

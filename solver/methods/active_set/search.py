@@ -17,7 +17,7 @@ from ...arrays import Array64, Indices
 from ...grid.patches import Patches
 from ...grid.problem import Problem
 from ..method import ExecutionConfig, Method
-from .everywhere import Everywhere
+from .fields import Everywhere
 from .greens_function import GreensFunction
 
 SMALLEST = 0.1

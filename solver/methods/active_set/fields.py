@@ -1,19 +1,108 @@
-"""The response near the contact only, without a transform of all nodes: by the two parts of a `grid.split`.
+"""The field that an operator makes of values on some nodes and adds to: with G the response w = G sigma to a contact
+pressure, with K the force K u of a displacement.
 
-`near`: blocks of nodes around the contact are moved together until gaps are as wide as its range, and are convolved by
-one short transform. `far`: spread to the blocks by the spline, convolved there, and gathered by it.
+`Everywhere` makes it on all nodes, by transforms of their number. `Nearby` makes the response near the contact only, by
+the two parts of a `grid.split`. `near`: blocks of nodes around the contact are moved together until gaps are as wide as
+its range, and are convolved by one short transform. `far`: spread to the blocks by the spline, convolved there, and
+gathered by it.
 """
 
+from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
 
-from ...arrays import Array64, Indices
+from ....kernels import Call, layout, record
+from ...arrays import Array, Array64, Indices, chunks
+from ...grid.cached import MOST_POINTS
 from ...grid.split import Split
 from ...transforms.plain import Pair
+from ...transforms.planned import plan_transforms
+from ..method import ExecutionConfig
 
 _HALO = 4  # nodes on either side of the contact whose gap is watched, too; less than a block
 _WORTH = 0.5  # length of the packed transforms over that of the field's, up to which they are faster
+
+
+class Operator:
+    """G = 1/K without the mean mode, or K, applied by one pair of transforms, in the precision of the transforms."""
+
+    def __init__(self, symbol: Array64, num_points: int, precision: str, config: ExecutionConfig) -> None:
+        transforms = plan_transforms(num_points, precision, config.threads, config.planning, config.backend)
+        self.new_field = transforms.buffer
+        self.target = transforms.field()
+        forward, inverse = transforms.forward(self.target), transforms.inverse(self.target)
+        self._parts = forward, transforms.multiplication(symbol, self.target), inverse
+
+    def apply(self, places: Indices | slice, values: Array64) -> Array:
+        """`target` after it was these values at these places and 0 elsewhere."""
+        self.target[:] = 0
+        self.target[places] = values
+        for part in self._parts:
+            part()
+        return self.target
+
+
+class Everywhere:
+    """The field of an operator, on all nodes: w [u] or K u [p]. It serves after `begin`, one solve at a time."""
+
+    def __init__(self, symbol: Array64, num_points: int, config: ExecutionConfig) -> None:
+        """symbol: of the operator, shape (N//2 + 1,); num_points: N."""
+        self._symbol, self._num_points, self._config = symbol, num_points, config
+        self.mixed = config.precision == "mixed"
+        """Whether images of search directions are float32 and the field is float64."""
+        self.field = self._operators[1].new_field()
+        """Shape (N,) and padding."""
+        self.pairs = 0.0
+        """Transform pairs in this solve, short ones by their length over N."""
+        self._state = np.zeros(layout.STEP + 1)
+
+    def begin(self, height: Array64) -> None:
+        """Turn to a scene. height: h, shape (N,) [u]."""
+        self.pairs = 0.0
+        self.field[:] = 0  # of an earlier solve
+        self._height: Array = height.astype(self.field.dtype, copy=False)
+
+    @cached_property
+    def _operators(self) -> tuple[Operator, Operator]:
+        """For search directions and for the field itself: two objects in mixed precision, else the same one."""
+        of = self._symbol, self._num_points
+        directions = Operator(*of, self._config.working_precision, self._config)
+        return directions, Operator(*of, "float64", self._config) if self.mixed else directions
+
+    @cached_property
+    def _advance(self) -> Callable[[], None]:
+        call = Call("advance_response", (self._operators[0].target, self._state), (self.field,))
+        return record(self._config.backend, [call])
+
+    def rest(self) -> None:
+        """Give back the operators on a large grid; they are made anew when they are needed."""
+        for name in ("_advance", "_operators") if self._num_points > MOST_POINTS else ():
+            self.__dict__.pop(name, None)
+
+    def renew(self, places: Indices | slice, values: Array64) -> None:
+        """Make the field of values at these places, 0 elsewhere."""
+        self.pairs += 1
+        self.field[:] = self._operators[1].apply(places, values)
+
+    def places(self, nodes: Indices) -> Indices:
+        """Where these nodes have their values."""
+        return nodes
+
+    def image(self, places: Indices | slice, direction: Array64) -> Array:
+        """The image of a search direction at these places, in the precision of its transforms, there."""
+        self.pairs += 1
+        return np.asarray(self._operators[0].apply(places, direction)[places])
+
+    def advance(self, step: float) -> None:
+        """Add the latest image times a step."""
+        self._state[layout.STEP] = step
+        self._advance()
+
+    def below(self, bound: float) -> Indices:
+        """Nodes where h + w is below a bound [u]."""
+        height, field = self._height, self.field[: self._num_points]
+        return np.concatenate([np.flatnonzero(height[p] + field[p] < bound) + p.start for p in chunks(height.size)])
 
 
 def transformed_blocks(blocks: int) -> int:
