@@ -40,6 +40,8 @@ class Plain(Console):
 
     def __init__(self, **options: Any) -> None:
         super().__init__(markup=False, emoji=False, **options)
+        if not self.width:  # $COLUMNS may be 0
+            self.width = 80
 
     def print(self, *objects: Any, **options: Any) -> None:
         """As of any console."""
