@@ -386,6 +386,14 @@ def test_a_disk_that_is_full_is_named(tmp_path):
     assert ended.stderr == "linecontact: standard output could not be written (File too large)\n"
 
 
+def test_a_folder_that_is_gone_is_named(tmp_path):
+    """Where a name is relative to it."""
+    words = "solve --profile file --profile-file scan.csv --pressure 1 --patches p.csv"
+    ended = run(["sh", "-c", f'rmdir "$PWD" && "$0" -m linecontact.studies {words}', sys.executable], cwd=tmp_path)
+    assert (ended.returncode, ended.stderr.count("\n")) == (2, 1), ended.stderr
+    assert "is gone" in ended.stderr
+
+
 def refused(make):
     with pytest.raises(ValueError, match=r".") as caught:
         make()

@@ -219,7 +219,8 @@ def _refusal(error: Exception) -> str:
         silence(sys.stdout)
         return f"{OUTPUT} could not be written ({error.strerror})"
     if isinstance(error, OSError):
-        return text if error.filename else ""
+        gone = "the folder that this runs in is gone; allowed: one that exists"
+        return text if error.filename else gone * isinstance(error, FileNotFoundError)
     return text if is_refusal(error) else ""
 
 
