@@ -161,6 +161,7 @@ begun.wait(1.0)
 child = os.fork()
 if not child:
     signal.alarm(30)
+    solve(Scene(num_points=64))
     solve(Scene(num_points=64), method="mass-weighted-fire")
     os._exit(0)
 print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
