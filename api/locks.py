@@ -57,7 +57,7 @@ def once(make: Callable[_Given, _Made]) -> Callable[_Given, _Made]:
 def _take() -> None:
     for lock in _ALL:
         lock.acquire()
-    for name in {"pyfftw", "warp", "linecontact.solver"} & sys.modules.keys():
+    for name in {"numpy.ma", "numpy.random", "pyfftw", "warp", "linecontact.solver"} & sys.modules.keys():
         with suppress(ImportError):  # another thread's own import, too: a child would wait for ever for its end
             importlib.import_module(name)
 

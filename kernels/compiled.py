@@ -160,6 +160,8 @@ def _files(module: ModuleType, device: str) -> list[Path]:
 
     block, endings = (1, (".o", ".meta")) if device == "cpu" else (GPU_BLOCK, (".cubin", ".ptx", ".meta"))
     folder = Path(str(wp.config.kernel_cache_dir)) / wp.get_module(module.__name__).get_module_identifier(block)
+    if not folder.is_dir():
+        discard(folder)
     return [file for file in folder.glob("*") if file.suffix in endings]
 
 

@@ -45,16 +45,18 @@ def _libraries() -> ThreadpoolController:
 
 @contextmanager
 def on_one_thread() -> Iterator[None]:
-    """Linear algebra takes one thread meanwhile (also as a decorator); the user's setting is back afterwards.
+    """Linear algebra takes one thread meanwhile (also as a decorator), and numbers that underflow are no error; the
+    user's settings are back afterwards.
 
     Its matrices are small, and where cores are busy its threads wait for each other. Where several threads are here,
     the first of them sets the limit and takes it back at its end.
     """
-    if not _limiting.acquire(blocking=False):
-        yield
-        return
-    try:
-        with _libraries().limit(limits=1, user_api="blas"):
+    with np.errstate(divide="warn", over="warn", under="ignore", invalid="warn"):
+        if not _limiting.acquire(blocking=False):
             yield
-    finally:
-        _limiting.release()
+            return
+        try:
+            with _libraries().limit(limits=1, user_api="blas"):
+                yield
+        finally:
+            _limiting.release()

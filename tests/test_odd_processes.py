@@ -2,11 +2,13 @@
 
 import math
 import os
+import shutil
 import signal
 import subprocess
 import sys
 
 import linecontact
+import numpy as np
 import pytest
 from linecontact.kernels import derived
 from linecontact.solver import MeasuredIndenter
@@ -118,17 +120,17 @@ import linecontact
 
 def work():
     import pyfftw
-    linecontact.solve(linecontact.Scene(num_points=64), method="fire", tolerance=0.1)
+    linecontact.solve(linecontact.Scene(num_points=64))
 
 thread = threading.Thread(target=work)
 thread.start()
 children = []
-for _ in range(6):
-    time.sleep(0.06)
+for i in range(12):
+    time.sleep(0.03)
     children.append(os.fork())
     if not children[-1]:
         signal.alarm(60)
-        solution = linecontact.solve(linecontact.Scene(num_points=64), method="fire", tolerance=0.1)
+        solution = linecontact.solve(linecontact.Scene(num_points=64), method=("active-set", "fire")[i % 2])
         os._exit(solution.status != "converged")
 print(*(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) for child in children))
 """
@@ -138,7 +140,37 @@ print(*(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) for child in children
 def test_children_of_a_process_whose_first_solve_is_under_way_solve_too():
     """What a thread imports at the fork would stay half imported."""
     said = python(COLD_FORK)
-    assert said.stdout.split() == ["0"] * 6, said.stderr
+    assert said.stdout.split() == ["0"] * 12, said.stderr
+
+
+SLOW_IMPORT = """
+import os, signal, sys, threading, time
+import numpy as np
+from linecontact import Scene, solve
+
+class Slow:
+    def find_spec(self, name, *_):
+        if name == "numpy.random._pickle":
+            begun.set()
+            time.sleep(1.0)
+
+begun = threading.Event()
+sys.meta_path.insert(0, Slow())
+threading.Thread(target=lambda: np.random).start()
+begun.wait(1.0)
+child = os.fork()
+if not child:
+    signal.alarm(30)
+    solve(Scene(num_points=64), method="mass-weighted-fire")
+    os._exit(0)
+print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+"""
+
+
+@posix
+def test_children_find_no_half_imported_part_of_numpy():
+    """NumPy imports some of its parts when they are asked for first."""
+    assert python(SLOW_IMPORT).stdout == "0\n"
 
 
 LATE_IMPORT = OWN_THREADS.replace("from linecontact import Scene, solve\n", "").replace(
@@ -231,20 +263,31 @@ def test_a_damaged_kernel_cache_is_made_again_once(kernel_cache, damage):
     assert all(derived.is_whole(file) for file in files if file.suffix != ".cpp")
 
 
-def test_a_folder_in_a_derived_file_s_place_is_taken_away(kernel_cache):
+@pytest.mark.parametrize("make", [os.mkdir, pytest.param(getattr(os, "mkfifo", None), marks=posix)])
+def test_no_file_in_a_derived_file_s_place_is_taken_away(kernel_cache, make):
     python(LOAD, WARP_CACHE_PATH=str(kernel_cache))  # seals
     kept = {".o": 0, ".meta": 1, ".sha256": 2}
     modules = sorted(folder for folder in kernel_cache.rglob("*linecontact*") if folder.is_dir())
     for file in [file for i, folder in enumerate(modules) for file in folder.iterdir() if kept.get(file.suffix) == i]:
         file.unlink()
-        (file / "inside").mkdir(parents=True)
+        make(file)
+        if file.is_dir():
+            (file / "inside").touch()
     for _ in range(2):
         again = python(LOAD, WARP_CACHE_PATH=str(kernel_cache))
         assert again.stdout == "converged\n", again.stderr
     assert again.stderr == ""
 
 
-@pytest.mark.parametrize("damage", ["truncated", "one bit"])
+def test_a_file_in_a_module_s_place_is_taken_away(kernel_cache):
+    for folder in [folder for folder in kernel_cache.rglob("*linecontact*") if folder.is_dir()]:
+        shutil.rmtree(folder)
+        folder.write_bytes(b"x")
+    again = python(LOAD, WARP_CACHE_PATH=str(kernel_cache))
+    assert (again.stdout, again.stderr.count("\n")) == ("converged\n", 1)
+
+
+@pytest.mark.parametrize("damage", ["truncated", "one bit", "folder"])
 def test_a_damaged_library_of_c_is_made_again(tmp_path, monkeypatch, damage):
     """A process that loads a truncated one may end at once, so it is not loaded."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
@@ -253,7 +296,10 @@ def test_a_damaged_library_of_c_is_made_again(tmp_path, monkeypatch, damage):
     for library in tmp_path.rglob("*.so"):
         content = library.read_bytes()
         library.unlink()  # this process has loaded it
-        library.write_bytes(DAMAGES[damage](content))
+        if damage == "folder":
+            library.mkdir()
+        else:
+            library.write_bytes(DAMAGES[damage](content))
         assert not derived.is_whole(library)
     assert (
         python(
@@ -339,6 +385,14 @@ def test_a_disk_that_is_full_is_named(tmp_path):
     assert ended.stderr == "linecontact: standard output could not be written (File too large)\n"
 
 
+def test_a_folder_that_is_gone_is_named(tmp_path):
+    """Where a name is relative to it."""
+    words = "solve --profile file --profile-file scan.csv --pressure 1 --patches p.csv"
+    ended = run(["sh", "-c", f'rmdir "$PWD" && "$0" -m linecontact.studies {words}', sys.executable], cwd=tmp_path)
+    assert (ended.returncode, ended.stderr.count("\n")) == (2, 1), ended.stderr
+    assert "is gone" in ended.stderr
+
+
 def refused(make):
     with pytest.raises(ValueError, match=r".") as caught:
         make()
@@ -357,15 +411,23 @@ def test_only_what_we_raise_ourselves_is_bad_input():
 
 BROKEN = """
 import math, sys
+from linecontact.solver import TabulatedLayer
 from linecontact.solver.solve import solve_to_tolerance
+from linecontact.studies.curve import number
+number.check = number.put = TabulatedLayer.__post_init__ = lambda *_: math.log(0)
 solve_to_tolerance.__globals__["_reachable"] = lambda *_: math.log(0)
 from linecontact.studies.__main__ import main
 sys.exit(main())
 """
 
 
-def test_a_bug_is_a_traceback_and_status_1():
-    ended = run([sys.executable, "-c", BROKEN, "solve", "--num-points", "64"])
+@pytest.mark.parametrize(
+    "words",
+    ["solve --num-points 64", "solve --layer file --stiffness-file k.txt", "curve --over pressure --from 1e-3 --to 1"],
+)
+def test_a_bug_is_a_traceback_and_status_1(tmp_path, words):
+    (tmp_path / "k.txt").write_text("".join(f"{q} {q}\n" for q in range(1, 9)))
+    ended = run([sys.executable, "-c", BROKEN, *words.split()], cwd=tmp_path)
     assert ended.returncode == 1
     assert ended.stderr.startswith("Traceback")
     assert ended.stderr.endswith(f"{BUG}\n")
@@ -390,6 +452,23 @@ def test_progress_takes_any_residual(capsys, monkeypatch, terminal, tolerance):
     said = capsys.readouterr().err
     assert BUG not in said
     assert "solve" in said
+
+
+def test_no_columns_are_as_many_as_there_are_where_nothing_is_known():
+    """Rich takes the variable as it is, and would print nothing."""
+    told = [run(SOLVE[:-1], env={**os.environ, "COLUMNS": columns}).stdout for columns in ("80", "0")]
+    head = [text.splitlines()[:6] for text in told]
+    assert head[0] == head[1]
+    assert head[0]
+
+
+def test_numpy_s_errors_are_the_user_s_own():
+    """They are no errors of a solve, and as they were afterwards."""
+    with np.errstate(all="raise"):
+        before = np.geterr()
+        rough = linecontact.RoughIndenter(hurst=0.3, cut_off_ratio=0.01)
+        linecontact.solve(linecontact.Scene(linecontact.Layer(1e-3), rough, pressure=0.5, num_points=2**14))
+        assert np.geterr() == before
 
 
 def test_progress_that_fails_is_told_once_and_ends_nothing(capsys):

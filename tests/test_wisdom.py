@@ -105,13 +105,17 @@ def test_a_user_without_a_home_only_gets_a_warning(wisdom_cache, monkeypatch):
         wisdom.save()
 
 
-def test_wisdom_that_is_no_file_is_ignored(wisdom_cache):
-    """A pipe was waited for, and anything read whole."""
+@pytest.mark.parametrize("make", [os.mkfifo, os.mkdir])
+def test_wisdom_that_is_no_file_is_ignored_once(wisdom_cache, make):
+    """A pipe was waited for, and nothing could be kept."""
     path = wisdom.wisdom_file()
     path.parent.mkdir(parents=True)
-    os.mkfifo(path)
-    with pytest.warns(RuntimeWarning, match="is not a file"):
+    make(path)
+    with pytest.warns(RuntimeWarning, match="was broken and is ignored"):
         plan_transforms(64, "float64")
+    with warnings.catch_warnings(action="error"):
+        wisdom.save()
+    assert path.is_file()
 
 
 def plan_both(plans, precision="float64", planning="measure", threads=1):

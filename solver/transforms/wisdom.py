@@ -4,9 +4,9 @@ import json
 import os
 import tempfile
 import warnings
-from contextlib import suppress
 from pathlib import Path
 
+from ...kernels import derived
 from ...locks import PLANNING
 from .plain import pyfftw
 
@@ -37,10 +37,8 @@ def _import() -> None:
         path = wisdom_file()
         if not path.exists():
             return
-        if not path.is_file():
-            raise OSError(f"{path} is not a file")
-        text = path.read_text("ascii")
-    except (OSError, UnicodeDecodeError, RuntimeError) as error:  # RuntimeError: a user without a home
+        text = path.read_bytes() if path.is_file() else b""
+    except (OSError, RuntimeError) as error:  # RuntimeError: a user without a home
         warnings.warn(f"FFTW wisdom is ignored: {error}", RuntimeWarning, stacklevel=3)
         return
     try:
@@ -50,8 +48,7 @@ def _import() -> None:
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         done = False
     if not done:
-        with suppress(OSError):
-            path.unlink()  # what is planned from now on is kept in a new one
+        derived.discard(path)  # what is planned from now on is kept in a new one
         warnings.warn(f"FFTW wisdom in {path} was broken and is ignored", RuntimeWarning, stacklevel=3)
 
 

@@ -19,6 +19,7 @@ from ..scenes.described import base_scene, described, shown
 from ..scenes.making import Given
 from ..terminal import console
 from ..terminal.options import PRESSURE, one_of, options_of, text
+from ..terminal.text import is_refusal
 from ..terminal.units import Own, read
 from . import even_areas, number
 from .report import report
@@ -207,6 +208,8 @@ def _check_ends(over: str, scene: Scene, found: Mapping[str, float], given: Mapp
             else:
                 number.put(scene, over, value)
         except ValueError as error:
+            if not is_refusal(error):
+                raise
             about, _, allowed = str(error).partition("; allowed: ")
             why = f"; allowed: {allowed}" if about.startswith(f"{over} is ") else f", where {error}"
             raise ValueError(f"{name} is {given[name]}{why}") from None

@@ -26,7 +26,7 @@ from .start import Start
 
 ADDRESS = "127.0.0.1"
 _HOSTS = (ADDRESS, "localhost")
-_PATHS = re.compile(r"/(|ws|favicon\.ico|static/[\w./-]*)", re.ASCII)
+_PATHS = re.compile(r"/(|ws|favicon\.ico|static/[\w./-]{0,200})", re.ASCII)
 _PATIENCE = 2.0  # s, for a solve that is under way when the server ends
 
 

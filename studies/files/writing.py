@@ -138,5 +138,5 @@ def expecting(where: Path) -> Iterator[None]:
         raise
     except Exception as error:
         reason = f"{type(error).__name__}: {error}, {console.place(error)}"
-        what = f"{where} does not hold what linecontact writes there, or what reads it is wrong"
-        raise StoreError(f"{what} ({reason}); allowed: another one, or to make it anew") from error
+        what = f"{where} does not hold what linecontact writes there ({reason}); allowed: another one, or to make it"
+        raise StoreError(f"{what} anew. If linecontact has written it, this is a bug, please report it") from error

@@ -161,6 +161,7 @@ def _loaded(compiler: str, flags: list[str], key: str) -> ctypes.CDLL:
     folder = cache_folder() / "c"
     library = folder / f"{key}.so"
     if not derived.is_whole(library):
+        derived.discard(library)
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=folder) as temporary:
             code, made = Path(temporary) / "loops.c", Path(temporary) / "loops.so"

@@ -11,6 +11,7 @@ import numpy as np
 from linecontact.solver import TabulatedLayer
 from linecontact.solver.display import counted
 
+from ..terminal.text import is_refusal
 from ..terminal.units import UNITS, plain, unit_of
 
 _MOST_BYTES = 2**24
@@ -63,6 +64,8 @@ def read(options: Options, length_unit: str) -> TabulatedLayer:
     try:
         return TabulatedLayer(tuple(rows[:, 0].tolist()), tuple(rows[:, 1].tolist()), modulus, path.name)
     except ValueError as error:
+        if not is_refusal(error):
+            raise
         raise ValueError(f"{what}, whose {error}") from None
 
 

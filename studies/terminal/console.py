@@ -40,6 +40,8 @@ class Plain(Console):
 
     def __init__(self, **options: Any) -> None:
         super().__init__(markup=False, emoji=False, **options)
+        if not self.width:  # $COLUMNS may be 0
+            self.width = 80
 
     def print(self, *objects: Any, **options: Any) -> None:
         """As of any console."""
@@ -217,7 +219,8 @@ def _refusal(error: Exception) -> str:
         silence(sys.stdout)
         return f"{OUTPUT} could not be written ({error.strerror})"
     if isinstance(error, OSError):
-        return text if error.filename else ""
+        gone = "the folder that this runs in is gone; allowed: one that exists"
+        return text if error.filename else gone * isinstance(error, FileNotFoundError)
     return text if is_refusal(error) else ""
 
 
