@@ -1,0 +1,69 @@
+"""A contact pressure of a coarse grid on a finer one.
+
+At the edges of its patches it goes like a square root, which no interpolation follows; divided by the edge functions of
+both ends (`edge_curves.edge_function`, at the ends' sub-grid positions) it is smooth. So the smooth part is
+interpolated and multiplied by the edge functions of the fine grid. The fine contact set comes out right except for a
+few nodes, and the error of the pressure is that of the coarse grid.
+"""
+
+import numpy as np
+
+from ..arrays import Array64, Indices
+from .edge_curves import EdgeCurve, half_space_curve
+from .edges import UNRESOLVED_BELOW, Edges
+from .patches import Patches
+from .problem import Problem
+
+
+def prolong(coarse: Problem, pressure: Array64, patches: Patches, ends: Edges, finer: Problem) -> Array64:
+    """A contact pressure of a coarse grid on a finer one, shape (N,) of each; both 0 off the contact [p].
+
+    patches, ends: of that pressure, see `contact.contact_edges`.
+    """
+    num_points = finer.num_points
+    if not patches.count:  # none that rounding leaves
+        return np.zeros(num_points)
+    factor = num_points / pressure.size
+    coarse_curve = fine_curve = half_space_curve()
+    # on layers thicker than the nodes that tell an edge the half-space's is right near it, and the rest is smooth
+    if coarse.rigidity.thickness < UNRESOLVED_BELOW:
+        coarse_curve, fine_curve = coarse.rigidity.edge_curve, finer.rigidity.edge_curve
+    if patches.full:
+        x = np.arange(num_points) / factor
+        return np.asarray(np.interp(x, np.arange(pressure.size), pressure, period=pressure.size))
+    # the nodes whose distance beyond the edge lies between -s and 1 - s
+    beyond = 1 - fine_curve.shift
+    first = np.ceil(factor * ends.left - beyond).astype(np.int64)
+    fine = Patches(num_points, first, np.maximum(first, np.floor(factor * ends.right + beyond).astype(np.int64)))
+    nodes = np.arange(int(fine.size.sum())) - np.repeat(fine.offset - first, fine.size)
+    p = fine.label
+    smooth = pressure[patches.nodes] / np.maximum(_edge_functions(coarse_curve, patches, ends, 1.0), 1e-3)
+    coarse_nodes = np.arange(smooth.size) - np.repeat(patches.offset - patches.first, patches.size)
+    values = np.interp(nodes / factor, coarse_nodes, smooth)
+    values *= _edge_functions(fine_curve, fine, ends, factor)
+    # every patch keeps its load, also where its nodes lie beyond its ends
+    values = np.maximum(values, 0.0)
+    lost = fine.sums(values) <= 0
+    values[lost[p]] = 1.0
+    values *= (factor * patches.sums(pressure[patches.nodes]) / fine.sums(values))[p]
+    fine_pressure = np.zeros(num_points)
+    # never 0: the node belongs to the contact
+    fine_pressure[nodes % num_points] = np.maximum(values, 1e-12 * pressure.max())
+    return fine_pressure
+
+
+def _edge_functions(curve: EdgeCurve, patches: Patches, ends: Edges, factor: float) -> Array64:
+    """The edge functions of both ends of the patches, multiplied, at their contact nodes; see `edge_function`.
+
+    factor: grid spacings of the patches in one of the ends.
+    """
+    steps = np.arange(int(patches.size.max()))
+    known, before = curve.at(steps), curve.at(steps - 1)  # of every step once, for all ends
+    inside, p = np.arange(patches.label.size) - np.repeat(patches.offset, patches.size), patches.label
+
+    def edge(beyond: Array64, j: Indices) -> Array64:
+        beta = np.clip(beyond + curve.shift, 0, 1)[p]
+        return np.asarray((1 - beta) * known[j] + beta * before[j])
+
+    left, right = factor * ends.left - patches.first, patches.last - factor * ends.right
+    return edge(left, inside) * edge(right, patches.size[p] - 1 - inside)
