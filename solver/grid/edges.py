@@ -87,8 +87,7 @@ class Edges:
     right: Array64
     """Right ends, shape (M,) [grid spacings]."""
     end_errors: Array64
-    """Estimated errors of left and right ends, shape (2, M) [grid spacings]. They add up, because what causes them is
-    much the same at all ends."""
+    """Estimated errors of left and right ends, shape (2, M) [grid spacings]."""
     unresolved: Mask
     """Which patches have as many spacings as nodes because nothing better is known, shape (M,)."""
     by_load: Mask
@@ -110,13 +109,15 @@ class Edges:
 
     @property
     def error(self) -> Array64:
-        """Estimated errors of the widths, shape (M,) [grid spacings]."""
+        """Estimated errors of the widths, shape (M,) [grid spacings]: those of both ends add up."""
         return np.asarray(self.end_errors.sum(axis=0))
 
     @property
     def total_error(self) -> float:
-        """Estimated error of the sum of the widths, without what is unseen [grid spacings]."""
-        return float(self.end_errors.sum())
+        """Estimated error of the sum of the widths, without what is unseen [grid spacings]: those of the patches add up
+        in squares, because their signs vary.
+        """
+        return float(np.linalg.norm(self.error))
 
 
 def find_edges(patches: Patches, pressure: Array64, layer: ElasticLayer, period: float) -> Edges:
@@ -149,8 +150,9 @@ def find_edges(patches: Patches, pressure: Array64, layer: ElasticLayer, period:
     left, right = apart(patches.first - outside[0], patches.last + outside[1], patches.num_points)
     by_size = FITTED.of_size / patches.size**2 + np.where(on_thick, 0.0, FITTED.of_size_if_wide / patches.size)
     by_gap = FITTED.beside_gap / patches.gap**2
-    by_layer = FITTED.of_layer * patches.size / max(thickness, _NARROW) ** 2
-    error = np.minimum(FITTED.of_difference * spread + by_size + by_gap, UNRESOLVED_ERROR)
+    by_layer = FITTED.of_layer * patches.size**3 / max(thickness, _NARROW) ** 4
+    by_spread = FITTED.of_difference * spread / np.sqrt(patches.size)
+    error = np.minimum(by_spread + by_size + by_gap, UNRESOLVED_ERROR)
     error += np.where(narrow, by_layer, by_curve)
     error = np.where(spread < _ALIKE, error, UNKNOWN)
     return Edges(left, right, np.where(unresolved, UNRESOLVED_ERROR, error), unresolved, none, none)

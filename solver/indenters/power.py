@@ -82,7 +82,7 @@ class PowerIndenter(Indenter):
         n = self.exponent
         if n < 2:
             return min(float(FITTED.of_tip * (2 - n) ** 2 * (2 / width) ** n), 0.5)
-        return min((2 * (n - 1) / width) ** 3, 1.0) if n > 2 else 0.0
+        return min(((n - 1) / width) ** 3, 1.0) if n > 2 else 0.0
 
     def _steepness(self, distance: Array64, period: float) -> Array64:
         """|h'| = (x/R)^(n-1) at x/L; steeper than `STEEPEST` makes no difference, but overflows."""
