@@ -29,8 +29,8 @@ class Calibration:
     always: float
     """Least error of an end by a load or a gap [grid spacings]."""
     of_layer: float
-    """Error of an end beside which the layer looks like a half-space, over the cube of the nodes of its patch, or of the
-    gap that tells it, times the fourth power of the layer's thickness in grid spacings [grid spacings]."""
+    """Error of an end beside which the layer looks like a half-space, over the cube of the nodes of its patch, or of
+    the gap that tells it, times the fourth power of the layer's thickness in grid spacings [grid spacings]."""
     of_tip: float
     """Error of the ends beside a tip, see `PowerIndenter.end_error`."""
     of_change: float

@@ -4,10 +4,10 @@
 
 c is the change from a grid with a quarter of the points to the present one, and a the share of it that is left, which
 was fitted (`calibration`); in area and kappa nothing, because the ends of the patches tell more. Peak pressure and
-approach may change by little by chance. Under smooth profiles b V (k/m)^2 comes to a c, as the second order has it, with
-V the value, m nodes to a patch, k = n - 1 under a power profile with n > 2, else 1, and b fitted. Under rough ones c is
-at least 1/16 of the change before, or, of two grids alone, V/m^2. Below the tip of a power profile with n < 2 the peak
-pressure is of the order n - 1, and a = 1/(4^(n-1) - 1).
+approach may change by little by chance. Under smooth profiles b V (k/m)^2 comes to a c, as the second order has it,
+with V the value, m nodes to a patch, k = n - 1 under a power profile with n > 2, else 1, and b fitted. Under rough ones
+c is at least 1/16 of the change before, or, of two grids alone, V/m^2. Below the tip of a power profile with n < 2 the
+peak pressure is of the order n - 1, and a = 1/(4^(n-1) - 1).
 
 e is told by the present grid alone: for area and kappa the errors of the patches' ends (`grid.edges`), for peak
 pressure and approach the possible extremes between the nodes. g is the largest width of gaps and patches between two
