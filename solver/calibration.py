@@ -33,6 +33,8 @@ class Calibration:
     the gap that tells it, times the fourth power of the layer's thickness in grid spacings [grid spacings]."""
     of_tip: float
     """Error of the ends beside a tip, see `PowerIndenter.end_error`."""
+    in_common: float
+    """Share of the errors of patches that has the same sign in all."""
     of_change: float
     """Share of the last change from grid to grid that is left in the peak pressure and in the approach."""
     of_nodes_in_peak: float

@@ -101,6 +101,7 @@ def errors_of_the_hertz_study():
     yield f"{FITTED.beside_gap:g}$/k^2$, in patches wide beside the layer also {FITTED.of_size_if_wide:g}$/m$"
     yield f"{FITTED.of_heights:g} of the sixth over the second difference of the heights"
     yield f"{FITTED.of_heights_at_gaps:g} of the fourth over the second difference of the heights"
+    yield f"and {FITTED.in_common:g} of the sum"
     yield f"an end is off by {FITTED.of_layer:g}$\\,m^3/d^4$ more"
     yield f"$\\alpha = {FITTED.of_change:g}$ of the change $c$"
     yield f"$b = {FITTED.of_nodes_in_peak:g}$ in the peak pressure and {FITTED.of_nodes_in_approach:g} in the approach"
