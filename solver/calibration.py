@@ -14,7 +14,8 @@ class Calibration:
     """The numbers, by their names in the file. They are meant to let each estimate hold in 97 of 100 scenes."""
 
     of_difference: float
-    """Error of an end by pressures, over the difference of two estimates of it."""
+    """Error of an end by pressures, over the difference of two estimates of it, times the root of the nodes of its
+    patch."""
     of_size: float
     """The same times the square of the nodes of its patch [grid spacings],"""
     of_size_if_wide: float
@@ -28,18 +29,18 @@ class Calibration:
     always: float
     """Least error of an end by a load or a gap [grid spacings]."""
     of_layer: float
-    """Error of an end beside which the layer looks like a half-space, over the nodes of its patch, times the square of
-    the layer's thickness in grid spacings [grid spacings]."""
+    """Error of an end beside which the layer looks like a half-space, over the cube of the nodes of its patch, or of
+    the gap that tells it, times the fourth power of the layer's thickness in grid spacings [grid spacings]."""
     of_tip: float
     """Error of the ends beside a tip, see `PowerIndenter.end_error`."""
-    of_peak_if_smooth: float
-    """Share of the last change from grid to grid that is left in the peak pressure under smooth profiles,"""
-    of_peak_if_rough: float
-    """and under rough ones."""
-    of_approach_if_smooth: float
-    """The same in the approach under smooth profiles,"""
-    of_approach_if_rough: float
-    """and under rough ones."""
+    in_common: float
+    """Share of the errors of patches that has the same sign in all."""
+    of_change: float
+    """Share of the last change from grid to grid that is left in the peak pressure and in the approach."""
+    of_nodes_in_peak: float
+    """Error of the peak pressure under smooth profiles, over it, times the square of the nodes of its patch,"""
+    of_nodes_in_approach: float
+    """and of the approach."""
     of_largest_residual: float
     """Error of the pressures at ends by an unfinished iteration, over the largest residual."""
 

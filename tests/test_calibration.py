@@ -47,7 +47,7 @@ def test_estimates_too_small_are_made_larger_and_others_smaller(monkeypatch):
     assert numbers["of_largest_residual"] == pytest.approx(
         before["of_largest_residual"], rel=0.1
     )  # does not matter here
-    wide = {**before, "of_peak_if_smooth": 100 * before["of_peak_if_smooth"]}
+    wide = {**before, "of_nodes_in_peak": 100 * before["of_nodes_in_peak"]}
     (good, poor) = (fit.held(known, one)["power"]["peak-pressure"] for one in (numbers, wide))
     assert good.startswith("3 of 3, median ")
     assert poor.startswith("3 of 3, median ")

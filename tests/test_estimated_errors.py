@@ -299,15 +299,20 @@ def test_an_estimate_is_the_rule_of_its_parts():
     scene = Scene(Layer(), QUICK_ROUGH, 2e-2, num_points=2**14)
     found = solve(scene)
     o, (*_, before, last) = found.observables, found.levels
-    for name, share in (("peak-pressure", FITTED.of_peak_if_rough), ("approach", FITTED.of_approach_if_rough)):
-        quantity = QUANTITIES[name]
+    for quantity in (QUANTITIES["peak-pressure"], QUANTITIES["approach"]):
         values = [getattr(level, quantity.value) for level in (before, last, o)]
         change = max(abs(values[2] - values[1]), abs(values[1] - values[0]) / 16)
-        expected = math.hypot(share * change, getattr(o, quantity.alone))
+        expected = math.hypot(FITTED.of_change * change, getattr(o, quantity.alone))
         assert estimated(quantity, scene, 2**14, o, found.levels) == pytest.approx(expected)
         assert estimated(quantity, scene, 2**14, o, []) == math.inf
     area = QUANTITIES["contact-area"]
     assert estimated(area, scene, 2**14, o, []) == o.contact_area_edges_error + o.unseen_gap_area
+    blunt = Scene(Layer(), PowerIndenter(4.0), 1e-3, num_points=2**11)
+    smooth = solve(blunt)
+    o, approach = smooth.observables, QUANTITIES["approach"]
+    change = abs(o.approach - smooth.levels[-1].approach)
+    of_nodes = FITTED.of_nodes_in_approach * o.approach * (3 / (o.contact_area_subgrid * 2**11)) ** 2
+    assert estimated(approach, blunt, 2**11, o, smooth.levels) == pytest.approx(FITTED.of_change * change + of_nodes)
 
 
 KINKED = {

@@ -97,13 +97,14 @@ def errors_of_the_hertz_study():
         for n in [run["scene.num_points"]]
     ]
     yield f"known to {digits(max(off for thickness, off in edges if thickness > 5))} grid spacings, as long as"
-    yield f"{FITTED.of_difference:g} of the difference between two estimates, {FITTED.of_size:g}$/m^2$ and"
+    yield f"{FITTED.of_difference:g}$/\\sqrt m$ of the difference between two estimates, {FITTED.of_size:g}$/m^2$ and"
     yield f"{FITTED.beside_gap:g}$/k^2$, in patches wide beside the layer also {FITTED.of_size_if_wide:g}$/m$"
     yield f"{FITTED.of_heights:g} of the sixth over the second difference of the heights"
     yield f"{FITTED.of_heights_at_gaps:g} of the fourth over the second difference of the heights"
-    yield f"an end is off by {FITTED.of_layer:g}$\\,m/d^2$ more"
-    yield f"| peak pressure | {FITTED.of_peak_if_smooth:g} | {FITTED.of_peak_if_rough:g} |"
-    yield f"| approach | {FITTED.of_approach_if_smooth:g} | {FITTED.of_approach_if_rough:g} |"
+    yield f"and {FITTED.in_common:g} of the sum"
+    yield f"an end is off by {FITTED.of_layer:g}$\\,m^3/d^4$ more"
+    yield f"$\\alpha = {FITTED.of_change:g}$ of the change $c$"
+    yield f"$b = {FITTED.of_nodes_in_peak:g}$ in the peak pressure and {FITTED.of_nodes_in_approach:g} in the approach"
     yield f"may be off by {FITTED.of_largest_residual:g} times the `largest_residual`"
     assert (errors._LEAST_FALL, errors.FACTOR**2) == (1.25, 16)
     yield f"contacts of up to {2 * small_models._LONG_ASPERITY:.0f} thicknesses: milliseconds"

@@ -53,10 +53,11 @@ def contact_edges(problem: Problem, pressure: Array64, displacement: Array64 | N
         edges = _by_gaps(surface, patches, _by_loads(surface, patches, edges, inside))
         unseen = edges.unseen + unseen_patches(problem.profile, displacement, layer.thickness > 0)
         edges = replace(edges, unseen=unseen, squared_slope=_squared_slope(patches, edges, surface.heights))
-    # all ends, the same way, those of other patches by the share of the load
+    # all ends, those of other patches by the share of the load
     at_tip = np.flatnonzero((patches.first <= n // 2) & (n // 2 <= patches.last) | (patches.count == 1))
     tip = indenter.of.end_error(float(edges.width[at_tip[0]])) if at_tip.size else 0.0
-    error = np.maximum(edges.end_errors, tip)
+    steep = bool(indenter.exponent and indenter.exponent > 2)  # which loads do not mind
+    error = np.where(edges.by_load & steep, edges.end_errors, np.maximum(edges.end_errors, tip))
     if indenter.shortest_wave:
         error = np.maximum(error, np.where(edges.width < _SHORT_OF_FIT, edges.width / 2, 0.0))
     return patches, replace(edges, end_errors=error)
@@ -92,7 +93,8 @@ class _Surface:
 
         uneven: errors by heights and neighbours, of their shape [grid spacings]; size: their nodes.
         """
-        return np.minimum(FITTED.always + uneven + FITTED.of_layer * size / self.layer.thickness**2, UNRESOLVED_ERROR)
+        by_layer = FITTED.of_layer * size**3 / self.layer.thickness**4
+        return np.minimum(FITTED.always + uneven + by_layer, UNRESOLVED_ERROR)
 
 
 def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array64) -> Edges:

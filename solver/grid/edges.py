@@ -86,8 +86,7 @@ class Edges:
     right: Array64
     """Right ends, shape (M,) [grid spacings]."""
     end_errors: Array64
-    """Estimated errors of left and right ends, shape (2, M) [grid spacings]. They add up, because what causes them is
-    much the same at all ends."""
+    """Estimated errors of left and right ends, shape (2, M) [grid spacings]."""
     unresolved: Mask
     """Which patches have as many spacings as nodes because nothing better is known, shape (M,)."""
     by_load: Mask
@@ -109,13 +108,15 @@ class Edges:
 
     @property
     def error(self) -> Array64:
-        """Estimated errors of the widths, shape (M,) [grid spacings]."""
+        """Estimated errors of the widths, shape (M,) [grid spacings]: those of both ends add up."""
         return np.asarray(self.end_errors.sum(axis=0))
 
     @property
     def total_error(self) -> float:
-        """Estimated error of the sum of the widths, without what is unseen [grid spacings]."""
-        return float(self.end_errors.sum())
+        """Estimated error of the sum of the widths, without what is unseen [grid spacings]: the root of the sum of
+        squares, because the signs of most vary from patch to patch, and a share of the sum, for those that do not.
+        """
+        return float(np.linalg.norm(self.error) + FITTED.in_common * self.error.sum())
 
 
 def find_edges(patches: Patches, pressure: Array64, layer: LayerOnGrid) -> Edges:
@@ -147,8 +148,9 @@ def find_edges(patches: Patches, pressure: Array64, layer: LayerOnGrid) -> Edges
     left, right = apart(patches.first - outside[0], patches.last + outside[1], patches.num_points)
     by_size = FITTED.of_size / patches.size**2 + np.where(on_thick, 0.0, FITTED.of_size_if_wide / patches.size)
     by_gap = FITTED.beside_gap / patches.gap**2
-    by_layer = FITTED.of_layer * patches.size / max(thickness, _NARROW) ** 2
-    error = np.minimum(FITTED.of_difference * spread + by_size + by_gap, UNRESOLVED_ERROR)
+    by_layer = FITTED.of_layer * patches.size**3 / max(thickness, _NARROW) ** 4
+    by_spread = FITTED.of_difference * spread / np.sqrt(patches.size)
+    error = np.minimum(by_spread + by_size + by_gap, UNRESOLVED_ERROR)
     error += np.where(narrow, by_layer, by_curve)
     error = np.where(spread < _ALIKE, error, UNKNOWN)
     return Edges(left, right, np.where(unresolved, UNRESOLVED_ERROR, error), unresolved, none, none)

@@ -211,12 +211,14 @@ def subgrid_measures(problem: Problem, patches: Patches, edges: Edges) -> tuple[
     rise = squared[(last + 1) % num_points] - squared[last % num_points]
     rise -= squared[first % num_points] - squared[(first - 1) % num_points]
     whole += np.where(unknown & ~edges.unresolved, rise / 24, 0.0)
-    # the strips between the last nodes' cells and the edges, at the slope in their middle
+    # the strips between the last nodes' cells and the edges, by the parabola there
     strips = np.stack([first - 0.5 - edges.left, edges.right - last - 0.5])
     middles = np.stack([(first - 0.5 + edges.left) / 2, (last + 0.5 + edges.right) / 2])
     node = np.floor(middles).astype(np.int64)
     part = middles - node
-    at = (1 - part) * squared[node % num_points] + part * squared[(node + 1) % num_points]
+    before, here, there, beyond = (squared[(node + step) % num_points] for step in (-1, 0, 1, 2))
+    bend = (before - here - there + beyond) / 2
+    at = (1 - part) * here + part * there + bend * (strips**2 / 12 - part * (1 - part)) / 2
     mean_square = float((whole + np.where(unknown, (strips * at).sum(axis=0), 0.0)).sum()) / width
     if not mean_square > 0:  # beside a step differences of high order leave less than nothing: as the nodes have it
         mean_square = float(squared[patches.nodes].mean())

@@ -64,13 +64,13 @@ class PowerIndenter(Indenter):
 
     def end_error(self, width: float) -> float:
         """See `Indenter`. The sum over nodes of |x|^n is off at its tip by a power n + 1 of the spacing, which moves an
-        end by C (2/width)^n spacings, by half a spacing at most. For n > 2 it is one over the cube of the nodes in
-        which the slope at the ends becomes e times as large, and a spacing at most.
+        end by C (2/width)^n spacings, by half a spacing at most. For n > 2 it is one over the fifth power of the nodes
+        in which the slope at the ends becomes e times as large, and a spacing at most.
         """
         n = self.exponent
         if n < 2:
             return min(float(FITTED.of_tip * (2 - n) ** 2 * (2 / width) ** n), 0.5)
-        return min((2 * (n - 1) / width) ** 3, 1.0) if n > 2 else 0.0
+        return min((2 * (n - 1) / width) ** 5, 1.0) if n > 2 else 0.0
 
     def _steepness(self, distance: Array64, period: float) -> Array64:
         """|h'| = (x/R)^(n-1) at x/L; steeper than `STEEPEST` makes no difference, but overflows."""

@@ -4,9 +4,10 @@
 
 c is the change from a grid with a quarter of the points to the present one, and a the share of it that is left, which
 was fitted (`calibration`); in area and kappa nothing, because the ends of the patches tell more. Peak pressure and
-approach may change by little by chance: their c is at least 1/16 of the change before, as the second order has it, or,
-of two grids alone, 1/m^2 of the value, with m nodes to a patch. Below the tip of a power profile with n < 2 the peak
-pressure is of the order n - 1, and a = 1/(4^(n-1) - 1).
+approach may change by little by chance. Under smooth profiles b V (k/m)^2 comes to a c, as the second order has it,
+with V the value, m nodes to a patch, k = n - 1 under a power profile with n > 2, else 1, and b fitted. Under rough ones
+c is at least 1/16 of the change before, or, of two grids alone, V/m^2. Below the tip of a power profile with n < 2 the
+peak pressure is of the order n - 1, and a = 1/(4^(n-1) - 1).
 
 e is told by the present grid alone: for area and kappa the errors of the patches' ends (`grid.edges`), for peak
 pressure and approach the possible extremes between the nodes. g is the largest width of gaps and patches between two
@@ -50,9 +51,9 @@ class Quantity:
     """The name of its error, in `Observables` only."""
     alone: str
     """The name of the part of its error that a grid tells alone."""
-    of_change: tuple[str, str] | None = None
-    """The names in `Calibration` of the share of changes that is left, under smooth and rough profiles; None where this
-    grid knows more than changes tell."""
+    of_nodes: str | None = None
+    """The name in `Calibration` of what few nodes leave of it under smooth profiles; None where this grid knows more
+    than changes tell."""
     of_lowest: bool = False
     """Whether it counts from the profile's lowest point, and does not depend on the largest pressure."""
     of_slopes: bool = False
@@ -61,22 +62,14 @@ class Quantity:
     @property
     def of_area(self) -> bool:
         """Whether its error follows from that of the contact area."""
-        return self.of_change is None
+        return self.of_nodes is None
 
 
 QUANTITIES = {
     "contact-area": Quantity("contact_area_subgrid", "contact_area_error", "contact_area_edges_error"),
     "kappa": Quantity("kappa_subgrid", "kappa_error", "kappa_edges_error", of_slopes=True),
-    "peak-pressure": Quantity(
-        "peak_pressure", "peak_pressure_error", "peak_pressure_sampling", ("of_peak_if_smooth", "of_peak_if_rough")
-    ),
-    "approach": Quantity(
-        "approach",
-        "approach_error",
-        "approach_sampling",
-        ("of_approach_if_smooth", "of_approach_if_rough"),
-        of_lowest=True,
-    ),
+    "peak-pressure": Quantity("peak_pressure", "peak_pressure_error", "peak_pressure_sampling", "of_nodes_in_peak"),
+    "approach": Quantity("approach", "approach_error", "approach_sampling", "of_nodes_in_approach", of_lowest=True),
 }
 """By the name under which an accuracy of it is asked for."""
 
@@ -121,22 +114,22 @@ def estimated(quantity: Quantity, scene: Scene, num_points: int, found: Measured
 def _left(quantity: Quantity, scene: Scene, num_points: int, found: Measured, values: Sequence[float]) -> float:
     power, rough = scene.indenter.power_law, scene.indenter.shortest_wave(num_points) > 0
     changes = [abs(after - before) for before, after in pairwise(values)]
-    last, share = changes[-1], getattr(FITTED, quantity.of_change[rough]) if quantity.of_change else 0.0
+    last, share = changes[-1], FITTED.of_change if quantity.of_nodes else 0.0
     if power and power[0] < 2 and not (quantity.of_area or quantity.of_lowest):
         share = 1 / (FACTOR ** (power[0] - 1) - 1)
     if scene.indenter.kinked or (power and found.num_patches > 1):
         share = max(share, 1.0)
-    if quantity.of_area:
+    if not quantity.of_nodes:
         return share * last
+    nodes, steepness = found.contact_area_subgrid * num_points / max(found.num_patches, 1), power[0] - 1 if power else 1
+    of_nodes = values[-1] * (max(steepness, 1) / nodes) ** 2 if nodes else 0.0
     if len(changes) == 2:
         limited = rough or power or quantity.of_lowest
         if not limited and last > max(changes[0] / _LEAST_FALL, float(getattr(found, quantity.alone))):
             return math.inf
-        last = max(last, changes[0] / FACTOR**2)
-    elif found.contact_area_subgrid:
-        nodes = found.contact_area_subgrid * num_points / found.num_patches
-        last = max(last, values[-1] / nodes**2)
-    return float(share * last)
+    if rough:
+        return share * max(last, changes[0] / FACTOR**2 if len(changes) == 2 else of_nodes)
+    return float(share * last + getattr(FITTED, quantity.of_nodes) * of_nodes)
 
 
 def _unknown(quantity: Quantity, scene: Scene, num_points: int, area: float) -> bool:
