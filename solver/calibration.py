@@ -23,7 +23,8 @@ class Calibration:
     beside_gap: float
     """Error of an end by pressures or by a load, times the square of the nodes of the gap beside it [grid spacings]."""
     of_heights: float
-    """Error of an end by a load, over the sixth over the second difference of the heights [grid spacings]."""
+    """Error of an end by a load, over the sixth over the second difference of the heights, or over the squared ratio of
+    the fourth to the second if that is more [grid spacings]."""
     of_heights_at_gaps: float
     """Error of an end by a gap, over the fourth over the second difference of the heights [grid spacings]."""
     always: float

@@ -173,7 +173,7 @@ def test_what_saves_memory_on_large_grids_changes_nothing(layer, monkeypatch):
     usual = solve(scene)
     forget()
     monkeypatch.setattr(grid_response, "MOST_POINTS", 2**12)
-    monkeypatch.setattr(plain, "_IN_PLACE", 2**12)
+    monkeypatch.setattr(plain, "IN_PLACE", 2**12)
     monkeypatch.setattr(plain, "_TOO_LONG", 2**12)
     saving = solve(scene)
     forget()

@@ -80,11 +80,13 @@ class _Surface:
     def uneven(self, first: Indices, size: Indices) -> tuple[Array64, Mask]:
         """How little the nodes tell of the heights between them: fourth and sixth over second differences, taken
         positive, the larger at the two nodes in the middle of each run, shape (2, runs); and where nothing, (runs,).
+        The latter is at least the square of the former, as under one wave, because it may be small by chance.
         """
         middle, profile = 2 * first + size - 1, self.heights.profile
         nodes = np.stack([middle // 2, (middle + 1) // 2])[..., None] + np.arange(-3, 4)
         second, fourth, sixth = np.abs(profile[nodes % profile.size] @ _DIFFERENCES).T
         with np.errstate(divide="ignore", invalid="ignore"):
+            sixth = np.maximum(sixth, fourth**2 / second)
             ratios = np.stack([fourth, sixth]) / second
         return ratios.max(axis=-1), self.given & (ratios[0].min(axis=-1) > _JAGGED)
 

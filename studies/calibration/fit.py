@@ -16,7 +16,7 @@ from linecontact.solver.strategy.errors import with_errors
 
 Numbers = dict[str, float]
 
-_HELD = 0.985  # share of the estimates that are to hold in the scenes of a fit, so that 97 of 100 do in others
+_HELD = 0.99  # share of the estimates that are to hold in the scenes of a fit, so that 97 of 100 do in others
 _FACTOR, _GAIN = 1.4, 1e-4  # by which one number after the other is changed, and the least gain of a change
 _FLOOR, _LARGEST = 1e-8, 12.0  # relative error of references, and logarithm of estimate over error that is enough
 
