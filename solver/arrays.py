@@ -45,8 +45,8 @@ def _libraries() -> ThreadpoolController:
 
 @contextmanager
 def on_one_thread() -> Iterator[None]:
-    """Linear algebra takes one thread meanwhile (also as a decorator), and numbers that underflow are no error; the
-    user's settings are back afterwards.
+    """Linear algebra takes one thread meanwhile (also as a decorator), and NumPy's error settings are its defaults, so
+    that numbers that underflow are no error; the user's settings are back afterwards.
 
     Its matrices are small, and where cores are busy its threads wait for each other. Where several threads are here,
     the first of them sets the limit and takes it back at its end.

@@ -6,6 +6,8 @@ from collections.abc import Callable
 from functools import lru_cache, wraps
 from typing import Any, TypeVar
 
+from ..arrays import Array64
+
 Made = TypeVar("Made")
 
 _GRIDS = 7  # whose results are kept, which is those of one scene on nested grids
@@ -35,6 +37,13 @@ def cached(make: Callable[[Any, int, float], Made]) -> Callable[[Any, int, float
         return (known if by_value and num_points <= MOST_POINTS else make)(part, num_points, period)
 
     return call
+
+
+def read_only(values: Array64) -> Array64:
+    """A view of values that are used again, which must not be changed."""
+    found = values.view()
+    found.flags.writeable = False
+    return found
 
 
 def forget() -> None:

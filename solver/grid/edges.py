@@ -125,8 +125,8 @@ def find_edges(patches: Patches, pressure: Array64, layer: LayerOnGrid) -> Edges
     Patches of fewer than three nodes end half a spacing outside their last nodes, as counting has it, and a full
     contact has no edge at all.
 
-    The error is an estimate, see `calibration`; it is a spacing where the pressures do not look
-    like an edge, because the profile bends within a few spacings.
+    The error is an estimate, see `calibration`; it is a spacing where the pressures do not look like an edge, because
+    the profile bends within a few spacings.
     """
     none = np.zeros(patches.count, dtype=bool)
     if patches.full:

@@ -7,7 +7,7 @@ import numpy as np
 from .. import checks
 from ..arrays import Array64
 from ..indenters import Indenter
-from .cached import cached
+from .cached import MOST_POINTS, cached, read_only
 
 
 class IndenterOnGrid:
@@ -18,14 +18,13 @@ class IndenterOnGrid:
         what = f"profile of indenter {indenter.name}"
         allowed = f"allowed: {num_points} finite floating-point heights, the lowest 0, in units of the period"
         with checks.own_code(what, allowed, indenter):
-            heights = np.asarray(indenter.profile(num_points, period)).view()
+            heights = np.asarray(indenter.profile(num_points, period))
         if heights.shape != (num_points,) or heights.dtype.kind != "f":
             raise ValueError(f"{what} is of type {heights.dtype} and shape {heights.shape}; {allowed}")
         lowest, highest = float(heights.min()), float(heights.max())
         if not abs(lowest) <= 1e-9 * highest < np.inf:
             raise ValueError(f"{what} is from {lowest:.3g} to {highest:.3g}; {allowed}")
-        heights.flags.writeable = False
-        self.profile: Array64 = heights
+        self.profile: Array64 = read_only(heights)
         """Heights above the lowest point, shape (N,) [L], read-only."""
         self.shortest_wave = indenter.shortest_wave(num_points)
         """How many of the shortest wave fit into the period, 0 for a smooth profile without one."""
@@ -35,22 +34,22 @@ class IndenterOnGrid:
     @cached_property
     def squared_slope(self) -> Array64:
         """h'^2, shape (N,), read-only (dimensionless)."""
-        return _read_only(self.of.slope(self.num_points, self._period) ** 2)
+        return read_only(self.of.slope(self.num_points, self._period) ** 2)
 
     @cached_property
     def squared_slope_doubt(self) -> Array64 | None:
-        """Its largest error at the nodes, shape (N,), read-only; None where there is none (dimensionless)."""
+        """The largest error of `squared_slope` at the nodes, of its shape, read-only; None where there is none."""
         doubt = self.of.squared_slope_doubt(self.num_points, self._period)
-        return None if doubt is None else _read_only(doubt)
+        return None if doubt is None else read_only(doubt)
+
+    def rest(self) -> None:
+        """Give back the slopes on a large grid; they are made anew when they are needed."""
+        for name in ("squared_slope", "squared_slope_doubt") if self.num_points > MOST_POINTS else ():
+            self.__dict__.pop(name, None)
 
     def squared_slope_between(self, left: Array64, right: Array64) -> Array64 | None:
         """See `Indenter.squared_slope_between`."""
         return self.of.squared_slope_between(left, right, self.num_points, self._period)
-
-
-def _read_only(values: Array64) -> Array64:
-    values.flags.writeable = False
-    return values
 
 
 @cached

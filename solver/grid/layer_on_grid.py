@@ -12,7 +12,7 @@ from ..arrays import Array64
 from ..layers import ElasticLayer
 from ..layers.layer import own_stiffness
 from ..transforms.plain import irfft
-from .cached import MOST_POINTS, cached
+from .cached import MOST_POINTS, cached, read_only
 from .edge_curves import EdgeCurve, half_space_curve, make_curve
 from .split import Split, inverse, make_split
 
@@ -61,7 +61,7 @@ class LayerOnGrid:
         self.stiffness /= self.unit
         self.stiffness.flags.writeable = False
         self.made: dict[Any, Any] = {}
-        """What methods have made from K, by name, and use again."""
+        """Fields and Green's functions that methods have made, by configuration; they serve the next solve."""
 
     def modulus(self, q: Array64) -> Array64:
         """See `modulus_on_grid`."""
@@ -70,14 +70,14 @@ class LayerOnGrid:
     @cached_property
     def thickness(self) -> float:
         """d [grid spacings]; `inf` for a half-space, 0 where the grid does not resolve the layer: its shortest wave
-        does not find a half-space.
+        does not find a half-space. Raises `ValueError` where the layer does not know that wave.
         """
         (shortest,) = self.modulus(np.array([np.pi]))
         return self._layer.thickness / self._period * self.num_points if abs(np.log(shortest)) < _ALIKE else 0.0
 
     @cached_property
     def edge_curve(self) -> EdgeCurve:
-        """The pressure at the edge of a contact."""
+        """The pressure at the edge of a contact. Raises `ValueError` like `modulus_on_grid`."""
         if self.thickness == math.inf:
             return half_space_curve()
 
@@ -92,12 +92,12 @@ class LayerOnGrid:
 
         On large grids it has the error of a `split`: mostly a millionth, a thousandth on layers of a hundred spacings.
         """
-        return self.num_points / self.unit * self.head(self.num_points // 2 + 1)
+        return read_only(self.num_points / self.unit * self.head(self.num_points // 2 + 1))
 
     @cached_property
     def compliance(self) -> Array64:
         """G(q_k) = 1/K(q_k), 0 for the mean mode; shape (N//2 + 1,) [1/K]."""
-        return inverse(self.stiffness)
+        return read_only(inverse(self.stiffness))
 
     @cached_property
     def split(self) -> Split | None:
@@ -114,7 +114,7 @@ class LayerOnGrid:
     @cached_property
     def whole(self) -> Array64:
         """G in real space, shape (N,) [1/K]."""
-        return irfft(self.compliance, self.num_points)
+        return read_only(irfft(self.compliance, self.num_points))
 
     def head(self, count: int) -> Array64:
         """G on the nodes 0 to count - 1 [1/K]. Where it has two parts it is made of them, with their error, and on
@@ -126,16 +126,16 @@ class LayerOnGrid:
     def second_sum(self) -> Array64:
         """T with T(k+1) - 2 T(k) + T(k-1) = G(k), shape (N,), with the error of the two parts where there are any."""
         if self.split:
-            return self.split.second_sum()
+            return read_only(self.split.second_sum())
         sums = irfft(self.compliance, self.num_points)
         np.cumsum(sums, out=sums)
         sums -= sums.mean()  # so that the second sum is periodic, too
         sums[1:] = np.cumsum(sums[:-1])
         sums[0] = 0
-        return sums
+        return read_only(sums)
 
     def rest(self) -> None:
-        """Give back what holds a value for each node of a large grid."""
+        """Give back long arrays of a large grid; they are made anew when they are needed."""
         for name in ("compliance", "whole", "second_sum") if self.num_points > MOST_POINTS else ():
             self.__dict__.pop(name, None)
 

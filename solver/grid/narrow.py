@@ -65,8 +65,8 @@ def from_loads(
     modulus: Callable[[Array64], Array64] | None = None,
 ) -> Ends:
     """Ends of some patches. load: over E* [grid spacings]; begin: middles and half-widths to begin with [grid
-    spacings]; all of shape (patches,). modulus: see `LayerOnGrid`, where the grid does
-    not resolve the layer and nothing is `around`.
+    spacings]; all of shape (patches,). modulus: see `LayerOnGrid`, where the grid does not resolve the layer and
+    nothing is `around`.
     """
 
     def slope(which: Indices, at: Array64) -> tuple[Array64, Array64]:

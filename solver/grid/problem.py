@@ -57,7 +57,7 @@ class Problem:
         n = num_points or scene.num_points
         rigidity = layer_on_grid(scene.layer, n, scene.period)
         indenter = indenter_on_grid(scene.indenter, n, scene.period)
-        unit = (scene.reduced_load or 1.0) / rigidity.unit
+        unit = (scene.reduced_load or 1.0) / rigidity.unit  # without a load any unit will do
         with np.errstate(over="ignore"):
             height = indenter.profile / unit
         return cls(

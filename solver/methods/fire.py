@@ -2,8 +2,8 @@
 
 Mixed precision: float32 work inside, float64 residuals outside.
 
-In float32 the residual stagnates, because rounding in u comes back multiplied by the stiffest mode. What is rounded
-here is the change only: u = base + scale w with base in float64 and w in float32, and
+In float32 the residual stagnates, because rounding in u comes back multiplied by the stiffest mode. Only the change is
+rounded here: u = base + scale w with base in float64 and w in float32, and
 
     r = scale (r_0 - K w),   w <= (h - base)/scale,   r_0 = (1 - K base)/scale.
 

@@ -52,8 +52,8 @@ class Quantity:
     alone: str
     """The name of the part of its error that a grid tells alone."""
     of_nodes: str | None = None
-    """The name in `Calibration` of what few nodes leave of it under smooth profiles; None where this grid knows more
-    than changes tell."""
+    """The name in `Calibration` of the error that few nodes leave under smooth profiles; None where this grid tells
+    more than changes do."""
     of_lowest: bool = False
     """Whether it counts from the profile's lowest point, and does not depend on the largest pressure."""
     of_slopes: bool = False

@@ -185,4 +185,5 @@ def _measured(state: Method, by_loads: bool) -> tuple[Level, Contact]:
     displacement = problem.to_length(state.displacement.copy(), pressure > 0)
     measured, patches, edges = measure(problem, displacement, pressure, problem.scene.pressure, by_loads)
     level = Level(**measured, num_points=problem.num_points, iterations=state.iteration, transform_pairs=pairs)
+    problem.indenter.rest()
     return level, (problem, pressure, patches, edges)

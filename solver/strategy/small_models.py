@@ -85,11 +85,10 @@ def by_small_model(run: Run, accuracy: float, of: str) -> Solution | None:
         n *= 2
     n = min(n, scene.num_points)
     scene = replace(scene, num_points=n)
-    problem, profile = Problem.from_scene(scene), scene.profile
+    problem = Problem.from_scene(scene)
     pressure = found.pressure_at((np.arange(n) - n // 2) / n / (found.area / 2))
     pressure /= pressure.mean()  # the sampled load is off by the sampling
-    displacement = problem.displacement_under(pressure) * problem.length_unit
-    displacement = np.where(pressure > 0, profile, np.minimum(displacement, profile))
+    displacement = problem.to_length(problem.displacement_under(pressure), pressure > 0)
     pressure *= scene.pressure
     observables, patches = _measured(scene, found, int(np.count_nonzero(pressure)))
     run.choices += [found.choice, Choice("grid", f"{n} points", "for the fields only, which are sampled")]

@@ -6,7 +6,8 @@ Local part. Every patch on its own (`RunByRun`); in full contact K of all nodes,
 matrix, so all patches share one inverse Cholesky factor, whose leading m x m block serves a patch of m nodes
 (`inverse_cholesky`). For longer patches K restricted to the patch, by a short transform, is nearly the inverse: K_bb >=
 G_bb^-1, and K_bb G_bb has the spectrum 1 except one outlier for each edge (3 to 11 on the half-space). Both are
-deflated with K_bb 1 and K_bb x; 1 to 1.4 is left. The same serves gaps, with K in the place of G (`free_nodes`).
+deflated with K_bb 1 and K_bb x; 1 to 1.4 is left. Gaps are inverted run by run, too, with K in the place of G; long
+ones by 1/K on a ring, without deflation (`free_nodes`).
 
 Coarse part (deflation). One unknown per patch: the load of its flat punch, G_bb^-1 1. The entries of Z'GZ need no
 transform: the sum of the Green's function over two patches is a four-term difference of its second running sum
