@@ -99,8 +99,7 @@ class Kind(Value, ABC):
         """Flat, JSON-ready description under the command line's names: numbers, texts, truth values, or lists of them;
         its name as 'layer' or 'profile', and by default the fields that are not None.
         """
-        known = {f.name: getattr(self, f.name) for f in fields(self)}  # type: ignore[arg-type]
-        return {self.part: self.name} | {name: value for name, value in known.items() if value is not None}
+        return {self.part: self.name} | self._given()
 
     def ratios(self, period: float) -> dict[str, float]:
         """The dimensionless numbers, by name, that must be neither too large nor too small to compute with."""
@@ -109,7 +108,15 @@ class Kind(Value, ABC):
     def in_units(self, length: float, pressure: float = 1.0) -> Self:
         """The same in other units: lengths are multiplied by `length`, pressures by `pressure`."""
         sizes = {"length": length, "pressure": pressure, "pressure/length": pressure / length}
-        given = {f.name: getattr(self, f.name) for f in fields(self)}  # type: ignore[arg-type]
-        names = {name: self.units.get(name) or units.unit(name) for name, value in given.items() if value is not None}
+        given = self._given()
+        names = {name: self.units.get(name) or units.unit(name) for name in given}
         scaled = {name: given[name] * sizes[of] for name, of in names.items() if of in sizes}
         return replace(self, **scaled, **self._remade) if scaled else self  # type: ignore[type-var]
+
+    def _given(self) -> dict[str, Any]:
+        """Its fields that are not None. Raises `ValueError` for a class without fields."""
+        if not is_dataclass(self):
+            kind = type(self).__name__
+            raise ValueError(f"{kind} is not a dataclass; allowed: one, as its fields describe it, or its own to_dict")
+        known = {f.name: getattr(self, f.name) for f in fields(self)}
+        return {name: value for name, value in known.items() if value is not None}

@@ -280,6 +280,20 @@ def test_what_is_no_layer_or_indenter_is_refused():
         Unfinished()
 
 
+def test_a_class_without_fields_is_refused():
+    class Plain(Indenter):
+        name = "plain"
+
+        def profile(self, num_points, period):
+            return np.zeros(num_points)
+
+        def shortest_wave(self, num_points):
+            return 0
+
+    with pytest.raises(ValueError, match="Plain is not a dataclass; allowed: one, as its fields describe it, or its"):
+        Scene(indenter=Plain())
+
+
 def test_the_command_line_names_what_is_missing(monkeypatch, capsys):
     @dataclass(frozen=True)
     class Unfinished(Indenter):
