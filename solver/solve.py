@@ -1,4 +1,4 @@
-"""From a scene to a certified solution: the checks of what is asked for, and the way to a residual.
+"""From a scene to a certified solution: the checks of the arguments, and the way to a residual.
 
 The ways to an accuracy and to an approach, and all that they share with this one, are in `strategy`.
 """
@@ -78,7 +78,8 @@ def solve(
     if max_iterations is not None:
         max_iterations = checks.integer("max_iterations", max_iterations, "an integer from 1 to 2^53", 1, 2**53)
     run = Run(scene, kind, config)
-    if not (scene.pressure > 0 if scene.approach is None else scene.approach > first_node(scene)):
+    touches = scene.pressure > 0 if scene.approach is None else scene.approach > first_node(scene)
+    if not touches:
         return without_contact(run)
     if accuracy:
         return solve_to_accuracy(run, accuracy, accuracy_of)
@@ -151,7 +152,7 @@ def solve_to_tolerance(run: Run, nested: bool | None, tolerance: float | None, i
         tolerance = checks.real("tolerance", tolerance, "1e-14 to 0.5", math.nextafter(1e-14, 0), 0.5)
     problem = Problem.from_scene(scene)
     run.tolerance, run.own_tolerance = _reachable(scene, problem, tolerance), tolerance is not None
-    start = None if initial is None else _displacement(initial, scene, problem)
+    start = None if initial is None else _displacement(initial, problem)
     run.times[1] = time.perf_counter()
 
     def begin(num_points: int) -> Method:
@@ -173,20 +174,20 @@ def solve_to_tolerance(run: Run, nested: bool | None, tolerance: float | None, i
     return finish(run, scene, problem)
 
 
-def _displacement(initial: Array64, scene: Scene, problem: Problem) -> Array64:
+def _displacement(initial: Array64, problem: Problem) -> Array64:
     """A displacement to start from, shape (N,) [length], in the problem's unit; see `solve`. Raises `ValueError`."""
-    allowed = f"allowed: an array of {scene.num_points} finite real numbers"
+    allowed = f"allowed: an array of {problem.num_points} finite real numbers"
     displacement = checks.array(initial)
     if displacement is None:
         raise ValueError(f"initial is masked or not an array of real numbers; {allowed}")
-    if displacement.shape != (scene.num_points,):
+    if displacement.shape != (problem.num_points,):
         raise ValueError(f"initial has shape {displacement.shape}; {allowed}")
     if not np.isfinite(displacement).all():
         raise ValueError(f"initial holds a value that is not finite; {allowed}")
     # on the wall exactly, whatever the units' rounding; and not beyond where any solution is
     reach = problem.reach * problem.length_unit
     inside = np.clip(displacement, -reach, reach) / problem.length_unit
-    return np.where(displacement >= scene.profile, problem.height, inside)
+    return np.where(displacement >= problem.profile, problem.height, inside)
 
 
 def float32_floor(scene: Scene, problem: Problem) -> float:

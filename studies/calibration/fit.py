@@ -4,6 +4,7 @@ import itertools
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from linecontact.solver import QUANTITIES, Observables, Solution
@@ -34,11 +35,15 @@ class Known:
     unfinished: bool
     """Whether the error of the iteration alone counts."""
 
+    @cached_property
+    def _problem(self) -> Problem:
+        return Problem.from_scene(self.found.scene)
+
     def ratios(self) -> Array64:
         """Estimated errors by the present numbers over true errors, shape (4,)."""
         one, certificate = self.found, self.found.certificate
         assert certificate
-        found, _ = observe(Problem.from_scene(one.scene), one.displacement, one.contact_pressure, one.contact)
+        found, _ = observe(self._problem, one.displacement, one.contact_pressure, one.contact)
         contact = Patches.of(one.contact), one.contact_pressure
 
         def estimates(**left: float) -> Array64:

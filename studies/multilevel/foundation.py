@@ -21,14 +21,13 @@ def press(scene: Scene, num_points: int) -> dict[str, float]:
 
     num_points: of the grid, which has to hold the surface.
     """
-    indenter, modulus = scene.indenter, foundation_modulus(scene)
-    heights = scene.period * indenter.profile(num_points, scene.period)
+    indenter, modulus = indenter_on_grid(scene.indenter, num_points, scene.period), foundation_modulus(scene)
+    heights = scene.period * indenter.profile
     level = foundation_level(heights, modulus / scene.pressure)
     contact = heights < level
     area = float(contact.mean())
-    squared = indenter_on_grid(indenter, num_points, scene.period).squared_slope
     return {
-        "kappa_subgrid": area * math.sqrt(float(squared[contact].mean())) / scene.reduced_load,
+        "kappa_subgrid": area * math.sqrt(float(indenter.squared_slope[contact].mean())) / scene.reduced_load,
         "contact_area_subgrid": area,
         "peak_pressure": modulus * (level - float(heights.min())),
         "approach": level,
