@@ -155,7 +155,7 @@ def _unusable(error: OSError) -> ValueError:
 
 
 def _files(module: ModuleType, device: str) -> list[Path]:
-    """What Warp's cache holds of a module for a device; for the CPU, blocks are of one thread."""
+    """Files of a module for a device in Warp's cache; a file in their folder's place is taken away."""
     import warp as wp
 
     block, endings = (1, (".o", ".meta")) if device == "cpu" else (GPU_BLOCK, (".cubin", ".ptx", ".meta"))

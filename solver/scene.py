@@ -167,7 +167,7 @@ class Scene(Value):
 def _check_layer(layer: ElasticLayer, period: float) -> None:
     """Raise `ValueError` unless this is a layer for the period L [length]."""
     if not isinstance(layer, ElasticLayer):
-        raise ValueError(f"layer is {layer!r}; allowed: a Layer, or what inherits from `ElasticLayer`")
+        raise ValueError(f"layer is {layer!r}; allowed: a Layer, or another class that inherits from `ElasticLayer`")
     checks.real("thickness", getattr(layer, "thickness", None), "a length > 0, or inf", 0, infinite=True)
     _check_description("layer", layer, LAYERS)
     checks.real(f"contact_modulus of layer {layer.name}", layer.contact_modulus, "a finite pressure > 0", 0)
@@ -183,7 +183,7 @@ def _check_foundation(layer: ElasticLayer, period: float) -> None:
     periods = float(layer.thickness) / period
     waves = 2 * np.pi * np.array([1.0, *(one / max(periods if periods < math.inf else 1.0, 1.0) for one in _LONG)])
     found = np.full(waves.shape, np.nan)
-    with np.errstate(all="ignore"), suppress(Exception):  # one's own code: what is wrong is said where it is used
+    with np.errstate(all="ignore"), suppress(Exception):  # one's own code: its errors are reported where it is used
         found[:] = layer.stiffness(waves, period)
     longest, *long_waves = found.tolist()
     known = [value for value in long_waves if math.isfinite(value) and value != longest]  # a layer may cut off there
@@ -202,7 +202,7 @@ def _check_foundation(layer: ElasticLayer, period: float) -> None:
 def _check_indenter(indenter: Indenter, num_points: int, period: float) -> None:
     """Raise `ValueError` unless this is an indenter for a grid of so many points, and for the period L [length]."""
     if not isinstance(indenter, Indenter):
-        allowed = "a PowerIndenter, RoughIndenter or MeasuredIndenter, or what inherits from `Indenter`"
+        allowed = "a PowerIndenter, RoughIndenter, MeasuredIndenter or another class that inherits from `Indenter`"
         raise ValueError(f"indenter is {indenter!r}; allowed: {allowed}")
     _check_description("indenter", indenter, INDENTERS)
     wave, allowed = indenter.shortest_wave(num_points), "an integer >= 0, 0 for a smooth profile"

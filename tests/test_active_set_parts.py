@@ -110,7 +110,7 @@ def test_memory_of_many_patches():
     """The coarse matrix grows with the patches, not with their square."""
     contact = np.random.default_rng(0).random(2**17) < 0.2
     green = greens_function(2**17)
-    green.response.second_sum  # noqa: B018
+    green.layer.second_sum  # noqa: B018
     tracemalloc.start()
     preconditioner = deflation.PatchDeflation(green, Patches.of(contact))
     peak = tracemalloc.get_traced_memory()[1]
@@ -123,7 +123,7 @@ def test_memory_of_many_patches():
 def test_a_long_patch_is_nearly_inverted(thickness, nu):
     """Also on thin and nearly incompressible layers, where K reaches far: 0.04 to 2 if it were taken for short."""
     size, green = 500, greens_function(4096, thickness, nu)
-    matrix = np.take(green.response.whole, np.arange(size)[:, None] - np.arange(size), mode="wrap")
+    matrix = np.take(green.layer.whole, np.arange(size)[:, None] - np.arange(size), mode="wrap")
     patch = deflation.LongPatch(green, size)
     inverse = np.stack([patch(unit) for unit in np.eye(size)])
     np.testing.assert_allclose(inverse, inverse.T, atol=1e-12 * np.abs(inverse).max())

@@ -48,13 +48,13 @@ def test_a_second_solve_gives_the_same_numbers(scene):
 def test_another_load_uses_what_is_kept_and_another_layer_does_not():
     problem = Problem.from_scene(SCENES[0])
     loaded = Problem.from_scene(replace(SCENES[0], pressure=0.1))
-    assert loaded.rigidity is problem.rigidity
+    assert loaded.layer is problem.layer
     assert loaded.indenter is problem.indenter
     other = Problem.from_scene(replace(SCENES[0], layer=Layer(0.1, 0.31), indenter=replace(ROUGH, seed=1)))
-    assert other.rigidity is not problem.rigidity
+    assert other.layer is not problem.layer
     assert other.indenter is not problem.indenter
     longer = Problem.from_scene(replace(SCENES[0], period=2.0))
-    assert longer.rigidity is not problem.rigidity
+    assert longer.layer is not problem.layer
 
 
 @pytest.mark.parametrize("pressure", [0.01, 1.0])  # the unknown is the pressure, or the displacement of the free nodes

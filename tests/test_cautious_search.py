@@ -98,7 +98,7 @@ def test_where_elimination_fails_conjugate_gradients_go_on(monkeypatch):
 
 def test_a_singular_set_has_no_pressure():
     problem = Problem.from_scene(Scene(num_points=2**10))
-    green = GreensFunction(problem.rigidity)
+    green = GreensFunction(problem.layer)
     assert green.solve(np.array([3, 3]), np.zeros(2)) is None
 
 

@@ -12,6 +12,10 @@ from linecontact.solver.grid.layer_on_grid import layer_on_grid
 from linecontact.solver.grid.patches import Patches
 
 
+def on_half_space(patches, pressure):
+    return find_edges(patches, pressure, layer_on_grid(Layer(), patches.num_points, 1.0))
+
+
 def row(width, gap, repeats=1):
     """The contact under waves of the length width + gap [grid spacings], whose patches are as wide in closed form."""
     period = round(width + gap)
@@ -36,9 +40,7 @@ def test_ends_of_a_row_between_the_nodes(least, off, period):
         gap = least + more
         solution = row(period - gap, gap)
         patches = Patches.of(solution.contact_pressure > 0)
-        ends = find_edges(
-            patches, solution.contact_pressure[patches.nodes], layer_on_grid(Layer(), patches.num_points, 1.0)
-        )
+        ends = on_half_space(patches, solution.contact_pressure[patches.nodes])
         wrong = abs(ends.width[0] - (period - gap))
         assert wrong < 2 * off
         assert wrong <= ends.error[0] < max(250 * off, 0.06)
@@ -58,7 +60,7 @@ def test_what_other_rules_leave_beside_narrow_gaps(rule, beside_one, beside_ten,
             solution = row(period - gap, gap)
             patches = Patches.of(solution.contact_pressure > 0)
             pressure = solution.contact_pressure[patches.nodes]
-            width = find_edges(patches, pressure, layer_on_grid(Layer(), patches.num_points, 1.0)).width[0]
+            width = on_half_space(patches, pressure).width[0]
             if rule == "alone":
                 width = patches.size[0] - 1 - edges.edge_offset(curve, edges._ends(patches, pressure)[:, 0])[0].sum()
             wrong.append(abs(width - (period - gap)) / 2)
@@ -76,9 +78,7 @@ def test_ends_are_not_moved_one_by_one_where_patches_share_the_load():
         Scene(Layer(), MeasuredIndenter(amplitude * wave, convention="gap"), load, num_points=n), tolerance=1e-11
     )
     patches = Patches.of(solution.contact_pressure > 0)
-    ends = find_edges(
-        patches, solution.contact_pressure[patches.nodes], layer_on_grid(Layer(), patches.num_points, 1.0)
-    )
+    ends = on_half_space(patches, solution.contact_pressure[patches.nodes])
     assert patches.count == repeats
     assert abs(ends.width.mean() - width) < 6e-4
     assert ends.width.std() < 2.2e-3  # 3.2e-3 if each had to carry its load
@@ -136,7 +136,5 @@ def test_wide_patches_are_well_known(size):
     """Also where the fourth power of their nodes is no 64-bit integer."""
     x = np.arange(float(size))
     pressure = np.sqrt((x + 0.3) * (size - 0.6 - x))
-    found = find_edges(
-        Patches(4 * size, np.array([9]), np.array([size + 8])), pressure, layer_on_grid(Layer(), 4 * size, 1.0)
-    )
+    found = on_half_space(Patches(4 * size, np.array([9]), np.array([size + 8])), pressure)
     assert 0 < found.error[0] < 0.02

@@ -79,7 +79,7 @@ def test_the_preconditioner_inverts_a_short_gap_exactly():
     free[100:180] = True
     column, nodes = irfft(problem.stiffness, 2**10), np.arange(80)
     force = np.random.default_rng(0).standard_normal(80)
-    green = GreensFunction(problem.rigidity)
+    green = GreensFunction(problem.layer)
     found = gap_by_gap(green, Patches.of(free))(force)
     np.testing.assert_allclose(found, np.linalg.solve(column[abs(nodes[:, None] - nodes)], force), rtol=1e-9)
 

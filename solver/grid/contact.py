@@ -35,7 +35,7 @@ def contact_edges(problem: Problem, pressure: Array64, displacement: Array64 | N
     displacement: u, shape (N,) [length], with which loads and gaps tell where narrow patches end; None: pressures alone
     tell the ends, in half of the time.
     """
-    n, indenter, layer = problem.num_points, problem.indenter, problem.rigidity
+    n, indenter, layer = problem.num_points, problem.indenter, problem.layer
     scale = problem.scene.reduced_load / (float(pressure.mean()) or 1.0)
     patches = Patches.of(pressure > 0)
     inside = pressure[patches.nodes] * scale

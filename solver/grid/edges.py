@@ -113,8 +113,8 @@ class Edges:
 
     @property
     def total_error(self) -> float:
-        """Estimated error of the sum of the widths, without what is unseen [grid spacings]: the root of the sum of
-        squares, because the signs of most vary from patch to patch, and a share of the sum, for those that do not.
+        """Estimated error of the sum of the widths, without `unseen` [grid spacings]: the root of the sum of squares,
+        because the signs of most vary from patch to patch, and a share of the sum, for those that do not.
         """
         return float(np.linalg.norm(self.error) + FITTED.in_common * self.error.sum())
 

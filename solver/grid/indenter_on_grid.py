@@ -15,6 +15,7 @@ class IndenterOnGrid:
 
     def __init__(self, indenter: Indenter, num_points: int, period: float) -> None:
         self.of, self.num_points, self._period = indenter, num_points, period
+        """`of`: the indenter on any grid."""
         what = f"profile of indenter {indenter.name}"
         allowed = f"allowed: {num_points} finite floating-point heights, the lowest 0, in units of the period"
         with checks.own_code(what, allowed, indenter):

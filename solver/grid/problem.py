@@ -42,7 +42,7 @@ class Problem:
 
     scene: Scene
     """Of any grid."""
-    rigidity: LayerOnGrid
+    layer: LayerOnGrid
     """The layer on this grid."""
     indenter: IndenterOnGrid
     """The indenter on this grid."""
@@ -55,16 +55,16 @@ class Problem:
     def from_scene(cls, scene: Scene, num_points: int | None = None) -> "Problem":
         """Discretise a scene on its own grid, or on another one of `num_points`."""
         n = num_points or scene.num_points
-        rigidity = layer_on_grid(scene.layer, n, scene.period)
+        layer = layer_on_grid(scene.layer, n, scene.period)
         indenter = indenter_on_grid(scene.indenter, n, scene.period)
-        unit = (scene.reduced_load or 1.0) / rigidity.unit  # without a load any unit will do
+        unit = (scene.reduced_load or 1.0) / layer.unit  # without a load any unit will do
         with np.errstate(over="ignore"):
             height = indenter.profile / unit
         return cls(
             scene=scene,
-            rigidity=rigidity,
+            layer=layer,
             indenter=indenter,
-            height=np.minimum(height, _FAR * _reach(rigidity.stiffness, n), out=height),
+            height=np.minimum(height, _FAR * _reach(layer.stiffness, n), out=height),
             length_unit=unit * scene.period,
         )
 
@@ -84,12 +84,12 @@ class Problem:
     @property
     def stiffness(self) -> Array64:
         """K(q_k), shape (N//2 + 1,) [`stiffness_unit`]."""
-        return self.rigidity.stiffness
+        return self.layer.stiffness
 
     @property
     def stiffness_unit(self) -> float:
         """The unit [K] over E*/L (dimensionless)."""
-        return self.rigidity.unit
+        return self.layer.unit
 
     @property
     def num_points(self) -> int:

@@ -26,8 +26,8 @@ def prolong(coarse: Problem, pressure: Array64, patches: Patches, ends: Edges, f
     factor = num_points / pressure.size
     coarse_curve = fine_curve = half_space_curve()
     # on layers thicker than the nodes that tell an edge the half-space's is right near it, and the rest is smooth
-    if coarse.rigidity.thickness < UNRESOLVED_BELOW:
-        coarse_curve, fine_curve = coarse.rigidity.edge_curve, finer.rigidity.edge_curve
+    if coarse.layer.thickness < UNRESOLVED_BELOW:
+        coarse_curve, fine_curve = coarse.layer.edge_curve, finer.layer.edge_curve
     if patches.full:
         x = np.arange(num_points) / factor
         return np.asarray(np.interp(x, np.arange(pressure.size), pressure, period=pressure.size))

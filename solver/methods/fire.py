@@ -122,7 +122,7 @@ class RebasedFire(Method):
 def begin_fire(kind: type[Fire], problem: Problem, config: ExecutionConfig) -> Method:
     """FIRE of a kind on a grid; in mixed precision on the change of a displacement in float64."""
     if config.device != "cpu":
-        from .fire_on_gpu import begin  # imports what only a GPU needs
+        from .fire_on_gpu import begin  # its imports only a GPU needs
 
         state, net_force = begin(kind, problem, config)
     else:

@@ -1,4 +1,4 @@
-"""The end of a solve: its certificate, another attempt where that is bad, and the solution made from what was found."""
+"""The end of a solve: its certificate, another attempt where that is bad, and the solution."""
 
 import math
 import time

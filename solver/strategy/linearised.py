@@ -103,11 +103,11 @@ def _beyond_nodes(solution: Solution, punch: Array64, surface: Array64) -> float
         beyond_first = (table.left / scene.period * n - patches.first + n / 2) % n - n / 2
         begins = patches.first + beyond_first
         edges = replace(edges, left=begins, right=begins + table.width / scene.period * n)
-    curve = problem.rigidity.edge_curve
+    curve = problem.layer.edge_curve
     gaps, many = patches.gap, patches.size >= UNRESOLVED_BELOW  # nodes of the gaps
     # where the layer, or a gap, is narrower than a patch, a lone punch on a half-space says nothing of that
     alone = (patches.size < gaps.min(axis=0)) | ~many
-    thick = patches.size < problem.rigidity.thickness
+    thick = patches.size < problem.layer.thickness
     by_load = edges.by_load & alone & thick & (edges.width > 0)
     told = np.stack([np.roll(edges.by_gap, 1), edges.by_gap])
     last_nodes = np.stack([patches.first, patches.last]) % pressure.size

@@ -7,6 +7,7 @@ one's contact pressure (`grid.prolong`).
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 from .. import checks
 from ..arrays import Array64
@@ -30,8 +31,15 @@ COARSEST = 512
 DEFAULT_TOLERANCE, COARSE_TOLERANCE = 1e-8, 1e-4
 """Equilibrium residual over p to stop at in float64 and mixed precision; on coarse grids or in float32, at least."""
 
-Contact = tuple[Problem, Array64, Patches, Edges]
-"""A grid, the contact pressure of its nodes, shape (N,) [p], and the patches with their ends."""
+
+class Contact(NamedTuple):
+    """The contact on one grid."""
+
+    problem: Problem
+    pressure: Array64
+    """Contact pressure, shape (N,) [p]."""
+    patches: Patches
+    ends: Edges
 
 
 @dataclass
@@ -89,7 +97,7 @@ class Run:
     @property
     def contact_share(self) -> float:
         """Share of the nodes that are in contact, 0 where that is not known (dimensionless)."""
-        return self.contact[2].nodes.size / self.contact[1].size if self.contact else 0.0
+        return self.contact.patches.nodes.size / self.contact.pressure.size if self.contact else 0.0
 
     def begin(self, problem: Problem, tolerance: float, kind: MethodKind | None = None) -> Method:
         """A method on a grid; by default the one that was chosen.
@@ -117,7 +125,7 @@ class Run:
 
     def start_from_contact(self, finer: Method) -> None:
         """Begin on a finer grid from the contact of the last one that was measured, if there is one."""
-        if self.contact and self.contact[1].any():
+        if self.contact and self.contact.pressure.any():
             finer.start_from_pressure(prolong(*self.contact, finer.problem))
 
     def over_grids(self, sizes: Sequence[int], begin: Callable[[int], Method], measure_last: bool) -> Iterator[None]:
@@ -186,4 +194,4 @@ def _measured(state: Method, by_loads: bool) -> tuple[Level, Contact]:
     measured, patches, edges = measure(problem, displacement, pressure, problem.scene.pressure, by_loads)
     level = Level(**measured, num_points=problem.num_points, iterations=state.iteration, transform_pairs=pairs)
     problem.indenter.rest()
-    return level, (problem, pressure, patches, edges)
+    return level, Contact(problem, pressure, patches, edges)

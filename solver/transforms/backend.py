@@ -78,8 +78,8 @@ class Backend(ABC):
 
     @abstractmethod
     def forward(self, source: Array) -> Callable[[], None]:
-        """A function without arguments that transforms source[:N], which it keeps, into the spectrum. Plan before
-        filling the source.
+        """A function without arguments that transforms source[:N] into the spectrum. It keeps the source unless that is
+        a `field`. Plan before filling the source.
         """
 
     @abstractmethod

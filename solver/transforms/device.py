@@ -11,7 +11,7 @@ from .. import checks
 DEVICES = ("cpu", "cuda")
 """Where a method can work: on the CPU, or on a GPU of NVIDIA's."""
 PLANNING = ("estimate", "measure", "patient")
-"""Planning effort. 'estimate' plans at once, and takes what wisdom holds of an earlier, greater effort."""
+"""Planning effort. 'estimate' plans at once, and takes plans of an earlier, greater effort from wisdom."""
 
 _one_at_a_time = threading.RLock()
 

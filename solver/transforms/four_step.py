@@ -143,15 +143,15 @@ class _RowWorker:
     value; factors: those of `multiply`.
     """
 
-    def __init__(self, row: int, planner: Transforms) -> None:
+    def __init__(self, row: int, transforms: Transforms) -> None:
         """row: C."""
-        rows = planner.buffer(2 * row * _ROWS)
+        rows = transforms.buffer(2 * row * _ROWS)
         self.values = rows.reshape(_ROWS, -1, 2, layout.COLUMNS)
-        modes = planner.complex(rows).reshape(_ROWS, row)
-        self.transform = planner.plan(modes, modes, "FFTW_FORWARD", threads=1)
-        self.transform_back = planner.plan(modes, modes, "FFTW_BACKWARD", threads=1)
-        self.factors = planner.buffer(rows.size)
-        self.multiply = planner.record([Call("spectral_multiply", (self.factors,), (rows,))])
+        modes = transforms.complex(rows).reshape(_ROWS, row)
+        self.transform = transforms.plan(modes, modes, "FFTW_FORWARD", threads=1)
+        self.transform_back = transforms.plan(modes, modes, "FFTW_BACKWARD", threads=1)
+        self.factors = transforms.buffer(rows.size)
+        self.multiply = transforms.record([Call("spectral_multiply", (self.factors,), (rows,))])
 
 
 class _ColumnWorker:
@@ -159,26 +159,26 @@ class _ColumnWorker:
     columns), of two columns after the other; far: their first column's twiddle factors.
     """
 
-    def __init__(self, num_rows: int, near: Array, planner: Transforms) -> None:
+    def __init__(self, num_rows: int, near: Array, transforms: Transforms) -> None:
         """near: twiddle factors from the first column."""
         count = num_rows // 2 + 1
-        self.far = planner.buffer(2 * count)
-        columns, spectra = planner.buffer(num_rows * layout.STRIDE), planner.buffer(near.size)
+        self.far = transforms.buffer(2 * count)
+        columns, spectra = transforms.buffer(num_rows * layout.STRIDE), transforms.buffer(near.size)
         columns = columns[: num_rows * layout.STRIDE]
         self.columns = columns.reshape(-1, layout.STRIDE)[:, : layout.COLUMNS]
         self.spectra = spectra[: 2 * layout.COLUMNS * count].reshape(count, 2, layout.COLUMNS)
-        modes = planner.complex(self.columns)
-        self.transform = planner.plan(modes, modes, "FFTW_FORWARD", axis=0, threads=1)
-        self.transform_back = planner.plan(modes, modes, "FFTW_BACKWARD", axis=0, threads=1)
-        self.unpack = planner.record([Call("unpack_columns", (near, self.far, columns), (spectra,))])
-        self.pack = planner.record([Call("pack_columns", (near, self.far, spectra), (columns,))])
+        modes = transforms.complex(self.columns)
+        self.transform = transforms.plan(modes, modes, "FFTW_FORWARD", axis=0, threads=1)
+        self.transform_back = transforms.plan(modes, modes, "FFTW_BACKWARD", axis=0, threads=1)
+        self.unpack = transforms.record([Call("unpack_columns", (near, self.far, columns), (spectra,))])
+        self.pack = transforms.record([Call("pack_columns", (near, self.far, spectra), (columns,))])
 
 
 def do_all(workers: Sequence[Worker], parts: Sequence[Part], work: Callable[[Worker, Part], None]) -> None:
     """Do `work` on every part, each worker in a thread of its own, the first one in this thread.
 
     Python's lock is held for a small share of the time only: NumPy, FFTW and Warp give it back while they work. Returns
-    when all workers have ended, and then raises what went wrong first; Ctrl-C waits for that, too.
+    when all workers have ended, and then raises the first error; Ctrl-C waits for that, too.
     """
     failed: list[BaseException] = []
 

@@ -1,7 +1,7 @@
 """FFTW: the library, its plans, and transforms of plain arrays now and then.
 
 Those are in float64, with NumPy's normalisation: 1/N on the way back. Short ones are NumPy's own, which need no plan.
-What is done often on arrays of one length goes through `planned`.
+Transforms done often on arrays of one length go through `planned`.
 
 pyFFTW is imported without SciPy and Dask, which its interfaces would import although nothing here uses them. They are
 hidden only while pyFFTW is being imported; afterwards they can be imported as ever. pyFFTW's interfaces for them are

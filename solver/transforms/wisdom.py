@@ -48,7 +48,7 @@ def _import() -> None:
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         done = False
     if not done:
-        derived.discard(path)  # what is planned from now on is kept in a new one
+        derived.discard(path)  # new plans are kept in a new one
         warnings.warn(f"FFTW wisdom in {path} was broken and is ignored", RuntimeWarning, stacklevel=3)
 
 

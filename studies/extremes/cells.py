@@ -159,9 +159,9 @@ _HEIGHTS = {
 def _full_load(indenter: PowerIndenter | RoughIndenter | MeasuredIndenter, layer: Layer, num_points: int) -> float:
     """p/E* at which the last node touches, 1e-12 to 1e12 (dimensionless)."""
     heights = np.minimum(indenter.profile(num_points, 1.0), 1e100)
-    rigidity = half_spectrum(layer, num_points, 1.0)
+    stiffness = half_spectrum(layer, num_points, 1.0)
     with np.errstate(over="ignore", invalid="ignore"):
-        highest = float(irfft(rigidity * rfft(heights), num_points).max())
+        highest = float(irfft(stiffness * rfft(heights), num_points).max())
     return min(max(highest, 1e-12), 1e12) if math.isfinite(highest) else 1e12
 
 

@@ -220,7 +220,7 @@ _ITERATIONS = {
 }
 """One iteration of plain FIRE, with real transforms and in four steps, which the program chooses from 2^20 points on
 unless plans were measured; of FIRE in mixed precision, of mass-weighted FIRE, and of the active set's search without
-what it does on the contact nodes alone.
+its work on the contact nodes alone.
 """
 
 

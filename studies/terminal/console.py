@@ -218,9 +218,10 @@ def _refusal(error: Exception) -> str:
     if isinstance(error, OSError) and error.filename == OUTPUT:
         silence(sys.stdout)
         return f"{OUTPUT} could not be written ({error.strerror})"
+    if isinstance(error, FileNotFoundError) and not error.filename:
+        return "the folder that this runs in is gone; allowed: one that exists"
     if isinstance(error, OSError):
-        gone = "the folder that this runs in is gone; allowed: one that exists"
-        return text if error.filename else gone * isinstance(error, FileNotFoundError)
+        return text if error.filename else ""
     return text if is_refusal(error) else ""
 
 

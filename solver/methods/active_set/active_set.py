@@ -43,7 +43,7 @@ class ActiveSet(Search[ContactSet]):
         # on a half-space K is q/2: below a stiff coating long waves find a base that is softer
         soft_base = bool(problem.stiffness[1] * (problem.stiffness.size - 1) < _SOFT * problem.stiffness[-1])
         self._begins_cautious = soft_base and self._precision == "float64" and not self._fixed_set
-        self._surface = Surface(problem, None if self._begins_cautious else problem.rigidity.split, everywhere)
+        self._surface = Surface(problem, None if self._begins_cautious else problem.layer.split, everywhere)
         self._begun = False
 
     def start(self, displacement: Array64) -> None:
@@ -159,18 +159,18 @@ class ActiveSet(Search[ContactSet]):
 
 def begin(problem: Problem, config: ExecutionConfig) -> ActiveSet | FreeNodes:
     """The active set on a grid, in the form that suits the contact's share of it."""
-    of_layer = problem.rigidity
+    layer = problem.layer
     much = config.contact_share >= _LEAST and config.precision == "float64"
-    free = much and of_layer.stiffness_decays
-    symbol = problem.stiffness if free else of_layer.compliance
+    free = much and layer.stiffness_decays
+    symbol = problem.stiffness if free else layer.compliance
     # plans and recorded kernels are a quarter of a small solve's time: they serve the next one with layer and grid, and
     # do not keep the layer's response alive
     key = free, config.precision, config.threads, config.planning, config.backend
-    left: list[tuple[Everywhere, GreensFunction]] = of_layer.made.setdefault(key, [])
+    left: list[tuple[Everywhere, GreensFunction]] = layer.made.setdefault(key, [])
     try:
         field, green = left.pop()
     except IndexError:  # all are in use
-        field, green = Everywhere(symbol, problem.num_points, config), GreensFunction(weakref.proxy(of_layer))
+        field, green = Everywhere(symbol, problem.num_points, config), GreensFunction(weakref.proxy(layer))
     field.begin(problem.height)
     green.begin()
     found: ActiveSet | FreeNodes = (FreeNodes if free else ActiveSet)(problem, config, green, field)
@@ -181,7 +181,7 @@ def begin(problem: Problem, config: ExecutionConfig) -> ActiveSet | FreeNodes:
 
 def _bytes_per_point(contact_share: float) -> float:
     # measured on 2^23 and 2^24 points: 92 to 101 (2 % in contact), 116 (10 %), 152 (21 %), 163 (74 %), 188 (99.8 %)
-    # and up to 12 % more on 2^23 points with what is kept of coarser grids
+    # and up to 12 % more on 2^23 points with the arrays kept of coarser grids
     return 120 + min(360 * contact_share, 60 + 100 * contact_share)
 
 

@@ -32,7 +32,7 @@ def gap_by_gap(green: GreensFunction, gaps: Patches) -> RunByRun:
 
     def long(size: int) -> Inverse:
         ring = green.ring(size)
-        return lambda force: ring(ring.inverse_rigidity, force)
+        return lambda force: ring(ring.inverse_stiffness, force)
 
     return RunByRun(gaps, partial(green.factor, of_stiffness=True), long)
 

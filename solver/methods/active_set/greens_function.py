@@ -43,9 +43,8 @@ _SHORT = 16  # times shorter than the grid are rings that are kept for the next 
 class GreensFunction:
     """Real-space G and K of one grid of N points, with its short transforms; for one solve at a time."""
 
-    def __init__(self, response: LayerOnGrid) -> None:
-        """response: G of the grid."""
-        self.response, self.num_points = response, response.num_points
+    def __init__(self, layer: LayerOnGrid) -> None:
+        self.layer, self.num_points = layer, layer.num_points
         self._factors: dict[bool, Array64] = {}
         self._convolutions: dict[int, Convolution] = {}
 
@@ -60,8 +59,8 @@ class GreensFunction:
         """`inverse_cholesky` of G [K^(1/2)] or K [1/K^(1/2)], shape (m, m) with m >= order; kept for the next call."""
         known = self._factors.get(of_stiffness)
         if known is None or len(known) < order:
-            order, whole = min(64 * -(-order // 64), self.num_points - 1), self.response.stiffness
-            column = irfft(whole, self.num_points)[:order] if of_stiffness else self.response.head(order)
+            order, whole = min(64 * -(-order // 64), self.num_points - 1), self.layer.stiffness
+            column = irfft(whole, self.num_points)[:order] if of_stiffness else self.layer.head(order)
             known = self._factors[of_stiffness] = inverse_cholesky(column)
         return known
 
@@ -72,7 +71,7 @@ class GreensFunction:
         nodes: shape (M,); height: h there [u]; load: the pressure's mean over N [p].
         """
         try:
-            matrix = np.take(self.response.whole, nodes[:, None] - nodes, mode="wrap")
+            matrix = np.take(self.layer.whole, nodes[:, None] - nodes, mode="wrap")
             punch, shape = np.linalg.solve(matrix, np.stack([np.ones(nodes.size), height], axis=1)).T
         except (np.linalg.LinAlgError, MemoryError):
             return None
@@ -88,7 +87,7 @@ class GreensFunction:
     def convolution(self, length: int) -> "Convolution":
         """K and G on a ring of that many nodes; for N, those of the grid."""
         if length not in self._convolutions:
-            self._convolutions[length] = Convolution(self.response, length)
+            self._convolutions[length] = Convolution(self.layer, length)
         return self._convolutions[length]
 
     def ring(self, size: int) -> "Convolution":
@@ -116,16 +115,16 @@ def patch_sums(second_sum: Array64, first: Indices, last: Indices) -> Array64:
 class Convolution:
     """Short transforms of one length, for values on a patch that is no longer."""
 
-    def __init__(self, response: LayerOnGrid, length: int) -> None:
-        self._response, self.length = response, length
+    def __init__(self, layer: LayerOnGrid, length: int) -> None:
+        self._layer, self.length = layer, length
         self._pair = Pair(length)
         self.count = 0
         """Of the transforms there and back, in the present solve."""
 
     @cached_property
-    def rigidity(self) -> Array64:
+    def stiffness(self) -> Array64:
         """K at the ring's wave numbers, since its tails decay; shape (length//2 + 1,)."""
-        stiffness, count = self._response.stiffness, self.length // 2 + 1
+        stiffness, count = self._layer.stiffness, self.length // 2 + 1
         if count == stiffness.size:
             return stiffness
         at = np.linspace(0, stiffness.size - 1, count)
@@ -135,16 +134,16 @@ class Convolution:
     @cached_property
     def compliance(self) -> Array64:
         """G as it is in real space up to half of the ring, of the same shape."""
-        if self.length == self._response.num_points:
-            return self._response.compliance
+        if self.length == self._layer.num_points:
+            return self._layer.compliance
         count = self.length // 2 + 1
-        return irfft(self._response.head(count) * self.length, self.length)[:count]
+        return irfft(self._layer.head(count) * self.length, self.length)[:count]
 
     @cached_property
-    def inverse_rigidity(self) -> Array64:
+    def inverse_stiffness(self) -> Array64:
         """1/K; modes softer than half of the longest wave, the mean one above all, count as that stiff."""
-        least = self.rigidity[1] / 2
-        return np.asarray(1 / np.maximum(self.rigidity, least))
+        least = self.stiffness[1] / 2
+        return np.asarray(1 / np.maximum(self.stiffness, least))
 
     def __call__(self, symbol: Array64, values: Array64) -> Array64:
         """Circular convolution of zero-padded values with a symbol, shape (length//2 + 1,), at the values' nodes."""

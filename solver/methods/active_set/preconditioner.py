@@ -6,7 +6,7 @@ Local part. Every patch on its own (`RunByRun`); in full contact K of all nodes,
 matrix, so all patches share one inverse Cholesky factor, whose leading m x m block serves a patch of m nodes
 (`inverse_cholesky`). For longer patches K restricted to the patch, by a short transform, is nearly the inverse: K_bb >=
 G_bb^-1, and K_bb G_bb has the spectrum 1 except one outlier for each edge (3 to 11 on the half-space). Both are
-deflated with K_bb 1 and K_bb x; 1 to 1.4 is left. Gaps are inverted run by run, too, with K in the place of G; long
+deflated with K_bb 1 and K_bb x; 1 to 1.4 is left. Gaps are inverted run by run, too, with K instead of G; long
 ones by 1/K on a ring, without deflation (`free_nodes`).
 
 Coarse part (deflation). One unknown per patch: the load of its flat punch, G_bb^-1 1. The entries of Z'GZ need no
@@ -65,14 +65,14 @@ class LongPatch:
     def __init__(self, green: GreensFunction, size: int) -> None:
         self._ring = ring = green.ring(size)
         # 1 is even and x is odd on the patch, and both operators keep that: one transform for the two
-        self._basis = _even_and_odd(ring(ring.rigidity, 1 + np.linspace(-1, 1, size)))
+        self._basis = _even_and_odd(ring(ring.stiffness, 1 + np.linspace(-1, 1, size)))
         self._image = _even_and_odd(ring(ring.compliance, self._basis.sum(axis=0)))
         self._inverse = np.linalg.inv(self._basis @ self._image.T)
 
     def __call__(self, residual: Array64) -> Array64:
         """About G_bb^-1 residual, shape (m,); symmetric and positive definite."""
         coarse = self._inverse @ (self._basis @ residual)
-        z = self._ring(self._ring.rigidity, residual - coarse @ self._image)
+        z = self._ring(self._ring.stiffness, residual - coarse @ self._image)
         return np.asarray(z + (coarse - self._inverse @ (self._image @ z)) @ self._basis)
 
 
@@ -103,7 +103,7 @@ class PatchDeflation:
             # as if the load were spread from the first to the last of the patches that share an unknown
             first, last = patches.first[starts], patches.last[np.append(starts[1:], patches.count) - 1]
             density = self._loads / (last - first + 1)
-            coarse = patch_sums(green.response.second_sum, first, last) * np.outer(density, density)
+            coarse = patch_sums(green.layer.second_sum, first, last) * np.outer(density, density)
             own = self._loads if share == 1 else coarse.diagonal() + self._loads  # a flat punch under itself
             np.fill_diagonal(coarse, own)
             self._factor = _inverse_factor(coarse, self._loads)
@@ -117,7 +117,7 @@ class PatchDeflation:
         """Preconditioned residual (a pressure), both shape (contact nodes,) in compact order; its sum is 0."""
         if self.patches.full:
             whole = self._green.convolution(residual.size)
-            return whole(whole.rigidity, residual)
+            return whole(whole.stiffness, residual)
         loads = self._loads
         moments = self._sums(self._punch * residual)
         z = self._local(residual - (moments / loads)[self._of_node])

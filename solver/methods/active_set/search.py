@@ -112,7 +112,7 @@ class Search(Method, Generic[Nodes]):
 
     def rest(self) -> None:
         self._all.rest()
-        self._green.response.rest()
+        self._green.layer.rest()
 
     @property
     def _aim(self) -> float:
