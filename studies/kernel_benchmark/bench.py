@@ -121,7 +121,7 @@ class Bench:
         if self.benchmark.group == "roofs":
             return {}
         if self.benchmark.group == "transforms":
-            length = {"half_length_pair": n // 2, "rows_pair": min(ROW, n // 2)}.get(self.benchmark.name, n)
+            length = min(ROW, n // 2) if self.benchmark.name == "rows_pair" else n
             whole = n if first != last else n // 2 // length * length * 2
             return {last: np.concatenate([length * start[first][:whole], start[first][whole:]])}
         view = Arrays(self.benchmark, self.transforms, {name: np.array(array) for name, array in self.arrays.items()})

@@ -180,11 +180,8 @@ _HALVES = (
 """Real transforms, by the usual count of operations of a complex one, and both ways with a multiplication by 1 in
 between; only measured as pairs, or as parts of an iteration."""
 
-_PAIRS = (
-    Benchmark("half_length_pair", "transforms", "packed:inout", lambda n: 5 * n * math.log2(n / 2)),
-    Benchmark("rows_pair", "transforms", "rows:inout", lambda n: 5 * n * math.log2(min(ROW, n / 2))),
-)
-"""In place, there and back: one complex transform of N/2 numbers, and as many rows of `ROW` complex numbers."""
+_ROWS = Benchmark("rows_pair", "transforms", "rows:inout", lambda n: 5 * n * math.log2(min(ROW, n / 2)))
+"""Complex transforms of rows of `ROW` numbers, N/2 in all; in place, there and back."""
 
 _ROOFS = (
     Benchmark("read", "roofs", "a:in total:sum", c_whole=_READ),
@@ -231,7 +228,7 @@ def _all() -> dict[str, Benchmark]:
     composed += [("transforms", "real_pair", _PAIR)]
     for group, name, texts in composed:
         found[name] = compose(name, group, tuple(map(sequences.parse, texts)), found)
-    found |= {one.name: one for one in (*_PAIRS, *_ROOFS)}
+    found |= {one.name: one for one in (_ROWS, *_ROOFS)}
     return {name: one for name, one in found.items() if one not in _HALVES}
 
 
