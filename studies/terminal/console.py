@@ -16,6 +16,7 @@ from linecontact.solver.methods import Progress as Report
 from rich import box
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Column
 from rich.text import Text
 
 from . import arguments
@@ -98,6 +99,9 @@ def exit_status(status: Status) -> int:
     return EXIT_INTERRUPTED if status is Status.INTERRUPTED else EXIT_NOT_CONVERGED
 
 
+_BAR = 10  # columns
+
+
 class Bar:
     """Progress on standard error: a bar on a terminal, a plain line every `every` seconds elsewhere."""
 
@@ -107,8 +111,9 @@ class Bar:
         self._what, self._begin, self._said = what, time.monotonic(), time.monotonic()
         self._start: float | None = None  # share of the work when it was shown first
         self._broken = False
-        columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:3.0f} %"))
-        state = TextColumn("{task.fields[state]}")
+        bar = BarColumn(_BAR, table_column=Column(no_wrap=True))
+        columns = (TextColumn("{task.description}"), bar, TextColumn("{task.percentage:3.0f} %"))
+        state = TextColumn("{task.fields[state]}", table_column=Column(overflow="fold"))  # alone is wrapped
         self._progress = Progress(*columns, state, TimeElapsedColumn(), console=errors, transient=True)
         self._task = self._progress.add_task(what, total=1.0, state="")
 
