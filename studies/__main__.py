@@ -50,6 +50,8 @@ def main() -> int:
     except Exception as error:  # outside, too: the reader of --help has gone away, or the disk is full
         return _ended_by(error)
     finally:
+        if interrupt is signal.default_int_handler:  # threads and files are closed after this
+            signal.signal(signal.SIGINT, _leave)
         gc.freeze()
 
 
