@@ -237,4 +237,4 @@ def _title(results: dict[str, Any], patches: int) -> str:
     told = ", ".join(
         filter(None, (*of_layer, f"\n{below}" * bool(below), load(about)))
     )  # the base on a line of its own
-    return "\n".join(filter(None, (titles.pressed(results), told, found))) + ended
+    return "\n".join(filter(None, (titles.pressed(results), told, titles.own(results), found))) + ended
