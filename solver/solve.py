@@ -46,7 +46,7 @@ def solve(
     device: str = "cpu",
     progress: Progress | None = None,
 ) -> Solution:
-    """Solve a scene.
+    """Solve a scene; returns a `Solution`.
 
     accuracy: the relative error wanted, 1e-9 to 0.1 (dimensionless). Model, method, grid and tolerance are then chosen
         for it and must not be given; the scene's grid is the finest allowed, its precision must be the default. See

@@ -91,7 +91,11 @@ def check_file(path: Path, overwrite: bool) -> None:
 
 
 def load(path: Name) -> StoredSolution:
-    """Read a file that `save` or the command line has written. Raises `ValueError` for any other."""
+    """Read a file that `save` or the command line has written, as a `StoredSolution`: the arrays `x`, `profile`,
+    `displacement` and `contact_pressure`, the table `patches`, and all other numbers by name in `results`.
+
+    Raises `ValueError` for any other file.
+    """
     path = as_path("path", path)
     with open_file(path) as file:
         if (kind := str(file.attrs["kind"])) != KIND:

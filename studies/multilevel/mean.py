@@ -33,10 +33,10 @@ def ensemble_mean(
     observable: 'kappa', 'contact-area', 'peak-pressure', 'approach' or 'mean-gap'. max_seconds, max_samples: time of
         solving [s], and solves, that may be planned.
 
-    Returns the mean, its standard error, an estimate of what the finest grid is off (the bias), and what each grid has
-    added. Where the finest grid is the scene's, the bias may be more than a third of the standard error. M. B. Giles,
-    Operations Research 56, 607 (2008). Raises `ValueError`, also where the standard error is out of reach, which is
-    known from the first surfaces.
+    Returns an `Estimate`: the mean, its standard error, an estimate of the finest grid's error (the bias), and the
+    contribution of each grid. Where the finest grid is the scene's, the bias may be more than a third of the standard
+    error. M. B. Giles, Operations Research 56, 607 (2008). Raises `ValueError`, also where the standard error is out of
+    reach, which is known from the first surfaces.
     """
     if not isinstance(observable, str):
         raise ValueError(f"observable is {observable!r}; allowed: one of {', '.join(samples.OBSERVABLES)}")

@@ -107,7 +107,7 @@ class Scan(NamedTuple):
 
 
 def read_scan(path: str | os.PathLike[str], **options: Any) -> Scan:
-    """Read a scan from a file: indenter, period and number of grid points, which a `Scene` takes.
+    """Read a scan from a file as a `Scan`: indenter, period and number of grid points, which a `Scene` takes.
 
     path: the file. options: as the fields of `Options` say, for instance `x_unit="um"`, `z_unit="nm"`,
     `scan_length=1e-3`, `num_points=2**14`. Lengths of the scene are in metres unless `length_unit` says otherwise.
