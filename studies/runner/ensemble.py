@@ -74,19 +74,18 @@ class Ensemble:
         self._lost_in_a_row = 0
         self._begin = time.monotonic()
 
-    def add(self, tasks: Iterable[Task]) -> None:
-        """Take on further tasks; those that are done, in this run or a former one, have their records at once."""
+    def add(self, tasks: Iterable[Task]) -> bool:
+        """Take on tasks, and say whether any is new; those that a former run has done have their records at once."""
         known = set(self.tasks)
-        for task in dict.fromkeys(tasks):
-            if task in known:
-                continue
-            self.tasks.append(task)
+        self.tasks += (task for task in dict.fromkeys(tasks) if task not in known)
+        for task in self.tasks[len(known) :]:
             record = self.folder.load(task)
             if record is None:
                 self._waiting.append(task)
             else:
                 self.records[task] = record
                 self.worst = max(self.worst, _residual(record))
+        return len(self.tasks) > len(known)
 
     @property
     def share(self) -> float:
@@ -135,9 +134,7 @@ class Ensemble:
     def _left(self, more: Callable[[], Iterable[Task]]) -> bool:
         """Whether anything is left to do, further tasks included."""
         while not (self._waiting or self._running):
-            before = len(self.tasks)
-            self.add(more())
-            if len(self.tasks) == before:
+            if not self.add(more()):
                 return False
         return True
 
