@@ -1,4 +1,4 @@
-"""What a solve returns."""
+"""The answer of a solve."""
 
 import math
 import os
@@ -27,7 +27,7 @@ MOST_ENERGY = 0.1
 
 @dataclass(frozen=True)
 class Level(Measured):
-    """What a coarser grid gave; on grids before the last coarser one pressures alone tell the edges."""
+    """The results of a coarser grid; on grids before the last coarser one pressures alone tell the edges."""
 
     num_points: int
     """Its points."""
@@ -48,7 +48,7 @@ class Choice:
     reason: str
     """Why."""
     error: float = 0.0
-    """Estimate of the relative error that it brings into what the accuracy is asked of, or of a pressure that was found
+    """Estimate of the relative error that it brings into the quantity asked for, or of a pressure that was found
     its own (dimensionless); 0: none."""
 
     def __repr__(self) -> str:
@@ -75,7 +75,7 @@ class Solution(Value):
     contact: Mask
     """Nodes that the wall carries, shape (N,)."""
     observables: Observables
-    """Contact area, kappa and what else is measured."""
+    """Contact area, kappa and other measured numbers."""
     patches: PatchTable
     """The contact patches, a `PatchTable`: their ends, widths, loads and largest pressures."""
     certificate: Certificate | None
@@ -93,7 +93,7 @@ class Solution(Value):
     backend: str
     """What ran the kernels on the finest grid."""
     reason: Reason | None = None
-    """Why the status is not `CONVERGED`, and what is allowed instead; None if it is."""
+    """Why the status is not `CONVERGED`, and the allowed values; None if it is."""
     handed_over: bool = False
     """The method did not settle or could not have its result certified, and another one went on from there."""
     levels: tuple[Level, ...] = field(default_factory=tuple)
@@ -101,7 +101,7 @@ class Solution(Value):
     accuracy: float | None = None
     """The relative error asked for, if any (dimensionless)."""
     accuracy_of: str = "contact-area"
-    """Of what: one of `QUANTITIES`."""
+    """Of which quantity: one of `QUANTITIES`."""
     choices: tuple[Choice, ...] = field(default_factory=tuple)
     """What was chosen for the user, and why."""
     device: str = "cpu"
@@ -120,7 +120,7 @@ class Solution(Value):
         return display.html_table("Solution", [*self._rows(), *warned, *self.scene.rows()])
 
     def _rows(self) -> list[display.Row]:
-        """What was found, as it is shown: how it ended and what it took first."""
+        """The results as they are shown: how it ended and its cost first."""
         found, units = self.observables, self.scene.units
         return [
             display.Row("status", str(self.status), ""),

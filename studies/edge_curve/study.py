@@ -40,7 +40,7 @@ _STEP = 1.01  # factor of the load, to find how the contact grows with it
 
 @dataclass(frozen=True)
 class Configuration:
-    """What identifies the study."""
+    """The configuration that identifies the study."""
 
     scenes: tuple[tuple[int, float, float, str, float, float, float], ...] = (
         (2**15, 2e-3, 2.0, "bonded", math.inf, 0.25, 0.0),
@@ -174,5 +174,5 @@ STUDY = Study(name=NAME, options=Options, plans=plans, report=report, draw=draw)
 
 
 def command(options: Options) -> int:
-    """Run the study as asked, or what is left of it; returns the exit status."""
+    """Run the study as asked, or the rest of it; returns the exit status."""
     return run_study(STUDY, options)

@@ -1,4 +1,4 @@
-"""Titles of figures: what they say of a scene, from its stored numbers, on lines that are not too wide."""
+"""Titles of figures: a scene in words, from its stored numbers, on lines that are not too wide."""
 
 import re
 from collections.abc import Collection, Mapping
@@ -78,7 +78,7 @@ def _shortened(name: str) -> str:
 
 
 def pressed(results: Mapping[str, Any], but: Collection[str] = ()) -> str:
-    """What is pressed against the layer: the name of a scan, or a profile and its numbers.
+    """The indenter: the name of a scan, or a profile and its numbers.
 
     results: with `scene.` before each name. but: numbers that are left out.
     """

@@ -1,4 +1,4 @@
-"""HDF5 files with a checksum: what solution files and study files have in common.
+"""HDF5 files with a checksum: the common part of solution files and study files.
 
 Before the HDF5 part, as its user block, stands the SHA-256 of all that follows. A file is read only if the checksum
 fits and, unless this process has written it, after a process of its own has read it without harm (`confined`): a
@@ -25,7 +25,7 @@ if TYPE_CHECKING:  # h5py is imported where a file is opened: much of the progra
 _HEAD = 512  # bytes of HDF5's user block
 _MAX_TEXT = 10_000  # characters of a stored text that are kept
 
-_sound: set[str] = set()  # checksums of what this process has written or checked
+_sound: set[str] = set()  # checksums of files that this process has written or checked
 
 
 @contextlib.contextmanager
@@ -50,7 +50,7 @@ def new_file(path: str | os.PathLike[str]) -> Iterator["h5py.File"]:
 def open_file(path: str | os.PathLike[str]) -> Iterator["h5py.File"]:
     """Read an HDF5 file; raises `StoreError` for a missing or foreign one, `DamagedError` for a damaged one.
 
-    A file is also damaged if the reader does not find in it what it looks for.
+    A file is also damaged if the reader does not find in it the names that it looks for.
     """
     path = Path(path)
     if not os.path.isfile(path):  # Path's own raises for some names
@@ -73,7 +73,7 @@ def open_file(path: str | os.PathLike[str]) -> Iterator["h5py.File"]:
 
 
 def _verify(path: Path) -> str:
-    """The file's checksum, before HDF5 sees the file. Raises `StoreError` if it does not fit what is stored."""
+    """The file's checksum, before HDF5 sees the file. Raises `StoreError` if it does not fit the stored one."""
     try:
         with path.open("rb") as file:
             start = file.read(_HEAD)

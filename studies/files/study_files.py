@@ -32,7 +32,7 @@ class StudyFile:
     kind: str
     """Name of the study."""
     configuration: dict[str, Any]
-    """What the user chose, fit for JSON."""
+    """The choices of the user, fit for JSON."""
     runs: list[dict[str, Any]] = field(default_factory=list)
     """One flat record for each finished run."""
     lines: dict[str, dict[str, NDArray[np.float64]]] = field(default_factory=dict)
@@ -89,7 +89,7 @@ def finished(
     if study.version != RESULTS_VERSION:
         raise refusal(f"results of version {study.version}, not {RESULTS_VERSION}")
     if others := sorted(differ - set(adjustable)):
-        raise refusal(f"what was made with other options ({', '.join(others)})")
+        raise refusal(f"results made with other options ({', '.join(others)})")
     same = not differ or bool(enough and enough(study))
     return study if study.complete and same else None
 

@@ -1,4 +1,4 @@
-"""The list of what is measured: every kernel, the sequences of them that methods launch, whole iterations, transforms,
+"""The list of benchmarks: every kernel, the sequences of them that methods launch, whole iterations, transforms,
 and the memory itself.
 
 A kernel that changes its arguments changes its line here and its reference kernel in `linecontact.kernels.reference`.
@@ -105,7 +105,7 @@ _PACK = (
 
 
 def _of_columns(name: str, arguments: str, pair: str) -> Benchmark:
-    """A kernel on columns of a four-step transform. pair: what C does for two of them in a row."""
+    """A kernel on columns of a four-step transform. pair: C's loop for two of them in a row."""
     c = """
     long rows = 2 * (n / (2 * COLUMNS)) - 2;
     for (long k = 0; k <= rows / 2; k++) {{
@@ -189,7 +189,7 @@ _ROOFS = (
     Benchmark("copy", "roofs", "a:in b:out", c="b[i] = a[i];"),
     Benchmark("update", "roofs", "a:inout", c="a[i] = -a[i];"),
 )
-"""What the memory gives to loops that compute nothing; only in C."""
+"""Loops that compute nothing, for the rate of the memory; only in C."""
 
 _PAIR = ("forward: source -> spectrum", "inverse: spectrum -> target")
 _STIFFNESS = ("forward: u -> spectrum", "spectral_multiply: coefficient -> spectrum", "inverse: spectrum -> elastic")

@@ -22,7 +22,7 @@ from .variants import Arrays, Run, Runs, Variant, in_turn, product, repeated
 LIBRARIES = ("numpy", "scipy", "ducc0")
 """Libraries beside FFTW; those that are not installed are left out."""
 MOST_SECONDS = 10.0
-"""Time that FFTW may take for a plan [s]; what it has found by then is used."""
+"""Time that FFTW may take for a plan [s]; its best plan by then is used."""
 
 
 def variants(benchmark: Benchmark) -> list[Variant]:
@@ -36,7 +36,7 @@ def variants(benchmark: Benchmark) -> list[Variant]:
 
 
 def _steps(arrays: Arrays) -> list[tuple[Array, Array, str]]:
-    """What there is to transform, in order: source, target and the kind of transform."""
+    """The transforms, in order: source, target and the kind of transform."""
     n = arrays.num_points
     complex_type = np.result_type(arrays.transforms.dtype, np.complex64)
     if arrays.benchmark.name == "real_pair":

@@ -56,7 +56,7 @@ def ensemble_mean(
 def check_wanted(
     observables: list[str], standard_error: object, relative: bool, max_seconds: object, max_samples: object
 ) -> Wanted:
-    """What was asked for, checked. Raises `ValueError`."""
+    """The request, checked. Raises `ValueError`."""
     names = [name.strip().replace("_", "-") for name in observables]
     for i, name in enumerate(names):
         checks.choice("observable", name, tuple(samples.OBSERVABLES))

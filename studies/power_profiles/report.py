@@ -89,7 +89,7 @@ def curve(file: StudyFile) -> tuple[Array64, Array64]:
 
 
 def images(file: StudyFile) -> str:
-    """A sentence on what the images in the neighbouring periods do to kappa on the half-space."""
+    """A sentence on the effect of images in the neighbouring periods on kappa on the half-space."""
     run, c = half_space(file), file.configuration
     if run is None:
         return ""

@@ -18,5 +18,5 @@ def draw(path: Path, overwrite: bool = False) -> list[Path]:
     if kind != solution_files.KIND and kind not in STUDIES:
         allowed = ", ".join((*STUDIES, solution_files.KIND))
         raise writing.StoreError(f"file {path} is of kind {kind!r}; allowed: {allowed}")
-    with warnings.catch_warnings(action="ignore"):  # of what matplotlib finds odd in a file
+    with warnings.catch_warnings(action="ignore"):  # Matplotlib's, of odd numbers in a file
         return saving.save(path, solution.draw if kind == solution_files.KIND else find(kind).draw, overwrite)

@@ -2,8 +2,8 @@
 
 A task's record is in a file of its own as soon as the task is finished (`tasks.TaskFolder`). Running a study means
 doing the tasks that have no such file, in any order and anywhere, and then collecting the records, in the study's
-order, into one HDF5 file. So a run that was killed goes on where it was, and the data does not depend on who did what
-when, but for rounding.
+order, into one HDF5 file. So a run that was killed goes on where it was, and the data does not depend on place and
+time of the work, but for rounding.
 
     records, failures = Ensemble(plan.tasks, TaskFolder(path)).run(make_executor)
 
@@ -33,11 +33,11 @@ _SHORT.maxother = 200
 
 
 class TaskError(Exception):
-    """What went wrong in a task, on one line: not every exception survives the way from a worker."""
+    """The error of a task, on one line: not every exception survives the way from a worker."""
 
 
 def perform(task: Task, report: Progress | None = None) -> Record:
-    """What a worker does. A solve that was interrupted raises `KeyboardInterrupt`, anything else `TaskError`."""
+    """The work of a worker. A solve that was interrupted raises `KeyboardInterrupt`, anything else `TaskError`."""
     try:
         record = task.run(report)
         check_record(record)
@@ -107,7 +107,7 @@ class Ensemble:
         show: Callable[["Ensemble"], None] = lambda _: None,
         more: Callable[[], Iterable[Task]] = tuple,
     ) -> tuple[dict[Task, Record], dict[Task, str]]:
-        """Do what is left; returns the records and the reasons of failures, by task.
+        """Do the rest; returns the records and the reasons of failures, by task.
 
         make_executor: called at the start, and again when a worker's death has broken the executor.
         limit: tasks to have submitted at a time; a killed run loses no more than these.

@@ -1,4 +1,4 @@
-"""What the terminal shows: progress with residual and remaining time, and the exit statuses."""
+"""Output on the terminal: progress with residual and remaining time, and the exit statuses."""
 
 import contextlib
 import math
@@ -58,7 +58,7 @@ class _Messages(Plain):
     """Standard error. Where it cannot be written nothing more is said, and the command ends as it would have."""
 
     def _check_buffer(self) -> None:
-        """What all of Rich's output goes through, its thread's, too."""
+        """All of Rich's output goes through here, its thread's, too."""
         try:
             super()._check_buffer()
         except OSError:
@@ -133,7 +133,7 @@ class Bar:
                 self._progress.stop()
 
     def show(self, tell: Callable[[], tuple[float, str]]) -> None:
-        """Show what `tell` gives: the share of the work that is done, 0 to 1, and a text to stand before the time left.
+        """Show `tell()`: the share of the work that is done, 0 to 1, and a text to stand before the time left.
 
         Whatever goes wrong in that, or in showing it, is said once and ends no work.
         """
@@ -193,7 +193,7 @@ def place(error: BaseException) -> str:
 def guard(command: Callable[[], int], kept: str = "") -> int:
     """Run a command; bad input ends in one line and status 2, Ctrl-C in 130, a reader that went away in 141.
 
-    kept: what Ctrl-C leaves, to be said. Whatever else ends it is a bug: it is passed on, for a traceback and status 1.
+    kept: words on finished work, for Ctrl-C. Any other end is a bug, passed on for a traceback and status 1.
     """
     try:
         status = command()
@@ -216,7 +216,7 @@ def guard(command: Callable[[], int], kept: str = "") -> int:
 
 
 def _refusal(error: Exception) -> str:
-    """What to say of an error that is no bug; empty for a bug."""
+    """The message of an error that is no bug; empty for a bug."""
     text = " ".join(str(error).split())
     if isinstance(error, MemoryError):
         return f"not enough memory ({text}); allowed: fewer points"

@@ -106,7 +106,7 @@ def _converted(value: float, unit: float, own: float) -> float:
 
 
 def plain(text: str) -> str:
-    """Text whose letters have one form each: micro signs, Angstrom signs, and what was decoded once too little."""
+    """Text whose letters have one form each: micro signs, Angstrom signs, and text decoded once too little."""
     return unicodedata.normalize("NFKC", text.replace("\u00c2\u00b5", "\u00b5")).strip()
 
 

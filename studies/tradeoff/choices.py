@@ -1,4 +1,4 @@
-"""What can be chosen, each a task: one solve, timed, with its errors (`measuring`)."""
+"""The choices, each a task: one solve, timed, with its errors (`measuring`)."""
 
 import math
 import time
