@@ -42,9 +42,9 @@ class Choice:
     """Something that was chosen for the user."""
 
     what: str
-    """What there was to choose."""
+    """The thing to choose."""
     chosen: str
-    """What was chosen."""
+    """The choice."""
     reason: str
     """Why."""
     error: float = 0.0
@@ -58,10 +58,10 @@ class Choice:
 
 @dataclass(frozen=True)
 class Solution(Value):
-    """A displacement, what it means, how it was found and how wrong it can be."""
+    """A displacement, its meaning, how it was found and how wrong it can be."""
 
     scene: Scene
-    """What was solved, on the grid of the fields."""
+    """The scene that was solved, on the grid of the fields."""
     method: str
     """Name of the method; of the smaller model where no iteration was needed."""
     tolerance: float
@@ -91,7 +91,7 @@ class Solution(Value):
     planning: str
     """FFTW's planning effort."""
     backend: str
-    """What ran the kernels on the finest grid."""
+    """The backend of the kernels on the finest grid."""
     reason: Reason | None = None
     """Why the status is not `CONVERGED`, and the allowed values; None if it is."""
     handed_over: bool = False
@@ -103,12 +103,12 @@ class Solution(Value):
     accuracy_of: str = "contact-area"
     """Of which quantity: one of `QUANTITIES`."""
     choices: tuple[Choice, ...] = field(default_factory=tuple)
-    """What was chosen for the user, and why."""
+    """The choices made for the user, and why."""
     device: str = "cpu"
     """Where the method worked: 'cpu', or the name of the GPU."""
 
     def __repr__(self) -> str:
-        """What was found, in a few lines with units, and the scene; arrays are left out."""
+        """The results, in a few lines with units, and the scene; arrays are left out."""
         rows = self._rows()
         told = [display.sentence("Solution", rows[:4]), display.sentence("found, +- numerical errors", rows[4:])]
         warned = [f"warning, {warning.kind}: {warning.text}" for warning in self.warnings]
@@ -137,7 +137,7 @@ class Solution(Value):
 
     @cached_property
     def warnings(self) -> tuple[SolutionWarning, ...]:
-        """What to doubt, also if the solve converged: its grid, the smallness of strains, what a scan resolves."""
+        """Doubts, also if the solve converged: its grid, the smallness of strains, the resolution of a scan."""
         return tuple(find_warnings(self.scene, self.observables, self.patches, self.displacement))
 
     @property

@@ -1,7 +1,7 @@
 """Real transforms by cuFFT on a GPU, between arrays that the kernels share; `planned` has the convention.
 
 CuPy holds the arrays and calls cuFFT; all of it goes into the queue of Warp's stream, so that transforms and kernels
-are recorded as one graph. What CuPy does by itself it does in the default stream, which waits for Warp's stream, and
+are recorded as one graph. CuPy's own work is in the default stream, which waits for Warp's stream, and
 for which that waits. Nothing here is imported unless a GPU is asked for.
 """
 

@@ -53,7 +53,7 @@ class Summary:
 
     @property
     def title(self) -> str:
-        """What stands above it."""
+        """Its heading."""
         return f"{counted(len(self.file.runs), 'value')} of {self.file.configuration['over']}"
 
     def __rich_console__(self, screen: Console, options: ConsoleOptions) -> RenderResult:
@@ -101,7 +101,7 @@ _COLUMNS: dict[str, tuple[str, Callable[[Mapping[str, Any]], str]]] = {
 _WIDE = tuple(_COLUMNS)
 _NARROW = tuple(name for name in _COLUMNS if name not in ("p*", "mean gap", "peak"))
 _NOT_SHOWN = {"approach": "approach"}
-"""The column that is the number itself, or the same in every row, by what varies; of others the pressure's."""
+"""The column that is the number itself, or the same in every row, by the varied number; of others the pressure's."""
 _MOST = 1000  # columns of a terminal
 
 

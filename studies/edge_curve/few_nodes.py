@@ -106,8 +106,8 @@ def summary(file: StudyFile) -> Table:
     table = console.table(
         title="Areas on rough surfaces with few points to the shortest wave",
         caption=f"Relative error of a_r in thousandths, root mean square over {len(file.configuration['seeds'])} "
-        f"surfaces, with {points[0]} to {points[-1]} points to the shortest wave; true is what "
-        f"{file.configuration['true']} points give. Ends of patches by pressures alone, and by loads where those know "
+        f"surfaces, with {points[0]} to {points[-1]} points to the shortest wave; true is the area of "
+        f"{file.configuration['true']} points. Ends of patches by pressures alone, and by loads where those know "
         f"them better. p = {file.configuration['pressure']:g} E*, nu = {file.configuration['poisson_ratio']:g}. All "
         "dimensionless.",
     )

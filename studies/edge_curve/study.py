@@ -100,14 +100,14 @@ class Task:
     """Rms equilibrium residual over p to stop at (dimensionless)."""
 
     def run(self, report: Progress | None) -> Record:
-        """The record with the pressures' ratio, the edge's true offset and what the closed form makes of the ratio."""
+        """The record with the pressures' ratio, the edge's true offset and the closed form's value of it."""
         n = self.num_points
         layer = layer_of(self.layer, self.spacings / n, self.poisson_ratio, self.base_modulus)
 
         def asperity(load: float) -> collocation.Asperity:
             return collocation.solve_layer(layer, load, self.exponent, 1.0)
 
-        # a grid spacing more of half-width, in steps; near enough, what matters is that the places differ
+        # a grid spacing more of half-width, in steps; near enough, as long as the places differ
         first, more = (asperity(load).half_width for load in (self.pressure, _STEP * self.pressure))
         load = self.pressure * (1 + self.place / (first * n)) ** (math.log(_STEP) / math.log(more / first))
         scene = Scene(layer, PowerIndenter(self.exponent), load, num_points=n)

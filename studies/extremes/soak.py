@@ -150,5 +150,5 @@ STUDY = Study(name=NAME, options=Options, plans=plans, report=report, draw=draw,
 
 
 def command(options: Options) -> int:
-    """Run the soak, or what is left of it; returns the exit status, 4 if there is a defect."""
+    """Run the soak, or the rest of it; returns the exit status, 4 if there is a defect."""
     return run_study(STUDY, options)

@@ -109,7 +109,7 @@ def save_study(path: Path, study: StudyFile) -> None:
         file.attrs["results_version"] = study.version
         file.create_group("runs")
         names = dict.fromkeys(name for run in study.runs for name in run)
-        for name in names:  # what a run does not have is nan, or an empty text
+        for name in names:  # a value that a run does not have is nan, or an empty text
             some = next(run[name] for run in study.runs if name in run)
             _write_column(file["runs"], name, [run.get(name, "" if is_text(some) else math.nan) for run in study.runs])
         for line, columns in study.lines.items():

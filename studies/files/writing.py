@@ -1,6 +1,6 @@
 """Files and folders written safely: beside the final name first and then renamed, so never left half written.
 
-What cannot be read or written raises `StoreError`, whose message names the file and says what is allowed.
+A file that cannot be read or written raises `StoreError`, whose message names it and the allowed ones.
 """
 
 import contextlib
@@ -26,7 +26,7 @@ class StoreError(ValueError):
 
 
 class DamagedError(StoreError):
-    """A file of linecontact that is not what was written."""
+    """A file of linecontact that differs from the written one."""
 
 
 def as_path(name: str, path: object) -> Path:
@@ -130,7 +130,7 @@ def set_aside(path: Path) -> None:
 def expecting(where: Path) -> Iterator[None]:
     """Turn any error inside the block into a `StoreError` that names `where`, the file or folder that was read.
 
-    For blocks that work with what a file holds: a right checksum does not say that its contents make sense.
+    For blocks that work with the contents of a file: a right checksum does not say that its contents make sense.
     """
     try:
         yield

@@ -47,7 +47,7 @@ def seconds_per_iteration(problem: Problem, method: str, precision: str, device:
 def shares_of_the_copy_bandwidth(precision: str, num_points: int) -> dict[str, float]:
     """The bandwidth of every kernel over that of a copy on the GPU, and under 'copy' that [bytes a second].
 
-    Copies of some lengths are slower than of others: what counts is the fastest of those of the arrays, of half and of
+    Copies of some lengths are slower than of others: the fastest counts of those of the arrays, of half and of
     a quarter of them.
     """
     import cupy.cuda

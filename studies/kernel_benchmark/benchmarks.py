@@ -35,7 +35,7 @@ _WALL = """
     int hit = x >= h[i];
     u[i] = hit ? h[i] : x;
     v[i] = hit ? (REAL)TOUCHING : w;"""
-# dt and alpha stay as they are and the stiffest mode limits the gain: what the next step gets is exact
+# dt and alpha stay as they are and the stiffest mode limits the gain: the next step's numbers are exact
 _CONTROL = {"DT_MAX": 1.0, "N_MIN": 2.0**30, "F_INC": 1.1, "F_DEC": 0.5, "ALPHA_START": 0.25, "F_ALPHA": 0.99}
 _CONTROL |= {"STIFFEST": 4096.0, "NUM_POINTS": 2.0**30, "DT": 0.25, "ALPHA": 0.25, "MIX": 0.75, "GAIN": 0.25}
 _CONTROL_IN_C = """

@@ -1,6 +1,6 @@
 """Changes from one measurement to another, judged on ratios that were taken in the same round.
 
-A time changes with whatever else the machine does; its ratio to C's in the same round much less. What is left scatters
+A time changes with whatever else the machine does; its ratio to C's in the same round much less. The rest scatters
 from repetition to repetition (`cells.Scatter`), and between two processes, whose memory lies elsewhere, a little more,
 which is seen in the changes themselves (`between`). Transforms are listed and not judged.
 """
@@ -79,8 +79,8 @@ def between(found: list[Change]) -> tuple[float, float]:
     """Standard deviations of logarithms of changes that nobody made, beyond the scatter of the repetitions.
 
     The first is of single sizes, seen in how far they are from the mean of their benchmark; the second of these means,
-    for what a process has in common for all sizes, seen in how they scatter. Where there are too few to see it, both
-    are what identical runs have shown.
+    for a process's common part for all sizes, seen in how they scatter. Where there are too few to see it, both
+    are those of identical runs.
     """
     groups: dict[tuple[str, str], list[Change]] = {}
     for change in found:

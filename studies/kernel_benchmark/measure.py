@@ -43,7 +43,7 @@ def time_in_turn(
 
     They take turns, so that a change of the machine's speed hits all of them, in an order that changes from round to
     round, because who comes after whom matters to the caches. Before each is timed it runs untimed, so that the caches
-    hold what its own runs leave. The buffers are restored before they have been worked on so often that numbers
+    hold the results of its own runs. The buffers are restored before they have been worked on so often that numbers
     overflow, or decay to denormals, which take longer.
     """
     restore()

@@ -24,7 +24,7 @@ _BIAS = 1 / 3  # of the standard error that the finest grid may be off
 _LEAST = 4  # surfaces that tell a variance
 _GROWTH = 4  # factor by which a number of surfaces grows at once: variances become known better on the way
 _SECONDS = 1.0  # of a task
-_LESS = 0.97  # factor of the error aimed at, as long as what the surfaces have in common keeps the error too large
+_LESS = 0.97  # factor of the error aimed at, as long as the common part of the surfaces keeps the error too large
 _APART = 2**32  # seeds that belong to one term at the most
 
 
@@ -186,7 +186,7 @@ def _numbers(found: Estimate, error: float) -> list[int]:
     if found.standard_error > error:
         numbers = counts(found.terms, error)
         while all(number <= count for number, count in zip(numbers, have, strict=True)):
-            aim *= _LESS  # what surfaces that serve several terms have in common counts as well
+            aim *= _LESS  # the common part of surfaces that serve several terms counts as well
             numbers = counts(found.terms, aim)
     return [max(number, one.fewest) for number, one in zip(numbers, found.terms, strict=True)]
 

@@ -278,7 +278,7 @@ def not_certified(study: StudyFile) -> Iterator[str]:
     runs = runs_of(study, "choice")
     no = [run for run in runs if run["status"] == REFUSED]
     if no:
-        yield f"{len(no)} of {len(runs)} choices by hand were refused: a tolerance below what float32 leaves."
+        yield f"{len(no)} of {len(runs)} choices by hand were refused: a tolerance below float32's level."
     for run in runs:
         if run["status"] not in (REFUSED, "converged"):
             yield (
