@@ -144,7 +144,7 @@ def tell_files(options: Options) -> None:
     if options.save and options.plot:
         from ..runner import drawing  # Matplotlib takes its time
 
-        written["Figures"] = [*drawing.draw(options.save, options.overwrite)]
+        written["Figures"] = [*drawing.draw(options.save, options.overwrite, own=True)]
     output = console.errors if options.json else console.Output()
     for what, paths in written.items():
         if any(paths):

@@ -25,6 +25,7 @@ if TYPE_CHECKING:  # h5py is imported where a file is opened: much of the progra
 _HEAD = 512  # bytes of HDF5's user block
 _MAX_TEXT = 10_000  # characters of a stored text that are kept
 
+_written: set[str] = set()  # checksums of files that this process has written
 _sound: set[str] = set()  # checksums of files that this process has written or checked
 
 
@@ -43,7 +44,7 @@ def new_file(path: str | os.PathLike[str]) -> Iterator["h5py.File"]:
         image = file.id.get_file_image()
     digest = hashlib.sha256(image).hexdigest()
     write_bytes(path, [head(digest), image])
-    _sound.add(digest)
+    _written.add(digest)
 
 
 @contextlib.contextmanager
@@ -56,9 +57,9 @@ def open_file(path: str | os.PathLike[str]) -> Iterator["h5py.File"]:
     if not os.path.isfile(path):  # Path's own raises for some names
         what = "is no regular file" if os.path.lexists(path) else "does not exist"
         raise StoreError(f"file {path} {what}; allowed: an HDF5 file")
+    digest = _verify(path)
     try:
-        digest = _verify(path)
-        if digest not in _sound:
+        if digest not in _sound | _written:
             confined.check_result(path)
             _sound.add(digest)
         import h5py
@@ -68,6 +69,8 @@ def open_file(path: str | os.PathLike[str]) -> Iterator["h5py.File"]:
     except StoreError:
         raise
     except Exception as error:
+        if digest in _written:  # a bug
+            raise
         reason = f"{type(error).__name__}: {error}"
         raise DamagedError(f"file {path} is damaged or not one of linecontact's HDF5 files, {reason}") from error
 

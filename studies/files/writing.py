@@ -127,16 +127,19 @@ def set_aside(path: Path) -> None:
 
 
 @contextlib.contextmanager
-def expecting(where: Path) -> Iterator[None]:
+def expecting(where: Path, own: bool = False) -> Iterator[None]:
     """Turn any error inside the block into a `StoreError` that names `where`, the file or folder that was read.
 
     For blocks that work with the contents of a file: a right checksum does not say that its contents make sense.
+    own: whether this process has computed all of it; then such an error is a bug, and is passed on.
     """
     try:
         yield
     except (StoreError, OSError):
         raise
     except Exception as error:
+        if own:
+            raise
         reason = f"{type(error).__name__}: {error}, {console.place(error)}"
         what = f"{where} does not hold what linecontact writes there ({reason}); allowed: another one, or to make it"
         raise StoreError(f"{what} anew. If linecontact has written it, this is a bug, please report it") from error

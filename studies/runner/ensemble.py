@@ -66,9 +66,9 @@ class Ensemble:
         self.records: dict[Task, Record] = {}
         self.failures: dict[Task, str] = {}
         self.worst = 0.0
+        self.found = 0  # records that were there
         self._waiting: deque[Task] = deque()
         self.add(tasks)
-        self.found = len(self.records)
         self._running: dict[Future[Record], Task] = {}
         self._died: dict[Task, int] = {}
         self._lost_in_a_row = 0
@@ -83,6 +83,7 @@ class Ensemble:
             if record is None:
                 self._waiting.append(task)
             else:
+                self.found += 1
                 self.records[task] = record
                 self.worst = max(self.worst, _residual(record))
         return len(self.tasks) > len(known)

@@ -35,11 +35,11 @@ def run_study(study: Study, options: Options) -> int:
     writing.check_folder(folder)
     with lock(folder):
         files = {} if options.overwrite else _finished(plans, folder)
-        computed = len(files) < len(plans)
+        computed, own = len(files) < len(plans), False
         if computed:
-            files = _compute(plans, options, folder)
-        figures = _draw(study, plans, files, folder, computed, options.overwrite)
-        with writing.expecting(folder):
+            files, own = _compute(plans, options, folder)
+        figures = _draw(study, plans, files, folder, computed, options.overwrite, own)
+        with writing.expecting(folder, own):
             parts = study.report(files, folder)
             asked = {plan.kind: plan.configuration for plan in plans}  # a file of something better may be kept
             missed = {kind: study.missed(replace(files[kind], configuration=own)) for kind, own in asked.items()}
@@ -92,8 +92,10 @@ def _finished(plans: Sequence[Plan], folder: Path) -> Files:
     return found
 
 
-def _compute(plans: Sequence[Plan], options: Options, folder: Path) -> Files:
-    """All tasks of all plans together; finished ones are collected also when the run is cut short."""
+def _compute(plans: Sequence[Plan], options: Options, folder: Path) -> tuple[Files, bool]:
+    """All tasks of all plans together; finished ones are collected also when the run is cut short. Also returns whether
+    none was found done.
+    """
     ensemble: Ensemble
 
     def report(iteration: int, residual: float) -> None:
@@ -127,7 +129,7 @@ def _compute(plans: Sequence[Plan], options: Options, folder: Path) -> Files:
                 with contextlib.suppress(writing.StoreError):
                     _save([plan for plan in plans if not _is_finished(plan.path(folder))], ensemble, folder)
                 raise
-    return _save(plans, ensemble, folder)
+    return _save(plans, ensemble, folder), not ensemble.found
 
 
 class _Outlook:
@@ -173,7 +175,7 @@ def _begin(plans: Sequence[Plan], options: Options, folder: Path) -> Ensemble:
 def _save(plans: Sequence[Plan], ensemble: Ensemble, folder: Path) -> Files:
     """Collect the records and write the files; the report is of the written files, or a result not worth its file."""
     files = {}
-    with writing.expecting(folder):
+    with writing.expecting(folder, own=not ensemble.found):
         for plan in plans:
             path, found = plan.path(folder), plan.collect(ensemble.records, ensemble.failures)
             if plan.enough and not plan.enough(found) and _holds_more(path, found):
@@ -195,11 +197,17 @@ def _is_finished(path: Path) -> bool:
 
 
 def _draw(
-    study: Study, plans: Sequence[Plan], files: Mapping[str, StudyFile], folder: Path, new: bool, overwrite: bool
+    study: Study,
+    plans: Sequence[Plan],
+    files: Mapping[str, StudyFile],
+    folder: Path,
+    new: bool,
+    overwrite: bool,
+    own: bool,
 ) -> list[Path]:
     """Figures of everything that was computed anew, or that has none yet; returns the files of all figures.
 
-    overwrite: whether other programs' files may be replaced.
+    overwrite: whether other programs' files may be replaced. own: as in `writing.expecting`.
     """
     drawn: list[Path] = []
     for plan in plans:
@@ -211,7 +219,7 @@ def _draw(
             from ..figures import saving  # matplotlib takes its time
 
             try:
-                figures = saving.save(path, study.draw, overwrite)
+                figures = saving.save(path, study.draw, overwrite, own)
             except (NothingToDraw, saving.ForeignFileError) as error:
                 console.errors.print(f"{plan.kind}: {error}")
                 figures = []
