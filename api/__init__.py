@@ -8,7 +8,7 @@
     solution.plot("run.pdf")     # heights, pressure, contact patches
     solution.save("run.h5")      # for linecontact.load
 
-What is pressed against what:
+Layer, indenter and scene:
 
     Layer             an elastic layer bonded to a rigid base, or a half-space
     SlidingLayer      an elastic layer on a rigid base without friction
@@ -23,19 +23,19 @@ What is pressed against what:
 The answer:
 
     solve             solves a scene
-    Solution          what was found, how it was found, and what to doubt of it
-    Observables       contact area, kappa, approach and what else is measured
-    PatchTable        where each contact patch is, and what it carries
+    Solution          the results, how they were found, and their warnings
+    Observables       contact area, kappa, approach and other measured numbers
+    PatchTable        where each contact patch is, and its load
     Certificate       how wrong the solution can be
     Status            how the solve ended
-    contact_stiffness what a small change of the load does to the approach
+    contact_stiffness the change of the load with the approach, for a small one
     curve             solves a scene for several values of one of its numbers
     ensemble_mean     a mean over random surfaces, to a standard error
     plot              draws a solution, also one that was read from its file
     save, load        write a solution to an HDF5 file, read it back
 
 Each has its own help, for instance help(linecontact.solve). Lengths share one unit of length, pressures one unit of
-pressure; both are yours. On the command line `linecontact --help` lists what there is to do: solve one scene, run a
+pressure; both are yours. On the command line `linecontact --help` lists the commands: solve one scene, run a
 whole study, plot or export a stored file. The README and the pages in docs/ tell the rest, docs/results.md how to look
 at results.
 

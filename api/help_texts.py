@@ -1,4 +1,4 @@
-"""What `help` says of a public class: its docstring, and what stands in the source below each of its fields."""
+"""The `help` of a public class: its docstring, and the text in the source below each of its fields."""
 
 import textwrap
 from typing import Any

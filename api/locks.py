@@ -1,4 +1,4 @@
-"""Locks of what a process has once, and what a fork finds of them.
+"""Locks of things that a process has once, and their state after a fork.
 
 A child of `os.fork` has one thread, and every lock that another thread held would stay taken there for ever. So the
 thread that forks takes them all first, in the order in which they are taken one inside of the other.
@@ -22,7 +22,7 @@ _Made = TypeVar("_Made")
 
 IMPORTING, COMPILING, RECORDING, PLANNING = (threading.RLock() for _ in range(4))
 BUFFERS = threading.Lock()
-"""Of what the package's front imports, for a module that is half imported would stay so; of Warp's modules; of the
+"""Of the imports of the package's front, for a module that is half imported would stay so; of Warp's modules; of the
 launches that Warp records, beside which another launch would crash; of FFTW's planner and wisdom; and of the buffers
 that `solver.transforms.plain` keeps."""
 

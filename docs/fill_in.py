@@ -1,16 +1,16 @@
-"""Write into the pages what comes from elsewhere: stored results, help texts, signatures and docstrings.
+"""Write into the pages text from elsewhere: stored results, help texts, signatures and docstrings.
 
     python docs/fill_in.py            # fills in every page anew
     python docs/fill_in.py --check    # names the pages that disagree, exit status 1
 
-A page says where something is to stand, and what, by two lines around it:
+A page says where a text is to stand, and which one, by two lines around it:
 
     <!-- report: peers -->  ...  <!-- end -->
 
-`report: NAME` is all that a study says of its results in studies/results; with patterns behind the name, parted by
-bars, only the tables whose titles match one of them, and for `sentences` what is no table; NAME=FILE is what it says of
-FILE.h5 there. `help: COMMAND` is the help text of a command, `names` the public Python names, `statements: NAME` what
-others say beside what was measured by the study paper or pressure, `compare` a small table beside other programs.
+`report: NAME` is the report of a study on its results in studies/results; with patterns behind the name, parted by
+bars, only the tables whose titles match one of them, and for `sentences` all but tables; NAME=FILE is its report on
+FILE.h5 there. `help: COMMAND` is the help text of a command, `names` the public Python names, `statements: NAME` the
+statements of others beside those of the study paper or pressure, `compare` a small table beside other programs.
 """
 
 import dataclasses
@@ -87,7 +87,7 @@ def _text(part: object) -> str:
 
 
 def command_help(command: str) -> str:
-    """What `linecontact COMMAND --help` prints."""
+    """The output of `linecontact COMMAND --help`."""
     words = [sys.executable, "-m", "linecontact.studies", *command.split(), "--help"]
     said = subprocess.run(words, capture_output=True, text=True, check=True, env=_plain_environment()).stdout
     return "```\n" + said.rstrip() + "\n```\n"
@@ -98,7 +98,7 @@ def _plain_environment() -> dict[str, str]:
 
 
 def names(_: str) -> str:
-    """The public names: signature, docstring, and of a class what it holds and does."""
+    """The public names: signature, docstring, and of a class its members."""
     package = importlib.import_module("linecontact")
     return "\n".join(_name(name, getattr(package, name)) for name in package.__all__ if not name.startswith("__"))
 
@@ -127,9 +127,9 @@ def _default(field: "dataclasses.Field[Any]") -> str:
 
 
 def _methods(thing: type) -> Iterator[tuple[str, Any]]:
-    """What a class does and what it makes of its fields, in the order of its source, with its bases.
+    """The methods and properties of a class, in the order of its source, with its bases.
 
-    Those that only describe what a class must offer are left out.
+    Those that only describe the members that a class must have are left out.
     """
     bases = [base for base in thing.__mro__ if base is thing or not getattr(base, "__abstractmethods__", ())]
     members = {name: value for base in reversed(bases) for name, value in vars(base).items()}
@@ -151,7 +151,7 @@ def _cell(text: str | None) -> str:
 
 
 def statements(study_name: str) -> str:
-    """The table of what others say beside what was measured, by the study paper or the study pressure."""
+    """The table of the statements of others beside the measurements, by the study paper or the study pressure."""
     kinds = {"paper": ("sharp", "hertz", "blunt", "rough"), "pressure": ("pressure",)}[study_name]
     files = {kind: _stored(kind) for kind in kinds}
     found = findings(files["pressure"]) if study_name == "pressure" else paper.statements(files)
@@ -210,7 +210,7 @@ def main() -> int:
     stale = [page for page in PAGES if page.read_text() != filled(page.read_text())]
     for page in stale:
         if "--check" in sys.argv:
-            print(f"{page.relative_to(ROOT)} does not say what its sources say; python docs/fill_in.py writes it anew")
+            print(f"{page.relative_to(ROOT)} differs from its sources; python docs/fill_in.py writes it anew")
         else:
             page.write_text(filled(page.read_text()))
             print(page.relative_to(ROOT))

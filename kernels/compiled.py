@@ -41,7 +41,7 @@ _logger = logging.getLogger("linecontact.kernels")
 
 
 def flags() -> str:
-    """All flags of the compiler for the kernels: Warp's own, and what sums need to become vector code."""
+    """All flags of the compiler for the kernels: Warp's own, and those that make sums vector code."""
     import warp as wp
 
     return f"{wp.config.cpu_compiler_flags or ''} -mreassociate -fno-signed-zeros -ffp-contract=fast".strip()
@@ -78,7 +78,7 @@ def copy_module(name: str, chunk: int, compiled_with: str, lanes: int = 1) -> Mo
     """A module of kernels from its source, for Warp to compile in one way.
 
     chunk: points per thread, a power of two; compiled_with: all flags of the compiler; lanes: neighbouring threads
-    whose points take turns, so that what they read at one time lies side by side, as a GPU needs it; a power of two.
+    whose points take turns, so that their reads at one time lie side by side, as a GPU needs it; a power of two.
     """
     import warp as wp
 
@@ -128,7 +128,7 @@ def _compile(module: ModuleType, device: str, there: bool) -> None:
             _check_room()
         try:
             wp.load_module(module, device=device)
-        except Exception as error:  # another process takes away what it finds without a seal
+        except Exception as error:  # another process takes away files that it finds without a seal
             _logger.debug("linecontact: %s is compiled again: %s", module.__name__, error)
             _check_room()
             wp.get_module(module.__name__).mark_modified()
@@ -166,17 +166,17 @@ def _files(module: ModuleType, device: str) -> list[Path]:
 
 
 def _is_compiled(module: ModuleType, device: str) -> bool:
-    """Whether Warp's cache holds a module for a device; what is damaged, as a power cut leaves it, is taken away."""
+    """Whether Warp's cache holds a module for a device; damaged files, as a power cut leaves them, are taken away."""
     for file in _files(module, device):
         if not is_whole(file):
             discard(file)
-    return {file.suffix == ".meta" for file in _files(module, device)} == {True, False}  # what is known of it, and code
+    return {file.suffix == ".meta" for file in _files(module, device)} == {True, False}  # its description, and code
 
 
 @locks.once
 def start_warp() -> None:
     """Import and initialise Warp. Raises `ValueError` if its kernel cache cannot be used."""
-    with undivided():  # what Ctrl-C has cut off cannot be imported again
+    with undivided():  # a module that Ctrl-C has cut off cannot be imported again
         import warp as wp  # takes as long as everything else together, and often is not needed
 
     wp.config.log_level = wp.LOG_WARNING

@@ -1,4 +1,4 @@
-"""Files that can be made again, with checksums beside them: what a power cut has left of one is not taken for it."""
+"""Files that can be made again, with checksums beside them: the rest of one after a power cut is not taken for it."""
 
 import hashlib
 import os
@@ -17,7 +17,7 @@ def is_whole(file: Path) -> bool:
 
 
 def seal(file: Path) -> None:
-    """Note what a file holds now; where the folder cannot be written to, the next process makes it anew."""
+    """Note the contents of a file; where the folder cannot be written to, the next process makes it anew."""
     new = _seal(file).with_suffix(f".{os.getpid()}")
     with suppress(OSError):
         if not is_whole(file):
@@ -26,7 +26,7 @@ def seal(file: Path) -> None:
 
 
 def discard(file: Path) -> None:
-    """Take away what stands in a file's place, and its seal, which may be folders, as far as the folder lets us."""
+    """Take away a file, or a folder in its place, and its seal, as far as the folder lets us."""
     for one in (file, _seal(file)):
         with suppress(OSError):
             shutil.rmtree(one) if one.is_dir() and not one.is_symlink() else one.unlink(missing_ok=True)

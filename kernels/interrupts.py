@@ -1,4 +1,4 @@
-"""Ctrl-C at the end of what must not be left half done."""
+"""Ctrl-C at the end of work that must not be left half done."""
 
 import signal
 import threading

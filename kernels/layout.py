@@ -1,4 +1,4 @@
-"""What kernels and their callers agree on: the chunk, the padding and the slots of FIRE's control state.
+"""The agreement of kernels and their callers: the chunk, the padding and the slots of FIRE's control state.
 
 The control state is one float64 array. Scalars live there, not in kernel arguments, because a recorded graph freezes
 its scalar arguments. All slots are dimensionless in the units of the discrete problem (period, contact modulus and mean
@@ -24,9 +24,9 @@ TOUCHING = 2.0**-60
 so that the next step finds the node on the wall again, and read instead of u and h by the passes that need the
 contact."""
 
-# First what the caller writes (names of Bitzek et al., Phys. Rev. Lett. 97, 170201 (2006), table I). STIFFEST: largest
+# First the caller's slots (names of Bitzek et al., Phys. Rev. Lett. 97, 170201 (2006), table I). STIFFEST: largest
 # eigenvalue of the (mass-weighted) stiffness on free nodes; TOLERANCE: on the rms free force over the mean pressure;
-# NUM_POINTS: with padding, whose nodes are held. Then what `fire_control` writes. HELD: nodes that the wall carries,
+# NUM_POINTS: with padding, whose nodes are held. Then those of `fire_control`. HELD: nodes that the wall carries,
 # padding included; STOPPED: 1 once converged or diverged, and a converged u is not changed by the steps that follow.
 # fmt: off
 (

@@ -1,4 +1,4 @@
-"""What processor this is."""
+"""The kind of processor."""
 
 import platform
 import re
@@ -28,7 +28,7 @@ def instructions() -> str:
 
 @cache
 def _about() -> dict[str, str]:
-    """What the system tells of the first core."""
+    """The system's description of the first core."""
     try:
         lines = [line.partition(":") for line in _CPUINFO.read_text().split("\n\n")[0].splitlines()]
     except OSError:

@@ -1,6 +1,6 @@
 """Reference kernel in NumPy for every Warp kernel: same names, same arguments, same order.
 
-What the kernel tests compare with, and the baseline of the benchmarks. Plain expressions, no attempt at speed.
+The kernel tests compare with them, and they are the baseline of the benchmarks. Plain expressions, no attempt at speed.
 """
 
 from typing import Any

@@ -3,7 +3,7 @@
 
 The unknown u is the displacement towards the indenter, limited by the wall u <= h. Pressures are in units of the mean
 external pressure, so the net force on a node is r = 1 - (K u). A node is *held* where u = h and r > 0 (the wall carries
-it) and *free* elsewhere. Memory traffic is what costs here: whether u = h is read off the velocity, which a step
+it) and *free* elsewhere. Memory traffic takes the time here: whether u = h is read off the velocity, which a step
 leaves at `TOUCHING` on the wall.
 """
 
@@ -142,7 +142,7 @@ def fire_control(sums: Doubles, acceleration_sums: Doubles, state: Doubles):
     state[layout.HELD] = held
     mix = zero
     gain = zero
-    # not (>) also catches NaN: a diverged or converged state is stopped, so that u stays what the residual is of
+    # not (>) also catches NaN: a diverged or converged state is stopped, so that u stays the one of the residual
     if not (residual > state[layout.TOLERANCE]) or residual > wp.float64(1.0e30):
         state[layout.STOPPED] = one
     else:

@@ -1,8 +1,8 @@
 """Scenes, methods, certificates, closed forms and collocation. Knows no study's files and no plots.
 
-From the scene to the solution: `scene` (with `layers` and `indenters`) is what is pressed against what; `grid` makes
+From the scene to the solution: `scene` (with `layers` and `indenters`) is a layer under an indenter; `grid` makes
 the discrete problem of it, and measures solutions; `methods` solve the problem on one grid; `strategy` chooses method,
-grids and precision and has the result certified; `solve` is the way in. `reference` is what is known without a grid.
+grids and precision and has the result certified; `solve` is the way in. `reference` needs no grid.
 
 May import: linecontact.kernels.
 """

@@ -1,4 +1,4 @@
-"""Checks of user input: every error names the parameter, its value and what is allowed."""
+"""Checks of user input: every error names the parameter, its value and the allowed ones."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -75,9 +75,9 @@ def choice(name: str, value: object, allowed: tuple[str, ...]) -> str:
 
 @contextmanager
 def own_code(what: str, allowed: str, part: object = None) -> Iterator[None]:
-    """Raise `ValueError` with a name for whatever goes wrong in what may be one's own: a layer, an indenter, a variant.
+    """Raise `ValueError` with a name for any error in code of one's own: a layer, an indenter, a variant.
 
-    A `ValueError` that says what is allowed keeps its words. part: whose code it is; what goes wrong in a part of the
+    A `ValueError` with allowed values keeps its words. part: whose code it is; an error in a part of the
     program is its bug, and passed on.
     """
     try:
@@ -108,7 +108,7 @@ def assign(instance: object, **values: object) -> None:
 
 
 NOT_FINITE = ("inf", "-inf", "nan")
-"""What stands for numbers that are not finite where JSON has no such numbers."""
+"""Texts for numbers that are not finite, where JSON has no such numbers."""
 
 
 def plain(value: Any) -> Any:

@@ -1,4 +1,4 @@
-"""What people see of scenes and solutions when they print them: a few lines with units, and a table in a notebook."""
+"""Scenes and solutions as they are printed: a few lines with units, and a table in a notebook."""
 
 import textwrap
 from collections.abc import Iterable, Mapping
@@ -18,7 +18,7 @@ class Row(NamedTuple):
     """A quantity as it is shown."""
 
     name: str
-    """What it is called."""
+    """Its name."""
     value: str
     """Its value, numbers with up to six digits."""
     unit: str

@@ -16,7 +16,7 @@ class Status(StrEnum):
 
 
 class Cause(StrEnum):
-    """What keeps a solve from its goal."""
+    """The cause that keeps a solve from its goal."""
 
     INTERRUPTION = "interruption"
     """Ctrl-C."""
@@ -34,16 +34,16 @@ class Cause(StrEnum):
 
 @dataclass(frozen=True)
 class Reason:
-    """Why a solve did not reach its goal, and what is allowed instead."""
+    """Why a solve did not reach its goal, and the allowed values."""
 
     cause: Cause
-    """What kept it from there."""
+    """The cause."""
     parameter: str
     """The parameter of `solve` or `Scene` that it depends on."""
     found: str
-    """What the parameter is, or what happened to it."""
+    """The parameter's value, or its fate."""
     allowed: str
-    """What may be given instead."""
+    """The allowed values."""
 
     def __str__(self) -> str:
         return f"{self.parameter} is {self.found}; allowed: {self.allowed}" if self.parameter else self.found

@@ -1,4 +1,4 @@
-"""The scene: what is pressed against what. Frozen, validated, and free of any method's choices.
+"""The scene: a layer under an indenter. Frozen, validated, and free of any method's choices.
 
 Units are the user's own, but consistent: one unit of length (thickness, radius, period) and one of pressure (contact
 modulus, pressure). The defaults are the published study's: all three scales are 1.
@@ -43,9 +43,9 @@ class Scene(Value):
     """
 
     layer: ElasticLayer = field(default_factory=Layer)
-    """The layer, for instance a `Layer`; see `ElasticLayer` for what it must offer."""
+    """The layer, for instance a `Layer`; see `ElasticLayer` for its members."""
     indenter: Indenter = field(default_factory=PowerIndenter)
-    """The indenter, for instance a `PowerIndenter`; see `Indenter` for what it must offer."""
+    """The indenter, for instance a `PowerIndenter`; see `Indenter` for its members."""
     pressure: float = _PRESSURE
     """Mean external pressure p >= 0 [pressure]; at 0 nothing touches, and beyond full contact is allowed. NaN where the
     approach is given."""
@@ -91,7 +91,7 @@ class Scene(Value):
         checks.assign(self, approach=approach, pressure=math.nan)
 
     def __repr__(self) -> str:
-        """What is pressed against what, in a few lines with units; arrays and long texts are left out."""
+        """Layer, indenter and load, in a few lines with units; arrays and long texts are left out."""
         about = self.to_dict()
         shown = [name for name in ("pressure", "approach", "period", "num_points") if name in about]
         rows = (display.row(name, about[name], self.units) for name in shown)

@@ -1,4 +1,4 @@
-"""What a solve returns."""
+"""The answer of a solve."""
 
 import math
 import os
@@ -27,7 +27,7 @@ MOST_ENERGY = 0.1
 
 @dataclass(frozen=True)
 class Level(Measured):
-    """What a coarser grid gave; on grids before the last coarser one pressures alone tell the edges."""
+    """The results of a coarser grid; on grids before the last coarser one pressures alone tell the edges."""
 
     num_points: int
     """Its points."""
@@ -42,13 +42,13 @@ class Choice:
     """Something that was chosen for the user."""
 
     what: str
-    """What there was to choose."""
+    """The thing to choose."""
     chosen: str
-    """What was chosen."""
+    """The choice."""
     reason: str
     """Why."""
     error: float = 0.0
-    """Estimate of the relative error that it brings into what the accuracy is asked of, or of a pressure that was found
+    """Estimate of the relative error that it brings into the quantity asked for, or of a pressure that was found
     its own (dimensionless); 0: none."""
 
     def __repr__(self) -> str:
@@ -58,10 +58,10 @@ class Choice:
 
 @dataclass(frozen=True)
 class Solution(Value):
-    """A displacement, what it means, how it was found and how wrong it can be."""
+    """A displacement, its meaning, how it was found and how wrong it can be."""
 
     scene: Scene
-    """What was solved, on the grid of the fields."""
+    """The scene that was solved, on the grid of the fields."""
     method: str
     """Name of the method; of the smaller model where no iteration was needed."""
     tolerance: float
@@ -75,7 +75,7 @@ class Solution(Value):
     contact: Mask
     """Nodes that the wall carries, shape (N,)."""
     observables: Observables
-    """Contact area, kappa and what else is measured."""
+    """Contact area, kappa and other measured numbers."""
     patches: PatchTable
     """The contact patches, a `PatchTable`: their ends, widths, loads and largest pressures."""
     certificate: Certificate | None
@@ -91,9 +91,9 @@ class Solution(Value):
     planning: str
     """FFTW's planning effort."""
     backend: str
-    """What ran the kernels on the finest grid."""
+    """The backend of the kernels on the finest grid."""
     reason: Reason | None = None
-    """Why the status is not `CONVERGED`, and what is allowed instead; None if it is."""
+    """Why the status is not `CONVERGED`, and the allowed values; None if it is."""
     handed_over: bool = False
     """The method did not settle or could not have its result certified, and another one went on from there."""
     levels: tuple[Level, ...] = field(default_factory=tuple)
@@ -101,14 +101,14 @@ class Solution(Value):
     accuracy: float | None = None
     """The relative error asked for, if any (dimensionless)."""
     accuracy_of: str = "contact-area"
-    """Of what: one of `QUANTITIES`."""
+    """Of which quantity: one of `QUANTITIES`."""
     choices: tuple[Choice, ...] = field(default_factory=tuple)
-    """What was chosen for the user, and why."""
+    """The choices made for the user, and why."""
     device: str = "cpu"
     """Where the method worked: 'cpu', or the name of the GPU."""
 
     def __repr__(self) -> str:
-        """What was found, in a few lines with units, and the scene; arrays are left out."""
+        """The results, in a few lines with units, and the scene; arrays are left out."""
         rows = self._rows()
         told = [display.sentence("Solution", rows[:4]), display.sentence("found, +- numerical errors", rows[4:])]
         warned = [f"warning, {warning.kind}: {warning.text}" for warning in self.warnings]
@@ -120,7 +120,7 @@ class Solution(Value):
         return display.html_table("Solution", [*self._rows(), *warned, *self.scene.rows()])
 
     def _rows(self) -> list[display.Row]:
-        """What was found, as it is shown: how it ended and what it took first."""
+        """The results as they are shown: how it ended and its cost first."""
         found, units = self.observables, self.scene.units
         return [
             display.Row("status", str(self.status), ""),
@@ -137,7 +137,7 @@ class Solution(Value):
 
     @cached_property
     def warnings(self) -> tuple[SolutionWarning, ...]:
-        """What to doubt, also if the solve converged: its grid, the smallness of strains, what a scan resolves."""
+        """Doubts, also if the solve converged: its grid, the smallness of strains, the resolution of a scan."""
         return tuple(find_warnings(self.scene, self.observables, self.patches, self.displacement))
 
     @property

@@ -46,23 +46,23 @@ def solve(
     device: str = "cpu",
     progress: Progress | None = None,
 ) -> Solution:
-    """Solve a scene.
+    """Solve a scene; returns a `Solution`.
 
     accuracy: the relative error wanted, 1e-9 to 0.1 (dimensionless). Model, method, grid and tolerance are then chosen
         for it and must not be given; the scene's grid is the finest allowed, its precision must be the default. See
         `Solution.choices` and `Status.INACCURATE`. A scene whose approach is given takes neither this nor an initial
         displacement.
-    accuracy_of: what the accuracy is wanted of, one of `QUANTITIES`: 'contact-area', 'kappa' (both between sub-grid
+    accuracy_of: the quantity it is wanted of, one of `QUANTITIES`: 'contact-area', 'kappa' (both between sub-grid
         edges), 'peak-pressure' or 'approach'. It concerns that alone.
     method: one of `METHODS`, by default `DEFAULT`.
     nested: start from the solution on coarser grids; by default for the active set only, and not with `initial`.
     tolerance: rms net force on free nodes over the mean pressure at which to stop, 1e-14 to 0.5 (dimensionless); by
-        default `default_tolerance`, or what rounding leaves if that is more.
+        default `default_tolerance`, or the level of rounding if that is more.
     max_iterations: at least 1, all grids, hand-over included; default by method. Where an approach is given, of each
         of the solves that it takes.
     initial: displacement to start from, shape (N,) [length], for instance a neighbour's solution.
     threads: of the transforms; where other programs keep the cores busy, two take many times as long as one.
-    planning: FFTW's effort, 'estimate', 'measure' or 'patient'; what it finds is kept at once.
+    planning: FFTW's effort, 'estimate', 'measure' or 'patient'; its plans are kept at once.
     backend: 'warp', or 'numpy' for the reference kernels.
     device: where the method works: 'cpu', or 'cuda' for a GPU, with a method whose `MethodKind.devices` names it. There
         threads and planning, which are FFTW's, concern the certificate alone, which is computed on the CPU.

@@ -22,13 +22,13 @@ _NAMES = {
 }
 _UNITS = {name: unit for unit, names in _NAMES.items() for name in names.split()}
 """Units by the last part of a name; 'seconds.*' is in seconds, 'bytes.*' in bytes. Everything else is dimensionless but
-what a layer or an indenter of one's own says of its fields; it must not give the names above another unit."""
+the units that a layer or an indenter of one's own names; it must not give the names above another unit."""
 
 _OWN: dict[str, str] = {}  # of layers and indenters that are not the program's
 
 
 def unit(name: str) -> str:
-    """Unit of a quantity: 'length', 'pressure', 's', 'byte', or '1' for what is dimensionless."""
+    """Unit of a quantity: 'length', 'pressure', 's', 'byte', or '1' for a dimensionless one."""
     if name == "profile":  # the heights; scene.profile is the indenter's name
         return "length"
     if name.startswith("bytes."):
@@ -42,7 +42,7 @@ def unit(name: str) -> str:
 def declare(own: Mapping[str, str], fields: Collection[str]) -> None:
     """Note the units of fields of a layer or an indenter, by their names. fields: the names that there are.
 
-    Raises `ValueError` for what is no mapping, for a name that is none of the fields, for an unknown unit, and for one
+    Raises `ValueError` for anything but a mapping, for a name that is no field, for an unknown unit, and for one
     that the name does not have elsewhere in the program.
     """
     if not isinstance(own, Mapping):
@@ -60,12 +60,12 @@ def declare(own: Mapping[str, str], fields: Collection[str]) -> None:
 def named(about: Mapping[str, Any], prefix: str = "") -> dict[str, str]:
     """The units of 'length' and 'pressure' of a scene, these words themselves where nobody has said which.
 
-    about: what describes the scene, or results, where `prefix` stands before the scene's names.
+    about: a scene's description, or results, where `prefix` stands before the scene's names.
     """
     said = {"length": about.get(f"{prefix}profile_length_unit"), "pressure": about.get(f"{prefix}pressure_unit")}
     return {word: word if unit in (None, SCENE) else str(unit) for word, unit in said.items()}
 
 
 def shown(of: str, names: Mapping[str, str]) -> str:
-    """A unit as `unit` tells it with the names of a scene's own, and '-' for what is dimensionless."""
+    """A unit as `unit` tells it with the names of a scene's own, and '-' for a dimensionless quantity."""
     return re.sub("length|pressure", lambda found: names[found[0]], "-" if of == "1" else of)

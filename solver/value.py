@@ -56,7 +56,7 @@ def _same(one: Any, other: Any) -> bool:
 
 
 def _hash(one: Any) -> int:
-    """Raises `TypeError` for what can be changed."""
+    """Raises `TypeError` for an object that can be changed."""
     known = getattr(one, "__dataclass_params__", None)
     if known is None or not known.frozen:
         raise TypeError(f"unhashable: {type(one).__name__}, which is no frozen dataclass")
@@ -91,7 +91,7 @@ class Kind(Value, ABC):
 
     def __init_subclass__(cls, **more: Any) -> None:
         super().__init_subclass__(**more)
-        # annotations may be texts; what belongs to the class is no number of a layer or an indenter
+        # annotations may be texts; a class variable is no number of a layer or an indenter
         numbers = [name for name, of in inspect.get_annotations(cls).items() if "ClassVar" not in str(of)]
         units.declare(cls.__dict__.get("units", {}), numbers)
 

@@ -1,4 +1,4 @@
-"""Where a solution should not be taken at its word: what it says of itself without being asked.
+"""Where a solution should not be taken at its word: warnings without being asked.
 
 A converged solution is exact for its grid and for linear elasticity. Whether the grid resolves the contact, and whether
 linear elasticity holds there, are other questions.
@@ -25,7 +25,7 @@ LARGEST_SLOPE = 0.3
 """Rms slope in the contact: linear elasticity takes tan(t) for t and 1 for sqrt(1 + t^2), 3 and 4 % off there."""
 
 LARGEST_STRAIN = 0.1
-"""Largest strain, estimated (dimensionless): what linear elasticity leaves out is of its square."""
+"""Largest strain, estimated (dimensionless): linear elasticity leaves out terms of its square."""
 
 NEARLY_FULL = 0.97
 """Contact area beyond which there is hardly anything but finer grids to compare with (dimensionless)."""
@@ -37,7 +37,7 @@ _FAR_APART = 1e-5, 1e3  # thickness over the period of a scan
 
 
 class WarningKind(StrEnum):
-    """What a warning is about."""
+    """The subject of a warning."""
 
     GRID = "grid"
     """So few nodes are in contact that the area is not resolved."""
@@ -56,9 +56,9 @@ class WarningKind(StrEnum):
     FULL = "full contact"
     """The contact is nearly full."""
     SCAN = "scan"
-    """What a scan does not resolve carries load."""
+    """Parts that a scan does not resolve carry load."""
     PROFILE = "profile"
-    """What was made of a scan may not be the surface."""
+    """The profile made of a scan may not be the surface."""
 
 
 @dataclass(frozen=True)
@@ -66,15 +66,15 @@ class SolutionWarning:
     """A warning that comes with a solution."""
 
     kind: WarningKind
-    """What it is about."""
+    """Its subject."""
     text: str
-    """What was found, and what would help."""
+    """The doubt, and a remedy."""
 
 
 def find_warnings(
     scene: Scene, found: Observables, patches: PatchTable, displacement: Array64
 ) -> Iterator[SolutionWarning]:
-    """What to doubt of a solution; displacement: u, shape (N,) [length]."""
+    """The warnings of a solution; displacement: u, shape (N,) [length]."""
     area = found.contact_area_subgrid
     if scene.pressure == 0:  # nothing is to be in contact
         return

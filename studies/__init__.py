@@ -1,6 +1,6 @@
 """The studies. Four are scripts that run by themselves: hertz.py, sharp.py, blunt.py and rough.py.
 
-Every other study is a folder of its own, with its tasks, its report and its figures. What they share is in terminal/,
+Every other study is a folder of its own, with its tasks, its report and its figures. Their common code is in terminal/,
 files/, figures/ and runner/. To add a study, write a module that offers STUDY (`runner.study.Study`), Options and
 command, and add its line to `STUDIES`.
 """

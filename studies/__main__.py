@@ -1,6 +1,6 @@
 """The entry point of the command line: Ctrl-C while Python imports everything else is no traceback either.
 
-A scheduler's SIGTERM is taken like Ctrl-C: what there is gets saved. Linear algebra has one thread, unless the user's
+A scheduler's SIGTERM is taken like Ctrl-C: results so far are saved. Linear algebra has one thread, unless the user's
 environment says otherwise: its matrices are small, and on busy cores its threads wait for each other.
 
 Python does not look for garbage while everything is imported, nor at its end: imports make many objects and leave next
@@ -50,6 +50,8 @@ def main() -> int:
     except Exception as error:  # outside, too: the reader of --help has gone away, or the disk is full
         return _ended_by(error)
     finally:
+        if interrupt is signal.default_int_handler:  # threads and files are closed after this
+            signal.signal(signal.SIGINT, _leave)
         gc.freeze()
 
 

@@ -1,4 +1,4 @@
-"""What makes linear algebra take one thread: variables of the environment, read when NumPy is loaded.
+"""Linear algebra on one thread: variables of the environment, read when NumPy is loaded.
 
 Where it is loaded already, in Python, `linecontact.solver.arrays.on_one_thread` does it for a solve. This module has
 to be imported before NumPy, and so imports nothing.

@@ -20,7 +20,7 @@ from linecontact.solver import (
     Status,
     solve,
 )
-from linecontact.solver.grid.problem import full_contact_pressure
+from linecontact.solver.grid.problem import Problem, full_contact_pressure
 from linecontact.solver.reference import collocation
 from linecontact.solver.solve import solve_to_tolerance
 from linecontact.solver.strategy.linearised import contact_compliance
@@ -236,6 +236,13 @@ def test_contact_stiffness_of_collocation(layer):
     else:
         fine = solve(Scene(layer, num_points=2**16))
         assert found.contact_stiffness == pytest.approx(fine.contact_stiffness, rel=2e-4)
+
+
+def test_contact_stiffness_makes_its_problem_once(monkeypatch):
+    found, make, made = solve(Scene(Layer(0.1), num_points=2**8)), Problem.from_scene, []
+    monkeypatch.setattr(Problem, "from_scene", lambda *given: made.append(given) or make(*given))
+    assert found.contact_stiffness > 0
+    assert len(made) == 1
 
 
 @pytest.mark.parametrize("num_points", [2**8, 2**12])

@@ -621,3 +621,15 @@ def test_ctrl_c_outside_of_a_command_is_one_line():
     )
     result = run(program=[sys.executable, "-c", program])
     assert (result.returncode, result.stderr) == (130, "linecontact: interrupted\n")
+
+
+def test_ctrl_c_after_the_command_is_one_line():
+    program = (
+        "import atexit, signal\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        "from linecontact.studies import __main__ as entry\n"
+        "atexit.register(signal.raise_signal, signal.SIGINT)\n"
+        "entry.main()"
+    )
+    result = run("--version", program=[sys.executable, "-c", program])
+    assert (result.returncode, result.stderr) == (130, "linecontact: interrupted\n")

@@ -77,7 +77,7 @@ def test_the_table_has_the_columns_that_the_terminal_has_room_for(loads, capsys,
 
 def test_another_curve_does_not_replace_it(loads, capsys):
     assert curve(loads, "--num-points", "2^9", "--points", "2") == 2
-    said = "holds what was made with other options (scene, values); allowed: --folder and a new name to keep it"
+    said = "holds results made with other options (scene, values); allowed: --folder and a new name to keep it"
     assert said in capsys.readouterr().err
 
 

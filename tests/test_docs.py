@@ -1,10 +1,12 @@
 """The pages: what they show is what is stored, nothing is said twice, links lead somewhere, and the site is built."""
 
+import inspect
 import re
 import subprocess
 import sys
 from collections import defaultdict
 
+import linecontact
 import pytest
 from pages import PAGES, ROOT, command_lines, fill_in, hand_written, name
 from test_imports import read_project
@@ -21,6 +23,14 @@ def test_what_a_page_shows_is_what_is_stored(page):
     text = page.read_text()
     assert fill_in.filled(text) == text, f"python docs/fill_in.py writes {name(page)} anew"
     assert text.count("<!-- end -->") == len(fill_in.BLOCK.findall(text))
+
+
+def test_functions_name_the_class_of_ours_that_they_return():
+    functions = [thing for name in linecontact.__all__ if inspect.isfunction(thing := getattr(linecontact, name))]
+    returned = {thing.__name__: inspect.signature(thing).return_annotation for thing in functions}
+    ours = {name: kind for name, kind in returned.items() if "linecontact" in getattr(kind, "__module__", "")}
+    assert len(ours) > 3
+    assert [name for name, kind in ours.items() if f"`{kind.__name__}`" not in getattr(linecontact, name).__doc__] == []
 
 
 def test_a_page_that_disagrees_is_written_anew():

@@ -87,7 +87,7 @@ def test_a_task_in_two_studies_is_done_once(folder):
 def test_another_configuration_is_refused(folder, capsys):
     assert command([Square(1)], folder) == 0
     assert command([Square(2)], folder) == 2
-    assert "holds what was made with other options (numbers); allowed: --folder" in capsys.readouterr().err
+    assert "holds results made with other options (numbers); allowed: --folder" in capsys.readouterr().err
     assert study_files.load_study(folder / "dummy.h5").column("number") == [1]
 
 

@@ -57,7 +57,7 @@ def test_one_wrong_value_is_an_error(name, array, precision):
     ("name", "array", "change"),
     [
         ("real_pair", "target", 1e-9),
-        ("half_length_pair", "packed", 1e-9),
+        ("rows_pair", "rows", 1e-9),
         ("plain_iteration", "u", 1e-9),
         ("plain_iteration", "sums", 1e-3),
         ("plain_iteration", "sums of held nodes", 2),

@@ -312,7 +312,7 @@ def test_bad_options_are_refused(option, message, tmp_path, capsys):
 
 def test_awkward_lengths_of_transforms(monkeypatch):
     monkeypatch.setattr(transforms, "MOST_SECONDS", 0.1)
-    for name in ("real_pair", "half_length_pair", "rows_pair"):
+    for name in ("real_pair", "rows_pair"):
         for n in (1031, 3**7, 5**5):
             Bench(BENCHMARKS[name], "float64", n).check()
 
@@ -395,7 +395,7 @@ def test_figures_come_from_the_file_alone(folder, tmp_path):
     file.runs = [run for run in file.runs if run["benchmark"].endswith("_pair")]
     study_files.save_study(tmp_path / "transforms.h5", file)
     (drawn,) = figures.draw(tmp_path / "transforms.h5").values()
-    assert [axes.get_title() for axes in drawn.axes[:3]] == ["real pair", "half length pair", "rows pair"]
+    assert [axes.get_title() for axes in drawn.axes[:2]] == ["real pair", "rows pair"]
 
 
 def test_full_study_covers_what_it_should():

@@ -5,7 +5,9 @@ import itertools
 import math
 import pydoc
 import re
+from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 import h5py
 import linecontact
@@ -408,6 +410,22 @@ def test_a_title_names_what_its_points_share_of_the_base(but, said):
     numbers = {f"scene.{name}": value for name, value in scene.to_dict().items()}
     assert titles.base(numbers, but) == said
     assert said in titles.scene(numbers, but)
+
+
+@dataclass(frozen=True)
+class Membrane(SlidingLayer):
+    """A layer with a number of its own."""
+
+    name: ClassVar[str] = "membrane"
+    tension: float = 0.01
+
+
+def test_a_title_gives_an_own_number_to_neither_part():
+    scene = Scene(Membrane(0.1), num_points=512)
+    numbers = {f"scene.{name}": value for name, value in scene.to_dict().items()} | {"scene.profile_values": 3}
+    assert titles.pressed(numbers) == "profile: power, $n=2$"
+    assert titles.scene(numbers, ()).endswith("512 points, tension 0.01")
+    assert "tension 0.01" in texts(solve(scene).plot()).splitlines()
 
 
 def test_no_title_is_wider_than_its_figure():

@@ -123,7 +123,7 @@ def test_what_is_out_of_reach(tmp_path, capsys):
     for last in ("s in all.", "Nothing computed; all that may be done was done before."):
         assert ensemble(tmp_path, *words) == 3
         said = capsys.readouterr()
-        assert "linecontact: ensemble: what was asked for is not reached: it takes at least" in said.err
+        assert "linecontact: ensemble: the goal is not reached: it takes at least" in said.err
         assert (
             "s of solving, max_seconds is 10; allowed: max_seconds of that or more, or a larger standard error\n"
             in said.err
@@ -208,7 +208,7 @@ def test_a_refused_run_does_not_replace_a_better_one(tmp_path, capsys):
     capsys.readouterr()
     assert ensemble(tmp_path, *words, "1e-6", "--max-seconds", "10") == 3
     said = capsys.readouterr()
-    assert "what was asked for is not reached: it takes at least" in said.err
+    assert "the goal is not reached: it takes at least" in said.err
     assert f"{path} is kept: it is finished, and holds more than this" in said.err
     assert path.read_bytes() == before
     assert ensemble(tmp_path, *words, "0.05") == 0

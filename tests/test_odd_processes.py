@@ -12,7 +12,11 @@ import numpy as np
 import pytest
 from linecontact.kernels import derived
 from linecontact.solver import MeasuredIndenter
+from linecontact.studies.command_line import main
+from linecontact.studies.curve import report
 from linecontact.studies.explore.newest import Newest
+from linecontact.studies.figures import solution
+from linecontact.studies.files import solution_files
 from linecontact.studies.kernel_benchmark import c_code
 from linecontact.studies.terminal import console
 from linecontact.studies.terminal.text import BUG, is_refusal
@@ -435,6 +439,26 @@ def test_a_bug_is_a_traceback_and_status_1(tmp_path, words):
 
 
 ODD = [math.inf, math.nan, -math.inf, 0.0, -0.0, -1.0, 5e-324, 1e-8, 1e308, 3.0]
+
+
+@pytest.mark.parametrize("bug", [KeyError, ValueError])
+def test_a_bug_beside_results_of_this_process_is_no_damaged_file(tmp_path, monkeypatch, capsys, bug):
+    def broken(*_):
+        raise bug
+
+    words = ["--num-points", "64", "--save", str(tmp_path / "run.h5"), "--plot"]
+    for module, name in ((solution, "figure"), (solution_files, "_patches")):
+        with monkeypatch.context() as patched:
+            patched.setattr(module, name, broken)
+            with pytest.raises(bug):
+                main.main(["solve", *words, "--overwrite"])
+    study = ["curve", "--over", "pressure", "--from", "1e-3", "--to", "1e-2", "--num-points", "64", "--points", "2"]
+    study += ["--folder", str(tmp_path / "curve"), "--workers", "1"]
+    monkeypatch.setattr(report, "means", broken)
+    with pytest.raises(bug):
+        main.main(study)
+    assert main.main(study) == 2  # all of it was there: the file, or a bug
+    assert "this is a bug, please report it" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("terminal", [True, False])

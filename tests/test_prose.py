@@ -111,7 +111,7 @@ def limits_of_precision():
     floor = problem.rounding_floor(discrete.stiffness, displacement, "float64")
     yield f"some {floor:.0e} for the parabola on the half-space at 2^18 points"
     yield f"The default tolerance, {run.DEFAULT_TOLERANCE:.0e}, is raised".replace("e-0", "e-")
-    yield "the larger of 1e-4 and four times what is predicted"
+    yield "the larger of 1e-4 and four times the prediction"
     assert (run.COARSE_TOLERANCE, _OVER_FLOOR) == (1e-4, 4)
 
 

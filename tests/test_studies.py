@@ -66,7 +66,7 @@ def test_the_patches_are_kept(solution, tmp_path):
 
 
 @pytest.mark.parametrize("left_out", ["patches", "patches/load"])
-def test_a_file_without_patches(left_out, solution, tmp_path):
+def test_a_file_without_patches(left_out, solution, tmp_path, monkeypatch):
     """As an earlier version has written it; one that lacks some of their columns is damaged."""
     whole, path = tmp_path / "whole.h5", tmp_path / "run.h5"
     solution.save(whole)
@@ -75,6 +75,7 @@ def test_a_file_without_patches(left_out, solution, tmp_path):
         for name in source:
             source.copy(name, file)
         del file[left_out]
+    monkeypatch.setattr(hdf5, "_written", set())  # as in another process
     if left_out == "patches":
         assert load(path).patches is None
     else:

@@ -49,6 +49,19 @@ def test_a_narrow_terminal_loses_nothing_of_a_table(solution, width):
         assert width < 40 or max(map(len, narrow.splitlines())) <= width
 
 
+@pytest.mark.parametrize("width", [40, 60, 80, 120])
+@pytest.mark.parametrize(
+    "state", ["iteration 12345, residual 5.6e-05", "12 of 345 done, 0.12 a second, worst residual 1e-09"]
+)
+def test_a_narrow_terminal_loses_nothing_of_a_progress_line(state, width):
+    bar = console.Bar("solve")
+    bar.show(lambda: (1.0, state))
+    shown = printed(bar._progress.get_renderable(), width, terminal=True)
+    assert not Counter(words(f"solve 100 % {state}, time left unknown 0:00:00")) - Counter(words(shown))
+    assert shown.count("\u2501") == 10
+    assert max(map(len, shown.splitlines())) <= width
+
+
 @pytest.mark.parametrize(
     ("load", "options", "said"),
     [

@@ -1,4 +1,4 @@
-"""Variants of kernels, of a sequence and of a whole iteration, each measured beside what the program runs:
+"""Variants of kernels, of a sequence and of a whole iteration, each measured beside the program's own:
 
     linecontact study kernels --variants docs/examples/kernel_variants.py --kernel restrict_to_free --size 2^18
 

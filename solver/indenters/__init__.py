@@ -1,4 +1,4 @@
-"""Indenters: what an indenter must offer (`indenter`), and one file for each kind of indenter.
+"""Indenters: their common members (`indenter`), and one file for each kind of indenter.
 
 Whoever adds an indenter writes one file here and adds one line to `INDENTERS`.
 

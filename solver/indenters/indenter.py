@@ -1,4 +1,4 @@
-"""What an indenter must offer, and what it may offer besides.
+"""The members that an indenter must have, and those that it may have.
 
 A new indenter is a frozen dataclass that inherits from `Indenter`. It must offer everything without a default here.
 Heights come in units of the period L, so that a shape has no unit of its own.
@@ -66,7 +66,7 @@ class Indenter(Kind):
         return _central_differences(np.asarray(self.profile(num_points, period)), _SIXTH)
 
     def squared_slope_doubt(self, num_points: int, period: float) -> Array64 | None:
-        """What `slope` may be off by, as h'^2 at the nodes, shape (num_points,); None where it is the profile's own.
+        """The error of `slope`, as h'^2 at the nodes, shape (num_points,); None where it is the profile's own.
 
         A profile without a shortest wave may have a kink in the contact, between any two nodes: there h'^2 is off by up
         to half of the square of the slope's jump, which second differences unlike those two nodes away tell. For short
@@ -96,7 +96,7 @@ class Indenter(Kind):
 
     @property
     def doubts(self) -> str:
-        """What there is to doubt of the surface itself, in words, for a warning; empty if nothing."""
+        """Doubts about the surface itself, in words, for a warning; empty if there are none."""
         return ""
 
     @property

@@ -30,7 +30,7 @@ class MeasuredIndenter(Indenter):
     measured_points: int | None = None
     """Values in the period that were measured, where the heights were made from fewer or more; None: all heights."""
     description: dict[str, Any] = field(default_factory=dict, hash=False)
-    """What is known of their origin, flat and JSON-ready; it travels with every result."""
+    """Their origin, flat and JSON-ready; it travels with every result."""
     given_period: float | None = None
     """The period that they belong to [length], and no other; None: any."""
     convention: InitVar[Literal["heights", "gap"]] = field(kw_only=True)
@@ -96,7 +96,7 @@ class MeasuredIndenter(Indenter):
         if num_points >= max(self.heights.size, self.measured_points or 0):
             return 0.0
         if num_points >= self.heights.size:
-            return 1.0  # what the values held is not known any more
+            return 1.0  # the shorter waves of the values are not known any more
         power = (np.arange(self._modes.size) * np.abs(self._modes)) ** 2
         return float(power[(num_points + 1) // 2 :].sum() / power.sum())
 

@@ -1,4 +1,4 @@
-"""Elastic layers: what a layer must offer (`layer`), and one file for each kind of layer.
+"""Elastic layers: their common members (`layer`), and one file for each kind of layer.
 
 Whoever adds a layer writes one file here and adds one line to `LAYERS`.
 

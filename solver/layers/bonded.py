@@ -120,7 +120,7 @@ class Layer(ElasticLayer):
     contact_modulus: float = DEFAULT_MODULUS
     """E* = E/(1-nu^2) > 0 [pressure]."""
     youngs_modulus: float | None = None
-    """E > 0 [pressure], to give instead of E*, which is computed from it (and is what the layer then keeps)."""
+    """E > 0 [pressure], to give instead of E*, which is computed from it (and is then kept)."""
 
     name: ClassVar[str] = "bonded"
 

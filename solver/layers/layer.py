@@ -1,4 +1,4 @@
-"""What a layer must offer, and what it may offer besides so that a solve to an accuracy can take shortcuts.
+"""The members that a layer must have, and those that it may have so that a solve to an accuracy can take shortcuts.
 
 A new layer is a frozen dataclass that inherits from `ElasticLayer`. It must offer everything without a default here;
 the defaults of the rest say "not known", and then no shortcut is taken.
@@ -36,7 +36,7 @@ def homogeneous_stiffness(q: Array64, thickness: float, factor: Callable[[Array6
 def own_stiffness(what: str, unit: str, function: Callable[[Array64], Any], q: Array64, part: object = None) -> Array64:
     """K(q) > 0 by a function that may be one's own, shape of `q`. unit: of q, with its name; part: see `own_code`.
 
-    Raises `ValueError` for a function that fails, and for what is not positive and finite, or not of that shape.
+    Raises `ValueError` for a function that fails, and for values not positive and finite, or not of that shape.
     """
     with checks.own_code(what, "allowed: a function of an array of wave numbers", part):
         found = np.asarray(function(q))
@@ -71,7 +71,7 @@ def check_modulus(layer: Any, prefix: str = "") -> None:
 
 
 class ElasticLayer(Kind):
-    """An elastic layer and what it rests on, as the program needs to know them."""
+    """An elastic layer and its base, as the program needs to know them."""
 
     part: ClassVar[str] = "layer"
 

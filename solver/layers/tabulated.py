@@ -75,7 +75,7 @@ class TabulatedLayer(ElasticLayer):
         cls, stiffness: Callable[[Array64], Array64], first: float, last: float, contact_modulus: float = math.nan
     ) -> Self:
         """The layer of a function K(q) [pressure/length], by a table between two wave numbers [1/length] with as many
-        rows as it takes to know a smooth K to a few 1e-7. What is narrower than the rows is not seen.
+        rows as it takes to know a smooth K to a few 1e-7. Anything narrower than the rows is not seen.
 
         stiffness: takes an array of wave numbers q > 0 [1/length], and returns K(q) > 0 of its shape. first, last: as
         in a table, K must have become the law of long waves at the one and of short waves at the other, or the scene

@@ -31,7 +31,7 @@ class Repetition:
     def __call__(self, fire: Fire, most: int) -> None:
         """Up to `most` iterations, at least one."""
         count = min(most, self._count, fire.alike)
-        if count < 2:  # the first of all prepares what a graph cannot hold
+        if count < 2:  # the first of all makes preparations that a graph cannot hold
             fire.step()
         else:
             if self._graph is None:
@@ -83,6 +83,6 @@ def _net_force(problem: Problem) -> NetForce:
 
 
 def needed_memory(kind: type[Fire], num_points: int, precision: str) -> int:
-    """What a solve takes of the GPU's memory, about [bytes]; transforms of large prime factors take more."""
+    """The GPU's memory that a solve takes, about [bytes]; transforms of large prime factors take more."""
     size = np.dtype("float64" if precision == "float64" else "float32").itemsize
     return num_points * (size * (kind.buffers + _SPARE) + (2 * 8 * _SPARE if precision == "mixed" else 0))

@@ -90,7 +90,7 @@ class Fire(Method):
         return {"elastic": self.work, "h": self.height, "sums": sums, "state": self.state, "u": self.u, "v": self.v}
 
     def _prepare(self, own_load: bool) -> None:
-        """What differs between the methods: further buffers, recorded kernels, the first dt."""
+        """The differences between the methods: further buffers, recorded kernels, the first dt."""
         arrays = self._arrays()
         if own_load:
             self.force, self.load = self.transforms.buffer(), self.transforms.buffer()
@@ -126,7 +126,7 @@ class Fire(Method):
 
     @property
     def parts(self) -> Operator:
-        """What one iteration does, in order."""
+        """The steps of an iteration, in order."""
         return *self._apply_stiffness, self._move
 
     @property

@@ -89,7 +89,7 @@ class Method(Protocol):
         return False
 
     def rest(self) -> None:
-        """Give back what can be made anew, which leaves room for the certificate or a finer grid; the state stays
+        """Give back arrays that can be made anew, to leave room for the certificate or a finer grid; the state stays
         usable.
         """
         return
@@ -112,7 +112,7 @@ class ExecutionConfig:
     planning: str = "estimate"
     """FFTW's planning effort."""
     backend: str = "warp"
-    """What runs the kernels: 'warp', or 'numpy' for the reference kernels."""
+    """The kernels: 'warp', or 'numpy' for the reference kernels."""
     device: str = "cpu"
     """Where the method works: 'cpu', or 'cuda' for a GPU, on which threads, planning and backend have no effect."""
     progress: Progress | None = None

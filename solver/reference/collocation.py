@@ -21,7 +21,7 @@ MOST_NODES = 2048
 """Of `solve_to_accuracy`: half a second."""
 
 MEASURED = ("contact_area", "kappa", "peak_pressure", "approach")
-"""What `solve_to_accuracy` estimates the error of."""
+"""The quantities whose errors `solve_to_accuracy` estimates."""
 
 _TENSION = 1e-6  # over the peak pressure; where more pulls the contact is not one patch
 

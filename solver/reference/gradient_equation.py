@@ -65,7 +65,7 @@ class Asperity:
 
 
 class System:
-    """The solved linear system for one half-width; `load` is cheap, `asperity` adds what only a final answer needs.
+    """The solved linear system for one half-width; `load` is cheap, `asperity` adds numbers for a final answer.
 
     layer: with E* = 1 and its thickness in units of L. num_nodes: at least so many on both halves of the contact, and
     `resolution` times sqrt(a/d) on each.

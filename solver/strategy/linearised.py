@@ -42,7 +42,7 @@ def contact_compliance(scene: Scene, contact: Mask) -> float:
 
     contact: nodes that the wall carries, shape (N,), one of them at least.
     """
-    return _punch(scene, contact)[0]
+    return _punch(Problem.from_scene(scene), contact)[0]
 
 
 @on_one_thread()
@@ -54,24 +54,24 @@ def contact_stiffness(solution: Solution) -> float:
     """
     if not isinstance(solution, Solution):
         raise ValueError(f"solution is {solution!r}; allowed: a Solution")
-    scene, contact = solution.scene, solution.contact
+    contact = solution.contact
     if not contact.any():
         return 0.0
-    compliance, punch, surface = _punch(scene, contact)
+    problem = Problem.from_scene(solution.scene)
+    compliance, punch, surface = _punch(problem, contact)
     if not contact.all():
-        compliance -= _beyond_nodes(solution, punch, surface)
+        compliance -= _beyond_nodes(solution, problem, punch, surface)
     return 1 / compliance if compliance else math.inf
 
 
-def _punch(scene: Scene, contact: Mask) -> tuple[float, Array64, Array64]:
+def _punch(problem: Problem, contact: Mask) -> tuple[float, Array64, Array64]:
     """d(approach)/dp on the grid [length/pressure], and, shape (N,), d sigma/dp (dimensionless) and du/dp
     [length/pressure].
     """
-    modulus = foundation_modulus(scene)
+    modulus = foundation_modulus(problem.scene)
     compression = 1 / modulus if modulus else 0.0
     if contact.all():  # the surface stays where it is, and the layer below is compressed
         return compression, np.ones(contact.size), np.zeros(contact.size)
-    problem = Problem.from_scene(scene)
     punch = replace(problem, height=np.where(contact, 0.0, problem.reach))
     backend = "warp" if problem.num_points >= SMALLEST_WARP else "numpy"
     share = float(contact.mean())
@@ -80,14 +80,14 @@ def _punch(scene: Scene, contact: Mask) -> tuple[float, Array64, Array64]:
     method.start_from_pressure(contact.astype(np.float64))
     if relax(method, active_set.KIND.max_iterations) is Status.INTERRUPTED:
         raise KeyboardInterrupt
-    surface, unit = method.displacement, problem.length_unit / scene.pressure
+    surface, unit = method.displacement, problem.length_unit / problem.scene.pressure
     # the mean of u, with an error of the second order in the free force, which does its share of the work
     mean = float(surface.sum() + surface @ punch.net_force(surface)) / surface.size
     compliance = mean * unit + compression if method.residual < 10 * _TOLERANCE else math.nan
     return compliance, method.contact_pressure, surface * unit
 
 
-def _beyond_nodes(solution: Solution, punch: Array64, surface: Array64) -> float:
+def _beyond_nodes(solution: Solution, problem: Problem, punch: Array64, surface: Array64) -> float:
     """What d(approach)/dp is less because the contact ends beyond the ends of a punch on its nodes [length/pressure].
 
     punch: d sigma/dp; surface: du/dp [length/pressure]; both of shape (N,). Where loads tell the ends of a patch that
@@ -96,7 +96,6 @@ def _beyond_nodes(solution: Solution, punch: Array64, surface: Array64) -> float
     as its nodes. Not known, and 0, for other patches of one or two nodes.
     """
     scene, pressure = solution.scene, np.where(solution.contact, solution.contact_pressure, 0.0)
-    problem = Problem.from_scene(scene)
     patches, edges = contact_edges(problem, pressure, solution.displacement)
     if not solution.certificate:  # a smaller model knows where its patches end, its sampled pressures do not
         n, table = pressure.size, solution.patches

@@ -66,7 +66,7 @@ def borrowed(device: str) -> Iterator[None]:
 
 
 def device_name(device: str) -> str:
-    """What the device calls itself; 'cpu' for the CPU."""
+    """The device's own name; 'cpu' for the CPU."""
     if device == "cpu":
         return device
     import warp as wp

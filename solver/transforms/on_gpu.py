@@ -1,7 +1,7 @@
 """Real transforms by cuFFT on a GPU, between arrays that the kernels share; `planned` has the convention.
 
 CuPy holds the arrays and calls cuFFT; all of it goes into the queue of Warp's stream, so that transforms and kernels
-are recorded as one graph. What CuPy does by itself it does in the default stream, which waits for Warp's stream, and
+are recorded as one graph. CuPy's own work is in the default stream, which waits for Warp's stream, and
 for which that waits. Nothing here is imported unless a GPU is asked for.
 """
 
@@ -24,7 +24,7 @@ _KINDS = {"float64": (cufft.CUFFT_D2Z, cufft.CUFFT_Z2D), "float32": (cufft.CUFFT
 class Transforms(Backend):
     """Plans between real buffers of `num_points` values and one shared spectrum, all in the GPU's memory.
 
-    num_points: N; precision: 'float64' or 'float32'. The arrays are CuPy's, which do what NumPy's do.
+    num_points: N; precision: 'float64' or 'float32'. The arrays are CuPy's, which work like NumPy's.
     """
 
     chunk = on_gpu.CHUNK
@@ -76,6 +76,6 @@ def capture(functions: Sequence[Callable[[], None]]) -> Callable[[], None]:
 
 
 def free_memory() -> int:
-    """Give back what CuPy keeps for later arrays; the GPU's memory that is free then [bytes]."""
+    """Give back memory that CuPy keeps for later arrays; the GPU's memory that is free then [bytes]."""
     cupy.get_default_memory_pool().free_all_blocks()
     return int(cupy.cuda.runtime.memGetInfo()[0])

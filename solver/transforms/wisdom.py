@@ -1,4 +1,4 @@
-"""FFTW's wisdom, kept in the user's cache folder: what planning with effort found is not looked for again."""
+"""FFTW's wisdom, kept in the user's cache folder: plans found with effort are not looked for again."""
 
 import json
 import os

@@ -26,7 +26,7 @@ class Options(making.Options):
     num_points: int | None = None
     """Grid points, at least 4, like 16384 or 2^14; default 2^14, for a file four or more to a value."""
     layer: str = one_of(LAYERS, next(iter(LAYERS)))
-    """Layer, any but file, a table that no slider can move; what each one is, and takes, is told below."""
+    """Layer, any but file, a table that no slider can move; each one and its options are described below."""
     precision: ClassVar[str] = Scene.precision
     accuracy: float | None = refused()
     """None: the grid is that of num_points."""
@@ -60,7 +60,7 @@ def command(options: Options, given: Given) -> int:
     with console.errors.status("Preparing the page") if console.errors.is_terminal else nullcontext():
         from ..explore import server
 
-        # what must be compiled and planned is done before the first page
+        # compiling and planning are done before the first page
         if solve(begin.first).status is Status.INTERRUPTED:
             raise KeyboardInterrupt
     with server.served(begin, options.port) as (address, loop):

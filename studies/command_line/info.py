@@ -1,4 +1,4 @@
-"""`linecontact info`: what this installation consists of, and where it keeps its caches."""
+"""`linecontact info`: the parts of this installation, and where it keeps its caches."""
 
 import platform
 import sys
@@ -21,7 +21,7 @@ class Options:
 
 
 def _gpus() -> list[str]:
-    """Each GPU that Warp finds; of the one that --device cuda takes whether it can be used, or what is missing."""
+    """Each GPU that Warp finds; of the one that --device cuda takes whether it can be used, or the missing part."""
     found = [f"{device} {device.name}" for device in wp.get_cuda_devices()]
     if found:
         try:

@@ -1,4 +1,4 @@
-"""What `linecontact` makes of its arguments: which command is meant, what it is asked for, and then the command.
+"""From the arguments of `linecontact` to the command that is meant, its options, and its run.
 
 Only the module of the command, or of the study, that is asked for is imported.
 """
@@ -14,7 +14,7 @@ from ..terminal import arguments, declarations, text
 from . import study
 
 PROG = "linecontact"
-ABOUT = f"""What is pressed against what, how large is the true contact, and how wrong can the answer be?
+ABOUT = f"""How large is the true contact of an indenter and an elastic layer, and how wrong can the answer be?
 
 {PROG} COMMAND --help lists the options of a command, {PROG} --version shows the version."""
 COMMANDS = ("solve", "curve", "ensemble", "explore", "study", "plot", "export", "info")
@@ -28,12 +28,12 @@ BAD_INPUT = 2
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Do what the command line says; returns the exit status."""
+    """Run the command line; returns the exit status."""
     return prepare(words)()
 
 
 def prepare(words: Sequence[str] | None = None) -> Callable[[], int]:
-    """Import what the command line asks for. What this returns does it, and returns the exit status."""
+    """Import the command that is asked for. The function returned runs it, and returns the exit status."""
     try:
         return _command(list(sys.argv[1:] if words is None else words))
     except ValueError as error:
@@ -56,14 +56,14 @@ def _command(words: list[str]) -> Callable[[], int]:
     if module in STUDIES.values():
         from ..runner.study import find
 
-        find(name)  # refuses a module that does not offer what it must
+        find(name)  # refuses a module that is no study
     found = importlib.import_module(module)
     classes = {"": found.Options}
     if name in SCENES:
         classes |= kinds.titled()
     given = arguments.given(words, classes, prog)
     options = classes[""](**given.pop(""))
-    others = [given] if given else []  # what is given of the layer and the profiles
+    others = [given] if given else []  # options given of the layer and the profiles
 
     from ..terminal import console
 

@@ -1,4 +1,4 @@
-"""The tables of `linecontact solve`: what was found, with units, and what was chosen for the user."""
+"""The tables of `linecontact solve`: the results, with units, and the choices made for the user."""
 
 import math
 from collections.abc import Iterator
@@ -17,7 +17,7 @@ Row = tuple[str, Any, str]
 
 
 def solution_table(solution: Solution) -> Whole:
-    """What a solve found, with units."""
+    """The results of a solve, with units."""
     record = solution.to_dict()
     handed = f", handed over to {METHODS[solution.method].fallback}" if solution.handed_over else ""
     area, error = solution.observables.contact_area_subgrid, solution.observables.contact_area_error
@@ -86,7 +86,7 @@ def _movement(solution: Solution, record: dict[str, Any]) -> Iterator[Row]:
 
 
 def _effort(record: dict[str, Any]) -> Iterator[Row]:
-    """What it took, and the certificate."""
+    """Iterations, times and the certificate."""
     yield "iterations", record["iterations"], "-"
     yield "transform pairs", record["transform_pairs"], "-"
     for stage, seconds in record["seconds"].items():
@@ -101,7 +101,7 @@ def _error(value: float) -> str:
 
 
 def choices_table(solution: Solution) -> Whole:
-    """What was chosen for the user."""
+    """The choices made for the user."""
     of = "the " * (solution.accuracy_of != "kappa") + solution.accuracy_of.replace("-", " ")
     own = "; that of the pressure is its own" * any(choice.what == "pressure" for choice in solution.choices)
     table = Whole(

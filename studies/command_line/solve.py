@@ -27,7 +27,7 @@ _DEFAULTS = {name: parameter.default for name, parameter in inspect.signature(so
 class Options(making.Options):
     """Solve one scene. Lengths and pressures in consistent units of your own; the published study's are 1.
 
-    What is solved: a linear elastic layer on its base, and a rigid indenter, the same along a second axis (plane
+    The problem: a linear elastic layer on its base, and a rigid indenter, the same along a second axis (plane
     strain), periodic along the first; no friction, no adhesion; small strains and slopes. A scan is one line of a
     surface, which is taken to be the same along the second axis. E* = E/(1 - nu^2).
     """
@@ -41,14 +41,14 @@ class Options(making.Options):
     """Relative error wanted, 1e-9 to 0.1 (dimensionless). Chooses model, grid, method, precision and tolerance, which
     must not be given; num_points is then the most to use."""
     accuracy_of: str = one_of(QUANTITIES, _DEFAULTS["accuracy_of"])
-    """What the accuracy is wanted of; area and kappa between sub-grid edges."""
+    """Quantity that the accuracy is wanted of; area and kappa between sub-grid edges."""
     method: str | None = one_of(METHODS, _DEFAULTS["method"])
     """Method; default: active-set, the fastest."""
     grids: Literal["auto", "nested", "single"] = "auto"
     """Start from the solution on coarser grids; auto: for the active set."""
     tolerance: float | None = _DEFAULTS["tolerance"]
-    """Stop at this rms equilibrium residual over p, 1e-14 to 0.5 (dimensionless); default 1e-8, in float32 what
-    rounding allows."""
+    """Stop at this rms equilibrium residual over p, 1e-14 to 0.5 (dimensionless); default 1e-8, in float32 as
+    small as rounding allows."""
     max_iterations: int | None = _DEFAULTS["max_iterations"]
     """Iteration limit; reaching it gives exit status 3."""
     precision: str = one_of(PRECISIONS, Scene.precision)
@@ -56,7 +56,7 @@ class Options(making.Options):
     threads: int = _DEFAULTS["threads"]
     """Threads of the transforms. Where other programs keep the cores busy, two take many times as long as one."""
     planning: str = one_of(PLANNING, _DEFAULTS["planning"])
-    """FFTW's planning effort; what it finds is kept for later runs."""
+    """FFTW's planning effort; its plans are kept for later runs."""
     device: str = one_of(DEVICES, _DEFAULTS["device"])
     """Where the method works; cuda: on a GPU, with --method mass-weighted-fire or fire. The certificate stays on the
     CPU."""
@@ -75,7 +75,7 @@ class Options(making.Options):
 
 
 def command(options: Options, given: Given) -> int:
-    """Solve the scene that the options describe, and show what was found; returns the exit status."""
+    """Solve the scene that the options describe, and show the results; returns the exit status."""
     check_targets(options, given)
     if options.plot and not options.save:
         raise ValueError("--plot is given without --save; allowed: both, as the figure is drawn from the file")
@@ -124,7 +124,7 @@ def command(options: Options, given: Given) -> int:
 
 
 def show(solution: Solution, as_json: bool) -> None:
-    """Print what was found on standard output."""
+    """Print the results on standard output."""
     if as_json:
         print(json.dumps(solution.to_dict()), flush=True)
         return
@@ -144,7 +144,7 @@ def tell_files(options: Options) -> None:
     if options.save and options.plot:
         from ..runner import drawing  # Matplotlib takes its time
 
-        written["Figures"] = [*drawing.draw(options.save, options.overwrite)]
+        written["Figures"] = [*drawing.draw(options.save, options.overwrite, own=True)]
     output = console.errors if options.json else console.Output()
     for what, paths in written.items():
         if any(paths):
@@ -152,7 +152,7 @@ def tell_files(options: Options) -> None:
 
 
 def check_targets(options: Options, given: Given) -> None:
-    """Raise `ValueError` if the files or the figures would replace what they must not, or one another."""
+    """Raise `ValueError` if the files or the figures would replace a file that they must not, or one another."""
     read = [(name, path) for group in given.values() for name, path in group.items() if isinstance(path, Path)]
     written = []
     if options.save:

@@ -67,7 +67,7 @@ _PANELS = (
 
 
 def _shown(study: StudyFile, name: str, stored: str = "") -> tuple[Array64, str]:
-    """A quantity over the runs as it is drawn, shape (M,), and its unit, or what it is over.
+    """A quantity over the runs as it is drawn, shape (M,), and its unit, or its divisor.
 
     name: of the quantity; stored: name of its column, by default the same.
     """

@@ -1,4 +1,4 @@
-"""The report of a curve: a table with a row for each value, and means where the seed is what varies."""
+"""The report of a curve: a table with a row for each value, and means where the seed varies."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -19,7 +19,7 @@ from ..terminal import console
 from .tasks import column, unit_in
 
 _MEANS = {"contact_area_subgrid": "a_r", "kappa_subgrid": "kappa"}
-"""What is averaged over seeds, and its symbol."""
+"""The quantities that are averaged over seeds, and their symbols."""
 
 
 def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
@@ -53,7 +53,7 @@ class Summary:
 
     @property
     def title(self) -> str:
-        """What stands above it."""
+        """Its heading."""
         return f"{counted(len(self.file.runs), 'value')} of {self.file.configuration['over']}"
 
     def __rich_console__(self, screen: Console, options: ConsoleOptions) -> RenderResult:
@@ -96,12 +96,12 @@ _COLUMNS: dict[str, tuple[str, Callable[[Mapping[str, Any]], str]]] = {
     "M": ("num_patches", lambda run: f"{run['num_patches']}"),
     "peak": ("peak_pressure", lambda run: f"{float(run['peak_pressure']):.4g}"),
 }
-"""The name whose unit a column has, and what stands in it, by its heading."""
+"""The name whose unit a column has, and its contents, by its heading."""
 
 _WIDE = tuple(_COLUMNS)
 _NARROW = tuple(name for name in _COLUMNS if name not in ("p*", "mean gap", "peak"))
 _NOT_SHOWN = {"approach": "approach"}
-"""The column that is the number itself, or the same in every row, by what varies; of others the pressure's."""
+"""The column that is the number itself, or the same in every row, by the varied number; of others the pressure's."""
 _MOST = 1000  # columns of a terminal
 
 

@@ -44,7 +44,7 @@ class Options(making.Options, study.Options):
     """
 
     folder: Path | None = None
-    """Where data and figures go; default: results/curve- and what is varied, like results/curve-thickness."""
+    """Where data and figures go; default: results/curve- and the number varied, like results/curve-thickness."""
     approach: float | None = None
     """Rigid approach since first touch [length], instead of the pressure; up to 0 nothing touches."""
     num_points: int | None = None
@@ -53,7 +53,7 @@ class Options(making.Options, study.Options):
     accuracy: float | None = None
     """Relative error wanted of every value, 1e-9 to 0.1 (dimensionless); num_points is then the most to use."""
     accuracy_of: str = one_of(QUANTITIES, DEFAULT_QUANTITY)
-    """What the accuracy is wanted of; area and kappa between sub-grid edges."""
+    """Quantity that the accuracy is wanted of; area and kappa between sub-grid edges."""
     over: str = text("pressure, approach, period, num_points, or a number of the layer's or the indenter's", "pressure")
     """The number that is varied: pressure, approach, period, num_points, or one of the layer's or the indenter's own,
     like thickness, poisson_ratio, exponent, hurst or seed."""
@@ -152,7 +152,7 @@ _YOUNGS = {"youngs_modulus": "contact_modulus", "base_youngs_modulus": "base_mod
 """The modulus E* that each E stands for."""
 
 _NO_NUMBERS = ("profile", "layer", "precision", "accuracy", "accuracy_of")
-"""Options of a scene that are refused as what varies, whether they are given or not."""
+"""Options of a scene that may not vary and are refused, whether they are given or not."""
 
 _SCENE = (*_NO_NUMBERS, *making.LOADS, "period", "num_points", "pressure_unit")
 """All that make a scene."""
@@ -235,7 +235,7 @@ STUDY = Study(name=NAME, options=Options, plans=plans, report=report, draw=draw)
 
 
 def command(options: Options, given: Given) -> int:
-    """Solve the curve as asked, or what is left of it; returns the exit status."""
+    """Solve the curve as asked, or the rest of it; returns the exit status."""
     ready = plan(options, given)
     if options.profile == MeasuredIndenter.name:
         console.Output().print(scan_table.table(ready.runs[0].point, options.over))  # type: ignore[attr-defined]

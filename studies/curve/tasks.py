@@ -31,7 +31,7 @@ class Task:
     kind: ClassVar[str] = "linecontact.studies.curve.Task"
 
     scene: str
-    """What all points have in common, see `scenes.described`."""
+    """The common part of all points, see `scenes.described`."""
     over: str
     """Name of the number that is varied."""
     value: float
@@ -39,7 +39,7 @@ class Task:
     accuracy: float | None
     """Relative error wanted (dimensionless); None: solved on the scene's grid to the default residual."""
     accuracy_of: str
-    """What it is wanted of."""
+    """The quantity that it is wanted of."""
 
     def run(self, report: Progress | None) -> Record:
         """The solution's record, with the contact stiffness."""

@@ -1,6 +1,6 @@
 """Areas of rough surfaces that a grid sees with few points to the shortest wave, with and without the patches' loads.
 
-The second file of `linecontact study edge-curve`. What counts as true is the area on a grid with 64 times as many
+The second file of `linecontact study edge-curve`. The area that counts as true is that on a grid with 64 times as many
 points as the coarsest one.
 """
 
@@ -23,12 +23,12 @@ from ..terminal import console
 KIND = "few-nodes"
 
 _WAYS = {"by_pressures": "pressures", "by_loads": "loads or pressures"}
-"""Columns with areas, and what told the ends of the patches."""
+"""Columns with areas, and how the ends of the patches were found."""
 
 
 @dataclass(frozen=True)
 class Configuration:
-    """What identifies the file."""
+    """The configuration that identifies the file."""
 
     hursts: tuple[float, ...] = (0.3, 0.8)
     """H (dimensionless)."""
@@ -106,8 +106,8 @@ def summary(file: StudyFile) -> Table:
     table = console.table(
         title="Areas on rough surfaces with few points to the shortest wave",
         caption=f"Relative error of a_r in thousandths, root mean square over {len(file.configuration['seeds'])} "
-        f"surfaces, with {points[0]} to {points[-1]} points to the shortest wave; true is what "
-        f"{file.configuration['true']} points give. Ends of patches by pressures alone, and by loads where those know "
+        f"surfaces, with {points[0]} to {points[-1]} points to the shortest wave; true is the area of "
+        f"{file.configuration['true']} points. Ends of patches by pressures alone, and by loads where those know "
         f"them better. p = {file.configuration['pressure']:g} E*, nu = {file.configuration['poisson_ratio']:g}. All "
         "dimensionless.",
     )

@@ -9,7 +9,7 @@ from ..files.study_files import StudyFile
 from ..runner.tasks import Record
 
 SCENE = ("exponent", "layer", "spacings", "poisson_ratio", "base_modulus")
-"""What tells the scenes of the study apart, as columns of its file."""
+"""Numbers that tell the scenes of the study apart, as columns of its file."""
 
 
 def layer_of(kind: str, thickness: float, poisson_ratio: float, base_modulus: float) -> ElasticLayer:

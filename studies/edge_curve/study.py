@@ -40,7 +40,7 @@ _STEP = 1.01  # factor of the load, to find how the contact grows with it
 
 @dataclass(frozen=True)
 class Configuration:
-    """What identifies the study."""
+    """The configuration that identifies the study."""
 
     scenes: tuple[tuple[int, float, float, str, float, float, float], ...] = (
         (2**15, 2e-3, 2.0, "bonded", math.inf, 0.25, 0.0),
@@ -100,14 +100,14 @@ class Task:
     """Rms equilibrium residual over p to stop at (dimensionless)."""
 
     def run(self, report: Progress | None) -> Record:
-        """The record with the pressures' ratio, the edge's true offset and what the closed form makes of the ratio."""
+        """The record with the pressures' ratio, the edge's true offset and the closed form's value of it."""
         n = self.num_points
         layer = layer_of(self.layer, self.spacings / n, self.poisson_ratio, self.base_modulus)
 
         def asperity(load: float) -> collocation.Asperity:
             return collocation.solve_layer(layer, load, self.exponent, 1.0)
 
-        # a grid spacing more of half-width, in steps; near enough, what matters is that the places differ
+        # a grid spacing more of half-width, in steps; near enough, as long as the places differ
         first, more = (asperity(load).half_width for load in (self.pressure, _STEP * self.pressure))
         load = self.pressure * (1 + self.place / (first * n)) ** (math.log(_STEP) / math.log(more / first))
         scene = Scene(layer, PowerIndenter(self.exponent), load, num_points=n)
@@ -174,5 +174,5 @@ STUDY = Study(name=NAME, options=Options, plans=plans, report=report, draw=draw)
 
 
 def command(options: Options) -> int:
-    """Run the study as asked, or what is left of it; returns the exit status."""
+    """Run the study as asked, or the rest of it; returns the exit status."""
     return run_study(STUDY, options)

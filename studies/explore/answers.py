@@ -19,7 +19,7 @@ class DroppedError(Exception):
 
 @dataclass(frozen=True)
 class Answer:
-    """What there is to say of a scene."""
+    """The answer for a scene."""
 
     scene: Scene | None
     """The scene; None where the numbers make none."""
@@ -32,7 +32,7 @@ class Answer:
 
 
 def answer(make: Callable[[], Scene], dropped: Callable[[], bool]) -> Answer:
-    """Make a scene and solve it. What goes wrong is told in the answer.
+    """Make a scene and solve it. Errors are told in the answer.
 
     dropped: whether to stop, asked about ten times a second; then `DroppedError` is raised.
     """

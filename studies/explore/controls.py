@@ -21,7 +21,7 @@ class Control:
     part: str
     """Of the scene that has the field: 'layer', 'indenter', or 'scene' itself."""
     title: str
-    """What the page calls it."""
+    """Its name on the page."""
     low: float
     """Lowest position, unless the scene at the start is lower."""
     high: float
@@ -36,7 +36,7 @@ class Control:
     """The unit that the number is shown in, in the scene's; None: it is dimensionless."""
 
     def scale(self, scene: Scene) -> float:
-        """What the field's number is divided by: its unit, else the period L [length], E* [pressure], or 1."""
+        """The divisor of the field's number: its unit, else the period L [length], E* [pressure], or 1."""
         if self.unit:
             return self.unit
         if self.name == "thickness":

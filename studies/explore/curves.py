@@ -1,4 +1,4 @@
-"""What surrounds a scene: its contact area over the load and over the thickness, found while nobody moves a slider."""
+"""Contact areas around a scene, over the load and over the thickness, found while nobody moves a slider."""
 
 import math
 from collections.abc import Callable, Iterator
@@ -23,7 +23,7 @@ class Curve:
     control: Control
     """The slider."""
     key: Scene | None = None
-    """What the points have in common: a scene whose number on this slider says nothing."""
+    """The common part of the points: a scene whose number on this slider says nothing."""
     num_points: int = 0
     """Grid points of the curve's scenes."""
     found: dict[float, tuple[float, float]] = field(default_factory=dict)
@@ -31,7 +31,7 @@ class Curve:
     there is none."""
 
     def copy(self) -> "Curve":
-        """What is known now; the curve itself may go on on another thread."""
+        """The points that are known now; the curve itself may go on on another thread."""
         return replace(self, found=dict(self.found))
 
     def aim(self, scene: Scene) -> None:
@@ -49,7 +49,7 @@ class Curve:
         return [value for value in values if value not in self.found]
 
     def work(self, scene: Scene, span: tuple[float, float], dropped: Callable[[], bool]) -> Iterator[bool]:
-        """Find what is missing; yields after every point, True after the last.
+        """Find the missing points; yields after every point, True after the last.
 
         span: of the slider's positions. Raises `answers.DroppedError` when it is dropped.
         """

@@ -45,7 +45,7 @@ class Newest(Generic[Request]):
         return self._ended
 
     def end(self, patience: float = 0.0) -> None:
-        """Drop what waits, and let the thread end after what it is at; waits for that for so long [s]."""
+        """Drop the work that waits, and let the thread end after its present work; waits for that for so long [s]."""
         with self._changed:
             self._ended = True
             self._waiting = []

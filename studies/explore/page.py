@@ -75,10 +75,10 @@ class Event:
 
 
 class Page:
-    """Widgets, figures and texts of one document, and what happens when they are used."""
+    """Widgets, figures and texts of one document, and their effects."""
 
     def __init__(self, start: Start, values: Mapping[str, Any], address: str, later: Later) -> None:
-        """values: to begin with. address: of the page, for its link. later: runs what changes the document."""
+        """values: to begin with. address: of the page, for its link. later: runs changes of the document."""
         self._start, self._values, self._address, self._later = start, dict(values), address, later
         self._controls = start.controls()
         first = start.first
@@ -126,16 +126,16 @@ class Page:
         return [self._status, self._answer, self._doubts, self._link, self._command]
 
     def complain(self, text: str) -> None:
-        """Say beside the sliders what was wrong with a link."""
+        """Say beside the sliders why a link is wrong."""
         self._note.text = escape(text)
 
     def end(self, patience: float = 0.0) -> None:
-        """Stop working; waits so long for what is under way [s]."""
+        """Stop working; waits so long for the work under way [s]."""
         self._newest.end(patience)
 
     def ask(self) -> None:
         """Have the scene on the sliders solved."""
-        self._status.value = "Solving the scene on the sliders; what is shown is of the scene that it names."
+        self._status.value = "Solving the scene on the sliders; the results shown are of the scene that they name."
         self._newest.ask(Event(dict(self._values), time.perf_counter()))
 
     def _slider(self, control: Control) -> Slider:
@@ -205,7 +205,7 @@ class Page:
         self._fields.show(solution)
         if self._start.scan and (trouble := self._start.scan.trouble()):
             _tell(trouble)
-            self.complain(f"The {trouble}: the page goes on with what was read, the command may not repeat it.")
+            self.complain(f"The {trouble}: the page goes on with the scan it has, the command may not repeat it.")
 
     def _show_around(self, event: Event, found: Answer, curves: Mapping[Control, Curve]) -> None:
         solution = found.solution
@@ -219,9 +219,9 @@ class Page:
 
 
 def _described(layer: ElasticLayer) -> str:
-    """What kind of layer it is, by the first sentence of its class's docstring, or by its name."""
+    """The kind of layer, by the first sentence of its class's docstring, or by its name."""
     kind, doc = type(layer), type(layer).__doc__ or ""
-    if not doc or doc.startswith(f"{kind.__name__}("):  # what a dataclass without one is given
+    if not doc or doc.startswith(f"{kind.__name__}("):  # the one that Python makes
         return f"a layer of the kind {escape(layer.name)}"
     return escape(doc[0].lower() + doc[1:].split(".")[0])
 
@@ -233,7 +233,7 @@ def _tell(trouble: str) -> None:
 
 
 def document(start: Start, address: str, doc: Document, arguments: Mapping[str, list[bytes]]) -> Page:
-    """Fill a document for a link's arguments; what is wrong with them is said on the page."""
+    """Fill a document for a link's arguments; errors in them are told on the page."""
     wrong, values = "", start.values()
     try:
         values = start.read_link(arguments)

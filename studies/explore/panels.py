@@ -72,7 +72,7 @@ def _label_logarithmic(axis: Any, end: float | None = None, last: float = 1e300)
 
 
 def _put(source: ColumnDataSource, data: Mapping[str, ArrayLike]) -> None:
-    """Set a source's columns if they are others: what stays as it is is neither sent nor painted again."""
+    """Set a source's columns if they are others: the same ones are neither sent nor painted again."""
     if any(not np.array_equal(source.data[name], column, equal_nan=True) for name, column in data.items()):
         source.data = dict(data)
 
@@ -144,7 +144,7 @@ class Fields:
             self.thin()
 
     def thin(self) -> None:
-        """Draw what the screen shows of the solution, with as many points as it has pixels for."""
+        """Draw the part of the solution on the screen, with as many points as it has pixels for."""
         solution = self._solution
         if solution is None:
             return
@@ -182,7 +182,7 @@ class Fields:
         return {"left": left, "right": right}
 
     def _set_ranges(self, indenter: Array64, surface: Array64, peak: float) -> None:
-        """The surface fills a quarter to a half of its panel: what rises higher of the indenter is far from it."""
+        """The surface fills a quarter to a half of its panel: the indenter's higher parts are far from it."""
         low, high = float(surface.min()), float(surface.max())
         room = _up((high - low) or float(np.ptp(indenter)) or 1.0)
         top = min(high + room, max(high, float(indenter.max())))

@@ -1,4 +1,4 @@
-"""What the user named at the start: layer, indenters, grid, and a scan if it is one.
+"""The choices of the user at the start: layer, indenters, grid, and a scan if it is one.
 
 From here on a scene is told by a few numbers, its `Values`: those of a link, and those that the sliders move.
 """
@@ -43,7 +43,7 @@ class Scan:
     def of(cls, path: Path, options: Mapping[str, Any]) -> Self:
         """The scan that a file holds now; options: those that read it, by name."""
         words: list[str] = []
-        own = {} if options.get("scene_units") else {"length_unit": "m"}  # what the numbers are in
+        own = {} if options.get("scene_units") else {"length_unit": "m"}  # unit of the numbers
         for name, value in {**own, **options}.items():
             if name not in ("num_points", "period"):  # the scene says them
                 words += [flag(name)] if value is True else [flag(name), str(value)]
@@ -59,7 +59,7 @@ class Scan:
         return found.st_size, found.st_mtime_ns
 
     def trouble(self) -> str:
-        """What has become of the file since it was read; empty if nothing."""
+        """How the file has changed since it was read; empty if it has not."""
         now = self.stamp_of(self.path)
         if now == self.stamp:
             return ""
@@ -68,14 +68,14 @@ class Scan:
 
 @dataclass(frozen=True)
 class Start:
-    """The scene at the start, and what else there is to choose. Period, grid and E* stay as they are here."""
+    """The scene at the start, and all other choices. Period, grid and E* stay as they are here."""
 
     first: Scene
     """The scene at the start."""
     scan: Scan | None = None
     """Its scan, if its indenter is one."""
     indenters: dict[str, Indenter] = field(init=False)
-    """What can be chosen on the page, by name: a scan alone, for its period and grid belong to no other."""
+    """The choices on the page, by name: a scan alone, for its period and grid belong to no other."""
 
     def __post_init__(self) -> None:
         own = self.first.indenter
@@ -96,7 +96,7 @@ class Start:
         )
 
     def values(self) -> dict[str, Any]:
-        """The values of the scene at the start, and what the other indenters begin with."""
+        """The values of the scene at the start, and first values of the other indenters."""
         found: dict[str, Any] = {"profile": self.first.indenter.name}
         for control in CONTROLS:
             for owner in self._owners(control):
@@ -121,7 +121,7 @@ class Start:
         return replace(self.first, layer=layer, indenter=indenter, **parts["scene"])
 
     def read_link(self, arguments: Mapping[str, list[bytes]]) -> dict[str, Any]:
-        """The values of a link's query; what it leaves out is as at the start. Raises `ValueError`."""
+        """The values of a link's query; others are as at the start. Raises `ValueError`."""
         found = self.values()
         for name, texts in arguments.items():
             text = texts[-1].decode(errors="replace")
@@ -133,7 +133,7 @@ class Start:
             found[name] = _choice(text, self.indenters) if name == "profile" else _number(name, text, own)
         for profile, indenter in self.indenters.items():
             if profile == found["profile"] or _names(indenter) & set(arguments):
-                self.scene(found | {"profile": profile})  # refuses what is out of bounds
+                self.scene(found | {"profile": profile})  # refuses values out of bounds
         return found
 
     def query(self, values: Values) -> str:

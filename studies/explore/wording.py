@@ -1,4 +1,4 @@
-"""What the page says of an answer, as plain text."""
+"""The text of an answer on the page."""
 
 import math
 
@@ -22,14 +22,14 @@ def said(answer: Answer, seconds: float) -> str:
 
 
 def doubted(answer: Answer) -> str:
-    """Why there is no answer, or what to doubt of it."""
+    """Why there is no answer, or its warnings."""
     if answer.solution is None:
         return f"No answer. {answer.refused}"
     return "\n".join(f"Warning, {w.kind}: {w.text}." for w in answer.solution.warnings)
 
 
 def _scene(scene: Scene) -> str:
-    """What was pressed against what, in the scan's units or dimensionless."""
+    """Indenter and layer, in the scan's units or dimensionless."""
     given, thickness = scene.to_dict(), scene.layer.thickness
     along, _, pressures = shown_units(given)
     told = f"{thickness * along.factor:.5g}" if math.isfinite(thickness) else HALF_SPACE

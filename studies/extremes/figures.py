@@ -1,4 +1,4 @@
-"""Figures of the map of extremes (certified to which level, where refused, what it took) and of a soak."""
+"""Figures of the map of extremes (certified to which level, where refused, how long it took) and of a soak."""
 
 import math
 from collections.abc import Callable
@@ -87,7 +87,7 @@ def _map(
 
 
 def _bars(axes: Axes, study: StudyFile, plain: NDArray[np.bool_]) -> None:
-    """Shares of the verdicts by precision, method and number of points, and of what asked for more."""
+    """Shares of the verdicts by precision, method and number of points, and of the requests for more."""
     groups: list[tuple[str, NDArray[np.bool_]]] = []
     for name in ("precision", "method"):
         values = study.column(name)

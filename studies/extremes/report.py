@@ -1,4 +1,4 @@
-"""The report of the map of extremes: tables of verdicts and of reasons, and what is known of the areas."""
+"""The report of the map of extremes: tables of verdicts and of reasons, and comparisons of the areas."""
 
 import math
 import re
@@ -17,7 +17,7 @@ from .verdicts import CERTIFIED, DEFECT, REFUSED
 
 
 def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
-    """Tables of verdicts and of reasons, and what is known of the areas."""
+    """Tables of verdicts and of reasons, and comparisons of the areas."""
     parts: list[RenderableType] = []
     for file in files.values():
         parts += [summary(file.runs), reasons(file.runs), areas(file.runs)] if file.runs else []
@@ -25,7 +25,7 @@ def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
 
 
 def summary(runs: Sequence[Record]) -> Table:
-    """Verdicts by what was asked, and how far the areas are off."""
+    """Verdicts by request, and how far the areas are off."""
     table = console.table(
         title=f"{len(runs)} cells",
         caption="solved: share certified [%]; worst: largest tolerance certified at, over p; 1e-8: share of these at "
@@ -58,7 +58,7 @@ def _distinct(runs: Sequence[Record], name: str) -> list[str]:
 
 
 def reasons(runs: Sequence[Record]) -> Table:
-    """What was refused, by the parameter that the reason names."""
+    """The refused requests, by the parameter that the reason names."""
     table = console.table(title="Refused, by the parameter named")
     for heading in ("parameter", "cells", "own request", "one of them"):
         table.add_column(heading, justify="left" if heading in ("parameter", "one of them") else "right")

@@ -39,7 +39,7 @@ _MIDDLE = 0.02  # share of scenes with 2^13 points and more
 
 @dataclass(frozen=True)
 class Configuration:
-    """What identifies the soak."""
+    """The configuration that identifies the soak."""
 
     stretches: int = 60
     """How many stretches of time, each a task."""
@@ -73,7 +73,7 @@ class Task:
     """Length [s]."""
 
     def run(self, report: Progress | None) -> Record:
-        """How many scenes came to which verdict, and what memory and open files the process holds after them."""
+        """How many scenes came to which verdict, and the process's memory and open files after them."""
         begin, verdicts, asked, longest, why = time.monotonic(), list[str](), 0, 0.0, ""
         rng = np.random.default_rng([_SEED, self.number])
         while time.monotonic() - begin < self.seconds and len(verdicts) < _MOST:
@@ -150,5 +150,5 @@ STUDY = Study(name=NAME, options=Options, plans=plans, report=report, draw=draw,
 
 
 def command(options: Options) -> int:
-    """Run the soak, or what is left of it; returns the exit status, 4 if there is a defect."""
+    """Run the soak, or the rest of it; returns the exit status, 4 if there is a defect."""
     return run_study(STUDY, options)

@@ -1,4 +1,4 @@
-"""A map of what can be asked: thousands of random scenes, each certified, refused for a reason, or a defect.
+"""A map of possible requests: thousands of random scenes, each certified, refused for a reason, or a defect.
 
 linecontact study extremes [--quick] [--folder FOLDER]
 
@@ -31,7 +31,7 @@ NAME = "extremes"
 
 @dataclass(frozen=True)
 class Configuration:
-    """What identifies the study."""
+    """The configuration that identifies the study."""
 
     small: int = 20_000
     """Number of small cells, see `cells.SIZES`."""
@@ -80,13 +80,13 @@ class Task:
         return cells.draw(self.seed, stream, place % cells.COLUMNS, place // cells.COLUMNS, self.size)
 
     def run(self, report: Progress | None) -> Record:
-        """The cell's record: what was asked, the verdict, and what was found."""
+        """The cell's record: the request, the verdict, and the results."""
         cell = self.cell()
         return describe(cell) | judge(cell)
 
 
 def describe(cell: cells.Cell) -> Record:
-    """What a cell asks for, in units L = E* = 1."""
+    """The request of a cell, in units L = E* = 1."""
     scene, options = cell.scene, cell.options
     indenter = scene.indenter
     layer = scene.layer.to_dict()
@@ -134,5 +134,5 @@ STUDY = Study(name=NAME, options=Options, plans=plans, report=report, draw=draw,
 
 
 def command(options: Options) -> int:
-    """Run the study as asked, or what is left of it; returns the exit status, 4 if there is a defect."""
+    """Run the study as asked, or the rest of it; returns the exit status, 4 if there is a defect."""
     return run_study(STUDY, options)

@@ -1,10 +1,10 @@
-"""What becomes of a cell: certified, refused for a reason that it names, or a defect.
+"""The verdict on a cell: certified, refused for a reason that it names, or a defect.
 
-Certified is what converged and stands up to a second look: the certificate made again from the stored displacement
+Certified is a converged solution that passes a second look: the certificate made again from the stored displacement
 alone, in the user's units, which must give the stored pressure, contact and load; the area, and its estimated error,
 beside a closed form, collocation, or a finer grid where one of these knows it (power profiles and roughness in partial
 contact, to a tenth of a grid spacing); and up to `_REFERENCE_TO` points the same to the last bit in other
-units. What is not finite must be what the documentation says is not.
+units. Only numbers that the documentation names may be infinite.
 """
 
 import math
@@ -43,11 +43,11 @@ _FIELD_POINTS = 2**15  # of such a reference for collocation
 
 
 class DefectError(Exception):
-    """Something that must not happen; the message says what."""
+    """Something that must not happen; the message names it."""
 
 
 def judge(cell: Cell) -> Record:
-    """The record of a cell: verdict, why, and what was found. Nothing but Ctrl-C is raised, whatever the cell does."""
+    """The record of a cell: verdict, reason, and results. Nothing but Ctrl-C is raised, whatever the cell does."""
     begin = time.perf_counter()
     record: Record = {"verdict": DEFECT, "why": "", "asked": any(name in cell.options for name in _ASKED)}
     try:
@@ -83,7 +83,7 @@ def _judge(cell: Cell, record: Record) -> None:
 def _refused(record: Record, reason: str) -> None:
     record["why"] = reason
     if not _REASON.match(reason):
-        raise DefectError(f"refused for a reason that does not name a parameter and what is allowed: {reason}")
+        raise DefectError(f"refused for a reason that does not name a parameter and its allowed values: {reason}")
     record["verdict"] = REFUSED
 
 
@@ -96,7 +96,7 @@ def _initial(cell: Cell, scene: Scene) -> np.ndarray[Any, Any] | None:
 
 
 def _numbers(solution: Solution) -> Record:
-    """What is kept of a solution. Raises `DefectError` for a number that is NaN, or infinite where it must not be."""
+    """The stored numbers of a solution. Raises `DefectError` for NaN, or infinity where none may be."""
     record = solution.to_dict()
     infinite = _INFINITE | ({"contact_area_error"} if solution.tolerance > _COARSE else set())
     for name, value in _walk(record):

@@ -1,4 +1,4 @@
-"""What all figures share, and the figure of a single solution. A figure is drawn from what a stored file holds.
+"""Common parts of all figures, and the figure of a solution. A figure is drawn from the contents of a stored file.
 
 May import: linecontact.solver, terminal, files, scans.
 """

@@ -20,15 +20,17 @@ class ForeignFileError(StoreError):
     """A file that has the name of a figure, but is another program's, or an earlier version's."""
 
 
-def save(path: Path, draw: Callable[[Path], dict[str, Figure]], overwrite: bool = False) -> list[Path]:
+def save(
+    path: Path, draw: Callable[[Path], dict[str, Figure]], overwrite: bool = False, own: bool = False
+) -> list[Path]:
     """Draw and write the figures of a stored file; returns the files. Raises `StoreError`, and `ForeignFileError` where
     another program's file has the name of one.
 
     draw: makes figures from the stored file, by the endings of their names. overwrite: whether such a file may be
-    replaced.
+    replaced. own: as in `expecting`.
     """
     written = []
-    with matplotlib.rc_context(STYLE), expecting(path):
+    with matplotlib.rc_context(STYLE), expecting(path, own):
         drawn = draw(path)
         for file in names(path, () if overwrite else drawn):
             if file.is_file() and not is_ours(file):

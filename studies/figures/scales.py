@@ -10,7 +10,7 @@ from .units import Shown, shown_units
 
 
 def told(units: tuple[Shown, ...]) -> str:
-    """What is dimensionless, and by what it was divided; empty where nothing is. units: as `shown_units` gives them."""
+    """Dimensionless quantities and their divisors; empty where there are none. units: as `shown_units` gives them."""
     along, _, pressures = units
     over = [f"lengths over the period {sign(along)}"] * (not along.unit)
     over += [f"pressures over {sign(pressures)}"] * (not pressures.unit)
@@ -28,7 +28,7 @@ def sign(what: Shown) -> str:
 
 
 def of_scene(results: Mapping[str, Any]) -> dict[str, Any]:
-    """What results say of their scene, by the names of `Scene.to_dict`."""
+    """The scene of some results, by the names of `Scene.to_dict`."""
     return {name.removeprefix("scene."): value for name, value in results.items() if name.startswith("scene.")}
 
 
@@ -59,7 +59,7 @@ def thickness(about: Mapping[str, Any]) -> str:
 
 
 def base(results: Mapping[str, Any], but: Collection[str] = ()) -> str:
-    """The elastic half-space below a coating, in words; empty for a layer on a rigid base. but: what is left out."""
+    """The elastic half-space below a coating, in words; empty for a layer on a rigid base. but: names left out."""
     modulus, told = results.get("scene.base_modulus"), []
     if modulus is not None and not {"base_modulus", "contact_modulus"} & set(but):
         told.append(f"$E_2^*={typeset(float(modulus) / float(results['scene.contact_modulus']))}\\,E^*$")

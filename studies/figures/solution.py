@@ -54,17 +54,17 @@ def draw(path: Path) -> dict[str, Figure]:
 
 
 def plot(solution: Solution | StoredSolution, path: Name | None = None, overwrite: bool = False) -> Figure:
-    """The figure of a solution, or of what `load` has read from its file; no window is opened.
+    """The figure of a solution, or of a `StoredSolution` that `load` has read; no window is opened.
 
     Heights and pressure over the period with the contact patches, and the widest patch enlarged; in the units of
     the scene, where it has some; else lengths over the period, pressures over E*.
 
-    path: where to write it, as .png, .pdf, .svg or what else Matplotlib writes. overwrite: whether a file may be
+    path: where to write it, as .png, .pdf, .svg or another format of Matplotlib. overwrite: whether a file may be
     replaced that is no figure of linecontact's. Raises `ValueError` for anything else, and for a file that cannot be
     written.
     """
     if not isinstance(solution, Solution | StoredSolution):
-        raise ValueError(f"solution is {str(solution)[:40]!r}; allowed: a Solution, or what `load` returns")
+        raise ValueError(f"solution is {str(solution)[:40]!r}; allowed: a Solution or a StoredSolution")
     stored = solution_files.stored(solution) if isinstance(solution, Solution) else solution
     file = None if path is None else writing.as_path("path", path)
     if file:
@@ -142,7 +142,7 @@ def _thinned(x: Array64, *curves: Array64) -> list[Array64]:
 
 
 def _heights(axes: Axes, x: Array64, profile: Array64, surface: Array64, marker: str = "") -> None:
-    """Indenter and layer as two bodies; of the indenter what is near the layer."""
+    """Indenter and layer as two bodies; of the indenter the part near the layer."""
     x, h, u = _thinned(x, profile, surface)
     low, reach = float(min(u.min(), h.min())), float(np.ptp(u)) or float(np.ptp(h)) or 1.0
     top = min(float(h.max()), float(u.max()) + reach)
@@ -237,4 +237,4 @@ def _title(results: dict[str, Any], patches: int) -> str:
     told = ", ".join(
         filter(None, (*of_layer, f"\n{below}" * bool(below), load(about)))
     )  # the base on a line of its own
-    return "\n".join(filter(None, (titles.pressed(results), told, found))) + ended
+    return "\n".join(filter(None, (titles.pressed(results), told, titles.own(results), found))) + ended

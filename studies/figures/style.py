@@ -1,4 +1,4 @@
-"""What all figures share."""
+"""Common parts of all figures."""
 
 import math
 from collections.abc import Iterable
@@ -77,7 +77,7 @@ def layer(thickness: float) -> str:
 
 
 def kind(name: str) -> str:
-    """What a layer of that name is called; nothing if it is bonded, as most are."""
+    """A layer's name as figures say it; nothing if it is bonded, as most are."""
     return _KINDS.get(name, plain(name))
 
 

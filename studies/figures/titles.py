@@ -1,4 +1,4 @@
-"""Titles of figures: what they say of a scene, from its stored numbers, on lines that are not too wide."""
+"""Titles of figures: a scene in words, from its stored numbers, on lines that are not too wide."""
 
 import re
 from collections.abc import Collection, Mapping
@@ -78,7 +78,7 @@ def _shortened(name: str) -> str:
 
 
 def pressed(results: Mapping[str, Any], but: Collection[str] = ()) -> str:
-    """What is pressed against the layer: the name of a scan, or a profile and its numbers.
+    """The indenter: the name of a scan, or a profile and its numbers.
 
     results: with `scene.` before each name. but: numbers that are left out.
     """
@@ -90,9 +90,18 @@ def pressed(results: Mapping[str, Any], but: Collection[str] = ()) -> str:
     for name, (sign, usual) in _UNUSUAL.items():
         if float(known.get(name, usual)) != usual:
             told.append(f"${sign}={typeset(float(known[name]))}$")
-    own = {name: value for name, value in known.items() if name not in {*_NUMBERS, *_UNUSUAL, *_ELSEWHERE}}
-    told += [f"{plain(name.replace('_', ' '))} {value:g}" for name, value in own.items() if isinstance(value, Real)]
     return ", ".join([*told, *([f"seed {int(known['seed'])}"] if "seed" in known else [])])
+
+
+def own(results: Mapping[str, Any], but: Collection[str] = ()) -> str:
+    """The numbers of layers and indenters that the program does not know, of which it cannot tell whose they are.
+
+    results, but: as in `pressed`.
+    """
+    numbers = {name: value for name, value in of_scene(results).items() if isinstance(value, Real)}
+    others = numbers.keys() - {*_NUMBERS, *_UNUSUAL, *_ELSEWHERE, *but}
+    told = [name for name in numbers if name in others and not name.startswith("profile_")]  # which scans have
+    return ", ".join(f"{plain(name.replace('_', ' '))} {numbers[name]:g}" for name in told)
 
 
 def poisson(results: Mapping[str, Any]) -> str:
@@ -113,6 +122,7 @@ def scene(results: Mapping[str, Any], but: Collection[str]) -> str:
         told.append(load(of_scene(results)))
     if "num_points" not in but:
         told.append(f"{results['scene.num_points']} points")
+    told.append(own(results, but))
     return ", ".join(filter(None, told))
 
 

@@ -1,4 +1,4 @@
-"""Files: solutions and studies as HDF5, and a safe way to read what others wrote.
+"""Files: solutions and studies as HDF5, and a safe way to read files of others.
 
 May import: linecontact.solver, terminal.
 """

@@ -41,7 +41,7 @@ _TEXT = 2**20  # bytes of an attribute
 
 
 class RefusedError(ValueError):
-    """A file that asks for what it must not; the message says what."""
+    """A file with a forbidden request; the message names it."""
 
 
 class BrokenError(ValueError):
@@ -162,7 +162,7 @@ def _unpacked(values: NDArray[Any], attributes: "h5py.AttributeManager", what: s
 
 
 def _check_storage(data: "h5py.Dataset", what: str, most: int) -> None:
-    """Refuse what is not in the file itself, or more than `most` bytes."""
+    """Refuse data outside of the file itself, or more than `most` bytes."""
     if data.is_virtual or data.external:
         raise RefusedError(f"{what}, which is kept in other files; allowed: data in the file itself")
     properties = data.id.get_create_plist()
@@ -240,9 +240,9 @@ def _limit(seconds: int, memory: int) -> None:
 
 
 def _main(what: str, seconds: str, *arguments: str) -> None:
-    """What the process does: answer on standard output with a line of JSON, then the values."""
+    """The work of the process: answer on standard output with a line of JSON, then the values."""
     output = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)  # what libraries print is no answer
+    os.dup2(2, 1)  # the output of libraries is no answer
     _limit(int(seconds), MEMORY + os.path.getsize(arguments[0]))
     tasks: dict[str, Callable[..., Columns]] = {"dataset": _dataset, "result": _result, "scan": _scan}
     values = np.zeros(0)

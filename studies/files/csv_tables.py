@@ -45,7 +45,7 @@ def _fields(path: Path) -> Columns:
 
 
 def _runs(path: Path) -> Columns:
-    """What the runs of a study hold, by headings."""
+    """The numbers and texts of the runs of a study, by headings."""
     study = load_study(path)
     if not study.runs:
         raise StoreError(f"file {path} holds no finished run yet; allowed: a study with at least one")

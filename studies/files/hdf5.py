@@ -1,4 +1,4 @@
-"""HDF5 files with a checksum: what solution files and study files have in common.
+"""HDF5 files with a checksum: the common part of solution files and study files.
 
 Before the HDF5 part, as its user block, stands the SHA-256 of all that follows. A file is read only if the checksum
 fits and, unless this process has written it, after a process of its own has read it without harm (`confined`): a
@@ -25,7 +25,8 @@ if TYPE_CHECKING:  # h5py is imported where a file is opened: much of the progra
 _HEAD = 512  # bytes of HDF5's user block
 _MAX_TEXT = 10_000  # characters of a stored text that are kept
 
-_sound: set[str] = set()  # checksums of what this process has written or checked
+_written: set[str] = set()  # checksums of files that this process has written
+_sound: set[str] = set()  # checksums of files that this process has written or checked
 
 
 @contextlib.contextmanager
@@ -43,22 +44,22 @@ def new_file(path: str | os.PathLike[str]) -> Iterator["h5py.File"]:
         image = file.id.get_file_image()
     digest = hashlib.sha256(image).hexdigest()
     write_bytes(path, [head(digest), image])
-    _sound.add(digest)
+    _written.add(digest)
 
 
 @contextlib.contextmanager
 def open_file(path: str | os.PathLike[str]) -> Iterator["h5py.File"]:
     """Read an HDF5 file; raises `StoreError` for a missing or foreign one, `DamagedError` for a damaged one.
 
-    A file is also damaged if the reader does not find in it what it looks for.
+    A file is also damaged if the reader does not find in it the names that it looks for.
     """
     path = Path(path)
     if not os.path.isfile(path):  # Path's own raises for some names
         what = "is no regular file" if os.path.lexists(path) else "does not exist"
         raise StoreError(f"file {path} {what}; allowed: an HDF5 file")
+    digest = _verify(path)
     try:
-        digest = _verify(path)
-        if digest not in _sound:
+        if digest not in _sound | _written:
             confined.check_result(path)
             _sound.add(digest)
         import h5py
@@ -68,12 +69,14 @@ def open_file(path: str | os.PathLike[str]) -> Iterator["h5py.File"]:
     except StoreError:
         raise
     except Exception as error:
+        if digest in _written:  # a bug
+            raise
         reason = f"{type(error).__name__}: {error}"
         raise DamagedError(f"file {path} is damaged or not one of linecontact's HDF5 files, {reason}") from error
 
 
 def _verify(path: Path) -> str:
-    """The file's checksum, before HDF5 sees the file. Raises `StoreError` if it does not fit what is stored."""
+    """The file's checksum, before HDF5 sees the file. Raises `StoreError` if it does not fit the stored one."""
     try:
         with path.open("rb") as file:
             start = file.read(_HEAD)

@@ -1,4 +1,4 @@
-"""Records: what is kept of a solution or a task, as one flat dictionary of numbers and texts that fits into JSON.
+"""Records: the stored part of a solution or a task, as one flat dictionary of numbers and texts that fits into JSON.
 
 JSON has no infinity and no NaN. In a record they are the texts 'inf', '-inf' and 'nan'; `plain` makes these texts, and
 `is_text` tells them from other texts.

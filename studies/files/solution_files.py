@@ -40,7 +40,7 @@ _PATCH_UNITS = {field.name: _OTHER_UNITS.get(field.name, "length") for field in 
 
 @dataclass(frozen=True)
 class StoredSolution(Value):
-    """What a solution file holds."""
+    """The contents of a solution file."""
 
     x: NDArray[np.float64]
     """Grid, shape (N,) [length]."""
@@ -57,7 +57,7 @@ class StoredSolution(Value):
 
     @property
     def warnings(self) -> dict[str, str]:
-        """What to doubt of it: texts, by the kinds of `Solution.warnings`."""
+        """Its warnings: texts, by the kinds of `Solution.warnings`."""
         told = {name: str(text) for name, text in self.results.items() if name.startswith("warnings.")}
         return {name.removeprefix("warnings."): text for name, text in told.items()}
 
@@ -91,7 +91,11 @@ def check_file(path: Path, overwrite: bool) -> None:
 
 
 def load(path: Name) -> StoredSolution:
-    """Read a file that `save` or the command line has written. Raises `ValueError` for any other."""
+    """Read a file that `save` or the command line has written, as a `StoredSolution`: the arrays `x`, `profile`,
+    `displacement` and `contact_pressure`, the table `patches`, and all other numbers by name in `results`.
+
+    Raises `ValueError` for any other file.
+    """
     path = as_path("path", path)
     with open_file(path) as file:
         if (kind := str(file.attrs["kind"])) != KIND:
@@ -126,7 +130,7 @@ def save_patches(path: Name, solution: Solution) -> None:
 
 
 def stored(solution: Solution) -> StoredSolution:
-    """What a file of the solution holds."""
+    """The contents of a file of the solution."""
     arrays = (solution.scene.x, solution.scene.profile, solution.displacement, solution.contact_pressure)
     return StoredSolution(*arrays, results=flatten(solution.to_dict()), patches=solution.patches)
 

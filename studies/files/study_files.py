@@ -32,7 +32,7 @@ class StudyFile:
     kind: str
     """Name of the study."""
     configuration: dict[str, Any]
-    """What the user chose, fit for JSON."""
+    """The choices of the user, fit for JSON."""
     runs: list[dict[str, Any]] = field(default_factory=list)
     """One flat record for each finished run."""
     lines: dict[str, dict[str, NDArray[np.float64]]] = field(default_factory=dict)
@@ -89,7 +89,7 @@ def finished(
     if study.version != RESULTS_VERSION:
         raise refusal(f"results of version {study.version}, not {RESULTS_VERSION}")
     if others := sorted(differ - set(adjustable)):
-        raise refusal(f"what was made with other options ({', '.join(others)})")
+        raise refusal(f"results made with other options ({', '.join(others)})")
     same = not differ or bool(enough and enough(study))
     return study if study.complete and same else None
 
@@ -109,7 +109,7 @@ def save_study(path: Path, study: StudyFile) -> None:
         file.attrs["results_version"] = study.version
         file.create_group("runs")
         names = dict.fromkeys(name for run in study.runs for name in run)
-        for name in names:  # what a run does not have is nan, or an empty text
+        for name in names:  # a value that a run does not have is nan, or an empty text
             some = next(run[name] for run in study.runs if name in run)
             _write_column(file["runs"], name, [run.get(name, "" if is_text(some) else math.nan) for run in study.runs])
         for line, columns in study.lines.items():

@@ -1,6 +1,6 @@
 """Files and folders written safely: beside the final name first and then renamed, so never left half written.
 
-What cannot be read or written raises `StoreError`, whose message names the file and says what is allowed.
+A file that cannot be read or written raises `StoreError`, whose message names it and the allowed ones.
 """
 
 import contextlib
@@ -26,7 +26,7 @@ class StoreError(ValueError):
 
 
 class DamagedError(StoreError):
-    """A file of linecontact that is not what was written."""
+    """A file of linecontact that differs from the written one."""
 
 
 def as_path(name: str, path: object) -> Path:
@@ -127,16 +127,19 @@ def set_aside(path: Path) -> None:
 
 
 @contextlib.contextmanager
-def expecting(where: Path) -> Iterator[None]:
+def expecting(where: Path, own: bool = False) -> Iterator[None]:
     """Turn any error inside the block into a `StoreError` that names `where`, the file or folder that was read.
 
-    For blocks that work with what a file holds: a right checksum does not say that its contents make sense.
+    For blocks that work with the contents of a file: a right checksum does not say that its contents make sense.
+    own: whether this process has computed all of it; then such an error is a bug, and is passed on.
     """
     try:
         yield
     except (StoreError, OSError):
         raise
     except Exception as error:
+        if own:
+            raise
         reason = f"{type(error).__name__}: {error}, {console.place(error)}"
         what = f"{where} does not hold what linecontact writes there ({reason}); allowed: another one, or to make it"
         raise StoreError(f"{what} anew. If linecontact has written it, this is a bug, please report it") from error

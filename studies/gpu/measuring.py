@@ -30,7 +30,7 @@ _ON_DEVICE = 3  # CUDA's name for a copy that stays on the device
 def seconds_per_iteration(problem: Problem, method: str, precision: str, device: str, threads: int = 1) -> float:
     """Mean time of an iteration [s], over half a second or more, or over three iterations if these take longer.
 
-    On the GPU it is over hundreds of iterations: what mass-weighted FIRE does every hundredth time is in its mean.
+    On the GPU it is over hundreds of iterations: the work of mass-weighted FIRE every hundredth time is in its mean.
     """
     state = METHODS[method].begin(problem, ExecutionConfig(1e-14, precision, threads=threads, device=device))
     cycle, least = _CYCLE[device], max(_FEWEST, _CYCLE[device])
@@ -47,7 +47,7 @@ def seconds_per_iteration(problem: Problem, method: str, precision: str, device:
 def shares_of_the_copy_bandwidth(precision: str, num_points: int) -> dict[str, float]:
     """The bandwidth of every kernel over that of a copy on the GPU, and under 'copy' that [bytes a second].
 
-    Copies of some lengths are slower than of others: what counts is the fastest of those of the arrays, of half and of
+    Copies of some lengths are slower than of others: the fastest counts of those of the arrays, of half and of
     a quarter of them.
     """
     import cupy.cuda
@@ -84,7 +84,7 @@ def shares_of_the_copy_bandwidth(precision: str, num_points: int) -> dict[str, f
 
 
 def _seconds(run: Callable[[], None]) -> float:
-    """Least mean time of what is put into the GPU's queue, many times as one graph [s]."""
+    """Least mean time of work put into the GPU's queue, many times as one graph [s]."""
     import warp as wp
     from linecontact.solver.transforms import on_gpu
 

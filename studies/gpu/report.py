@@ -34,7 +34,7 @@ def _known(value: Any) -> bool:
 
 
 def machine(runs: Sequence[Record]) -> str:
-    """On what they were measured."""
+    """The machine of the measurements."""
     first = runs[0]
     return f"{first['device']}, and {first['provenance.processor']} with {first['provenance.cores']} cores"
 
@@ -82,7 +82,7 @@ def solves(runs: Sequence[Record]) -> Table:
     table = console.table(
         title="Whole solves with their certificates",
         caption=f"On {machine(runs)}, FFTW on one thread: a rough surface, H = 0.8, on a layer of d = 0.1 L, "
-        "tolerance 1e-8. solve: iterations and what they need; all: with set-up and certificate, which are the CPU's; "
+        "tolerance 1e-8. solve: iterations and preparation; all: with set-up and certificate, which are the CPU's; "
         "residual: by the certificate (dimensionless). On the same grid their contact areas between sub-grid edges "
         f"differ by up to {_spread(runs):.0e} of themselves.",
     )
@@ -110,7 +110,7 @@ def _spread(runs: Sequence[Record]) -> float:
 
 
 def agreement(runs: Sequence[Record]) -> str:
-    """What CPU and GPU agree on."""
+    """The agreement of CPU and GPU."""
     certified = [run for run in runs if run["certified"]]
     same = sum(run["nodes_that_differ"] == 0 for run in certified)
     most = max((run["nodes_that_differ"] for run in certified), default=0)
@@ -135,4 +135,4 @@ _PARTS: dict[str, Callable[[Sequence[Record]], RenderableType]] = {
     "solve": solves,
     "agreement": agreement,
 }
-"""What is said of each sort of rows."""
+"""The words for each sort of rows."""

@@ -28,7 +28,7 @@ NAME = "gpu"
 
 @dataclass(frozen=True)
 class Configuration:
-    """What identifies the study."""
+    """The configuration that identifies the study."""
 
     iterations: tuple[int, ...] = (14, 16, 18, 20, 22, 24)
     """log2 of the numbers of points of iterations on both."""
@@ -87,6 +87,6 @@ STUDY = Study(name=NAME, options=Options, plans=plans, report=report, draw=draw)
 
 
 def command(options: Options) -> int:
-    """Run the study as asked, or what is left of it; returns the exit status. Raises `ValueError` without a GPU."""
+    """Run the study as asked, or the rest of it; returns the exit status. Raises `ValueError` without a GPU."""
     check_device("cuda")
     return run_study(STUDY, options)

@@ -1,4 +1,4 @@
-"""What a solution takes over N: transform pairs and time of every method, Hertz and one rough surface, half-space.
+"""The cost of a solution over N: transform pairs and time of every method, Hertz and one rough surface, half-space.
 
 linecontact study iterations [--quick] [--folder FOLDER]
 
@@ -37,7 +37,7 @@ LOADS = {"Hertz": 2e-3, "rough": 1e-2}
 
 @dataclass(frozen=True)
 class Configuration:
-    """What identifies the study."""
+    """The configuration that identifies the study."""
 
     default: tuple[int, ...] = (12, 14, 16, 18, 20, 22)
     """log2 of the numbers of points of the default method, on both scenes."""
@@ -162,7 +162,7 @@ def summary(file: StudyFile) -> Table:
 
 
 def one_line(file: StudyFile) -> str:
-    """What the smallest grid with sub-grid edges does against counting on the largest common one."""
+    """The smallest grid with sub-grid edges beside counting on the largest common one."""
     hertz = file.select("name", "Hertz").select("method", DEFAULT.name)
     exact, n = exact_areas(file)["Hertz"], hertz.column("scene.num_points")
     small = hertz.runs[int(np.argmin(n))]
@@ -191,5 +191,5 @@ STUDY = Study(name=NAME, options=Options, plans=plans, report=report, draw=draw)
 
 
 def command(options: Options) -> int:
-    """Run the study as asked, or what is left of it; returns the exit status."""
+    """Run the study as asked, or the rest of it; returns the exit status."""
     return run_study(STUDY, options)

@@ -1,4 +1,4 @@
-"""The study of what kernels, sequences of them, iterations and transforms cost.
+"""The study of the times of kernels, sequences of them, iterations and transforms.
 
 May import: linecontact.kernels, linecontact.solver, terminal, files, figures, runner.
 """

@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 from .benchmark import Argument, Array
 
 _NEGLIGIBLE = 2.0**-40
-"""What the markers of nodes on the wall add to a sum at most; a wrong node changes it by more."""
+"""The most that markers of nodes on the wall add to a sum; a wrong node changes it by more."""
 
 
 def compare(
     variant: str, argument: Argument, found: Mapping[str, Array], expected: Mapping[str, Array], transforms: bool
 ) -> None:
-    """Raise `RuntimeError` if an array of a variant is not what it should be.
+    """Raise `RuntimeError` if an array of a variant is wrong.
 
     found, expected: all arrays by name; transforms: whether there is a transform in the benchmark.
     """
@@ -54,10 +54,10 @@ def _same_chunks(given: Array, wanted: Array) -> tuple[Array, Array]:
 
 
 def _bound(argument: Argument, wanted: Array, expected: Mapping[str, Array]) -> Array:
-    """What rounding explains after transforms, value by value.
+    """The error that rounding explains after transforms, value by value.
 
     Of a value per point some eps log2(N) of the largest; of a sum over a chunk as much of the largest term for each of
-    its points, and one node near the wall; of what is made of the sums some times that, relatively.
+    its points, and one node near the wall; of numbers made of the sums some times that, relatively.
     """
     per_point = max(expected.values(), key=lambda array: array.size)
     relative = 30 * float(np.finfo(per_point.dtype).eps) * float(np.log2(per_point.size))

@@ -26,7 +26,7 @@ class Bench:
     """A benchmark on buffers of its own, staggered as the program's are.
 
     variants: the ways to do it by name, each from a number of repetitions to a function without arguments; the first
-    is the program's. notes: what else is to be known of a variant, by name; slow: names of those that are timed a few
+    is the program's. notes: further numbers of a variant, by name; slow: names of those that are timed a few
     times only; threads: of FFTW, by name.
     """
 
@@ -83,7 +83,7 @@ class Bench:
     def check(self) -> None:
         """Run every variant once; raises `RuntimeError` where one disagrees with NumPy in a single value.
 
-        On few points also what it does when it is told to do it twice is compared with doing it once and once more.
+        On few points a call to do it twice is also compared with two calls.
         """
         start = self.benchmark.make(self.num_points, self.precision, exact=True)
         expected = self._expected(start)
@@ -107,7 +107,7 @@ class Bench:
         """The arrays, until the next run, after a variant has been run that often, one after the other."""
         own = self._views[name].arrays
         for argument in self.benchmark.arrays:
-            if argument.role in ("out", "sum"):  # what is not written is seen
+            if argument.role in ("out", "sum"):  # values that are not written are seen
                 own[argument.name][:] = np.nan
         self._fill({a.name: start[a.name] for a in self.benchmark.arrays if a.role not in ("out", "sum")})
         for count in repeats:
@@ -115,13 +115,13 @@ class Bench:
         return own
 
     def _expected(self, start: dict[str, Array]) -> dict[str, Array]:
-        """What the arrays should hold afterwards; of a transform there and back a multiple; nothing for roofs."""
+        """The right arrays afterwards; of a transform there and back a multiple; nothing for roofs."""
         n, names = self.num_points, list(start)
         first, last = names[0], names[-1]
         if self.benchmark.group == "roofs":
             return {}
         if self.benchmark.group == "transforms":
-            length = {"half_length_pair": n // 2, "rows_pair": min(ROW, n // 2)}.get(self.benchmark.name, n)
+            length = min(ROW, n // 2) if self.benchmark.name == "rows_pair" else n
             whole = n if first != last else n // 2 // length * length * 2
             return {last: np.concatenate([length * start[first][:whole], start[first][whole:]])}
         view = Arrays(self.benchmark, self.transforms, {name: np.array(array) for name, array in self.arrays.items()})

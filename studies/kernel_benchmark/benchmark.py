@@ -1,4 +1,4 @@
-"""What a benchmark is: named arrays with values like the solver's, what is done to them, and how much that is."""
+"""A benchmark: named arrays with values like the solver's, the work on them, and how much that is."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -105,7 +105,7 @@ class Benchmark:
     c: str = ""
     """Body of the loop over i in C, where a 'sum' is an array of one chunk's."""
     c_scalars: str = ""
-    """What C reads from the state before the loop."""
+    """C's reads from the state before the loop."""
     c_whole: str = ""
     """Body of a C function that is no loop over points, instead of `c`."""
     state: dict[str, float] = field(default_factory=dict)
@@ -127,7 +127,7 @@ class Benchmark:
 
     @cached_property
     def steps(self) -> tuple[Call, ...]:
-        """What it does, in order; of a kernel the only line."""
+        """Its steps, in order; of a kernel the only line."""
         inputs = tuple(a.name for a in self.arrays if a.role in READS)
         return self.lines or (Call(self.name, inputs, tuple(a.name for a in self.arrays if a.role not in READS)),)
 
@@ -142,7 +142,7 @@ class Benchmark:
         return "four-step" if any(line.kernel == "product" for line in self.lines) else "real"
 
     def traffic(self, num_points: int, precision: str) -> int:
-        """Bytes that a call reads and writes: each array once, and twice what is changed in place; of several kernels
+        """Bytes that a call reads and writes: each array once, and arrays changed in place twice; of several kernels
         the sum. A transform counts as one pass."""
         if self.parts:
             return sum(part.traffic(num_points, precision) for part in self.parts)

@@ -1,4 +1,4 @@
-"""The list of what is measured: every kernel, the sequences of them that methods launch, whole iterations, transforms,
+"""The list of benchmarks: every kernel, the sequences of them that methods launch, whole iterations, transforms,
 and the memory itself.
 
 A kernel that changes its arguments changes its line here and its reference kernel in `linecontact.kernels.reference`.
@@ -35,7 +35,7 @@ _WALL = """
     int hit = x >= h[i];
     u[i] = hit ? h[i] : x;
     v[i] = hit ? (REAL)TOUCHING : w;"""
-# dt and alpha stay as they are and the stiffest mode limits the gain: what the next step gets is exact
+# dt and alpha stay as they are and the stiffest mode limits the gain: the next step's numbers are exact
 _CONTROL = {"DT_MAX": 1.0, "N_MIN": 2.0**30, "F_INC": 1.1, "F_DEC": 0.5, "ALPHA_START": 0.25, "F_ALPHA": 0.99}
 _CONTROL |= {"STIFFEST": 4096.0, "NUM_POINTS": 2.0**30, "DT": 0.25, "ALPHA": 0.25, "MIX": 0.75, "GAIN": 0.25}
 _CONTROL_IN_C = """
@@ -105,7 +105,7 @@ _PACK = (
 
 
 def _of_columns(name: str, arguments: str, pair: str) -> Benchmark:
-    """A kernel on columns of a four-step transform. pair: what C does for two of them in a row."""
+    """A kernel on columns of a four-step transform. pair: C's loop for two of them in a row."""
     c = """
     long rows = 2 * (n / (2 * COLUMNS)) - 2;
     for (long k = 0; k <= rows / 2; k++) {{
@@ -180,11 +180,8 @@ _HALVES = (
 """Real transforms, by the usual count of operations of a complex one, and both ways with a multiplication by 1 in
 between; only measured as pairs, or as parts of an iteration."""
 
-_PAIRS = (
-    Benchmark("half_length_pair", "transforms", "packed:inout", lambda n: 5 * n * math.log2(n / 2)),
-    Benchmark("rows_pair", "transforms", "rows:inout", lambda n: 5 * n * math.log2(min(ROW, n / 2))),
-)
-"""In place, there and back: one complex transform of N/2 numbers, and as many rows of `ROW` complex numbers."""
+_ROWS = Benchmark("rows_pair", "transforms", "rows:inout", lambda n: 5 * n * math.log2(min(ROW, n / 2)))
+"""Complex transforms of rows of `ROW` numbers, N/2 in all; in place, there and back."""
 
 _ROOFS = (
     Benchmark("read", "roofs", "a:in total:sum", c_whole=_READ),
@@ -192,7 +189,7 @@ _ROOFS = (
     Benchmark("copy", "roofs", "a:in b:out", c="b[i] = a[i];"),
     Benchmark("update", "roofs", "a:inout", c="a[i] = -a[i];"),
 )
-"""What the memory gives to loops that compute nothing; only in C."""
+"""Loops that compute nothing, for the rate of the memory; only in C."""
 
 _PAIR = ("forward: source -> spectrum", "inverse: spectrum -> target")
 _STIFFNESS = ("forward: u -> spectrum", "spectral_multiply: coefficient -> spectrum", "inverse: spectrum -> elastic")
@@ -231,7 +228,7 @@ def _all() -> dict[str, Benchmark]:
     composed += [("transforms", "real_pair", _PAIR)]
     for group, name, texts in composed:
         found[name] = compose(name, group, tuple(map(sequences.parse, texts)), found)
-    found |= {one.name: one for one in (*_PAIRS, *_ROOFS)}
+    found |= {one.name: one for one in (_ROWS, *_ROOFS)}
     return {name: one for name, one in found.items() if one not in _HALVES}
 
 

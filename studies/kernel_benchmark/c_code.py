@@ -1,4 +1,4 @@
-"""The same loops in C, compiled on the spot: what a compiler makes of them is what a kernel is measured against."""
+"""The same loops in C, compiled on the spot: kernels are measured against them."""
 
 import ctypes
 import functools
@@ -18,7 +18,7 @@ from .benchmarks import BENCHMARKS
 REALS = {"float32": "float", "float64": "double"}
 """Names of the precisions in C."""
 
-# what reordered sums need, and no more: -ffast-math would switch denormals off for the whole process
+# enough for reordered sums, and no more: -ffast-math would switch denormals off for the whole process
 FLAGS = "-O3 -march=native -fassociative-math -fno-signed-zeros -fno-trapping-math -fno-math-errno"
 
 BUILDS = {"c": "", "c-unrolled": "-funroll-loops -mprefer-vector-width=256"}
@@ -65,7 +65,7 @@ class Library(NamedTuple):
 
 
 class Compiled(NamedTuple):
-    """What the compiler made."""
+    """The compiled library."""
 
     libraries: list[Library]
     """One for each build that worked; none without a compiler."""
@@ -104,7 +104,7 @@ def _function(name: str, one: Benchmark, real: str, body: str) -> str:
 
 
 def _calls(one: Benchmark, real: str) -> str:
-    """What a sequence calls in order; nothing for one with transforms, which are not C's."""
+    """The calls of a sequence, in order; nothing for one with transforms, which are not C's."""
     if one.transforms:
         return ""
     names = {a.name: f"{a.name}_out" if a.role == "sum" else a.name for a in one.arrays}

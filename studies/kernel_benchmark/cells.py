@@ -1,4 +1,4 @@
-"""The repetitions of a measurement as one, with what they scatter by."""
+"""The repetitions of a measurement as one, with their scatter."""
 
 import math
 from collections.abc import Iterable
@@ -27,7 +27,7 @@ INTERVAL = 0.95
 
 
 class Key(NamedTuple):
-    """What was measured."""
+    """The measurement."""
 
     benchmark: str
     """Its name."""
@@ -42,18 +42,18 @@ class Cell:
     """All repetitions of one measurement."""
 
     key: Key
-    """What was measured."""
+    """The measurement."""
     runs: list[Run]
     """Its records, one for every repetition."""
 
     @property
     def benchmark(self) -> Benchmark:
-        """What the program knows of it."""
+        """Its entry in the list."""
         return BENCHMARKS[self.key.benchmark]
 
     @property
     def variants(self) -> list[str]:
-        """Names of what was timed."""
+        """Names of the timed variants."""
         found = dict.fromkeys(n for run in self.runs for n in run if n.startswith("seconds."))
         names = (name.removeprefix("seconds.") for name in found)
         return [name for name in names if "." not in name and self.seconds(name) > 0]
@@ -83,7 +83,7 @@ class Cell:
 
 
 def cells(runs: Iterable[Run]) -> dict[Key, Cell]:
-    """Records put together by what was measured, in their order."""
+    """Records put together by measurement, in their order."""
     found: dict[Key, Cell] = {}
     for run in runs:
         if run["benchmark"] in BENCHMARKS:

@@ -1,6 +1,6 @@
-"""What changed from one measurement to another, judged on ratios that were taken in the same round.
+"""Changes from one measurement to another, judged on ratios that were taken in the same round.
 
-A time changes with whatever else the machine does; its ratio to C's in the same round much less. What is left scatters
+A time changes with whatever else the machine does; its ratio to C's in the same round much less. The rest scatters
 from repetition to repetition (`cells.Scatter`), and between two processes, whose memory lies elsewhere, a little more,
 which is seen in the changes themselves (`between`). Transforms are listed and not judged.
 """
@@ -16,7 +16,7 @@ from .cells import Cell, Key, Scatter, quantile
 JUDGED = "warp"
 """The variant that the program runs, which decides on the exit status."""
 BOTH = "both"
-"""Stands for a precision where both are judged together, which finds what neither shows alone."""
+"""Stands for a precision where both are judged together, which finds changes that neither shows alone."""
 ROWS, BENCHMARKS_ = 0.002, 0.002
 """Probability that a row which did not change is marked, and that any benchmark of a comparison is."""
 
@@ -26,7 +26,7 @@ class Change:
     """One benchmark, precision, size and variant in both measurements."""
 
     key: Key
-    """What was measured."""
+    """The measurement."""
     variant: str
     """The way in which it was done."""
     old: float
@@ -49,15 +49,15 @@ class Measurement:
     """A stored measurement."""
 
     identity: dict[str, str]
-    """What its times depend on."""
+    """The identity that its times depend on."""
     commit: str
     """Of the checkout, with '+dirty'."""
     cells: dict[Key, Cell]
-    """Repetitions by what was measured."""
+    """Repetitions by measurement."""
 
 
 def changes(old: Measurement, new: Measurement) -> list[Change]:
-    """What both have measured, against the same yardstick."""
+    """The measurements that both have, against the same yardstick."""
     found = []
     variants = dict.fromkeys(v for cell in new.cells.values() for v in cell.variants)
     for variant in variants:
@@ -76,11 +76,11 @@ def changes(old: Measurement, new: Measurement) -> list[Change]:
 
 
 def between(found: list[Change]) -> tuple[float, float]:
-    """Standard deviations of logarithms of changes that nobody made, beyond what the repetitions explain.
+    """Standard deviations of logarithms of changes that nobody made, beyond the scatter of the repetitions.
 
     The first is of single sizes, seen in how far they are from the mean of their benchmark; the second of these means,
-    for what a process has in common for all sizes, seen in how they scatter. Where there are too few to see it, both
-    are what identical runs have shown.
+    for a process's common part for all sizes, seen in how they scatter. Where there are too few to see it, both
+    are those of identical runs.
     """
     groups: dict[tuple[str, str], list[Change]] = {}
     for change in found:
@@ -96,8 +96,8 @@ def between(found: list[Change]) -> tuple[float, float]:
 def _mean(own: list[Change], single: float) -> tuple[float, float]:
     """Mean logarithm of some changes, the surer ones counting more, and its standard error.
 
-    Where the changes differ by more than their errors tell, the error is what they differ by: a change at one size only
-    may come from what else the machine did just then.
+    Where the changes differ by more than their errors tell, the error is their difference: a change at one size only
+    may come from other work of the machine just then.
     """
     logs, weights = np.array([c.log for c in own]), np.array([1 / (c.error**2 + single**2) for c in own])
     mean = float(weights @ logs / weights.sum())
@@ -109,7 +109,7 @@ _ENOUGH, _USUAL = 8, 0.02
 
 
 def _beyond(deviations: NDArray[np.float64], explained: list[float]) -> float:
-    """Standard deviation of what is seen (from the median of the magnitudes) beyond what is explained."""
+    """Standard deviation of the changes seen (from the median of the magnitudes) beyond the explained one."""
     seen = 1.4826 * float(np.median(np.abs(deviations)))
     return math.sqrt(max(0.0, seen**2 - float(np.median(explained)) ** 2))
 

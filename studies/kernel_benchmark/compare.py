@@ -1,4 +1,4 @@
-"""Two stored measurements compared: reading them, what else differs between them, and the tables of what changed."""
+"""Two stored measurements compared: reading them, other differences between them, and tables of the changes."""
 
 import json
 import math
@@ -75,7 +75,7 @@ def _measurement(content: Any) -> Measurement:
 
 
 def differences(old: Measurement, new: Measurement) -> list[str]:
-    """What else differs between the two, in sentences; the machine first."""
+    """Other differences between the two, in sentences; the machine first."""
     names = {"processor": "processors", "caches": "caches", "instructions": "instruction sets"}
     names |= {"compiler": "C compilers", "flags": "flags", "chunk": "chunks"}
     names |= {n: f"versions of {n}" for n in (*old.identity, *new.identity) if n not in (*names, "source", "target")}
@@ -118,7 +118,7 @@ def row_table(marked: list[tuple[Change, str]]) -> Table:
 
 
 def command(old: Path, new: Path, threshold: float) -> int:
-    """Print what changed; returns 3 if a benchmark is slower over all its sizes, else 0. Raises `ValueError`."""
+    """Print the changes; returns 3 if a benchmark is slower over all its sizes, else 0. Raises `ValueError`."""
     checks.real("threshold", threshold, "a number > 1 and <= 10", 1.0, 10.0)
     if os.path.realpath(old) == os.path.realpath(new):
         raise ValueError(f"compare: {old} and {new} are the same; allowed: two measurements")

@@ -1,4 +1,4 @@
-"""Figures: bandwidth over the working set beside what the memory gives, the roofline, transforms over N, and users'
+"""Figures: bandwidth over the working set beside the memory's, the roofline, transforms over N, and users'
 variants beside C.
 """
 
@@ -204,7 +204,7 @@ def own_variants(study: StudyFile) -> Figure | None:
             axes.set_xscale("log", base=2)
             axes.set_title(f"{name}, {precision}")
         bottom, top = row[0].get_ylim()
-        row[0].set_ylim(min(bottom, 0.9), max(top, 1.1))  # less is not told from what others on the machine do
+        row[0].set_ylim(min(bottom, 0.9), max(top, 1.1))  # less is not told from other work on the machine
         row[1].legend(loc="center left", bbox_to_anchor=(1.02, 0.5))
     sizes = [cell.key.num_points for cell in found]
     for axes in grid[-1]:

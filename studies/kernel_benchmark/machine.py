@@ -1,4 +1,4 @@
-"""What results are of: the source that was measured, how it was compiled, by what, and on which machine."""
+"""The origin of results: the measured source, its compiler and flags, and the machine."""
 
 import ctypes
 import functools
@@ -30,7 +30,7 @@ _CACHES = Path("/sys/devices/system/cpu/cpu0/cache")
 
 @functools.cache
 def identity() -> dict[str, str]:
-    """What the times depend on, as text: results of two identities are never put into one file."""
+    """The identity that times depend on, as text: results of two identities are never put into one file."""
     import warp as wp
 
     kernels.load()
@@ -60,7 +60,7 @@ _SHOWING = ("report.py", "figures.py", "compare.py", "changes.py", "cells.py")  
 
 
 def source_hash() -> str:
-    """Hash of the source of the kernels, of the transforms and of what measures them: 12 hexadecimal digits."""
+    """Hash of the source of the kernels, of the transforms and of the measuring code: 12 hexadecimal digits."""
     folders = (kernels.__file__, f"{Path(solver.__file__ or '').parent}/transforms/__init__.py", __file__)
     found = hashlib.sha256()
     for folder in folders:
@@ -131,7 +131,7 @@ def _symbols() -> dict[tuple[str, str], tuple[str, str]]:
 
 
 def once() -> dict[str, float]:
-    """What is measured once: how long compiling takes, the widths of vectors, and the processor's largest rates."""
+    """Measured once: how long compiling takes, the widths of vectors, and the processor's largest rates."""
     found = compile_seconds()
     found |= {f"width.{kernel}.{precision}": float(bits) for (kernel, precision), bits in vector_widths().items()}
     found |= {f"peak.{precision}": peak(precision) for precision in PRECISIONS}

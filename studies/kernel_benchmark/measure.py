@@ -43,7 +43,7 @@ def time_in_turn(
 
     They take turns, so that a change of the machine's speed hits all of them, in an order that changes from round to
     round, because who comes after whom matters to the caches. Before each is timed it runs untimed, so that the caches
-    hold what its own runs leave. The buffers are restored before they have been worked on so often that numbers
+    hold the results of its own runs. The buffers are restored before they have been worked on so often that numbers
     overflow, or decay to denormals, which take longer.
     """
     restore()
@@ -69,7 +69,7 @@ def time_in_turn(
 
 
 def _calls(variant: Runs, restore: Callable[[], None]) -> int:
-    """How many calls take as long as is timed at once; what starts them takes time, too, so more are tried and more."""
+    """How many calls take as long as is timed at once; starting them takes time, too, so more are tried and more."""
     count = 1
     while True:
         run = variant(count)
@@ -85,7 +85,7 @@ def _calls(variant: Runs, restore: Callable[[], None]) -> int:
 
 
 def measure(name: str, precision: str, num_points: int, seconds: float, first: bool) -> Record:
-    """Times of a benchmark's variants on new buffers. first: also check them, and time what is needed only once.
+    """Times of a benchmark's variants on new buffers. first: also check them, and time their preparation.
 
     'seconds.V' is the median time of a call, 'ratio.V' the median over the rounds of the time over the yardstick's in
     the same round: C's, of a transform FFTW's estimate, or a copy's where there is no compiler. Raises `RuntimeError`
@@ -119,11 +119,11 @@ def measure(name: str, precision: str, num_points: int, seconds: float, first: b
     return record
 
 
-_wrong: dict[tuple[str, str, int], str] = {}  # what the check has found in this process
+_wrong: dict[tuple[str, str, int], str] = {}  # found by the check in this process
 
 
 def _check(bench: Bench, first: bool) -> None:
-    """Check the variants once; what is wrong is not timed in later repetitions either. Raises `RuntimeError`."""
+    """Check the variants once; wrong ones are not timed in later repetitions either. Raises `RuntimeError`."""
     key = bench.benchmark.name, bench.precision, bench.num_points
     if first:
         _wrong.pop(key, None)

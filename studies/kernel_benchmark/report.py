@@ -1,8 +1,8 @@
 """Tables of the benchmark's times, and the same numbers as JSON.
 
 JSON, schema 2: {"schema": 2, "kind": "kernels", "complete": true if every task is done, "failures": {task: reason},
-"configuration": {...}, "runs": [...]}. The configuration says what was chosen ("sizes", "repeats", "variants": hash of
-the file of variants) and what the times depend on ("identity"). The runs are one flat object for each repetition of
+"configuration": {...}, "runs": [...]}. The configuration holds the choices ("sizes", "repeats", "variants": hash of
+the file of variants) and the source and machine ("identity"). The runs are one flat object for each repetition of
 each measurement: "benchmark", "precision", "num_points", "repeat", "core" (the number of the core), "rounds",
 "seconds.V" (median time of a call of variant V), "ratio.V" (median over the rounds of that over the time of the
 "yardstick" in the same round), "seconds.planning.V" and "measured.V" (of transforms: time to plan, and 1 if that was by
@@ -44,7 +44,7 @@ def to_json(study: StudyFile) -> Run:
 
 
 def parts(study: StudyFile) -> Iterator[RenderableType]:
-    """What the times are of, the tables, and sentences on what they come to."""
+    """The origin of the times, the tables, and sentences on both."""
     found, about = list(cells(study.runs).values()), machine(study)
     yield from origin(study)
     scatter, grouped = Scatter(found, "warp"), [cell for cell in found if cell.benchmark.group in GROUPED]
@@ -68,7 +68,7 @@ def _shown(found: list[Cell], group: str) -> list[int]:
 
 
 def origin(study: StudyFile) -> Iterator[str]:
-    """What was measured, on what, and whether the tree had changes."""
+    """The source, the machine, and whether the tree had changes."""
     identity, some = study.configuration["identity"], study.runs[0]
     commit = str(some.get("provenance.commit", "none"))
     dirty = ", with changes that are not committed" if commit.endswith("+dirty") else ""
@@ -98,7 +98,7 @@ _SHARE = " FFT share: of the transforms, which FFTW plans by estimate without wi
 def size_table(found: list[Cell], group: str, size: int, scatter: Scatter, explained: bool) -> Table:
     """A table of a group of benchmarks on one number of points.
 
-    scatter: of the ratios to C; explained: whether its caption says what the columns are.
+    scatter: of the ratios to C; explained: whether its caption explains the columns.
     """
     alone, last = group == "kernels", ["FFT\nshare"] if group == "iterations" else []
     headings = ["", "real", "us", "GB/s", *(["roof"] if alone else []), "Warp\n/C", "+-"]
@@ -125,7 +125,7 @@ _KERNEL = (
 
 
 def kernel_table(found: list[Cell], about: Run) -> Table:
-    """A table of what a kernel is, whatever the number of points, for both precisions."""
+    """A table of the properties of a kernel, whatever the number of points, for both precisions."""
     pairs = [f"{what}\n{p.removeprefix('float')}" for what in ("bytes", "bits", "launch") for p in PRECISIONS]
     table = new_table(["", "flop", *pairs], "Kernels", _KERNEL)
     own = {cell.key: cell for cell in found if cell.benchmark.group == "kernels"}
@@ -212,7 +212,7 @@ def transform_table(found: list[Cell], name: str) -> Table:
 
 
 def memory_table(found: list[Cell], about: Run) -> Iterator[RenderableType]:
-    """What the memory gives to C's loops over N, and the processor to multiply-adds."""
+    """The rates of C's loops over N, and of the processor's multiply-adds."""
     if not found:
         return
     names = list(dict.fromkeys(cell.key.benchmark for cell in found))
@@ -230,7 +230,7 @@ def memory_table(found: list[Cell], about: Run) -> Iterator[RenderableType]:
 
 
 def sentences(found: Iterable[Cell], about: Run) -> Iterator[str]:
-    """On launches, compiling, and on what misses the goal."""
+    """On launches, compiling, and on kernels that miss the goal."""
     cells_ = list(found)
     scatter = Scatter(cells_, "warp")
     launch = launch_seconds(cells_)
@@ -252,7 +252,7 @@ def sentences(found: Iterable[Cell], about: Run) -> Iterator[str]:
 
 
 def launch_seconds(found: Iterable[Cell]) -> float:
-    """What a launch takes beside its work [s]: of the kernels, what Warp takes longer than C on the fewest points.
+    """The time of a launch beside its work [s]: of the kernels, by how much Warp is slower than C on the fewest points.
 
     NaN unless 2^10 points were measured, where the work is little.
     """

@@ -76,7 +76,7 @@ class Options(study.Options):
     json: bool = False
     """One JSON object on standard output instead of the tables; figures and data are written all the same."""
     compare: tuple[Path, Path] | None = None
-    """Measure nothing; what changed from the first to the second: stored .h5, a saved --json, or folders with such."""
+    """Measure nothing; show changes from the first to the second: stored .h5, a saved --json, or folders with such."""
     threshold: float | None = None
     """Comparing: the least change that counts, 1 to 10 (dimensionless); default: 1.05."""
 
@@ -100,10 +100,10 @@ class Task:
     variants: str
     """Path of the user's file of variants; empty without."""
     identity: str
-    """Key of what the times depend on, the file of variants included."""
+    """Key of the identity that times depend on, the file of variants included."""
 
     def run(self, report: Progress | None) -> Record:
-        """Times and their ratios by variant, see `measure.measure`; of the machine what is needed once."""
+        """Times and their ratios by variant, see `measure.measure`; of the machine the numbers that are needed once."""
         if self.variants:
             variants.load_file(Path(self.variants))
         names = {"benchmark": self.benchmark, "precision": self.precision, "num_points": self.num_points}
@@ -187,7 +187,7 @@ def _sizes(group: str, options: Options) -> tuple[int, ...]:
 
 
 def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
-    """The tables, and what they come to."""
+    """The tables and their summary."""
     return [part for file in files.values() if file.complete for part in tables.parts(file)]
 
 
@@ -199,7 +199,7 @@ def draw(path: Path) -> "dict[str, Figure]":
 
 
 def plans(options: Options) -> Sequence[Plan]:
-    """The tasks of what was asked for."""
+    """The tasks that were asked for."""
     return [plan(options)]
 
 
@@ -219,9 +219,9 @@ def _check_together(options: Options) -> None:
 
 
 def command(options: Options) -> int:
-    """Measure what is left of the study, or compare two files; returns the exit status.
+    """Measure the rest of the study, or compare two files; returns the exit status.
 
-    Results lie in a folder of their own for every source, machine and choice of what is measured.
+    Results lie in a folder of their own for every source, machine and choice of measurements.
     """
     _check_together(options)
     if options.compare:

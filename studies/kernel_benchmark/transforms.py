@@ -22,7 +22,7 @@ from .variants import Arrays, Run, Runs, Variant, in_turn, product, repeated
 LIBRARIES = ("numpy", "scipy", "ducc0")
 """Libraries beside FFTW; those that are not installed are left out."""
 MOST_SECONDS = 10.0
-"""Time that FFTW may take for a plan [s]; what it has found by then is used."""
+"""Time that FFTW may take for a plan [s]; its best plan by then is used."""
 
 
 def variants(benchmark: Benchmark) -> list[Variant]:
@@ -36,17 +36,15 @@ def variants(benchmark: Benchmark) -> list[Variant]:
 
 
 def _steps(arrays: Arrays) -> list[tuple[Array, Array, str]]:
-    """What there is to transform, in order: source, target and the kind of transform."""
-    n, name = arrays.num_points, arrays.benchmark.name
+    """The transforms, in order: source, target and the kind of transform."""
+    n = arrays.num_points
     complex_type = np.result_type(arrays.transforms.dtype, np.complex64)
-    if name == "real_pair":
+    if arrays.benchmark.name == "real_pair":
         modes = arrays.spectrum[: 2 * (n // 2 + 1)].view(complex_type)
         return [(arrays.source[:n], modes, "r2c"), (modes, arrays.target[:n], "c2r")]
-    (packed,) = arrays.arrays.values()
-    values = packed[: n // 2 * 2].view(complex_type)
-    if name == "rows_pair":
-        row = min(ROW, values.size)
-        values = values[: values.size // row * row].reshape(-1, row)
+    values = arrays.rows[: n // 2 * 2].view(complex_type)
+    row = min(ROW, values.size)
+    values = values[: values.size // row * row].reshape(-1, row)
     return [(values, values, "forward"), (values, values, "backward")]
 
 

@@ -1,4 +1,4 @@
-"""Ways to do what a benchmark is about, and how to add one of your own.
+"""Ways to do the work of a benchmark, and how to add one of your own.
 
     from linecontact.studies.kernel_benchmark.variants import launched, recompiled, variant
 
@@ -10,7 +10,7 @@
 
 A variant gets the benchmark's arrays and gives a function that, told how often, gives the function that is timed:
 `launched` records launches of Warp kernels, `repeated` calls a Python function. Before it is timed it is checked: on
-values for which no kernel rounds anything it must give exactly what the reference kernel gives. A file with more of
+values for which no kernel rounds anything it must give exactly the reference kernel's result. A file with more of
 them is docs/examples/kernel_variants.py.
 """
 
@@ -45,7 +45,7 @@ Launch = tuple[Any, int, Sequence[Array], Sequence[Array]]
 
 
 class Arrays:
-    """The arrays of a benchmark as attributes, by their names, and what they are for: NumPy arrays, which Warp shares.
+    """The arrays of a benchmark as attributes, by their names, with their benchmark: NumPy arrays, which Warp shares.
 
     One value per point, in `precision`, for `num_points` points; sums have one float64 per `chunk` points, or several.
     """
@@ -55,7 +55,7 @@ class Arrays:
         self.num_points, self.precision = transforms.num_points, transforms.dtype.name
         self.arrays = dict(arrays)
         self.notes: dict[str, float] = {}
-        """What else is to be known of a variant: 'plan', the time to plan its transforms [s]; 'measured', 1 if plans
+        """Further numbers of a variant: 'plan', the time to plan its transforms [s]; 'measured', 1 if plans
         were measured for that."""
 
     def __getattr__(self, name: str) -> Array:
@@ -68,7 +68,7 @@ class Arrays:
 
 @dataclass(frozen=True)
 class Variant:
-    """A way to do what a benchmark is about."""
+    """A way to do the work of a benchmark."""
 
     name: str
     """As it stands in tables."""
@@ -79,7 +79,7 @@ class Variant:
     threads: int = 1
     """Of FFTW."""
     wisdom: bool = False
-    """Whether FFTW may use what it has learnt before, as plans by measurement do."""
+    """Whether FFTW may use earlier plans, as plans by measurement do."""
     multiple: int = 1
     """The number of points must be a multiple of this; on other numbers the variant is not measured."""
     fits: Callable[[int], bool] = lambda num_points: True
@@ -186,7 +186,7 @@ def _run_file(path: Path) -> None:
 
 
 def repeated(run: Run) -> Runs:
-    """What a variant gives for a Python function that does it once."""
+    """The result of a variant for a Python function that does it once."""
 
     def runs(repeats: int) -> Run:
         if repeats == 1:
@@ -202,7 +202,7 @@ def repeated(run: Run) -> Runs:
 
 
 def launched(launches: Iterable[Launch]) -> Runs:
-    """What a variant gives for launches of Warp kernels: all of them, as often as asked for, in one recorded graph."""
+    """A variant's result for launches of Warp kernels: all of them, as often as asked for, in one recorded graph."""
     shared = [(k, n, [kernels.share(x) for x in i], [kernels.share(x) for x in o]) for k, n, i, o in launches]
     return lambda repeats: kernels.record_launches(shared, repeats)
 
@@ -226,7 +226,7 @@ def warp_lines(arrays: Arrays, compiled: dict[str, Any]) -> Runs:
 
 
 def by_parts(arrays: Arrays, make: Callable[[list[Call]], Runs]) -> Runs:
-    """A benchmark's transforms as the program plans them, and what `make` makes of the kernels between them."""
+    """A benchmark's transforms as the program plans them, and the result of `make` for the kernels between them."""
     parts: list[Runs] = []
     for is_kernel, group in itertools.groupby(arrays.benchmark.steps, lambda line: line.kernel in kernels.KERNELS):
         lines = list(group)

@@ -1,7 +1,7 @@
 """Means over random surfaces to a standard error asked for, by multilevel Monte Carlo.
 
-`samples` are what is known of single surfaces, on grids and on a `foundation`, `estimator` makes means and errors of
-them, `allocation` decides what to solve next, `tasks` solve, `report` and `figures` show the result, `study` is the
+`samples` are results of single surfaces, on grids and on a `foundation`, `estimator` makes means and errors of
+them, `allocation` plans the next solves, `tasks` solve, `report` and `figures` show the result, `study` is the
 command.
 
 May import: linecontact.solver, terminal, files, figures, runner, scenes.

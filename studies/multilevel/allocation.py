@@ -1,4 +1,4 @@
-"""What to solve next for a standard error, and whether it can be reached. Everything follows from the samples so far,
+"""The next solves for a standard error, and whether it can be reached. Everything follows from the samples so far,
 so that a run that was killed goes on as if it had not been.
 """
 
@@ -24,13 +24,13 @@ _BIAS = 1 / 3  # of the standard error that the finest grid may be off
 _LEAST = 4  # surfaces that tell a variance
 _GROWTH = 4  # factor by which a number of surfaces grows at once: variances become known better on the way
 _SECONDS = 1.0  # of a task
-_LESS = 0.97  # factor of the error aimed at, as long as what the surfaces have in common keeps the error too large
+_LESS = 0.97  # factor of the error aimed at, as long as the common part of the surfaces keeps the error too large
 _APART = 2**32  # seeds that belong to one term at the most
 
 
 @dataclass(frozen=True)
 class Wanted:
-    """What the user asked for."""
+    """The request of the user."""
 
     observables: tuple[str, ...]
     """Whose means are wanted."""
@@ -59,13 +59,13 @@ class State:
     estimates: dict[str, Estimate]
     """By observable; empty before the first surfaces are solved on all grids."""
     batches: tuple[Batch, ...]
-    """What to solve next; none when it is done, or out of reach."""
+    """The next solves; none when it is done, or out of reach."""
     seconds_left: float
     """Time of solving that all that is left takes, as far as it is known [s]."""
     solves_left: int = 0
     """Solves that are left, as far as they are known."""
     out_of_reach: str = ""
-    """Why it goes no further, with what is allowed instead."""
+    """Why it goes no further, with the allowed values."""
 
     @property
     def done(self) -> bool:
@@ -98,7 +98,7 @@ def first_seed(seed: int, term: int) -> int:
 
 
 def state(rows: Sequence[Row], sizes: Sequence[int], wanted: Wanted, seed: int) -> State:
-    """From the solves so far to what is known, and what to do next. seed: tells one ensemble from another."""
+    """From the solves so far to the estimates and the next solves. seed: tells one ensemble from another."""
     known = {name: Samples(rows, name) for name in wanted.observables}
     main = known[wanted.observables[0]]
     tried = {(int(row["seed"]), int(row["num_points"])) for row in rows}
@@ -134,7 +134,7 @@ def state(rows: Sequence[Row], sizes: Sequence[int], wanted: Wanted, seed: int) 
 def share_done(ensembles: Iterable[tuple[Sequence[Row], State]]) -> float:
     """Share of the time of solving that is spent, 0 to 1, of the rows and states of some ensembles.
 
-    One of which it is not known what it takes is taken to be like the mean of the others, and to have at least as much
+    One whose time is not known is taken to be like the mean of the others, and to have at least as much
     left as it has taken; 0 as long as it is known of none. Nothing is left of one that is out of reach.
     """
     spent, left, unknown = 0.0, 0.0, []
@@ -162,7 +162,7 @@ def _seconds(rows: Sequence[Row]) -> float:
 def _more_surfaces(
     estimates: dict[str, Estimate], wanted: Wanted, tried: Set[tuple[int, int]], seed: int, sizes: Sequence[int]
 ) -> State:
-    """What brings the standard errors, on the grids that are chosen; first the fewest surfaces that are needed."""
+    """The solves for the standard errors, on the grids that are chosen; first the fewest surfaces that are needed."""
     few = any(one.count < one.fewest for one in estimates[wanted.observables[0]].terms)
     each = [_numbers(found, wanted.error(found)) for found in estimates.values()]
     planned: list[Batch] = []
@@ -186,7 +186,7 @@ def _numbers(found: Estimate, error: float) -> list[int]:
     if found.standard_error > error:
         numbers = counts(found.terms, error)
         while all(number <= count for number, count in zip(numbers, have, strict=True)):
-            aim *= _LESS  # what surfaces that serve several terms have in common counts as well
+            aim *= _LESS  # the common part of surfaces that serve several terms counts as well
             numbers = counts(found.terms, aim)
     return [max(number, one.fewest) for number, one in zip(numbers, found.terms, strict=True)]
 
@@ -198,7 +198,7 @@ def _batches(first: int, count: int, sizes: tuple[int, ...], seconds: float) -> 
 
 
 def _within(found: State, rows: Sequence[Row], wanted: Wanted, more_grids: bool) -> State:
-    """The same, without anything left to do if that would go beyond what may be planned.
+    """The same, without anything left to do if that would go beyond the limit.
 
     more_grids: whether finer grids are needed, on which not all is known that they take.
     """

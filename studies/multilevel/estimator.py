@@ -3,7 +3,7 @@
 After M. B. Giles, Multilevel Monte Carlo path simulation, Operations Research 56, 607 (2008), and Multilevel Monte
 Carlo methods, Acta Numerica 24, 259 (2015). The mean on the finest grid is that on a coarse grid plus the means of the
 changes from grid to grid. One seed is one surface on every grid, so that the changes scatter little. A term takes every
-surface that is solved on its grids; what two terms have in common through their surfaces is counted by their
+surface that is solved on its grids; the common part of two terms through their surfaces is counted by their
 covariance. Where few surfaces tell a variance it is made larger, as Student's distribution has it. Below the coarsest
 grid there may be a foundation, see `Samples`: grids then mean that, too, where nothing else is said.
 """
@@ -48,7 +48,7 @@ class Term:
 
     @property
     def believed(self) -> float:
-        """The variance that the standard error is made of: (n-1)/(n-3) of what n surfaces say."""
+        """The variance that the standard error is made of: (n-1)/(n-3) of the n surfaces' own."""
         return self.variance * (self.count - 1) / (self.count - 3)
 
 
@@ -57,13 +57,13 @@ class Estimate:
     """A mean over random surfaces, and how wrong it can be; in the unit of the observable."""
 
     observable: str
-    """What it is the mean of."""
+    """The quantity that it is the mean of."""
     mean: float
     """The mean on the finest grid."""
     standard_error: float
     """Of that mean, by the number of surfaces."""
     bias: float
-    """Estimate of what the finest grid is off; NaN where one grid is all there is."""
+    """Estimate of the error of the finest grid; NaN where one grid is all there is."""
     terms: tuple[Term, ...]
     """From coarse to fine."""
     plain_variance: float
@@ -94,7 +94,7 @@ def differences(samples: Samples, size: int, coarser: int | None) -> dict[int, f
 
 
 def term(samples: Samples, size: int, coarser: int | None) -> Term:
-    """What is known of one term."""
+    """The estimates of one term."""
     values = np.array(list(differences(samples, size, coarser).values()))
     variance = float(values.var(ddof=1))
     seconds = samples.seconds(size) + (samples.seconds(coarser) if coarser is not None else 0.0)
@@ -135,9 +135,9 @@ def estimate(samples: Samples, ladder: Sequence[int], sizes: Sequence[int]) -> E
 
 
 def bias(samples: Samples, sizes: Sequence[int]) -> float:
-    """What the finest of these grids, each twice as fine as the one before, is off, from the last changes of the mean.
+    """The error of the finest of these grids, each twice as fine as the one before, from the last changes of the mean.
 
-    For an error that falls like N^-alpha; alpha is what the last three changes say, between 1 and 2. A change that is
+    For an error that falls like N^-alpha; alpha follows from the last three changes, between 1 and 2. A change that is
     small by chance does not count: the one before, as alpha would have it go on, is the least that is believed (Giles
     2015, eq. 2.10). NaN where there is no change.
     """

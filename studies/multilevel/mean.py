@@ -33,10 +33,10 @@ def ensemble_mean(
     observable: 'kappa', 'contact-area', 'peak-pressure', 'approach' or 'mean-gap'. max_seconds, max_samples: time of
         solving [s], and solves, that may be planned.
 
-    Returns the mean, its standard error, an estimate of what the finest grid is off (the bias), and what each grid has
-    added. Where the finest grid is the scene's, the bias may be more than a third of the standard error. M. B. Giles,
-    Operations Research 56, 607 (2008). Raises `ValueError`, also where the standard error is out of reach, which is
-    known from the first surfaces.
+    Returns an `Estimate`: the mean, its standard error, an estimate of the finest grid's error (the bias), and the
+    contribution of each grid. Where the finest grid is the scene's, the bias may be more than a third of the standard
+    error. M. B. Giles, Operations Research 56, 607 (2008). Raises `ValueError`, also where the standard error is out of
+    reach, which is known from the first surfaces.
     """
     if not isinstance(observable, str):
         raise ValueError(f"observable is {observable!r}; allowed: one of {', '.join(samples.OBSERVABLES)}")
@@ -56,7 +56,7 @@ def ensemble_mean(
 def check_wanted(
     observables: list[str], standard_error: object, relative: bool, max_seconds: object, max_samples: object
 ) -> Wanted:
-    """What was asked for, checked. Raises `ValueError`."""
+    """The request, checked. Raises `ValueError`."""
     names = [name.strip().replace("_", "-") for name in observables]
     for i, name in enumerate(names):
         checks.choice("observable", name, tuple(samples.OBSERVABLES))

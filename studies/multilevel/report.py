@@ -1,4 +1,4 @@
-"""The report of an ensemble: the means with their errors, the surfaces of each grid, and what plain sampling takes."""
+"""The report of an ensemble: the means with their errors, the surfaces of each grid, and the cost of plain sampling."""
 
 import math
 from collections.abc import Sequence
@@ -81,7 +81,7 @@ def _sentences(observable: str, estimate: Estimate, wanted: Wanted, spent: float
 
 
 def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
-    """For each observable a table and what it means, and what is left out."""
+    """For each observable a table, its meaning, and a note on omissions."""
     parts: list[RenderableType] = []
     for file in files.values():
         wanted, state = found(file)
@@ -97,7 +97,7 @@ def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
 
 
 def _warned(solves: Sequence[Row]) -> list[str]:
-    """A sentence on what there is to doubt of the surfaces on the finest grid; none where there is nothing."""
+    """A sentence on the warnings of the surfaces on the finest grid; none where there are none."""
     there = on_finest(solves)
     told = warnings_in(there)
     if not told:
@@ -108,7 +108,7 @@ def _warned(solves: Sequence[Row]) -> list[str]:
 
 
 def missed(file: StudyFile) -> list[str]:
-    """Why a stored ensemble is not what was asked for, and what is allowed instead; nothing where it is."""
+    """Why a stored ensemble is less than was asked for, and the allowed values; nothing where it is not."""
     wanted, state = found(file)
     if reached(wanted, state):
         return []

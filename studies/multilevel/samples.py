@@ -1,4 +1,4 @@
-"""What is known of single random surfaces: values of the observables by grid and seed, and what they took."""
+"""Results of single random surfaces: values of the observables by grid and seed, and their times."""
 
 import time
 from collections import defaultdict
@@ -21,7 +21,7 @@ OBSERVABLES = {
     "approach": "approach",
     "mean-gap": "mean_gap",
 }
-"""What a mean can be taken of, with the names of the solution's observables."""
+"""The quantities that a mean can be taken of, with the names of the solution's observables."""
 
 TOLERANCE = 1e-5
 """Equilibrium residual over p of the solves (dimensionless); it leaves kappa an error of 1e-5, below the scatter."""

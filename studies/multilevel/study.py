@@ -30,13 +30,13 @@ NAME = tasks.KIND
 class Options(making.Options, study.Options):
     """Mean over random surfaces to the standard error you ask for, on as fine a grid as it needs: table, file, figure.
 
-    Most surfaces are solved on coarse grids, where that is cheap, and few on fine ones, which tell what the coarse
-    ones are off (multilevel Monte Carlo). For instance --profile rough --hurst 0.8 --pressure 0.01 --standard-error
+    Most surfaces are solved on coarse grids, where that is cheap, and few on fine ones, which tell the coarse
+    ones' error (multilevel Monte Carlo). For instance --profile rough --hurst 0.8 --pressure 0.01 --standard-error
     0.005. Run again after an interruption, it continues.
     """
 
     profile: str = one_of(INDENTERS, RoughIndenter.name)
-    """Indenter, one with a seed; what each one is, and takes, is told below."""
+    """Indenter, one with a seed; each one and its options are described below."""
     num_points: int | None = None
     """Points of the finest grid that may be used, like 2^20; it is used only if the bias asks for it. Default 2^20."""
     precision: ClassVar[str] = Scene.precision
@@ -48,7 +48,7 @@ class Options(making.Options, study.Options):
     relative: bool = False
     """The standard error is over the mean, up to 1 (dimensionless)."""
     max_seconds: float = math.inf
-    """Time of solving that may be planned, of all processes together [s]; beyond, it stops and says what it would
+    """Time of solving that may be planned, of all processes together [s]; beyond, it stops and says how much it would
     take."""
     max_samples: int = MOST_SAMPLES
     """Solves that may be planned."""
@@ -88,6 +88,6 @@ STUDY = Study(name=NAME, options=Options, plans=plans, report=report, draw=draw,
 
 
 def command(options: Options, given: Given) -> int:
-    """Sample as asked, or what is left of it; returns the exit status, 3 if that is not reached."""
+    """Sample as asked, or the rest of it; returns the exit status, 3 if that is not reached."""
     ready = plan(options, given)
     return run_study(replace(STUDY, plans=lambda _: [ready]), options)

@@ -1,4 +1,4 @@
-"""The tasks of an ensemble: batches of surfaces, planned from what the ones before have found."""
+"""The tasks of an ensemble: batches of surfaces, planned from the results of the ones before."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -75,7 +75,7 @@ def plan(description: str, scene: Scene, wanted: Wanted) -> Plan:
 
 
 def found(file: StudyFile) -> tuple[Wanted, State]:
-    """What was asked for, and how far a stored ensemble is."""
+    """The request, and how far a stored ensemble is."""
     c = file.configuration
     wanted = Wanted(
         tuple(c["observables"]), c["standard_error"], c["relative"], float(c["max_seconds"]), c["max_samples"]

@@ -144,7 +144,7 @@ class _Formula:
         return whole
 
     def power(self) -> tuple[str, str]:
-        """What may have an exponent; and the same without brackets around all of it."""
+        """A factor that may have an exponent; and the same without brackets around all of it."""
         whole, bare = self.atom()
         if self.next() != "^":
             return whole, bare
@@ -153,7 +153,7 @@ class _Formula:
         return whole, whole
 
     def atom(self) -> tuple[str, str]:
-        """A number, a symbol, a root, or what stands in brackets; and the same without them."""
+        """A number, a symbol, a root, or a formula in brackets; and the same without them."""
         token = self.tokens[self.place]
         if token.kind == "sign" and token.text != "(":
             raise ValueError(f"{token.text!r} instead of a value")

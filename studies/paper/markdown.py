@@ -68,9 +68,9 @@ _RULE = (
 
 
 def page(title: str, made: str, statements: Sequence[Statement], parts: Sequence[str]) -> str:
-    """The report in Markdown: first what was said and what was found, then the studies one by one.
+    """The report in Markdown: first the published statements and the measurements, then the studies one by one.
 
-    made: a sentence on what the report was made from. parts: Markdown of the studies.
+    made: a sentence on the origin of the report. parts: Markdown of the studies.
     """
     rows = [(s.text, s.published, s.measured, f"**{s.verdict}**", s.remark) for s in statements]
     head = table(("statement", "published", "measured", "verdict", "remark"), rows)

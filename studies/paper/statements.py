@@ -1,4 +1,4 @@
-"""What the published study says, beside what was measured: every statement that can be checked on the stored data."""
+"""The published study beside the measurements: every statement that can be checked on the stored data."""
 
 import math
 from collections.abc import Iterator
@@ -20,10 +20,10 @@ Curve = tuple[Array64, Array64, Array64]
 
 @dataclass(frozen=True)
 class Statement:
-    """A statement of the published study beside what was measured; all values are dimensionless."""
+    """A statement of the published study beside the measurement; all values are dimensionless."""
 
     text: str
-    """What is said."""
+    """The statement."""
     published: str
     """The published value, with its error where it has one."""
     measured: str
@@ -31,7 +31,7 @@ class Statement:
     verdict: str
     """Whether the statement holds."""
     remark: str = ""
-    """Why, or what else is to be known."""
+    """Why, or another remark."""
 
 
 def judge(published: float, measured: float, error: float, rounding: float = 0.0) -> str:
@@ -139,7 +139,7 @@ def _thin(file: StudyFile, poisson_ratio: float) -> Curve:
 def _alpha(exponent: float, poisson_ratio: float, t: Array64, kappa: Array64, error: Array64) -> tuple[float, float]:
     """alpha and its error, from the two thinnest layers.
 
-    The second order is divided out; the third is extrapolated like (d/a_r)^2, and what that changes is the error,
+    The second order is divided out; the third is extrapolated like (d/a_r)^2, and the change by that is the error,
     together with the solution's own.
     """
     nu = poisson_ratio

@@ -1,4 +1,4 @@
-"""The whole published study: Figures 2 to 5, and what holds of what it says.
+"""The whole published study: Figures 2 to 5, and which of its statements hold.
 
 linecontact study paper [--quick] [--folder FOLDER]
 """
@@ -78,7 +78,7 @@ def report(files: dict[str, StudyFile], folder: Path) -> Sequence[RenderableType
 
 
 def made(files: dict[str, StudyFile]) -> str:
-    """A sentence on what a report was made from."""
+    """A sentence on the origin of a report."""
     runs = [run for file in files.values() for run in file.runs]
     versions, points = (sorted({str(run[name]) for run in runs}) for name in ("version", "scene.num_points"))
     commits = sorted({str(run["provenance.commit"]) for run in runs})

@@ -46,7 +46,7 @@ def available() -> bool:
 
 @dataclass(frozen=True)
 class Configuration:
-    """What identifies this part of the study."""
+    """The configuration that identifies this part of the study."""
 
     sizes: tuple[int, ...] = (18, 20, 22)
     """log2 of the numbers of points; even, because ASPHER's grids are squares."""

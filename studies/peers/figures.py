@@ -12,7 +12,7 @@ from .solvers import OURS
 
 
 def draw(path: Path) -> dict[str, Figure]:
-    """Solving time over N for every solver, one panel per family; what differs from ours is hollow."""
+    """Solving time over N for every solver, one panel per family; results that differ from ours are hollow."""
     study = load(path)
     found = report.comparisons(study)
     if not found:

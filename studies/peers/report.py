@@ -16,13 +16,13 @@ from . import areas
 from .solvers import OURS
 
 NODES, NODES_SHARE, PEAK = 2, 1e-3, 1e-5
-"""What agreement is: this many nodes in contact more or fewer, or this share of them; the peak's relative error."""
+"""Agreement: this many nodes in contact more or fewer, or this share of them; the peak's relative error."""
 HOW = ("counted", "subgrid")
 """How contact areas are measured."""
 
 
 def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
-    """The table, and sentences on what it has no room for."""
+    """The table, and sentences on all that it has no room for."""
     parts: list[RenderableType] = []
     for kind, file in files.items():
         if file.runs:

@@ -5,7 +5,7 @@ the scene's heights and the layer's stiffness. Both run the Polonsky-Keer conjug
 prescribed mean pressure, on one thread (measured, ContactMechanics' other solver, Bugnicourt's, takes as long or up to
 four times longer here).
 
-Their tolerances mean different things. What is common is the rms gap inside the contact over that of the heights
+Their tolerances mean different things. Common to them is the rms gap inside the contact over that of the heights
 (`gap_rms`), recomputed from the pressure alone.
 """
 
@@ -32,7 +32,7 @@ _MAX_ITERATIONS = 20_000
 
 @dataclass(frozen=True)
 class PeerResult:
-    """What a peer found, and the time it took."""
+    """The result of a peer, and the time it took."""
 
     contact_pressure: Array64
     """Shape (N,) [pressure]."""
@@ -88,7 +88,7 @@ def _tamaas(scene: Scene, tolerance: float, progress: Progress | None) -> PeerRe
     import tamaas
 
     class Nothing(tamaas.Functional):  # type: ignore[misc]
-        """Adds nothing to what is minimised, but is asked for its gradient every iteration; Ctrl-C gets in there."""
+        """Adds nothing to the minimised energy, but is asked for its gradient every iteration; Ctrl-C gets in there."""
 
         def computeF(self, *_: object) -> float:  # noqa: N802
             return 0.0

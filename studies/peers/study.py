@@ -54,7 +54,7 @@ def fastest(first: Timed, again: Callable[[], Timed], seconds: Callable[[Timed],
 
 @dataclass(frozen=True)
 class Configuration:
-    """What identifies the study."""
+    """The configuration that identifies the study."""
 
     sizes: tuple[int, ...] = (12, 14, 16, 18)
     """log2 of the numbers of points."""
@@ -65,7 +65,7 @@ class Configuration:
     hursts: tuple[float, ...] = (0.8, 0.3)
     """Hurst exponents of the rough scenes (dimensionless)."""
     gap: float = 5e-9
-    """What `gap_rms` the peers have to reach (dimensionless)."""
+    """The `gap_rms` that peers have to reach (dimensionless)."""
     peers: tuple[str, ...] = field(default_factory=available)
     """Names of the peers that take part."""
 
@@ -106,7 +106,7 @@ class Task:
     log2_num_points: int
     """log2 of the number of grid points."""
     gap: float
-    """What `gap_rms` a peer has to reach (dimensionless)."""
+    """The `gap_rms` that a peer has to reach (dimensionless)."""
 
     @property
     def scene(self) -> Scene:
@@ -198,7 +198,7 @@ STUDY = Study(name=NAME, options=Options, plans=plans, report=report, draw=draw)
 
 
 def command(options: Options) -> int:
-    """Run the study as asked, or what is left of it; returns the exit status."""
+    """Run the study as asked, or the rest of it; returns the exit status."""
     executors.check(options.workers, options.memory, options.scheduler)  # a refusal is all there is to say
     for peer in PEERS:
         if peer not in available():

@@ -78,7 +78,7 @@ def _limits(axes: Axes, configuration: dict[str, Any], poisson_ratio: float, col
 
 
 def _half_space(axes: Axes, below: Axes, study: StudyFile, high: float) -> None:
-    """kappa_d = kappa_inf, and what the images in the neighbouring periods leave of it."""
+    """kappa_d = kappa_inf, and its part that images in neighbouring periods leave."""
     run = report.half_space(study)
     thick = np.geomspace(0.15, high, 20)
     axes.plot(thick, 1 / thick, "-", color="0.6", lw=0.7, label=r"half-space, $\kappa_d=\kappa_\infty$")

@@ -89,7 +89,7 @@ def curve(file: StudyFile) -> tuple[Array64, Array64]:
 
 
 def images(file: StudyFile) -> str:
-    """A sentence on what the images in the neighbouring periods do to kappa on the half-space."""
+    """A sentence on the effect of images in the neighbouring periods on kappa on the half-space."""
     run, c = half_space(file), file.configuration
     if run is None:
         return ""
@@ -98,8 +98,8 @@ def images(file: StudyFile) -> str:
     exact = closed_forms.kappa_from_area(c["exponent"], area, RADIUS, c["pressure"])
     return (
         f"Half-space: a_r = {run['contact_area_subgrid']:.8f} (exactly {area:.8f}), kappa/kappa_inf = "
-        f"{run['kappa_subgrid'] / lone:.4f} (exactly {exact / lone:.4f}): what it is "
-        "below 1 is due to the indenter's images in the neighbouring periods. All dimensionless."
+        f"{run['kappa_subgrid'] / lone:.4f} (exactly {exact / lone:.4f}): the difference "
+        "from 1 is due to the indenter's images in the neighbouring periods. All dimensionless."
     )
 
 

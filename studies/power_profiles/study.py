@@ -1,4 +1,4 @@
-"""A study of one power profile, h = (R/n) |x/R|^n, on layers of any thickness: what hertz, sharp and blunt are made of.
+"""A study of one power profile, h = (R/n) |x/R|^n, on layers of any thickness, for hertz, sharp and blunt.
 
 kappa_d/kappa_inf over d/a_r for p = 2e-3 E*, R = L = E* = 1. The thicknesses are those at which collocation
 finds the wanted d/a_r, and collocation's area and peak pressure are stored beside each run's.
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Options(study.Options):
-    """What the three studies can be asked for."""
+    """The options of the three studies."""
 
     quick: bool = False
     """2^14 points and fewer thicknesses, in seconds."""

@@ -27,7 +27,7 @@ FIGURES: Mapping[str, str] = {
 
 @dataclass(frozen=True)
 class Configuration:
-    """What identifies a study; lengths in units of the period, pressures of E*."""
+    """The configuration that identifies a study; lengths in units of the period, pressures of E*."""
 
     exponent: float
     """n of the profile h = (R/n) |x/R|^n."""

@@ -1,4 +1,4 @@
-"""What is read off the solves: kappa over the load for every shape and layer, and where it is constant."""
+"""Numbers read off the solves: kappa over the load for every shape and layer, and where it is constant."""
 
 import itertools
 import math

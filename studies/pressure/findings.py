@@ -1,4 +1,4 @@
-"""What the study finds, beside what others say: every statement that can be checked on the stored data.
+"""The findings of the study beside those of others: every statement that can be checked on the stored data.
 
 The earlier study is J. S. van Dokkum, M. Khajeh Salehani, N. Irani and L. Nicola, On the Proportionality Between Area
 and Load in Line Contacts, Tribology Letters 66, 115 (2018).

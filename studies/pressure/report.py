@@ -1,4 +1,4 @@
-"""The report of the study pressure: for every shape a table, and what holds of what is said."""
+"""The report of the study pressure: for every shape a table, and which statements hold."""
 
 from collections.abc import Sequence
 from itertools import groupby
@@ -49,7 +49,7 @@ def _short(mean: Mean) -> str:
 
 
 def said(file: StudyFile) -> Table:
-    """The findings beside what others say."""
+    """The findings beside those of others."""
     table = console.table(
         title="What holds",
         caption="p over E*, d over L; kappa = a_r/p*; after +-: standard errors. All dimensionless. (2018): J. S. van "
@@ -63,7 +63,7 @@ def said(file: StudyFile) -> Table:
 
 
 def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
-    """For every shape a table, and a table of what holds."""
+    """For every shape a table, and a table of findings."""
     tables: list[RenderableType] = []
     for file in files.values():
         grouped = groupby(curves(file), key=lambda curve: (curve.rough, curve.shape))

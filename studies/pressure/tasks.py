@@ -32,7 +32,7 @@ FIGURES = {
 
 @dataclass(frozen=True)
 class Configuration:
-    """What identifies the study; lengths in units of the period, pressures of E*."""
+    """The configuration that identifies the study; lengths in units of the period, pressures of E*."""
 
     num_points: int = 2**18
     """Grid points of every solve."""

@@ -1,4 +1,4 @@
-"""What the study rough takes its means, report and figures from.
+"""The source of means, report and figures of the study rough.
 
 May import: linecontact.solver, terminal, files, figures, runner, multilevel.
 """

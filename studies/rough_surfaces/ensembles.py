@@ -116,7 +116,7 @@ def is_one(file: StudyFile) -> bool:
 
 
 def states(file: StudyFile, standard_error: float | None = None) -> dict[Key, State]:
-    """How far every point is; standard_error: wanted over the means, by default what the file is of."""
+    """How far every point is; standard_error: wanted over the means, by default the file's."""
     asked = file.configuration["standard_error"] if standard_error is None else standard_error
     wanted, grids = _wanted(asked), file.configuration["sizes"]
     rows: dict[Key, list[Row]] = {}
@@ -127,7 +127,7 @@ def states(file: StudyFile, standard_error: float | None = None) -> dict[Key, St
 
 
 def points(found: Mapping[Key, State]) -> Iterator[Point]:
-    """Every point that is known together with its half-space; what is no mean of an ensemble is NaN."""
+    """Every point that is known together with its half-space; numbers that are no mean of an ensemble are NaN."""
     unknown = Mean(math.nan, math.nan)
     for (hurst, nu, thickness), point in found.items():
         reference = kappa_inf(found, hurst)

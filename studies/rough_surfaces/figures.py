@@ -15,7 +15,7 @@ from .tasks import FIGURES
 
 
 def draw(path: Path) -> dict[str, Figure]:
-    """The published Figure 5, the share of the patches in it, and what counting nodes adds to the area."""
+    """The published Figure 5, the share of the patches in it, and the bias of counting nodes."""
     study = load(path)
     if ensembles.is_one(study):
         found = ensembles.states(study)
@@ -116,7 +116,7 @@ def patches(study: StudyFile) -> Figure:
 
 
 def bias(study: StudyFile) -> Figure:
-    """What counting nodes adds to the area."""
+    """The bias of counting nodes in the area."""
     figure, rows, hursts = _panels(study, 1)
     points = _points(study)
     for axes, hurst in zip(rows[0], hursts, strict=True):

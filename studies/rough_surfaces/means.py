@@ -1,4 +1,4 @@
-"""Means over the realisations of rough surfaces, with standard errors: what the report and the figures show."""
+"""Means over the realisations of rough surfaces, with standard errors, for the report and the figures."""
 
 import math
 from collections.abc import Callable, Iterator

@@ -70,7 +70,7 @@ def kappas(file: StudyFile) -> str:
 
 
 def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
-    """For each file a table, and a sentence on the values on the half-space or on what was asked for."""
+    """For each file a table, and a sentence on the values on the half-space or on the request."""
     return [
         part
         for file in files.values()
@@ -79,7 +79,7 @@ def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
 
 
 def _to_standard_error(file: StudyFile) -> Sequence[RenderableType]:
-    """A row for each Hurst exponent and Poisson's ratio, and what is missing."""
+    """A row for each Hurst exponent and Poisson's ratio, and the missing ones."""
     asked, found = file.configuration["standard_error"], ensembles.states(file)
     table = console.table(
         padding=0,

@@ -1,4 +1,4 @@
-"""Runs studies: what a study must offer, its tasks, where they run, and what becomes of their records.
+"""Runs studies: the form of a study, its tasks, where they run, and their records.
 
 May import: linecontact.solver, one_thread, terminal, files, figures.
 """

@@ -2,8 +2,8 @@
 
 A task's record is in a file of its own as soon as the task is finished (`tasks.TaskFolder`). Running a study means
 doing the tasks that have no such file, in any order and anywhere, and then collecting the records, in the study's
-order, into one HDF5 file. So a run that was killed goes on where it was, and the data does not depend on who did what
-when, but for rounding.
+order, into one HDF5 file. So a run that was killed goes on where it was, and the data does not depend on place and
+time of the work, but for rounding.
 
     records, failures = Ensemble(plan.tasks, TaskFolder(path)).run(make_executor)
 
@@ -33,11 +33,11 @@ _SHORT.maxother = 200
 
 
 class TaskError(Exception):
-    """What went wrong in a task, on one line: not every exception survives the way from a worker."""
+    """The error of a task, on one line: not every exception survives the way from a worker."""
 
 
 def perform(task: Task, report: Progress | None = None) -> Record:
-    """What a worker does. A solve that was interrupted raises `KeyboardInterrupt`, anything else `TaskError`."""
+    """The work of a worker. A solve that was interrupted raises `KeyboardInterrupt`, anything else `TaskError`."""
     try:
         record = task.run(report)
         check_record(record)
@@ -66,27 +66,27 @@ class Ensemble:
         self.records: dict[Task, Record] = {}
         self.failures: dict[Task, str] = {}
         self.worst = 0.0
+        self.found = 0  # records that were there
         self._waiting: deque[Task] = deque()
         self.add(tasks)
-        self.found = len(self.records)
         self._running: dict[Future[Record], Task] = {}
         self._died: dict[Task, int] = {}
         self._lost_in_a_row = 0
         self._begin = time.monotonic()
 
-    def add(self, tasks: Iterable[Task]) -> None:
-        """Take on further tasks; those that are done, in this run or a former one, have their records at once."""
+    def add(self, tasks: Iterable[Task]) -> bool:
+        """Take on tasks, and say whether any is new; those that a former run has done have their records at once."""
         known = set(self.tasks)
-        for task in dict.fromkeys(tasks):
-            if task in known:
-                continue
-            self.tasks.append(task)
+        self.tasks += (task for task in dict.fromkeys(tasks) if task not in known)
+        for task in self.tasks[len(known) :]:
             record = self.folder.load(task)
             if record is None:
                 self._waiting.append(task)
             else:
+                self.found += 1
                 self.records[task] = record
                 self.worst = max(self.worst, _residual(record))
+        return len(self.tasks) > len(known)
 
     @property
     def share(self) -> float:
@@ -108,7 +108,7 @@ class Ensemble:
         show: Callable[["Ensemble"], None] = lambda _: None,
         more: Callable[[], Iterable[Task]] = tuple,
     ) -> tuple[dict[Task, Record], dict[Task, str]]:
-        """Do what is left; returns the records and the reasons of failures, by task.
+        """Do the rest; returns the records and the reasons of failures, by task.
 
         make_executor: called at the start, and again when a worker's death has broken the executor.
         limit: tasks to have submitted at a time; a killed run loses no more than these.
@@ -135,9 +135,7 @@ class Ensemble:
     def _left(self, more: Callable[[], Iterable[Task]]) -> bool:
         """Whether anything is left to do, further tasks included."""
         while not (self._waiting or self._running):
-            before = len(self.tasks)
-            self.add(more())
-            if len(self.tasks) == before:
+            if not self.add(more()):
                 return False
         return True
 

@@ -23,7 +23,7 @@ from ..terminal import console
 _LEAST_MEMORY = 0.5  # GiB: the interpreter with everything loaded takes half of that
 
 _WORKER_ENVIRONMENT = ONE_THREAD | {
-    # glibc: keep what was freed; returning it and zeroing it anew takes a sixth of a solve at 2^18
+    # glibc: keep freed memory; returning it and zeroing it anew takes a sixth of a solve at 2^18
     "MALLOC_TRIM_THRESHOLD_": "1000000000",
     "MALLOC_MMAP_THRESHOLD_": "1000000000",
 }
@@ -54,7 +54,7 @@ def choose(
 ) -> Iterator[Pool]:
     """Processes on this machine, or with `workers` = 1 this process, or the Dask cluster of a `scheduler`.
 
-    memory: budget of each process [GiB]; by default what is free, shared. report: shows a solve in this process.
+    memory: budget of each process [GiB]; by default the free memory, shared. report: shows a solve in this process.
     Raises `ValueError`, and `LostError` when the scheduler goes away.
     """
     check(workers, memory, scheduler)
@@ -72,7 +72,7 @@ def choose(
 
 
 def check(workers: int, memory: float | None, scheduler: str | None) -> None:
-    """Raise `ValueError` for what `choose` cannot use."""
+    """Raise `ValueError` for choices that `choose` cannot use."""
     checks.integer("workers", workers, "an integer from 1 to 1024", 1, 1024)
     if memory is not None:
         checks.real("memory", memory, f"a finite number of GiB > {_LEAST_MEMORY}", _LEAST_MEMORY)
@@ -80,7 +80,7 @@ def check(workers: int, memory: float | None, scheduler: str | None) -> None:
             raise ValueError(f"memory is {memory}; allowed: none, it is for worker processes on this machine")
     # of others Dask's client makes a traceback
     if scheduler is not None and not re.fullmatch(r"(tcp|tls|ws|wss|ucx)://\S+:\d+", scheduler):
-        raise ValueError(f"scheduler is {scheduler!r}; allowed: what `dask scheduler` prints, like tcp://host:8786")
+        raise ValueError(f"scheduler is {scheduler!r}; allowed: an address, like tcp://host:8786")
 
 
 class InProcess(Executor):

@@ -35,11 +35,11 @@ def run_study(study: Study, options: Options) -> int:
     writing.check_folder(folder)
     with lock(folder):
         files = {} if options.overwrite else _finished(plans, folder)
-        computed = len(files) < len(plans)
+        computed, own = len(files) < len(plans), False
         if computed:
-            files = _compute(plans, options, folder)
-        figures = _draw(study, plans, files, folder, computed, options.overwrite)
-        with writing.expecting(folder):
+            files, own = _compute(plans, options, folder)
+        figures = _draw(study, plans, files, folder, computed, options.overwrite, own)
+        with writing.expecting(folder, own):
             parts = study.report(files, folder)
             asked = {plan.kind: plan.configuration for plan in plans}  # a file of something better may be kept
             missed = {kind: study.missed(replace(files[kind], configuration=own)) for kind, own in asked.items()}
@@ -73,7 +73,7 @@ def _exit_status(study: Study, files: Files, missed: Mapping[str, Iterable[str]]
         if unconverged and not status and not study.may_not_converge:
             status = console.EXIT_NOT_CONVERGED
         for reason in missed[kind]:
-            console.errors.print(f"linecontact: {kind}: what was asked for is not reached: {reason}")
+            console.errors.print(f"linecontact: {kind}: the goal is not reached: {reason}")
             status = status or console.EXIT_NOT_CONVERGED
     return status
 
@@ -92,8 +92,10 @@ def _finished(plans: Sequence[Plan], folder: Path) -> Files:
     return found
 
 
-def _compute(plans: Sequence[Plan], options: Options, folder: Path) -> Files:
-    """All tasks of all plans together; what is done is collected also when the run is cut short."""
+def _compute(plans: Sequence[Plan], options: Options, folder: Path) -> tuple[Files, bool]:
+    """All tasks of all plans together; finished ones are collected also when the run is cut short. Also returns whether
+    none was found done.
+    """
     ensemble: Ensemble
 
     def report(iteration: int, residual: float) -> None:
@@ -105,7 +107,7 @@ def _compute(plans: Sequence[Plan], options: Options, folder: Path) -> Files:
         bar.show(tell)
 
     def more() -> list[Task]:
-        """What the plans ask for when they have the records so far."""
+        """The tasks that the plans ask for when they have the records so far."""
         nonlocal plans
         further = [plan.further(ensemble.records) for plan in plans]
         plans = [replace(plan, runs=[*plan.runs, *new]) for plan, new in zip(plans, further, strict=True)]
@@ -127,20 +129,20 @@ def _compute(plans: Sequence[Plan], options: Options, folder: Path) -> Files:
                 with contextlib.suppress(writing.StoreError):
                     _save([plan for plan in plans if not _is_finished(plan.path(folder))], ensemble, folder)
                 raise
-    return _save(plans, ensemble, folder)
+    return _save(plans, ensemble, folder), not ensemble.found
 
 
 class _Outlook:
     """How far a run is: the share of its tasks or, for a study that decides on the way, of the work that it needs."""
 
-    _SELDOM = 20.0  # times what it takes to know, that pass before it is worked out again
+    _SELDOM = 20.0  # times the time that it takes, that pass before it is worked out again
 
     def __init__(self, plans: Sequence[Plan]) -> None:
         self._outlook = plans[0].outlook if len(plans) == 1 else None
         self._next, self._known = 0.0, (0.0, "")
 
     def __call__(self, ensemble: Ensemble) -> tuple[float, str]:
-        """Share of the work that is done, 0 to 1, and what to say of it."""
+        """Share of the work that is done, 0 to 1, and words for it."""
         if self._outlook is None:
             return ensemble.share, str(ensemble)
         begin = time.monotonic()
@@ -155,7 +157,7 @@ class _Outlook:
 def _begin(plans: Sequence[Plan], options: Options, folder: Path) -> Ensemble:
     """The tasks of all plans, with the records that former runs have left."""
     results = TaskFolder(folder / "tasks")
-    # what a killed process has left unfinished
+    # files that a killed process has left unfinished
     writing.remove(*folder.glob(".*.part"), *results.folder.glob(".*.part"))
     tasks = [task for plan in plans for task in plan.tasks]
     if options.overwrite:
@@ -171,9 +173,9 @@ def _begin(plans: Sequence[Plan], options: Options, folder: Path) -> Ensemble:
 
 
 def _save(plans: Sequence[Plan], ensemble: Ensemble, folder: Path) -> Files:
-    """Collect the records and write the files; what is shown is what was written, or a result not worth its file."""
+    """Collect the records and write the files; the report is of the written files, or a result not worth its file."""
     files = {}
-    with writing.expecting(folder):
+    with writing.expecting(folder, own=not ensemble.found):
         for plan in plans:
             path, found = plan.path(folder), plan.collect(ensemble.records, ensemble.failures)
             if plan.enough and not plan.enough(found) and _holds_more(path, found):
@@ -195,11 +197,17 @@ def _is_finished(path: Path) -> bool:
 
 
 def _draw(
-    study: Study, plans: Sequence[Plan], files: Mapping[str, StudyFile], folder: Path, new: bool, overwrite: bool
+    study: Study,
+    plans: Sequence[Plan],
+    files: Mapping[str, StudyFile],
+    folder: Path,
+    new: bool,
+    overwrite: bool,
+    own: bool,
 ) -> list[Path]:
     """Figures of everything that was computed anew, or that has none yet; returns the files of all figures.
 
-    overwrite: whether other programs' files may be replaced.
+    overwrite: whether other programs' files may be replaced. own: as in `writing.expecting`.
     """
     drawn: list[Path] = []
     for plan in plans:
@@ -211,7 +219,7 @@ def _draw(
             from ..figures import saving  # matplotlib takes its time
 
             try:
-                figures = saving.save(path, study.draw, overwrite)
+                figures = saving.save(path, study.draw, overwrite, own)
             except (NothingToDraw, saving.ForeignFileError) as error:
                 console.errors.print(f"{plan.kind}: {error}")
                 figures = []

@@ -1,4 +1,4 @@
-"""What a study must offer, once, in words and types; and how a study is found by its name.
+"""The form of a study, once, in words and types; and how a study is found by its name.
 
 A study's module holds its instance of `Study` as `STUDY`, the class of its options as `Options`, and
 `command(options) -> int`, which runs it, most often by `run.run_study`. Its line in `linecontact.studies.STUDIES` is
@@ -24,14 +24,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Options:
-    """What every study can be asked for."""
+    """The options of every study."""
 
     folder: Path | None = None
     """Where data and figures go; default: results/ and the study's name."""
     workers: int = executors.usable_cores()
     """Processes of one thread each, 1 to 1024; with 1 everything happens in this one. Default: the usable cores."""
     memory: float | None = None
-    """Budget of each worker process [GiB]; default: what is free at the start, shared among them."""
+    """Budget of each worker process [GiB]; default: the memory that is free at the start, shared."""
     scheduler: str | None = None
     """Address of a Dask scheduler, like tcp://host:8786, whose workers do the tasks; `workers` has no effect then."""
     overwrite: bool = False
@@ -40,12 +40,12 @@ class Options:
 
 @dataclass(frozen=True)
 class Plan:
-    """The tasks whose records make one file, as a study plans them for what the user asked."""
+    """The tasks whose records make one file, as a study plans them for the user's options."""
 
     kind: str
     """Name of the study that draws the file, and of the file."""
     configuration: dict[str, Any]
-    """What the user chose, fit for JSON."""
+    """The choices of the user, fit for JSON."""
     runs: Sequence[Task]
     """Tasks whose records are the rows of the file."""
     lines: Mapping[str, Task] = field(default_factory=dict)
@@ -60,7 +60,7 @@ class Plan:
     """Further tasks, from the records of all so far; none when there are enough. For a study that decides on the way.
     """
     outlook: Callable[[Mapping[Task, Record]], tuple[float, str]] | None = None
-    """From the same records the share of the work that is done, 0 to 1, and what is reached. For such a study, too."""
+    """From the same records the share of the work that is done, 0 to 1, and the state. For such a study, too."""
 
     @property
     def tasks(self) -> list[Task]:
@@ -101,28 +101,28 @@ def _none(_: StudyFile) -> Sequence[str]:
     return ()
 
 
-_REQUIRED: Any = None  # the default of what a study must offer: a study without it is refused in plain words
+_REQUIRED: Any = None  # the default of members that a study must have: a study without it is refused in plain words
 
 
 @dataclass(frozen=True, kw_only=True)
 class Study:
-    """What a study must offer. Raises `ValueError` for a study that does not, naming what is missing."""
+    """The members of a study. Raises `ValueError` for a study without a required one, which it names."""
 
     name: str = _REQUIRED
     """On the command line, and of the folder that its results go to."""
     options: type[Options] = _REQUIRED
-    """What the user can ask for: a frozen dataclass. Its docstring is the help text of the command, and so are those
+    """The options of the user: a frozen dataclass. Its docstring is the help text of the command, and so are those
     of its fields. With a field `quick` that is true, the default folder ends in -quick."""
     plans: Callable[[Any], Sequence[Plan]] = _REQUIRED
     """From the options to the tasks: one plan for each file. Raises `ValueError` for options that make no sense."""
     report: Callable[[dict[str, StudyFile], Path], Sequence[RenderableType]] = _REQUIRED
-    """From the stored files, by kind, and their folder to what is shown at the end: tables and sentences."""
+    """From the stored files, by kind, and their folder to the output at the end: tables and sentences."""
     draw: Callable[[Path], "dict[str, Figure]"] = _REQUIRED
     """From a stored file to its figures, by the endings of their names. It imports matplotlib when it is called."""
     defects: Callable[[StudyFile], Sequence[str]] = _none
-    """What in a stored file must not be, a line each; any of them makes the exit status that of a failed task."""
+    """Defects in a stored file, a line each; any of them makes the exit status that of a failed task."""
     missed: Callable[[StudyFile], Sequence[str]] = _none
-    """Why a stored file is less than what was asked for, with what is allowed instead, a line each; any of them makes
+    """Why a stored file is less than was asked for, with the allowed values, a line each; any of them makes
     the exit status that of a run less accurate than asked."""
     may_not_converge: bool = False
     """Whether a run that does not converge is a result like any other, and the exit status 0 all the same."""
@@ -150,7 +150,7 @@ class Study:
         return plans
 
     def check_report(self, parts: object) -> None:
-        """Raise `ValueError` if these are not what `report` is to give."""
+        """Raise `ValueError` if these are no parts of a report."""
         if isinstance(parts, str) or not isinstance(parts, Sequence):
             raise ValueError(
                 f"report of study {self.name} gave {str(parts)[:40]!r}; allowed: tables and texts, in a list"

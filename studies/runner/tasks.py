@@ -31,7 +31,7 @@ class Task(Protocol):
     """A frozen dataclass of plain values on which its record depends, and on nothing else."""
 
     kind: ClassVar[str]
-    """Name of the class, unique over all studies and never changed: part of what identifies a task, wherever its module
+    """Name of the class, unique over all studies and never changed: part of a task's identity, wherever its module
     is. Classes older than this rule keep the name that they had then, which was the path of their module, so that
     unfinished runs of that time go on.
     """
@@ -76,7 +76,7 @@ def _record(body: bytes) -> Record | None:
 
 
 def check_record(found: object) -> None:
-    """Raise `ValueError` for what a task gave, if it is neither a flat record nor several."""
+    """Raise `ValueError` for the result of a task, if it is neither a flat record nor several."""
     try:
         kept = _record(json.dumps({"record": records.plain(found)}).encode())
         why = "not flat" if kept is None else ""

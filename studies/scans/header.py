@@ -1,4 +1,4 @@
-"""The header of a text: one line of labels is understood, and no other word of it may contradict what is known.
+"""The header of a text: one line of labels is understood, and no other word of it may contradict it.
 
 Labels are parted as the rows are: `name`, `name [unit]` or `name (unit)` for each column, or names above units. Other
 units, slopes, voltages and depths are quoted where they contradict the user, or where something is missing.

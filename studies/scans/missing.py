@@ -32,7 +32,7 @@ def marked(z: Array64, numbers: str) -> Mask:
 
 
 def filled(values: Array64, how: Missing) -> tuple[Array64, str]:
-    """Rows of position and height, or height alone, without those that miss one, and what was done, in words.
+    """Rows of position and height, or height alone, without those that miss one, and the changes, in words.
 
     Raises `ValueError` for a gap that is too long to be filled.
     """

@@ -67,14 +67,14 @@ class Options:
     detrend: Detrend | None = None
     """Remove the mean, also the tilt (linear), also a bow (curvature); default: linear, but none with --window none."""
     window: Window = "mirror"
-    """What makes the profile periodic: its mirror image, or nothing if it is periodic."""
+    """How the profile is made periodic: its mirror image, or nothing if it is periodic."""
     period: float | None = refused()
     """Not with a file."""
     accuracy: float | None = None
     """Relative error wanted of a_r (dimensionless); it chooses the grid."""
 
     def __post_init__(self) -> None:
-        """What the command line makes sure of, for those who come from Python. Raises `ValueError`."""
+        """The checks of the command line, for Python. Raises `ValueError`."""
         for name, option in options_of(Options).items():
             value = getattr(self, name)
             if option.choices and not (value is option.default is None):
@@ -107,11 +107,11 @@ class Scan(NamedTuple):
 
 
 def read_scan(path: str | os.PathLike[str], **options: Any) -> Scan:
-    """Read a scan from a file: indenter, period and number of grid points, which a `Scene` takes.
+    """Read a scan from a file as a `Scan`: indenter, period and number of grid points, which a `Scene` takes.
 
     path: the file. options: as the fields of `Options` say, for instance `x_unit="um"`, `z_unit="nm"`,
     `scan_length=1e-3`, `num_points=2**14`. Lengths of the scene are in metres unless `length_unit` says otherwise.
-    Raises `ValueError` for a file that cannot be read, leaves something open, or is no profile; it says what to add.
+    Raises `ValueError` for a file that cannot be read, leaves an option open, or is no profile.
     """
     allowed = [field.name for field in fields(Options) if field.name not in ("profile_file", "period")]
     if wrong := [name for name in options if name not in (*allowed, "period")]:
@@ -173,7 +173,7 @@ def _read(options: Options) -> Scan:
 
 
 def _complete(found: Table, options: Options) -> tuple[Table, list[str], list[str]]:
-    """The columns without missing values, what was done, and what there is to doubt. Raises `ValueError`."""
+    """The columns without missing values, the changes, and the doubts. Raises `ValueError`."""
     values = found.values.copy()
     z, alone = values[:, -1], values.shape[1] == 1
     if alone and z[0] == z.size - 1 >= _FEWEST:

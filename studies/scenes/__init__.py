@@ -1,4 +1,4 @@
-"""The options of a scene, scenes made from them, and the table of a scan: what the commands that take a scene share.
+"""The options of a scene, scenes made from them, and the table of a scan: common parts of commands with a scene.
 
 May import: linecontact.solver, terminal, scans.
 """

@@ -33,7 +33,7 @@ def _as_given(value: Any) -> Any:
 
 
 def shown(description: str) -> str:
-    """The same without the folders of files: what is stored with the results."""
+    """The same without the folders of files, as it is stored with the results."""
     told = json.loads(description)
     files = told.pop("files")
     groups = {title: {name: _name(v) for name, v in group.items()} for title, group in told["given"].items()}
@@ -52,5 +52,5 @@ def base_scene(description: str) -> Scene:
     given = {title: {name: _as_given(v) for name, v in group.items()} for title, group in told["given"].items()}
     for name, known in told["files"].items():
         if not Path(name).is_file() or hashlib.sha256(Path(name).read_bytes()).hexdigest() != known:
-            raise ValueError(f"file {name} is not there, or not what it was at the start; allowed: the same contents")
+            raise ValueError(f"file {name} is not there, or has changed since the start; allowed: the same contents")
     return make_scene(SimpleNamespace(**told["options"]), given)

@@ -1,7 +1,7 @@
 """Layers and profiles that `linecontact solve` knows: the solver's own lists, whose fields are options."""
 
 CHOICES = ("layer", "profile")
-"""What there is to choose, by the name of its option."""
+"""The choices, by the name of its option."""
 
 
 def classes(choice: str) -> dict[str, type]:

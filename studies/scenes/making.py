@@ -20,12 +20,12 @@ Given = Mapping[str, Mapping[str, Any]]
 
 @dataclass(frozen=True)
 class Options:
-    """What every command that takes a scene can be asked for."""
+    """The options of every command that takes a scene."""
 
     profile: str = one_of(INDENTERS, next(iter(INDENTERS)))
-    """Indenter; what each one is, and takes, is told below."""
+    """Indenter; each one and its options are described below."""
     layer: str = one_of(LAYERS, next(iter(LAYERS)))
-    """Layer; what each one is, and takes, is told below."""
+    """Layer; each one and its options are described below."""
     pressure: float | None = None
     """Mean external pressure p >= 0 [pressure]; default 0.002, but beside a file or a unit it must be given."""
     period: float | None = None

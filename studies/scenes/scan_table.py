@@ -1,4 +1,4 @@
-"""What was understood of a scan, in its own units, with the layer beside it: so that a wrong unit is seen at once."""
+"""A scan as it was understood, in its own units, with the layer beside it: so that a wrong unit is seen at once."""
 
 from linecontact.solver import Scene
 from linecontact.solver.units import SCENE

@@ -30,7 +30,7 @@ class Options:
 
     stiffness_file: Path
     """Text of two columns, parted by spaces or commas, with eight rows or more: q [1/length] in increasing order, K(q)
-    [pressure/length], in the scene's units. What follows # is a comment; beside a scan it must name no other units."""
+    [pressure/length], in the scene's units. Text after # is a comment; beside a scan it must name no other units."""
     contact_modulus: float | None = None
     """E* [pressure] of p* and kappa; default: 2 K/q of the last row."""
 

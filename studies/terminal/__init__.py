@@ -1,4 +1,4 @@
-"""What stands between the program and a terminal: arguments in; progress, tables, errors and exit statuses out.
+"""Between the program and a terminal: arguments in; progress, tables, errors and exit statuses out.
 
 May import: linecontact.kernels, linecontact.solver.
 """

@@ -1,6 +1,6 @@
 """Words of a command line as dataclasses, whose fields are the options (see `options_of`).
 
-A field without a default of a command's own dataclass is a positional argument. What --help says of a field is read
+A field without a default of a command's own dataclass is a positional argument. The help text of a field is read
 from the source, see `declarations`. Words that are wrong raise `ValueError` with one line that names the option, what
 was given, and what is allowed.
 """
@@ -89,8 +89,8 @@ def choose(
 ) -> tuple[str, list[str]]:
     """The first word, which must be one of the names, and the words after it.
 
-    what: what is to be chosen, for messages.
-    about: what --help says of the choice, and tell: of each name.
+    what: the thing to choose, for messages.
+    about: help text of the choice, and tell: of each name.
     """
     if not words:
         raise ValueError(f"{what} is missing; allowed: {', '.join(names)}")
@@ -138,7 +138,7 @@ def _parser(
 ) -> argparse.ArgumentParser:
     """A parser that tells the words of the options apart and leaves the values as they are.
 
-    told: the dataclasses of the groups, to tell in --help what they say of their fields; empty where nobody asks.
+    told: the dataclasses of the groups, for the help texts of their fields; empty where nobody asks.
     """
     usage = " ".join([prog, *map(str.upper, required), "[OPTIONS]"])
     parser = argparse.ArgumentParser(

@@ -1,4 +1,4 @@
-"""What the terminal shows: progress with residual and remaining time, and the exit statuses."""
+"""Output on the terminal: progress with residual and remaining time, and the exit statuses."""
 
 import contextlib
 import math
@@ -16,6 +16,7 @@ from linecontact.solver.methods import Progress as Report
 from rich import box
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Column
 from rich.text import Text
 
 from . import arguments
@@ -57,7 +58,7 @@ class _Messages(Plain):
     """Standard error. Where it cannot be written nothing more is said, and the command ends as it would have."""
 
     def _check_buffer(self) -> None:
-        """What all of Rich's output goes through, its thread's, too."""
+        """All of Rich's output goes through here, its thread's, too."""
         try:
             super()._check_buffer()
         except OSError:
@@ -98,6 +99,9 @@ def exit_status(status: Status) -> int:
     return EXIT_INTERRUPTED if status is Status.INTERRUPTED else EXIT_NOT_CONVERGED
 
 
+_BAR = 10  # columns
+
+
 class Bar:
     """Progress on standard error: a bar on a terminal, a plain line every `every` seconds elsewhere."""
 
@@ -107,8 +111,9 @@ class Bar:
         self._what, self._begin, self._said = what, time.monotonic(), time.monotonic()
         self._start: float | None = None  # share of the work when it was shown first
         self._broken = False
-        columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:3.0f} %"))
-        state = TextColumn("{task.fields[state]}")
+        bar = BarColumn(_BAR, table_column=Column(no_wrap=True))
+        columns = (TextColumn("{task.description}"), bar, TextColumn("{task.percentage:3.0f} %"))
+        state = TextColumn("{task.fields[state]}", table_column=Column(overflow="fold"))  # alone is wrapped
         self._progress = Progress(*columns, state, TimeElapsedColumn(), console=errors, transient=True)
         self._task = self._progress.add_task(what, total=1.0, state="")
 
@@ -128,7 +133,7 @@ class Bar:
                 self._progress.stop()
 
     def show(self, tell: Callable[[], tuple[float, str]]) -> None:
-        """Show what `tell` gives: the share of the work that is done, 0 to 1, and a text to stand before the time left.
+        """Show `tell()`: the share of the work that is done, 0 to 1, and a text to stand before the time left.
 
         Whatever goes wrong in that, or in showing it, is said once and ends no work.
         """
@@ -188,7 +193,7 @@ def place(error: BaseException) -> str:
 def guard(command: Callable[[], int], kept: str = "") -> int:
     """Run a command; bad input ends in one line and status 2, Ctrl-C in 130, a reader that went away in 141.
 
-    kept: what Ctrl-C leaves, to be said. Whatever else ends it is a bug: it is passed on, for a traceback and status 1.
+    kept: words on finished work, for Ctrl-C. Any other end is a bug, passed on for a traceback and status 1.
     """
     try:
         status = command()
@@ -211,7 +216,7 @@ def guard(command: Callable[[], int], kept: str = "") -> int:
 
 
 def _refusal(error: Exception) -> str:
-    """What to say of an error that is no bug; empty for a bug."""
+    """The message of an error that is no bug; empty for a bug."""
     text = " ".join(str(error).split())
     if isinstance(error, MemoryError):
         return f"not enough memory ({text}); allowed: fewer points"

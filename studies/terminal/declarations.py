@@ -1,9 +1,9 @@
-"""What a dataclass declares, read from the source of its module: the names of its fields and what is said of them.
+"""The declarations of a dataclass, read from the source of its module: its fields and their descriptions.
 
 The module itself is not imported, nor are those that its base classes come from: all studies together take seconds, and
 can be listed without them.
 
-A class is named as "module:Class". What is said of a field stands in the string below it, or in the class's docstring
+A class is named as "module:Class". Its description of a field is in the string below it, or in the class's docstring
 on a line of its own: "name: text", continued on lines that are indented.
 """
 
@@ -18,15 +18,15 @@ from functools import cache
 from importlib.machinery import ModuleSpec
 
 _ENTRY = re.compile(r"^\w+: .*(?:\n[ ]+\S.*)*", re.MULTILINE)
-"""What a docstring says of a field."""
+"""The description of a field in a docstring."""
 
 
 @dataclass(frozen=True)
 class Declaration:
-    """What is known of a dataclass from its source.
+    """A dataclass as its source declares it.
 
-    text: its docstring, without what that says of the fields.
-    fields: what is said of each field, its base classes' fields included, by name and in order; empty where nothing is.
+    text: its docstring, without descriptions of fields.
+    fields: each field's description, its base classes' fields included, by name and in order; empty where nothing is.
     """
 
     text: str

@@ -1,4 +1,4 @@
-"""A dataclass's fields as options of the command line: its defaults are theirs, its types say what is allowed.
+"""A dataclass's fields as options of the command line: its defaults are theirs, its types give the allowed values.
 
 A field may be a number, text, a path, a flag (a bool, False by default), one of a few words (`Literal` or `one_of`), a
 tuple of paths, numbers or text, or None where nothing is given.
@@ -13,7 +13,7 @@ from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 from .text import IN_RANGE, number, pointed
 
 _TYPES = {int: "an integer, in digits or like 2^10 or 1e6", float: "a number", str: "some text", Path: "a path"}
-"""What a value of each type is called."""
+"""The word for a value of each type."""
 
 PRESSURE = "a number alone, or each pressure and modulus with its unit (Pa, kPa, MPa, GPa), like 0.1MPa"
 _EXACT = 2.0**53  # up to here a float holds every integer
@@ -25,7 +25,7 @@ def one_of(allowed: Iterable[str], default: Any) -> Any:
 
 
 def text(said: str, default: Any) -> Any:
-    """A field that takes a text. said: what is allowed, for messages."""
+    """A field that takes a text. said: the allowed values, for messages."""
     return field(default=default, metadata={"said": said})
 
 
@@ -51,23 +51,23 @@ class Option:
     dimension: str
     """'length' or 'pressure' where it is one of a scene, which may have its unit; empty for all else."""
     said: str
-    """What is allowed of one value where there are no choices; empty for a flag."""
+    """The allowed values where there are no choices; empty for a flag."""
     refused: bool = False
     """Whether whatever is given is refused, with a reason."""
 
     @property
     def _one(self) -> str:
-        """What is allowed of one value."""
+        """The allowed values of one."""
         return ", ".join(self.choices) or self.said
 
     @property
     def allowed(self) -> str:
-        """What is allowed, for messages."""
+        """The allowed values, for messages."""
         return self._one if self.count == 1 else f"{self.count} values, each {self._one}"
 
     @property
     def placeholder(self) -> str | tuple[str, ...]:
-        """What stands for the value, or for each of several, in --help."""
+        """The word for the value, or for each of several, in --help."""
         word = f"{{{','.join(self.choices)}}}" if self.choices else _TYPES[self.type].split()[1].strip(",").upper()
         return word if self.count == 1 else (word,) * self.count
 

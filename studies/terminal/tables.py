@@ -1,6 +1,6 @@
 """Tables that lose nothing on a narrow screen.
 
-Columns that may not be wrapped, those of numbers, are as wide as their longest cell; the others take what is left.
+Columns that may not be wrapped, those of numbers, are as wide as their longest cell; the others take the rest.
 Where even that is too wide, the table comes in parts below one another, each beginning with the first column.
 """
 
@@ -87,7 +87,7 @@ def _span(column: Column, screen: Console, shortest: int) -> Measurement:
 
 
 def _shared(room: int, spans: Sequence[Measurement]) -> list[int]:
-    """What each column gets of the room that the least widths leave: all that it can use if it can use little."""
+    """The share of each column in the room that the least widths leave: all that it can use if it can use little."""
     found = [0] * len(spans)
     order = sorted(range(len(spans)), key=lambda i: spans[i].maximum - spans[i].minimum)
     for served, i in enumerate(order):

@@ -7,7 +7,7 @@ import sys
 from typing import Any, TextIO
 
 IN_RANGE = f"a number of {math.ulp(0.0):.1e} to {sys.float_info.max:.1e} in size"
-"""What is allowed where `number` raises `OverflowError`."""
+"""The allowed values where `number` raises `OverflowError`."""
 
 
 def number(words: str) -> float:
@@ -36,9 +36,9 @@ def _power(base: float, exponent: int) -> float:
 
 
 def pointed(words: str, unit: str = "") -> str:
-    """What is allowed in the place of a number with a decimal comma; empty for all other words.
+    """The allowed words in place of a number with a decimal comma; empty for all other words.
 
-    unit: what stands behind it.
+    unit: of the number.
     """
     better = words.replace(",", ".")
     try:
@@ -56,7 +56,7 @@ def printable(text: str) -> str:
 
 
 def complain(message: object) -> None:
-    """Write one line on standard error that says what is wrong."""
+    """Write one line on standard error that names the error."""
     print(f"linecontact: {printable(' '.join(str(message).split()))}", file=sys.stderr)
 
 
@@ -65,7 +65,7 @@ BUG = "linecontact: a bug, please report it with this traceback"
 
 
 def is_refusal(error: BaseException) -> bool:
-    """Whether a `raise` of ours has raised a `ValueError`, which says what is wrong with the input.
+    """Whether a `raise` of ours has raised a `ValueError`, which is about the input.
 
     One that Python or a library has raised, like that of the logarithm of 0, is a bug of ours.
     """
@@ -81,7 +81,7 @@ def is_refusal(error: BaseException) -> bool:
 
 
 class _Standard(io.FileIO):
-    """A standard stream that is written to; what goes wrong there has the stream for its file."""
+    """A standard stream that is written to; errors there have the stream for their file."""
 
     def write(self, data: Any, /) -> int:
         """As of any file."""

@@ -67,7 +67,7 @@ def read(name: str, text: str, own: Own | None, allowed: str = "a number") -> fl
     """A number as it is written on the command line, like 0.1 or 2^18, or a length or a pressure with its unit.
 
     name: of the option, for messages. own: the unit of the scene's lengths or pressures; None: it has none. allowed:
-        what is said of a text that is no number. Raises `ValueError`.
+        the message for a text that is no number. Raises `ValueError`.
     """
     text = text.strip()
     parted = _NUMBER_AND_UNIT.fullmatch(text) if own else None
@@ -106,7 +106,7 @@ def _converted(value: float, unit: float, own: float) -> float:
 
 
 def plain(text: str) -> str:
-    """Text whose letters have one form each: micro signs, Angstrom signs, and what was decoded once too little."""
+    """Text whose letters have one form each: micro signs, Angstrom signs, and text decoded once too little."""
     return unicodedata.normalize("NFKC", text.replace("\u00c2\u00b5", "\u00b5")).strip()
 
 

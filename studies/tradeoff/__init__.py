@@ -1,4 +1,4 @@
-"""The study of what speed costs in accuracy.
+"""The study of the price of speed in accuracy.
 
 May import: linecontact.solver, terminal, files, figures, runner, iterations, peers, multilevel.
 """

@@ -1,4 +1,4 @@
-"""What can be chosen, each a task: one solve, timed, with its errors (`measuring`)."""
+"""The choices, each a task: one solve, timed, with its errors (`measuring`)."""
 
 import math
 import time
@@ -189,7 +189,7 @@ class Precisions:
     log2_points: int
     """log2 of the number of grid points."""
     tolerance: float | None
-    """None: an iteration is timed. Else a solve to this tolerance, and what comes before it on coarser grids, which are
+    """None: an iteration is timed. Else a solve to this tolerance, and the solves before it on coarser grids, which are
     always in float64."""
     rounds: int = 5
     """How often they take turns."""

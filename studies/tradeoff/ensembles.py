@@ -25,7 +25,7 @@ ENSEMBLES = {
 
 OBSERVABLE = "kappa"
 MANY, ALONE = "ensemble", "one grid"
-"""Kinds of rows: how far the ensemble was after each round, and what one surface takes on a grid and tells."""
+"""Kinds of rows: how far the ensemble was after each round, and the cost and the use of one surface on a grid."""
 
 
 @dataclass(frozen=True)

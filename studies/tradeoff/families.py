@@ -1,4 +1,4 @@
-"""The families of scenes, and what is exact for them: collocation, or rough surfaces on a finer grid."""
+"""The families of scenes, and their exact results: collocation, or rough surfaces on a finer grid."""
 
 import functools
 import math
@@ -29,14 +29,14 @@ _SEEDS = (0, 1, 2)
 _FINEST_SAMPLED = 2**20
 
 MEASURES = ("area", "area_counted", "kappa", "peak", "field")
-"""What errors are taken of; area and kappa between sub-grid edges; field: of the pressure, rms error over its rms."""
+"""Quantities with errors; area and kappa between sub-grid edges; field: of the pressure, rms error over its rms."""
 
 _NODES, _RESOLUTION = 320, 80.0  # twice those that reach 1e-10
 
 
 @dataclass(frozen=True)
 class Exact:
-    """What counts as exact; all dimensionless, L = E* = 1."""
+    """The numbers that count as exact; all dimensionless, L = E* = 1."""
 
     contact_area: float
     """a_r."""

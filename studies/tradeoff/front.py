@@ -1,4 +1,4 @@
-"""Pareto fronts of seconds against errors, which values of what can be chosen are on none, and what each is worth."""
+"""Pareto fronts of seconds against errors, which values of the choices are on none, and the gain by each."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -13,7 +13,7 @@ NEAR = 1.1
 """Factor in time and error within which a choice is on a front, and errors are no different."""
 
 AXES = ("method", "precision", "tolerance.asked", "nested", "threads", "counted")
-"""What can be chosen; 'counted' is how the contact area is measured."""
+"""The axes of choice; 'counted' is how the contact area is measured."""
 
 FRONTS = {
     "a_r": ("area", "area_counted"),
@@ -41,7 +41,7 @@ class Point(NamedTuple):
     """The run's record."""
 
     def value(self, axis: str) -> Any:
-        """What the run has chosen on an axis."""
+        """The run's choice on an axis."""
         return self.counted if axis == "counted" else self.run[axis]
 
 
@@ -80,7 +80,7 @@ def distance(point: Point, best: Sequence[Point]) -> float:
 
 
 class Worth(NamedTuple):
-    """What a value of an axis, one thing that can be chosen, is good for."""
+    """The gain by a value of an axis, one thing that can be chosen."""
 
     axis: str
     """One of `AXES`."""
@@ -104,7 +104,7 @@ class Worth(NamedTuple):
 
 
 def worth(study: StudyFile) -> list[Worth]:
-    """What every value of every axis is worth, on the fronts of the choices by hand."""
+    """The gain by every value of every axis, on the fronts of the choices by hand."""
     rated: list[tuple[float, str, Point]] = []
     areas: list[tuple[list[Point], list[Point]]] = []
     for family in FAMILIES:

@@ -1,4 +1,4 @@
-"""Tables of the fronts, and what the study says in words: all from the stored runs."""
+"""Tables of the fronts, and the findings in words: all from the stored runs."""
 
 import itertools
 import math
@@ -46,7 +46,7 @@ def paper_choice(study: StudyFile, family: str) -> Run | None:
 
 
 def front_table(study: StudyFile, family: str) -> Table:
-    """A table of the front of the area of what is chosen by hand, and of others beside it."""
+    """A table of the front of the area by choices by hand, and of others beside it."""
     table = console.table(
         padding=0,
         title=f"{family}: the least time for an error of a_r",
@@ -132,7 +132,7 @@ def _name(axis: str, value: Any) -> str:
 
 
 def never_worth(found: Sequence[Worth]) -> Iterator[str]:
-    """Sentences on the values that are on no front, and on what the others are good for."""
+    """Sentences on the values that are on no front, and on the gain by the others."""
     never = [w for w in found if w.never]
     if never:
         texts = [f"{_name(w.axis, w.value)} (off by {w.distance:.3g}: {w.where})" for w in never]
@@ -163,7 +163,7 @@ def never_worth(found: Sequence[Worth]) -> Iterator[str]:
 
 
 def published(study: StudyFile) -> Iterator[str]:
-    """Sentences on what is fastest at the published choice's error, and on the price of an area to 1e-6."""
+    """Sentences on the fastest choice at the published choice's error, and on the price of an area to 1e-6."""
     for family in FAMILIES:
         paper = paper_choice(study, family)
         if not paper or paper["status"] != "converged":
@@ -213,7 +213,7 @@ def precisions(study: StudyFile) -> Iterator[str]:
 
 
 def random_scenes(study: StudyFile) -> Iterator[str]:
-    """Sentences on how many random scenes met what was asked, which did not, and what estimated errors are worth."""
+    """Sentences on how many random scenes met the request, which did not, and how reliable estimated errors are."""
     runs = runs_of(study, "scene")
     if not runs:
         return
@@ -243,7 +243,7 @@ def random_scenes(study: StudyFile) -> Iterator[str]:
 
 
 def means(study: StudyFile) -> Iterator[str]:
-    """Sentences on what means over random surfaces take, with surfaces on one grid and on several."""
+    """Sentences on the cost of means over random surfaces, with surfaces on one grid and on several."""
     for family in ENSEMBLES:
         rounds, alone = (runs_of(study, kind, family) for kind in (MANY, ALONE))
         if not rounds:
@@ -278,7 +278,7 @@ def not_certified(study: StudyFile) -> Iterator[str]:
     runs = runs_of(study, "choice")
     no = [run for run in runs if run["status"] == REFUSED]
     if no:
-        yield f"{len(no)} of {len(runs)} choices by hand were refused: a tolerance below what float32 leaves."
+        yield f"{len(no)} of {len(runs)} choices by hand were refused: a tolerance below float32's level."
     for run in runs:
         if run["status"] not in (REFUSED, "converged"):
             yield (

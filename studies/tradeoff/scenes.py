@@ -51,7 +51,7 @@ class RandomScene:
     """log2 of the points of the finest grid allowed."""
 
     def run(self, report: Progress | None) -> Record:
-        """What was asked, estimated, and true, and the time of the planner alone."""
+        """The errors asked for, estimated and true, and the time of the planner alone."""
         scene, accuracy = draw(self.scene_kind, self.seed, self.log2_points)
         begin = time.perf_counter()
         small_models.decide(scene, accuracy)

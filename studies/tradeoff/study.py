@@ -1,4 +1,4 @@
-"""What speed costs in accuracy: every choice a solve leaves, its seconds and its errors, and the Pareto fronts.
+"""The price of speed in accuracy: every choice of a solve, its seconds and its errors, and the Pareto fronts.
 
 linecontact study tradeoff [--quick] [--folder FOLDER]
 
@@ -45,7 +45,7 @@ _HALF_SPACE = "Hertz, half-space"
 
 @dataclass(frozen=True)
 class Configuration:
-    """What identifies the study."""
+    """The configuration that identifies the study."""
 
     sizes: tuple[int, ...] = (8, 10, 12, 14, 16, 18, 20)
     """log2 of the numbers of points."""
@@ -151,7 +151,7 @@ def plans(options: Options) -> Sequence[Plan]:
 
 
 def report(files: dict[str, StudyFile], _: Path) -> Sequence[RenderableType]:
-    """The tables, and what they come to."""
+    """The tables and their summary."""
     return [part for file in files.values() if file.runs for part in tables.parts(file)]
 
 
@@ -166,5 +166,5 @@ STUDY = Study(name=NAME, options=Options, plans=plans, report=report, draw=draw,
 
 
 def command(options: Options) -> int:
-    """Run the study as asked, or what is left of it; returns the exit status."""
+    """Run the study as asked, or the rest of it; returns the exit status."""
     return run_study(STUDY, options)

@@ -94,7 +94,7 @@ class FreeNodes(Search[FreeSet]):
         return 1 - self._all.field[self._set.nodes]
 
     def tighten(self) -> bool:
-        self._make_force()  # what is carried along has lost touch with the displacement
+        self._make_force()  # the force carried along has lost touch with the displacement
         self._set.begin_anew()
         return super().tighten()
 

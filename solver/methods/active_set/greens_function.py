@@ -1,4 +1,4 @@
-"""What follows from the layer's response on one grid: inverse factors, sums over patches, and short convolutions.
+"""Parts of the layer's response on one grid: inverse factors, sums over patches, and short convolutions.
 
 G is a Toeplitz matrix, so all patches of a contact share one inverse Cholesky factor, and sums of G over two patches
 are differences of its second running sum. Convolutions over a few nodes go by short transforms.
