@@ -13,12 +13,13 @@ from ..kernels import BACKENDS
 from . import checks, display
 from .arrays import Array64, on_one_thread
 from .endings import Status
+from .grid.certificate import MEANINGLESS
+from .grid.errors import DEFAULT_QUANTITY, check_accuracy
 from .grid.observables import first_node
 from .grid.problem import Problem, rounding_floor
 from .methods import DEFAULT, METHODS, ExecutionConfig, Method, MethodKind, Progress, relax
 from .scene import Scene
-from .solution import MEANINGLESS, Solution
-from .strategy.errors import DEFAULT_QUANTITY, check_accuracy
+from .solution import Solution
 from .strategy.finish import finish
 from .strategy.run import COARSE_TOLERANCE, COARSEST, DEFAULT_TOLERANCE, Run, check_memory, grids
 from .strategy.small_models import without_contact

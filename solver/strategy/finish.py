@@ -9,16 +9,16 @@ import numpy as np
 from .. import display
 from ..arrays import Array64, Mask
 from ..endings import INTERRUPTED, Cause, Reason, Status
-from ..grid.certificate import Certificate, certify
+from ..grid.certificate import MEANINGLESS, Certificate, certify
+from ..grid.errors import with_errors
 from ..grid.observables import Observables, observe
 from ..grid.patch_table import PatchTable
 from ..grid.patches import Patches
 from ..grid.problem import Problem, foundation_pressure, rounding_floor
 from ..methods import METHODS, MethodKind
 from ..scene import Scene
-from ..solution import MEANINGLESS, MOST_ENERGY, Choice, Solution
+from ..solution import MOST_ENERGY, Choice, Solution
 from ..transforms.device import device_name, gpu_libraries
-from .errors import with_errors
 from .run import Run
 
 _NEAR_THE_FLOOR = 100  # times the residual of rounding: below, rounding may be the reason for the residual

@@ -13,6 +13,7 @@ from .. import checks
 from ..arrays import Array64
 from ..endings import Reason, Status
 from ..grid.edges import Edges
+from ..grid.errors import FACTOR
 from ..grid.observables import measure
 from ..grid.patches import Patches
 from ..grid.problem import Problem
@@ -24,7 +25,6 @@ from ..solution import Choice, Level
 SMALLEST_WARP = 2**13
 """Points; on smaller coarse grids recording Warp's launches takes longer than a few passes of the reference kernels."""
 
-FACTOR = 4
 COARSEST = 512
 """Points of the coarsest grid, at least."""
 

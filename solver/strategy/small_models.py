@@ -17,6 +17,7 @@ import numpy as np
 
 from ..arrays import Array64
 from ..endings import Status
+from ..grid.errors import DEFAULT_QUANTITY
 from ..grid.observables import Observables, first_node, foundation_modulus, observe
 from ..grid.patch_table import PatchTable
 from ..grid.problem import Problem
@@ -24,7 +25,6 @@ from ..reference import collocation
 from ..reference.closed_forms import foundation_half_width, guessed_half_width, kappa_from_area, kappa_half_space
 from ..scene import Scene
 from ..solution import Choice, Solution
-from .errors import DEFAULT_QUANTITY
 from .finish import make_solution
 from .run import Run
 

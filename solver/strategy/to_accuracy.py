@@ -6,12 +6,12 @@ from dataclasses import replace
 
 from .. import checks, display
 from ..endings import Cause, Reason, Status
+from ..grid.errors import FACTOR, MOST_ACCURACY, QUANTITIES, estimated, iteration_share
 from ..grid.problem import Problem
 from ..methods import Method
 from ..solution import Choice, Solution
-from .errors import MOST_ACCURACY, QUANTITIES, grid_error, iteration_share
 from .finish import finish
-from .run import FACTOR, Run, check_memory, coarser, grids
+from .run import Run, check_memory, coarser, grids
 from .small_models import by_small_model
 
 
@@ -70,7 +70,9 @@ def _on_grids(run: Run, accuracy: float, of: str) -> Solution:
     for _ in run.over_grids(sizes, begin, measure_last=True):
         size, found = run.state.problem.num_points, run.levels
         settled = found and found[-1].num_points == size
-        error = grid_error(quantity, scene, found[-1], found[:-1]) if settled else math.inf
+        error = math.inf  # on the first grid, and where the quantity is 0
+        if settled and len(found) > 1 and (value := abs(getattr(found[-1], quantity.value))):
+            error = estimated(quantity, scene, size, found[-1], found[:-1]) / value
         last = size == scene.num_points or run.status is Status.INTERRUPTED
         if last or (error <= accuracy and scene.indenter.omitted(size) <= accuracy / 2):
             why = "the coarsest that is good enough" if error <= accuracy else "the finest allowed, and not fine enough"

@@ -17,14 +17,14 @@ from typing import Any
 import numpy as np
 
 from ..endings import Cause, Reason, Status
+from ..grid.errors import FACTOR, MOST_ACCURACY, QUANTITIES, estimated
 from ..grid.layer_on_grid import half_spectrum
 from ..grid.observables import first_node, foundation_modulus
 from ..grid.problem import full_contact_pressure
 from ..scene import Scene
 from ..solution import Choice, Solution
-from .errors import MOST_ACCURACY, QUANTITIES, estimated
 from .linearised import contact_compliance
-from .run import COARSEST, DEFAULT_TOLERANCE, FACTOR, grids
+from .run import COARSEST, DEFAULT_TOLERANCE, grids
 
 _MOST_SOLVES = 40  # on a grid
 _LONGEST_STEP = 30.0  # factor of the pressure

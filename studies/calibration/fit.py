@@ -10,10 +10,10 @@ import numpy as np
 from linecontact.solver import QUANTITIES, Observables, Solution
 from linecontact.solver.arrays import Array64
 from linecontact.solver.calibration import FITTED
+from linecontact.solver.grid.errors import with_errors
 from linecontact.solver.grid.observables import observe
 from linecontact.solver.grid.patches import Patches
 from linecontact.solver.grid.problem import Problem
-from linecontact.solver.strategy.errors import with_errors
 
 Numbers = dict[str, float]
 

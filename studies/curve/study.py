@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from linecontact.solver import MeasuredIndenter, Scene, checks
+from linecontact.solver.grid.errors import DEFAULT_QUANTITY, QUANTITIES, check_accuracy
 from linecontact.solver.grid.problem import full_contact_pressure
-from linecontact.solver.strategy.errors import DEFAULT_QUANTITY, QUANTITIES, check_accuracy
 from linecontact.solver.units import unit
 
 from ..runner import study
