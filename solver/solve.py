@@ -15,7 +15,6 @@ from .arrays import Array64, on_one_thread
 from .endings import Status
 from .grid.certificate import MEANINGLESS
 from .grid.errors import DEFAULT_QUANTITY, check_accuracy
-from .grid.observables import first_node
 from .grid.problem import Problem, rounding_floor
 from .methods import DEFAULT, METHODS, ExecutionConfig, Method, MethodKind, Progress, relax
 from .scene import Scene
@@ -72,14 +71,16 @@ def solve(
     A solve that fails to converge returns, too: see `Solution.status` and `Solution.reason`. So does one that Ctrl-C
     interrupts while it iterates; before the first iteration `KeyboardInterrupt` is passed on. Raises `ValueError`.
     """
-    config = _config(scene, nested, threads, planning, backend, device, progress)
+    if not isinstance(scene, Scene):
+        raise ValueError(f"scene is {scene!r}; allowed: a Scene")
+    config = _config(nested, threads, planning, backend, device, progress)
     chosen = {"method": method, "nested": nested, "tolerance": tolerance, "initial": initial}
     accuracy = _check_goal(scene, accuracy, accuracy_of, chosen | {"max_iterations": max_iterations}, device)
     kind = DEFAULT if accuracy else _kind(method, config)
     if max_iterations is not None:
         max_iterations = checks.integer("max_iterations", max_iterations, "an integer from 1 to 2^53", 1, 2**53)
     run = Run(scene, kind, config)
-    touches = scene.pressure > 0 if scene.approach is None else scene.approach > first_node(scene)
+    touches = scene.pressure > 0 if scene.approach is None else scene.approach > scene.first_node
     if not touches:
         return without_contact(run)
     if accuracy:
@@ -93,11 +94,9 @@ def solve(
 
 
 def _config(
-    scene: object, nested: object, threads: int, planning: str, backend: str, device: str, progress: Progress | None
+    nested: object, threads: int, planning: str, backend: str, device: str, progress: Progress | None
 ) -> ExecutionConfig:
-    """The configuration that was asked for. Raises `ValueError`, also for no scene and a bad `nested`."""
-    if not isinstance(scene, Scene):
-        raise ValueError(f"scene is {scene!r}; allowed: a Scene")
+    """The configuration that was asked for. Raises `ValueError`, also for a bad `nested`."""
     if not (nested is None or isinstance(nested, bool | np.bool_)):
         raise ValueError(f"nested is {nested!r}; allowed: True, False or None")
     if not (progress is None or callable(progress)):
@@ -158,8 +157,8 @@ def solve_to_tolerance(run: Run, nested: bool | None, tolerance: float | None, i
 
     def begin(num_points: int) -> Method:
         if num_points < scene.num_points:
-            least = 0.0 if scene.precision == "float32" else run.tolerance
-            return run.begin(Problem.from_scene(scene, num_points), max(COARSE_TOLERANCE, least))
+            coarse = Problem.from_scene(scene, num_points)
+            return run.begin(coarse, max(COARSE_TOLERANCE, 0.0 if scene.precision == "float32" else run.tolerance))
         if run.contact:
             check_memory(num_points, kind, run.contact_share, memory)
         finest = run.begin(problem, run.tolerance)

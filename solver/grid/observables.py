@@ -8,7 +8,7 @@ import numpy as np
 
 from ..arrays import Array64, Mask, chunks
 from ..reference.closed_forms import kappa_half_space
-from ..scene import SMALLEST, Scene
+from ..scene import SMALLEST
 from ..value import Value
 from .contact import contact_edges
 from .edges import UNRESOLVED_BELOW, Edges
@@ -123,7 +123,7 @@ def measure(
     scene, indenter, num_points = problem.scene, problem.indenter, problem.num_points
     patches, edges = contact_edges(problem, contact_pressure, displacement if by_loads else None)
     area, gradient, kappa, kappa_error = subgrid_measures(problem, patches, edges)
-    modulus, lowest = foundation_modulus(scene), indenter.of.depth_between_nodes(problem.profile)
+    modulus, lowest = scene.foundation_modulus, indenter.of.depth_between_nodes(problem.profile)
     measured = {
         "contact_area_subgrid": area,
         "rms_gradient_subgrid": gradient,
@@ -138,16 +138,6 @@ def measure(
         "num_patches": patches.count,
     }
     return measured, patches, edges
-
-
-def foundation_modulus(scene: Scene) -> float:
-    """k_W of the scene's layer [pressure/length]; 0 for a half-space, `inf` for an incompressible layer."""
-    return scene.layer.foundation_modulus(1.0) * scene.layer.contact_modulus
-
-
-def first_node(scene: Scene) -> float:
-    """The approach at which the first node touches [length]; the lowest point between the nodes touches at 0."""
-    return scene.indenter.depth_between_nodes(scene.profile)
 
 
 def peak_sampling(exponent: float | None, pressure: Array64, patches: Patches, edges: Edges) -> float:

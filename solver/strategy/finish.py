@@ -138,9 +138,9 @@ def _certified(run: Run, problem: Problem) -> _Certified:
         state.start(np.zeros_like(displacement))
         displacement = state.displacement
     state.rest()
-    certificate, pressure, contact = certify(problem, displacement)
     rounding = "float32" if run.scene.precision == "float32" else "float64"  # of the residual, mixed included
     floor = rounding_floor(problem.stiffness, displacement, rounding)
+    certificate, pressure, contact = certify(problem, displacement)
     return _Certified(certificate, displacement, pressure, contact, floor)
 
 

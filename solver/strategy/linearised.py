@@ -26,7 +26,6 @@ from ..endings import Status
 from ..grid.contact import contact_edges
 from ..grid.edges import UNRESOLVED_BELOW, Edges
 from ..grid.few_nodes import MOST_NODES, equivalent_gaps, equivalent_half_widths
-from ..grid.observables import foundation_modulus
 from ..grid.patches import Patches
 from ..grid.problem import Problem
 from ..methods import ExecutionConfig, active_set, relax
@@ -67,7 +66,7 @@ def _punch(scene: Scene, contact: Mask) -> tuple[float, Array64, Array64]:
     """d(approach)/dp on the grid [length/pressure], and, shape (N,), d sigma/dp (dimensionless) and du/dp
     [length/pressure].
     """
-    modulus = foundation_modulus(scene)
+    modulus = scene.foundation_modulus
     compression = 1 / modulus if modulus else 0.0
     if contact.all():  # the surface stays where it is, and the layer below is compressed
         return compression, np.ones(contact.size), np.zeros(contact.size)

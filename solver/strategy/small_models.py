@@ -18,7 +18,7 @@ import numpy as np
 from ..arrays import Array64
 from ..endings import Status
 from ..grid.errors import DEFAULT_QUANTITY
-from ..grid.observables import Observables, first_node, foundation_modulus, observe
+from ..grid.observables import Observables, observe
 from ..grid.patch_table import PatchTable
 from ..grid.problem import Problem
 from ..reference import collocation
@@ -105,7 +105,7 @@ def without_contact(run: Run) -> Solution:
     Without load their distance may be any, and is 0. p* and kappa are NaN.
     """
     scene = run.scene
-    approach, first = scene.approach or 0.0, first_node(scene)
+    approach, first = scene.approach or 0.0, scene.first_node
     unseen = 1 / scene.num_points if approach > 0 else 0.0
     if scene.approach is not None:
         unit = scene.length_unit
@@ -162,7 +162,7 @@ def _measured(scene: Scene, found: _Contact, nodes: int) -> tuple[Observables, P
         approach=approach,
         approach_error=found.errors["approach"] * abs(approach),
         approach_sampling=0.0,
-        mean_gap=float(scene.profile.mean()) - approach + scene.pressure / (foundation_modulus(scene) or math.inf),
+        mean_gap=float(scene.profile.mean()) - approach + scene.pressure / (scene.foundation_modulus or math.inf),
     )
     middle = scene.num_points // 2 / scene.num_points
     ends = ((middle + place) * period for place in (-area / 2, area / 2))
