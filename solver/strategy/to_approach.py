@@ -38,24 +38,18 @@ def solve_to_approach(scene: Scene, solve: Callable[[Scene], Solution]) -> Solut
     begin = time.perf_counter()
     approach, solved = scene.approach, list[Solution]()
     assert approach is not None
-    full, sizes = check_approach(scene), grids(scene.num_points)
-    problem = Problem.from_scene(scene)
+    full = approach >= check_approach(scene) * (1 - DEFAULT_TOLERANCE)
+    pressure = _first_pressure(scene, approach, full)
 
     def under(pressure: float, size: int = scene.num_points) -> Solution:
         solved.append(solve(replace(scene.on_grid(size), approach=None, pressure=pressure)))
         return solved[-1]
 
-    if approach >= full * (1 - DEFAULT_TOLERANCE):
-        pressure = (1 + DEFAULT_TOLERANCE) * problem.full_contact_pressure  # else rounding may leave nodes open
-        choice = Choice(
-            "pressure", f"{pressure:.10g}", "the least pressure of full contact; any larger one gives the same approach"
-        )
-        found = under(pressure)
-        return _told(replace(found, choices=(choice, *found.choices)), approach)
-    # of a Winkler foundation as stiff as the layer's longest wave
-    modulus = float(problem.stiffness[1]) * problem.stiffness_unit * scene.layer.contact_modulus / scene.period
-    pressure = modulus * float(np.maximum(approach - scene.first_node - problem.profile, 0.0).mean())
-    for size in sizes[:-1]:
+    if full:
+        found, why = under(pressure), "the least pressure of full contact; any larger one gives the same approach"
+        choices = (Choice("pressure", f"{pressure:.10g}", why), *found.choices)
+        return _told(replace(found, choices=choices), approach)
+    for size in grids(scene.num_points)[:-1]:
         if size >= 2 * COARSEST:
             with suppress(ValueError):  # no such grid holds the indenter
                 coarse = _tried(partial(under, size=size), approach, pressure, MOST_ACCURACY)[-1]
@@ -88,6 +82,15 @@ def solve_to_approach(scene: Scene, solve: Callable[[Scene], Solution]) -> Solut
         reason = Reason(Cause.METHOD, "approach", met, "another approach, or a smaller tolerance")
         return replace(found, status=Status.STAGNATED, reason=reason)
     return found
+
+
+def _first_pressure(scene: Scene, approach: float, full: bool) -> float:
+    """Where to begin: the least pressure of full contact, or that of a foundation as stiff as the longest wave."""
+    problem = Problem.from_scene(scene)
+    if full:
+        return (1 + DEFAULT_TOLERANCE) * problem.full_contact_pressure  # else rounding may leave nodes without contact
+    modulus = float(problem.stiffness[1]) * problem.stiffness_unit * scene.layer.contact_modulus / scene.period
+    return modulus * float(np.maximum(approach - scene.first_node - problem.profile, 0.0).mean())
 
 
 def _tried(under: Callable[[float], Solution], approach: float, pressure: float, exact: float) -> list[Solution]:
@@ -132,7 +135,7 @@ def _best(tried: Sequence[Solution], approach: float) -> Solution:
 def _approach_error(found: Solution, under: Callable[[float, int], Solution]) -> float:
     """Estimated error of the approach at the pressure that was found; where there is one grid alone by a coarser one.
 
-    under: the solution under a pressure on a grid of so many points. Raises `KeyboardInterrupt` where it is interrupted.
+    under: the solution under a pressure on a grid of so many points. Raises `KeyboardInterrupt` if it is interrupted.
     """
     error, scene = found.observables.approach_error, found.scene
     if math.isinf(error) and found.status is Status.CONVERGED:
