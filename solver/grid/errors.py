@@ -34,6 +34,7 @@ from ..arrays import Array64
 from ..calibration import FITTED
 from ..scene import Scene
 from .certificate import MEANINGLESS, Certificate
+from .contact import Contact
 from .layer_on_grid import modulus_on_grid
 from .observables import Measured, Observables
 from .patches import Patches
@@ -104,11 +105,11 @@ def estimated(quantity: Quantity, scene: Scene, num_points: int, found: Measured
     """
     values = [abs(float(getattr(level, quantity.value))) for level in (*coarser[-2:], found)]
     alone, area, unseen = float(getattr(found, quantity.alone)), found.contact_area_subgrid, 0.0
-    if not (quantity.of_area or coarser) or (area and _unknown(quantity, scene, num_points, area)):
-        return math.inf
     if quantity.of_area and area:
         unseen = sensitivity(quantity, scene) * found.unseen_gap_area / area * values[-1]
     left = _left(quantity, scene, num_points, found, values) if coarser else 0.0
+    if not (quantity.of_area or coarser) or (area and _unknown(quantity, scene, num_points, area)):
+        return math.inf
     return math.hypot(left, alone) + unseen
 
 
@@ -195,18 +196,17 @@ def with_errors(
     observables: Observables,
     levels: Sequence[Measured],
     certificate: Certificate,
-    patches: Patches,
-    pressure: Array64,
+    contact: Contact,
 ) -> Observables:
     """Observables on the scene's grid with the estimated errors, of the grid and of the unfinished iteration.
 
-    levels: the coarser grids, from coarse to fine; patches, pressure: of the contact, see `left_at_ends`.
+    levels: the coarser grids, from coarse to fine.
     """
     errors: dict[str, Any] = {}
     area = observables.contact_area_subgrid
     residual = certificate.equilibrium_residual
     share = iteration_share(residual, area)
-    at_ends = left_at_ends(certificate.largest_residual, patches, pressure)
+    at_ends = left_at_ends(certificate.largest_residual, contact.patches, contact.pressure)
     for quantity in QUANTITIES.values():
         value = abs(getattr(observables, quantity.value))
         left = share + at_ends / area if quantity.of_area and area else share

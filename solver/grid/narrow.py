@@ -31,7 +31,8 @@ from .surroundings import Heights, Surroundings
 
 _SAMPLES = 8  # of the slope over a patch, or of the pressure over a gap
 _T1 = np.cos(np.pi * (np.arange(_SAMPLES) + 0.5) / _SAMPLES)
-_MEANS = _T1[:, None] ** np.arange(3) / _SAMPLES
+MEANS = _T1[:, None] ** np.arange(3) / _SAMPLES
+"""Makes M_0, M_1 and M_2 of values at `samples`."""
 _WAVE = 3 * np.pi / 4  # q a at which the layer's modulus is taken
 _STEPS, _STEP, _NEARLY = 24, 0.25, 0.02
 """Of Newton's method: most, their length and that of the last one, at most [grid spacings]; the last one is at most
@@ -92,30 +93,7 @@ def gap_ends(closed: Surroundings, left: Array64, right: Array64) -> Ends:
     return _newton(pressure, lambda which, a: np.zeros_like(a), (left + right) / 2, (right - left) / 2, -1)
 
 
-def level_errors(found: Ends, around: Surroundings, heights: Heights, load: Array64) -> tuple[Array64, Array64]:
-    """By how much patches would have to lie deeper for their loads, and centres of these loads, shape (patches,) [grid
-    spacings].
-
-    load: as in `from_loads`.
-    """
-    at = _samples(found.middle, found.half_width)
-    surface, slope, _ = around.at(np.arange(load.size), at)
-    height, slope_of_heights, _ = heights.at(at)
-    _, m_1, m_2 = ((slope_of_heights - slope) @ _MEANS).T
-    with np.errstate(divide="ignore", invalid="ignore"):
-        centre = found.middle + found.half_width * m_2 / m_1
-    return (surface - height).mean(axis=1) - punch_compliance(found.half_width) * load, centre
-
-
-def punch_compliance(half_width: Array64) -> Array64:
-    """Displacement of flat punches by a unit load, as deep as `few_nodes.node_compliance` has it (E* = 1).
-
-    half_width: [grid spacings].
-    """
-    return np.asarray(2 / np.pi * np.log(2 / half_width))
-
-
-def _samples(middle: Array64, half_width: Array64) -> Array64:
+def samples(middle: Array64, half_width: Array64) -> Array64:
     """Places whose mean is the one with the weight (1 - t^2)^-1/2, shape (runs, samples) [grid spacings]."""
     return middle[:, None] + half_width[:, None] * _T1
 
@@ -134,8 +112,8 @@ def _newton(
     solved = np.zeros(m.size, dtype=bool)
     for turn in range(_STEPS):
         half = a[going_on]
-        value, slope = field(going_on, _samples(m[going_on], half))
-        (m_0, m_1), (by_m, by_both, by_a) = (value @ _MEANS[:, :2]).T, (slope @ _MEANS).T
+        value, slope = field(going_on, samples(m[going_on], half))
+        (m_0, m_1), (by_m, by_both, by_a) = (value @ MEANS[:, :2]).T, (slope @ MEANS).T
         wanted, beyond = moment(going_on, half), moment(going_on, half * (1 + _CLOSE))
         f, by_a = m_1 - wanted, by_a - (beyond - wanted) / (half * _CLOSE)
         determinant = by_m * by_a - by_both**2

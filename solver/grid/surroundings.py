@@ -17,12 +17,13 @@ from typing import Self
 import numpy as np
 
 from ..arrays import Array64, Indices
-from .few_nodes import MARGIN
+from .few_nodes import MARGIN, MOST_NODES
 
 Field = Callable[[Indices], Array64]
 """Values at nodes, of any shape, which may lie beyond the ends of the period."""
 
 _DEGREE = 2 * MARGIN  # of the polynomials, at most
+_PLACES, _WEIGHTS = np.polynomial.legendre.leggauss(MOST_NODES // 2)  # of an integral over a patch
 _STENCIL = np.arange(-2, 4)  # nodes through which heights are interpolated
 _POWERS = np.linalg.inv(np.vander(_STENCIL)).T  # to coefficients of the polynomial, from the highest power
 
@@ -47,6 +48,12 @@ class Heights:
         if nodes.size and (nodes.min() < 0 or nodes.max() >= self.profile.size):
             nodes %= self.profile.size
         return _polynomial(places - node, np.moveaxis(self.profile[nodes] @ (_POWERS * self.scale), -1, 0))
+
+    def squared_slopes(self, left: Array64, right: Array64) -> Array64:
+        """Integrals of h'^2 from some places to others, of their shape (runs,) [grid spacings]."""
+        half = (right - left)[:, None] / 2
+        _, slope, _ = self.at((left + right)[:, None] / 2 + half * _PLACES)
+        return np.asarray((slope**2 * half) @ _WEIGHTS)
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,10 +10,10 @@ from .. import display
 from ..arrays import Array64, Mask
 from ..endings import INTERRUPTED, Cause, Reason, Status
 from ..grid.certificate import MEANINGLESS, Certificate, certify
+from ..grid.contact import contact_edges
 from ..grid.errors import with_errors
 from ..grid.observables import Observables, observe
 from ..grid.patch_table import PatchTable
-from ..grid.patches import Patches
 from ..grid.problem import Problem, foundation_pressure, rounding_floor
 from ..methods import METHODS, MethodKind
 from ..scene import Scene
@@ -33,13 +33,14 @@ def finish(run: Run, scene: Scene, problem: Problem) -> Solution:
     found = _certify_or_fall_back(run, problem)
     if scene.num_points == run.scene.num_points:
         del run.state  # and with it the method's fields, which are most of the memory
-    pressure, contact = found.pressure, found.contact
-    displacement = problem.to_length(found.displacement, contact)
+    pressure = found.pressure
+    displacement = problem.to_length(found.displacement, found.contact)
     pressure *= scene.pressure  # in place: it may be large
-    observables, patches = observe(problem, displacement, pressure, contact)
+    contact = contact_edges(problem, pressure, displacement)
+    observables, patches = observe(contact, displacement)
     levels = [level for level in run.levels if level.num_points < scene.num_points]
-    observables = with_errors(scene, observables, levels, found.certificate, Patches.of(contact), pressure)
-    fields = displacement, pressure, contact
+    observables = with_errors(scene, observables, levels, found.certificate, contact)
+    fields = displacement, pressure, found.contact
     return make_solution(run, scene, run.kind.name, fields, observables, patches, found.certificate)
 
 

@@ -96,7 +96,7 @@ def _beyond_nodes(solution: Solution, punch: Array64, surface: Array64) -> float
     """
     scene, pressure = solution.scene, np.where(solution.contact, solution.contact_pressure, 0.0)
     problem = Problem.from_scene(scene)
-    patches, edges = contact_edges(problem, pressure, solution.displacement)
+    _, _, patches, edges = contact_edges(problem, pressure, solution.displacement)
     if not solution.certificate:  # a smaller model knows where its patches end, its sampled pressures do not
         n, table = pressure.size, solution.patches
         beyond_first = (table.left / scene.period * n - patches.first + n / 2) % n - n / 2

@@ -7,15 +7,12 @@ one's contact pressure (`grid.prolong`).
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
 
 from .. import checks
-from ..arrays import Array64
 from ..endings import Reason, Status
-from ..grid.edges import Edges
+from ..grid.contact import Contact, contact_edges
 from ..grid.errors import FACTOR
 from ..grid.observables import measure
-from ..grid.patches import Patches
 from ..grid.problem import Problem
 from ..grid.prolong import prolong
 from ..methods import DEFAULT, ExecutionConfig, Method, MethodKind, relax
@@ -30,16 +27,6 @@ COARSEST = 512
 
 DEFAULT_TOLERANCE, COARSE_TOLERANCE = 1e-8, 1e-4
 """Equilibrium residual over p to stop at in float64 and mixed precision; on coarse grids or in float32, at least."""
-
-
-class Contact(NamedTuple):
-    """The contact on one grid."""
-
-    problem: Problem
-    pressure: Array64
-    """Contact pressure, shape (N,) [p]."""
-    patches: Patches
-    ends: Edges
 
 
 @dataclass
@@ -191,7 +178,8 @@ def _measured(state: Method, by_loads: bool) -> tuple[Level, Contact]:
     """Level and contact of a grid; by_loads: whether loads may tell the ends of patches, for the errors."""
     pressure, problem, pairs = state.contact_pressure, state.problem, round(state.transform_pairs, 3)
     displacement = problem.to_length(state.displacement.copy(), pressure > 0)
-    measured, patches, edges = measure(problem, displacement, pressure, problem.scene.pressure, by_loads)
+    contact = contact_edges(problem, pressure, displacement if by_loads else None)
+    measured = measure(contact, displacement, problem.scene.pressure)
     level = Level(**measured, num_points=problem.num_points, iterations=state.iteration, transform_pairs=pairs)
     problem.indenter.rest()
-    return level, Contact(problem, pressure, patches, edges)
+    return level, contact

@@ -17,6 +17,7 @@ import numpy as np
 
 from ..arrays import Array64
 from ..endings import Status
+from ..grid.contact import contact_edges
 from ..grid.errors import DEFAULT_QUANTITY
 from ..grid.observables import Observables, observe
 from ..grid.patch_table import PatchTable
@@ -114,7 +115,7 @@ def without_contact(run: Run) -> Solution:
         scene = replace(scene, approach=None, pressure=0.0)
     n = scene.num_points
     fields = np.full(n, approach - first), np.zeros(n), np.zeros(n, dtype=bool)
-    found, patches = observe(Problem.from_scene(scene), *fields)
+    found, patches = observe(contact_edges(Problem.from_scene(scene), fields[1], fields[0]), fields[0])
     unknown = ("reduced_pressure", "kappa", "kappa_subgrid", "kappa_error", "kappa_edges_error")
     known: dict[str, Any] = dict.fromkeys(unknown, math.nan) | {
         "contact_area_error": unseen,

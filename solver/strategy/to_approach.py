@@ -45,11 +45,12 @@ def solve_to_approach(scene: Scene, solve: Callable[[Scene], Solution]) -> Solut
         solved.append(solve(replace(scene.on_grid(size), approach=None, pressure=pressure)))
         return solved[-1]
 
+    sizes = grids(scene.num_points)
     if full:
         found, why = under(pressure), "the least pressure of full contact; any larger one gives the same approach"
         choices = (Choice("pressure", f"{pressure:.10g}", why), *found.choices)
         return _told(replace(found, choices=choices), approach)
-    for size in grids(scene.num_points)[:-1]:
+    for size in sizes[:-1]:
         if size >= 2 * COARSEST:
             with suppress(ValueError):  # no such grid holds the indenter
                 coarse = _tried(partial(under, size=size), approach, pressure, MOST_ACCURACY)[-1]
