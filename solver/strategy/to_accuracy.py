@@ -11,7 +11,8 @@ from ..grid.problem import Problem
 from ..methods import Method
 from ..solution import Choice, Solution
 from .finish import finish
-from .run import Run, check_memory, coarser, grids
+from .grids import check_memory, coarser, grids, over_grids
+from .run import Run
 from .small_models import by_small_model
 
 
@@ -54,12 +55,11 @@ def _on_grids(run: Run, accuracy: float, of: str) -> Solution:
     Should the certified solution be less accurate than estimated, it goes on from there on the next grid. An
     interruption returns what the grid at hand has given.
     """
-    scene, quantity, memory = run.scene, QUANTITIES[of], checks.available_memory()
+    scene, quantity, run.memory = run.scene, QUANTITIES[of], checks.available_memory()
     tolerance, before = min(0.2 * accuracy, 1e-8), tuple(run.choices)
     run.times[1] = time.perf_counter()
 
     def begin(size: int) -> Method:
-        check_memory(size, run.kind, run.contact_share, memory)
         run.allow(run.kind.max_iterations)  # on each grid
         run.tolerance, run.handed_over = tolerance, False
         return run.begin(Problem.from_scene(scene, size), tolerance)
@@ -67,7 +67,7 @@ def _on_grids(run: Run, accuracy: float, of: str) -> Solution:
     sizes = grids(scene.num_points)
     if len(sizes) == 1 and sizes[0] >= FACTOR**3:  # without a coarser one there is no telling the error
         sizes.insert(0, coarser(sizes[0]))
-    for _ in run.over_grids(sizes, begin, measure_last=True):
+    for _ in over_grids(run, sizes, begin, measure_last=True):
         size, found = run.state.problem.num_points, run.levels
         settled = found and found[-1].num_points == size
         error = math.inf  # on the first grid, and where the quantity is 0

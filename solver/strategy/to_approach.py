@@ -22,8 +22,8 @@ from ..grid.errors import FACTOR, MOST_ACCURACY, QUANTITIES, estimated
 from ..grid.problem import Problem
 from ..scene import Scene
 from ..solution import Choice, Solution
+from .grids import COARSEST, DEFAULT_TOLERANCE, grids
 from .linearised import contact_compliance
-from .run import COARSEST, DEFAULT_TOLERANCE, grids
 
 _MOST_SOLVES = 40  # on a grid
 _LONGEST_STEP = 30.0  # factor of the pressure
