@@ -17,11 +17,9 @@ from linecontact.solver import (
 )
 from linecontact.solver.grid.contact import contact_edges
 from linecontact.solver.grid.few_nodes import node_compliance
-from linecontact.solver.grid.narrow import from_loads
+from linecontact.solver.grid.narrow import Heights, Surroundings, from_loads, level_errors
 from linecontact.solver.grid.patches import Patches
 from linecontact.solver.grid.problem import Problem
-from linecontact.solver.grid.shares import level_errors
-from linecontact.solver.grid.surroundings import Heights, Surroundings
 from linecontact.solver.reference import closed_forms, collocation
 
 FEW_POINTS = RoughIndenter(hurst=0.3, roll_off_ratio=1 / 8, cut_off_ratio=1 / 64)

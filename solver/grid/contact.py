@@ -13,11 +13,10 @@ from .cached import MOST_POINTS
 from .edges import UNRESOLVED_BELOW, UNRESOLVED_ERROR, Edges, find_edges
 from .few_nodes import MOST_NODES, node_compliance, node_stiffness
 from .layer_on_grid import LayerOnGrid
-from .narrow import from_loads, gap_ends
+from .narrow import Field, Heights, Surroundings, from_loads, gap_ends, level_errors
 from .patches import Patches
 from .problem import Problem
 from .shares import shared_loads
-from .surroundings import Field, Heights, Surroundings
 from .unseen import unseen_gaps, unseen_patches
 
 _JAGGED = 1.9
@@ -132,7 +131,8 @@ def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array
         around = Surroundings.of(first, size, gap, surface.pressure, surface.displacement, node_compliance)
         found = from_loads(loads[chosen], heights, begin, around)
         if patches.count > 1 and n <= MOST_POINTS and found.solved.any():
-            loads = shared_loads(patches, chosen, pressure, found, around, heights, layer.around_node)
+            level, centre = level_errors(found, around, heights, loads[chosen])
+            loads = shared_loads(patches, chosen, pressure, found, level, centre, layer.around_node)
             found = from_loads(loads[chosen], heights, (found.middle, found.half_width), around)
     else:  # not known better than by counting, but narrower
         found = from_loads(loads[chosen], heights, begin, modulus=layer.modulus)

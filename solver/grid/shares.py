@@ -1,7 +1,7 @@
 """How several patches share a load, put right where a grid has the compliance of patches of few nodes slightly wrong.
 
 All patches are pressed by the same approach. If patch k would have to lie deeper by r_k for its load
-(`level_errors`), then the loads are to change by D_k, of sum 0, such that
+(`narrow.level_errors`), then the loads are to change by D_k, of sum 0, such that
 
     c_k D_k + sum over j != k of G_kj D_j = r_k + one constant,
 
@@ -16,9 +16,8 @@ import numpy as np
 
 from ..arrays import Array64, Indices
 from .few_nodes import node_compliance
-from .narrow import MEANS, Ends, samples
+from .narrow import Ends, punch_compliance
 from .patches import Patches
-from .surroundings import Heights, Surroundings
 
 _TOGETHER = 128  # patches that share their load with each other, those that follow each other
 
@@ -28,14 +27,14 @@ def shared_loads(
     chosen: Indices,
     pressure: Array64,
     found: Ends,
-    around: Surroundings,
-    heights: Heights,
+    level: Array64,
+    centre_of_load: Array64,
     green: Array64,
 ) -> Array64:
     """The loads of all patches, shape (M,) [grid spacings], over E*, after some of them were put right.
 
     pressure: over E*, on the contact nodes in compact order; found: ends of the chosen patches with the loads that the
-    grid has; around, heights: see `narrow.from_loads`; green: see `LayerOnGrid.around_node`. A load that would
+    grid has; level, centre_of_load: see `narrow.level_errors`; green: see `LayerOnGrid.around_node`. A load that would
     not stay positive is left as it is, and all are where rounding makes the matrix singular.
     """
 
@@ -44,7 +43,6 @@ def shared_loads(
         return green[np.minimum(node, patches.num_points - node)]
 
     load = patches.sums(pressure)
-    level, centre_of_load = level_errors(found, around, heights, load[chosen])
     inside = np.arange(pressure.size) - np.repeat(patches.offset, patches.size)
     centre = patches.first + patches.sums(pressure * inside) / load
     # a load that lies elsewhere than the grid has it presses the other patches, too
@@ -64,29 +62,6 @@ def shared_loads(
         with suppress(np.linalg.LinAlgError):
             shared[some] += _changes(centre[some], moment[some], compliance[some], error[some], at)
     return np.where(shared > 0, shared, load)
-
-
-def level_errors(found: Ends, around: Surroundings, heights: Heights, load: Array64) -> tuple[Array64, Array64]:
-    """By how much patches would have to lie deeper for their loads, and centres of these loads, shape (patches,) [grid
-    spacings].
-
-    load: as in `narrow.from_loads`.
-    """
-    at = samples(found.middle, found.half_width)
-    surface, slope, _ = around.at(np.arange(load.size), at)
-    height, slope_of_heights, _ = heights.at(at)
-    _, m_1, m_2 = ((slope_of_heights - slope) @ MEANS).T
-    with np.errstate(divide="ignore", invalid="ignore"):
-        centre = found.middle + found.half_width * m_2 / m_1
-    return (surface - height).mean(axis=1) - punch_compliance(found.half_width) * load, centre
-
-
-def punch_compliance(half_width: Array64) -> Array64:
-    """Displacement of flat punches by a unit load, as deep as `few_nodes.node_compliance` has it (E* = 1).
-
-    half_width: [grid spacings].
-    """
-    return np.asarray(2 / np.pi * np.log(2 / half_width))
 
 
 def _changes(
