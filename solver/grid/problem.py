@@ -46,7 +46,7 @@ class Problem:
 
     @classmethod
     def from_scene(cls, scene: Scene, num_points: int | None = None) -> "Problem":
-        """Discretise a scene, on its own grid or another. Raises `ValueError` for wrong heights or as `half_spectrum`."""
+        """Discretise a scene on its own or another grid. Raises `ValueError` for bad heights, or as `half_spectrum`."""
         n = num_points or scene.num_points
         indenter = indenter_on_grid(scene.indenter, n, scene.period)
         layer = layer_on_grid(scene.layer, n, scene.period)
