@@ -132,7 +132,7 @@ class Certified:
     @property
     def floor(self) -> float:
         """Equilibrium residual of rounding in the scene's precision, over p (dimensionless)."""
-        rounding = "float32" if self.problem.scene.precision == "float32" else "float64"  # of the residual
+        rounding = "float32" if self.problem.scene.precision == "float32" else "float64"  # mixed included
         return rounding_floor(self.problem.stiffness, self.displacement, rounding)
 
 

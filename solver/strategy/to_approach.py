@@ -12,7 +12,7 @@ import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -40,9 +40,10 @@ def solve_to_approach(scene: Scene, solve: Callable[[Scene], Solution]) -> Solut
     assert approach is not None
     full = approach >= check_approach(scene) * (1 - DEFAULT_TOLERANCE)
     pressure = _first_pressure(scene, approach, full)
+    on_grid = cache(scene.on_grid)  # given heights are resampled once
 
     def under(pressure: float, size: int = scene.num_points) -> Solution:
-        solved.append(solve(replace(scene.on_grid(size), approach=None, pressure=pressure)))
+        solved.append(solve(replace(on_grid(size), approach=None, pressure=pressure)))
         return solved[-1]
 
     sizes = grids(scene.num_points)
