@@ -80,8 +80,6 @@ def solve(
     A solve that fails to converge returns, too: see `Solution.status` and `Solution.reason`. So does one that Ctrl-C
     interrupts while it iterates; before the first iteration `KeyboardInterrupt` is passed on. Raises `ValueError`.
     """
-    if not isinstance(scene, Scene):
-        raise ValueError(f"scene is {scene!r}; allowed: a Scene")
     config = _config(nested, threads, planning, backend, device, progress)
     chosen = {"method": method, "nested": nested, "tolerance": tolerance, "initial": initial}
     accuracy = _check_goal(scene, accuracy, accuracy_of, chosen | {"max_iterations": max_iterations}, device)
@@ -118,7 +116,9 @@ def _config(
 def _check_goal(
     scene: Scene, accuracy: float | None, of: str, chosen: Mapping[str, object], device: str
 ) -> float | None:
-    """The accuracy, if one is asked for. Raises `ValueError`, also where one of its choices is given, too."""
+    """The accuracy, if one is asked for. Raises `ValueError`, also for no scene, and where a choice is given, too."""
+    if not isinstance(scene, Scene):
+        raise ValueError(f"scene is {scene!r}; allowed: a Scene")
     if scene.approach is not None and not (accuracy is None and chosen["initial"] is None):
         given = f"accuracy is {accuracy!r}" if chosen["initial"] is None else "initial is given"
         raise ValueError(f"{given}; allowed: none for a scene with an approach")
