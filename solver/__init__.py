@@ -9,6 +9,7 @@ May import: linecontact.kernels.
 
 from .endings import Reason, Status
 from .grid.certificate import Certificate, certify
+from .grid.errors import QUANTITIES
 from .grid.observables import Observables
 from .grid.patch_table import PatchTable
 from .indenters import INDENTERS, Indenter, MeasuredIndenter, PowerIndenter, RoughIndenter
@@ -17,7 +18,6 @@ from .methods import METHODS, Method, MethodKind
 from .scene import Scene
 from .solution import Choice, Solution
 from .solve import default_tolerance, solve
-from .strategy.errors import QUANTITIES
 from .strategy.linearised import contact_stiffness
 
 __all__ = [

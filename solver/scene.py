@@ -150,6 +150,16 @@ class Scene(Value):
         """Heights h(x_i) above the lowest point, shape (N,) [length]."""
         return self.period * self.indenter.profile(self.num_points, self.period)
 
+    @property
+    def first_node(self) -> float:
+        """The approach at which the first node touches [length]; the lowest point between the nodes touches at 0."""
+        return self.indenter.depth_between_nodes(self.profile)
+
+    @property
+    def foundation_modulus(self) -> float:
+        """k_W of the layer [pressure/length]; 0 for a half-space, `inf` for an incompressible layer."""
+        return self.layer.foundation_modulus(1.0) * self.layer.contact_modulus
+
     def on_grid(self, num_points: int) -> Self:
         """The same scene on another grid."""
         if num_points == self.num_points:

@@ -18,9 +18,6 @@ from .scene import Scene
 from .value import Value
 from .warnings import SolutionWarning, find_warnings
 
-MEANINGLESS = 0.2
-"""Residual over the mean pressure; where there is more left, there is no solution (dimensionless)."""
-
 MOST_ENERGY = 0.1
 """Bound on the energy's error over the elastic energy, at a tolerance that nobody asked for (dimensionless)."""
 

@@ -13,14 +13,23 @@ from ..kernels import BACKENDS
 from . import checks, display
 from .arrays import Array64, on_one_thread
 from .endings import Status
-from .grid.observables import first_node
+from .grid.certificate import MEANINGLESS
+from .grid.errors import DEFAULT_QUANTITY, check_accuracy
 from .grid.problem import Problem, rounding_floor
 from .methods import DEFAULT, METHODS, ExecutionConfig, Method, MethodKind, Progress, relax
 from .scene import Scene
-from .solution import MEANINGLESS, Solution
-from .strategy.errors import DEFAULT_QUANTITY, check_accuracy
+from .solution import Solution
 from .strategy.finish import finish
-from .strategy.run import COARSE_TOLERANCE, COARSEST, DEFAULT_TOLERANCE, Run, check_memory, grids
+from .strategy.grids import (
+    COARSE_TOLERANCE,
+    COARSEST,
+    DEFAULT_TOLERANCE,
+    check_memory,
+    grids,
+    over_grids,
+    start_from_contact,
+)
+from .strategy.run import Run
 from .strategy.small_models import without_contact
 from .strategy.to_accuracy import solve_to_accuracy
 from .strategy.to_approach import solve_to_approach
@@ -71,14 +80,14 @@ def solve(
     A solve that fails to converge returns, too: see `Solution.status` and `Solution.reason`. So does one that Ctrl-C
     interrupts while it iterates; before the first iteration `KeyboardInterrupt` is passed on. Raises `ValueError`.
     """
-    config = _config(scene, nested, threads, planning, backend, device, progress)
+    config = _config(nested, threads, planning, backend, device, progress)
     chosen = {"method": method, "nested": nested, "tolerance": tolerance, "initial": initial}
     accuracy = _check_goal(scene, accuracy, accuracy_of, chosen | {"max_iterations": max_iterations}, device)
     kind = DEFAULT if accuracy else _kind(method, config)
     if max_iterations is not None:
         max_iterations = checks.integer("max_iterations", max_iterations, "an integer from 1 to 2^53", 1, 2**53)
     run = Run(scene, kind, config)
-    touches = scene.pressure > 0 if scene.approach is None else scene.approach > first_node(scene)
+    touches = scene.pressure > 0 if scene.approach is None else scene.approach > scene.first_node
     if not touches:
         return without_contact(run)
     if accuracy:
@@ -92,11 +101,9 @@ def solve(
 
 
 def _config(
-    scene: object, nested: object, threads: int, planning: str, backend: str, device: str, progress: Progress | None
+    nested: object, threads: int, planning: str, backend: str, device: str, progress: Progress | None
 ) -> ExecutionConfig:
-    """The configuration that was asked for. Raises `ValueError`, also for no scene and a bad `nested`."""
-    if not isinstance(scene, Scene):
-        raise ValueError(f"scene is {scene!r}; allowed: a Scene")
+    """The configuration that was asked for. Raises `ValueError`, also for a bad `nested`."""
     if not (nested is None or isinstance(nested, bool | np.bool_)):
         raise ValueError(f"nested is {nested!r}; allowed: True, False or None")
     if not (progress is None or callable(progress)):
@@ -109,7 +116,9 @@ def _config(
 def _check_goal(
     scene: Scene, accuracy: float | None, of: str, chosen: Mapping[str, object], device: str
 ) -> float | None:
-    """The accuracy, if one is asked for. Raises `ValueError`, also where one of its choices is given, too."""
+    """The accuracy, if one is asked for. Raises `ValueError`, also for no scene, and where a choice is given, too."""
+    if not isinstance(scene, Scene):
+        raise ValueError(f"scene is {scene!r}; allowed: a Scene")
     if scene.approach is not None and not (accuracy is None and chosen["initial"] is None):
         given = f"accuracy is {accuracy!r}" if chosen["initial"] is None else "initial is given"
         raise ValueError(f"{given}; allowed: none for a scene with an approach")
@@ -143,34 +152,33 @@ def solve_to_tolerance(run: Run, nested: bool | None, tolerance: float | None, i
     scene, kind = run.scene, run.kind
     nested = kind.nested if nested is None else nested
     sizes = grids(scene.num_points) if nested and initial is None else [scene.num_points]
-    memory = checks.available_memory()
+    run.memory = checks.available_memory()
     # without a coarser grid there is no telling how much will be in contact
-    check_memory(scene.num_points, kind, 0.0 if len(sizes) > 1 else 1.0, memory)
+    check_memory(scene.num_points, kind, 0.0 if len(sizes) > 1 else 1.0, run.memory)
     if scene.precision not in kind.precisions:
         raise ValueError(f"precision is {scene.precision!r}; allowed: {', '.join(kind.precisions)}, for {kind.name}")
     if tolerance is not None:
         tolerance = checks.real("tolerance", tolerance, "1e-14 to 0.5", math.nextafter(1e-14, 0), 0.5)
     problem = Problem.from_scene(scene)
-    run.tolerance, run.own_tolerance = _reachable(scene, problem, tolerance), tolerance is not None
+    run.tolerance, run.own_tolerance = _reachable(problem, tolerance), tolerance is not None
     start = None if initial is None else _displacement(initial, problem)
     run.times[1] = time.perf_counter()
 
     def begin(num_points: int) -> Method:
         if num_points < scene.num_points:
-            least = 0.0 if scene.precision == "float32" else run.tolerance
-            return run.begin(Problem.from_scene(scene, num_points), max(COARSE_TOLERANCE, least))
-        if run.contact:
-            check_memory(num_points, kind, run.contact_share, memory)
+            coarse = Problem.from_scene(scene, num_points)
+            return run.begin(coarse, max(COARSE_TOLERANCE, 0.0 if scene.precision == "float32" else run.tolerance))
         finest = run.begin(problem, run.tolerance)
         if start is not None:
             finest.start(start)
         return finest
 
-    for _ in run.over_grids(sizes, begin, measure_last=False):
+    for _ in over_grids(run, sizes, begin, measure_last=False):
         pass
     if run.state.problem.num_points < scene.num_points:  # interrupted: the last contact, on the finest grid
+        check_memory(scene.num_points, kind, run.contact_share, run.memory)
         run.state = begin(scene.num_points)
-        run.start_from_contact(run.state)
+        start_from_contact(run, run.state)
     return finish(run, scene, problem)
 
 
@@ -190,13 +198,12 @@ def _displacement(initial: Array64, problem: Problem) -> Array64:
     return np.where(displacement >= problem.profile, problem.height, inside)
 
 
-def float32_floor(scene: Scene, problem: Problem) -> float:
+def float32_floor(problem: Problem) -> float:
     """The rms equilibrium residual over p that rounding in float32 leaves, see `rounding_floor` (dimensionless).
 
-    problem: of the scene; the size of u, which hardly depends on the grid, is that on a coarse one. Ctrl-C meanwhile is
-    passed on.
+    The size of u, which hardly depends on the grid, is that on a coarse one. Ctrl-C meanwhile is passed on.
     """
-    coarse = Problem.from_scene(scene, min(scene.num_points, 2 * COARSEST))
+    coarse = Problem.from_scene(problem.scene, min(problem.num_points, 2 * COARSEST))
     state = DEFAULT.begin(coarse, ExecutionConfig(COARSE_TOLERANCE, backend="numpy"))
     if relax(state, DEFAULT.max_iterations) is Status.INTERRUPTED:
         raise KeyboardInterrupt
@@ -212,20 +219,20 @@ def default_tolerance(scene: Scene) -> float:
 
     Raises `ValueError` where rounding in float32 leaves no meaning in the residual.
     """
-    return _reachable(scene, Problem.from_scene(scene), None)
+    return _reachable(Problem.from_scene(scene), None)
 
 
-def _reachable(scene: Scene, problem: Problem, tolerance: float | None) -> float:
+def _reachable(problem: Problem, tolerance: float | None) -> float:
     """A tolerance, by default as `default_tolerance` has it; `ValueError` if the scene's precision cannot reach it."""
-    if scene.precision != "float32":
+    if problem.scene.precision != "float32":
         return DEFAULT_TOLERANCE if tolerance is None else tolerance
-    floor = float32_floor(scene, problem)
+    floor = float32_floor(problem)
     if tolerance is not None and tolerance >= floor:
         return tolerance
     if floor > MEANINGLESS or (tolerance is None and _OVER_FLOOR * floor > MEANINGLESS):
         own = "a tolerance of your own, " if floor < MEANINGLESS else ""
         raise ValueError(
-            f"num_points is {scene.num_points}, where float32 leaves a residual of about {floor:.1g}; allowed: "
+            f"num_points is {problem.num_points}, where float32 leaves a residual of about {floor:.1g}; allowed: "
             f"fewer points, {own}or precision mixed or float64"
         )
     if tolerance is None:

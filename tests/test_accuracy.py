@@ -215,7 +215,7 @@ def test_an_answer_that_is_less_accurate_than_estimated_goes_on_from_its_grid(mo
     sizes, real = [], DEFAULT.begin
     kind = dataclasses.replace(DEFAULT, begin=lambda p, s: sizes.append(p.num_points) or real(p, s))
     monkeypatch.setattr(sys.modules["linecontact.solver.solve"], "DEFAULT", kind)
-    monkeypatch.setattr("linecontact.solver.strategy.to_accuracy.grid_error", lambda *_: 0.0)
+    monkeypatch.setattr("linecontact.solver.strategy.to_accuracy.estimated", lambda *_: 0.0)
     solution = solve(Scene(Layer(0.1), ROUGH, 2e-2, num_points=2**14), accuracy=2e-3)
     assert sizes == sorted(set(sizes))
     assert sizes[-1] == solution.scene.num_points

@@ -22,7 +22,7 @@ from linecontact.solver.grid.problem import Problem
 from linecontact.solver.methods import ExecutionConfig, active_set
 from linecontact.solver.methods.active_set.active_set import ActiveSet
 from linecontact.solver.methods.active_set.surface import ContactSet
-from linecontact.solver.strategy import finish
+from linecontact.solver.strategy import run as attempts
 from linecontact.solver.strategy.run import Run
 
 
@@ -118,13 +118,13 @@ def test_grids_that_were_not_solved_do_not_count_in_an_estimated_error():
 def test_a_hand_over_in_vain_is_bounded(monkeypatch):
     scene = Scene(CoatedHalfSpace(3e-3, base_modulus=1e-5), PowerIndenter(2), pressure=1e-4, num_points=2**10)
     where_no_search_is_cautious(monkeypatch)
-    monkeypatch.setattr(finish, "_MOST_WORK", 200 * 2**10)
+    monkeypatch.setattr(attempts, "_MOST_WORK", 200 * 2**10)
     assert solve(scene).iterations == 2200
 
 
 def test_after_a_hand_over_in_vain_the_status_is_the_first_method_s(monkeypatch):
     monkeypatch.setattr(ActiveSet, "_update_set", lambda self: setattr(self, "stopped", True) or True)
-    monkeypatch.setattr(finish, "_MOST_WORK", 2**10)  # one iteration more
+    monkeypatch.setattr(attempts, "_MOST_WORK", 2**10)  # one iteration more
     solution = solve(Scene(Layer(0.1), num_points=2**10), nested=False)
     assert solution.handed_over
     assert solution.status is Status.STAGNATED

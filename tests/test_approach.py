@@ -20,7 +20,7 @@ from linecontact.solver import (
     Status,
     solve,
 )
-from linecontact.solver.grid.problem import Problem, full_contact_pressure
+from linecontact.solver.grid.problem import Problem
 from linecontact.solver.reference import collocation
 from linecontact.solver.solve import solve_to_tolerance
 from linecontact.solver.strategy.linearised import contact_compliance
@@ -320,7 +320,7 @@ def test_mean_gap():
 @pytest.mark.parametrize("layer", LAYERS)
 def test_full_contact_pressure(layer):
     scene = Scene(layer, ROUGH, num_points=2**10)
-    full = full_contact_pressure(scene)
+    full = Problem.from_scene(scene).full_contact_pressure
     below, above = (solve(replace(scene, pressure=full * share)) for share in (0.99, 1.01))
     assert above.contact.all()
     assert not below.contact.all()

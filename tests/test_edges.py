@@ -26,7 +26,7 @@ from linecontact.solver.grid.problem import Problem
 from linecontact.solver.grid.prolong import prolong
 from linecontact.solver.layers.bonded import edge_shift, foundation_modulus
 from linecontact.solver.reference import closed_forms, collocation
-from linecontact.solver.strategy.run import grids
+from linecontact.solver.strategy.grids import grids
 from linecontact.studies.edge_curve.scenes import by_scene
 from linecontact.studies.files import study_files
 

@@ -21,10 +21,10 @@ from linecontact.solver import (
     solve,
 )
 from linecontact.solver.calibration import FITTED
+from linecontact.solver.grid.errors import estimated, left_at_ends
 from linecontact.solver.grid.patches import Patches
 from linecontact.solver.grid.unseen import unseen_gaps, unseen_patches
 from linecontact.solver.reference import closed_forms, collocation
-from linecontact.solver.strategy.errors import estimated, left_at_ends
 from linecontact.studies.command_line import main
 from linecontact.studies.files.study_files import load_study
 

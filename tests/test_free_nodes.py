@@ -13,7 +13,7 @@ from linecontact.solver import (
     solve,
 )
 from linecontact.solver.grid.patches import Patches
-from linecontact.solver.grid.problem import Problem, full_contact_pressure
+from linecontact.solver.grid.problem import Problem
 from linecontact.solver.methods import ExecutionConfig, active_set, relax
 from linecontact.solver.methods.active_set.active_set import ActiveSet
 from linecontact.solver.methods.active_set.free_nodes import FreeNodes, gap_by_gap
@@ -44,7 +44,7 @@ def both(scene, **setting):
 @pytest.mark.parametrize("pressure", [0.2, 0.7])
 def test_both_forms_find_the_same_contact(layer, pressure):
     scene = Scene(layer, ROUGH, num_points=2**12)
-    scene = Scene(layer, ROUGH, pressure * full_contact_pressure(scene), num_points=2**12)
+    scene = Scene(layer, ROUGH, pressure * Problem.from_scene(scene).full_contact_pressure, num_points=2**12)
     by_pressure, by_displacement = both(scene)
     for one, other in zip(*((x.contact_pressure, x.displacement) for x in (by_pressure, by_displacement)), strict=True):
         np.testing.assert_allclose(one, other, atol=100 * TOLERANCE * np.abs(one).max())
@@ -95,7 +95,7 @@ def test_where_pressures_are_better_they_are_taken(layer, precision, share):
 
 def test_full_contact_and_nearly_full_contact():
     scene = Scene(Layer(0.1), ROUGH, num_points=2**12)
-    full = full_contact_pressure(scene)
+    full = Problem.from_scene(scene).full_contact_pressure
     for part in (1.01, 0.999):
         found = solve(Scene(Layer(0.1), ROUGH, part * full, num_points=2**12))
         assert found.status is Status.CONVERGED
@@ -134,7 +134,7 @@ def test_it_may_begin_anywhere(start):
 
 def test_near_rounding_it_tries_harder():
     scene = Scene(Layer(), PowerIndenter(2.0), num_points=2**13)
-    scene = Scene(Layer(), PowerIndenter(2.0), 0.95 * full_contact_pressure(scene), num_points=2**13)
+    scene = Scene(Layer(), PowerIndenter(2.0), 0.95 * Problem.from_scene(scene).full_contact_pressure, num_points=2**13)
     found = solve(scene, tolerance=1e-13)
     assert found.status is Status.CONVERGED
     assert not found.handed_over

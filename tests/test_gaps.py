@@ -75,8 +75,8 @@ def test_gaps_tell_nothing_where_the_profile_is_not_known_between_the_nodes():
     noisy = MeasuredIndenter(wave(n, 0.3, 5).heights + np.random.default_rng(2).uniform(0, 3e-4, n), convention="gap")
     solution = solve(Scene(indenter=noisy, pressure=0.6 * math.pi * 5 * DEPTH, num_points=n))
     problem = Problem.from_scene(solution.scene)
-    patches, edges = contact_edges(problem, solution.contact_pressure, solution.displacement)
-    _, by_pressures = contact_edges(problem, solution.contact_pressure)
+    _, _, patches, edges = contact_edges(problem, solution.contact_pressure, solution.displacement)
+    by_pressures = contact_edges(problem, solution.contact_pressure).ends
     h = solution.scene.profile
     jagged = np.zeros(n, dtype=bool)
     for node in range(n):

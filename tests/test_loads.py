@@ -17,10 +17,9 @@ from linecontact.solver import (
 )
 from linecontact.solver.grid.contact import contact_edges
 from linecontact.solver.grid.few_nodes import node_compliance
-from linecontact.solver.grid.narrow import from_loads, level_errors
+from linecontact.solver.grid.narrow import Heights, Surroundings, from_loads, level_errors
 from linecontact.solver.grid.patches import Patches
 from linecontact.solver.grid.problem import Problem
-from linecontact.solver.grid.surroundings import Heights, Surroundings
 from linecontact.solver.reference import closed_forms, collocation
 
 FEW_POINTS = RoughIndenter(hurst=0.3, roll_off_ratio=1 / 8, cut_off_ratio=1 / 64)
@@ -183,7 +182,7 @@ def area_errors(indenter, layer, num_points, seeds):
     for seed in seeds:
         scene = Scene(layer, RoughIndenter(indenter.hurst, seed, 1 / 8, 1 / 64), 0.01, num_points=2**15)
         coarse, true = solve(scene.on_grid(num_points)), solve(scene).observables.contact_area_subgrid
-        counted = contact_edges(Problem.from_scene(coarse.scene), coarse.contact_pressure)[1]
+        counted = contact_edges(Problem.from_scene(coarse.scene), coarse.contact_pressure).ends
         errors.append((coarse.observables.contact_area_subgrid / true - 1, counted.width.sum() / num_points / true - 1))
     return np.sqrt(np.mean(np.square(errors), axis=0))
 
@@ -212,7 +211,9 @@ def test_the_load_says_nothing_where_the_profile_is_not_known_between_the_nodes(
 
 def test_the_patches_of_a_solution_add_up():
     solution = solve(Scene(indenter=FEW_POINTS, pressure=0.01, num_points=2**12))
-    patches, edges = contact_edges(Problem.from_scene(solution.scene), solution.contact_pressure, solution.displacement)
+    _, _, patches, edges = contact_edges(
+        Problem.from_scene(solution.scene), solution.contact_pressure, solution.displacement
+    )
     assert edges.by_load.sum() == solution.observables.num_patches_by_load > 0.8 * patches.count
     assert edges.width.sum() / 2**12 == pytest.approx(solution.observables.contact_area_subgrid)
     assert (edges.left[1:] >= edges.right[:-1]).all()
@@ -237,7 +238,7 @@ def test_a_coating_like_its_base_is_a_half_space():
     solution = solve(scene)
     coated = Scene(CoatedHalfSpace(0.02, base_modulus=1.0, base_poisson_ratio=0.25), FEW_POINTS, 0.01)
     widths = [
-        contact_edges(Problem.from_scene(s), solution.contact_pressure, solution.displacement)[1].width.sum()
+        contact_edges(Problem.from_scene(s), solution.contact_pressure, solution.displacement).ends.width.sum()
         for s in (scene, coated.on_grid(2**12))
     ]
     assert widths[0] == pytest.approx(widths[1], rel=1e-3)

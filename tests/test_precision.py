@@ -38,7 +38,7 @@ def hertz(thickness=math.inf, poisson_ratio=0.25, num_points=2**10, **changes):
 @pytest.mark.parametrize("scene", [hertz(0.1, 0.25, 2**12), hertz(1e-3, 0.5, 2**14), hertz(num_points=2**16)])
 def test_the_floor_of_float32_is_predicted(scene):
     """FIRE stagnates within a factor of four of it; a tolerance below it is refused, and met in mixed precision."""
-    floor = float32_floor(scene, Problem.from_scene(scene))
+    floor = float32_floor(Problem.from_scene(scene))
     single = replace(scene, precision="float32")
     low = solve(single, method="mass-weighted-fire", tolerance=1.01 * floor, max_iterations=1)
     transforms = plan_transforms(scene.num_points, "float32")
@@ -77,7 +77,7 @@ def test_mixed_equals_float64_to_its_certificate(method, scene):
 
 def test_mixed_reaches_what_float32_cannot():
     scene = hertz(num_points=2**12, precision="mixed")
-    floor = float32_floor(scene, Problem.from_scene(scene))
+    floor = float32_floor(Problem.from_scene(scene))
     for method in METHODS:
         assert solve(scene, method=method, tolerance=1e-3 * floor).status is Status.CONVERGED
     hopeless = solve(scene, method="mass-weighted-fire", tolerance=2e-14)

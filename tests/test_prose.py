@@ -11,12 +11,12 @@ import pytest
 from linecontact import read_scan
 from linecontact.solver import METHODS, Layer, MeasuredIndenter, RoughIndenter, Scene, scene, solve, warnings
 from linecontact.solver.display import rounded_up
-from linecontact.solver.grid import cached, contact, edges, layer_on_grid, problem, shares, surroundings
+from linecontact.solver.grid import cached, contact, edges, layer_on_grid, narrow, problem, shares
 from linecontact.solver.layers import coated
 from linecontact.solver.methods.active_set import greens_function
 from linecontact.solver.reference import closed_forms
 from linecontact.solver.solve import _OVER_FLOOR
-from linecontact.solver.strategy import finish, run
+from linecontact.solver.strategy import grids, run
 from linecontact.solver.transforms import four_step, plain
 from linecontact.studies.explore import controls
 from linecontact.studies.figures.style import ONE_COLUMN, TWO_COLUMNS
@@ -94,7 +94,7 @@ def patches_of_a_few_nodes():
 def limits_of_edges():
     yield "from the polynomial through six nodes"
     yield "of up to the sixth degree, fitted to its values on the patch and on up to three nodes to each side"
-    assert (surroundings._STENCIL.size, surroundings._DEGREE, surroundings.MARGIN) == (6, 6, 3)
+    assert (narrow._STENCIL.size, narrow._DEGREE, narrow.MARGIN) == (6, 6, 3)
     yield "More than 128 patches are corrected in groups of 128 that follow each other."
     assert shares._TOGETHER == 128
     yield "on which its shortest wave finds the half-space's stiffness to within a fifth"
@@ -110,9 +110,9 @@ def limits_of_precision():
     displacement = solve(scene_of_hertz).displacement / discrete.length_unit
     floor = problem.rounding_floor(discrete.stiffness, displacement, "float64")
     yield f"some {floor:.0e} for the parabola on the half-space at 2^18 points"
-    yield f"The default tolerance, {run.DEFAULT_TOLERANCE:.0e}, is raised".replace("e-0", "e-")
+    yield f"The default tolerance, {grids.DEFAULT_TOLERANCE:.0e}, is raised".replace("e-0", "e-")
     yield "the larger of 1e-4 and four times the prediction"
-    assert (run.COARSE_TOLERANCE, _OVER_FLOOR) == (1e-4, 4)
+    assert (grids.COARSE_TOLERANCE, _OVER_FLOOR) == (1e-4, 4)
 
 
 def stiffness_under_a_sine_wave():
@@ -132,7 +132,7 @@ def limits_of_the_methods():
     search, heavy = METHODS["active-set"], METHODS["mass-weighted-fire"]
     yield f"of up to {greens_function.SMALL} nodes, are solved by elimination."
     yield f"has not settled after {search.max_iterations} iterations"
-    most = finish._MOST_WORK
+    most = run._MOST_WORK
     assert heavy.max_iterations == most / 2**16 == 20_000
     yield f"20 000 iterations on up to 2^16 points, {most / 2**18:.0f} on 2^18,"
 

@@ -26,6 +26,9 @@ from ..value import Value
 from .problem import Problem
 from .split import inverse
 
+MEANINGLESS = 0.2
+"""Residual over the mean pressure; where there is more left, there is no solution (dimensionless)."""
+
 
 @dataclass(frozen=True)
 class Certificate(Value):

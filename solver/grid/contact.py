@@ -3,20 +3,20 @@ knows it better.
 """
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from ..arrays import Array64, Indices, Mask
 from ..calibration import FITTED
 from .cached import MOST_POINTS
-from .edges import UNRESOLVED_BELOW, UNRESOLVED_ERROR, Edges, apart, find_edges
+from .edges import UNRESOLVED_BELOW, UNRESOLVED_ERROR, Edges, find_edges
 from .few_nodes import MOST_NODES, node_compliance, node_stiffness
 from .layer_on_grid import LayerOnGrid
-from .narrow import from_loads, gap_ends, level_errors
+from .narrow import Field, Heights, Surroundings, from_loads, gap_ends, level_errors
 from .patches import Patches
 from .problem import Problem
 from .shares import shared_loads
-from .surroundings import Field, Heights, Surroundings
 from .unseen import unseen_gaps, unseen_patches
 
 _JAGGED = 1.9
@@ -26,10 +26,19 @@ _DIFFERENCES = np.array([[0, 0, 1, -2, 1, 0, 0], [0, 1, -4, 6, -4, 1, 0], [1, -6
 _SHORT_OF_FIT = 0.1
 """Width of patches that served for no fit [grid spacings]: under rough surfaces nothing is known of it, because another
 valley may be lower between the nodes."""
-_PLACES, _WEIGHTS = np.polynomial.legendre.leggauss(MOST_NODES // 2)  # of the integral of h'^2 over a patch
 
 
-def contact_edges(problem: Problem, pressure: Array64, displacement: Array64 | None = None) -> tuple[Patches, Edges]:
+class Contact(NamedTuple):
+    """The contact on a grid."""
+
+    problem: Problem
+    pressure: Array64
+    """Contact pressure, 0 off the contact, shape (N,) [any unit]."""
+    patches: Patches
+    ends: Edges
+
+
+def contact_edges(problem: Problem, pressure: Array64, displacement: Array64 | None = None) -> Contact:
     """Patches and their sub-grid edges, from the contact pressure [any unit], 0 off the contact, shape (N,).
 
     displacement: u, shape (N,) [length], with which loads and gaps tell where narrow patches end; None: pressures alone
@@ -40,8 +49,9 @@ def contact_edges(problem: Problem, pressure: Array64, displacement: Array64 | N
     patches = Patches.of(pressure > 0)
     inside = pressure[patches.nodes] * scale
     kinks = indenter.of.kinked or not indenter.shortest_wave
-    edges = replace(find_edges(patches, inside, layer), unseen=unseen_gaps(patches, inside, kinks))
+    edges, unseen = find_edges(patches, inside, layer), unseen_gaps(patches, inside, kinks)
     if displacement is not None and patches.count and not patches.full:
+        unseen += unseen_patches(problem.profile, displacement, layer.thickness > 0)
         spacings = n / problem.scene.period
         surface = _Surface(
             layer=layer,
@@ -50,9 +60,13 @@ def contact_edges(problem: Problem, pressure: Array64, displacement: Array64 | N
             pressure=lambda nodes: pressure[nodes % n] * scale,
             displacement=lambda nodes: displacement[nodes % n] * spacings,
         )
-        edges = _by_gaps(surface, patches, _by_loads(surface, patches, edges, inside))
-        unseen = edges.unseen + unseen_patches(problem.profile, displacement, layer.thickness > 0)
-        edges = replace(edges, unseen=unseen, squared_slope=_squared_slope(patches, edges, surface.heights))
+        edges = _by_loads(surface, patches, edges, inside)
+        edges = _by_gaps(surface, patches, edges)
+        # of the patches whose ends their loads tell, or let estimate
+        known = edges.by_load | (patches.size < UNRESOLVED_BELOW) & ~edges.unresolved
+        squared_slope = np.full(patches.count, np.nan)
+        squared_slope[known] = surface.heights.squared_slopes(edges.left[known], edges.right[known])
+        edges = replace(edges, squared_slope=squared_slope)
     # all ends, those of other patches by the share of the load
     at_tip = np.flatnonzero((patches.first <= n // 2) & (n // 2 <= patches.last) | (patches.count == 1))
     tip = indenter.of.end_error(float(edges.width[at_tip[0]])) if at_tip.size else 0.0
@@ -60,7 +74,7 @@ def contact_edges(problem: Problem, pressure: Array64, displacement: Array64 | N
     error = np.where(edges.by_load & steep, edges.end_errors, np.maximum(edges.end_errors, tip))
     if indenter.shortest_wave:
         error = np.maximum(error, np.where(edges.width < _SHORT_OF_FIT, edges.width / 2, 0.0))
-    return patches, replace(edges, end_errors=error)
+    return Contact(problem, pressure, patches, replace(edges, end_errors=error, unseen=unseen))
 
 
 @dataclass(frozen=True)
@@ -113,19 +127,18 @@ def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array
     begin = (edges.left + edges.right)[chosen] / 2, np.minimum(edges.width[chosen], size) / 2
     if resolved:
         gap = patches.gap.min(axis=0)[chosen]
+        error = surface.known(FITTED.of_heights * uneven[1] + FITTED.beside_gap / gap**2, size)
         around = Surroundings.of(first, size, gap, surface.pressure, surface.displacement, node_compliance)
         found = from_loads(loads[chosen], heights, begin, around)
         if patches.count > 1 and n <= MOST_POINTS and found.solved.any():
             level, centre = level_errors(found, around, heights, loads[chosen])
             loads = shared_loads(patches, chosen, pressure, found, level, centre, layer.around_node)
             found = from_loads(loads[chosen], heights, (found.middle, found.half_width), around)
-        error = surface.known(FITTED.of_heights * uneven[1] + FITTED.beside_gap / gap**2, size)
     else:  # not known better than by counting, but narrower
         found = from_loads(loads[chosen], heights, begin, modulus=layer.modulus)
         error = np.full(size.size, UNRESOLVED_ERROR)
-    edges, better = _taken(
-        edges, np.stack([chosen, patches.count + chosen]), found.both, error, found.solved & ~jagged, patches
-    )
+    at = np.stack([chosen, patches.count + chosen])
+    edges, better = edges.bettered(patches, at, found.both, error, found.solved & ~jagged)
     unresolved, by_load = edges.unresolved.copy(), edges.by_load.copy()
     unresolved[chosen[better]], by_load[chosen[better]] = False, resolved
     return replace(edges, unresolved=unresolved, by_load=by_load)
@@ -144,43 +157,13 @@ def _by_gaps(surface: _Surface, patches: Patches, edges: Edges) -> Edges:
     def negative_opening(nodes: Indices) -> Array64:
         return surface.displacement(nodes) - surface.heights.at_nodes(nodes)
 
-    closed = Surroundings.of(first, size, narrower[before], negative_opening, surface.pressure, node_stiffness)
-    found = gap_ends(closed, edges.right[before], edges.left[behind] + beyond)
     uneven, jagged = surface.uneven(first, size)
     error = surface.known(FITTED.of_heights_at_gaps * uneven[0], size)
+    closed = Surroundings.of(first, size, narrower[before], negative_opening, surface.pressure, node_stiffness)
+    found = gap_ends(closed, edges.right[before], edges.left[behind] + beyond)
     left, right = found.both
     at, ends = np.stack([patches.count + before, behind]), np.stack([left, right - beyond])
-    edges, better = _taken(edges, at, ends, error, found.solved & ~jagged, patches)
+    edges, better = edges.bettered(patches, at, ends, error, found.solved & ~jagged)
     by_gap = edges.by_gap.copy()
     by_gap[before[better]] = True
     return replace(edges, by_gap=by_gap)
-
-
-def _taken(
-    edges: Edges, at: Indices, ends: Array64, error: Array64, solved: Mask, patches: Patches
-) -> tuple[Edges, Mask]:
-    """Edges with those pairs of ends that are known better, and lie less than half a spacing inside the last nodes of
-    their patches, or less than one outside, where the next nodes do not touch; and which pairs.
-
-    at: their places among all left and all right ends, shape (2, pairs); ends: new ones, of that shape; error: of both,
-    shape (pairs,) [grid spacings]; solved: which there are.
-    """
-    places, errors = np.append(edges.left, edges.right), edges.end_errors.ravel().copy()
-    inside = (ends - np.append(patches.first, patches.last)[at]) * np.where(at < patches.count, 1, -1)
-    better = solved & (2 * error <= errors[at].sum(axis=0)) & ((inside > -1) & (inside < 0.5)).all(axis=0)
-    at = at[:, better]
-    places[at] = ends[:, better]
-    errors[at] = error[better]
-    left, right = places.reshape(2, -1)
-    left, right = apart(left, right, patches.num_points)
-    return replace(edges, left=left, right=right, end_errors=errors.reshape(2, -1)), better
-
-
-def _squared_slope(patches: Patches, edges: Edges, heights: Heights) -> Array64:
-    """Integrals of h'^2 over the patches whose ends their loads tell, or let estimate; NaN for others, (patches,)."""
-    known = edges.by_load | (patches.size < UNRESOLVED_BELOW) & ~edges.unresolved
-    half = edges.width[known, None] / 2
-    _, slope, _ = heights.at((edges.left + edges.right)[known, None] / 2 + half * _PLACES)
-    squared = np.full(patches.count, np.nan)
-    squared[known] = (slope**2 * half) @ _WEIGHTS
-    return squared

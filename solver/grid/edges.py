@@ -22,11 +22,11 @@ docs/edges.md). As it is the load of all patches together that is given, e is th
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..arrays import Array64, Mask
+from ..arrays import Array64, Indices, Mask
 from ..calibration import FITTED
 from .edge_curves import UNKNOWN, EdgeCurve, edge_distance, edge_function, half_space_curve
 from .layer_on_grid import LayerOnGrid
@@ -117,6 +117,25 @@ class Edges:
         because the signs of most vary from patch to patch, and a share of the sum, for those that do not.
         """
         return float(np.linalg.norm(self.error) + FITTED.in_common * self.error.sum())
+
+    def bettered(
+        self, patches: Patches, at: Indices, ends: Array64, error: Array64, solved: Mask
+    ) -> tuple["Edges", Mask]:
+        """Edges with those pairs of ends that are known better, and lie less than half a spacing inside the last nodes
+        of their patches, or less than one outside, where the next nodes do not touch; and which pairs.
+
+        at: their places among all left and all right ends, shape (2, pairs); ends: new ones, of that shape; error: of
+        both, shape (pairs,) [grid spacings]; solved: which there are.
+        """
+        places, errors = np.append(self.left, self.right), self.end_errors.ravel().copy()
+        inside = (ends - np.append(patches.first, patches.last)[at]) * np.where(at < patches.count, 1, -1)
+        better = solved & (2 * error <= errors[at].sum(axis=0)) & ((inside > -1) & (inside < 0.5)).all(axis=0)
+        at = at[:, better]
+        places[at] = ends[:, better]
+        errors[at] = error[better]
+        left, right = places.reshape(2, -1)
+        left, right = apart(left, right, patches.num_points)
+        return replace(self, left=left, right=right, end_errors=errors.reshape(2, -1)), better
 
 
 def find_edges(patches: Patches, pressure: Array64, layer: LayerOnGrid) -> Edges:

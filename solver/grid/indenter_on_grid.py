@@ -11,26 +11,29 @@ from .cached import MOST_POINTS, cached, read_only
 
 
 class IndenterOnGrid:
-    """An indenter on a grid of `num_points` in the period L [length]. Raises `ValueError` for wrong heights."""
+    """An indenter on a grid of `num_points` in the period L [length]; heights and slopes are made when asked for."""
 
     def __init__(self, indenter: Indenter, num_points: int, period: float) -> None:
         self.of, self.num_points, self._period = indenter, num_points, period
         """`of`: the indenter on any grid."""
-        what = f"profile of indenter {indenter.name}"
-        allowed = f"allowed: {num_points} finite floating-point heights, the lowest 0, in units of the period"
-        with checks.own_code(what, allowed, indenter):
-            heights = np.asarray(indenter.profile(num_points, period))
-        if heights.shape != (num_points,) or heights.dtype.kind != "f":
-            raise ValueError(f"{what} is of type {heights.dtype} and shape {heights.shape}; {allowed}")
-        lowest, highest = float(heights.min()), float(heights.max())
-        if not abs(lowest) <= 1e-9 * highest < np.inf:
-            raise ValueError(f"{what} is from {lowest:.3g} to {highest:.3g}; {allowed}")
-        self.profile: Array64 = read_only(heights)
-        """Heights above the lowest point, shape (N,) [L], read-only."""
         self.shortest_wave = indenter.shortest_wave(num_points)
         """How many of the shortest wave fit into the period, 0 for a smooth profile without one."""
         self.exponent = indenter.power_law[0] if indenter.power_law else None
         """n of a power profile; None for any other shape."""
+
+    @cached_property
+    def profile(self) -> Array64:
+        """Heights above the lowest point, shape (N,) [L], read-only. Raises `ValueError` for wrong heights."""
+        what = f"profile of indenter {self.of.name}"
+        allowed = f"allowed: {self.num_points} finite floating-point heights, the lowest 0, in units of the period"
+        with checks.own_code(what, allowed, self.of):
+            heights = np.asarray(self.of.profile(self.num_points, self._period))
+        if heights.shape != (self.num_points,) or heights.dtype.kind != "f":
+            raise ValueError(f"{what} is of type {heights.dtype} and shape {heights.shape}; {allowed}")
+        lowest, highest = float(heights.min()), float(heights.max())
+        if not abs(lowest) <= 1e-9 * highest < np.inf:
+            raise ValueError(f"{what} is from {lowest:.3g} to {highest:.3g}; {allowed}")
+        return read_only(heights)
 
     @cached_property
     def squared_slope(self) -> Array64:
@@ -55,5 +58,5 @@ class IndenterOnGrid:
 
 @cached
 def indenter_on_grid(indenter: Indenter, num_points: int, period: float) -> IndenterOnGrid:
-    """An indenter on a grid of `num_points` in the period L [length]. Raises `ValueError` for wrong heights."""
+    """An indenter on a grid of `num_points` in the period L [length]."""
     return IndenterOnGrid(indenter, num_points, period)

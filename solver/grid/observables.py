@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from ..arrays import Array64, Mask, chunks
+from ..arrays import Array64, chunks
 from ..reference.closed_forms import kappa_half_space
-from ..scene import SMALLEST, Scene
+from ..scene import SMALLEST
 from ..value import Value
-from .contact import contact_edges
+from .contact import Contact
 from .edges import UNRESOLVED_BELOW, Edges
 from .patch_table import PatchTable, patch_table
 from .patches import Patches
@@ -84,19 +84,16 @@ class Observables(Measured):
     """The same for the approach [length]."""
 
 
-def observe(
-    problem: Problem, displacement: Array64, contact_pressure: Array64, contact: Mask
-) -> tuple[Observables, PatchTable]:
-    """Observables and patches of a displacement [length] and contact pressure [pressure], 0 off the contact; all shape
-    (N,).
-    """
-    measured, patches, edges = measure(problem, displacement, contact_pressure)
+def observe(found: Contact, displacement: Array64) -> tuple[Observables, PatchTable]:
+    """Observables and patches of a contact, its pressure in [pressure], with a displacement, shape (N,) [length]."""
+    problem, pressure, patches, edges = found
+    measured, contact = measure(found, displacement), pressure > 0
     scene, profile, exponent = problem.scene, problem.profile, problem.indenter.exponent
     area = float(contact.mean())
     gradient = math.sqrt(float(problem.indenter.squared_slope[contact].mean())) if area else 0.0
     reduced = scene.reduced_load / gradient if gradient else math.inf
     kappa = area / reduced
-    found = Observables(
+    observables = Observables(
         **measured,
         contact_area=area,
         rms_gradient_contact=gradient,
@@ -110,44 +107,28 @@ def observe(
         contact_area_error=measured["contact_area_edges_error"],
         kappa_error=measured["kappa_edges_error"],
     )
-    return found, patch_table(patches, edges, contact_pressure, scene.period)
+    return observables, patch_table(patches, edges, pressure, scene.period)
 
 
-def measure(
-    problem: Problem, displacement: Array64, contact_pressure: Array64, unit: float = 1.0, by_loads: bool = True
-) -> tuple[dict[str, Any], Patches, Edges]:
-    """The fields of `Measured` on any grid, by name; the patches, and their ends.
-
-    Arguments as for `observe`; contact_pressure: [`unit`]; by_loads: whether loads may tell the ends of patches.
-    """
+def measure(found: Contact, displacement: Array64, unit: float = 1.0) -> dict[str, Any]:
+    """The fields of `Measured` on any grid, by name. Arguments as for `observe`, with pressures in [`unit`]."""
+    problem, pressure, patches, edges = found
     scene, indenter, num_points = problem.scene, problem.indenter, problem.num_points
-    patches, edges = contact_edges(problem, contact_pressure, displacement if by_loads else None)
     area, gradient, kappa, kappa_error = subgrid_measures(problem, patches, edges)
-    modulus, lowest = foundation_modulus(scene), indenter.of.depth_between_nodes(problem.profile)
-    measured = {
+    modulus, lowest = scene.foundation_modulus, indenter.of.depth_between_nodes(problem.profile)
+    return {
         "contact_area_subgrid": area,
         "rms_gradient_subgrid": gradient,
         "kappa_subgrid": kappa,
         "contact_area_edges_error": edges.total_error / num_points if patches.count else 1.0,
         "kappa_edges_error": kappa_error,
         "unseen_gap_area": edges.unseen / num_points,
-        "peak_pressure": unit * float(contact_pressure.max(initial=0.0)),
-        "peak_pressure_sampling": unit * peak_sampling(indenter.exponent, contact_pressure, patches, edges),
+        "peak_pressure": unit * float(pressure.max(initial=0.0)),
+        "peak_pressure_sampling": unit * peak_sampling(indenter.exponent, pressure, patches, edges),
         "approach": float(displacement.mean()) + (scene.pressure / modulus if modulus else 0.0) + lowest,
         "approach_sampling": _approach_sampling(problem, patches),
         "num_patches": patches.count,
     }
-    return measured, patches, edges
-
-
-def foundation_modulus(scene: Scene) -> float:
-    """k_W of the scene's layer [pressure/length]; 0 for a half-space, `inf` for an incompressible layer."""
-    return scene.layer.foundation_modulus(1.0) * scene.layer.contact_modulus
-
-
-def first_node(scene: Scene) -> float:
-    """The approach at which the first node touches [length]; the lowest point between the nodes touches at 0."""
-    return scene.indenter.depth_between_nodes(scene.profile)
 
 
 def peak_sampling(exponent: float | None, pressure: Array64, patches: Patches, edges: Edges) -> float:

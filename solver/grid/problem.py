@@ -24,16 +24,9 @@ from ..arrays import Array64, Mask
 from ..scene import Scene
 from ..transforms.plain import irfft, rfft
 from .indenter_on_grid import IndenterOnGrid, indenter_on_grid
-from .layer_on_grid import LayerOnGrid, half_spectrum, layer_on_grid
+from .layer_on_grid import LayerOnGrid, layer_on_grid
 
 _FAR = 1e6  # times the reach
-
-
-def full_contact_pressure(scene: Scene) -> float:
-    """The smallest mean pressure under which all nodes of a scene's grid touch, p = max(K h) [pressure]."""
-    profile = indenter_on_grid(scene.indenter, scene.num_points, scene.period).profile
-    held = irfft(half_spectrum(scene.layer, profile.size, scene.period) * rfft(profile), profile.size)
-    return float(held.max()) * scene.layer.contact_modulus
 
 
 @dataclass(frozen=True)
@@ -53,11 +46,11 @@ class Problem:
 
     @classmethod
     def from_scene(cls, scene: Scene, num_points: int | None = None) -> "Problem":
-        """Discretise a scene on its own grid, or on another one of `num_points`."""
+        """Discretise a scene on its own or another grid. Raises `ValueError` for bad heights, or as `half_spectrum`."""
         n = num_points or scene.num_points
-        layer = layer_on_grid(scene.layer, n, scene.period)
         indenter = indenter_on_grid(scene.indenter, n, scene.period)
-        unit = (scene.reduced_load or 1.0) / layer.unit  # without a load any unit will do
+        layer = layer_on_grid(scene.layer, n, scene.period)
+        unit = (scene.reduced_load if scene.pressure > 0 else 1.0) / layer.unit  # without a load any unit will do
         with np.errstate(over="ignore"):
             height = indenter.profile / unit
         return cls(
@@ -73,6 +66,12 @@ class Problem:
         """Heights above the lowest point, shape (N,) [length]."""
         profile, period = self.indenter.profile, self.scene.period
         return profile if period == 1 else period * profile
+
+    @property
+    def full_contact_pressure(self) -> float:
+        """The smallest mean pressure under which all nodes of the grid touch, max(K h) [pressure]."""
+        held = irfft(self.stiffness * rfft(self.indenter.profile), self.num_points)
+        return float(held.max()) * self.stiffness_unit * self.scene.layer.contact_modulus
 
     def to_length(self, displacement: Array64, contact: Mask) -> Array64:
         """A displacement u <= h, shape (N,) [u], as [length], in place; exactly on the wall at the contact nodes."""

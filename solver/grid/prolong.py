@@ -1,15 +1,15 @@
 """A contact pressure of a coarse grid on a finer one.
 
 At the edges of its patches it goes like a square root, which no interpolation follows; divided by the edge functions of
-both ends (`edge_curves.edge_function`, at the ends' sub-grid positions) it is smooth. So the smooth part is
+both ends (`edge_curves.edge_functions`, at the ends' sub-grid positions) it is smooth. So the smooth part is
 interpolated and multiplied by the edge functions of the fine grid. The fine contact set comes out right except for a
 few nodes, and the error of the pressure is that of the coarse grid.
 """
 
 import numpy as np
 
-from ..arrays import Array64, Indices
-from .edge_curves import EdgeCurve, half_space_curve
+from ..arrays import Array64
+from .edge_curves import edge_functions, half_space_curve
 from .edges import UNRESOLVED_BELOW, Edges
 from .patches import Patches
 from .problem import Problem
@@ -37,10 +37,10 @@ def prolong(coarse: Problem, pressure: Array64, patches: Patches, ends: Edges, f
     fine = Patches(num_points, first, np.maximum(first, np.floor(factor * ends.right + beyond).astype(np.int64)))
     nodes = np.arange(int(fine.size.sum())) - np.repeat(fine.offset - first, fine.size)
     p = fine.label
-    smooth = pressure[patches.nodes] / np.maximum(_edge_functions(coarse_curve, patches, ends, 1.0), 1e-3)
+    smooth = pressure[patches.nodes] / np.maximum(edge_functions(coarse_curve, patches, ends.left, ends.right), 1e-3)
     coarse_nodes = np.arange(smooth.size) - np.repeat(patches.offset - patches.first, patches.size)
     values = np.interp(nodes / factor, coarse_nodes, smooth)
-    values *= _edge_functions(fine_curve, fine, ends, factor)
+    values *= edge_functions(fine_curve, fine, factor * ends.left, factor * ends.right)
     # every patch keeps its load, also where its nodes lie beyond its ends
     values = np.maximum(values, 0.0)
     lost = fine.sums(values) <= 0
@@ -50,20 +50,3 @@ def prolong(coarse: Problem, pressure: Array64, patches: Patches, ends: Edges, f
     # never 0: the node belongs to the contact
     fine_pressure[nodes % num_points] = np.maximum(values, 1e-12 * pressure.max())
     return fine_pressure
-
-
-def _edge_functions(curve: EdgeCurve, patches: Patches, ends: Edges, factor: float) -> Array64:
-    """The edge functions of both ends of the patches, multiplied, at their contact nodes; see `edge_function`.
-
-    factor: grid spacings of the patches in one of the ends.
-    """
-    steps = np.arange(int(patches.size.max()))
-    known, before = curve.at(steps), curve.at(steps - 1)  # of every step once, for all ends
-    inside, p = np.arange(patches.label.size) - np.repeat(patches.offset, patches.size), patches.label
-
-    def edge(beyond: Array64, j: Indices) -> Array64:
-        beta = np.clip(beyond + curve.shift, 0, 1)[p]
-        return np.asarray((1 - beta) * known[j] + beta * before[j])
-
-    left, right = factor * ends.left - patches.first, patches.last - factor * ends.right
-    return edge(left, inside) * edge(right, patches.size[p] - 1 - inside)

@@ -26,7 +26,6 @@ from ..endings import Status
 from ..grid.contact import contact_edges
 from ..grid.edges import UNRESOLVED_BELOW, Edges
 from ..grid.few_nodes import MOST_NODES, equivalent_gaps, equivalent_half_widths
-from ..grid.observables import foundation_modulus
 from ..grid.patches import Patches
 from ..grid.problem import Problem
 from ..methods import ExecutionConfig, active_set, relax
@@ -68,7 +67,7 @@ def _punch(problem: Problem, contact: Mask) -> tuple[float, Array64, Array64]:
     """d(approach)/dp on the grid [length/pressure], and, shape (N,), d sigma/dp (dimensionless) and du/dp
     [length/pressure].
     """
-    modulus = foundation_modulus(problem.scene)
+    modulus = problem.scene.foundation_modulus
     compression = 1 / modulus if modulus else 0.0
     if contact.all():  # the surface stays where it is, and the layer below is compressed
         return compression, np.ones(contact.size), np.zeros(contact.size)
@@ -96,7 +95,7 @@ def _beyond_nodes(solution: Solution, problem: Problem, punch: Array64, surface:
     as its nodes. Not known, and 0, for other patches of one or two nodes.
     """
     scene, pressure = solution.scene, np.where(solution.contact, solution.contact_pressure, 0.0)
-    patches, edges = contact_edges(problem, pressure, solution.displacement)
+    _, _, patches, edges = contact_edges(problem, pressure, solution.displacement)
     if not solution.certificate:  # a smaller model knows where its patches end, its sampled pressures do not
         n, table = pressure.size, solution.patches
         beyond_first = (table.left / scene.period * n - patches.first + n / 2) % n - n / 2

@@ -1,45 +1,30 @@
-"""One solve, as it is passed along: its configuration, its iterations, and its grids from coarse to fine.
+"""One solve, as it is passed along: its configuration and its iterations, the certificate at their end, and another
+attempt where that is bad.
 
-Which method works on a grid, and when a grid is fine enough, is said elsewhere. A finer grid begins from the coarse
-one's contact pressure (`grid.prolong`).
+Which method works on a grid, and when a grid is fine enough, is said elsewhere.
 """
 
+import math
 import time
-from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
 
-from .. import checks
-from ..arrays import Array64
-from ..endings import Reason, Status
-from ..grid.edges import Edges
-from ..grid.observables import measure
-from ..grid.patches import Patches
-from ..grid.problem import Problem
-from ..grid.prolong import prolong
-from ..methods import DEFAULT, ExecutionConfig, Method, MethodKind, relax
+import numpy as np
+
+from .. import display
+from ..arrays import Array64, Mask
+from ..endings import INTERRUPTED, Cause, Reason, Status
+from ..grid.certificate import MEANINGLESS, Certificate, certify
+from ..grid.contact import Contact
+from ..grid.problem import Problem, foundation_pressure, rounding_floor
+from ..methods import METHODS, ExecutionConfig, Method, MethodKind, relax
 from ..scene import Scene
-from ..solution import Choice, Level
+from ..solution import MOST_ENERGY, Choice, Level
 
 SMALLEST_WARP = 2**13
 """Points; on smaller coarse grids recording Warp's launches takes longer than a few passes of the reference kernels."""
 
-FACTOR = 4
-COARSEST = 512
-"""Points of the coarsest grid, at least."""
-
-DEFAULT_TOLERANCE, COARSE_TOLERANCE = 1e-8, 1e-4
-"""Equilibrium residual over p to stop at in float64 and mixed precision; on coarse grids or in float32, at least."""
-
-
-class Contact(NamedTuple):
-    """The contact on one grid."""
-
-    problem: Problem
-    pressure: Array64
-    """Contact pressure, shape (N,) [p]."""
-    patches: Patches
-    ends: Edges
+_NEAR_THE_FLOOR = 100  # times the residual of rounding: below, rounding may be the reason for the residual
+_MOST_WORK = 20_000 * 2**16  # iterations times points of a method that goes on where another one failed
 
 
 @dataclass
@@ -78,6 +63,8 @@ class Run:
     """Why it did not converge; None if it did."""
     contact: Contact | None = None
     """On the last grid that was measured, where a finer one begins."""
+    memory: int | None = None
+    """That was free before any grid was made [bytes]; None: not known."""
     times: list[float] = field(default_factory=lambda: [time.perf_counter()] * 3)
     """When the solve began, when it was set up, and when it was iterated to the end [s]."""
 
@@ -123,75 +110,142 @@ class Run:
         self.points_transformed += (state.transform_pairs - pairs) * state.problem.num_points
         return status
 
-    def start_from_contact(self, finer: Method) -> None:
-        """Begin on a finer grid from the contact of the last one that was measured, if there is one."""
-        if self.contact and self.contact.pressure.any():
-            finer.start_from_pressure(prolong(*self.contact, finer.problem))
 
-    def over_grids(self, sizes: Sequence[int], begin: Callable[[int], Method], measure_last: bool) -> Iterator[None]:
-        """From coarse to fine; each grid as it is reached.
+@dataclass(frozen=True)
+class Certified:
+    """A displacement with its certificate."""
 
-        sizes: numbers of points. begin: the method on a grid of so many. measure_last: whether the level of the finest
-        grid is wanted, too, as any may be the last. An interruption before the first grid is reached is passed on; a
-        later one ends the loop, and leaves the last grid that was reached, as interrupted.
-        """
-        for size in sizes:
-            try:
-                if self.contact:
-                    self.state.rest()
-                state = begin(size)
-                self.start_from_contact(state)
-                status, contact = self.relax(state), self.contact
-                if measure_last or size < sizes[-1]:
-                    # of an area, errors follow from the last two grids
-                    level, contact = _measured(state, by_loads=measure_last or size in sizes[-2:])
-                    if status in (Status.CONVERGED, Status.STAGNATED):  # another says nothing of errors
-                        self.levels.append(level)
-                self.state, self.status, self.contact = state, status, contact
-            except KeyboardInterrupt:  # while a grid is prepared or measured
-                if not self.contact:
-                    raise
-                self.status = Status.INTERRUPTED
-            yield
-            if self.status is Status.INTERRUPTED:
-                return
+    problem: Problem
+    certificate: Certificate
+    displacement: Array64
+    """u, shape (N,) [u]."""
+    pressure: Array64
+    """Contact pressure by the certificate, shape (N,) [p]."""
+    contact: Mask
+    """Nodes that the wall carries, shape (N,)."""
+
+    @property
+    def residual(self) -> float:
+        """The equilibrium residual over p (dimensionless)."""
+        return self.certificate.equilibrium_residual
+
+    @property
+    def floor(self) -> float:
+        """Equilibrium residual of rounding in the scene's precision, over p (dimensionless)."""
+        rounding = "float32" if self.problem.scene.precision == "float32" else "float64"  # mixed included
+        return rounding_floor(self.problem.stiffness, self.displacement, rounding)
 
 
-def grids(num_points: int) -> list[int]:
-    """Grid sizes from coarse to fine, each about four times the one before; the coarser ones are even."""
-    sizes = [num_points]
-    while sizes[0] // FACTOR >= COARSEST:
-        sizes.insert(0, coarser(sizes[0]))
-    return sizes
+def certify_or_fall_back(run: Run, problem: Problem) -> Certified:
+    """Certify a relaxed state; where that fails the method aims at smaller residuals, and then its fallback goes on.
 
-
-def coarser(num_points: int) -> int:
-    """The next coarser grid."""
-    return 2 * round(num_points / FACTOR / 2)
-
-
-def check_memory(
-    num_points: int, kind: MethodKind = DEFAULT, contact_share: float = 0.0, available: int | None = None
-) -> None:
-    """Raise `ValueError` for a grid that the free memory cannot hold.
-
-    kind: the method; contact_share: of the nodes, where a coarser grid tells it (dimensionless). available: memory
-    that was free before the solve began [bytes]; by default the memory that is free now.
+    problem: of the scene, which the certificate is for. The run gets its final status, with the reason, and a default
+    tolerance that rounding does not allow becomes the residual that it does allow.
     """
-    available = checks.available_memory() if available is None else available
-    needed = kind.bytes_per_point(contact_share) * num_points
-    if available is not None and needed > available:
-        raise ValueError(
-            f"num_points is {num_points}, needing about {needed / 2**30:.1f} GiB; allowed: what fits into the "
-            f"{available / 2**30:.1f} GiB that are free"
-        )
+    run.times[2] = time.perf_counter()
+    found, begin = _certified(run, problem), time.perf_counter()
+    if not _good(run, found):
+        found = _tightened(run, problem, found)
+        ended = run.status is Status.INTERRUPTED or run.spent or _good(run, found) or _rounded_off(run, found)
+        if run.kind.fallback and not ended:
+            found = _from_there(run, problem, found, METHODS[run.kind.fallback])
+        run.times[2] += time.perf_counter() - begin  # further iterations are part of the solve
+    if not _good(run, found) and run.status in (Status.STAGNATED, Status.CONVERGED):
+        run.status = Status.STAGNATED  # the method's own precision cannot see the difference
+        near = found.residual < min(_NEAR_THE_FLOOR * found.floor, MEANINGLESS)
+        if near and not run.own_tolerance and _bounded(run, found):
+            run.tolerance = found.residual
+    if _good(run, found) and run.status in (Status.STAGNATED, Status.ITERATION_LIMIT):
+        run.status = Status.CONVERGED
+    run.reason = _reason(run, found)
+    return found
 
 
-def _measured(state: Method, by_loads: bool) -> tuple[Level, Contact]:
-    """Level and contact of a grid; by_loads: whether loads may tell the ends of patches, for the errors."""
-    pressure, problem, pairs = state.contact_pressure, state.problem, round(state.transform_pairs, 3)
-    displacement = problem.to_length(state.displacement.copy(), pressure > 0)
-    measured, patches, edges = measure(problem, displacement, pressure, problem.scene.pressure, by_loads)
-    level = Level(**measured, num_points=problem.num_points, iterations=state.iteration, transform_pairs=pairs)
-    problem.indenter.rest()
-    return level, Contact(problem, pressure, patches, edges)
+def _certified(run: Run, problem: Problem) -> Certified:
+    """The present state with its certificate."""
+    state, displacement = run.state, run.state.displacement
+    if np.shape(displacement) != (problem.num_points,):
+        what = f"displacement of {type(state).__name__} has shape {np.shape(displacement)}"
+        raise ValueError(f"{what}; allowed: ({problem.num_points},)")
+    if not np.isfinite(displacement).all():  # diverged beyond all numbers
+        state.start(np.zeros_like(displacement))
+        displacement = state.displacement
+    state.rest()
+    certificate, pressure, contact = certify(problem, displacement)
+    return Certified(problem, certificate, displacement, pressure, contact)
+
+
+def _bounded(run: Run, found: Certified) -> bool:
+    """Whether the energy's error is bounded well enough."""
+    bound = found.certificate.energy_error_bound
+    return math.isfinite(bound) if run.own_tolerance else bound <= MOST_ENERGY
+
+
+def _good(run: Run, found: Certified) -> bool:
+    return found.residual <= run.tolerance and _bounded(run, found)
+
+
+def _rounded_off(run: Run, found: Certified) -> bool:
+    """Whether rounding keeps the residual above the tolerance; no other method knows a way below that."""
+    return run.tolerance < 2 * found.floor and found.residual < _NEAR_THE_FLOOR * found.floor
+
+
+def _tightened(run: Run, problem: Problem, found: Certified) -> Certified:
+    """The result of the same method aiming at smaller residuals, unless that makes them larger."""
+    while run.status is Status.CONVERGED and not _good(run, found) and run.state.tighten():
+        residual, pressure = found.residual, run.state.contact_pressure
+        run.status = run.relax(run.state)
+        found = _certified(run, problem)
+        if not _good(run, found) and not found.residual < residual:  # rounding may have changed the set: go back
+            run.state.start_from_pressure(pressure)
+            return _certified(run, problem)
+    return found
+
+
+def _from_there(run: Run, problem: Problem, found: Certified, kind: MethodKind) -> Certified:
+    """The result of a method that starts at the end of the last one; the better of the two, with its status."""
+    before, status = run.state, run.status
+    run.handed_over = True
+    run.allow(min(kind.max_iterations, _MOST_WORK // problem.num_points))
+    run.state = run.begin(problem, run.tolerance, kind)
+    if found.residual < MEANINGLESS:
+        run.state.start(found.displacement)
+    else:  # then the displacement may be anything
+        longest = float(problem.stiffness[1])
+        run.state.start_from_pressure(foundation_pressure(problem, longest))
+    run.status = run.relax(run.state)
+    other = _tightened(run, problem, _certified(run, problem))
+    if _good(run, other) or other.residual < found.residual:
+        return other
+    run.state = before
+    if run.status is not Status.INTERRUPTED and not run.spent:
+        run.status = status
+    return found
+
+
+def _reason(run: Run, found: Certified) -> Reason | None:
+    """The reason why the solve ended short of its goal, with a way out."""
+    if run.status is Status.CONVERGED:
+        return None
+    residual, tolerance, scene = found.residual, run.tolerance, run.scene
+    other = ", or precision mixed or float64" if scene.precision == "float32" else ""
+    looser = f", or tolerance above {display.rounded_up(residual)} (it is {tolerance:g})"
+    if not tolerance < residual < MEANINGLESS:
+        looser = ""
+    match run.status:
+        case Status.INTERRUPTED:
+            return INTERRUPTED
+        case Status.ITERATION_LIMIT:
+            return Reason(Cause.ITERATIONS, "max_iterations", f"reached after {run.taken}", f"more{looser}")
+        case _ if residual <= tolerance:
+            off = f"the energy may be off by {found.certificate.energy_error_bound:.2g} of itself"
+            return Reason(Cause.ENERGY, "tolerance", f"{tolerance:.2g}, at which {off}", f"a smaller one{other}")
+        case Status.STAGNATED if _rounded_off(run, found):
+            leaves = f"rounding in {scene.precision} leaves"
+            if residual < MEANINGLESS:
+                allowed = f"above {display.rounded_up(residual)}, which {leaves}{other}"
+                return Reason(Cause.ROUNDING, "tolerance", f"{tolerance:g}", allowed)
+            where = f"{scene.num_points}, where {leaves} a residual of {residual:.2g}"
+            return Reason(Cause.ROUNDING, "num_points", where, f"fewer{other}")
+    what = f"{run.kind.name} in precision {scene.precision}, which does not settle here"
+    return Reason(Cause.METHOD, "method", what, f"another{other}{looser}")

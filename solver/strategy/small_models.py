@@ -17,14 +17,15 @@ import numpy as np
 
 from ..arrays import Array64
 from ..endings import Status
-from ..grid.observables import Observables, first_node, foundation_modulus, observe
+from ..grid.contact import contact_edges
+from ..grid.errors import DEFAULT_QUANTITY
+from ..grid.observables import Observables, observe
 from ..grid.patch_table import PatchTable
 from ..grid.problem import Problem
 from ..reference import collocation
 from ..reference.closed_forms import foundation_half_width, guessed_half_width, kappa_from_area, kappa_half_space
 from ..scene import Scene
 from ..solution import Choice, Solution
-from .errors import DEFAULT_QUANTITY
 from .finish import make_solution
 from .run import Run
 
@@ -105,7 +106,7 @@ def without_contact(run: Run) -> Solution:
     Without load their distance may be any, and is 0. p* and kappa are NaN.
     """
     scene = run.scene
-    approach, first = scene.approach or 0.0, first_node(scene)
+    approach, first = scene.approach or 0.0, scene.first_node
     unseen = 1 / scene.num_points if approach > 0 else 0.0
     if scene.approach is not None:
         unit = scene.length_unit
@@ -114,7 +115,7 @@ def without_contact(run: Run) -> Solution:
         scene = replace(scene, approach=None, pressure=0.0)
     n = scene.num_points
     fields = np.full(n, approach - first), np.zeros(n), np.zeros(n, dtype=bool)
-    found, patches = observe(Problem.from_scene(scene), *fields)
+    found, patches = observe(contact_edges(Problem.from_scene(scene), fields[1], fields[0]), fields[0])
     unknown = ("reduced_pressure", "kappa", "kappa_subgrid", "kappa_error", "kappa_edges_error")
     known: dict[str, Any] = dict.fromkeys(unknown, math.nan) | {
         "contact_area_error": unseen,
@@ -162,7 +163,7 @@ def _measured(scene: Scene, found: _Contact, nodes: int) -> tuple[Observables, P
         approach=approach,
         approach_error=found.errors["approach"] * abs(approach),
         approach_sampling=0.0,
-        mean_gap=float(scene.profile.mean()) - approach + scene.pressure / (foundation_modulus(scene) or math.inf),
+        mean_gap=float(scene.profile.mean()) - approach + scene.pressure / (scene.foundation_modulus or math.inf),
     )
     middle = scene.num_points // 2 / scene.num_points
     ends = ((middle + place) * period for place in (-area / 2, area / 2))

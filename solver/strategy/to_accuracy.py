@@ -6,12 +6,13 @@ from dataclasses import replace
 
 from .. import checks, display
 from ..endings import Cause, Reason, Status
+from ..grid.errors import FACTOR, MOST_ACCURACY, QUANTITIES, estimated, iteration_share
 from ..grid.problem import Problem
 from ..methods import Method
 from ..solution import Choice, Solution
-from .errors import MOST_ACCURACY, QUANTITIES, grid_error, iteration_share
 from .finish import finish
-from .run import FACTOR, Run, check_memory, coarser, grids
+from .grids import check_memory, coarser, grids, over_grids
+from .run import Run
 from .small_models import by_small_model
 
 
@@ -54,12 +55,11 @@ def _on_grids(run: Run, accuracy: float, of: str) -> Solution:
     Should the certified solution be less accurate than estimated, it goes on from there on the next grid. An
     interruption returns what the grid at hand has given.
     """
-    scene, quantity, memory = run.scene, QUANTITIES[of], checks.available_memory()
+    scene, quantity, run.memory = run.scene, QUANTITIES[of], checks.available_memory()
     tolerance, before = min(0.2 * accuracy, 1e-8), tuple(run.choices)
     run.times[1] = time.perf_counter()
 
     def begin(size: int) -> Method:
-        check_memory(size, run.kind, run.contact_share, memory)
         run.allow(run.kind.max_iterations)  # on each grid
         run.tolerance, run.handed_over = tolerance, False
         return run.begin(Problem.from_scene(scene, size), tolerance)
@@ -67,10 +67,12 @@ def _on_grids(run: Run, accuracy: float, of: str) -> Solution:
     sizes = grids(scene.num_points)
     if len(sizes) == 1 and sizes[0] >= FACTOR**3:  # without a coarser one there is no telling the error
         sizes.insert(0, coarser(sizes[0]))
-    for _ in run.over_grids(sizes, begin, measure_last=True):
+    for _ in over_grids(run, sizes, begin, measure_last=True):
         size, found = run.state.problem.num_points, run.levels
         settled = found and found[-1].num_points == size
-        error = grid_error(quantity, scene, found[-1], found[:-1]) if settled else math.inf
+        error = math.inf  # on the first grid, and where the quantity is 0
+        if settled and len(found) > 1 and (value := abs(getattr(found[-1], quantity.value))):
+            error = estimated(quantity, scene, size, found[-1], found[:-1]) / value
         last = size == scene.num_points or run.status is Status.INTERRUPTED
         if last or (error <= accuracy and scene.indenter.omitted(size) <= accuracy / 2):
             why = "the coarsest that is good enough" if error <= accuracy else "the finest allowed, and not fine enough"

@@ -12,19 +12,18 @@ import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
 
 from ..endings import Cause, Reason, Status
-from ..grid.layer_on_grid import half_spectrum
-from ..grid.observables import first_node, foundation_modulus
-from ..grid.problem import full_contact_pressure
+from ..grid.errors import FACTOR, MOST_ACCURACY, QUANTITIES, estimated
+from ..grid.problem import Problem
 from ..scene import Scene
 from ..solution import Choice, Solution
-from .errors import MOST_ACCURACY, QUANTITIES, estimated
+from .grids import COARSEST, DEFAULT_TOLERANCE, grids
 from .linearised import contact_compliance
-from .run import COARSEST, DEFAULT_TOLERANCE, FACTOR, grids
 
 _MOST_SOLVES = 40  # on a grid
 _LONGEST_STEP = 30.0  # factor of the pressure
@@ -39,26 +38,30 @@ def solve_to_approach(scene: Scene, solve: Callable[[Scene], Solution]) -> Solut
     begin = time.perf_counter()
     approach, solved = scene.approach, list[Solution]()
     assert approach is not None
+    full = approach >= check_approach(scene) * (1 - DEFAULT_TOLERANCE)
+    pressure = _first_pressure(scene, approach, full)
+    on_grid = cache(scene.on_grid)  # given heights are resampled once
 
-    def noted(scene: Scene) -> Solution:
-        solved.append(solve(scene))
+    def under(pressure: float, size: int = scene.num_points) -> Solution:
+        solved.append(solve(replace(on_grid(size), approach=None, pressure=pressure)))
         return solved[-1]
 
-    check_approach(scene)
-    if approach >= _full_approach(scene) * (1 - DEFAULT_TOLERANCE):
-        return _full_contact(scene, solve, approach)
-    pressure = _foundation_guess(scene, approach)
-    for size in grids(scene.num_points)[:-1]:
+    sizes = grids(scene.num_points)
+    if full:
+        found, why = under(pressure), "the least pressure of full contact; any larger one gives the same approach"
+        choices = (Choice("pressure", f"{pressure:.10g}", why), *found.choices)
+        return _told(replace(found, choices=choices), approach)
+    for size in sizes[:-1]:
         if size >= 2 * COARSEST:
             with suppress(ValueError):  # no such grid holds the indenter
-                coarse = _tried(scene.on_grid(size), noted, pressure, MOST_ACCURACY)[-1]
+                coarse = _tried(partial(under, size=size), approach, pressure, MOST_ACCURACY)[-1]
                 if coarse.status is Status.INTERRUPTED:
                     raise KeyboardInterrupt  # nothing is known on the scene's grid
                 pressure = coarse.scene.pressure
-    tried = _tried(scene, noted, pressure, DEFAULT_TOLERANCE)
+    tried = _tried(under, approach, pressure, DEFAULT_TOLERANCE)
     found, error = _best(tried, approach), math.inf
     try:
-        error = _approach_error(found, noted)
+        error = _approach_error(found, under)
     except KeyboardInterrupt:
         found = replace(found, status=Status.INTERRUPTED)
     found, off_by = _with_error_of_pressure(found, tried, error)
@@ -83,15 +86,24 @@ def solve_to_approach(scene: Scene, solve: Callable[[Scene], Solution]) -> Solut
     return found
 
 
-def _tried(scene: Scene, solve: Callable[[Scene], Solution], pressure: float, exact: float) -> list[Solution]:
+def _first_pressure(scene: Scene, approach: float, full: bool) -> float:
+    """Where to begin: the least pressure of full contact, or that of a foundation as stiff as the longest wave."""
+    problem = Problem.from_scene(scene)
+    if full:
+        return (1 + DEFAULT_TOLERANCE) * problem.full_contact_pressure  # else rounding may leave nodes without contact
+    modulus = float(problem.stiffness[1]) * problem.stiffness_unit * scene.layer.contact_modulus / scene.period
+    return modulus * float(np.maximum(approach - scene.first_node - problem.profile, 0.0).mean())
+
+
+def _tried(under: Callable[[float], Solution], approach: float, pressure: float, exact: float) -> list[Solution]:
     """The solutions by Newton's method, until one is right except for a hundredth of `exact`, or does not converge.
 
-    pressure: to begin with. The next one is kept between those that are known to be too low and too high.
+    under: the solution under a pressure; pressure: to begin with. The next one is kept between those that are known to
+    be too low and too high.
     """
-    approach, low, high, tried = scene.approach, 0.0, math.inf, list[Solution]()
-    assert approach is not None
+    low, high, tried = 0.0, math.inf, list[Solution]()
     while len(tried) < _MOST_SOLVES:
-        solution = solve(replace(scene, approach=None, pressure=pressure))
+        solution = under(pressure)
         tried.append(solution)
         off = _off(solution, approach)
         if solution.status is not Status.CONVERGED or abs(off) <= max(exact, solution.tolerance) / 100:
@@ -122,15 +134,15 @@ def _best(tried: Sequence[Solution], approach: float) -> Solution:
     return best if abs(_off(best, approach)) <= DEFAULT_TOLERANCE or tried[-1].status is Status.CONVERGED else tried[-1]
 
 
-def _approach_error(found: Solution, solve: Callable[[Scene], Solution]) -> float:
+def _approach_error(found: Solution, under: Callable[[float, int], Solution]) -> float:
     """Estimated error of the approach at the pressure that was found; where there is one grid alone by a coarser one.
 
-    Raises `KeyboardInterrupt` where that is interrupted.
+    under: the solution under a pressure on a grid of so many points. Raises `KeyboardInterrupt` if it is interrupted.
     """
     error, scene = found.observables.approach_error, found.scene
     if math.isinf(error) and found.status is Status.CONVERGED:
         with suppress(ValueError):  # no such grid holds the scene
-            coarse = solve(scene.on_grid(scene.num_points // FACTOR))
+            coarse = under(scene.pressure, scene.num_points // FACTOR)
             if coarse.status is Status.INTERRUPTED:
                 raise KeyboardInterrupt
             if coarse.status is Status.CONVERGED:
@@ -162,22 +174,6 @@ def _with_error_of_pressure(found: Solution, tried: Sequence[Solution], error: f
     return replace(found, observables=replace(own, **errors)), share
 
 
-def _full_approach(scene: Scene) -> float:
-    """The largest approach that a pressure brings [length]; `inf` where the layer has a foundation that yields."""
-    if foundation_modulus(scene) not in (0.0, math.inf):
-        return math.inf
-    return float(scene.profile.mean()) + first_node(scene)
-
-
-def _full_contact(scene: Scene, solve: Callable[[Scene], Solution], approach: float) -> Solution:
-    """The solution under the least pressure of full contact; any larger one brings the same approach."""
-    pressure = (1 + DEFAULT_TOLERANCE) * full_contact_pressure(scene)  # else rounding may leave nodes without contact
-    found = solve(replace(scene, approach=None, pressure=pressure))
-    why = "the least pressure of full contact; any larger one gives the same approach"
-    choices = (Choice("pressure", f"{pressure:.10g}", why), *found.choices)
-    return _told(replace(found, choices=choices), approach)
-
-
 def _told(found: Solution, approach: float) -> Solution:
     """The solution, which says how far its approach is off the one asked for."""
     balance = abs(found.observables.approach / approach - 1)
@@ -186,15 +182,15 @@ def _told(found: Solution, approach: float) -> Solution:
     return replace(found, observables=observables, certificate=certificate)
 
 
-def check_approach(scene: Scene) -> None:
-    """Raise `ValueError` for a scene whose approach no pressure brings."""
-    full, approach = _full_approach(scene), scene.approach
-    if approach is not None and approach > full * (1 + DEFAULT_TOLERANCE):
+def check_approach(scene: Scene) -> float:
+    """The largest approach that a pressure brings [length]; `inf` where the layer has a foundation that yields.
+
+    Raises `ValueError` for a scene whose approach no pressure brings.
+    """
+    if scene.foundation_modulus not in (0.0, math.inf):
+        return math.inf
+    full = float(scene.profile.mean()) + scene.first_node
+    if scene.approach is not None and scene.approach > full * (1 + DEFAULT_TOLERANCE):
         allowed = f"up to {full:.12g}, the mean height on this grid above the lowest point: there the contact is full"
-        raise ValueError(f"approach is {approach:.12g}; allowed: {allowed}")
-
-
-def _foundation_guess(scene: Scene, approach: float) -> float:
-    """The pressure of a Winkler foundation as stiff as the layer's longest wave."""
-    modulus = float(half_spectrum(scene.layer, 2, scene.period)[1]) * scene.layer.contact_modulus / scene.period
-    return modulus * float(np.maximum(approach - first_node(scene) - scene.profile, 0.0).mean())
+        raise ValueError(f"approach is {scene.approach:.12g}; allowed: {allowed}")
+    return full

@@ -10,10 +10,10 @@ import numpy as np
 from linecontact.solver import QUANTITIES, Observables, Solution
 from linecontact.solver.arrays import Array64
 from linecontact.solver.calibration import FITTED
+from linecontact.solver.grid.contact import contact_edges
+from linecontact.solver.grid.errors import with_errors
 from linecontact.solver.grid.observables import observe
-from linecontact.solver.grid.patches import Patches
 from linecontact.solver.grid.problem import Problem
-from linecontact.solver.strategy.errors import with_errors
 
 Numbers = dict[str, float]
 
@@ -43,11 +43,11 @@ class Known:
         """Estimated errors by the present numbers over true errors, shape (4,)."""
         one, certificate = self.found, self.found.certificate
         assert certificate
-        found, _ = observe(self._problem, one.displacement, one.contact_pressure, one.contact)
-        contact = Patches.of(one.contact), one.contact_pressure
+        contact = contact_edges(self._problem, one.contact_pressure, one.displacement)
+        found, _ = observe(contact, one.displacement)
 
         def estimates(**left: float) -> Array64:
-            errors = with_errors(one.scene, found, one.levels, replace(certificate, **left), *contact)
+            errors = with_errors(one.scene, found, one.levels, replace(certificate, **left), contact)
             return np.array([getattr(errors, quantity.error) for quantity in QUANTITIES.values()])
 
         estimated, value, true = estimates(), values(found), self.true

@@ -14,7 +14,7 @@ from linecontact.solver import (
     Scene,
     SlidingLayer,
 )
-from linecontact.solver.grid.problem import full_contact_pressure
+from linecontact.solver.grid.problem import Problem
 from linecontact.solver.layers import ElasticLayer
 
 FAMILIES = ("power", "rough", "few nodes", "nearly full", "waves", "unfinished")
@@ -44,7 +44,7 @@ def draw(family: str, seed: int) -> tuple[Scene, Scene]:
     elif family == "few nodes":
         load = _load_of_few(rng, layer, rough, n)
     else:
-        full = full_contact_pressure(Scene(layer, rough, 1.0, num_points=_FINER * n))
+        full = Problem.from_scene(Scene(layer, rough, 1.0, num_points=_FINER * n)).full_contact_pressure
         load = full * (1 - 10 ** rng.uniform(-4, -0.7))
     given = MeasuredIndenter(rough.profile(n, 1.0), convention="gap") if rng.random() < 0.4 else rough
     fine = Scene(layer, rough, float(load), num_points=_FINER * n)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 from linecontact.solver import Observables, Scene, checks
-from linecontact.solver.strategy.errors import DEFAULT_QUANTITY, check_accuracy
+from linecontact.solver.grid.errors import DEFAULT_QUANTITY, check_accuracy
 from numpy.typing import NDArray
 
 from . import number

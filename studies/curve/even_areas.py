@@ -2,7 +2,7 @@
 
 import numpy as np
 from linecontact.solver import Scene, Status, solve
-from linecontact.solver.grid.problem import full_contact_pressure
+from linecontact.solver.grid.problem import Problem
 
 from . import number
 
@@ -20,7 +20,7 @@ def loads(scene: Scene, first: float, last: float, count: int) -> tuple[float, .
         raise ValueError(f"from is {first:g}, and to {last:g}; allowed: 0 < from < to, with --spacing area")
     coarse = _coarse(scene)
     known = np.geomspace(first, last, _LOADS)
-    full = full_contact_pressure(coarse)
+    full = Problem.from_scene(coarse).full_contact_pressure
     areas = [_area(coarse, pressure) if pressure < full else 1.0 for pressure in known]
     wanted = np.linspace(areas[0], areas[-1], count)
     between = np.exp(np.interp(wanted, np.maximum.accumulate(areas), np.log(known)))

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from linecontact.solver import MeasuredIndenter, Scene, checks
-from linecontact.solver.grid.problem import full_contact_pressure
-from linecontact.solver.strategy.errors import DEFAULT_QUANTITY, QUANTITIES, check_accuracy
+from linecontact.solver.grid.errors import DEFAULT_QUANTITY, QUANTITIES, check_accuracy
+from linecontact.solver.grid.problem import Problem
 from linecontact.solver.units import unit
 
 from ..runner import study
@@ -176,7 +176,7 @@ def _values(options: Options, scene: Scene, own: Own | None) -> tuple[float, ...
     found = {name: _read(options, own, name, text) for name, text in given.items()}
     _check_ends(options.over, scene, found, given)
     if options.over == "pressure" and len(found) < len(ends):
-        full = full_contact_pressure(scene)
+        full = Problem.from_scene(scene).full_contact_pressure
         found = {"from": _SMALLEST_LOAD * full, "to": _BEYOND * full} | found
     for name in ends:
         if name not in found:

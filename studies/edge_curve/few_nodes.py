@@ -82,7 +82,7 @@ class Surface:
         def solved(points: int) -> dict[str, float | str]:
             scene = Scene(layer, indenter, self.pressure, num_points=points * waves)
             solution = solve(scene, progress=report)
-            _, alone = contact_edges(Problem.from_scene(scene), solution.contact_pressure)
+            alone = contact_edges(Problem.from_scene(scene), solution.contact_pressure).ends
             return {
                 "num_points": scene.num_points,
                 "points_to_wave": points,

@@ -7,13 +7,12 @@ import math
 import numpy as np
 from linecontact.solver import Scene
 from linecontact.solver.grid.indenter_on_grid import indenter_on_grid
-from linecontact.solver.grid.observables import foundation_modulus
 from linecontact.solver.grid.problem import foundation_level
 
 
 def is_one(scene: Scene) -> bool:
     """Whether the layer is a foundation for long waves: neither a half-space nor incompressible."""
-    return 0 < foundation_modulus(scene) < math.inf
+    return 0 < scene.foundation_modulus < math.inf
 
 
 def press(scene: Scene, num_points: int) -> dict[str, float]:
@@ -21,7 +20,7 @@ def press(scene: Scene, num_points: int) -> dict[str, float]:
 
     num_points: of the grid, which has to hold the surface.
     """
-    indenter, modulus = indenter_on_grid(scene.indenter, num_points, scene.period), foundation_modulus(scene)
+    indenter, modulus = indenter_on_grid(scene.indenter, num_points, scene.period), scene.foundation_modulus
     heights = scene.period * indenter.profile
     level = foundation_level(heights, modulus / scene.pressure)
     contact = heights < level

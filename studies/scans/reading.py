@@ -9,8 +9,8 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from linecontact.solver import ElasticLayer, MeasuredIndenter, Scene, checks
 from linecontact.solver.display import counted
+from linecontact.solver.grid.errors import DEFAULT_QUANTITY, check_accuracy
 from linecontact.solver.scene import MAX_POINTS, MIN_POINTS
-from linecontact.solver.strategy.errors import DEFAULT_QUANTITY, check_accuracy
 from linecontact.solver.transforms.plain import next_fast_len
 from linecontact.solver.units import SCENE, named
 

@@ -9,9 +9,9 @@ with V the value, m nodes to a patch, k = n - 1 under a power profile with n > 2
 c is at least 1/16 of the change before, or, of two grids alone, V/m^2. Below the tip of a power profile with n < 2 the
 peak pressure is of the order n - 1, and a = 1/(4^(n-1) - 1).
 
-e is told by the present grid alone: for area and kappa the errors of the patches' ends (`grid.edges`), for peak
+e is told by the present grid alone: for area and kappa the errors of the patches' ends (`edges`), for peak
 pressure and approach the possible extremes between the nodes. g is the largest width of gaps and patches between two
-nodes (`grid.unseen`), in area and kappa. The share that an iteration leaves at its residual is added.
+nodes (`unseen`), in area and kappa. The share that an iteration leaves at its residual is added.
 
 Under heights with a few kinks, and where a power profile's contact has split, all of c is taken. Nothing is known
 (`inf`) of peak pressure and approach without a coarser grid; of peak pressure and kappa under heights with a few kinks,
@@ -32,13 +32,15 @@ import numpy as np
 from .. import checks
 from ..arrays import Array64
 from ..calibration import FITTED
-from ..grid.certificate import Certificate
-from ..grid.layer_on_grid import modulus_on_grid
-from ..grid.observables import Measured, Observables
-from ..grid.patches import Patches
 from ..scene import Scene
-from ..solution import MEANINGLESS, Level
-from .run import FACTOR
+from .certificate import MEANINGLESS, Certificate
+from .contact import Contact
+from .layer_on_grid import modulus_on_grid
+from .observables import Measured, Observables
+from .patches import Patches
+
+FACTOR = 4
+"""Points of a grid over those of the next coarser one."""
 
 
 @dataclass(frozen=True)
@@ -103,11 +105,11 @@ def estimated(quantity: Quantity, scene: Scene, num_points: int, found: Measured
     """
     values = [abs(float(getattr(level, quantity.value))) for level in (*coarser[-2:], found)]
     alone, area, unseen = float(getattr(found, quantity.alone)), found.contact_area_subgrid, 0.0
-    if not (quantity.of_area or coarser) or (area and _unknown(quantity, scene, num_points, area)):
-        return math.inf
     if quantity.of_area and area:
         unseen = sensitivity(quantity, scene) * found.unseen_gap_area / area * values[-1]
     left = _left(quantity, scene, num_points, found, values) if coarser else 0.0
+    if not (quantity.of_area or coarser) or (area and _unknown(quantity, scene, num_points, area)):
+        return math.inf
     return math.hypot(left, alone) + unseen
 
 
@@ -143,12 +145,6 @@ def _unknown(quantity: Quantity, scene: Scene, num_points: int, area: float) -> 
     sharp = scene.indenter.power_law and scene.indenter.power_law[0] < 2
     splits = sharp and area < 1 and of_tip < min(_STIFF, shortest)
     return bool(splits or (not quantity.of_area and shortest < _STIFF))
-
-
-def grid_error(quantity: Quantity, scene: Scene, level: Level, coarser: Sequence[Level]) -> float:
-    """As `estimated`, relative; `inf` on the first grid, and where the quantity is 0."""
-    value = abs(getattr(level, quantity.value))
-    return estimated(quantity, scene, level.num_points, level, coarser) / value if coarser and value else math.inf
 
 
 def sensitivity(quantity: Quantity, scene: Scene) -> float:
@@ -198,20 +194,19 @@ def left_at_ends(largest: float, patches: Patches, pressure: Array64) -> float:
 def with_errors(
     scene: Scene,
     observables: Observables,
-    levels: Sequence[Level],
+    levels: Sequence[Measured],
     certificate: Certificate,
-    patches: Patches,
-    pressure: Array64,
+    contact: Contact,
 ) -> Observables:
     """Observables on the scene's grid with the estimated errors, of the grid and of the unfinished iteration.
 
-    levels: the coarser grids, from coarse to fine; patches, pressure: of the contact, see `left_at_ends`.
+    levels: the coarser grids, from coarse to fine.
     """
     errors: dict[str, Any] = {}
     area = observables.contact_area_subgrid
     residual = certificate.equilibrium_residual
     share = iteration_share(residual, area)
-    at_ends = left_at_ends(certificate.largest_residual, patches, pressure)
+    at_ends = left_at_ends(certificate.largest_residual, contact.patches, contact.pressure)
     for quantity in QUANTITIES.values():
         value = abs(getattr(observables, quantity.value))
         left = share + at_ends / area if quantity.of_area and area else share
