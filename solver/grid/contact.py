@@ -23,6 +23,8 @@ _JAGGED = 1.9
 """Fourth over second difference of given heights from which they do not tell the heights between them; 2 for a wave of
 four grid spacings."""
 _DIFFERENCES = np.array([[0, 0, 1, -2, 1, 0, 0], [0, 1, -4, 6, -4, 1, 0], [1, -6, 15, -20, 15, -6, 1]]).T
+_LOADS_KNOW_BEST = 10
+"""Nodes of patches up to which loads tell the ends better than pressures do, whatever both are expected to be off."""
 _SHORT_OF_FIT = 0.1
 """Width of patches that served for no fit [grid spacings]: under rough surfaces nothing is known of it, because another
 valley may be lower between the nodes."""
@@ -60,6 +62,8 @@ def contact_edges(problem: Problem, pressure: Array64, displacement: Array64 | N
     error = np.where(edges.by_load & steep, edges.end_errors, np.maximum(edges.end_errors, tip))
     if indenter.shortest_wave:
         error = np.maximum(error, np.where(edges.width < _SHORT_OF_FIT, edges.width / 2, 0.0))
+    if patches.count > 1:  # loads have errors of all ends
+        error = error + np.where(edges.by_load, FITTED.of_shares * error.mean(), 0.0)
     return patches, replace(edges, end_errors=error)
 
 
@@ -78,22 +82,22 @@ class _Surface:
     """u [grid spacings]."""
 
     def uneven(self, first: Indices, size: Indices) -> tuple[Array64, Mask]:
-        """How little the nodes tell of the heights between them: fourth and sixth over second differences, taken
-        positive, the larger at the two nodes in the middle of each run, shape (2, runs); and where nothing, (runs,).
-        The latter is at least the square of the former, as under one wave, because it may be small by chance.
+        """How little the nodes tell of the heights between them: fourth and sixth over second differences, means at the
+        ends and in the middle of each run, taken positive, shape (2, runs); and where nothing, (runs,). The latter is
+        at least the square of the former, as under one wave, because it may be small by chance.
         """
-        middle, profile = 2 * first + size - 1, self.heights.profile
-        nodes = np.stack([middle // 2, (middle + 1) // 2])[..., None] + np.arange(-3, 4)
-        second, fourth, sixth = np.abs(profile[nodes % profile.size] @ _DIFFERENCES).T
+        nodes = np.stack([first, first + size // 2, first + size - 1])[..., None] + np.arange(-3, 4)
+        profile = self.heights.profile
+        second, fourth, sixth = np.abs(profile[nodes % profile.size] @ _DIFFERENCES).sum(axis=0).T
         with np.errstate(divide="ignore", invalid="ignore"):
-            sixth = np.maximum(sixth, fourth**2 / second)
-            ratios = np.stack([fourth, sixth]) / second
-        return ratios.max(axis=-1), self.given & (ratios[0].min(axis=-1) > _JAGGED)
+            fourth /= second
+            sixth = np.maximum(sixth / second, fourth**2)
+        return np.stack([fourth, sixth]), self.given & (fourth > _JAGGED)
 
     def known(self, uneven: Array64, size: Indices) -> Array64:
         """Estimated errors of the ends of some patches by their loads, or of some gaps, shape (runs,) [grid spacings].
 
-        uneven: errors by heights and neighbours, of their shape [grid spacings]; size: their nodes.
+        uneven: errors by heights, of their shape [grid spacings]; size: their nodes.
         """
         by_layer = FITTED.of_layer * size**3 / self.layer.thickness**4
         return np.minimum(FITTED.always + uneven + by_layer, UNRESOLVED_ERROR)
@@ -119,13 +123,12 @@ def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array
             level, centre = level_errors(found, around, heights, loads[chosen])
             loads = shared_loads(patches, chosen, pressure, found, level, centre, layer.around_node)
             found = from_loads(loads[chosen], heights, (found.middle, found.half_width), around)
-        error = surface.known(FITTED.of_heights * uneven[1] + FITTED.beside_gap / gap**2, size)
+        error = surface.known(FITTED.of_heights * uneven[1], size)
     else:  # not known better than by counting, but narrower
         found = from_loads(loads[chosen], heights, begin, modulus=layer.modulus)
         error = np.full(size.size, UNRESOLVED_ERROR)
-    edges, better = _taken(
-        edges, np.stack([chosen, patches.count + chosen]), found.both, error, found.solved & ~jagged, patches
-    )
+    at, solved = np.stack([chosen, patches.count + chosen]), found.solved & ~jagged
+    edges, better = _taken(edges, at, found.both, error, solved, size <= _LOADS_KNOW_BEST, patches)
     unresolved, by_load = edges.unresolved.copy(), edges.by_load.copy()
     unresolved[chosen[better]], by_load[chosen[better]] = False, resolved
     return replace(edges, unresolved=unresolved, by_load=by_load)
@@ -150,24 +153,24 @@ def _by_gaps(surface: _Surface, patches: Patches, edges: Edges) -> Edges:
     error = surface.known(FITTED.of_heights_at_gaps * uneven[0], size)
     left, right = found.both
     at, ends = np.stack([patches.count + before, behind]), np.stack([left, right - beyond])
-    edges, better = _taken(edges, at, ends, error, found.solved & ~jagged, patches)
+    edges, better = _taken(edges, at, ends, error, found.solved & ~jagged, np.zeros(size.size, dtype=bool), patches)
     by_gap = edges.by_gap.copy()
     by_gap[before[better]] = True
     return replace(edges, by_gap=by_gap)
 
 
 def _taken(
-    edges: Edges, at: Indices, ends: Array64, error: Array64, solved: Mask, patches: Patches
+    edges: Edges, at: Indices, ends: Array64, error: Array64, solved: Mask, best: Mask, patches: Patches
 ) -> tuple[Edges, Mask]:
-    """Edges with those pairs of ends that are known better, and lie less than half a spacing inside the last nodes of
-    their patches, or less than one outside, where the next nodes do not touch; and which pairs.
+    """Edges with those pairs of ends that are the best ones, or known better, and lie less than half a spacing inside
+    the last nodes of their patches, or less than one outside, where the next nodes do not touch; and which pairs.
 
     at: their places among all left and all right ends, shape (2, pairs); ends: new ones, of that shape; error: of both,
-    shape (pairs,) [grid spacings]; solved: which there are.
+    shape (pairs,) [grid spacings]; solved, best: which there are, and which are the best ones, whatever the errors.
     """
     places, errors = np.append(edges.left, edges.right), edges.end_errors.ravel().copy()
     inside = (ends - np.append(patches.first, patches.last)[at]) * np.where(at < patches.count, 1, -1)
-    better = solved & (2 * error <= errors[at].sum(axis=0)) & ((inside > -1) & (inside < 0.5)).all(axis=0)
+    better = solved & (best | (2 * error <= errors[at].sum(axis=0))) & ((inside > -1) & (inside < 0.5)).all(axis=0)
     at = at[:, better]
     places[at] = ends[:, better]
     errors[at] = error[better]

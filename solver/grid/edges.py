@@ -111,12 +111,14 @@ class Edges:
         """Estimated errors of the widths, shape (M,) [grid spacings]: those of both ends add up."""
         return np.asarray(self.end_errors.sum(axis=0))
 
-    @property
-    def total_error(self) -> float:
+    def total_error(self, weights: Array64 | float = 1.0) -> float:
         """Estimated error of the sum of the widths, without `unseen` [grid spacings]: the root of the sum of squares,
         because the signs of most vary from patch to patch, and a share of the sum, for those that do not.
+
+        weights: of left and right ends in that sum, shape (2, M).
         """
-        return float(np.linalg.norm(self.error) + FITTED.in_common * self.error.sum())
+        error = (self.end_errors * weights).sum(axis=0)
+        return float(np.linalg.norm(error) + FITTED.in_common * error.sum())
 
 
 def find_edges(patches: Patches, pressure: Array64, layer: LayerOnGrid) -> Edges:
