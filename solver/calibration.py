@@ -21,7 +21,9 @@ class Calibration:
     of_size_if_wide: float
     """and in patches that are wide beside the layer, times these nodes, beside the former [grid spacings]."""
     beside_gap: float
-    """Error of an end by pressures or by a load, times the square of the nodes of the gap beside it [grid spacings]."""
+    """Error of an end by pressures, times the square of the nodes of the gap beside it [grid spacings]."""
+    of_shares: float
+    """Error of an end by a load that it shares with other patches, over the mean error of all ends."""
     of_heights: float
     """Error of an end by a load, over the sixth over the second difference of the heights, or over the squared ratio of
     the fourth to the second if that is more [grid spacings]."""
@@ -39,7 +41,7 @@ class Calibration:
     of_change: float
     """Share of the last change from grid to grid that is left in the peak pressure and in the approach."""
     of_nodes_in_peak: float
-    """Error of the peak pressure under smooth profiles, over it, times the square of the nodes of its patch,"""
+    """Error of the peak pressure, over it, times the patches and the square of the nodes of each,"""
     of_nodes_in_approach: float
     """and of the approach."""
     of_largest_residual: float

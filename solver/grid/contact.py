@@ -23,6 +23,8 @@ _JAGGED = 1.9
 """Fourth over second difference of given heights from which they do not tell the heights between them; 2 for a wave of
 four grid spacings."""
 _DIFFERENCES = np.array([[0, 0, 1, -2, 1, 0, 0], [0, 1, -4, 6, -4, 1, 0], [1, -6, 15, -20, 15, -6, 1]]).T
+_LOADS_KNOW_BEST = 10
+"""Nodes of patches up to which loads tell the ends better than pressures do, whatever both are expected to be off."""
 _SHORT_OF_FIT = 0.1
 """Width of patches that served for no fit [grid spacings]: under rough surfaces nothing is known of it, because another
 valley may be lower between the nodes."""
@@ -74,6 +76,8 @@ def contact_edges(problem: Problem, pressure: Array64, displacement: Array64 | N
     error = np.where(edges.by_load & steep, edges.end_errors, np.maximum(edges.end_errors, tip))
     if indenter.shortest_wave:
         error = np.maximum(error, np.where(edges.width < _SHORT_OF_FIT, edges.width / 2, 0.0))
+    if patches.count > 1:  # loads have errors of all ends
+        error = error + np.where(edges.by_load, FITTED.of_shares * error.mean(), 0.0)
     return Contact(problem, pressure, patches, replace(edges, end_errors=error, unseen=unseen))
 
 
@@ -92,22 +96,22 @@ class _Surface:
     """u [grid spacings]."""
 
     def uneven(self, first: Indices, size: Indices) -> tuple[Array64, Mask]:
-        """How little the nodes tell of the heights between them: fourth and sixth over second differences, taken
-        positive, the larger at the two nodes in the middle of each run, shape (2, runs); and where nothing, (runs,).
-        The latter is at least the square of the former, as under one wave, because it may be small by chance.
+        """How little the nodes tell of the heights between them: fourth and sixth over second differences, means at the
+        ends and in the middle of each run, taken positive, shape (2, runs); and where nothing, (runs,). The latter is
+        at least the square of the former, as under one wave, because it may be small by chance.
         """
-        middle, profile = 2 * first + size - 1, self.heights.profile
-        nodes = np.stack([middle // 2, (middle + 1) // 2])[..., None] + np.arange(-3, 4)
-        second, fourth, sixth = np.abs(profile[nodes % profile.size] @ _DIFFERENCES).T
+        nodes = np.stack([first, first + size // 2, first + size - 1])[..., None] + np.arange(-3, 4)
+        profile = self.heights.profile
+        second, fourth, sixth = np.abs(profile[nodes % profile.size] @ _DIFFERENCES).sum(axis=0).T
         with np.errstate(divide="ignore", invalid="ignore"):
-            sixth = np.maximum(sixth, fourth**2 / second)
-            ratios = np.stack([fourth, sixth]) / second
-        return ratios.max(axis=-1), self.given & (ratios[0].min(axis=-1) > _JAGGED)
+            fourth /= second
+            sixth = np.maximum(sixth / second, fourth**2)
+        return np.stack([fourth, sixth]), self.given & (fourth > _JAGGED)
 
     def known(self, uneven: Array64, size: Indices) -> Array64:
         """Estimated errors of the ends of some patches by their loads, or of some gaps, shape (runs,) [grid spacings].
 
-        uneven: errors by heights and neighbours, of their shape [grid spacings]; size: their nodes.
+        uneven: errors by heights, of their shape [grid spacings]; size: their nodes.
         """
         by_layer = FITTED.of_layer * size**3 / self.layer.thickness**4
         return np.minimum(FITTED.always + uneven + by_layer, UNRESOLVED_ERROR)
@@ -127,7 +131,7 @@ def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array
     begin = (edges.left + edges.right)[chosen] / 2, np.minimum(edges.width[chosen], size) / 2
     if resolved:
         gap = patches.gap.min(axis=0)[chosen]
-        error = surface.known(FITTED.of_heights * uneven[1] + FITTED.beside_gap / gap**2, size)
+        error = surface.known(FITTED.of_heights * uneven[1], size)
         around = Surroundings.of(first, size, gap, surface.pressure, surface.displacement, node_compliance)
         found = from_loads(loads[chosen], heights, begin, around)
         if patches.count > 1 and n <= MOST_POINTS and found.solved.any():
@@ -137,8 +141,8 @@ def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array
     else:  # not known better than by counting, but narrower
         found = from_loads(loads[chosen], heights, begin, modulus=layer.modulus)
         error = np.full(size.size, UNRESOLVED_ERROR)
-    at = np.stack([chosen, patches.count + chosen])
-    edges, better = edges.bettered(patches, at, found.both, error, found.solved & ~jagged)
+    at, solved = np.stack([chosen, patches.count + chosen]), found.solved & ~jagged
+    edges, better = edges.bettered(patches, at, found.both, error, solved, best=size <= _LOADS_KNOW_BEST)
     unresolved, by_load = edges.unresolved.copy(), edges.by_load.copy()
     unresolved[chosen[better]], by_load[chosen[better]] = False, resolved
     return replace(edges, unresolved=unresolved, by_load=by_load)

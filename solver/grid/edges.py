@@ -111,25 +111,29 @@ class Edges:
         """Estimated errors of the widths, shape (M,) [grid spacings]: those of both ends add up."""
         return np.asarray(self.end_errors.sum(axis=0))
 
-    @property
-    def total_error(self) -> float:
+    def total_error(self, weights: Array64 | float = 1.0) -> float:
         """Estimated error of the sum of the widths, without `unseen` [grid spacings]: the root of the sum of squares,
         because the signs of most vary from patch to patch, and a share of the sum, for those that do not.
+
+        weights: of left and right ends in that sum, shape (2, M).
         """
-        return float(np.linalg.norm(self.error) + FITTED.in_common * self.error.sum())
+        error = (self.end_errors * weights).sum(axis=0)
+        return float(np.linalg.norm(error) + FITTED.in_common * error.sum())
 
     def bettered(
-        self, patches: Patches, at: Indices, ends: Array64, error: Array64, solved: Mask
+        self, patches: Patches, at: Indices, ends: Array64, error: Array64, solved: Mask, best: Mask | bool = False
     ) -> tuple["Edges", Mask]:
-        """Edges with those pairs of ends that are known better, and lie less than half a spacing inside the last nodes
-        of their patches, or less than one outside, where the next nodes do not touch; and which pairs.
+        """Edges with those pairs of ends that are the best ones, or known better, and lie less than half a spacing
+        inside the last nodes of their patches, or less than one outside, where the next nodes do not touch; and which
+        pairs.
 
         at: their places among all left and all right ends, shape (2, pairs); ends: new ones, of that shape; error: of
-        both, shape (pairs,) [grid spacings]; solved: which there are.
+        both, shape (pairs,) [grid spacings]; solved: which there are; best: which to take whatever the errors.
         """
         places, errors = np.append(self.left, self.right), self.end_errors.ravel().copy()
         inside = (ends - np.append(patches.first, patches.last)[at]) * np.where(at < patches.count, 1, -1)
-        better = solved & (2 * error <= errors[at].sum(axis=0)) & ((inside > -1) & (inside < 0.5)).all(axis=0)
+        better = solved & (best | (2 * error <= errors[at].sum(axis=0)))
+        better &= ((inside > -1) & (inside < 0.5)).all(axis=0)
         at = at[:, better]
         places[at] = ends[:, better]
         errors[at] = error[better]

@@ -1,13 +1,12 @@
 """Estimates of the error that a grid leaves in the observables of a solution, by one rule:
 
-    sqrt((a c)^2 + e^2) + g.
+    sqrt((a c)^2 + [b V/M (k/m)^2]^2 + e^2) + g.
 
-c is the change from a grid with a quarter of the points to the present one, and a the share of it that is left, which
-was fitted (`calibration`); in area and kappa nothing, because the ends of the patches tell more. Peak pressure and
-approach may change by little by chance. Under smooth profiles b V (k/m)^2 comes to a c, as the second order has it,
-with V the value, m nodes to a patch, k = n - 1 under a power profile with n > 2, else 1, and b fitted. Under rough ones
-c is at least 1/16 of the change before, or, of two grids alone, V/m^2. Below the tip of a power profile with n < 2 the
-peak pressure is of the order n - 1, and a = 1/(4^(n-1) - 1).
+c is the change from a grid with a quarter of the points to the present one, at least 1/16 of the change before, because
+it may be small by chance; a is the share of it that is left, and V the value in M patches of m nodes. Both a and b were
+fitted (`calibration`); in area and kappa they are 0, because the ends of the patches tell more. k is n - 1 under a
+power profile with n > 2, else 1. Below the tip of a power profile with n < 2 the peak pressure is of the order n - 1,
+and a = 1/(4^(n-1) - 1).
 
 e is told by the present grid alone: for area and kappa the errors of the patches' ends (`edges`), for peak
 pressure and approach the possible extremes between the nodes. g is the largest width of gaps and patches between two
@@ -54,8 +53,7 @@ class Quantity:
     alone: str
     """The name of the part of its error that a grid tells alone."""
     of_nodes: str | None = None
-    """The name in `Calibration` of the error that few nodes leave under smooth profiles; None where this grid tells
-    more than changes do."""
+    """The name in `Calibration` of the error that few nodes leave; None where this grid tells more than changes do."""
     of_lowest: bool = False
     """Whether it counts from the profile's lowest point, and does not depend on the largest pressure."""
     of_slopes: bool = False
@@ -114,7 +112,7 @@ def estimated(quantity: Quantity, scene: Scene, num_points: int, found: Measured
 
 
 def _left(quantity: Quantity, scene: Scene, num_points: int, found: Measured, values: Sequence[float]) -> float:
-    power, rough = scene.indenter.power_law, scene.indenter.shortest_wave(num_points) > 0
+    power = scene.indenter.power_law
     changes = [abs(after - before) for before, after in pairwise(values)]
     last, share = changes[-1], FITTED.of_change if quantity.of_nodes else 0.0
     if power and power[0] < 2 and not (quantity.of_area or quantity.of_lowest):
@@ -123,15 +121,15 @@ def _left(quantity: Quantity, scene: Scene, num_points: int, found: Measured, va
         share = max(share, 1.0)
     if not quantity.of_nodes:
         return share * last
-    nodes, steepness = found.contact_area_subgrid * num_points / max(found.num_patches, 1), power[0] - 1 if power else 1
-    of_nodes = values[-1] * (max(steepness, 1) / nodes) ** 2 if nodes else 0.0
     if len(changes) == 2:
-        limited = rough or power or quantity.of_lowest
+        limited = scene.indenter.shortest_wave(num_points) or power or quantity.of_lowest
         if not limited and last > max(changes[0] / _LEAST_FALL, float(getattr(found, quantity.alone))):
             return math.inf
-    if rough:
-        return share * max(last, changes[0] / FACTOR**2 if len(changes) == 2 else of_nodes)
-    return float(share * last + getattr(FITTED, quantity.of_nodes) * of_nodes)
+        last = max(last, changes[0] / FACTOR**2)
+    patches, steepness = max(found.num_patches, 1), max(power[0] - 1 if power else 1.0, 1.0)
+    nodes = found.contact_area_subgrid * num_points / patches
+    of_nodes = values[-1] * (steepness / nodes) ** 2 / patches if nodes else 0.0
+    return math.hypot(share * last, getattr(FITTED, quantity.of_nodes) * of_nodes)
 
 
 def _unknown(quantity: Quantity, scene: Scene, num_points: int, area: float) -> bool:

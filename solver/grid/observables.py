@@ -120,7 +120,7 @@ def measure(found: Contact, displacement: Array64, unit: float = 1.0) -> dict[st
         "contact_area_subgrid": area,
         "rms_gradient_subgrid": gradient,
         "kappa_subgrid": kappa,
-        "contact_area_edges_error": edges.total_error / num_points if patches.count else 1.0,
+        "contact_area_edges_error": edges.total_error() / num_points if patches.count else 1.0,
         "kappa_edges_error": kappa_error,
         "unseen_gap_area": edges.unseen / num_points,
         "peak_pressure": unit * float(pressure.max(initial=0.0)),
@@ -196,10 +196,14 @@ def subgrid_measures(problem: Problem, patches: Patches, edges: Edges) -> tuple[
     strips = np.stack([first - 0.5 - edges.left, edges.right - last - 0.5])
     middles = np.stack([(first - 0.5 + edges.left) / 2, (last + 0.5 + edges.right) / 2])
     node = np.floor(middles).astype(np.int64)
-    part = middles - node
     before, here, there, beyond = (squared[(node + step) % num_points] for step in (-1, 0, 1, 2))
     bend = (before - here - there + beyond) / 2
-    at = (1 - part) * here + part * there + bend * (strips**2 / 12 - part * (1 - part)) / 2
+
+    def parabola(places: Array64) -> Array64:
+        part = places - node
+        return (1 - part) * here + part * there - bend * part * (1 - part) / 2
+
+    at = parabola(middles) + bend * strips**2 / 24
     mean_square = float((whole + np.where(unknown, (strips * at).sum(axis=0), 0.0)).sum()) / width
     if not mean_square > 0:  # beside a step differences of high order leave less than nothing: as the nodes have it
         mean_square = float(squared[patches.nodes].mean())
@@ -208,9 +212,9 @@ def subgrid_measures(problem: Problem, patches: Patches, edges: Edges) -> tuple[
     gradient = math.sqrt(mean_square)
     per_area = gradient * scene.layer.contact_modulus / scene.pressure
     kappa = per_area * width / num_points
-    # as for a power profile, whose kappa goes like a_r^n
-    with np.errstate(over="ignore"):
-        by_edges = kappa * float(np.expm1(max(indenter.exponent or 2.0, 2.0) * math.log1p(edges.total_error / width)))
+    # kappa goes like the root of the width times the integral of h'^2
+    at_ends = np.maximum(parabola(np.stack([edges.left, edges.right])), 0.0)
+    by_edges = kappa / width * edges.total_error((1 + at_ends / mean_square) / 2)
     by_slopes = 0.0  # of h'^2, twice that of its root
     if (doubt := indenter.squared_slope_doubt) is not None:
         by_slopes = float(np.abs(patches.sums(doubt[patches.nodes]))[unknown].sum()) / width / mean_square

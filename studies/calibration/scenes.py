@@ -38,16 +38,20 @@ def draw(family: str, seed: int) -> tuple[Scene, Scene]:
         return scene, scene if family == UNFINISHED else scene.on_grid(_FINER * n)
     if family == "waves":
         return _waves(rng, layer, n)
-    rough = _rough(rng, seed, n)
+    surface: Indenter = _rough(rng, seed, n)
     if family == "rough":
         load = 10 ** rng.uniform(-3, -0.7) * max(1.0, _stiffness(layer, n / 16) ** 0.5)
     elif family == "few nodes":
-        load = _load_of_few(rng, layer, rough, n)
+        load = _load_of_few(rng, layer, surface, n)
     else:
-        full = Problem.from_scene(Scene(layer, rough, 1.0, num_points=_FINER * n)).full_contact_pressure
+        if rng.random() < 0.3:
+            surface = PowerIndenter(float(rng.uniform(1.05, 5)))
+        full = Problem.from_scene(Scene(layer, surface, 1.0, num_points=_FINER * n)).full_contact_pressure
         load = full * (1 - 10 ** rng.uniform(-4, -0.7))
-    given = MeasuredIndenter(rough.profile(n, 1.0), convention="gap") if rng.random() < 0.4 else rough
-    fine = Scene(layer, rough, float(load), num_points=_FINER * n)
+    given = surface
+    if rng.random() < 0.4 and not surface.power_law:
+        given = MeasuredIndenter(surface.profile(n, 1.0), convention="gap")
+    fine = Scene(layer, surface, float(load), num_points=_FINER * n)
     return replace(fine, indenter=given, num_points=n), fine
 
 
