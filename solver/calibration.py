@@ -32,8 +32,9 @@ class Calibration:
     always: float
     """Least error of an end by a load or a gap [grid spacings]."""
     of_layer: float
-    """Error of an end beside which the layer looks like a half-space, over the cube of the nodes of its patch, or of
-    the gap that tells it, times the fourth power of the layer's thickness in grid spacings [grid spacings]."""
+    """Error of an end beside which the layer looks like a half-space, over the cube of the nodes of its patch, times
+    the fourth power of the layer's thickness [grid spacings]; if a gap tells it, over the nodes of the gap, times the
+    square of the thickness."""
     of_tip: float
     """Error of the ends beside a tip, see `PowerIndenter.end_error`."""
     in_common: float

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import Array64, Indices, Mask
+from ..arrays import Array64, Indices
 from ..calibration import FITTED
 from .cached import MOST_POINTS
 from .edges import UNRESOLVED_BELOW, UNRESOLVED_ERROR, Edges, find_edges
@@ -20,8 +20,8 @@ from .shares import shared_loads
 from .unseen import unseen_gaps, unseen_patches
 
 _JAGGED = 1.9
-"""Fourth over second difference of given heights from which they do not tell the heights between them; 2 for a wave of
-four grid spacings."""
+"""Fourth over second difference of given heights, or at a gap, from which they do not tell the heights between them; 2
+for a wave of four grid spacings, and at a kink."""
 _DIFFERENCES = np.array([[0, 0, 1, -2, 1, 0, 0], [0, 1, -4, 6, -4, 1, 0], [1, -6, 15, -20, 15, -6, 1]]).T
 _LOADS_KNOW_BEST = 10
 """Nodes of patches up to which loads tell the ends better than pressures do, whatever both are expected to be off."""
@@ -95,10 +95,10 @@ class _Surface:
     displacement: Field
     """u [grid spacings]."""
 
-    def uneven(self, first: Indices, size: Indices) -> tuple[Array64, Mask]:
+    def uneven(self, first: Indices, size: Indices) -> Array64:
         """How little the nodes tell of the heights between them: fourth and sixth over second differences, means at the
-        ends and in the middle of each run, taken positive, shape (2, runs); and where nothing, (runs,). The latter is
-        at least the square of the former, as under one wave, because it may be small by chance.
+        ends and in the middle of each run, taken positive, shape (2, runs). The latter is at least the square of the
+        former, as under one wave, because it may be small by chance.
         """
         nodes = np.stack([first, first + size // 2, first + size - 1])[..., None] + np.arange(-3, 4)
         profile = self.heights.profile
@@ -106,15 +106,12 @@ class _Surface:
         with np.errstate(divide="ignore", invalid="ignore"):
             fourth /= second
             sixth = np.maximum(sixth / second, fourth**2)
-        return np.stack([fourth, sixth]), self.given & (fourth > _JAGGED)
+        return np.stack([fourth, sixth])
 
-    def known(self, uneven: Array64, size: Indices) -> Array64:
-        """Estimated errors of the ends of some patches by their loads, or of some gaps, shape (runs,) [grid spacings].
 
-        uneven: errors by heights, of their shape [grid spacings]; size: their nodes.
-        """
-        by_layer = FITTED.of_layer * size**3 / self.layer.thickness**4
-        return np.minimum(FITTED.always + uneven + by_layer, UNRESOLVED_ERROR)
+def _known(error: Array64) -> Array64:
+    """Estimated errors of ends that are known by a load or a gap [grid spacings]."""
+    return np.minimum(FITTED.always + error, UNRESOLVED_ERROR)
 
 
 def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array64) -> Edges:
@@ -127,11 +124,11 @@ def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array
     if not chosen.size:
         return edges
     first, size, loads = patches.first[chosen], patches.size[chosen], patches.sums(pressure)
-    uneven, jagged = surface.uneven(first, size)
+    uneven = surface.uneven(first, size)
     begin = (edges.left + edges.right)[chosen] / 2, np.minimum(edges.width[chosen], size) / 2
     if resolved:
         gap = patches.gap.min(axis=0)[chosen]
-        error = surface.known(FITTED.of_heights * uneven[1], size)
+        error = _known(FITTED.of_heights * uneven[1] + FITTED.of_layer * size**3 / layer.thickness**4)
         around = Surroundings.of(first, size, gap, surface.pressure, surface.displacement, node_compliance)
         found = from_loads(loads[chosen], heights, begin, around)
         if patches.count > 1 and n <= MOST_POINTS and found.solved.any():
@@ -141,7 +138,8 @@ def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array
     else:  # not known better than by counting, but narrower
         found = from_loads(loads[chosen], heights, begin, modulus=layer.modulus)
         error = np.full(size.size, UNRESOLVED_ERROR)
-    at, solved = np.stack([chosen, patches.count + chosen]), found.solved & ~jagged
+    at = np.stack([chosen, patches.count + chosen])
+    solved = found.solved & ~(surface.given & (uneven[0] > _JAGGED))
     edges, better = edges.bettered(patches, at, found.both, error, solved, best=size <= _LOADS_KNOW_BEST)
     unresolved, by_load = edges.unresolved.copy(), edges.by_load.copy()
     unresolved[chosen[better]], by_load[chosen[better]] = False, resolved
@@ -161,13 +159,13 @@ def _by_gaps(surface: _Surface, patches: Patches, edges: Edges) -> Edges:
     def negative_opening(nodes: Indices) -> Array64:
         return surface.displacement(nodes) - surface.heights.at_nodes(nodes)
 
-    uneven, jagged = surface.uneven(first, size)
-    error = surface.known(FITTED.of_heights_at_gaps * uneven[0], size)
+    uneven = surface.uneven(first, size)
+    error = _known(FITTED.of_heights_at_gaps * uneven[0] + FITTED.of_layer * size / surface.layer.thickness**2)
     closed = Surroundings.of(first, size, narrower[before], negative_opening, surface.pressure, node_stiffness)
     found = gap_ends(closed, edges.right[before], edges.left[behind] + beyond)
     left, right = found.both
     at, ends = np.stack([patches.count + before, behind]), np.stack([left, right - beyond])
-    edges, better = edges.bettered(patches, at, ends, error, found.solved & ~jagged)
+    edges, better = edges.bettered(patches, at, ends, error, found.solved & (uneven[0] <= _JAGGED))
     by_gap = edges.by_gap.copy()
     by_gap[before[better]] = True
     return replace(edges, by_gap=by_gap)
