@@ -39,8 +39,6 @@ class Calibration:
     """Error of the ends beside a tip, see `PowerIndenter.end_error`."""
     in_common: float
     """Share of the errors of patches that has the same sign in all."""
-    of_change: float
-    """Share of the last change from grid to grid that is left in the peak pressure and in the approach."""
     of_nodes_in_peak: float
     """Error of the peak pressure, over it, times the patches and the square of the nodes of each,"""
     of_nodes_in_approach: float

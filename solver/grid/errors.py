@@ -3,10 +3,10 @@
     sqrt((a c)^2 + [b V/M (k/m)^2]^2 + e^2) + g.
 
 c is the change from a grid with a quarter of the points to the present one, at least 1/16 of the change before, because
-it may be small by chance; a is the share of it that is left, and V the value in M patches of m nodes. Both a and b were
-fitted (`calibration`); in area and kappa they are 0, because the ends of the patches tell more. k is n - 1 under a
-power profile with n > 2, else 1. Below the tip of a power profile with n < 2 the peak pressure is of the order n - 1,
-and a = 1/(4^(n-1) - 1).
+it may be small by chance; a is the share of it that is left, and V the value in M patches of m nodes, with b fitted
+(`calibration`). In area and kappa a and b are 0, because the ends of the patches tell more. k is n - 1 under a power
+profile with n > 2, else 1. Below the tip of a power profile with n < 2 the peak pressure is of the order n - 1, and a =
+1/(4^(n-1) - 1).
 
 e is told by the present grid alone: for area and kappa the errors of the patches' ends (`edges`), for peak
 pressure and approach the possible extremes between the nodes. g is the largest width of gaps and patches between two
@@ -78,6 +78,9 @@ DEFAULT_QUANTITY = "contact-area"
 MOST_ACCURACY = 0.1
 """Coarsest relative error that may be asked for (dimensionless)."""
 
+_LEFT = 0.2
+"""Share of the last change from grid to grid that is left in peak pressure and approach; the first order leaves 1/3,
+the order 3/2 of pressures at ends 1/7."""
 _LEAST_FALL = 1.25
 """Factor by which changes of a quantity with a limit fall from grid to grid."""
 _STIFF = 0.9
@@ -114,7 +117,7 @@ def estimated(quantity: Quantity, scene: Scene, num_points: int, found: Measured
 def _left(quantity: Quantity, scene: Scene, num_points: int, found: Measured, values: Sequence[float]) -> float:
     power = scene.indenter.power_law
     changes = [abs(after - before) for before, after in pairwise(values)]
-    last, share = changes[-1], FITTED.of_change if quantity.of_nodes else 0.0
+    last, share = changes[-1], _LEFT if quantity.of_nodes else 0.0
     if power and power[0] < 2 and not (quantity.of_area or quantity.of_lowest):
         share = 1 / (FACTOR ** (power[0] - 1) - 1)
     if scene.indenter.kinked or (power and found.num_patches > 1):
