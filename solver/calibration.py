@@ -14,8 +14,8 @@ class Calibration:
     """The numbers, by their names in the file. They are meant to let each estimate hold in 97 of 100 scenes."""
 
     of_difference: float
-    """Error of an end by pressures, over the difference of two estimates of it, times the root of the nodes of its
-    patch."""
+    """Error of an end by pressures, over the power 3/2 of the difference of two estimates of it [grid spacings], times
+    the root of the nodes of its patch [grid spacings]."""
     of_size: float
     """The same times the square of the nodes of its patch [grid spacings],"""
     of_size_if_wide: float
@@ -43,8 +43,6 @@ class Calibration:
     """Error of the peak pressure, over it, times the patches and the square of the nodes of each,"""
     of_nodes_in_approach: float
     """and of the approach."""
-    of_largest_residual: float
-    """Error of the pressures at ends by an unfinished iteration, over the largest residual."""
 
 
 FITTED = Calibration(**json.loads(FILE.read_text(encoding="utf-8"))["numbers"])

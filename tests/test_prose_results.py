@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from linecontact.solver import RoughIndenter, Scene, solve
 from linecontact.solver.calibration import FITTED
-from linecontact.solver.strategy import errors, small_models
+from linecontact.solver.grid import errors
+from linecontact.solver.strategy import small_models
 from linecontact.studies.multilevel import allocation
 from linecontact.studies.paper import statements
 from linecontact.studies.peers import areas
@@ -99,13 +100,13 @@ def errors_of_the_hertz_study():
     yield f"known to {digits(max(off for thickness, off in edges if thickness > 5))} grid spacings, as long as"
     yield f"{FITTED.of_difference:g}$/\\sqrt m$ of the difference between two estimates, {FITTED.of_size:g}$/m^2$ and"
     yield f"{FITTED.beside_gap:g}$/k^2$, in patches wide beside the layer also {FITTED.of_size_if_wide:g}$/m$"
+    yield f"also {FITTED.of_shares:g} of the mean error of all ends"
     yield f"{FITTED.of_heights:g} of the sixth over the second difference of the heights"
     yield f"{FITTED.of_heights_at_gaps:g} of the fourth over the second difference of the heights"
     yield f"and {FITTED.in_common:g} of the sum"
-    yield f"an end is off by {FITTED.of_layer:g}$\\,m^3/d^4$ more"
-    yield f"$\\alpha = {FITTED.of_change:g}$ of the change $c$"
+    yield f"an end is off by {FITTED.of_layer:g}$\\,m^3/d^4$ more, or by {FITTED.of_layer:g}$\\,k/d^2$ if"
+    yield f"$\\alpha = {errors._LEFT:g}$ of the change $c$"
     yield f"$b = {FITTED.of_nodes_in_peak:g}$ in the peak pressure and {FITTED.of_nodes_in_approach:g} in the approach"
-    yield f"may be off by {FITTED.of_largest_residual:g} times the `largest_residual`"
     assert (errors._LEAST_FALL, errors.FACTOR**2) == (1.25, 16)
     yield f"contacts of up to {2 * small_models._LONG_ASPERITY:.0f} thicknesses: milliseconds"
     yield f"of the contact area, from 1e-9 to {errors.MOST_ACCURACY}."

@@ -77,7 +77,7 @@ def contact_edges(problem: Problem, pressure: Array64, displacement: Array64 | N
     if indenter.shortest_wave:
         error = np.maximum(error, np.where(edges.width < _SHORT_OF_FIT, edges.width / 2, 0.0))
     if patches.count > 1:  # loads have errors of all ends
-        error = error + np.where(edges.by_load, FITTED.of_shares * error.mean(), 0.0)
+        error = error + np.where(edges.by_load, min(FITTED.of_shares * error.mean(), UNRESOLVED_ERROR), 0.0)
     return Contact(problem, pressure, patches, replace(edges, end_errors=error, unseen=unseen))
 
 
@@ -100,9 +100,9 @@ class _Surface:
         ends and in the middle of each run, taken positive, shape (2, runs). The latter is at least the square of the
         former, as under one wave, because it may be small by chance.
         """
-        nodes = np.stack([first, first + size // 2, first + size - 1])[..., None] + np.arange(-3, 4)
-        profile = self.heights.profile
-        second, fourth, sixth = np.abs(profile[nodes % profile.size] @ _DIFFERENCES).sum(axis=0).T
+        nodes, profile = first + np.stack([0 * size, (size - 1) // 2, size // 2, size - 1]), self.heights.profile
+        around = profile[(nodes[..., None] + np.arange(-3, 4)) % profile.size]
+        second, fourth, sixth = np.abs(around @ _DIFFERENCES).sum(axis=0).T
         with np.errstate(divide="ignore", invalid="ignore"):
             fourth /= second
             sixth = np.maximum(sixth / second, fourth**2)

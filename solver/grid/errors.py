@@ -179,7 +179,7 @@ def left_at_ends(largest: float, patches: Patches, pressure: Array64) -> float:
     """
     if not patches.count or patches.full or not math.isfinite(largest):
         return 0.0
-    error, inside = FITTED.of_largest_residual * largest * float(pressure.mean()), pressure[patches.nodes]
+    error, inside = largest * float(pressure.mean()), pressure[patches.nodes]
     above, begin = np.flatnonzero(inside > error), patches.offset
     behind = begin + patches.size
     first, last = np.searchsorted(above, begin), np.searchsorted(above, behind) - 1
