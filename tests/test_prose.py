@@ -61,9 +61,10 @@ def areas_of_hertz_contacts():
     assert off[0] < 1e-8
     assert off[1] < 2e-10
     yield "Hertz contacts on 2^12 points are right to 1e-8 of themselves, on 2^14 points to 2e-10."
-    assert (edges._NARROW, contact.MOST_NODES) == (2, 32)
+    assert (edges._NARROW, contact._LOADS_KNOW_BEST, contact.MOST_NODES) == (2, 10, 32)
     yield "The row is taken, and the last term with it, for patches of up to two thicknesses of the layer,"
-    yield "Each patch of up to 32 nodes gets the ends"
+    yield "Patches of up to 10 nodes get the ends by load"
+    yield "Those of up to 32 nodes get the ends"
 
 
 def patches_of_a_few_nodes():
