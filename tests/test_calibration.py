@@ -44,7 +44,6 @@ def test_estimates_too_small_are_made_larger_and_others_smaller(monkeypatch):
     monkeypatch.setattr(fit, "_FACTOR", 4.0)
     numbers = fit.fitted(known)
     assert asdict(FITTED) == before
-    assert numbers["of_shares"] == pytest.approx(before["of_shares"], rel=0.1)  # one patch shares no load
     wide = {**before, "of_nodes_in_peak": 100 * before["of_nodes_in_peak"]}
     (good, poor) = (fit.held(known, one)["power"]["peak-pressure"] for one in (numbers, wide))
     assert good.startswith("3 of 3, median ")

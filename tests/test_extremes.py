@@ -301,7 +301,7 @@ def test_reasons_name_what_helps():
     given = measured(1 - np.cos(2 * np.pi * np.arange(256) / 256))
     reason = solve(given, accuracy=1e-6).reason
     finer = "a finer grid: num_points above 256, with heights given there"
-    assert str(reason) == f"accuracy is 1e-06; allowed: above 0.00011, or {finer}"
+    assert str(reason) == f"accuracy is 1e-06; allowed: above 2.6e-06, or {finer}"
     assert (reason.cause, reason.parameter) == (Cause.GRID, "accuracy")
 
 
