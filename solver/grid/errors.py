@@ -14,7 +14,7 @@ nodes (`unseen`), in area and kappa. The share that an iteration leaves at its r
 
 Under heights with a few kinks, and where a power profile's contact has split, all of c is taken. Nothing is known
 (`inf`) of peak pressure and approach without a coarser grid; of peak pressure and kappa under heights with a few kinks,
-where they may have no limit; of the peak pressure where its changes under a profile without a shortest wave hardly
+where they may have no limit; of the peak pressure where its changes under a profile without a shortest wave do not
 fall, as at a step, and under a stiff coating thinner than a grid spacing, where the nodes may miss anything; and of all
 but the approach where a sharp tip (n < 2) presses a coating of a few spacings on a softer base down, which may split
 the contact between the nodes.
@@ -81,8 +81,6 @@ MOST_ACCURACY = 0.1
 _LEFT = 0.2
 """Share of the last change from grid to grid that is left in peak pressure and approach; the first order leaves 1/3,
 the order 3/2 of pressures at ends 1/7."""
-_LEAST_FALL = 1.25
-"""Factor by which changes of a quantity with a limit fall from grid to grid."""
 _STIFF = 0.9
 """2K/(E* q) of a wave, below which shorter ones find the layer stiffer."""
 
@@ -126,7 +124,7 @@ def _left(quantity: Quantity, scene: Scene, num_points: int, found: Measured, va
         return share * last
     if len(changes) == 2:
         limited = scene.indenter.shortest_wave(num_points) or power or quantity.of_lowest
-        if not limited and last > max(changes[0] / _LEAST_FALL, float(getattr(found, quantity.alone))):
+        if not limited and last > max(changes[0], float(getattr(found, quantity.alone))):
             return math.inf
         last = max(last, changes[0] / FACTOR**2)
     patches, steepness = max(found.num_patches, 1), max(power[0] - 1 if power else 1.0, 1.0)
