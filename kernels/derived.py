@@ -1,4 +1,4 @@
-"""Files that can be made again, with checksums beside them: the rest of one after a power cut is not taken for it."""
+"""Files that can be made again, with checksums beside them: one that a power cut has shortened is made again."""
 
 import hashlib
 import os

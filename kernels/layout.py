@@ -1,4 +1,4 @@
-"""The agreement of kernels and their callers: the chunk, the padding and the slots of FIRE's control state.
+"""Constants that kernels and their callers share: the chunk, the padding and the slots of FIRE's control state.
 
 The control state is one float64 array. Scalars live there, not in kernel arguments, because a recorded graph freezes
 its scalar arguments. All slots are dimensionless in the units of the discrete problem (period, contact modulus and mean

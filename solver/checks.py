@@ -1,4 +1,4 @@
-"""Checks of user input: every error names the parameter, its value and the allowed ones."""
+"""Checks of user input: every error names the parameter and its value, and says what is allowed."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -77,7 +77,7 @@ def choice(name: str, value: object, allowed: tuple[str, ...]) -> str:
 def own_code(what: str, allowed: str, part: object = None) -> Iterator[None]:
     """Raise `ValueError` with a name for any error in code of one's own: a layer, an indenter, a variant.
 
-    A `ValueError` with allowed values keeps its words. part: whose code it is; an error in a part of the
+    A `ValueError` that says what is allowed keeps its words. part: whose code it is; an error in a part of the
     program is its bug, and passed on.
     """
     try:

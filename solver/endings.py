@@ -34,16 +34,16 @@ class Cause(StrEnum):
 
 @dataclass(frozen=True)
 class Reason:
-    """Why a solve did not reach its goal, and the allowed values."""
+    """Why a solve did not reach its goal, and what would help."""
 
     cause: Cause
-    """The cause."""
+    """The kind of reason."""
     parameter: str
     """The parameter of `solve` or `Scene` that it depends on."""
     found: str
-    """The parameter's value, or its fate."""
+    """The parameter's value, or an event that ended the solve."""
     allowed: str
-    """The allowed values."""
+    """Values or settings that may reach the goal."""
 
     def __str__(self) -> str:
         return f"{self.parameter} is {self.found}; allowed: {self.allowed}" if self.parameter else self.found

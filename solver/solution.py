@@ -39,9 +39,9 @@ class Choice:
     """Something that was chosen for the user."""
 
     what: str
-    """The thing to choose."""
+    """Name of the setting."""
     chosen: str
-    """The choice."""
+    """Its value."""
     reason: str
     """Why."""
     error: float = 0.0
@@ -90,7 +90,7 @@ class Solution(Value):
     backend: str
     """The backend of the kernels on the finest grid."""
     reason: Reason | None = None
-    """Why the status is not `CONVERGED`, and the allowed values; None if it is."""
+    """Why the status is not `CONVERGED`, and what would help; None if it is."""
     handed_over: bool = False
     """The method did not settle or could not have its result certified, and another one went on from there."""
     levels: tuple[Level, ...] = field(default_factory=tuple)

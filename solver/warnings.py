@@ -1,4 +1,4 @@
-"""Where a solution should not be taken at its word: warnings without being asked.
+"""Warnings, where a solution should not be taken at its word.
 
 A converged solution is exact for its grid and for linear elasticity. Whether the grid resolves the contact, and whether
 linear elasticity holds there, are other questions.
@@ -37,7 +37,7 @@ _FAR_APART = 1e-5, 1e3  # thickness over the period of a scan
 
 
 class WarningKind(StrEnum):
-    """The subject of a warning."""
+    """Kinds of warnings."""
 
     GRID = "grid"
     """So few nodes are in contact that the area is not resolved."""
@@ -66,7 +66,7 @@ class SolutionWarning:
     """A warning that comes with a solution."""
 
     kind: WarningKind
-    """Its subject."""
+    """Its kind."""
     text: str
     """The doubt, and a remedy."""
 

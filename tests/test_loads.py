@@ -322,3 +322,11 @@ def test_ends_by_loads_stay_beside_the_last_nodes():
     scene = Scene(Layer(0.016228, 0.499), rough, 128.091, num_points=286)
     found, fine = (solve(scene.on_grid(n)).observables for n in (286, 4576))
     assert abs(found.contact_area_subgrid - fine.contact_area_subgrid) < found.contact_area_error
+
+
+def test_an_error_beside_flat_heights_is_a_number():
+    """Their differences are all 0, and an iteration that has not ended leaves a small patch there."""
+    heights = np.full(2048, 0.1)
+    heights[400:900] = 0
+    scene = Scene(indenter=MeasuredIndenter(heights, convention="gap"), pressure=1e-3, num_points=2048)
+    assert solve(scene, max_iterations=3).observables.contact_area_error > 0

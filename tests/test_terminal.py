@@ -207,7 +207,7 @@ def test_what_is_not_reached_is_said_each_time_on_standard_error(tmp_path, capsy
     for last in ("s in all.", "Nothing computed; all that may be done was done before."):
         assert run_plans(one, [plan], tmp_path) == 3
         said = capsys.readouterr()
-        assert said.err == "linecontact: dummy: what was asked for is not reached: it takes longer; allowed: more\n"
+        assert said.err == "linecontact: dummy: the goal is not reached: it takes longer; allowed: more\n"
         assert last in said.out
         assert "Finished" not in said.out
 

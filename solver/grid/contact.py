@@ -24,7 +24,7 @@ _JAGGED = 1.9
 for a wave of four grid spacings, and at a kink."""
 _DIFFERENCES = np.array([[0, 0, 1, -2, 1, 0, 0], [0, 1, -4, 6, -4, 1, 0], [1, -6, 15, -20, 15, -6, 1]]).T
 _LOADS_KNOW_BEST = 10
-"""Nodes of patches up to which loads tell the ends better than pressures do, whatever both are expected to be off."""
+"""Nodes of patches up to which loads tell the ends better than pressures do, whatever their estimated errors."""
 _SHORT_OF_FIT = 0.1
 """Width of patches that served for no fit [grid spacings]: under rough surfaces nothing is known of it, because another
 valley may be lower between the nodes."""
@@ -102,11 +102,9 @@ class _Surface:
         """
         nodes, profile = first + np.stack([0 * size, (size - 1) // 2, size // 2, size - 1]), self.heights.profile
         around = profile[(nodes[..., None] + np.arange(-3, 4)) % profile.size]
-        second, fourth, sixth = np.abs(around @ _DIFFERENCES).sum(axis=0).T
-        with np.errstate(divide="ignore", invalid="ignore"):
-            fourth /= second
-            sixth = np.maximum(sixth / second, fourth**2)
-        return np.stack([fourth, sixth])
+        second, *higher = np.abs(around @ _DIFFERENCES).sum(axis=0).T
+        fourth, sixth = np.divide(higher, second, out=np.full((2, size.size), np.inf), where=second > 0)
+        return np.stack([fourth, np.maximum(sixth, fourth**2)])
 
 
 def _known(error: Array64) -> Array64:

@@ -171,7 +171,8 @@ def find_edges(patches: Patches, pressure: Array64, layer: LayerOnGrid) -> Edges
     left, right = apart(patches.first - outside[0], patches.last + outside[1], patches.num_points)
     by_size = FITTED.of_size / patches.size**2 + np.where(on_thick, 0.0, FITTED.of_size_if_wide / patches.size)
     by_gap = FITTED.beside_gap / patches.gap**2
-    by_layer = FITTED.of_layer * patches.size**3 / max(thickness, _NARROW) ** 4
+    resolved = max(thickness, _NARROW)
+    by_layer = FITTED.of_layer * (patches.size / resolved) ** 3 / resolved
     by_spread = FITTED.of_difference * spread**1.5 / np.sqrt(patches.size)
     error = np.minimum(by_spread + by_size + by_gap, UNRESOLVED_ERROR)
     error += np.where(narrow, by_layer, by_curve)

@@ -74,8 +74,8 @@ class Observables(Measured):
     num_patches_by_load: int
     """Narrow patches whose ends are found by their loads, see `narrow`."""
     contact_area_error: float
-    """Estimated error of the sub-grid a_r: what the edges and, with nested grids, the change from grid to grid leave
-    (1 if a solve ended without a contact), and the unfinished iteration."""
+    """Estimated error of the sub-grid a_r, by the ends of the patches (1 if a solve ended without a contact) and the
+    unfinished iteration."""
     kappa_error: float
     """Estimated error of `kappa_subgrid`; `inf` where the contact is flat."""
     peak_pressure_error: float = math.inf

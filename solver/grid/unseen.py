@@ -59,7 +59,8 @@ def unseen_patches(profile: Array64, displacement: Array64, half_space: bool) ->
     flat over the width 2a with D = k a^2 [1/4 + ln(2/a)/2] on the half-space (see `narrow`), and with D = k a^2/2 on a
     Winkler foundation.
     """
-    gap = np.pad(profile - displacement, 1, mode="wrap")
+    gap = profile - displacement
+    gap = np.concatenate((gap[-1:], gap, gap[:1]))
     lowest = 1 + np.flatnonzero((gap[1:-1] > 0) & (gap[1:-1] <= gap[:-2]) & (gap[1:-1] <= gap[2:]))
     left, node, right = (gap[lowest + step] for step in (-1, 0, 1))
     bend = left - 2 * node + right

@@ -23,7 +23,7 @@ DEFAULT_TOLERANCE, COARSE_TOLERANCE = 1e-8, 1e-4
 
 
 def over_grids(run: Run, sizes: Sequence[int], begin: Callable[[int], Method], measure_last: bool) -> Iterator[None]:
-    """From coarse to fine; each grid as it is reached.
+    """Solve from coarse to fine; yields after each grid.
 
     sizes: numbers of points. begin: the method on a grid of so many. measure_last: whether the level of the finest
     grid is wanted, too, as any may be the last. An interruption before the first grid is reached is passed on; a

@@ -1,5 +1,5 @@
 """One solve, as it is passed along: its configuration and its iterations, the certificate at their end, and another
-attempt where that is bad.
+attempt where the certificate is bad.
 
 Which method works on a grid, and when a grid is fine enough, is said elsewhere.
 """

@@ -20,7 +20,7 @@ Numbers = dict[str, float]
 _HELD = 0.995  # share of the estimates of each family that is to hold in a fit, so that 97 of 100 do in others
 _PRICE = 60.0  # of the share that is missing, in means of the logarithm of estimate over error
 _FACTOR, _GAIN = 1.4, 1e-3  # by which one number after the other is changed, and the least gain of a change
-_MARGIN = 0.3  # by how much a number may worsen the fit that is made larger in the end, for the sake of other scenes
+_MARGIN = 0.3  # by how much numbers made larger in the end may worsen the fit in all, for the sake of other scenes
 _FLOOR, _LARGEST = 1e-8, 12.0  # relative error of references, and logarithm of estimate over error that is enough
 
 

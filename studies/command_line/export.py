@@ -8,7 +8,7 @@ from pathlib import Path
 from ..files import csv_tables, writing
 
 OUTPUT = Path("-")
-"""Stands for standard output."""
+"""The name that means standard output."""
 
 _OTHER = {".xlsx", ".xls", ".ods", ".h5", ".hdf5", ".npy", ".json", ".png", ".pdf"}
 """Endings of files that are not comma-separated text."""

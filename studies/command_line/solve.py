@@ -41,7 +41,7 @@ class Options(making.Options):
     """Relative error wanted, 1e-9 to 0.1 (dimensionless). Chooses model, grid, method, precision and tolerance, which
     must not be given; num_points is then the most to use."""
     accuracy_of: str = one_of(QUANTITIES, _DEFAULTS["accuracy_of"])
-    """Quantity that the accuracy is wanted of; area and kappa between sub-grid edges."""
+    """Quantity whose accuracy is asked for; area and kappa between sub-grid edges."""
     method: str | None = one_of(METHODS, _DEFAULTS["method"])
     """Method; default: active-set, the fastest."""
     grids: Literal["auto", "nested", "single"] = "auto"

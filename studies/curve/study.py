@@ -53,7 +53,7 @@ class Options(making.Options, study.Options):
     accuracy: float | None = None
     """Relative error wanted of every value, 1e-9 to 0.1 (dimensionless); num_points is then the most to use."""
     accuracy_of: str = one_of(QUANTITIES, DEFAULT_QUANTITY)
-    """Quantity that the accuracy is wanted of; area and kappa between sub-grid edges."""
+    """Quantity whose accuracy is asked for; area and kappa between sub-grid edges."""
     over: str = text("pressure, approach, period, num_points, or a number of the layer's or the indenter's", "pressure")
     """The number that is varied: pressure, approach, period, num_points, or one of the layer's or the indenter's own,
     like thickness, poisson_ratio, exponent, hurst or seed."""

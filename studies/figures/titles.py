@@ -94,14 +94,11 @@ def pressed(results: Mapping[str, Any], but: Collection[str] = ()) -> str:
 
 
 def own(results: Mapping[str, Any], but: Collection[str] = ()) -> str:
-    """The numbers of layers and indenters that the program does not know, of which it cannot tell whose they are.
-
-    results, but: as in `pressed`.
-    """
-    numbers = {name: value for name, value in of_scene(results).items() if isinstance(value, Real)}
-    others = numbers.keys() - {*_NUMBERS, *_UNUSUAL, *_ELSEWHERE, *but}
-    told = [name for name in numbers if name in others and not name.startswith("profile_")]  # which scans have
-    return ", ".join(f"{plain(name.replace('_', ' '))} {numbers[name]:g}" for name in told)
+    """The numbers of layers and indenters of one's own. results, but: as in `pressed`."""
+    known = {*_NUMBERS, *_UNUSUAL, *_ELSEWHERE, *but}
+    told = {name: value for name, value in of_scene(results).items() if isinstance(value, Real) and name not in known}
+    scans = "profile_"
+    return ", ".join(f"{plain(name.replace('_', ' '))} {told[name]:g}" for name in told if not name.startswith(scans))
 
 
 def poisson(results: Mapping[str, Any]) -> str:

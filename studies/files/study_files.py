@@ -135,6 +135,8 @@ def _write_column(group: "h5py.Group", name: str, values: Sequence[Any]) -> None
 def load_study(path: Path) -> StudyFile:
     """Read a study file of up to `MAX_RUNS` runs. Raises like `hdf5.open_file`."""
     with open_file(path) as file:
+        if "runs" not in file:
+            raise StoreError(f"file {path} holds no study; allowed: a file that a study has written")
         columns = renamed({name: _read_column(dataset) for name, dataset in file["runs"].items()})
         length = len(next(iter(columns.values()))) if columns else 0
         if any(len(values) != length for values in columns.values()):

@@ -1,6 +1,6 @@
 """Files and folders written safely: beside the final name first and then renamed, so never left half written.
 
-A file that cannot be read or written raises `StoreError`, whose message names it and the allowed ones.
+A file that cannot be read or written raises `StoreError`, whose message names it and says what is allowed.
 """
 
 import contextlib

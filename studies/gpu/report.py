@@ -110,7 +110,7 @@ def _spread(runs: Sequence[Record]) -> float:
 
 
 def agreement(runs: Sequence[Record]) -> str:
-    """The agreement of CPU and GPU."""
+    """Comparison of CPU and GPU."""
     certified = [run for run in runs if run["certified"]]
     same = sum(run["nodes_that_differ"] == 0 for run in certified)
     most = max((run["nodes_that_differ"] for run in certified), default=0)

@@ -49,7 +49,7 @@ class Measurement:
     """A stored measurement."""
 
     identity: dict[str, str]
-    """The identity that its times depend on."""
+    """Source, compiler and machine of the times."""
     commit: str
     """Of the checkout, with '+dirty'."""
     cells: dict[Key, Cell]

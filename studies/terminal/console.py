@@ -193,7 +193,7 @@ def place(error: BaseException) -> str:
 def guard(command: Callable[[], int], kept: str = "") -> int:
     """Run a command; bad input ends in one line and status 2, Ctrl-C in 130, a reader that went away in 141.
 
-    kept: words on finished work, for Ctrl-C. Any other end is a bug, passed on for a traceback and status 1.
+    kept: text on finished work, shown after Ctrl-C. Any other end is a bug, passed on for a traceback and status 1.
     """
     try:
         status = command()
