@@ -1,7 +1,7 @@
 """The certificate: how wrong a displacement can be, recomputed in float64 from u alone.
 
-No method shares this code, which decides by itself which nodes are in contact; what it has in common with them are
-transforms, which are tested against NumPy's. All numbers are dimensionless.
+No method shares this code, which decides by itself which nodes are in contact. It shares the transforms with
+them, which are tested against NumPy's. All numbers are dimensionless.
 
 The bound. Let r = p - K u, F the free nodes, C the nodes in contact (u = h, r > 0). For every admissible v <= h, with
 e = v - u and e <= 0 on C, the energy Pi = V - p L mean(u) obeys
@@ -37,8 +37,7 @@ class Certificate(Value):
     equilibrium_residual: float
     """Rms net force on the free nodes over the mean pressure."""
     largest_residual: float
-    """Largest net force on a free node over the mean pressure; what an iteration leaves is often near the ends of a few
-    patches."""
+    """Largest net force on a free node over the mean pressure, often near the ends of a few patches."""
     tensile_violation: float
     """Largest tensile force between the wall and a node that touches it, over the mean pressure."""
     penetration: float

@@ -1,6 +1,6 @@
 """The pressure at a contact edge on a grid: curves by Wiener-Hopf factorisation, one for every layer.
 
-Derived in docs/edges.md; here is what is computed. In units of the grid spacing and of E*/2 the stiffness is |q| f(q),
+Derived in docs/edges.md. In units of the grid spacing and of E*/2 the stiffness is |q| f(q),
 |q| <= pi, with f = 2K/(E* |q|), 1 on the half-space. With z = exp(iq) it is c(z) c(1/z) |1 - z|, where
 
     ln c(z) = l_0/4 + sum_k>0 (l_k/2) z^k,   l_k = (2/pi) int_0^pi {ln[(q/2)/sin(q/2)] + ln f(q)} cos(kq) dq,
@@ -55,7 +55,7 @@ class EdgeCurve:
     """Coefficients, shape (3, 3), that make the far field's j^(3/2), j^(1/2), j^(-1/2) on the half-space from the last
     three nodes' pressures (dimensionless)."""
     strength: float
-    """What a flat punch's last node presses with over what goes like 1/sqrt(distance) at its end, at the distance 1
+    """Pressure of a flat punch's last node, over the term 1/sqrt(distance) of its end at the distance 1
     (dimensionless)."""
     power: float
     """Of the distance, with which S_j goes on beyond the table."""

@@ -239,7 +239,7 @@ def lone_ends(
     pressure: Array64,
     others: Callable[[EdgeCurve, Patches, Array64], Array64] = _in_patch,
 ) -> Array64:
-    """The last three pressures of left and right ends, last node first, divided by what they have from `others`, shape
+    """The last three pressures of left and right ends, last node first, divided by the factors of `others`, shape
     (2, M, 3).
     """
     alone = ends = _ends(patches, pressure)

@@ -187,7 +187,7 @@ def subgrid_measures(problem: Problem, patches: Patches, edges: Edges) -> tuple[
         known = np.full(patches.count, np.nan) if edges.squared_slope is None else edges.squared_slope
     unknown = np.isnan(known)
     whole = np.where(unknown, patches.sums(squared[patches.nodes]), known)
-    # what the sum leaves of the integral over the nodes' cells, to the next order (Euler and Maclaurin)
+    # the rest of the integral over the nodes' cells, to the next order (Euler and Maclaurin)
     first, last = patches.first, patches.last
     rise = squared[(last + 1) % num_points] - squared[last % num_points]
     rise -= squared[first % num_points] - squared[(first - 1) % num_points]

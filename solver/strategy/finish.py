@@ -1,4 +1,4 @@
-"""The end of a solve: what is measured on its certified state, and the solution."""
+"""The end of a solve: observables of its certified state, and the solution."""
 
 import time
 

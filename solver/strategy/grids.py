@@ -1,4 +1,4 @@
-"""The grids of one solve, from coarse to fine: how many, whether they fit, and what each leaves for the next.
+"""The grids of one solve, from coarse to fine: how many, whether they fit, and the contact that the next begins from.
 
 A finer grid begins from the coarse one's contact pressure (`grid.prolong`).
 """
@@ -84,7 +84,7 @@ def check_memory(
     needed = kind.bytes_per_point(contact_share) * num_points
     if available is not None and needed > available:
         raise ValueError(
-            f"num_points is {num_points}, needing about {needed / 2**30:.1f} GiB; allowed: what fits into the "
+            f"num_points is {num_points}, needing about {needed / 2**30:.1f} GiB; allowed: as many as fit into the "
             f"{available / 2**30:.1f} GiB that are free"
         )
 

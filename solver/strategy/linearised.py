@@ -1,4 +1,4 @@
-"""The contact stiffness: what a small change of the load does, by the problem linearised on the contact that was found.
+"""The contact stiffness, by the problem linearised on the contact that was found.
 
 While no node joins or leaves the contact, the gap there stays 0: d sigma/dp is the pressure under a flat punch of the
 contact's shape that carries the mean pressure 1, and du/dp the surface's displacement under it, 0 on the contact. The

@@ -32,7 +32,7 @@ def solve_to_accuracy(run: Run, accuracy: float, of: str) -> Solution:
 
 
 def _judged(solution: Solution, accuracy: float, of: str) -> Solution:
-    """The solution, which says whether it is what was asked for."""
+    """The solution, which says whether it reaches the accuracy."""
     status, reason, quantity = solution.status, solution.reason, QUANTITIES[of]
     value, error = (abs(getattr(solution.observables, name)) for name in (quantity.value, quantity.error))
     if status is Status.CONVERGED and not error <= accuracy * value:
@@ -53,7 +53,7 @@ def _on_grids(run: Run, accuracy: float, of: str) -> Solution:
     """The default method, from coarse to fine, until the estimated error is small enough.
 
     Should the certified solution be less accurate than estimated, it goes on from there on the next grid. An
-    interruption returns what the grid at hand has given.
+    interruption returns the result of the grid at hand.
     """
     scene, quantity, run.memory = run.scene, QUANTITIES[of], checks.available_memory()
     tolerance, before = min(0.2 * accuracy, 1e-8), tuple(run.choices)

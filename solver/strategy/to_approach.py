@@ -154,8 +154,8 @@ def _approach_error(found: Solution, under: Callable[[float, int], Solution]) ->
 def _with_error_of_pressure(found: Solution, tried: Sequence[Solution], error: float) -> tuple[Solution, float]:
     """The solution with errors that include those of its pressure, and the relative error of that, estimated.
 
-    error: of the approach at this pressure [length]. So another pressure may belong to the approach asked for; what
-    that would change is known from another one that was tried.
+    error: of the approach at this pressure [length]. So another pressure may belong to the approach asked for; another
+    one that was tried tells the changes.
     """
     own, pressure = found.observables, found.scene.pressure
     if not error or not own.approach > 0:

@@ -1,6 +1,6 @@
 """A stored file as one table for pandas or a spreadsheet: comma-separated values as RFC 4180 has them, in UTF-8.
 
-The first line names the columns, those of numbers with their units in brackets, '-' for what is dimensionless. Numbers
+The first line names the columns, those of numbers with their units in brackets, '-' for dimensionless ones. Numbers
 have all their digits, and those that are not finite are nan, inf and -inf.
 """
 
@@ -21,7 +21,7 @@ from .study_files import load_study
 from .writing import StoreError
 
 _FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n")
-"""A spreadsheet takes what begins with one of these for a formula; it takes an apostrophe before it for text."""
+"""A spreadsheet takes a text that begins with one of these for a formula; it takes an apostrophe before it for text."""
 
 _BLOCK = 2**14  # rows that are written at a time
 
