@@ -26,7 +26,8 @@ class Calibration:
     """Error of an end by a load that it shares with other patches, over the mean error of all ends."""
     of_heights: float
     """Error of an end by a load, over the sixth over the second difference of the heights, or over the squared ratio of
-    the fourth to the second if that is more [grid spacings]."""
+    the fourth to the second if that is more, plus the inverse square of the nodes of the gap beside it [grid
+    spacings]."""
     of_heights_at_gaps: float
     """Error of an end by a gap, over the fourth over the second difference of the heights [grid spacings]."""
     always: float

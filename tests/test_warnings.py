@@ -12,7 +12,7 @@ from linecontact.solver import Layer, MeasuredIndenter, PowerIndenter, RoughInde
 from linecontact.solver.warnings import WarningKind
 from linecontact.studies.command_line import main
 
-UNSETTLED = Scene(Layer(1e-3), RoughIndenter(seed=2, cut_off_ratio=1 / 64), 1e-5, num_points=2**11)
+UNSETTLED = Scene(Layer(1e-3), RoughIndenter(seed=2, cut_off_ratio=1 / 64), 5e-6, num_points=2**11)
 EXAMPLE = Path(__file__).parent.parent / "docs" / "examples" / "scan.csv"
 
 

@@ -126,7 +126,7 @@ def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array
     begin = (edges.left + edges.right)[chosen] / 2, np.minimum(edges.width[chosen], size) / 2
     if resolved:
         gap = patches.gap.min(axis=0)[chosen]
-        error = _known(FITTED.of_heights * uneven[1] + FITTED.of_layer * size**3 / layer.thickness**4)
+        error = _known(FITTED.of_heights * (uneven[1] + 1 / gap**2) + FITTED.of_layer * size**3 / layer.thickness**4)
         around = Surroundings.of(first, size, gap, surface.pressure, surface.displacement, node_compliance)
         found = from_loads(loads[chosen], heights, begin, around)
         if patches.count > 1 and n <= MOST_POINTS and found.solved.any():
