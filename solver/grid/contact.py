@@ -100,7 +100,10 @@ class _Surface:
         ends and in the middle of each run, taken positive, shape (2, runs). The latter is at least the square of the
         former, as under one wave, because it may be small by chance.
         """
-        nodes, profile = first + np.stack([0 * size, (size - 1) // 2, size // 2, size - 1]), self.heights.profile
+        nodes, profile = (
+            first + np.stack([np.zeros_like(size), (size - 1) // 2, size // 2, size - 1]),
+            self.heights.profile,
+        )
         around = profile[(nodes[..., None] + np.arange(-3, 4)) % profile.size]
         second, *higher = np.abs(around @ _DIFFERENCES).sum(axis=0).T
         fourth, sixth = np.divide(higher, second, out=np.full((2, size.size), np.inf), where=second > 0)

@@ -145,10 +145,10 @@ def certify_or_fall_back(run: Run, problem: Problem) -> Certified:
     run.times[2] = time.perf_counter()
     found, begin = _certified(run, problem), time.perf_counter()
     if not _good(run, found):
-        found = _tightened(run, problem, found)
+        found = _tightened(run, found)
         ended = run.status is Status.INTERRUPTED or run.spent or _good(run, found) or _rounded_off(run, found)
         if run.kind.fallback and not ended:
-            found = _from_there(run, problem, found, METHODS[run.kind.fallback])
+            found = _from_there(run, found, METHODS[run.kind.fallback])
         run.times[2] += time.perf_counter() - begin  # further iterations are part of the solve
     if not _good(run, found) and run.status in (Status.STAGNATED, Status.CONVERGED):
         run.status = Status.STAGNATED  # the method's own precision cannot see the difference
@@ -190,21 +190,21 @@ def _rounded_off(run: Run, found: Certified) -> bool:
     return run.tolerance < 2 * found.floor and found.residual < _NEAR_THE_FLOOR * found.floor
 
 
-def _tightened(run: Run, problem: Problem, found: Certified) -> Certified:
+def _tightened(run: Run, found: Certified) -> Certified:
     """The result of the same method aiming at smaller residuals, unless that makes them larger."""
     while run.status is Status.CONVERGED and not _good(run, found) and run.state.tighten():
         residual, pressure = found.residual, run.state.contact_pressure
         run.status = run.relax(run.state)
-        found = _certified(run, problem)
+        found = _certified(run, found.problem)
         if not _good(run, found) and not found.residual < residual:  # rounding may have changed the set: go back
             run.state.start_from_pressure(pressure)
-            return _certified(run, problem)
+            return _certified(run, found.problem)
     return found
 
 
-def _from_there(run: Run, problem: Problem, found: Certified, kind: MethodKind) -> Certified:
+def _from_there(run: Run, found: Certified, kind: MethodKind) -> Certified:
     """The result of a method that starts at the end of the last one; the better of the two, with its status."""
-    before, status = run.state, run.status
+    problem, before, status = found.problem, run.state, run.status
     run.handed_over = True
     run.allow(min(kind.max_iterations, _MOST_WORK // problem.num_points))
     run.state = run.begin(problem, run.tolerance, kind)
@@ -214,7 +214,7 @@ def _from_there(run: Run, problem: Problem, found: Certified, kind: MethodKind) 
         longest = float(problem.stiffness[1])
         run.state.start_from_pressure(foundation_pressure(problem, longest))
     run.status = run.relax(run.state)
-    other = _tightened(run, problem, _certified(run, problem))
+    other = _tightened(run, _certified(run, problem))
     if _good(run, other) or other.residual < found.residual:
         return other
     run.state = before

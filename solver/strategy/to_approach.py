@@ -183,7 +183,8 @@ def _told(found: Solution, approach: float) -> Solution:
 
 
 def check_approach(scene: Scene) -> float:
-    """The largest approach that a pressure brings [length]; `inf` where the layer has a foundation that yields.
+    """Check the approach that is given; returns the largest that a pressure brings [length], `inf` where the layer has
+    a foundation that yields.
 
     Raises `ValueError` for a scene whose approach no pressure brings.
     """

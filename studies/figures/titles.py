@@ -97,8 +97,11 @@ def own(results: Mapping[str, Any], but: Collection[str] = ()) -> str:
     """The numbers of layers and indenters of one's own. results, but: as in `pressed`."""
     known = {*_NUMBERS, *_UNUSUAL, *_ELSEWHERE, *but}
     told = {name: value for name, value in of_scene(results).items() if isinstance(value, Real) and name not in known}
-    scans = "profile_"
-    return ", ".join(f"{plain(name.replace('_', ' '))} {told[name]:g}" for name in told if not name.startswith(scans))
+    return ", ".join(
+        f"{plain(name.replace('_', ' '))} {value:g}"
+        for name, value in told.items()
+        if not name.startswith("profile_")  # which scans have
+    )
 
 
 def poisson(results: Mapping[str, Any]) -> str:
