@@ -294,7 +294,7 @@ def test_what_many_patches_have_in_common_is_estimated():
 
 
 def test_an_estimate_is_the_rule_of_its_parts():
-    """sqrt((a c)^2 + [b V/M (k/m)^2]^2 + e^2) + g, with the numbers of the file."""
+    """sqrt((a c)^2 + [b V/M (s/m)^2]^2 + e^2) + g, with the numbers of the file."""
     rough = Scene(Layer(), QUICK_ROUGH, 2e-2, num_points=2**14)
     blunt = Scene(Layer(), PowerIndenter(4.0), 1e-3, num_points=2**11)
     for scene, steepness in ((rough, 1), (blunt, 3)):

@@ -1,11 +1,11 @@
 """Estimates of the error that a grid leaves in the observables of a solution, by one rule:
 
-    sqrt((a c)^2 + [b V/M (k/m)^2]^2 + e^2) + g.
+    sqrt((a c)^2 + [b V/M (s/m)^2]^2 + e^2) + g.
 
 c is the change from a grid with a quarter of the points to the present one, a the share of it that is left, and V the
 value in M patches of m nodes, at least 1, with b fitted (`calibration`). In area and kappa a and b are 0, because the
 ends of the patches tell more. In peak pressure and approach c is at least 1/16 of the change before, because it may be
-small by chance. k is n - 1 under a power profile with n > 2, else 1. Below the tip of a power profile with n < 2 the
+small by chance. s is n - 1 under a power profile with n > 2, else 1. Below the tip of a power profile with n < 2 the
 peak pressure is of the order n - 1, and a = 1/(4^(n-1) - 1).
 
 e is told by the present grid alone: for area and kappa the errors of the patches' ends (`edges`), for peak
