@@ -25,9 +25,6 @@ for a wave of four grid spacings, and at a kink."""
 _DIFFERENCES = np.array([[0, 0, 1, -2, 1, 0, 0], [0, 1, -4, 6, -4, 1, 0], [1, -6, 15, -20, 15, -6, 1]]).T
 _LOADS_KNOW_BEST = 10
 """Nodes of patches up to which loads tell the ends better than pressures do, whatever their estimated errors."""
-_SHORT_OF_FIT = 0.1
-"""Width of patches that served for no fit [grid spacings]: under rough surfaces nothing is known of it, because another
-valley may be lower between the nodes."""
 
 
 class Contact(NamedTuple):
@@ -74,8 +71,6 @@ def contact_edges(problem: Problem, pressure: Array64, displacement: Array64 | N
     tip = indenter.of.end_error(float(edges.width[at_tip[0]])) if at_tip.size else 0.0
     steep = bool(indenter.exponent and indenter.exponent > 2)  # which loads do not mind
     error = np.where(edges.by_load & steep, edges.end_errors, np.maximum(edges.end_errors, tip))
-    if indenter.shortest_wave:
-        error = np.maximum(error, np.where(edges.width < _SHORT_OF_FIT, edges.width / 2, 0.0))
     if patches.count > 1:  # loads have errors of all ends
         error = error + np.where(edges.by_load, min(FITTED.of_shares * error.mean(), UNRESOLVED_ERROR), 0.0)
     return Contact(problem, pressure, patches, replace(edges, end_errors=error, unseen=unseen))
