@@ -120,6 +120,11 @@ def test_slope_of_a_power_profile_between_any_places(exponent):
     squared = (np.abs(x) / 256 * 2.0 / 0.7) ** (2 * exponent - 2)
     found = indenter.squared_slope_between(np.array([128 - 12.3]), np.array([128 + 18.3]), 256, 2.0)
     assert found[0] == pytest.approx(squared.mean() * 30.6, rel=1e-4)
+    inside, beyond = ([0.0, 255.0], [256.0, 257.0]), ([256.0, -1.0], [512.0, 1.0])  # the period begins anywhere
+    for left, right in (inside, beyond):
+        whole = indenter.squared_slope_between(np.array(left), np.array(right), 256, 2.0)
+        assert whole[0] == pytest.approx(256 * (1 / 0.7) ** (2 * exponent - 2) / (2 * exponent - 1), rel=1e-12)
+        assert whole[1] == pytest.approx(indenter.squared_slope_between(*np.array([[255.0], [257.0]]), 256, 2.0)[0])
 
 
 @pytest.mark.parametrize("exponent", [1.2, 1.35, 1.5])

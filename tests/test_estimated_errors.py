@@ -702,4 +702,5 @@ def test_kappa_in_full_contact(exponent, num_points):
     found = solve(scene).observables
     kappa = 0.5 ** (exponent - 1) / math.sqrt(2 * exponent - 1) / 9.0
     assert found.contact_area_subgrid == 1
-    assert abs(found.kappa_subgrid - kappa) < found.kappa_error < 0.05 * kappa
+    assert found.kappa_subgrid == pytest.approx(kappa, rel=1e-12)
+    assert found.kappa_error < 1e-6 * kappa  # of the iteration

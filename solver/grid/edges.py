@@ -153,8 +153,8 @@ def find_edges(patches: Patches, pressure: Array64, layer: LayerOnGrid) -> Edges
     """
     none = np.zeros(patches.count, dtype=bool)
     if patches.full:
-        half, error = np.array([0.5]), np.full((2, 1), 0.5)  # a gap that not even `unseen` finds
-        return Edges(patches.first - half, patches.last + half, error, none, none, none)
+        half = np.array([0.5])  # `unseen` finds gaps
+        return Edges(patches.first - half, patches.last + half, np.zeros((2, 1)), none, none, none)
     thickness, half_space = layer.thickness, half_space_curve()
     theta, _, spread = edge_offset(half_space, lone_ends(half_space, patches, pressure, _in_row))
     on_thick = (patches.size < _NARROW * thickness) & (thickness > _NARROW)

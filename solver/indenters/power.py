@@ -46,10 +46,14 @@ class PowerIndenter(Indenter):
 
     def squared_slope_between(self, left: Array64, right: Array64, num_points: int, period: float) -> Array64:
         """See `Indenter`: x h'^2/(2n - 1), from the tip on."""
-        ends = np.clip(np.stack([left, right]) - num_points // 2, -num_points / 2, num_points / 2)
-        steepness = self._steepness(np.abs(ends) / num_points, period)
-        from_tip = ends * steepness**2 / (2 * self.exponent - 1)
-        return np.asarray(from_tip[1] - from_tip[0])
+        ends = np.stack([left, right]) - num_points // 2
+        periods = np.round(ends / num_points)
+
+        def from_tip(at: Array64) -> Array64:
+            return at * self._steepness(np.abs(at) / num_points, period) ** 2 / (2 * self.exponent - 1)
+
+        whole = 2 * from_tip(np.array([num_points / 2]))
+        return np.asarray(np.diff(from_tip(ends - periods * num_points) + periods * whole, axis=0)[0])
 
     def shortest_wave(self, num_points: int) -> int:
         """0: the profile is smooth, see `Indenter`."""
