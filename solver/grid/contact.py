@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import Array64, Indices
+from ..arrays import Array64, Indices, Mask
 from ..calibration import FITTED
 from .cached import MOST_POINTS
 from .edges import UNRESOLVED_BELOW, UNRESOLVED_ERROR, Edges, find_edges
@@ -47,10 +47,8 @@ def contact_edges(problem: Problem, pressure: Array64, displacement: Array64 | N
     scale = problem.scene.reduced_load / (float(pressure.mean()) or 1.0)
     patches = Patches.of(pressure > 0)
     inside = pressure[patches.nodes] * scale
-    kinks = indenter.of.kinked or not indenter.shortest_wave
-    edges, unseen = find_edges(patches, inside, layer), unseen_gaps(patches, inside, kinks)
+    edges, unseen = _apart(find_edges(patches, inside, layer), n), 0.0
     if displacement is not None and patches.count and not patches.full:
-        unseen += unseen_patches(problem.profile, displacement, layer.thickness > 0)
         spacings = n / problem.scene.period
         surface = _Surface(
             layer=layer,
@@ -61,11 +59,8 @@ def contact_edges(problem: Problem, pressure: Array64, displacement: Array64 | N
         )
         edges = _by_loads(surface, patches, edges, inside)
         edges = _by_gaps(surface, patches, edges)
-        # of the patches whose ends their loads tell, or let estimate
-        known = edges.by_load | (patches.size < UNRESOLVED_BELOW) & ~edges.unresolved
-        squared_slope = np.full(patches.count, np.nan)
-        squared_slope[known] = surface.heights.squared_slopes(edges.left[known], edges.right[known])
-        edges = replace(edges, squared_slope=squared_slope)
+        unseen = unseen_patches(problem.profile, displacement, layer.thickness > 0)
+    unseen += unseen_gaps(patches, inside, kinks=indenter.of.kinked or not indenter.shortest_wave)
     # all ends, those of other patches by the share of the load
     at_tip = np.flatnonzero((patches.first <= n // 2) & (n // 2 <= patches.last) | (patches.count == 1))
     tip = indenter.of.end_error(float(edges.width[at_tip[0]])) if at_tip.size else 0.0
@@ -95,10 +90,8 @@ class _Surface:
         ends and in the middle of each run, taken positive, shape (2, runs). The latter is at least the square of the
         former, as under one wave, because it may be small by chance.
         """
-        nodes, profile = (
-            first + np.stack([np.zeros_like(size), (size - 1) // 2, size // 2, size - 1]),
-            self.heights.profile,
-        )
+        nodes = first + np.stack([np.zeros_like(size), (size - 1) // 2, size // 2, size - 1])
+        profile = self.heights.profile
         around = profile[(nodes[..., None] + np.arange(-3, 4)) % profile.size]
         second, *higher = np.abs(around @ _DIFFERENCES).sum(axis=0).T
         fourth, sixth = np.divide(higher, second, out=np.full((2, size.size), np.inf), where=second > 0)
@@ -136,7 +129,7 @@ def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array
         error = np.full(size.size, UNRESOLVED_ERROR)
     at = np.stack([chosen, patches.count + chosen])
     solved = found.solved & ~(surface.given & (uneven[0] > _JAGGED))
-    edges, better = edges.bettered(patches, at, found.both, error, solved, best=size <= _LOADS_KNOW_BEST)
+    edges, better = _bettered(edges, patches, at, found.both, error, solved, best=size <= _LOADS_KNOW_BEST)
     unresolved, by_load = edges.unresolved.copy(), edges.by_load.copy()
     unresolved[chosen[better]], by_load[chosen[better]] = False, resolved
     return replace(edges, unresolved=unresolved, by_load=by_load)
@@ -161,7 +154,40 @@ def _by_gaps(surface: _Surface, patches: Patches, edges: Edges) -> Edges:
     found = gap_ends(closed, edges.right[before], edges.left[behind] + beyond)
     left, right = found.both
     at, ends = np.stack([patches.count + before, behind]), np.stack([left, right - beyond])
-    edges, better = edges.bettered(patches, at, ends, error, found.solved & (uneven[0] <= _JAGGED))
+    edges, better = _bettered(edges, patches, at, ends, error, found.solved & (uneven[0] <= _JAGGED))
     by_gap = edges.by_gap.copy()
     by_gap[before[better]] = True
     return replace(edges, by_gap=by_gap)
+
+
+def _bettered(
+    edges: Edges,
+    patches: Patches,
+    at: Indices,
+    ends: Array64,
+    error: Array64,
+    solved: Mask,
+    best: Mask | bool = False,
+) -> tuple[Edges, Mask]:
+    """Edges with those pairs of ends that are the best ones, or known better, and lie less than half a spacing inside
+    the last nodes of their patches, or less than one outside, where the next nodes do not touch; and which pairs.
+
+    at: their places among all left and all right ends, shape (2, pairs); ends: new ones, of that shape; error: of
+    both, shape (pairs,) [grid spacings]; solved: which there are; best: which to take whatever the errors.
+    """
+    places, errors = np.append(edges.left, edges.right), edges.end_errors.ravel().copy()
+    inside = (ends - np.append(patches.first, patches.last)[at]) * np.where(at < patches.count, 1, -1)
+    better = solved & (best | (2 * error <= errors[at].sum(axis=0)))
+    better &= ((inside > -1) & (inside < 0.5)).all(axis=0)
+    at = at[:, better]
+    places[at] = ends[:, better]
+    errors[at] = error[better]
+    left, right = places.reshape(2, -1)
+    return _apart(replace(edges, left=left, right=right, end_errors=errors.reshape(2, -1)), patches.num_points), better
+
+
+def _apart(edges: Edges, num_points: int) -> Edges:
+    """Edges in a period of `num_points` spacings, those of neighbours not beyond each other."""
+    left, right = edges.left, edges.right
+    overlap = np.maximum(right - np.append(left[1:], left[:1] + num_points), 0.0) / 2
+    return replace(edges, left=left + np.append(overlap[-1:], overlap[:-1]), right=right - overlap)

@@ -22,11 +22,11 @@ docs/edges.md). As it is the load of all patches together that is given, e is th
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import Array64, Indices, Mask
+from ..arrays import Array64, Mask
 from ..calibration import FITTED
 from .edge_curves import UNKNOWN, EdgeCurve, edge_distance, edge_function, half_space_curve
 from .layer_on_grid import LayerOnGrid
@@ -94,9 +94,6 @@ class Edges:
     that the grid does not resolve."""
     by_gap: Mask
     """Behind which patches there is a narrow gap that has told its ends, see `narrow`, shape (M,)."""
-    squared_slope: Array64 | None = None
-    """Integral of h'^2 over each patch, shape (M,) [grid spacings]; NaN, or None for all, where it is to be had from
-    the nodes."""
     unseen: float = 0.0
     """Widths of gaps between two contact nodes and of patches between two open ones, see `unseen`, their sum [grid
     spacings]."""
@@ -120,30 +117,10 @@ class Edges:
         error = (self.end_errors * weights).sum(axis=0)
         return float(np.linalg.norm(error) + FITTED.in_common * error.sum())
 
-    def bettered(
-        self, patches: Patches, at: Indices, ends: Array64, error: Array64, solved: Mask, best: Mask | bool = False
-    ) -> tuple["Edges", Mask]:
-        """Edges with those pairs of ends that are the best ones, or known better, and lie less than half a spacing
-        inside the last nodes of their patches, or less than one outside, where the next nodes do not touch; and which
-        pairs.
-
-        at: their places among all left and all right ends, shape (2, pairs); ends: new ones, of that shape; error: of
-        both, shape (pairs,) [grid spacings]; solved: which there are; best: which to take whatever the errors.
-        """
-        places, errors = np.append(self.left, self.right), self.end_errors.ravel().copy()
-        inside = (ends - np.append(patches.first, patches.last)[at]) * np.where(at < patches.count, 1, -1)
-        better = solved & (best | (2 * error <= errors[at].sum(axis=0)))
-        better &= ((inside > -1) & (inside < 0.5)).all(axis=0)
-        at = at[:, better]
-        places[at] = ends[:, better]
-        errors[at] = error[better]
-        left, right = places.reshape(2, -1)
-        left, right = apart(left, right, patches.num_points)
-        return replace(self, left=left, right=right, end_errors=errors.reshape(2, -1)), better
-
 
 def find_edges(patches: Patches, pressure: Array64, layer: LayerOnGrid) -> Edges:
-    """Sub-grid edges of patches from the pressure, shape (contact nodes,) in compact order [any unit].
+    """Sub-grid edges of patches from the pressure, shape (contact nodes,) in compact order [any unit]; each end by
+    itself, so that neighbours may overlap.
 
     Patches of fewer than three nodes end half a spacing outside their last nodes, as counting has it, and a full
     contact has no edge at all.
@@ -168,7 +145,7 @@ def find_edges(patches: Patches, pressure: Array64, layer: LayerOnGrid) -> Edges
     unresolved = patches.size < UNRESOLVED_BELOW
     theta = theta + _by_load(patches, theta, narrow & ~unresolved)
     outside = np.where(unresolved, 0.5, -theta)
-    left, right = apart(patches.first - outside[0], patches.last + outside[1], patches.num_points)
+    left, right = patches.first - outside[0], patches.last + outside[1]
     by_size = FITTED.of_size / patches.size**2 + np.where(on_thick, 0.0, FITTED.of_size_if_wide / patches.size)
     by_gap = FITTED.beside_gap / patches.gap**2
     resolved = max(thickness, _NARROW)
@@ -178,12 +155,6 @@ def find_edges(patches: Patches, pressure: Array64, layer: LayerOnGrid) -> Edges
     error += np.where(narrow, by_layer, by_curve)
     error = np.where(spread < _ALIKE, error, UNKNOWN)
     return Edges(left, right, np.where(unresolved, UNRESOLVED_ERROR, error), unresolved, none, none)
-
-
-def apart(left: Array64, right: Array64, num_points: int) -> tuple[Array64, Array64]:
-    """Ends of patches in a period of `num_points` spacings, those of neighbours not beyond each other."""
-    overlap = np.maximum(right - np.append(left[1:], left[:1] + num_points), 0.0) / 2
-    return left + np.append(overlap[-1:], overlap[:-1]), right - overlap
 
 
 def _ends(patches: Patches, pressure: Array64) -> Array64:

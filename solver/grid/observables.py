@@ -12,6 +12,7 @@ from ..scene import SMALLEST
 from ..value import Value
 from .contact import Contact
 from .edges import UNRESOLVED_BELOW, Edges
+from .narrow import Heights
 from .patch_table import PatchTable, patch_table
 from .patches import Patches
 from .problem import Problem
@@ -183,8 +184,11 @@ def subgrid_measures(problem: Problem, patches: Patches, edges: Edges) -> tuple[
         return 0.0, 0.0, 0.0, math.inf
     scene, indenter, squared = problem.scene, problem.indenter, problem.indenter.squared_slope
     known = indenter.squared_slope_between(edges.left, edges.right)
-    if known is None:
-        known = np.full(patches.count, np.nan) if edges.squared_slope is None else edges.squared_slope
+    if known is None:  # but for the patches whose ends their loads tell, or let estimate
+        known, told = np.full(patches.count, np.nan), edges.by_load | (patches.size < UNRESOLVED_BELOW)
+        told = told & ~edges.unresolved
+        heights = Heights(problem.profile, num_points / scene.period)
+        known[told] = heights.squared_slopes(edges.left[told], edges.right[told])
     unknown = np.isnan(known)
     whole = np.where(unknown, patches.sums(squared[patches.nodes]), known)
     # the rest of the integral over the nodes' cells, to the next order (Euler and Maclaurin)
