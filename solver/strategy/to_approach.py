@@ -19,7 +19,6 @@ import numpy as np
 
 from ..endings import Cause, Reason, Status
 from ..grid.errors import FACTOR, MOST_ACCURACY, QUANTITIES, estimated
-from ..grid.layer_on_grid import half_spectrum
 from ..grid.problem import Problem
 from ..scene import Scene
 from ..solution import Choice, Solution
@@ -89,10 +88,11 @@ def solve_to_approach(scene: Scene, solve: Callable[[Scene], Solution]) -> Solut
 
 def _first_pressure(scene: Scene, approach: float, full: bool) -> float:
     """Where to begin: the least pressure of full contact, or that of a foundation as stiff as the longest wave."""
+    problem = Problem.from_scene(scene)
     if full:  # more than that by a little, else rounding may leave nodes without contact
-        return (1 + DEFAULT_TOLERANCE) * Problem.from_scene(scene).full_contact_pressure
-    modulus = float(half_spectrum(scene.layer, 2, scene.period)[1]) * scene.layer.contact_modulus / scene.period
-    return modulus * float(np.maximum(approach - scene.first_node - scene.profile, 0.0).mean())
+        return (1 + DEFAULT_TOLERANCE) * problem.full_contact_pressure
+    modulus = float(problem.stiffness[1]) * problem.stiffness_unit * scene.layer.contact_modulus / scene.period
+    return modulus * float(np.maximum(approach - scene.first_node - problem.profile, 0.0).mean())
 
 
 def _tried(under: Callable[[float], Solution], approach: float, pressure: float, exact: float) -> list[Solution]:
