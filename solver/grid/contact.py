@@ -161,13 +161,7 @@ def _by_gaps(surface: _Surface, patches: Patches, edges: Edges) -> Edges:
 
 
 def _bettered(
-    edges: Edges,
-    patches: Patches,
-    at: Indices,
-    ends: Array64,
-    error: Array64,
-    solved: Mask,
-    best: Mask | bool = False,
+    edges: Edges, patches: Patches, at: Indices, ends: Array64, error: Array64, solved: Mask, best: Mask | bool = False
 ) -> tuple[Edges, Mask]:
     """Edges with those pairs of ends that are the best ones, or known better, and lie less than half a spacing inside
     the last nodes of their patches, or less than one outside, where the next nodes do not touch; and which pairs.

@@ -184,9 +184,9 @@ def subgrid_measures(problem: Problem, patches: Patches, edges: Edges) -> tuple[
         return 0.0, 0.0, 0.0, math.inf
     scene, indenter, squared = problem.scene, problem.indenter, problem.indenter.squared_slope
     known = indenter.squared_slope_between(edges.left, edges.right)
-    if known is None:  # but for the patches whose ends their loads tell, or let estimate
-        known, told = np.full(patches.count, np.nan), edges.by_load | (patches.size < UNRESOLVED_BELOW)
-        told = told & ~edges.unresolved
+    if known is None:  # by the heights between ends that loads tell, or let estimate; elsewhere by the nodes
+        known = np.full(patches.count, np.nan)
+        told = edges.by_load | (patches.size < UNRESOLVED_BELOW) & ~edges.unresolved
         heights = Heights(problem.profile, num_points / scene.period)
         known[told] = heights.squared_slopes(edges.left[told], edges.right[told])
     unknown = np.isnan(known)
