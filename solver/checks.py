@@ -12,8 +12,16 @@ import numpy as np
 
 from .arrays import Array64
 
+_SHOWN = 80  # characters of a value in a message
+
 BELOW_ZERO = -math.ulp(0.0)
 """A bound that leaves 0 itself allowed."""
+
+
+def refusal(name: str, value: object, allowed: str) -> ValueError:
+    """The error of a bad value, which it shows on one line, shortened where it is long."""
+    text = " ".join(repr(value).split())
+    return ValueError(f"{name} is {text if len(text) <= _SHOWN else f'{text[:_SHOWN]} ...'}; allowed: {allowed}")
 
 
 def real(
@@ -30,7 +38,7 @@ def real(
     except (TypeError, ValueError, OverflowError):
         number = math.nan
     if not low < number <= high or (math.isinf(number) and not infinite):
-        raise ValueError(f"{name} is {value!r}; allowed: {allowed}")
+        raise refusal(name, value, allowed)
     return number
 
 
@@ -46,7 +54,7 @@ def integer(name: str, value: object, allowed: str, low: int, high: int, multipl
     except (TypeError, ValueError, OverflowError):
         good = False
     if not good:
-        raise ValueError(f"{name} is {value!r}; allowed: {allowed}")
+        raise refusal(name, value, allowed)
     return number
 
 
@@ -69,7 +77,7 @@ def _is_real(value: object) -> bool:
 def choice(name: str, value: object, allowed: tuple[str, ...]) -> str:
     """`value` if it is one of `allowed`, else `ValueError`."""
     if not isinstance(value, str) or value not in allowed:
-        raise ValueError(f"{name} is {value!r}; allowed: {', '.join(allowed)}")
+        raise refusal(name, value, ", ".join(allowed))
     return value
 
 

@@ -31,11 +31,11 @@ def curve(
     `ValueError`, for a value that makes no scene before anything is solved.
     """
     if not isinstance(scene, Scene):
-        raise ValueError(f"scene is {scene!r}; allowed: a Scene")
+        raise checks.refusal("scene", scene, "a Scene")
     checks.choice("over", over, tuple(number.numbers(scene)))
     allowed = "numbers, one or more"
     if not isinstance(values, Iterable) or isinstance(values, str):
-        raise ValueError(f"values is {values!r}; allowed: {allowed}")
+        raise checks.refusal("values", values, allowed)
     numbers = [checks.real("values", value, allowed, infinite=True) for value in values]
     if not numbers:
         raise ValueError(f"values are none; allowed: {allowed}")

@@ -39,10 +39,10 @@ def ensemble_mean(
     reach, which is known from the first surfaces.
     """
     if not isinstance(observable, str):
-        raise ValueError(f"observable is {observable!r}; allowed: one of {', '.join(samples.OBSERVABLES)}")
+        raise checks.refusal("observable", observable, f"one of {', '.join(samples.OBSERVABLES)}")
     wanted = check_wanted([observable], standard_error, relative, max_seconds, max_samples)
     if not isinstance(scene, Scene):
-        raise ValueError(f"scene is {scene!r}; allowed: a Scene")
+        raise checks.refusal("scene", scene, "a Scene")
     check_scene(scene)
     sizes, seed = levels(scene), scene.indenter.seed  # type: ignore[attr-defined]
     rows: list[dict[str, Any]] = []
