@@ -12,16 +12,14 @@ import numpy as np
 
 from .arrays import Array64
 
-_SHOWN = 80  # characters of a value in a message
-
 BELOW_ZERO = -math.ulp(0.0)
 """A bound that leaves 0 itself allowed."""
 
 
 def refusal(name: str, value: object, allowed: str) -> ValueError:
-    """The error of a bad value, which it shows on one line, shortened where it is long."""
+    """The error of a bad value, which it shows on one line, in up to 80 characters."""
     text = " ".join(repr(value).split())
-    return ValueError(f"{name} is {text if len(text) <= _SHOWN else f'{text[:_SHOWN]} ...'}; allowed: {allowed}")
+    return ValueError(f"{name} is {text if len(text) <= 80 else f'{text[:76]} ...'}; allowed: {allowed}")
 
 
 def real(

@@ -237,7 +237,5 @@ def _reachable(problem: Problem, tolerance: float | None) -> float:
         )
     if tolerance is None:
         return max(COARSE_TOLERANCE, _OVER_FLOOR * floor)
-    raise ValueError(
-        f"tolerance is {tolerance!r}; allowed: at least {display.rounded_up(floor)}, which is what rounding in float32 "
-        "leaves of the residual, or precision mixed or float64"
-    )
+    least = f"at least {display.rounded_up(floor)}, which is what rounding in float32 leaves of the residual"
+    raise checks.refusal("tolerance", tolerance, f"{least}, or precision mixed or float64")

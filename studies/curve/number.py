@@ -43,6 +43,13 @@ def check(scene: Scene, name: str, values: Sequence[float]) -> None:
     half_spectrum(largest.layer, largest.num_points, largest.period)  # a table may lack waves
 
 
+def most_points(scene: Scene, name: str, values: Sequence[float], accuracy: float | None) -> int:
+    """Points of the largest grid that the values need; 0 where most likely none is."""
+    if accuracy is not None and scene.indenter.power_law:
+        return 0
+    return int(max(values)) if name == "num_points" else scene.num_points
+
+
 def put(scene: Scene, name: str, value: float) -> Scene:
     """The scene with another value of one of its `numbers`. Raises `ValueError`."""
     if name == "num_points":

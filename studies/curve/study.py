@@ -106,6 +106,7 @@ def plan(options: Options, given: Given) -> Plan:
             "accuracy_of": of,
         },
         runs=[Task(description, over, value, accuracy, of) for value in values],
+        num_points=number.most_points(scene, over, values, accuracy),
     )
 
 

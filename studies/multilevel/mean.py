@@ -5,6 +5,7 @@ from dataclasses import replace
 from typing import Any
 
 from linecontact.solver import Scene, checks
+from linecontact.solver.strategy.grids import check_memory
 
 from ..files.records import warnings_in
 from . import samples
@@ -44,6 +45,7 @@ def ensemble_mean(
     if not isinstance(scene, Scene):
         raise checks.refusal("scene", scene, "a Scene")
     check_scene(scene)
+    check_memory(scene.num_points)
     sizes, seed = levels(scene), scene.indenter.seed  # type: ignore[attr-defined]
     rows: list[dict[str, Any]] = []
     while (now := state(rows, sizes, wanted, seed)).batches:

@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from linecontact.solver.display import counted
+from linecontact.solver.strategy.grids import check_memory
 
 from ..figures.style import NothingToDraw
 from ..files import study_files, writing
@@ -118,6 +119,8 @@ def _compute(plans: Sequence[Plan], options: Options, folder: Path) -> tuple[Fil
 
     progress = _Outlook(plans)
     with executors.choose(options.workers, options.memory, options.scheduler, report) as pool:
+        if pool.budget:
+            check_memory(max(plan.num_points for plan in plans), available=pool.budget)
         with writing.expecting(folder):
             ensemble = _begin(plans, options, folder)
         with console.Bar(", ".join(plan.kind for plan in plans)) as bar:

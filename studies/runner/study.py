@@ -62,6 +62,8 @@ class Plan:
     """
     outlook: Callable[[Mapping[Task, Record]], tuple[float, str]] | None = None
     """From the same records the share of the work that is done, 0 to 1, and the state. For such a study, too."""
+    num_points: int = 0
+    """Points of the largest grid of the tasks, for which there must be memory; 0: not known."""
 
     @property
     def tasks(self) -> list[Task]:

@@ -3,6 +3,7 @@
 import contextlib
 import math
 import os
+import signal
 import sys
 import time
 import traceback
@@ -24,6 +25,7 @@ from .tables import Whole
 from .text import BUG, OUTPUT, is_refusal, printable
 
 KEPT = "; finished tasks are kept"
+_SOON = 1.0  # s after Ctrl-C
 Parsed = TypeVar("Parsed")
 
 EXIT_BAD_INPUT = 2
@@ -196,7 +198,8 @@ def guard(command: Callable[[], int], kept: str = "") -> int:
     kept: text on finished work, shown after Ctrl-C. Any other end is a bug, passed on for a traceback and status 1.
     """
     try:
-        status = command()
+        with _waiting_told():
+            status = command()
         sys.stdout.flush()
         return status
     except KeyboardInterrupt:
@@ -213,6 +216,28 @@ def guard(command: Callable[[], int], kept: str = "") -> int:
             raise
         errors.print(f"linecontact: {said}")
         return EXIT_BAD_INPUT
+
+
+@contextlib.contextmanager
+def _waiting_told() -> Iterator[None]:
+    """After Ctrl-C a command may have a result to finish: if that takes longer, it is said."""
+    before = signal.getsignal(signal.SIGINT)
+    if before is not signal.default_int_handler or not hasattr(signal, "setitimer"):
+        yield
+        return
+
+    def interrupt(number: int, frame: Any) -> None:
+        signal.signal(number, signal.default_int_handler)
+        signal.setitimer(signal.ITIMER_REAL, _SOON)
+        signal.default_int_handler(number, frame)
+
+    signal.signal(signal.SIGALRM, lambda *_: errors.print("linecontact: interrupted; Ctrl-C again ends it at once"))
+    signal.signal(signal.SIGINT, interrupt)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGINT, before)
 
 
 def _refusal(error: Exception) -> str:
