@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 from linecontact.solver import Observables, Scene, checks
 from linecontact.solver.grid.errors import DEFAULT_QUANTITY, check_accuracy
-from linecontact.solver.strategy.grids import check_memory
 from numpy.typing import NDArray
 
 from . import number
@@ -29,7 +28,8 @@ def curve(
 
     Returns columns by name, each of shape (number of values,): 'value', 'status', 'contact_stiffness'
     [pressure/length], and every field of `Observables` with its unit; NaN where a solution has none. Raises
-    `ValueError`, for a value that makes no scene and for a grid that does not fit into memory before anything is solved.
+    `ValueError`, for a value that makes no scene, and for a grid that does not fit into memory, before anything is
+    solved.
     """
     if not isinstance(scene, Scene):
         raise checks.refusal("scene", scene, "a Scene")
@@ -42,7 +42,6 @@ def curve(
         raise ValueError(f"values are none; allowed: {allowed}")
     number.check(scene, over, numbers)
     check_accuracy(accuracy, accuracy_of)
-    check_memory(number.most_points(scene, over, numbers, accuracy))
     records = [point(number.put(scene, over, value), accuracy, accuracy_of) for value in numbers]
     names = ("contact_stiffness", *(field.name for field in fields(Observables)))
     found = {name: np.array([float(record.get(name, "nan")) for record in records]) for name in names}

@@ -26,6 +26,7 @@ from .text import BUG, OUTPUT, is_refusal, printable
 
 KEPT = "; finished tasks are kept"
 _SOON = 1.0  # s after Ctrl-C
+_WAIT = "linecontact: interrupted; it finishes what it has so far, unless Ctrl-C comes again"
 Parsed = TypeVar("Parsed")
 
 EXIT_BAD_INPUT = 2
@@ -231,7 +232,7 @@ def _waiting_told() -> Iterator[None]:
         signal.setitimer(signal.ITIMER_REAL, _SOON)
         signal.default_int_handler(number, frame)
 
-    signal.signal(signal.SIGALRM, lambda *_: errors.print("linecontact: interrupted; Ctrl-C again ends it at once"))
+    signal.signal(signal.SIGALRM, lambda *_: errors.print(_WAIT))
     signal.signal(signal.SIGINT, interrupt)
     try:
         yield
