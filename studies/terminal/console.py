@@ -5,6 +5,7 @@ import math
 import os
 import signal
 import sys
+import threading
 import time
 import traceback
 from collections.abc import Callable, Iterator
@@ -26,7 +27,7 @@ from .text import BUG, OUTPUT, is_refusal, printable
 
 KEPT = "; finished tasks are kept"
 _SOON = 1.0  # s after Ctrl-C
-_WAIT = "linecontact: interrupted; it finishes what it has so far, unless Ctrl-C comes again"
+_WAIT = "linecontact: interrupted; finishing what there is, unless Ctrl-C comes again"
 Parsed = TypeVar("Parsed")
 
 EXIT_BAD_INPUT = 2
@@ -223,7 +224,8 @@ def guard(command: Callable[[], int], kept: str = "") -> int:
 def _waiting_told() -> Iterator[None]:
     """After Ctrl-C a command may have a result to finish: if that takes longer, it is said."""
     before = signal.getsignal(signal.SIGINT)
-    if before is not signal.default_int_handler or not hasattr(signal, "setitimer"):
+    known = before is signal.default_int_handler and threading.current_thread() is threading.main_thread()
+    if not known or not hasattr(signal, "setitimer"):
         yield
         return
 
