@@ -16,6 +16,12 @@ BELOW_ZERO = -math.ulp(0.0)
 """A bound that leaves 0 itself allowed."""
 
 
+def refusal(name: str, value: object, allowed: str) -> ValueError:
+    """The error of a bad value, which it shows on one line, in up to 80 characters."""
+    text = " ".join(repr(value).split())
+    return ValueError(f"{name} is {text if len(text) <= 80 else f'{text[:76]} ...'}; allowed: {allowed}")
+
+
 def real(
     name: str, value: object, allowed: str, low: float = -math.inf, high: float = math.inf, *, infinite: bool = False
 ) -> float:
@@ -30,7 +36,7 @@ def real(
     except (TypeError, ValueError, OverflowError):
         number = math.nan
     if not low < number <= high or (math.isinf(number) and not infinite):
-        raise ValueError(f"{name} is {value!r}; allowed: {allowed}")
+        raise refusal(name, value, allowed)
     return number
 
 
@@ -46,7 +52,7 @@ def integer(name: str, value: object, allowed: str, low: int, high: int, multipl
     except (TypeError, ValueError, OverflowError):
         good = False
     if not good:
-        raise ValueError(f"{name} is {value!r}; allowed: {allowed}")
+        raise refusal(name, value, allowed)
     return number
 
 
@@ -69,7 +75,7 @@ def _is_real(value: object) -> bool:
 def choice(name: str, value: object, allowed: tuple[str, ...]) -> str:
     """`value` if it is one of `allowed`, else `ValueError`."""
     if not isinstance(value, str) or value not in allowed:
-        raise ValueError(f"{name} is {value!r}; allowed: {', '.join(allowed)}")
+        raise refusal(name, value, ", ".join(allowed))
     return value
 
 

@@ -20,7 +20,7 @@ class Row(NamedTuple):
     name: str
     """Its name."""
     value: str
-    """Its value, numbers with up to six digits."""
+    """Its value, numbers with up to six digits, errors with two."""
     unit: str
     """Its unit; '-' where it is dimensionless, empty for a text."""
 
@@ -31,7 +31,8 @@ def row(name: str, value: Any, names: Mapping[str, str] | None = None) -> Row:
         return Row(name, "half-space", "")
     if isinstance(value, str):
         return Row(name, textwrap.shorten(value, _WIDTH, placeholder=" ..."), "")
-    return Row(name, number(value), shown(unit(name), names or named({})))
+    told = rounded_up(value) if name.endswith("_error") else number(value)
+    return Row(name, told, shown(unit(name), names or named({})))
 
 
 _UP = Context(prec=2, rounding=ROUND_CEILING)

@@ -177,7 +177,7 @@ class Scene(Value):
 def _check_layer(layer: ElasticLayer, period: float) -> None:
     """Raise `ValueError` unless this is a layer for the period L [length]."""
     if not isinstance(layer, ElasticLayer):
-        raise ValueError(f"layer is {layer!r}; allowed: a Layer, or another class that inherits from `ElasticLayer`")
+        raise checks.refusal("layer", layer, "a Layer, or another class that inherits from `ElasticLayer`")
     checks.real("thickness", getattr(layer, "thickness", None), "a length > 0, or inf", 0, infinite=True)
     _check_description("layer", layer, LAYERS)
     checks.real(f"contact_modulus of layer {layer.name}", layer.contact_modulus, "a finite pressure > 0", 0)
@@ -213,7 +213,7 @@ def _check_indenter(indenter: Indenter, num_points: int, period: float) -> None:
     """Raise `ValueError` unless this is an indenter for a grid of so many points, and for the period L [length]."""
     if not isinstance(indenter, Indenter):
         allowed = "a PowerIndenter, RoughIndenter, MeasuredIndenter or another class that inherits from `Indenter`"
-        raise ValueError(f"indenter is {indenter!r}; allowed: {allowed}")
+        raise checks.refusal("indenter", indenter, allowed)
     _check_description("indenter", indenter, INDENTERS)
     wave, allowed = indenter.shortest_wave(num_points), "an integer >= 0, 0 for a smooth profile"
     checks.integer(f"shortest_wave of indenter {indenter.name}", wave, allowed, 0, 2**53)
@@ -229,7 +229,7 @@ def _check_description(what: str, part: Any, listed: Mapping[str, type]) -> None
     """Raise `ValueError` unless a part has a name of its own and a description that can be stored."""
     name = getattr(part, "name", None)
     if not isinstance(name, str) or not name:
-        raise ValueError(f"name of {what} is {name!r}; allowed: a text that is not empty")
+        raise checks.refusal(f"name of {what}", name, "a text that is not empty")
     owner = listed.get(name)
     if owner and not isinstance(part, owner) and owner.__module__.startswith(f"{__package__}."):
         raise ValueError(f"name of {what} is {name!r}, which is that of {owner.__name__}; allowed: another one")

@@ -105,9 +105,9 @@ def _config(
 ) -> ExecutionConfig:
     """The configuration that was asked for. Raises `ValueError`, also for a bad `nested`."""
     if not (nested is None or isinstance(nested, bool | np.bool_)):
-        raise ValueError(f"nested is {nested!r}; allowed: True, False or None")
+        raise checks.refusal("nested", nested, "True, False or None")
     if not (progress is None or callable(progress)):
-        raise ValueError(f"progress is {progress!r}; allowed: a function of an iteration and a residual, or None")
+        raise checks.refusal("progress", progress, "a function of an iteration and a residual, or None")
     threads, planning = check_settings(threads, planning)
     backend, device = checks.choice("backend", backend, BACKENDS), checks.choice("device", device, DEVICES)
     return ExecutionConfig(threads=threads, planning=planning, backend=backend, device=device, progress=progress)
@@ -118,15 +118,15 @@ def _check_goal(
 ) -> float | None:
     """The accuracy, if one is asked for. Raises `ValueError`, also for no scene, and where a choice is given, too."""
     if not isinstance(scene, Scene):
-        raise ValueError(f"scene is {scene!r}; allowed: a Scene")
+        raise checks.refusal("scene", scene, "a Scene")
     if scene.approach is not None and not (accuracy is None and chosen["initial"] is None):
-        given = f"accuracy is {accuracy!r}" if chosen["initial"] is None else "initial is given"
-        raise ValueError(f"{given}; allowed: none for a scene with an approach")
+        name, value = ("accuracy", accuracy) if chosen["initial"] is None else ("initial", chosen["initial"])
+        raise checks.refusal(name, value, "none for a scene with an approach")
     accuracy = check_accuracy(accuracy, of)
     if accuracy is not None:
         for name, value in chosen.items():
             if value is not None:
-                raise ValueError(f"{name} is {value!r}; allowed: without accuracy only, which chooses it")
+                raise checks.refusal(name, value, "without accuracy only, which chooses it")
         if device != "cpu":
             raise ValueError(f"device is {device!r}; allowed with an accuracy: cpu alone, for the active set")
     return accuracy
@@ -136,7 +136,7 @@ def _kind(method: str | None, config: ExecutionConfig) -> MethodKind:
     """The method of that name. Raises `ValueError`, also for a device that it cannot work on, or that is not there."""
     kind = METHODS[checks.choice("method", DEFAULT.name if method is None else method, tuple(METHODS))]
     if not isinstance(kind, MethodKind):
-        raise ValueError(f"method {method} is {kind!r} in METHODS; allowed: a MethodKind")
+        raise checks.refusal(f"method {method} in METHODS", kind, "a MethodKind")
     if config.device not in kind.devices:
         able = ", ".join(other.name for other in METHODS.values() if config.device in other.devices)
         allowed = f"{', '.join(kind.devices)} for method {kind.name}, or one of the methods {able}"
@@ -237,7 +237,5 @@ def _reachable(problem: Problem, tolerance: float | None) -> float:
         )
     if tolerance is None:
         return max(COARSE_TOLERANCE, _OVER_FLOOR * floor)
-    raise ValueError(
-        f"tolerance is {tolerance!r}; allowed: at least {display.rounded_up(floor)}, which is what rounding in float32 "
-        "leaves of the residual, or precision mixed or float64"
-    )
+    least = f"at least {display.rounded_up(floor)}, which is what rounding in float32 leaves of the residual"
+    raise checks.refusal("tolerance", tolerance, f"{least}, or precision mixed or float64")

@@ -46,7 +46,7 @@ def declare(own: Mapping[str, str], fields: Collection[str]) -> None:
     that the name does not have elsewhere in the program.
     """
     if not isinstance(own, Mapping):
-        raise ValueError(f"units is {own!r}; allowed: units of fields by name, like {{'width': 'length'}}")
+        raise checks.refusal("units", own, "units of fields by name, like {'width': 'length'}")
     for name, one in own.items():
         if name not in fields:
             raise ValueError(f"units names {name!r}; allowed: {', '.join(fields) or 'nothing, without fields'}")

@@ -11,7 +11,8 @@ import h5py
 import numpy as np
 import pytest
 from linecontact import curve as curve_of
-from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, Status, solve
+from linecontact import ensemble_mean
+from linecontact.solver import Layer, PowerIndenter, RoughIndenter, Scene, Status, checks, solve
 from linecontact.solver.display import rounded_up
 from linecontact.studies.command_line import main
 from linecontact.studies.curve import figures, number, study, tasks
@@ -358,3 +359,32 @@ def test_a_number_of_a_scene_is_put_where_it_belongs():
     assert number.put(scene, "num_points", 1024.0).num_points == 1024
     assert number.put(Scene(indenter=PowerIndenter(), num_points=2**9), "radius", 2.0).indenter.radius == 2.0
     assert "youngs_modulus" not in number.numbers(scene)
+
+
+OVER = ["curve", "--over", "pressure", "--from", "1e-3", "--to", "1e-2", "--points", "2"]
+MEANS = ["ensemble", "--hurst", "0.8", "--pressure", "0.01", "--standard-error", "0.1"]
+
+
+@pytest.mark.parametrize("words", [OVER, MEANS])
+def test_a_grid_that_does_not_fit_into_a_worker_is_refused_before_anything_starts(tmp_path, capfd, words):
+    words = [*words, "--folder", str(tmp_path / "new"), "--num-points", "2^23"]
+    assert main.main([*words, "--workers", "2", "--memory", "0.6"]) == 2
+    said = capfd.readouterr().err
+    assert said.startswith("linecontact: num_points is 8388608, needing about 0.9 GiB; allowed: as many as fit")
+    assert said.endswith("or fewer workers\n")
+    assert said.count("\n") == 1
+    assert not (tmp_path / "new" / "tasks").exists()
+
+
+def test_a_grid_that_does_not_fit_into_memory_is_refused_before_anything_is_solved(tmp_path, capfd, monkeypatch):
+    monkeypatch.setattr(tasks, "solve", None)
+    monkeypatch.setattr(checks, "available_memory", lambda: 2**20)
+    for words in (["--over", "num_points", "--values", "64,16384"], ["--num-points", "2^14"]):
+        assert curve(tmp_path, *words) == 2
+        assert "num_points is 16384, needing about 0.0 GiB" in capfd.readouterr().err
+    for run in (
+        lambda: curve_of(Scene(num_points=64), "num_points", [64, 2**14]),
+        lambda: ensemble_mean(Scene(indenter=RoughIndenter(), num_points=2**14), 0.1),
+    ):
+        with pytest.raises(ValueError, match=r"num_points is 16384, needing about 0\.0 GiB"):
+            run()

@@ -609,3 +609,38 @@ def test_help_names_the_fields():
             text = pydoc.plain(pydoc.render_doc(thing))
             for field in dataclasses.fields(thing):
                 assert re.search(rf"^ \|    {field.name}: \S+", text, re.MULTILINE), (name, field.name)
+
+
+def test_a_loaded_solution_in_the_place_of_anything_is_shown_in_a_few_words(tmp_path):
+    solve(Scene(num_points=64)).save(tmp_path / "run.h5")
+    stored = linecontact.load(tmp_path / "run.h5")
+    assert len(repr(stored)) > 160
+    calls = [linecontact.solve, linecontact.contact_stiffness, linecontact.load, linecontact.read_scan, Layer, Scene]
+    calls += [
+        lambda one: linecontact.solve(Scene(num_points=64), nested=one),
+        lambda one: linecontact.solve(Scene(num_points=64), progress=one),
+        lambda one: linecontact.solve(Scene(num_points=64), accuracy=1e-3, method=one),
+        lambda one: linecontact.solve(Scene(num_points=64), device=one),
+        lambda one: linecontact.curve(one, "pressure", [1.0]),
+        lambda one: linecontact.curve(Scene(), "pressure", one),
+        lambda one: linecontact.curve(Scene(), "pressure", [one]),
+        lambda one: linecontact.ensemble_mean(one, 0.1),
+        lambda one: linecontact.save(one, tmp_path / "new.h5"),
+        lambda one: linecontact.plot(solve(Scene(num_points=64)), one),
+        lambda one: Scene(indenter=one),
+    ]
+    for call in calls:
+        with pytest.raises(ValueError, match=r" is StoredSolution: .* \.\.\.; allowed: ") as caught:
+            call(stored)
+        shown = str(caught.value).partition(" is ")[2].partition("; allowed: ")[0]
+        assert len(shown) <= 80
+        assert "\n" not in str(caught.value)
+
+
+def test_a_loaded_solution_shows_its_error_as_the_solution_does(tmp_path):
+    solution = solve(Scene(num_points=64))
+    solution.save(tmp_path / "run.h5")
+    error = rounded_up(solution.observables.contact_area_error)
+    assert f"+- {error} [-]" in repr(solution)
+    for shown in (linecontact.load(tmp_path / "run.h5"), solution.observables):
+        assert f"contact_area_error {error} [-]" in repr(shown)

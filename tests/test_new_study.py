@@ -132,10 +132,10 @@ def test_a_study_that_does_not_offer_what_it_must_is_refused(changes, message):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"plans": lambda _: None}, "plans of study layers gave 'None'; allowed: one `Plan` or more"),
-        ({"plans": lambda _: []}, "plans of study layers gave"),
-        ({"report": lambda *_: None}, "report of study layers gave 'None'; allowed: tables and texts, in a list"),
-        ({"report": lambda *_: "done"}, "report of study layers gave 'done'"),
+        ({"plans": lambda _: None}, "result of plans of study layers is None; allowed: one `Plan` or more"),
+        ({"plans": lambda _: []}, r"result of plans of study layers is \[\]"),
+        ({"report": lambda *_: None}, "result of report of study layers is None; allowed: tables and texts, in a list"),
+        ({"report": lambda *_: "done"}, "result of report of study layers is 'done'"),
     ],
 )
 def test_a_study_that_gives_something_else_is_refused(tmp_path, changes, message):

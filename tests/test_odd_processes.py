@@ -6,6 +6,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import time
 
 import linecontact
 import numpy as np
@@ -16,7 +17,7 @@ from linecontact.studies.command_line import main
 from linecontact.studies.curve import report
 from linecontact.studies.explore.newest import Newest
 from linecontact.studies.figures import solution
-from linecontact.studies.files import solution_files
+from linecontact.studies.files import hdf5, solution_files
 from linecontact.studies.kernel_benchmark import c_code
 from linecontact.studies.terminal import console
 from linecontact.studies.terminal.text import BUG, is_refusal
@@ -538,3 +539,39 @@ def test_ctrl_c_while_a_bar_begins_leaves_the_cursor(capsys, monkeypatch):
         signal.signal(signal.SIGINT, ignored)
     said = capsys.readouterr().err
     assert said.rfind("\x1b[?25h") > said.rfind("\x1b[?25l") >= 0
+
+
+@pytest.mark.parametrize("bug", [NameError, AssertionError])
+def test_a_bug_beside_a_file_of_another_process_is_no_damaged_file(tmp_path, monkeypatch, bug):
+    def broken(*_):
+        raise bug
+
+    assert main.main([*SOLVE[len(CLI) :], "--save", str(tmp_path / "run.h5")]) == 0
+    monkeypatch.setattr(hdf5, "_written", set())
+    for module, name in ((solution, "figure"), (solution_files, "_patches")):
+        with monkeypatch.context() as patched:
+            patched.setattr(module, name, broken)
+            with pytest.raises(bug) as caught:
+                main.main(["plot", str(tmp_path / "run.h5")])
+            assert BUG in caught.value.__notes__
+    assert main.main(["plot", str(tmp_path / "run.h5")]) == 0
+
+
+@pytest.mark.parametrize("pause", [0.0, 0.3])
+def test_what_ctrl_c_waits_for_is_said_where_it_takes_longer(monkeypatch, capsys, pause):
+    def command():
+        try:
+            signal.raise_signal(signal.SIGINT)
+        except KeyboardInterrupt:
+            time.sleep(pause)
+            raise
+
+    monkeypatch.setattr(console, "_SOON", 0.1)
+    ignored = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        assert console.guard(command) == 130
+        assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    finally:
+        signal.signal(signal.SIGINT, ignored)
+    first = f"{console._WAIT}\n" * (pause > 0)
+    assert " ".join(capsys.readouterr().err.split()) == " ".join(f"{first}linecontact: interrupted".split())

@@ -73,8 +73,8 @@ def test_missing_waves_are_named():
         (range(9), range(1, 10), "wave_numbers are 0 in row 1; allowed: 8 or more finite real numbers > 0"),
         (range(1, 9), [1, 2, 3, -4, 5, 6, 7, 8], "stiffnesses are -4 in row 4; allowed"),
         (range(1, 9), [1, 2, 3, math.nan, 5, 6, 7, 8], "stiffnesses are nan in row 4; allowed"),
-        (range(1, 9), [1, 2, 3, 4j, 5, 6, 7, 8], "stiffnesses are .* allowed: 8 or more finite real numbers"),
-        (range(1, 9), ["a"] * 8, "stiffnesses are .* allowed: 8 or more finite real numbers"),
+        (range(1, 9), [1, 2, 3, 4j, 5, 6, 7, 8], "stiffnesses is .* allowed: 8 or more finite real numbers"),
+        (range(1, 9), ["a"] * 8, "stiffnesses is .* allowed: 8 or more finite real numbers"),
         (
             range(1, 9),
             [1, 2, 3, 9, 5, 6, 7, 8],

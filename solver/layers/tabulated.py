@@ -167,7 +167,7 @@ def _column(name: str, values: Any) -> Array64:
     allowed = f"{_FEWEST} or more finite real numbers > 0"
     column = checks.array(values)
     if column is None:
-        raise ValueError(f"{name} are {str(values)[:40]!r}; allowed: {allowed}")
+        raise checks.refusal(name, values, allowed)
     if column.ndim != 1 or column.size < _FEWEST:
         raise ValueError(f"{name} have shape {column.shape}; allowed: {allowed}")
     bad = np.flatnonzero(~((column > 0) & np.isfinite(column)))

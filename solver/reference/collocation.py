@@ -164,9 +164,7 @@ def _match(
             break
         y = new
     if y > math.log(0.489):
-        raise ValueError(
-            f"load is {load!r}; allowed: below {best.load:.6g}, where the contact fills 0.98 of the period"
-        )
+        raise checks.refusal("load", load, f"below {best.load:.6g}, where the contact fills 0.98 of the period")
     if not abs(error) < 1e-9:
         raise ValueError(f"num_nodes is {best.num_nodes}; allowed: more, the edge layers are not resolved")
     return best

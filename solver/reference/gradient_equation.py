@@ -79,10 +79,8 @@ class System:
         period = min(1.0, 2 * a + _DECAY * thickness) if layer.foundation_modulus(1.0) else 1.0
         count = HALF_SPACE_FROM / thickness * period / (2 * np.pi)
         if n * max(n, count) > _MOST_VALUES:
-            raise ValueError(
-                f"thickness is {thickness!r}; allowed: more, for a half-width of {a:.3g} collocation would need "
-                f"{n} nodes and {count:.0f} modes"
-            )
+            why = f"for a half-width of {a:.3g} collocation would need {n} nodes and {count:.0f} modes"
+            raise ValueError(f"thickness is {thickness!r}; allowed: more, {why}")
         self.half_width, self.num_nodes, self._period = half_width, n, period
         self._exponent, self._radius, self._layer = exponent, radius, layer
         j = np.arange(1.0, n // 2 + 1)

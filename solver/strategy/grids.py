@@ -83,10 +83,8 @@ def check_memory(
     available = checks.available_memory() if available is None else available
     needed = kind.bytes_per_point(contact_share) * num_points
     if available is not None and needed > available:
-        raise ValueError(
-            f"num_points is {num_points}, needing about {needed / 2**30:.1f} GiB; allowed: as many as fit into the "
-            f"{available / 2**30:.1f} GiB that are free"
-        )
+        fits = f"as many as fit into the {available / 2**30:.1f} GiB that are free"
+        raise ValueError(f"num_points is {num_points}, needing about {needed / 2**30:.1f} GiB; allowed: {fits}")
 
 
 def _measured(state: Method, by_loads: bool) -> tuple[Level, Contact]:

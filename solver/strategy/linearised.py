@@ -21,6 +21,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from .. import checks
 from ..arrays import Array64, Mask, on_one_thread
 from ..endings import Status
 from ..grid.contact import contact_edges
@@ -52,7 +53,7 @@ def contact_stiffness(solution: Solution) -> float:
     incompressible layer. It takes a quarter to a half of the time of the solve. Raises `ValueError`.
     """
     if not isinstance(solution, Solution):
-        raise ValueError(f"solution is {solution!r}; allowed: a Solution")
+        raise checks.refusal("solution", solution, "a Solution")
     contact = solution.contact
     if not contact.any():
         return 0.0

@@ -28,14 +28,15 @@ def curve(
 
     Returns columns by name, each of shape (number of values,): 'value', 'status', 'contact_stiffness'
     [pressure/length], and every field of `Observables` with its unit; NaN where a solution has none. Raises
-    `ValueError`, for a value that makes no scene before anything is solved.
+    `ValueError`, for a value that makes no scene, and for a grid that does not fit into memory, before anything is
+    solved.
     """
     if not isinstance(scene, Scene):
-        raise ValueError(f"scene is {scene!r}; allowed: a Scene")
+        raise checks.refusal("scene", scene, "a Scene")
     checks.choice("over", over, tuple(number.numbers(scene)))
     allowed = "numbers, one or more"
     if not isinstance(values, Iterable) or isinstance(values, str):
-        raise ValueError(f"values is {values!r}; allowed: {allowed}")
+        raise checks.refusal("values", values, allowed)
     numbers = [checks.real("values", value, allowed, infinite=True) for value in values]
     if not numbers:
         raise ValueError(f"values are none; allowed: {allowed}")

@@ -8,6 +8,7 @@ from typing import Any, Literal
 import numpy as np
 from linecontact.solver import Scene
 from linecontact.solver.grid.layer_on_grid import half_spectrum
+from linecontact.solver.strategy.grids import check_memory
 from linecontact.solver.strategy.to_approach import check_approach
 
 Spacing = Literal["auto", "log", "linear", "area"]
@@ -32,15 +33,19 @@ def _own(part: Any) -> Iterator[tuple[str, float]]:
             yield entry.name, value
 
 
-def check(scene: Scene, name: str, values: Sequence[float]) -> None:
-    """Raise `ValueError` for a value that makes no scene, and for the largest if that has no solution."""
+def check(scene: Scene, name: str, values: Sequence[float]) -> Scene:
+    """The scene of the largest value. Raises `ValueError` for a value that makes no scene, and for the largest if that
+    has no solution, or if memory cannot hold its grid.
+    """
     for value in values:
         if whole(scene, name) and not (math.isfinite(value) and value == int(value)):
             raise ValueError(f"{name} is {value:g}; allowed: an integer")
         put(scene, name, value)
     largest = put(scene, name, max(values))
+    check_memory(largest.num_points)
     check_approach(largest)
     half_spectrum(largest.layer, largest.num_points, largest.period)  # a table may lack waves
+    return largest
 
 
 def put(scene: Scene, name: str, value: float) -> Scene:

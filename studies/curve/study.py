@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from linecontact.solver import MeasuredIndenter, Scene, checks
 from linecontact.solver.grid.errors import DEFAULT_QUANTITY, QUANTITIES, check_accuracy
 from linecontact.solver.grid.problem import Problem
+from linecontact.solver.strategy.grids import check_memory
 from linecontact.solver.units import unit
 
 from ..runner import study
@@ -95,7 +96,7 @@ def plan(options: Options, given: Given) -> Plan:
     _check_over(over, number.numbers(scene))
     varied = {"length": own._replace(unit=scene.length_unit), "pressure": pressures}.get(unit(over))
     values = _values(options, scene, varied)
-    number.check(scene, over, values)
+    largest = number.check(scene, over, values)
     return Plan(
         kind=NAME,
         configuration={
@@ -106,6 +107,7 @@ def plan(options: Options, given: Given) -> Plan:
             "accuracy_of": of,
         },
         runs=[Task(description, over, value, accuracy, of) for value in values],
+        num_points=0 if accuracy and scene.indenter.power_law else largest.num_points,  # that needs hardly any grid
     )
 
 
@@ -159,6 +161,8 @@ _SCENE = (*_NO_NUMBERS, *making.LOADS, "period", "num_points", "pressure_unit")
 
 
 def _values(options: Options, scene: Scene, own: Own | None) -> tuple[float, ...]:
+    if options.over != "num_points":
+        check_memory(scene.num_points)
     ends = {"from": options.from_, "to": options.to}
     given = {name: text for name, text in ends.items() if text is not None}
     if options.values is not None:

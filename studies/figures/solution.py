@@ -7,7 +7,7 @@ from typing import Any
 
 import matplotlib
 import numpy as np
-from linecontact.solver import Solution, Status
+from linecontact.solver import Solution, Status, checks
 from linecontact.solver.arrays import Array64
 from linecontact.solver.grid.patches import Patches
 from matplotlib.axes import Axes
@@ -64,7 +64,7 @@ def plot(solution: Solution | StoredSolution, path: Name | None = None, overwrit
     written.
     """
     if not isinstance(solution, Solution | StoredSolution):
-        raise ValueError(f"solution is {str(solution)[:40]!r}; allowed: a Solution or a StoredSolution")
+        raise checks.refusal("solution", solution, "a Solution or a StoredSolution")
     stored = solution_files.stored(solution) if isinstance(solution, Solution) else solution
     file = None if path is None else writing.as_path("path", path)
     if file:

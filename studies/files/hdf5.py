@@ -66,10 +66,8 @@ def open_file(path: str | os.PathLike[str]) -> Iterator["h5py.File"]:
 
         with h5py.File(path, "r") as file:
             yield file
-    except StoreError:
-        raise
-    except Exception as error:
-        if digest in _written:  # a bug
+    except (AttributeError, LookupError, OSError, RuntimeError, TypeError, ValueError) as error:  # h5py's, and groups
+        if isinstance(error, StoreError) or digest in _written:  # a bug
             raise
         reason = f"{type(error).__name__}: {error}"
         raise DamagedError(f"file {path} is damaged or not one of linecontact's HDF5 files, {reason}") from error

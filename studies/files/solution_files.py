@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from linecontact.solver import Solution
+from linecontact.solver import Solution, checks
 from linecontact.solver.display import row, sentence
 from linecontact.solver.grid.patch_table import PatchTable
 from linecontact.solver.units import named, shown
@@ -77,7 +77,7 @@ def save(solution: Solution, path: Name, overwrite: bool = False) -> None:
     overwrite: whether an existing file may be replaced. Raises `ValueError` for a file that cannot be written.
     """
     if not isinstance(solution, Solution):
-        raise ValueError(f"solution is {str(solution)[:40]!r}; allowed: a Solution")
+        raise checks.refusal("solution", solution, "a Solution")
     file = as_path("path", path)
     check_file(file, overwrite)
     save_solution(file, solution)

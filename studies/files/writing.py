@@ -11,6 +11,8 @@ import tempfile
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+from linecontact.solver import checks
+
 from ..terminal import console
 from .marks import is_ours
 
@@ -32,7 +34,7 @@ class DamagedError(StoreError):
 def as_path(name: str, path: object) -> Path:
     """A path from text or a path; raises `StoreError`, which names the parameter, for anything else."""
     if not isinstance(path, str | os.PathLike):
-        raise StoreError(f"{name} is {repr(path)[:40]}; allowed: text or a path")
+        raise StoreError(str(checks.refusal(name, path, "text or a path")))
     return Path(path)
 
 
@@ -128,17 +130,16 @@ def set_aside(path: Path) -> None:
 
 @contextlib.contextmanager
 def expecting(where: Path, own: bool = False) -> Iterator[None]:
-    """Turn any error inside the block into a `StoreError` that names `where`, the file or folder that was read.
+    """Turn an error that odd names, numbers or texts can cause inside the block into a `StoreError` that names `where`,
+    the file or folder that was read; any other is a bug, and is passed on.
 
     For blocks that work with the contents of a file: a right checksum does not say that its contents make sense.
-    own: whether this process has computed all of it; then such an error is a bug, and is passed on.
+    own: whether this process has computed all of it; then such an error is a bug, too.
     """
     try:
         yield
-    except (StoreError, OSError):
-        raise
-    except Exception as error:
-        if own:
+    except (ArithmeticError, LookupError, TypeError, ValueError) as error:
+        if own or isinstance(error, StoreError):
             raise
         reason = f"{type(error).__name__}: {error}, {console.place(error)}"
         what = f"{where} does not hold what linecontact writes there ({reason}); allowed: another one, or to make it"

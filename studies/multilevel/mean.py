@@ -5,6 +5,7 @@ from dataclasses import replace
 from typing import Any
 
 from linecontact.solver import Scene, checks
+from linecontact.solver.strategy.grids import check_memory
 
 from ..files.records import warnings_in
 from . import samples
@@ -39,11 +40,12 @@ def ensemble_mean(
     reach, which is known from the first surfaces.
     """
     if not isinstance(observable, str):
-        raise ValueError(f"observable is {observable!r}; allowed: one of {', '.join(samples.OBSERVABLES)}")
+        raise checks.refusal("observable", observable, f"one of {', '.join(samples.OBSERVABLES)}")
     wanted = check_wanted([observable], standard_error, relative, max_seconds, max_samples)
     if not isinstance(scene, Scene):
-        raise ValueError(f"scene is {scene!r}; allowed: a Scene")
+        raise checks.refusal("scene", scene, "a Scene")
     check_scene(scene)
+    check_memory(scene.num_points)
     sizes, seed = levels(scene), scene.indenter.seed  # type: ignore[attr-defined]
     rows: list[dict[str, Any]] = []
     while (now := state(rows, sizes, wanted, seed)).batches:

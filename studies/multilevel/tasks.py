@@ -71,7 +71,16 @@ def plan(description: str, scene: Scene, wanted: Wanted) -> Plan:
         "max_samples": wanted.max_samples,
     }
     adjustable = ("observables", "standard_error", "relative", "max_seconds", "max_samples")
-    return Plan(KIND, configuration, list(more({})), adjustable=adjustable, enough=enough, more=more, outlook=outlook)
+    return Plan(
+        KIND,
+        configuration,
+        list(more({})),
+        adjustable=adjustable,
+        enough=enough,
+        more=more,
+        outlook=outlook,
+        num_points=scene.num_points,
+    )
 
 
 def found(file: StudyFile) -> tuple[Wanted, State]:

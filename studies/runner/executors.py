@@ -46,6 +46,8 @@ class Pool:
     """Makes a new executor."""
     limit: Callable[[], int]
     """Tells how many tasks it should have at a time."""
+    budget: int | None = None
+    """Memory for each task [bytes]; None: not known."""
 
 
 @contextlib.contextmanager
@@ -62,13 +64,13 @@ def choose(
         with _dask(scheduler) as pool:
             yield pool
     elif workers == 1:
-        yield Pool(lambda: InProcess(report), lambda: 1)
+        yield Pool(lambda: InProcess(report), lambda: 1, checks.available_memory())
     else:
         free = checks.available_memory()
         gibibytes = memory or (max(1.0, free / 2**30 / workers) if free else None)
         budget = int(gibibytes * 2**30) if gibibytes else None
         # one more waiting for each, so that nobody idles
-        yield Pool(lambda: Processes(workers, budget), lambda: 2 * workers)
+        yield Pool(lambda: Processes(workers, budget), lambda: 2 * workers, budget)
 
 
 def check(workers: int, memory: float | None, scheduler: str | None) -> None:

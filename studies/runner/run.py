@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from linecontact.solver.display import counted
+from linecontact.solver.strategy.grids import check_memory
 
 from ..figures.style import NothingToDraw
 from ..files import study_files, writing
@@ -118,6 +119,8 @@ def _compute(plans: Sequence[Plan], options: Options, folder: Path) -> tuple[Fil
 
     progress = _Outlook(plans)
     with executors.choose(options.workers, options.memory, options.scheduler, report) as pool:
+        if pool.budget:
+            _check_memory(plans, pool.budget, options.workers)
         with writing.expecting(folder):
             ensemble = _begin(plans, options, folder)
         with console.Bar(", ".join(plan.kind for plan in plans)) as bar:
@@ -130,6 +133,14 @@ def _compute(plans: Sequence[Plan], options: Options, folder: Path) -> tuple[Fil
                     _save([plan for plan in plans if not _is_finished(plan.path(folder))], ensemble, folder)
                 raise
     return _save(plans, ensemble, folder), not ensemble.found
+
+
+def _check_memory(plans: Sequence[Plan], budget: int, workers: int) -> None:
+    """Raise `ValueError` if a worker's budget [bytes] does not hold the largest grid."""
+    try:
+        check_memory(max(plan.num_points for plan in plans), available=budget)
+    except ValueError as error:
+        raise ValueError(f"{error}{', or fewer workers' * (workers > 1)}") from None
 
 
 class _Outlook:

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from linecontact.solver import checks
 from rich.console import RenderableType
 
 from .. import STUDIES
@@ -61,6 +62,8 @@ class Plan:
     """
     outlook: Callable[[Mapping[Task, Record]], tuple[float, str]] | None = None
     """From the same records the share of the work that is done, 0 to 1, and the state. For such a study, too."""
+    num_points: int = 0
+    """Points of the largest grid of the tasks, for which there must be memory; 0: not known."""
 
     @property
     def tasks(self) -> list[Task]:
@@ -136,25 +139,21 @@ class Study:
             )
         for name in ("plans", "report", "draw"):
             if not callable(getattr(self, name)):
-                raise ValueError(f"{name} of study {self.name} is {getattr(self, name)!r}; allowed: a function")
+                raise checks.refusal(f"{name} of study {self.name}", getattr(self, name), "a function")
         if not (isinstance(self.options, type) and issubclass(self.options, Options)):
-            raise ValueError(f"options of study {self.name} is {self.options!r}; allowed: a subclass of `Options`")
+            raise checks.refusal(f"options of study {self.name}", self.options, "a subclass of `Options`")
 
     def planned(self, options: Options) -> Sequence[Plan]:
         """The tasks. Raises `ValueError` if the study gives something else, or none."""
         plans = self.plans(options)
         if not isinstance(plans, Sequence) or not plans or not all(isinstance(plan, Plan) for plan in plans):
-            raise ValueError(
-                f"plans of study {self.name} gave {str(plans)[:40]!r}; allowed: one `Plan` or more, in a list"
-            )
+            raise checks.refusal(f"result of plans of study {self.name}", plans, "one `Plan` or more, in a list")
         return plans
 
     def check_report(self, parts: object) -> None:
         """Raise `ValueError` if these are no parts of a report."""
         if isinstance(parts, str) or not isinstance(parts, Sequence):
-            raise ValueError(
-                f"report of study {self.name} gave {str(parts)[:40]!r}; allowed: tables and texts, in a list"
-            )
+            raise checks.refusal(f"result of report of study {self.name}", parts, "tables and texts, in a list")
 
     def folder(self, options: Options) -> Path:
         """Where the results go."""
@@ -174,5 +173,5 @@ def find(name: str) -> Study:
             "Options and command"
         )
     if not isinstance(module.STUDY, Study):
-        raise ValueError(f"study {name}: STUDY of module {STUDIES[name]} is {module.STUDY!r}; allowed: a `Study`")
+        raise checks.refusal(f"study {name}: STUDY of module {STUDIES[name]}", module.STUDY, "a `Study`")
     return module.STUDY

@@ -80,7 +80,7 @@ class Options:
             if option.choices and not (value is option.default is None):
                 checks.choice(name, value, option.choices)
             elif option.type in (bool, str, Path) and not (isinstance(value, option.type) or value is option.default):
-                raise ValueError(f"{name} is {value!r}; allowed: {option.said or 'True or False'}")
+                raise checks.refusal(name, value, option.said or "True or False")
         check_accuracy(self.accuracy, DEFAULT_QUANTITY)
 
 

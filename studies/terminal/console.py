@@ -3,7 +3,9 @@
 import contextlib
 import math
 import os
+import signal
 import sys
+import threading
 import time
 import traceback
 from collections.abc import Callable, Iterator
@@ -24,6 +26,8 @@ from .tables import Whole
 from .text import BUG, OUTPUT, is_refusal, printable
 
 KEPT = "; finished tasks are kept"
+_SOON = 1.0  # s after Ctrl-C
+_WAIT = "linecontact: interrupted; finishing what there is, unless Ctrl-C comes again"
 Parsed = TypeVar("Parsed")
 
 EXIT_BAD_INPUT = 2
@@ -196,7 +200,8 @@ def guard(command: Callable[[], int], kept: str = "") -> int:
     kept: text on finished work, shown after Ctrl-C. Any other end is a bug, passed on for a traceback and status 1.
     """
     try:
-        status = command()
+        with _waiting_told():
+            status = command()
         sys.stdout.flush()
         return status
     except KeyboardInterrupt:
@@ -213,6 +218,29 @@ def guard(command: Callable[[], int], kept: str = "") -> int:
             raise
         errors.print(f"linecontact: {said}")
         return EXIT_BAD_INPUT
+
+
+@contextlib.contextmanager
+def _waiting_told() -> Iterator[None]:
+    """After Ctrl-C a command may have a result to finish: if that takes longer, it is said."""
+    before = signal.getsignal(signal.SIGINT)
+    known = before is signal.default_int_handler and threading.current_thread() is threading.main_thread()
+    if not known or not hasattr(signal, "setitimer"):
+        yield
+        return
+
+    def interrupt(number: int, frame: Any) -> None:
+        signal.signal(number, signal.default_int_handler)
+        signal.setitimer(signal.ITIMER_REAL, _SOON)
+        signal.default_int_handler(number, frame)
+
+    signal.signal(signal.SIGALRM, lambda *_: errors.print(_WAIT))
+    signal.signal(signal.SIGINT, interrupt)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGINT, before)
 
 
 def _refusal(error: Exception) -> str:
