@@ -22,8 +22,6 @@ class Calibration:
     """and in patches that are wide beside the layer, times these nodes, beside the former [grid spacings]."""
     beside_gap: float
     """Error of an end by pressures, times the square of the nodes of the gap beside it [grid spacings]."""
-    of_shares: float
-    """Error of an end by a load that it shares with other patches, over the mean error of all ends."""
     of_heights: float
     """Error of an end by a load, over the sixth over the second difference of the heights, or over the squared ratio of
     the fourth to the second if that is more, plus the inverse square of the nodes of the gap beside it [grid

@@ -67,7 +67,7 @@ def contact_edges(problem: Problem, pressure: Array64, displacement: Array64 | N
     steep = bool(indenter.exponent and indenter.exponent > 2)  # which loads do not mind
     error = np.where(edges.by_load & steep, edges.end_errors, np.maximum(edges.end_errors, tip))
     if patches.count > 1:  # loads have errors of all ends
-        error = error + np.where(edges.by_load, min(FITTED.of_shares * error.mean(), UNRESOLVED_ERROR), 0.0)
+        error = error + np.where(edges.by_load, error.mean(), 0.0)
     return Contact(problem, pressure, patches, replace(edges, end_errors=error, unseen=unseen))
 
 

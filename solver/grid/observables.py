@@ -218,7 +218,7 @@ def subgrid_measures(problem: Problem, patches: Patches, edges: Edges) -> tuple[
     kappa = per_area * width / num_points
     # kappa goes like the root of the width times the integral of h'^2, which is off where h' is small at the ends, too
     weights = (1 + parabola(np.stack([edges.left, edges.right])) / mean_square) / 2
-    by_edges = kappa / width * edges.total_error(np.maximum(weights, indenter.exponent or 0.7))
+    by_edges = kappa / width * edges.total_error(np.maximum(weights, indenter.exponent or 0.5))
     by_slopes = 0.0  # of h'^2, twice that of its root
     if (doubt := indenter.squared_slope_doubt) is not None:
         by_slopes = float(np.abs(patches.sums(doubt[patches.nodes]))[unknown].sum()) / width / mean_square
