@@ -17,10 +17,9 @@ from linecontact.solver.grid.problem import Problem
 
 Numbers = dict[str, float]
 
-_HELD, _LEAST = 0.985, 0.97  # shares of estimates that are to hold in a fit, of all scenes and of each family
+_HELD, _LEAST = 0.99, 0.975  # shares of estimates that are to hold in a fit, of all scenes and of each family
 _PRICE = 60.0  # of the share that is missing, in means of the logarithm of estimate over error
 _FACTOR, _GAIN = 1.4, 1e-4  # by which one number after the other is changed, and the least gain of a change
-_MARGIN = 0.03  # by how much numbers made larger in the end may worsen the fit in all, for the sake of other scenes
 _FLOOR, _LARGEST = 1e-8, 12.0  # relative error of references, and logarithm of estimate over error that is enough
 
 
@@ -66,7 +65,7 @@ def values(found: Observables) -> Array64:
 
 
 def fitted(scenes: Sequence[Known]) -> Numbers:
-    """The best numbers, from those in use on by multiplying one at a time, with a margin where that costs little."""
+    """The best numbers, from those in use on by multiplying one at a time."""
     families = np.array([one.family for one in scenes])
 
     def loss() -> float:
@@ -88,10 +87,6 @@ def fitted(scenes: Sequence[Known]) -> Numbers:
                     best = now
                 else:
                     setattr(FITTED, name, before)
-        for name, value in asdict(FITTED).items():
-            setattr(FITTED, name, value * _FACTOR**2)
-            if loss() > best + _MARGIN:
-                setattr(FITTED, name, value)
         return {name: float(f"{value:.2g}") for name, value in asdict(FITTED).items()}
 
 
