@@ -8,7 +8,7 @@ from .compiled import KERNELS, flags, load, recompile, start_warp
 from .interrupts import undivided
 from .layout import CHUNK, padded_length
 from .processor import instructions, processor
-from .record import BACKENDS, Call, record, record_launches, share
+from .record import BACKENDS, Call, launch, record, record_launches, share
 from .sequences import sequence
 
 __all__ = [
@@ -18,6 +18,7 @@ __all__ = [
     "Call",
     "flags",
     "instructions",
+    "launch",
     "layout",
     "load",
     "padded_length",

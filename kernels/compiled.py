@@ -29,6 +29,8 @@ MODULES = {
     "warp_columns": ("unpack_columns", "pack_columns"),
 }
 """The kernels, by the modules that they are in."""
+_OTHERS = ("fold_sums", "narrow_ends")
+"""Kernels of modules that `on_gpu` and `launch` load alone."""
 ON_CPU_ONLY = ("warp_columns",)
 """Modules that no GPU needs."""
 GPU_BLOCK = 256
@@ -54,6 +56,13 @@ def load() -> dict[str, Any]:
     Raises `ValueError` if the cache cannot be used.
     """
     return recompile(KERNELS, CHUNK, None)
+
+
+@locks.once
+def load_alone(module: str) -> dict[str, Any]:
+    """The kernels of a module that is none of `MODULES`, like `load`."""
+    start_warp()
+    return compile_modules([copy_module(module, CHUNK, flags())])
 
 
 def recompile(names: Collection[str], chunk: int, compiled_with: str | None) -> dict[str, Any]:
@@ -99,7 +108,7 @@ def compile_modules(modules: list[ModuleType], device: str = "cpu") -> dict[str,
     """Warp's kernels by name, in both precisions, of `MODULES` or of copies of them; device: Warp's name of it."""
     import warp as wp
 
-    names = (*KERNELS, "fold_sums")
+    names = (*KERNELS, *_OTHERS)
     kernels = {name: vars(module)[name] for module in modules for name in names if name in vars(module)}
     for kernel in kernels.values():
         if kernel.is_generic:

@@ -5,6 +5,8 @@ its scalar arguments. All slots are dimensionless in the units of the discrete p
 pressure are 1).
 """
 
+import math
+
 CHUNK = 1024
 """Points per kernel thread: a power of two above Warp's unroll limit (16), else LLVM leaves the loop scalar."""
 
@@ -35,6 +37,23 @@ contact."""
 ) = range(18)
 # fmt: on
 STATE_LENGTH = STOPPED + 1
+
+SAMPLES, ANGLE = 8, math.pi / 8
+"""Of a slope over a narrow patch, or of the pressure over a gap, at cos(ANGLE/2), cos(3 ANGLE/2), ... of their
+half-width: their mean is the one with the weight (1 - t^2)^-1/2."""
+DEGREE, STENCIL = 7, 6
+"""Of the polynomials around these, at most, and nodes through which heights are interpolated."""
+MIDDLE, HALF_WIDTH, SOLVED = range(3)
+"""Rows of `ends`: m and a in grid spacings, to begin with and in the end; 1 where they solve the equations, else 0."""
+CENTRE, HALF, MOMENT, EXPONENT, SIGN = range(DEGREE + 1, DEGREE + 6)
+"""Rows of `runs`, behind those of coefficients: of what is around a run, a polynomial in (x - centre)/half, from the
+highest power; M_1 a^(1 + exponent); the sign of the equations' determinant."""
+NEWTON_STEPS, NEWTON_STEP, NEARLY = 24, 0.25, 0.02
+"""Of Newton's method for their ends: most, their length and that of the last one, at most [grid spacings]; the last one
+is at most that part of the half-width, too. In the second half longer ones are halved, as they may go to and fro about
+a node, where the polynomials of the heights change."""
+CLOSE = NEARLY**2
+"""Length of a step that needs no other, over the half-width or the spacing."""
 
 STEP = 0
 """The active set's only scalar, in an array of its own: length of a step along a direction."""

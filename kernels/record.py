@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ..locks import RECORDING
 from . import reference
-from .compiled import load
+from .compiled import load, load_alone
 from .layout import CHUNK
 
 Array = NDArray[Any]
@@ -77,6 +77,15 @@ def record_launches(launches: Sequence[Launch], times: int = 1) -> Callable[[], 
             for kernel, threads, inputs, outputs in launches:
                 wp.launch(kernel, dim=threads, inputs=inputs, outputs=outputs, device="cpu")
     return functools.partial(wp.capture_launch, capture.graph)
+
+
+def launch(module: str, name: str, threads: int, inputs: Sequence[Array], outputs: Sequence[Array]) -> None:
+    """One launch of a kernel on arrays that serve but once, one-dimensional, contiguous and float64."""
+    kernel = load_alone(module)[name]
+    import warp as wp
+
+    with RECORDING:  # else another thread would record it
+        wp.launch(kernel, threads, inputs=[*map(share, inputs)], outputs=[*map(share, outputs)], device="cpu")
 
 
 def share(array: Array) -> Any:

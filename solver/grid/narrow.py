@@ -30,31 +30,27 @@ Units: grid spacings, and E* = 1.
 """
 
 import functools
+import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
 
+from ...kernels import launch, layout
 from ..arrays import Array64, Indices, Mask
 from .few_nodes import MARGIN, MOST_NODES
 
 Field = Callable[[Indices], Array64]
 """Values at nodes, of any shape, which may lie beyond the ends of the period."""
 
-_DEGREE = 2 * MARGIN  # of the polynomials, at most
 _PLACES, _WEIGHTS = np.polynomial.legendre.leggauss(MOST_NODES // 2)  # of an integral over a patch
-_STENCIL = np.arange(-2, 4)  # nodes through which heights are interpolated
+_STENCIL = np.arange(-2, layout.STENCIL - 2)  # nodes through which heights are interpolated
 _POWERS = np.linalg.inv(np.vander(_STENCIL)).T  # to coefficients of the polynomial, from the highest power
-_SAMPLES = 8  # of the slope over a patch, or of the pressure over a gap
-_T1 = np.cos(np.pi * (np.arange(_SAMPLES) + 0.5) / _SAMPLES)
-_MEANS = _T1[:, None] ** np.arange(3) / _SAMPLES
+_T1 = np.cos(layout.ANGLE * (np.arange(layout.SAMPLES) + 0.5))
+_MEANS = _T1[:, None] ** np.arange(3) / layout.SAMPLES
 _WAVE = 3 * np.pi / 4  # q a at which the layer's modulus is taken
-_STEPS, _STEP, _NEARLY = 24, 0.25, 0.02
-"""Of Newton's method: most, their length and that of the last one, at most [grid spacings]; the last one is at most
-that part of the half-width, too. In the second half longer ones are halved, as they may go to and fro about a node,
-where the polynomials of the heights change."""
-_CLOSE = _NEARLY**2  # length of a step that needs no other, over the half-width or the spacing
+_TURNS, _CLOSE = 4, 1e-3  # of an end with the modulus that goes with it, by a power law between a and a bit more
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +90,7 @@ class Surroundings:
     half: Array64
     """From there to the last node that was looked at, shape (runs,) [grid spacings]."""
     coefficients: Array64
-    """From the highest power to the constant, shape (7, runs) [unit of the field]."""
+    """From the highest power to the constant, shape (`layout.DEGREE`, runs) [unit of the field]."""
 
     @classmethod
     def of(
@@ -109,7 +105,7 @@ class Surroundings:
         off the field so many nodes away, `few_nodes.node_compliance` or `few_nodes.node_stiffness`.
         """
         margin = np.clip(beside // 2, 1, MARGIN)
-        coefficients = np.zeros((size.size, _DEGREE + 1))
+        coefficients = np.zeros((size.size, layout.DEGREE))
         kinds = size * (MARGIN + 1) + margin
         for kind in np.unique(kinds):
             (which,) = np.nonzero(kinds == kind)
@@ -125,6 +121,17 @@ class Surroundings:
         t = (places - self.middle[which, None]) / half
         value, first, second = _polynomial(t, self.coefficients[:, which, None])
         return value, first / half, second / half**2
+
+    @classmethod
+    def none(cls, runs: int) -> Self:
+        """Nothing around so many runs."""
+        return cls(np.zeros(runs), np.ones(runs), np.zeros((1, runs)))
+
+    def integral(self) -> "Surroundings":
+        """The field whose slope is the negative of this one, which is 0 in the middle."""
+        powers = np.arange(len(self.coefficients), 0, -1)[:, None]
+        integral = -self.half * self.coefficients / powers
+        return replace(self, coefficients=np.append(integral, np.zeros((1, self.half.size)), axis=0))
 
 
 def _polynomial(t: Array64, coefficients: Array64) -> tuple[Array64, Array64, Array64]:
@@ -145,10 +152,10 @@ def _fit(size: int, margin: int, caused: Callable[[], Array64]) -> tuple[Array64
     of shape (size + 2 margin, 7), and from the run's own values, by one of shape (size, 7).
     """
     nodes = np.arange(-margin, size + margin)
-    degree = max(2, min(_DEGREE, nodes.size - 2))
+    degree = max(2, min(layout.DEGREE - 1, nodes.size - 2))
     t = (nodes - (size - 1) / 2) / ((size - 1) / 2 + margin)
-    fitted = np.zeros((nodes.size, _DEGREE + 1))
-    fitted[:, _DEGREE - degree :] = np.linalg.pinv(np.vander(t, degree + 1)).T
+    fitted = np.zeros((nodes.size, layout.DEGREE))
+    fitted[:, layout.DEGREE - 1 - degree :] = np.linalg.pinv(np.vander(t, degree + 1)).T
     of_own = caused()[np.abs(nodes[:, None] - np.arange(size))].T @ fitted
     fitted.flags.writeable = of_own.flags.writeable = False
     return fitted, of_own
@@ -182,28 +189,24 @@ def from_loads(
     spacings]; all of shape (patches,). modulus: see `LayerOnGrid`, where the grid does not resolve the layer and
     nothing is `around`.
     """
-
-    def slope(which: Indices, at: Array64) -> tuple[Array64, Array64]:
-        _, first, second = heights.at(at)
-        if around is None:
-            return first, second
-        _, first_around, second_around = around.at(which, at)
-        return first - first_around, second - second_around
-
-    def moment(which: Indices, a: Array64) -> Array64:
-        return 2 / np.pi * load[which] / (a * modulus(_WAVE / a) if modulus else a)
-
-    found = _newton(slope, moment, *begin, 1)
+    moment, exponent = 2 / np.pi * load, np.zeros(load.size)
+    if around:
+        found = _newton(heights, around, moment, exponent, begin, 1.0)
+        return Ends(found.middle, found.half_width, found.solved & (load > 0))
+    assert modulus
+    found, flat = Ends(*begin, load > 0), Surroundings.none(load.size)
+    for _ in range(_TURNS):  # the modulus goes like a power of a nearby
+        a = np.maximum(found.half_width, layout.CLOSE)
+        here, beyond = modulus(_WAVE / a), modulus(_WAVE / (a * (1 + _CLOSE)))
+        exponent = np.log(beyond / here) / math.log(1 + _CLOSE)
+        found = _newton(heights, flat, moment / here * a**exponent, exponent, (found.middle, found.half_width), 1.0)
     return Ends(found.middle, found.half_width, found.solved & (load > 0))
 
 
 def gap_ends(closed: Surroundings, left: Array64, right: Array64) -> Ends:
     """Ends of some gaps. closed: the pressure without each; left, right: where to begin, (gaps,) [grid spacings]."""
-
-    def pressure(which: Indices, at: Array64) -> tuple[Array64, Array64]:
-        return closed.at(which, at)[:2]
-
-    return _newton(pressure, lambda which, a: np.zeros_like(a), (left + right) / 2, (right - left) / 2, -1)
+    none, flat = np.zeros(left.size), Heights(np.zeros(layout.STENCIL), 0.0)
+    return _newton(flat, closed.integral(), none, none, ((left + right) / 2, (right - left) / 2), -1.0)
 
 
 def level_errors(found: Ends, around: Surroundings, heights: Heights, load: Array64) -> tuple[Array64, Array64]:
@@ -212,7 +215,7 @@ def level_errors(found: Ends, around: Surroundings, heights: Heights, load: Arra
 
     load: as in `from_loads`.
     """
-    at = _samples(found.middle, found.half_width)
+    at = found.middle[:, None] + found.half_width[:, None] * _T1
     surface, slope, _ = around.at(np.arange(load.size), at)
     height, slope_of_heights, _ = heights.at(at)
     _, m_1, m_2 = ((slope_of_heights - slope) @ _MEANS).T
@@ -229,37 +232,20 @@ def punch_compliance(half_width: Array64) -> Array64:
     return np.asarray(2 / np.pi * np.log(2 / half_width))
 
 
-def _samples(middle: Array64, half_width: Array64) -> Array64:
-    """Places whose mean is the one with the weight (1 - t^2)^-1/2, shape (runs, samples) [grid spacings]."""
-    return middle[:, None] + half_width[:, None] * _T1
-
-
 def _newton(
-    field: Callable[[Indices, Array64], tuple[Array64, Array64]],
-    moment: Callable[[Indices, Array64], Array64],
-    middle: Array64,
-    half_width: Array64,
-    sign: int,
+    heights: Heights,
+    around: Surroundings,
+    moment: Array64,
+    exponent: Array64,
+    begin: tuple[Array64, Array64],
+    sign: float,
 ) -> Ends:
-    """M_0 = 0 and M_1 = moment(a). field: g, or the pressure, with its derivative; middle, half_width: where to begin;
-    sign: of the equations' determinant.
-    """
-    m, a, going_on = middle.copy(), np.maximum(half_width, _CLOSE), np.arange(middle.size)
-    solved = np.zeros(m.size, dtype=bool)
-    for turn in range(_STEPS):
-        half = a[going_on]
-        value, slope = field(going_on, _samples(m[going_on], half))
-        (m_0, m_1), (by_m, by_both, by_a) = (value @ _MEANS[:, :2]).T, (slope @ _MEANS).T
-        wanted, beyond = moment(going_on, half), moment(going_on, half * (1 + _CLOSE))
-        f, by_a = m_1 - wanted, by_a - (beyond - wanted) / (half * _CLOSE)
-        determinant = by_m * by_a - by_both**2
-        usable = sign * determinant > 0
-        step = np.stack([m_0 * by_a - f * by_both, f * by_m - m_0 * by_both]) / np.where(usable, determinant, np.inf)
-        length, most = np.abs(step).max(axis=0), np.minimum(_STEP, half / 2)
-        step = np.clip(step, -most, most) * np.where((turn >= _STEPS // 2) & (length > _NEARLY), 0.5, 1.0)
-        m[going_on], a[going_on] = m[going_on] - step[0], half - step[1]
-        solved[going_on] = usable & (length < np.minimum(_NEARLY, _STEP * half))
-        going_on = going_on[usable & (length >= _CLOSE * np.minimum(half, 1.0))]
-        if not going_on.size:
-            break
-    return Ends(m, a, solved)
+    """Ends by the kernel `narrow_ends`. moment: of M_1 a^(1 + exponent); sign: of the equations' determinant."""
+    runs, ends = np.zeros((layout.SIGN + 1, moment.size)), np.zeros((layout.SOLVED + 1, moment.size))
+    runs[layout.DEGREE + 1 - len(around.coefficients) : layout.DEGREE + 1] = around.coefficients
+    runs[layout.DEGREE + 1 :] = around.middle, around.half, moment, exponent, np.full(moment.size, sign)
+    ends[: layout.SOLVED] = begin
+    powers = (_POWERS * heights.scale).ravel()
+    launch("warp_ends", "narrow_ends", moment.size, (heights.profile, powers, runs.ravel()), (ends.ravel(),))
+    middle, half_width, solved = ends
+    return Ends(middle, half_width, solved > 0)
