@@ -48,12 +48,8 @@ MIDDLE, HALF_WIDTH, SOLVED = range(3)
 CENTRE, HALF, MOMENT, EXPONENT, SIGN = range(DEGREE + 1, DEGREE + 6)
 """Rows of `runs`, behind those of coefficients: of what is around a run, a polynomial in (x - centre)/half, from the
 highest power; M_1 a^(1 + exponent); the sign of the equations' determinant."""
-NEWTON_STEPS, NEWTON_STEP, NEARLY = 24, 0.25, 0.02
-"""Of Newton's method for their ends: most, their length and that of the last one, at most [grid spacings]; the last one
-is at most that part of the half-width, too. In the second half longer ones are halved, as they may go to and fro about
-a node, where the polynomials of the heights change."""
-CLOSE = NEARLY**2
-"""Length of a step that needs no other, over the half-width or the spacing."""
+CLOSE = 4e-4
+"""Least half-width, and length of a step of Newton's method that needs no other, over the half-width or the spacing."""
 
 STEP = 0
 """The active set's only scalar, in an array of its own: length of a step along a direction."""

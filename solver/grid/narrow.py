@@ -66,8 +66,8 @@ class Heights:
         """h at nodes, which may lie beyond the ends of the period [grid spacings]."""
         return self.profile[nodes % self.profile.size] * self.scale
 
-    def at(self, places: Array64) -> tuple[Array64, Array64, Array64]:
-        """h, h' and h'' at places between the nodes, of their shape [grid spacings], from six nodes."""
+    def at(self, places: Array64) -> tuple[Array64, Array64]:
+        """h and h' at places between the nodes, of their shape [grid spacings], from six nodes."""
         node = np.floor(places).astype(np.int64)
         nodes = node[..., None] + _STENCIL
         if nodes.size and (nodes.min() < 0 or nodes.max() >= self.profile.size):
@@ -77,7 +77,7 @@ class Heights:
     def squared_slopes(self, left: Array64, right: Array64) -> Array64:
         """Integrals of h'^2 from some places to others, of their shape (runs,) [grid spacings]."""
         half = (right - left)[:, None] / 2
-        _, slope, _ = self.at((left + right)[:, None] / 2 + half * _PLACES)
+        _, slope = self.at((left + right)[:, None] / 2 + half * _PLACES)
         return np.asarray((slope**2 * half) @ _WEIGHTS)
 
 
@@ -115,12 +115,11 @@ class Surroundings:
             coefficients[which] = field(at) @ of_field + own(at[:, beyond : beyond + nodes]) @ of_own
         return cls(first + (size - 1) / 2, (size - 1) / 2 + margin, coefficients.T)
 
-    def at(self, which: Indices, places: Array64) -> tuple[Array64, Array64, Array64]:
-        """The field with its first and second derivative around some of the runs at places, shape (which, places)."""
-        half = self.half[which, None]
-        t = (places - self.middle[which, None]) / half
-        value, first, second = _polynomial(t, self.coefficients[:, which, None])
-        return value, first / half, second / half**2
+    def at(self, places: Array64) -> tuple[Array64, Array64]:
+        """The field and its derivative around the runs at places, shape (runs, places)."""
+        half = self.half[:, None]
+        value, slope = _polynomial((places - self.middle[:, None]) / half, self.coefficients[..., None])
+        return value, slope / half
 
     @classmethod
     def none(cls, runs: int) -> Self:
@@ -134,16 +133,15 @@ class Surroundings:
         return replace(self, coefficients=np.append(integral, np.zeros((1, self.half.size)), axis=0))
 
 
-def _polynomial(t: Array64, coefficients: Array64) -> tuple[Array64, Array64, Array64]:
-    """Polynomials at t with their first and second derivatives, of its shape. coefficients: from the highest power,
-    along the first axis.
+def _polynomial(t: Array64, coefficients: Array64) -> tuple[Array64, Array64]:
+    """Polynomials at t with their derivatives, of its shape. coefficients: from the highest power, along the first
+    axis.
     """
-    value, first, second = coefficients[0] * np.ones_like(t), np.zeros_like(t), np.zeros_like(t)
-    for coefficient in coefficients[1:]:
-        second = second * t + first
-        first = first * t + value
+    value, slope = np.zeros_like(t), np.zeros_like(t)
+    for coefficient in coefficients:
+        slope = slope * t + value
         value = value * t + coefficient
-    return value, first, 2 * second
+    return value, slope
 
 
 @functools.cache
@@ -216,8 +214,8 @@ def level_errors(found: Ends, around: Surroundings, heights: Heights, load: Arra
     load: as in `from_loads`.
     """
     at = found.middle[:, None] + found.half_width[:, None] * _T1
-    surface, slope, _ = around.at(np.arange(load.size), at)
-    height, slope_of_heights, _ = heights.at(at)
+    surface, slope = around.at(at)
+    height, slope_of_heights = heights.at(at)
     _, m_1, m_2 = ((slope_of_heights - slope) @ _MEANS).T
     with np.errstate(divide="ignore", invalid="ignore"):
         centre = found.middle + found.half_width * m_2 / m_1
