@@ -17,7 +17,7 @@ from linecontact.solver import (
 )
 from linecontact.solver.grid.contact import contact_edges
 from linecontact.solver.grid.few_nodes import node_compliance
-from linecontact.solver.grid.narrow import Heights, Surroundings, from_loads, level_errors
+from linecontact.solver.grid.narrow import Heights, Surroundings, from_loads, gap_ends, level_errors
 from linecontact.solver.grid.patches import Patches
 from linecontact.solver.grid.problem import Problem
 from linecontact.solver.reference import closed_forms, collocation
@@ -87,19 +87,55 @@ def test_what_a_patch_does_to_itself_is_taken_off(nodes, shift):
     patch = (np.array([value]) for value in (shift, nodes, 50))
     around = Surroundings.of(*patch, pressure, displacement, node_compliance)
     at = np.linspace(-1, nodes, 9)
-    which, places = np.array([0]), (at + shift)[None]
-    value, slope, bent = around.at(which, places)
+    value, slope = around.at((at + shift)[None])
     np.testing.assert_allclose(value[0], smooth(at), atol=1e-10)
     np.testing.assert_allclose(slope[0], 0.01 - degree / 20 * (at / 20) ** (degree - 1), atol=1e-9)
-    np.testing.assert_allclose(bent[0], -degree * (degree - 1) / 400 * (at / 20) ** (degree - 2), atol=1e-9)
 
 
 def test_a_slope_between_nodes_is_that_of_the_polynomial_through_six():
     x = np.arange(64.0)
-    _, first, second = Heights(np.sin(2 * np.pi * x / 16) / 5, 5.0).at(np.array([[3.3, 10.7, -0.2, 63.9]]))
+    _, slope = Heights(np.sin(2 * np.pi * x / 16) / 5, 5.0).at(np.array([[3.3, 10.7, -0.2, 63.9]]))
     at = 2 * np.pi / 16 * np.array([[3.3, 10.7, -0.2, 63.9]])
-    np.testing.assert_allclose(first, 2 * np.pi / 16 * np.cos(at), atol=1e-4)
-    np.testing.assert_allclose(second, -((2 * np.pi / 16) ** 2) * np.sin(at), atol=2e-4)
+    np.testing.assert_allclose(slope, 2 * np.pi / 16 * np.cos(at), atol=1e-4)
+
+
+def means(field, ends):
+    """M_0 and M_1 of a field over some runs, by many samples."""
+    t = np.cos(np.pi * (np.arange(64) + 0.5) / 64)
+    values = field(ends.middle[:, None] + ends.half_width[:, None] * t)
+    return values.mean(axis=1), (values * t).mean(axis=1)
+
+
+@pytest.mark.parametrize("modulus", [None, lambda q: 1 + q**0.7])
+def test_the_kernel_solves_the_equations_of_patches(modulus):
+    """A row of valleys, the surface around each a parabola; the modulus that of a layer that the grid does not see."""
+    valleys, width = 16, 8
+    x = np.arange(valleys * width)
+    heights = Heights(-np.cos(2 * np.pi * x / width) / 3, 1.5)
+    middle, load = x[::width].astype(float), np.geomspace(1e-3, 0.3, valleys)
+    rng = np.random.default_rng(1)
+    flat, bent = np.zeros(valleys), np.stack([0.02 * rng.standard_normal(valleys) for _ in range(3)])
+    around = None if modulus else Surroundings(middle, np.full(valleys, 3.0), bent)
+    found = from_loads(load, heights, (middle + 0.2, np.full(valleys, 1.0)), around, modulus)
+    assert found.solved.all()
+
+    def slope(places):
+        return heights.at(places)[1] - (around.at(places)[1] if around else 0)
+
+    m_0, m_1 = means(slope, found)
+    np.testing.assert_allclose(m_0, flat, atol=1e-4)
+    stiffness = modulus(3 * np.pi / 4 / found.half_width) if modulus else 1.0
+    np.testing.assert_allclose(m_1, 2 / np.pi * load / (found.half_width * stiffness), rtol=1e-3, atol=1e-5)
+
+
+def test_the_kernel_solves_the_equations_of_gaps():
+    """Pressures that are negative in the middle, and how far each gap opens: no moments of them are left."""
+    depth, bend, skew = np.meshgrid([-0.1, -0.4], [0.5, 1.0], [-0.1, 0.2])
+    coefficients = np.stack([skew.ravel() / 2, bend.ravel(), skew.ravel(), depth.ravel()])
+    closed = Surroundings(np.arange(8.0), np.full(8, 2.0), coefficients)
+    found = gap_ends(closed, np.arange(8) - 1.0, np.arange(8) + 1.0)
+    assert found.solved.all()
+    np.testing.assert_allclose(means(lambda x: closed.at(x)[0], found), 0, atol=1e-5)
 
 
 @pytest.mark.parametrize("num_points", [32, 48, 64, 100])
