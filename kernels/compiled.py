@@ -30,7 +30,7 @@ MODULES = {
 }
 """The kernels, by the modules that they are in."""
 _OTHERS = ("fold_sums", "narrow_ends")
-"""Kernels of modules that `on_gpu` and `launch` load alone."""
+"""Kernels that are no passes over fields: of `on_gpu`, and of the ends of patches."""
 ON_CPU_ONLY = ("warp_columns",)
 """Modules that no GPU needs."""
 GPU_BLOCK = 256
@@ -55,14 +55,8 @@ def load() -> dict[str, Any]:
 
     Raises `ValueError` if the cache cannot be used.
     """
-    return recompile(KERNELS, CHUNK, None)
-
-
-@locks.once
-def load_alone(module: str) -> dict[str, Any]:
-    """The kernels of a module that is none of `MODULES`, like `load`."""
     start_warp()
-    return compile_modules([copy_module(module, CHUNK, flags())])
+    return compile_modules([copy_module(module, CHUNK, flags()) for module in (*MODULES, "warp_ends")])
 
 
 def recompile(names: Collection[str], chunk: int, compiled_with: str | None) -> dict[str, Any]:

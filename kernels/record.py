@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ..locks import RECORDING
 from . import reference
-from .compiled import load, load_alone
+from .compiled import load
 from .layout import CHUNK
 
 Array = NDArray[Any]
@@ -79,9 +79,9 @@ def record_launches(launches: Sequence[Launch], times: int = 1) -> Callable[[], 
     return functools.partial(wp.capture_launch, capture.graph)
 
 
-def launch(module: str, name: str, threads: int, inputs: Sequence[Array], outputs: Sequence[Array]) -> None:
+def launch(name: str, threads: int, inputs: Sequence[Array], outputs: Sequence[Array]) -> None:
     """One launch of a kernel on arrays that serve but once, one-dimensional, contiguous and float64."""
-    kernel = load_alone(module)[name]
+    kernel = load()[name]
     import warp as wp
 
     with RECORDING:  # else another thread would record it

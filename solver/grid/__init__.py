@@ -6,5 +6,6 @@
 `shares`, `unseen`, `contact` and `observables` say how large the contact is, and `errors` how well that is
 known.
 
-May import: arrays, calibration, checks, display, transforms, layers, indenters, reference, scene, value.
+May import: arrays, calibration, checks, display, transforms, layers, indenters, reference, scene, value,
+linecontact.kernels.
 """

@@ -244,6 +244,6 @@ def _newton(
     runs[layout.DEGREE + 1 :] = around.middle, around.half, moment, exponent, np.full(moment.size, sign)
     ends[: layout.SOLVED] = begin
     powers = (_POWERS * heights.scale).ravel()
-    launch("warp_ends", "narrow_ends", moment.size, (heights.profile, powers, runs.ravel()), (ends.ravel(),))
+    launch("narrow_ends", moment.size, (heights.profile, powers, runs.ravel()), (ends.ravel(),))
     middle, half_width, solved = ends
     return Ends(middle, half_width, solved > 0)
