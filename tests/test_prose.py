@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from linecontact import read_scan
+from linecontact.kernels import layout
 from linecontact.solver import METHODS, Layer, MeasuredIndenter, RoughIndenter, Scene, scene, solve, warnings
 from linecontact.solver.display import rounded_up
 from linecontact.solver.grid import cached, contact, edges, layer_on_grid, narrow, problem, shares
@@ -95,7 +96,7 @@ def patches_of_a_few_nodes():
 def limits_of_edges():
     yield "from the polynomial through six nodes"
     yield "of up to the sixth degree, fitted to its values on the patch and on up to three nodes to each side"
-    assert (narrow._STENCIL.size, narrow._DEGREE, narrow.MARGIN) == (6, 6, 3)
+    assert (layout.STENCIL, layout.DEGREE - 1, narrow.MARGIN) == (6, 6, 3)
     yield "More than 128 patches are corrected in groups of 128 that follow each other."
     assert shares._TOGETHER == 128
     yield "on which its shortest wave finds the half-space's stiffness to within a fifth"

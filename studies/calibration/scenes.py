@@ -31,7 +31,7 @@ def draw(family: str, seed: int) -> tuple[Scene, Scene]:
     n = int(2 ** rng.integers(10, 14))
     layer = _layer(rng)
     if family in ("power", UNFINISHED) or (family == "few nodes" and rng.random() < 0.3):
-        exponent = float(rng.choice([2.0, rng.uniform(1.05, 8)]))
+        exponent = float(rng.choice([2.0, 1 + 10 ** rng.uniform(-1.5, 0.85)]))
         half = _few(rng, n) if family == "few nodes" else float(10 ** rng.uniform(math.log10(2 / n), -0.4))
         load = math.pi / 4 * half**exponent * _stiffness(layer, 1 / half)
         scene = Scene(layer, PowerIndenter(exponent), load, num_points=n)
