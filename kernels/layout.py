@@ -42,14 +42,16 @@ SAMPLES, ANGLE = 8, math.pi / 8
 """Of a slope over a narrow patch, or of the pressure over a gap, at cos(ANGLE/2), cos(3 ANGLE/2), ... of their
 half-width: their mean is the one with the weight (1 - t^2)^-1/2."""
 DEGREE, STENCIL = 7, 6
-"""Of the polynomials around these, at most, and nodes through which heights are interpolated."""
+"""Of the polynomials around these, at most (a displacement's is 6, and that of the integral of a pressure 7), and nodes
+through which heights are interpolated."""
 MIDDLE, HALF_WIDTH, SOLVED = range(3)
-"""Rows of `ends`: m and a in grid spacings, to begin with and in the end; 1 where they solve the equations, else 0."""
+"""Rows of `ends`: m and a, to begin with and in the end [grid spacings]; 1 where they solve the equations, else 0."""
 CENTRE, HALF, MOMENT, EXPONENT, SIGN = range(DEGREE + 1, DEGREE + 6)
 """Rows of `runs`, behind those of coefficients: of what is around a run, a polynomial in (x - centre)/half, from the
 highest power; M_1 a^(1 + exponent); the sign of the equations' determinant."""
 CLOSE = 4e-4
-"""Least half-width, and length of a step of Newton's method that needs no other, over the half-width or the spacing."""
+"""Least half-width to begin with [grid spacings], and length of a step of Newton's method that needs no other, over the
+half-width or the spacing, the smaller one."""
 
 STEP = 0
 """The active set's only scalar, in an array of its own: length of a step along a direction."""

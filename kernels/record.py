@@ -80,7 +80,9 @@ def record_launches(launches: Sequence[Launch], times: int = 1) -> Callable[[], 
 
 
 def launch(name: str, threads: int, inputs: Sequence[Array], outputs: Sequence[Array]) -> None:
-    """One launch of a kernel on arrays that serve but once, one-dimensional, contiguous and float64."""
+    """One launch of a kernel, not recorded, on one-dimensional, contiguous arrays of float64. Raises `ValueError` if
+    Warp's kernel cache cannot be used.
+    """
     kernel = load()[name]
     import warp as wp
 

@@ -16,11 +16,13 @@ DEGREE, STENCIL = wp.constant(layout.DEGREE), wp.constant(layout.STENCIL)
 MIDDLE, HALF_WIDTH, SOLVED = (wp.constant(one) for one in (layout.MIDDLE, layout.HALF_WIDTH, layout.SOLVED))
 CENTRE, HALF = wp.constant(layout.CENTRE), wp.constant(layout.HALF)
 MOMENT, EXPONENT, SIGN = (wp.constant(one) for one in (layout.MOMENT, layout.EXPONENT, layout.SIGN))
-STEPS, CLOSE = wp.constant(24), wp.constant(f64(layout.CLOSE))
+CLOSE = wp.constant(f64(layout.CLOSE))
+STEPS = wp.constant(24)
+"""Of Newton's method, at most. In their second half those longer than `NEARLY` are halved, as they may go to and fro
+about a node, where the polynomials of the heights change."""
 STEP, NEARLY = wp.constant(f64(0.25)), wp.constant(f64(0.02))
-"""Of Newton's method: most, the length of a step that needs no other, over the half-width or the spacing, the length of
-any and of the last one, at most [grid spacings]; the last one is at most `STEP` of the half-width, too. In the second
-half longer ones are halved, as they may go to and fro about a node, where the polynomials of the heights change."""
+"""Length of any step and of the last one, at most [grid spacings]; the last one is at most `STEP` of the half-width,
+too."""
 
 
 @wp.func
@@ -54,8 +56,8 @@ def around(runs: Doubles, count: int, run: int, x: f64):
 
 @wp.kernel
 def narrow_ends(profile: Doubles, powers: Doubles, runs: Doubles, ends: Doubles):
-    """M_0 = 0 and M_1 = moment/a^(1 + exponent) by Newton's method; M_k are the means of g t^k over a run from m - a to
-    m + a, g the slope of the heights less that of the polynomial around it.
+    """M_0 = 0 and M_1 = moment/a^(1 + exponent) by Newton's method for m and a; M_k are the means of g t^k over a run
+    from m - a to m + a, t = (x - m)/a, and g is the slope of the heights less that of the polynomial around the run.
 
     profile: heights, (N,); powers: from six of them to coefficients; runs, ends: rows of `layout`, one after the other.
     """

@@ -11,7 +11,7 @@ FILE = Path(__file__).with_name("calibration.json")
 
 @dataclass
 class Calibration:
-    """The numbers, by their names in the file. They are meant to let each estimate hold in 97 of 100 other scenes."""
+    """The numbers, by their names in the file. They are meant to let 97 of 100 estimates of other scenes hold."""
 
     of_difference: float
     """Error of an end by pressures, over the power 3/2 of the difference of two estimates of it [grid spacings], times

@@ -72,7 +72,7 @@ def solve(
     initial: displacement to start from, shape (N,) [length], for instance a neighbour's solution.
     threads: of the transforms; where other programs keep the cores busy, two take many times as long as one.
     planning: FFTW's effort, 'estimate', 'measure' or 'patient'; its plans are kept at once.
-    backend: 'warp', or 'numpy' for the reference kernels.
+    backend: 'warp', or 'numpy' for the method's reference kernels.
     device: where the method works: 'cpu', or 'cuda' for a GPU, with a method whose `MethodKind.devices` names it. There
         threads and planning, which are FFTW's, concern the certificate alone, which is computed on the CPU.
     progress: called about ten times a second with (iteration, residual).

@@ -23,6 +23,7 @@ from linecontact.solver import (
 from linecontact.solver.calibration import FITTED
 from linecontact.solver.grid.errors import estimated, left_at_ends
 from linecontact.solver.grid.patches import Patches
+from linecontact.solver.grid.problem import Problem
 from linecontact.solver.grid.unseen import unseen_gaps, unseen_patches
 from linecontact.solver.reference import closed_forms, collocation
 from linecontact.studies.command_line import main
@@ -692,6 +693,19 @@ def test_a_change_that_is_small_by_chance_is_not_believed(layer, exponent, press
     scene = Scene(layer, PowerIndenter(exponent), pressure, num_points=2**11)
     value, error = measured(solve(scene), QUANTITIES[name])
     assert abs(value - true) < error < 5e-3 * true
+
+
+@pytest.mark.parametrize("num_points", [4, 5, 6, 7, 8, 9, 16])
+@pytest.mark.parametrize("exponent", [1.1, 2.0, 3.0])
+@pytest.mark.parametrize("over_full", [1.0001, 1.5])
+def test_a_full_contact_of_few_nodes_is_not_known(num_points, exponent, over_full):
+    """Such a grid calls full what finer ones do not."""
+    one = Scene(indenter=PowerIndenter(exponent), pressure=1.0, num_points=num_points)
+    scene = replace(one, pressure=over_full * Problem.from_scene(one).full_contact_pressure)
+    found, fine = solve(scene).observables, solve(scene.on_grid(2**12)).observables
+    assert found.contact_area == 1
+    assert abs(found.contact_area_subgrid - fine.contact_area_subgrid) <= found.contact_area_error
+    assert abs(found.kappa_subgrid - fine.kappa_subgrid) <= found.kappa_error
 
 
 @pytest.mark.parametrize("exponent", [1.2, 2.0, 4.0, 20.0])

@@ -429,7 +429,7 @@ def methods_that_are_none():
     kind = MethodKind("own", "own", Idle, 1000)
     yield kind, "iteration of Idle is 0 after 1001 more steps; allowed: a number that grows"
     yield replace(kind, begin=Short), r"displacement of Short has shape \(255,\); allowed: \(256,\)"
-    yield Idle, "method own is .*Idle.* in METHODS; allowed: a MethodKind"
+    yield Idle, "method own in METHODS is .*Idle.*; allowed: a MethodKind"
 
 
 @pytest.mark.parametrize(("kind", "named"), [*methods_that_are_none()])
@@ -517,6 +517,18 @@ def test_own_numbers_are_printed_with_their_units():
         heights: np.ndarray = field(default_factory=lambda: np.zeros(1000))
 
     assert repr(WithHeights()).endswith("heights 1000 values [-]")
+
+
+@pytest.mark.parametrize("kind", ["f4", ">f8"])
+def test_own_heights_may_have_any_real_type(kind):
+    class Own(CosineIndenter):
+        def profile(self, num_points, period):
+            return super().profile(num_points, period).astype(kind)
+
+    found, usual = (
+        solve(Scene(indenter=of(), pressure=1e-4, num_points=256)).observables for of in (Own, CosineIndenter)
+    )
+    assert found.contact_area_subgrid == pytest.approx(usual.contact_area_subgrid, rel=1e-4)
 
 
 def test_own_lengths_are_lengths_everywhere(tmp_path, capsys):

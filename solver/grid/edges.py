@@ -42,6 +42,7 @@ grid spacings and more. Their load tells the second order, which the pressures l
 UNRESOLVED_ERROR = math.sqrt(0.5)
 """Error of an end halfway between two nodes, as counting has it, at most [grid spacings]."""
 
+_FEWEST = 8  # nodes of a full contact whose gaps `unseen` finds
 _NARROWEST = 0.5  # gap between two patches that is believed [grid spacings]
 TURNS = 3
 """Until ends agree with pressures."""
@@ -130,8 +131,9 @@ def find_edges(patches: Patches, pressure: Array64, layer: LayerOnGrid) -> Edges
     """
     none = np.zeros(patches.count, dtype=bool)
     if patches.full:
-        half = np.array([0.5])  # `unseen` finds gaps
-        return Edges(patches.first - half, patches.last + half, np.zeros((2, 1)), none, none, none)
+        half = np.array([0.5])
+        unknown = np.full((2, 1), 0.5 if patches.num_points < _FEWEST else 0.0)
+        return Edges(patches.first - half, patches.last + half, unknown, none, none, none)
     thickness, half_space = layer.thickness, half_space_curve()
     theta, _, spread = edge_offset(half_space, lone_ends(half_space, patches, pressure, _in_row))
     on_thick = (patches.size < _NARROW * thickness) & (thickness > _NARROW)

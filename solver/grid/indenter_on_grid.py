@@ -33,7 +33,7 @@ class IndenterOnGrid:
         lowest, highest = float(heights.min()), float(heights.max())
         if not abs(lowest) <= 1e-9 * highest < np.inf:
             raise ValueError(f"{what} is from {lowest:.3g} to {highest:.3g}; {allowed}")
-        return read_only(heights)
+        return read_only(heights.astype(np.float64, copy=False))
 
     @cached_property
     def squared_slope(self) -> Array64:

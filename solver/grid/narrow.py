@@ -90,7 +90,7 @@ class Surroundings:
     half: Array64
     """From there to the last node that was looked at, shape (runs,) [grid spacings]."""
     coefficients: Array64
-    """From the highest power to the constant, shape (`layout.DEGREE`, runs) [unit of the field]."""
+    """From the highest power to the constant, shape (degree + 1, runs) [unit of the field]."""
 
     @classmethod
     def of(
@@ -187,18 +187,16 @@ def from_loads(
     spacings]; all of shape (patches,). modulus: see `LayerOnGrid`, where the grid does not resolve the layer and
     nothing is `around`.
     """
-    moment, exponent = 2 / np.pi * load, np.zeros(load.size)
-    if around:
+    moment, exponent, around = 2 / np.pi * load, np.zeros(load.size), around or Surroundings.none(load.size)
+    for _ in range(_TURNS if modulus else 1):
+        if modulus:  # near this half-width it goes like a power of it
+            a = np.maximum(begin[1], layout.CLOSE)
+            here, beyond = modulus(_WAVE / a), modulus(_WAVE / (a * (1 + _CLOSE)))
+            exponent = np.log(beyond / here) / math.log(1 + _CLOSE)
+            moment = 2 / np.pi * load / here * a**exponent
         found = _newton(heights, around, moment, exponent, begin, 1.0)
-        return Ends(found.middle, found.half_width, found.solved & (load > 0))
-    assert modulus
-    found, flat = Ends(*begin, load > 0), Surroundings.none(load.size)
-    for _ in range(_TURNS):  # the modulus goes like a power of a nearby
-        a = np.maximum(found.half_width, layout.CLOSE)
-        here, beyond = modulus(_WAVE / a), modulus(_WAVE / (a * (1 + _CLOSE)))
-        exponent = np.log(beyond / here) / math.log(1 + _CLOSE)
-        found = _newton(heights, flat, moment / here * a**exponent, exponent, (found.middle, found.half_width), 1.0)
-    return Ends(found.middle, found.half_width, found.solved & (load > 0))
+        begin = found.middle, found.half_width
+    return Ends(*begin, found.solved & (load > 0))
 
 
 def gap_ends(closed: Surroundings, left: Array64, right: Array64) -> Ends:

@@ -40,7 +40,7 @@ def curve(
     numbers = [checks.real("values", value, allowed, infinite=True) for value in values]
     if not numbers:
         raise ValueError(f"values are none; allowed: {allowed}")
-    number.check(scene, over, numbers)
+    number.check(scene, over, numbers, accuracy)
     check_accuracy(accuracy, accuracy_of)
     records = [point(number.put(scene, over, value), accuracy, accuracy_of) for value in numbers]
     names = ("contact_stiffness", *(field.name for field in fields(Observables)))

@@ -33,19 +33,20 @@ def _own(part: Any) -> Iterator[tuple[str, float]]:
             yield entry.name, value
 
 
-def check(scene: Scene, name: str, values: Sequence[float]) -> Scene:
-    """The scene of the largest value. Raises `ValueError` for a value that makes no scene, and for the largest if that
-    has no solution, or if memory cannot hold its grid.
+def check(scene: Scene, name: str, values: Sequence[float], accuracy: float | None) -> int:
+    """Points of the largest grid, 0 for a power profile to an accuracy, which needs hardly any. Raises `ValueError` for
+    a value that makes no scene, and for the largest if that has no solution, or if memory cannot hold its grid.
     """
     for value in values:
         if whole(scene, name) and not (math.isfinite(value) and value == int(value)):
             raise ValueError(f"{name} is {value:g}; allowed: an integer")
         put(scene, name, value)
     largest = put(scene, name, max(values))
-    check_memory(largest.num_points)
+    needed = 0 if accuracy and scene.indenter.power_law else largest.num_points
+    check_memory(needed)
     check_approach(largest)
     half_spectrum(largest.layer, largest.num_points, largest.period)  # a table may lack waves
-    return largest
+    return needed
 
 
 def put(scene: Scene, name: str, value: float) -> Scene:

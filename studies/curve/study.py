@@ -96,7 +96,7 @@ def plan(options: Options, given: Given) -> Plan:
     _check_over(over, number.numbers(scene))
     varied = {"length": own._replace(unit=scene.length_unit), "pressure": pressures}.get(unit(over))
     values = _values(options, scene, varied)
-    largest = number.check(scene, over, values)
+    points = number.check(scene, over, values, accuracy)
     return Plan(
         kind=NAME,
         configuration={
@@ -107,7 +107,7 @@ def plan(options: Options, given: Given) -> Plan:
             "accuracy_of": of,
         },
         runs=[Task(description, over, value, accuracy, of) for value in values],
-        num_points=0 if accuracy and scene.indenter.power_law else largest.num_points,  # that needs hardly any grid
+        num_points=points,
     )
 
 
@@ -161,8 +161,6 @@ _SCENE = (*_NO_NUMBERS, *making.LOADS, "period", "num_points", "pressure_unit")
 
 
 def _values(options: Options, scene: Scene, own: Own | None) -> tuple[float, ...]:
-    if options.over != "num_points":
-        check_memory(scene.num_points)
     ends = {"from": options.from_, "to": options.to}
     given = {name: text for name, text in ends.items() if text is not None}
     if options.values is not None:
@@ -178,8 +176,9 @@ def _values(options: Options, scene: Scene, own: Own | None) -> tuple[float, ...
             raise ValueError(f"values hold {texts[again].strip()} a second time; allowed: each once")
         return values
     found = {name: _read(options, own, name, text) for name, text in given.items()}
-    _check_ends(options.over, scene, found, given)
+    _check_ends(options, scene, found, given)
     if options.over == "pressure" and len(found) < len(ends):
+        check_memory(scene.num_points)
         full = Problem.from_scene(scene).full_contact_pressure
         found = {"from": _SMALLEST_LOAD * full, "to": _BEYOND * full} | found
     for name in ends:
@@ -197,18 +196,19 @@ def _values(options: Options, scene: Scene, own: Own | None) -> tuple[float, ...
     return number.spaced(found["from"], found["to"], count, spacing, number.whole(scene, options.over))
 
 
-def _check_ends(over: str, scene: Scene, found: Mapping[str, float], given: Mapping[str, str]) -> None:
+def _check_ends(options: Options, scene: Scene, found: Mapping[str, float], given: Mapping[str, str]) -> None:
     """Raise `ValueError` for an end that makes no scene, or whose scene has no solution, as it was given.
 
     found: the ends that are given, by the names of their options; given: the texts that stand for them. Ends that are
         not finite, or no integers where they should be, are left to `number.spaced`.
     """
+    over = options.over
     for name, value in found.items():
         if not math.isfinite(value) or (number.whole(scene, over) and value != int(value)):
             continue
         try:
             if value == max(found.values()):
-                number.check(scene, over, [value])
+                number.check(scene, over, [value], options.accuracy)
             else:
                 number.put(scene, over, value)
         except ValueError as error:

@@ -138,7 +138,7 @@ def expecting(where: Path, own: bool = False) -> Iterator[None]:
     """
     try:
         yield
-    except (ArithmeticError, LookupError, TypeError, ValueError) as error:
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
         if own or isinstance(error, StoreError):
             raise
         reason = f"{type(error).__name__}: {error}, {console.place(error)}"

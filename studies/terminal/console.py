@@ -231,16 +231,19 @@ def _waiting_told() -> Iterator[None]:
 
     def interrupt(number: int, frame: Any) -> None:
         signal.signal(number, signal.default_int_handler)
+        signal.signal(signal.SIGALRM, lambda *_: errors.print(_WAIT))
         signal.setitimer(signal.ITIMER_REAL, _SOON)
         signal.default_int_handler(number, frame)
 
-    signal.signal(signal.SIGALRM, lambda *_: errors.print(_WAIT))
+    alarm = signal.getsignal(signal.SIGALRM)
     signal.signal(signal.SIGINT, interrupt)
     try:
         yield
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGINT, before)
+        if signal.getsignal(signal.SIGALRM) is not alarm:
+            signal.setitimer(signal.ITIMER_REAL, 0)
+            signal.signal(signal.SIGALRM, alarm)
 
 
 def _refusal(error: Exception) -> str:
