@@ -46,9 +46,9 @@ DEGREE, STENCIL = 7, 6
 through which heights are interpolated."""
 MIDDLE, HALF_WIDTH, SOLVED = range(3)
 """Rows of `ends`: m and a, to begin with and in the end [grid spacings]; 1 where they solve the equations, else 0."""
-CENTRE, HALF, MOMENT, EXPONENT, SIGN = range(DEGREE + 1, DEGREE + 6)
+CENTRE, HALF, MOMENT, EXPONENT = range(DEGREE + 1, DEGREE + 5)
 """Rows of `runs`, behind those of coefficients: of what is around a run, a polynomial in (x - centre)/half, from the
-highest power; M_1 a^(1 + exponent); the sign of the equations' determinant."""
+highest power; M_1 a^(1 + exponent), 0 for a gap, and its exponent."""
 CLOSE = 4e-4
 """Least half-width to begin with [grid spacings], and length of a step of Newton's method that needs no other, over the
 half-width or the spacing, the smaller one."""

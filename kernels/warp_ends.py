@@ -15,7 +15,7 @@ SAMPLES, ANGLE = wp.constant(layout.SAMPLES), wp.constant(f64(layout.ANGLE))
 DEGREE, STENCIL = wp.constant(layout.DEGREE), wp.constant(layout.STENCIL)
 MIDDLE, HALF_WIDTH, SOLVED = (wp.constant(one) for one in (layout.MIDDLE, layout.HALF_WIDTH, layout.SOLVED))
 CENTRE, HALF = wp.constant(layout.CENTRE), wp.constant(layout.HALF)
-MOMENT, EXPONENT, SIGN = (wp.constant(one) for one in (layout.MOMENT, layout.EXPONENT, layout.SIGN))
+MOMENT, EXPONENT = wp.constant(layout.MOMENT), wp.constant(layout.EXPONENT)
 CLOSE = wp.constant(f64(layout.CLOSE))
 STEPS = wp.constant(24)
 """Of Newton's method, at most. In their second half those longer than `NEARLY` are halved, as they may go to and fro
@@ -64,7 +64,7 @@ def narrow_ends(profile: Doubles, powers: Doubles, runs: Doubles, ends: Doubles)
     run, count = wp.tid(), ends.shape[0] // (SOLVED + 1)
     m = f64(ends[MIDDLE * count + run])
     a = wp.max(ends[HALF_WIDTH * count + run], CLOSE)
-    power = f64(1.0) + runs[EXPONENT * count + run]
+    moment, power = runs[MOMENT * count + run], f64(1.0) + runs[EXPONENT * count + run]
     good, going_on = bool(False), bool(True)
     for turn in range(STEPS):
         if going_on:
@@ -81,12 +81,12 @@ def narrow_ends(profile: Doubles, powers: Doubles, runs: Doubles, ends: Doubles)
                 by_m += slope
                 by_both += slope * t
                 by_a += slope * t * t
-            wanted = f64(SAMPLES) * runs[MOMENT * count + run] * wp.pow(a, -power)
+            wanted = f64(SAMPLES) * moment * wp.pow(a, -power)
             f = m_1 - wanted
             by_a += power * wanted / a
             determinant = by_m * by_a - by_both * by_both
             good, going_on = False, False
-            if runs[SIGN * count + run] * determinant > f64(0.0):
+            if (moment > f64(0.0)) == (determinant > f64(0.0)) and determinant != f64(0.0):
                 by_middle = (m_0 * by_a - f * by_both) / determinant
                 by_width = (f * by_m - m_0 * by_both) / determinant
                 length = wp.max(wp.abs(by_middle), wp.abs(by_width))

@@ -121,17 +121,6 @@ class Surroundings:
         value, slope = _polynomial((places - self.middle[:, None]) / half, self.coefficients[..., None])
         return value, slope / half
 
-    @classmethod
-    def none(cls, runs: int) -> Self:
-        """Nothing around so many runs."""
-        return cls(np.zeros(runs), np.ones(runs), np.zeros((1, runs)))
-
-    def integral(self) -> "Surroundings":
-        """The field whose slope is the negative of this one, which is 0 in the middle."""
-        powers = np.arange(len(self.coefficients), 0, -1)[:, None]
-        integral = -self.half * self.coefficients / powers
-        return replace(self, coefficients=np.append(integral, np.zeros((1, self.half.size)), axis=0))
-
 
 def _polynomial(t: Array64, coefficients: Array64) -> tuple[Array64, Array64]:
     """Polynomials at t with their derivatives, of its shape. coefficients: from the highest power, along the first
@@ -187,14 +176,15 @@ def from_loads(
     spacings]; all of shape (patches,). modulus: see `LayerOnGrid`, where the grid does not resolve the layer and
     nothing is `around`.
     """
-    moment, exponent, around = 2 / np.pi * load, np.zeros(load.size), around or Surroundings.none(load.size)
+    moment, exponent = 2 / np.pi * load, np.zeros(load.size)
+    around = around or Surroundings(exponent, np.ones(load.size), np.zeros((1, load.size)))
     for _ in range(_TURNS if modulus else 1):
         if modulus:  # near this half-width it goes like a power of it
             a = np.maximum(begin[1], layout.CLOSE)
             here, beyond = modulus(_WAVE / a), modulus(_WAVE / (a * (1 + _CLOSE)))
             exponent = np.log(beyond / here) / math.log(1 + _CLOSE)
             moment = 2 / np.pi * load / here * a**exponent
-        found = _newton(heights, around, moment, exponent, begin, 1.0)
+        found = _newton(heights, around, moment, exponent, begin)
         begin = found.middle, found.half_width
     return Ends(*begin, found.solved & (load > 0))
 
@@ -202,7 +192,9 @@ def from_loads(
 def gap_ends(closed: Surroundings, left: Array64, right: Array64) -> Ends:
     """Ends of some gaps. closed: the pressure without each; left, right: where to begin, (gaps,) [grid spacings]."""
     none, flat = np.zeros(left.size), Heights(np.zeros(layout.STENCIL), 0.0)
-    return _newton(flat, closed.integral(), none, none, ((left + right) / 2, (right - left) / 2), -1.0)
+    integral = -closed.half * closed.coefficients / np.arange(len(closed.coefficients), 0, -1)[:, None]
+    of_slope = replace(closed, coefficients=np.vstack([integral, none]))  # whose slope is the negative pressure
+    return _newton(flat, of_slope, none, none, ((left + right) / 2, (right - left) / 2))
 
 
 def level_errors(found: Ends, around: Surroundings, heights: Heights, load: Array64) -> tuple[Array64, Array64]:
@@ -229,17 +221,12 @@ def punch_compliance(half_width: Array64) -> Array64:
 
 
 def _newton(
-    heights: Heights,
-    around: Surroundings,
-    moment: Array64,
-    exponent: Array64,
-    begin: tuple[Array64, Array64],
-    sign: float,
+    heights: Heights, around: Surroundings, moment: Array64, exponent: Array64, begin: tuple[Array64, Array64]
 ) -> Ends:
-    """Ends by the kernel `narrow_ends`. moment: of M_1 a^(1 + exponent); sign: of the equations' determinant."""
-    runs, ends = np.zeros((layout.SIGN + 1, moment.size)), np.zeros((layout.SOLVED + 1, moment.size))
+    """Ends by the kernel `narrow_ends`."""
+    runs, ends = np.zeros((layout.EXPONENT + 1, moment.size)), np.zeros((layout.SOLVED + 1, moment.size))
     runs[layout.DEGREE + 1 - len(around.coefficients) : layout.DEGREE + 1] = around.coefficients
-    runs[layout.DEGREE + 1 :] = around.middle, around.half, moment, exponent, np.full(moment.size, sign)
+    runs[layout.DEGREE + 1 :] = around.middle, around.half, moment, exponent
     ends[: layout.SOLVED] = begin
     powers = (_POWERS * heights.scale).ravel()
     launch("narrow_ends", moment.size, (heights.profile, powers, runs.ravel()), (ends.ravel(),))
