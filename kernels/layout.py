@@ -5,8 +5,6 @@ its scalar arguments. All slots are dimensionless in the units of the discrete p
 pressure are 1).
 """
 
-import math
-
 CHUNK = 1024
 """Points per kernel thread: a power of two above Warp's unroll limit (16), else LLVM leaves the loop scalar."""
 
@@ -38,9 +36,9 @@ contact."""
 # fmt: on
 STATE_LENGTH = STOPPED + 1
 
-SAMPLES, ANGLE = 8, math.pi / 8
-"""Of a slope over a narrow patch, or of the pressure over a gap, at cos(ANGLE/2), cos(3 ANGLE/2), ... of their
-half-width: their mean is the one with the weight (1 - t^2)^-1/2."""
+SAMPLES = 8
+"""Of a slope over a narrow patch, or of the pressure over a gap, at t = cos[pi (k + 1/2)/8], k = 0, 1, ... 7: their
+mean is the one with the weight (1 - t^2)^-1/2."""
 DEGREE, STENCIL = 7, 6
 """Of the polynomials around these, at most (a displacement's is 6, and that of the integral of a pressure 7), and nodes
 through which heights are interpolated."""

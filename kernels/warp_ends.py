@@ -11,7 +11,7 @@ wp.set_module_options({"enable_backward": False})
 
 Doubles = wp.array[wp.float64]
 f64 = wp.float64
-SAMPLES, ANGLE = wp.constant(layout.SAMPLES), wp.constant(f64(layout.ANGLE))
+SAMPLES = wp.constant(layout.SAMPLES)
 DEGREE, STENCIL = wp.constant(layout.DEGREE), wp.constant(layout.STENCIL)
 MIDDLE, HALF_WIDTH, SOLVED = (wp.constant(one) for one in (layout.MIDDLE, layout.HALF_WIDTH, layout.SOLVED))
 CENTRE, HALF = wp.constant(layout.CENTRE), wp.constant(layout.HALF)
@@ -71,7 +71,7 @@ def narrow_ends(profile: Doubles, powers: Doubles, runs: Doubles, ends: Doubles)
             m_0, m_1 = f64(0.0), f64(0.0)
             by_m, by_both, by_a = f64(0.0), f64(0.0), f64(0.0)
             for sample in range(SAMPLES):
-                t = wp.cos(ANGLE * (f64(sample) + f64(0.5)))
+                t = wp.cos(f64(wp.pi) * (f64(sample) + f64(0.5)) / f64(SAMPLES))
                 g, slope = heights(profile, powers, m + a * t)
                 g_around, slope_around = around(runs, count, run, m + a * t)
                 g -= g_around

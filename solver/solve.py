@@ -118,7 +118,7 @@ def _check_goal(
 ) -> float | None:
     """The accuracy, if one is asked for. Raises `ValueError`, also for no scene, and where a choice is given, too."""
     if not isinstance(scene, Scene):
-        raise checks.refusal("scene", scene, "a Scene")
+        raise ValueError(f"scene is of type {type(scene).__name__}; allowed: a Scene")
     if scene.approach is not None and not (accuracy is None and chosen["initial"] is None):
         name, value = ("accuracy", accuracy) if chosen["initial"] is None else ("initial", chosen["initial"])
         raise checks.refusal(name, value, "none for a scene with an approach")

@@ -249,7 +249,7 @@ def test_an_accuracy_out_of_reach_is_said_to_be():
 def test_bad_input_is_named(arguments, named):
     with pytest.raises(ValueError, match=named):
         solve(Scene(num_points=2**10), **arguments)
-    with pytest.raises(ValueError, match="scene is 3"):
+    with pytest.raises(ValueError, match="scene is of type int"):
         solve(3, accuracy=1e-3)
     with pytest.raises(ValueError, match="precision is 'mixed'; allowed: float64"):
         solve(Scene(precision="mixed"), accuracy=1e-3)

@@ -41,7 +41,7 @@ def test_a_solve_has_one_thread(monkeypatch):
 
 
 def test_after_an_error():
-    with pytest.raises(ValueError, match="scene is 3"):
+    with pytest.raises(ValueError, match="scene is of type int"):
         solve(3)
     assert threads() == {2}
 

@@ -45,7 +45,7 @@ UNRESOLVED_ERROR = math.sqrt(0.5)
 _FEWEST = 8  # nodes of a full contact whose gaps `unseen` finds
 _NARROWEST = 0.5  # gap between two patches that is believed [grid spacings]
 TURNS = 3
-"""Until ends agree with pressures."""
+"""Until ends agree with pressures, or with the modulus that a layer has for their width."""
 
 _ALIKE = 0.15
 """Grid spacings by which two estimates of an edge may differ to be of an edge at all."""

@@ -39,6 +39,7 @@ import numpy as np
 
 from ...kernels import launch, layout
 from ..arrays import Array64, Indices, Mask
+from .edges import TURNS
 from .few_nodes import MARGIN, MOST_NODES
 
 Field = Callable[[Indices], Array64]
@@ -47,10 +48,9 @@ Field = Callable[[Indices], Array64]
 _PLACES, _WEIGHTS = np.polynomial.legendre.leggauss(MOST_NODES // 2)  # of an integral over a patch
 _STENCIL = np.arange(-2, layout.STENCIL - 2)  # nodes through which heights are interpolated
 _POWERS = np.linalg.inv(np.vander(_STENCIL)).T  # to coefficients of the polynomial, from the highest power
-_T1 = np.cos(layout.ANGLE * (np.arange(layout.SAMPLES) + 0.5))
+_T1 = np.cos(np.pi * (np.arange(layout.SAMPLES) + 0.5) / layout.SAMPLES)
 _MEANS = _T1[:, None] ** np.arange(3) / layout.SAMPLES
 _WAVE = 3 * np.pi / 4  # q a at which the layer's modulus is taken
-_TURNS, _CLOSE = 4, 1e-3  # of an end with the modulus that goes with it, by a power law between a and a bit more
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,11 +178,11 @@ def from_loads(
     """
     moment, exponent = 2 / np.pi * load, np.zeros(load.size)
     around = around or Surroundings(exponent, np.ones(load.size), np.zeros((1, load.size)))
-    for _ in range(_TURNS if modulus else 1):
+    for _ in range(TURNS if modulus else 1):
         if modulus:  # near this half-width it goes like a power of it
             a = np.maximum(begin[1], layout.CLOSE)
-            here, beyond = modulus(_WAVE / a), modulus(_WAVE / (a * (1 + _CLOSE)))
-            exponent = np.log(beyond / here) / math.log(1 + _CLOSE)
+            here, beyond = modulus(_WAVE / a), modulus(_WAVE / (a * (1 + layout.CLOSE)))
+            exponent = np.log(beyond / here) / math.log1p(layout.CLOSE)
             moment = 2 / np.pi * load / here * a**exponent
         found = _newton(heights, around, moment, exponent, begin)
         begin = found.middle, found.half_width
