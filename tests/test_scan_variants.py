@@ -135,6 +135,7 @@ REFUSED = {
     "a printed minus": ("x [um],\u2212z [nm]\n" + rows(z="nm"), {}, "profile_convention is missing"),
     "downwards": ("Z axis points down\nx [um],z [um]\n" + rows(), {}, "profile_convention is missing"),
     "the user against the file": ("x [um],z [um]\n" + rows(), {"z_unit": "nm"}, "z_unit is nm, but .* names um"),
+    "words for heights": ("x [um],z [um]\n" + rows(order="x", end=",a"), {}, "column 'z .um.' holds no numbers"),
     "three columns": (rows(order="nxz"), UNITS, "columns is missing: .* has 3 columns"),
     "two of heights": ("Raw [um],Filtered [um]\n" + rows(order="zz"), {}, "columns is missing"),
     "heights first, no labels": (rows(order="zx"), UNITS, "columns, like 2,1"),

@@ -60,7 +60,7 @@ def _layer(rng: np.random.Generator) -> ElasticLayer:
     if kind < 0.35:
         return Layer()
     if kind < 0.6:
-        return Layer(thickness, float(rng.uniform(-0.5, 0.5)))
+        return Layer(thickness, float(rng.choice([rng.uniform(-0.5, 0.5), 0.49, 0.5])))
     if kind < 0.85:
         return CoatedHalfSpace(thickness, float(10 ** rng.uniform(-3, 2.5)))
     return SlidingLayer(thickness)

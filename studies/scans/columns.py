@@ -95,6 +95,9 @@ def _places(table: Table) -> dict[str, int]:
     labels, numeric = table.head.labels, list(table.numeric)
     first, last, roles = numeric[0], numeric[-1], [labels[i].role for i in numeric]
     without = [labels[i] for i in sorted({*range(len(labels))} - {*numeric})]
+    empty = [label.text for label in without if label.role == "z"]
+    if empty and "z" not in roles:
+        raise ValueError(f"column {empty[0]!r} holds no numbers; allowed: heights, or columns that names others")
     second = len(numeric) > 2 and any(re.match(r"y\b", label.text.lower()) for label in labels)
     if len(numeric) == 1 and roles[0] not in ("x", "index") and "x" not in [label.role for label in without]:
         return {"z": first}
@@ -102,11 +105,8 @@ def _places(table: Table) -> dict[str, int]:
         return {axis: numeric[roles.index(axis)] for axis in "xz"}
     if len(numeric) == 2 and roles[0] != "z" and roles[1] not in ("x", "index"):
         return {"z": last} if roles[0] == "index" else {"x": first, "z": last}
-    texts = (
-        f" labelled {', '.join(repr(labels[i].text) for i in numeric[:8])}"
-        if any(label.text for label in labels)
-        else ""
-    )
+    named = ", ".join(repr(labels[i].text) for i in numeric[:8])
+    texts = f" labelled {named}" * any(label.text for label in labels)
     texts += "".join(f", none below {label.text!r}" for label in without[:8] if label.text)
     row = ", ".join(f"{value:g}" for value in table.values[0, numeric[:8]])
     seen = f"the file has {counted(len(numeric), 'column')} of numbers{texts}, the first row {row}"
